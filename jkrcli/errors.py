@@ -1,0 +1,29 @@
+"""The exceptions that the library raises on purpose; any other exception is a bug and shows itself."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+
+class JkrError(Exception):
+    """Root of all errors that carry a message for the user."""
+
+    exit_code = 1
+
+
+class InputError(JkrError):
+    """The input is wrong; ``lines`` holds one sentence per mistake, each naming where, what and what is allowed."""
+
+    exit_code = 2
+
+    def __init__(self, lines: str | Sequence[str]):
+        self.lines = (lines,) if isinstance(lines, str) else tuple(lines)
+        super().__init__("\n".join(self.lines))
+
+
+class Refusal(InputError):
+    """A method cannot represent this problem: the message gives the value found and the remedy."""
+
+
+class SolveError(JkrError):
+    """A numerical procedure did not reach what it promises (residual, complementarity, convergence)."""

@@ -1,0 +1,141 @@
+"""The contact problem: indenter, specimen and loading. Physics only, SI, no mesh and no work of adhesion."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from dataclasses import dataclass, replace
+from typing import Literal
+
+from .errors import InputError
+from .indenters import Indenter
+from .materials import Elastic, contact_modulus
+
+Quantity = Literal["depth", "load", "radius"]
+Spacing = Literal["radius", "depth", "given"]
+Side = Literal["free", "roller", "clamped"]
+
+
+@dataclass(frozen=True)
+class Layer:
+    """One layer of a stack, perfectly bonded to what lies below; ``thickness`` in m."""
+
+    material: Elastic
+    thickness: float
+    name: str = ""
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.thickness) and self.thickness > 0):
+            raise InputError(f"thickness: must be > 0 m, got {self.thickness:g}")
+
+
+@dataclass(frozen=True)
+class Rigid:
+    """A rigid base, to which the lowest layer is bonded or on which it slides without friction."""
+
+    bonded: bool = True
+
+
+@dataclass(frozen=True)
+class HalfSpace:
+    """An elastic half-space below the layers; with no layers it is the whole specimen."""
+
+    material: Elastic
+
+
+@dataclass(frozen=True)
+class Specimen:
+    """Layers from the contact surface down, and a base; ``radius`` [m] and ``side`` for a really finite body only."""
+
+    layers: tuple[Layer, ...]
+    base: Rigid | HalfSpace
+    radius: float | None = None
+    side: Side | None = None
+
+    def __post_init__(self) -> None:
+        if not self.layers and isinstance(self.base, Rigid):
+            raise InputError("specimen: a rigid base needs at least one layer on it")
+        if self.radius is not None and not (math.isfinite(self.radius) and self.radius > 0):
+            raise InputError(f"specimen.radius: must be > 0 m, got {self.radius:g}")
+
+    @property
+    def is_half_space(self) -> bool:
+        """True for a homogeneous, laterally unbounded half-space."""
+        return not self.layers and self.radius is None
+
+    @property
+    def surface(self) -> Elastic:
+        """The material at the contact."""
+        if self.layers:
+            return self.layers[0].material
+        assert isinstance(self.base, HalfSpace)
+        return self.base.material
+
+    @property
+    def thickness(self) -> float:
+        """Total thickness of the layers [m]; infinite on an elastic half-space."""
+        if isinstance(self.base, HalfSpace):
+            return math.inf
+        return sum(layer.thickness for layer in self.layers)
+
+    @property
+    def top_thickness(self) -> float:
+        """Thickness of the uppermost layer [m], the h of a/h; infinite for a half-space."""
+        return self.layers[0].thickness if self.layers else math.inf
+
+    def scaled(self, factor: float) -> Specimen:
+        """The same specimen with every modulus multiplied by ``factor``."""
+        layers = tuple(replace(layer, material=layer.material.scaled(factor)) for layer in self.layers)
+        base = self.base
+        if isinstance(base, HalfSpace):
+            base = HalfSpace(base.material.scaled(factor))
+        return replace(self, layers=layers, base=base)
+
+
+@dataclass(frozen=True)
+class Loading:
+    """What is prescribed: increments up to ``maximum`` of a quantity [m or N], or the ``values`` themselves.
+
+    ``spacing = "radius"``: ``points`` contact radii, evenly spaced between first touch and the largest one;
+    ``"depth"``: evenly spaced displacements (the paper); ``"given"``: ``values`` of the quantity, increasing.
+    """
+
+    to: Quantity
+    maximum: float
+    points: int = 100
+    spacing: Spacing = "radius"
+    values: tuple[float, ...] = ()
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.maximum) and self.maximum > 0):
+            raise InputError(f"loading: the largest {self.to} must be > 0, got {self.maximum:g}")
+        if self.points < 1:
+            raise InputError(f"loading.points: must be >= 1, got {self.points}")
+        if self.spacing == "given":
+            steps = [b - a for a, b in zip((0.0, *self.values), self.values, strict=False)]
+            if not self.values or min(steps) <= 0:
+                raise InputError(f"loading.values: must be positive and increase, got {list(self.values)}")
+
+    @classmethod
+    def given(cls, to: Quantity, values: tuple[float, ...]) -> Loading:
+        """Loading to the given, increasing values of ``to``."""
+        return cls(to, max(values, default=0.0), len(values), "given", tuple(values))
+
+
+@dataclass(frozen=True)
+class Problem:
+    """A frictionless axisymmetric contact problem, geometrically linear (method: any)."""
+
+    indenter: Indenter
+    specimen: Specimen
+    loading: Loading
+
+    @property
+    def E_star(self) -> float:
+        """Reduced modulus of the two materials that touch [Pa] (Eq. 4)."""
+        return contact_modulus(self.specimen.surface, self.indenter.material)
+
+    @property
+    def key(self) -> str:
+        """A hash of the physics: equal for equal problems, whatever method solves them."""
+        return hashlib.sha256(repr(self).encode()).hexdigest()[:16]

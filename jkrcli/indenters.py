@@ -20,6 +20,7 @@ from .errors import InputError
 from .materials import Elastic
 
 Array = np.ndarray
+KINK = 1e-10  # fraction of an interval over which a kink that the points force is rounded
 
 
 class Indenter(Protocol):
@@ -288,7 +289,8 @@ def _schumaker(r: Array, f: Array) -> tuple[Array, Array]:
     for i, width in enumerate(h):
         below, above = chord[i] - s[i], s[i + 1] - chord[i]
         if abs(above - below) > 1e-12 * (abs(s[i]) + abs(s[i + 1])):
-            knots.append(float(r[i] + width * above / (above + below)))
+            fraction = min(max(above / (above + below), KINK), 1 - KINK)
+            knots.append(float(r[i] + width * fraction))
             slopes.append(float(chord[i]))
         knots.append(float(r[i + 1]))
         slopes.append(float(s[i + 1]))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 from .errors import InputError
@@ -22,7 +22,7 @@ class Layer:
 
     material: Elastic
     thickness: float
-    name: str = ""
+    name: str = field(default="", compare=False, repr=False)
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.thickness) and self.thickness > 0):

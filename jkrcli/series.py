@@ -155,12 +155,18 @@ class Solution:
     warnings: tuple[str, ...] = ()
 
 
+def first_of_plateaus(a: Array) -> Array:
+    """Mask of the increments at which the radius ``a`` exceeds every one before it (and 0): the ones to keep."""
+    a = np.asarray(a, dtype=float)
+    return a > np.maximum.accumulate(np.concatenate([[0.0], a[:-1]]))
+
+
 def filter_plateaus(raw: RawSeries) -> tuple[RawSeries, int]:
     """Keep the first increment of every run with the same outermost contact node (the paper's filter, Sec. 3).
 
     Increments without contact (a <= 0) are dropped too. Returns the kept increments and how many were dropped.
     """
-    fresh = raw.a > np.maximum.accumulate(np.concatenate([[0.0], raw.a[:-1]]))
+    fresh = first_of_plateaus(raw.a)
     assert raw.rows is not None
     kept = RawSeries(raw.a[fresh], raw.delta[fresh], raw.P[fresh], raw.rows[fresh])
     return kept, int(raw.a.size - kept.a.size)

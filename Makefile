@@ -1,0 +1,70 @@
+# Two commands do everything on a fresh machine: `make run` and `make test`.
+# `make` alone lists the targets.
+
+PYTHON  ?= python3
+VENV    ?= .venv
+CASE    ?= cases/halfspace.toml
+W       ?=
+RESULTS ?= results
+
+JKR     := $(VENV)/bin/jkr
+READY   := $(VENV)/.ready
+STEM    := $(basename $(notdir $(CASE)))
+CASES   := $(notdir $(basename $(wildcard cases/*.toml)))
+SOURCES := $(shell find jkrcli -name '*.py')
+
+.DEFAULT_GOAL := help
+.PHONY: help setup run test test-all lint cases bench clean requirements
+.DELETE_ON_ERROR:
+
+help: ## list the targets
+	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "  make %-14s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
+	@echo "  variables: CASE=my.toml  W='50 40' (J/m^2)  RESULTS=folder  PYTHON=python3.12"
+
+setup: $(READY) ## virtual environment and the system libraries that the mesher needs
+
+$(READY): requirements.txt pyproject.toml .ci/system-libraries
+	@sh .ci/system-libraries $(PYTHON)
+	$(PYTHON) -m venv --clear $(VENV)
+	$(VENV)/bin/python -m pip install --quiet --require-hashes -r requirements.txt
+	$(VENV)/bin/python -m pip install --quiet --no-deps --no-build-isolation -e .
+	@touch $@
+
+run: $(READY) ## solve and transform CASE (default: the half-space), optionally for the works of adhesion W
+	@mkdir -p $(RESULTS)
+	$(JKR) run $(CASE) -o $(RESULTS)/$(STEM).h5
+	$(JKR) transform $(RESULTS)/$(STEM).h5 $(addprefix --w ,$(W)) -o $(RESULTS)
+
+test: $(READY) ## the fast tests
+	$(VENV)/bin/python -m pytest -n auto -m "not slow"
+
+test-all: $(READY) ## every test
+	$(VENV)/bin/python -m pytest -n auto
+
+lint: $(READY) ## style and types
+	$(VENV)/bin/ruff check .
+	$(VENV)/bin/ruff format --check .
+	$(VENV)/bin/mypy jkrcli
+
+cases: $(CASES:%=$(RESULTS)/%.done) ## every shipped case to results
+
+$(RESULTS)/%.h5: cases/%.toml $(READY) $(SOURCES)
+	@mkdir -p $(RESULTS)
+	$(JKR) run $< -o $@
+
+$(RESULTS)/%.done: $(RESULTS)/%.h5
+	$(JKR) transform $< -o $(RESULTS)
+	@touch $@
+
+.PRECIOUS: $(RESULTS)/%.h5
+
+bench: $(READY) ## time the stages of a run
+	$(JKR) bench $(CASE)
+
+requirements: ## pin the dependencies anew (needs uv)
+	uv pip compile pyproject.toml --extra dev --universal --python-version 3.11 --generate-hashes \
+	  --no-emit-index-url --no-emit-find-links --no-header --upgrade -o requirements.txt
+
+clean: ## remove results and caches (the virtual environment stays)
+	rm -rf $(RESULTS) build *.egg-info .pytest_cache .hypothesis .ruff_cache .mypy_cache
+	find jkrcli tests -name __pycache__ -prune -exec rm -rf {} +

@@ -1,0 +1,5 @@
+"""``python -m jkrcli`` is the command ``jkr``."""
+
+from .cli import main
+
+main()

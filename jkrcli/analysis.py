@@ -1,0 +1,106 @@
+"""A series file and a work of adhesion to everything that is said about the adhesive curve."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+from .adhesion import AdhesiveCurve, CriticalPoint, Outside, transform
+from .case import parse_case
+from .comparison import Comparison, compare_half_space
+from .errors import InputError
+from .problem import Problem
+from .series import ErrorBudget, Series
+from .slopes import Slopes, slopes
+from .store import Stored
+from .validity import Validity, check, judge
+
+LOAD_CONTROL, DISPLACEMENT_CONTROL = 0.0, float("inf")
+
+
+@dataclass(frozen=True, eq=False)
+class Specification:
+    """What a stored file says about its case: the problem, the works of adhesion and z0 [m]."""
+
+    problem: Problem
+    w: tuple[float, ...]
+    z0: float
+    title: str
+
+
+@dataclass(frozen=True, eq=False)
+class Analysis:
+    """One adhesive curve with its critical points, error budget, validity and, where it exists, the exact solution."""
+
+    stored: Stored
+    case: Specification
+    curve: AdhesiveCurve
+    dropped: int
+    budget: ErrorBudget
+
+    @property
+    def w(self) -> float:
+        return self.curve.w
+
+    @cached_property
+    def pull_off(self) -> dict[str, CriticalPoint | Outside]:
+        """Where contact is lost under control of the load and of the displacement."""
+        if self.w == 0:
+            nothing = Outside("there is no adhesion at w = 0")
+            return {"load": nothing, "displacement": nothing}
+        return {
+            "load": self.curve.pull_off(LOAD_CONTROL),
+            "displacement": self.curve.pull_off(DISPLACEMENT_CONTROL),
+        }
+
+    @cached_property
+    def validity(self) -> Validity:
+        problem, series, point = self.case.problem, self.curve.series, self.pull_off["load"]
+        return judge(
+            a=float(series.a[-1]),
+            delta=float(series.delta[-1]),
+            E_star=problem.E_star,
+            w=self.w,
+            R=problem.indenter.tip_radius,
+            h=problem.specimen.top_thickness,
+            L=self.stored.facts.get("truncation_m"),
+            z0=self.case.z0,
+            a_pull_off=point.a if isinstance(point, CriticalPoint) else None,
+        )
+
+    @cached_property
+    def comparison(self) -> Comparison | None:
+        """The distance to the exact solution of the same indenter; None but for a homogeneous half-space."""
+        if not self.case.problem.specimen.is_half_space:
+            return None
+        return compare_half_space(self.curve, self.case.problem)
+
+    @property
+    def warnings(self) -> list[str]:
+        """Everything that a reader of the numbers should know, each with its number."""
+        outside = [f"pull-off under {name} control: {point.reason}" for name, point in self.pull_off.items()
+                   if isinstance(point, Outside) and self.w > 0]  # fmt: skip
+        return [*self.stored.warnings, *self.curve.slopes.flags, *check(self.validity), *outside]
+
+
+def specification(stored: Stored) -> Specification:
+    """The case that a series file carries."""
+    model = parse_case(stored.case.encode(), f"{stored.path}: case").model
+    return Specification(model.problem(), model.adhesion.w, model.adhesion.z0, model.title)
+
+
+def analyse(stored: Stored, works: Sequence[float], slopes_name: str = "auto") -> list[Analysis]:
+    """The adhesive curves of one series file for each work of adhesion [J/m^2]; the slopes are found once."""
+    case = specification(stored)
+    series, dropped = stored.series()
+    found = _slopes(stored, series, slopes_name)
+    budget = replace(stored.budget, smoothing=0.0 if found.method == "exact" else found.error)
+    return [Analysis(stored, case, transform(series, found, w), dropped, budget) for w in works]
+
+
+def _slopes(stored: Stored, series: Series, name: str) -> Slopes:
+    try:
+        return slopes(series, name)
+    except InputError as error:
+        raise InputError([f"{stored.path}: {line}" for line in error.lines]) from None

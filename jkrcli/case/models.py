@@ -1,0 +1,132 @@
+"""The tables of a case file as models: types, ranges, defaults; and from there to the problem."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator
+from typing import Annotated, Any, Literal, Self, get_args
+
+from pydantic import BeforeValidator, Field, model_validator
+
+from ..materials import Elastic
+from ..problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
+from .fields import Force, Length, MaterialTable, Table, Work, as_tuple, one_or_more, quantity, wrong
+from .indenter import AnyIndenter
+
+
+class LayerTable(MaterialTable):
+    thickness: Length
+    name: str = ""
+
+
+class SpecimenTable(Table):
+    """Layers from the contact surface down on a rigid ``base``, or on an elastic ``half_space`` (alone: no layers)."""
+
+    layers: Annotated[tuple[LayerTable, ...], BeforeValidator(as_tuple)] = ()
+    base: Literal["bonded", "frictionless"] | None = None
+    half_space: MaterialTable | None = None
+
+    @model_validator(mode="after")
+    def _complete(self) -> Self:
+        if self.half_space is not None and self.base is not None:
+            raise wrong("give either base (rigid) or half_space (elastic) below the layers, got both")
+        if not self.layers and self.half_space is None:
+            raise wrong("is empty: give [specimen.half_space] with E and nu, or [[specimen.layers]]")
+        return self
+
+    def build(self) -> Specimen:
+        base = Rigid(self.base != "frictionless") if self.half_space is None else HalfSpace(self.half_space.build())
+        layers = tuple(Layer(Elastic(t.E, t.nu), t.thickness, t.name) for t in self.layers)
+        return Specimen(layers, base)
+
+
+class LoadingTable(Table):
+    """One of depth, load, radius: its largest value (``points`` of them, by ``spacing``), or a list of values."""
+
+    depth: one_or_more(Length) | None = None  # type: ignore[valid-type]
+    load: one_or_more(Force) | None = None  # type: ignore[valid-type]
+    radius: one_or_more(Length) | None = None  # type: ignore[valid-type]
+    points: Annotated[int, Field(ge=1, le=100_000)] = 100
+    spacing: Literal["radius", "depth"] = "radius"
+
+    @model_validator(mode="after")
+    def _one(self) -> Self:
+        given = [name for name in ("depth", "load", "radius") if getattr(self, name) is not None]
+        if len(given) != 1:
+            raise wrong(f"needs exactly one of depth, load, radius, got {' and '.join(given) or 'none'}")
+        values = getattr(self, given[0])
+        if not values:
+            raise wrong(f"{given[0]} is an empty list")
+        if any(b <= a for a, b in itertools.pairwise(values)):
+            raise wrong(f"the values of {given[0]} must increase, got {list(values)}")
+        return self
+
+    def build(self) -> Loading:
+        quantity, values = next((n, v) for n in ("depth", "load", "radius") if (v := getattr(self, n)) is not None)
+        if len(values) > 1:
+            return Loading.given(quantity, values)
+        return Loading(quantity, values[0], self.points, self.spacing)
+
+
+class AdhesionTable(Table):
+    """Work(s) of adhesion and the interatomic distance z0 of the Tabor number; used by transformations only."""
+
+    w: one_or_more(Work) = ()  # type: ignore[valid-type]
+    z0: Length = 0.3e-9
+
+
+class MeshTable(Table):
+    """The finite-element mesh; everything has a default (left out: chosen from the problem)."""
+
+    layout: Literal["zones", "scaled"] = "scaled"
+    element: Literal["triangle", "quadrilateral"] = "triangle"
+    order: Literal[1, 2] = 2
+    element_size: Length | None = None
+    depth: Length | None = None
+    width: Length | None = None
+
+
+class ContactTable(Table):
+    algorithm: Literal["nested", "incremental"] = "nested"
+
+
+class LayeredTable(Table):
+    tolerance: quantity("number", least=1e-12, most=1e-2) = 1e-8  # type: ignore[valid-type]
+
+
+class CaseModel(Table):
+    """A whole case file. Physics: indenter, specimen, loading, adhesion; numerics: method, mesh, contact, layered."""
+
+    title: str = ""
+    method: Literal["auto", "closed-form", "layered", "fem"] = "auto"
+    indenter: AnyIndenter
+    specimen: SpecimenTable
+    loading: LoadingTable
+    adhesion: AdhesionTable = AdhesionTable()
+    mesh: MeshTable = MeshTable()
+    contact: ContactTable = ContactTable()
+    layered: LayeredTable = LayeredTable()
+
+    @classmethod
+    def keys_at(cls, path: tuple[str, ...]) -> list[str]:
+        """The keys allowed in the table at ``path`` (without list indices, with the tag of a shape)."""
+        tables: list[type[Table]] = [cls]
+        for part in path:
+            if part in tables[0].model_fields:
+                tables = list(_tables_in(tables[0].model_fields[part].annotation))
+            else:
+                tables = [table for table in tables if part in get_args(table.model_fields["shape"].annotation)]
+        keys = [key for table in tables for key in table.model_fields]
+        return [*keys, "file"] if path == ("indenter", "table") else list(dict.fromkeys(keys))
+
+    def problem(self) -> Problem:
+        """The physics of the case."""
+        return Problem(self.indenter.build(), self.specimen.build(), self.loading.build())
+
+
+def _tables_in(annotation: Any) -> Iterator[type[Table]]:
+    """The table models that occur in a type annotation."""
+    if isinstance(annotation, type) and issubclass(annotation, Table):
+        yield annotation
+    for part in get_args(annotation):
+        yield from _tables_in(part)

@@ -1,0 +1,69 @@
+"""Model no more than a scene needs: the least method that can represent a problem, and why."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from .errors import InputError, Refusal
+from .methods import Forecast, Method
+from .problem import Problem
+
+LEAST_FIRST = ("closed-form", "layered", "fem")
+
+
+@dataclass(frozen=True)
+class Option:
+    """One method's answer: what it would cost, or why it cannot do it."""
+
+    name: str
+    forecast: Forecast | None
+    refusal: str | None
+
+
+@dataclass(frozen=True)
+class Choice:
+    """The chosen method and the sentence that says why; ``others`` in order of effort."""
+
+    name: str
+    method: Method
+    reason: str
+    options: tuple[Option, ...] = ()
+
+
+def choose(problem: Problem, wanted: str, build: Callable[[str], Method]) -> Choice:
+    """The method ``wanted``, or for "auto" the first of ``LEAST_FIRST`` that does not refuse the problem."""
+    if wanted != "auto":
+        method = build(wanted)
+        if reason := method.refusal(problem):
+            raise Refusal(f"method {wanted}: {reason}")
+        return Choice(wanted, method, "as the case says")
+    options = survey(problem, build)
+    for option in options:
+        if option.refusal is None:
+            return Choice(option.name, build(option.name), _why(option, options), tuple(options))
+    raise InputError([f"method {option.name}: {option.refusal}" for option in options])
+
+
+def survey(problem: Problem, build: Callable[[str], Method], names: Sequence[str] = LEAST_FIRST) -> list[Option]:
+    """Cost or refusal of every method, cheapest first; nothing is solved."""
+    options = []
+    for name in names:
+        method = build(name)
+        refusal = method.refusal(problem)
+        options.append(Option(name, None if refusal else method.forecast(problem), refusal))
+    return options
+
+
+def _why(chosen: Option, options: Sequence[Option]) -> str:
+    """One sentence: what was chosen, what simpler methods could not do, what more general ones would cost."""
+    before = [f"{o.name} cannot ({o.refusal})" for o in options if o.refusal]
+    after = [f"{o.name} would take about {cost(o)}" for o in options if o.forecast and o.name != chosen.name]
+    return "; ".join([f"{chosen.name}, the least model that represents this body ({cost(chosen)})", *before, *after])
+
+
+def cost(option: Option) -> str:
+    """``0.02 s, error 1e-8`` of an option that is possible."""
+    assert option.forecast is not None
+    error = option.forecast.error
+    return f"{option.forecast.seconds:.1g} s, error " + (error if isinstance(error, str) else f"{error:.0e}")

@@ -1,0 +1,106 @@
+"""The command line: verbs are imported when they are called, so that ``jkr --help`` stays instant."""
+
+from __future__ import annotations
+
+import difflib
+import importlib
+import os
+import sys
+from collections.abc import Sequence
+
+import click
+
+from .. import __version__
+from ..errors import InputError, JkrError
+
+# One BLAS thread, set before numpy is first imported: the same numbers everywhere, and faster at these sizes.
+os.environ.update(dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "1"))
+
+VERBS = {
+    "run": "Solve a case file: nonadhesive load, displacement, contact radius to HDF5.",
+    "transform": "Turn series files into adhesive (JKR) curves: CSV, JSON, plots.",
+    "show": "Print what a series file holds.",
+    "mesh": "Write and draw the finite-element mesh of a case.",
+    "new": "Write a commented case file to start from.",
+    "bench": "Time the stages of a run.",
+}
+
+
+class Verbs(click.Group):
+    """A group whose commands live in one module each and are imported on call only."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        return list(VERBS)
+
+    def get_command(self, ctx: click.Context, name: str) -> click.Command | None:
+        if name not in VERBS:
+            return None
+        return getattr(importlib.import_module(f"{__name__}.{name.replace('-', '_')}"), name.replace("-", "_"))
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        if args and args[0] not in VERBS and not args[0].startswith("-"):
+            close = difflib.get_close_matches(args[0], VERBS, 1, 0.5)
+            hint = f', did you mean "{close[0]}"?' if close else ""
+            raise click.UsageError(f'unknown command "{args[0]}"{hint} (commands: {", ".join(VERBS)})', ctx)
+        return super().resolve_command(ctx, args)
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        with formatter.section("Commands"):
+            formatter.write_dl(list(VERBS.items()))
+
+
+@click.group(cls=Verbs, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
+@click.version_option(__version__, prog_name="jkr")
+def jkr() -> None:
+    """Adhesive (JKR) contact of axisymmetric bodies: from a case file to the adhesive curve.
+
+    \b
+    jkr new my.toml                 a commented case file to edit
+    jkr run my.toml                 solve it: my.h5
+    jkr transform my.h5 --w 50      adhesive curve for w = 50 J/m^2: CSV, JSON, plots
+
+    Exit codes: 0 done, 2 bad input, 1 anything else.
+    """
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Entry point of ``jkr``: one line per mistake on stderr, never a traceback for what the user can mend."""
+    sys.exit(call(arguments))
+
+
+def call(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line and return its exit code."""
+    try:
+        words = list(sys.argv[1:] if arguments is None else arguments)
+        jkr.main(args=words, prog_name="jkr", standalone_mode=False, obj=["jkr", *words])
+    except InputError as error:
+        return _fail(error.lines, error.exit_code)
+    except JkrError as error:
+        return _fail([str(error)], error.exit_code)
+    except click.exceptions.NoArgsIsHelpError as error:
+        click.echo(error.format_message())
+    except click.exceptions.Exit as done:
+        return done.exit_code
+    except click.ClickException as error:
+        return _fail([_one_line(error)], 2)
+    except (KeyboardInterrupt, click.Abort):
+        return _fail(["interrupted; nothing half-written was left"], 130)
+    except BrokenPipeError:
+        sys.stdout = open(os.devnull, "w")  # noqa: SIM115, PTH123 - lets the interpreter close quietly
+        return 1
+    return 0
+
+
+def _one_line(error: click.ClickException) -> str:
+    message = error.format_message().strip().rstrip(".")
+    if isinstance(error, click.UsageError) and error.ctx is not None:
+        message += f"; see {error.ctx.command_path} --help"
+    return message[:1].lower() + message[1:]
+
+
+def _fail(lines: Sequence[str], code: int) -> int:
+    for line in lines:
+        click.echo(f"jkr: error: {line}", err=True)
+    return code

@@ -1,0 +1,78 @@
+"""``jkr bench``: where the time of a run goes."""
+
+from __future__ import annotations
+
+import json
+import resource
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from statistics import median
+
+import click
+
+from .. import store
+from ..case import Case, load_case
+from ..clock import StageClock
+from .run import METHODS, solve
+
+IMPORTS = "import time; t = time.process_time(); import {}; print(time.process_time() - t)"
+
+
+@click.command()
+@click.argument("case", type=click.Path(path_type=Path))
+@click.option("--method", type=click.Choice(METHODS), help="Method, instead of the case's.")
+@click.option("--repeat", type=click.IntRange(1, 1000), default=5, show_default=True)
+@click.option("--json", "as_json", is_flag=True, help="Print as JSON.")
+def bench(case: Path, method: str | None, repeat: int, as_json: bool) -> None:
+    """Time the stages of CASE in CPU seconds (one BLAS thread): minimum and median of several runs.
+
+    \b
+    jkr bench cases/halfspace.toml
+    jkr bench cases/halfspace.toml --method layered --repeat 20
+    """
+    loaded = load_case(case)
+    choice, _ = solve(loaded, method)
+    runs = [_once(loaded, choice.name) for _ in range(repeat)]
+    stages = {"import": [_import_seconds(type(choice.method).__module__) for _ in range(min(repeat, 3))]}
+    stages |= {
+        stage: [run.get(stage, 0.0) for run in runs] for stage in dict.fromkeys(key for run in runs for key in run)
+    }
+    stages["whole process"] = [_process_seconds(case, choice.name) for _ in range(min(repeat, 3))]
+    table = {stage: {"min_s": min(seconds), "median_s": median(seconds)} for stage, seconds in stages.items()}
+    if as_json:
+        click.echo(json.dumps({"case": str(case), "method": choice.name, "repeat": repeat, "stages": table}, indent=2))
+        return
+    click.echo(f"{case} by {choice.name}, CPU seconds of {repeat} runs (imports and whole process: {min(repeat, 3)})")
+    click.echo(f"  {'stage':<18}{'min':>9}{'median':>9}")
+    for stage, figures in table.items():
+        click.echo(f"  {stage:<18}{figures['min_s']:>9.4f}{figures['median_s']:>9.4f}")
+
+
+def _once(case: Case, name: str) -> dict[str, float]:
+    """Stages of one solve in this process, all of them together, and of writing the file."""
+    clock = StageClock()
+    with clock("solve, total"):
+        _, solution = solve(case, name)
+    with tempfile.TemporaryDirectory() as folder, clock("write"):
+        store.write(Path(folder) / "series.h5", solution, case.to_toml(), "bench", "jkr bench")
+    return {**solution.timings, **clock.seconds}
+
+
+def _import_seconds(module: str) -> float:
+    """CPU seconds to import the command line, the case reader, the file format and the method in a new process."""
+    names = f"jkrcli.cli.run, {module}, skfem, gmsh" if ".fem" in module else f"jkrcli.cli.run, {module}"
+    done = subprocess.run([sys.executable, "-c", IMPORTS.format(names)], capture_output=True, text=True, check=True)
+    return float(done.stdout)
+
+
+def _process_seconds(case: Path, name: str) -> float:
+    """CPU seconds of ``jkr run`` as a whole process."""
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    with tempfile.TemporaryDirectory() as folder:
+        target = str(Path(folder) / "series.h5")
+        command = [sys.executable, "-m", "jkrcli", "run", str(case), "--method", name, "-o", target]
+        subprocess.run(command, capture_output=True, check=True)
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime

@@ -1,0 +1,34 @@
+"""Option types that several verbs share: numbers with units."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import click
+
+from .. import units
+
+
+class QuantityOption(click.ParamType):
+    """A finite number of a dimension, SI or with a unit."""
+
+    dimension = "number"
+    least = -math.inf
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        if isinstance(value, float):
+            return value
+        try:
+            number = units.parse(str(value), self.dimension)
+        except ValueError as error:
+            self.fail(str(error), param, ctx)
+        if not (math.isfinite(number) and number >= self.least):
+            self.fail(f"must be finite and >= {self.least:g}, got {value}", param, ctx)
+        return number
+
+
+class WorkOfAdhesion(QuantityOption):
+    name = "WORK"
+    dimension = "work"
+    least = 0.0

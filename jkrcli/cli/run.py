@@ -1,0 +1,88 @@
+"""``jkr run``: a case file to a series file."""
+
+from __future__ import annotations
+
+import json
+import shlex
+import time
+from pathlib import Path
+
+import click
+
+from .. import store
+from ..case import Case, load_case
+from ..case.numerics import method_of
+from ..choose import Choice, choose
+from ..files import check_target
+from ..series import Solution
+from ..units import show
+from ..words import describe
+
+METHODS = ("auto", "closed-form", "layered", "fem")
+
+
+@click.command()
+@click.argument("case", type=click.Path(path_type=Path))
+@click.option("-o", "--output", type=click.Path(path_type=Path), help="Series file [default: <case>.h5 here].")
+@click.option("--method", type=click.Choice(METHODS), help="Method, instead of the case's.")
+@click.option("--force", is_flag=True, help="Replace an existing file that jkr did not write.")
+@click.option("--json", "as_json", is_flag=True, help="Print the summary as JSON.")
+@click.pass_context
+def run(ctx: click.Context, case: Path, output: Path | None, method: str | None, force: bool, as_json: bool) -> None:
+    """Solve the nonadhesive contact of CASE (TOML) and write load, displacement and contact radius to HDF5.
+
+    The work of adhesion plays no part here: one run serves every w (see: jkr transform).
+
+    \b
+    jkr run cases/halfspace.toml
+    jkr run my.toml --method layered -o results/my.h5
+    """
+    start = time.process_time()
+    loaded = load_case(case)
+    target = output if output is not None else Path(f"{case.stem}.h5")
+    check_target(target, force)
+    choice, solution = solve(loaded, method)
+    store.write(target, solution, loaded.to_toml(), loaded.model.problem().key, shlex.join(ctx.find_root().obj))
+    seconds = time.process_time() - start
+    if as_json:
+        click.echo(json.dumps(_as_json(target, choice, solution, seconds), indent=2))
+    else:
+        _print(loaded, target, choice, solution, seconds)
+    for warning in solution.warnings:
+        click.echo(f"jkr: warning: {warning}", err=True)
+
+
+def solve(case: Case, method: str | None = None) -> tuple[Choice, Solution]:
+    """Solve a validated case by ``method`` (None: the case's own)."""
+    problem = case.model.problem()
+    choice = choose(problem, method or case.model.method, lambda name: method_of(case.model, name))
+    return choice, choice.method(problem)
+
+
+def _as_json(target: Path, choice: Choice, solution: Solution, seconds: float) -> dict[str, object]:
+    series = solution.series
+    return {
+        "file": str(target),
+        "method": choice.name,
+        "reason": choice.reason,
+        "points": len(series),
+        "a_m": series.a[-1],
+        "delta_m": series.delta[-1],
+        "P_N": series.P[-1],
+        "errors": solution.budget.as_dict(),
+        "warnings": list(solution.warnings),
+        "cpu_s": seconds,
+    }
+
+
+def _print(case: Case, target: Path, choice: Choice, solution: Solution, seconds: float) -> None:
+    series = solution.series
+    click.echo(f"{describe(case.model.problem())}")
+    click.echo(f"  method    {choice.name}: {choice.reason}")
+    click.echo(
+        f"  reached   a = {show(series.a[-1], 'length')}, delta = {show(series.delta[-1], 'length')}, "
+        f"P = {show(series.P[-1], 'load')} in {len(series)} points"
+    )
+    total = solution.budget.total
+    click.echo(f"  error     {total if isinstance(total, str) else f'{total:.1e} relative (estimated)'}")
+    click.echo(f"  written   {target} ({seconds:.2f} s CPU)")

@@ -1,0 +1,152 @@
+"""``jkr transform``: series files to adhesive curves."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from .. import store, tables
+from ..adhesion import CriticalPoint
+from ..analysis import Analysis, analyse, specification
+from ..errors import InputError
+from ..files import check_target, write_text
+from ..store import Stored
+from ..units import show
+from .options import WorkOfAdhesion
+
+ENDINGS = (".csv", ".json", ".png", ".svg")
+
+
+@click.command()
+@click.argument("files", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.option("--w", "works", multiple=True, type=WorkOfAdhesion(), help='J/m^2 or "35 mJ/m^2" [default: the case\'s].')
+@click.option("--slopes", type=click.Choice(["auto", "exact", "loocv"]), default="auto", show_default=True)
+@click.option("-o", "--output", type=click.Path(path_type=Path, file_okay=False), help="Folder [default: the file's].")
+@click.option("--dimensionless", type=click.Choice(["half-space", "thin-layer"]), help="Axes of Eq. 15 or Eq. 19.")
+@click.option("--no-plots", is_flag=True, help="Write CSV and JSON only.")
+@click.option("--force", is_flag=True, help="Replace existing files that jkr did not write.")
+@click.option("--json", "as_json", is_flag=True, help="Print the summaries as JSON.")
+def transform(
+    files: tuple[Path, ...],
+    works: tuple[float, ...],
+    slopes: str,
+    output: Path | None,
+    dimensionless: str | None,
+    no_plots: bool,
+    force: bool,
+    as_json: bool,
+) -> None:
+    """Apply the explicit JKR transformation (Eq. 13) to each FILE for each work of adhesion.
+
+    Writes <stem>-w<J/m^2>.csv, .json, .png and .svg.
+
+    \b
+    jkr transform data.h5 --w 50
+    jkr transform gel.h5 --w "35 mJ/m^2" --w "40 mJ/m^2" -o results
+    """
+    jobs = [_Job.of(path, works, output) for path in files]
+    _refuse_equal_targets([target for job in jobs for target in job.targets])
+    endings = ENDINGS[:2] if no_plots else ENDINGS
+    for job in jobs:
+        if output is not None:
+            output.mkdir(parents=True, exist_ok=True)
+        for target in job.targets:
+            for ending in endings:
+                check_target(target.with_name(target.name + ending), force)
+    summaries = []
+    for job in jobs:
+        results = analyse(job.stored, job.works, slopes)
+        for result, target in zip(results, job.targets, strict=True):
+            _write(result, target, dimensionless, not no_plots)
+            summaries.append(tables.summary(result))
+        if not as_json:
+            _print(job, results, endings)
+    if as_json:
+        click.echo(tables.as_json({"results": summaries}).rstrip())
+
+
+class _Job:
+    """One input file: what it holds, for which works of adhesion, and the names (without ending) of what is written."""
+
+    def __init__(self, stored: Stored, works: tuple[float, ...], folder: Path):
+        self.stored = stored
+        self.works = works
+        self.targets = [folder / f"{stored.path.stem}-w{w:g}" for w in works]
+
+    @classmethod
+    def of(cls, path: Path, works: tuple[float, ...], output: Path | None) -> _Job:
+        stored = store.read(path)
+        wanted = works or specification(stored).w
+        if not wanted:
+            raise InputError(f"{path}: its case names no work of adhesion: give --w")
+        return cls(stored, wanted, output if output is not None else path.parent)
+
+
+def _refuse_equal_targets(targets: list[Path]) -> None:
+    seen: set[Path] = set()
+    for target in targets:
+        if target.resolve() in seen:
+            raise InputError(f"{target}.csv: would be written twice; rename a file, or give each its own -o and w once")
+        seen.add(target.resolve())
+
+
+def _write(result: Analysis, target: Path, dimensionless: str | None, with_plots: bool) -> None:
+    figure = None
+    if with_plots:
+        from .. import plots
+
+        units = (
+            plots.dimensionless_units(result, dimensionless) if dimensionless else plots.physical_units(result.curve)
+        )
+        figure = plots.curve_figure(result, units)
+    write_text(target.with_name(target.name + ".csv"), tables.csv(tables.curve_columns(result.curve)))
+    write_text(target.with_name(target.name + ".json"), tables.as_json(tables.summary(result)))
+    if figure is not None:
+        for ending in ENDINGS[2:]:
+            plots.save(figure, target.with_name(target.name + ending))
+
+
+def _print(job: _Job, results: list[Analysis], endings: tuple[str, ...]) -> None:
+    slopes = results[0].curve.slopes
+    kept = len(results[0].curve.series)
+    click.echo(f"{job.stored.path}: {kept} points kept, {results[0].dropped} dropped; slopes {slopes.method}")
+    for result, target in zip(results, job.targets, strict=True):
+        click.echo(f"  w = {show(result.w, 'work')}")
+        for name, point in result.pull_off.items():
+            if isinstance(point, CriticalPoint):
+                click.echo(
+                    f"    pull-off, {name + ' control:':<22} P = {show(point.P, 'load'):<12} "
+                    f"delta = {show(point.delta, 'length'):<12} a = {show(point.a, 'length')}"
+                )
+        tabor = result.validity.tabor
+        if isinstance(tabor, float):
+            click.echo(f"    Tabor number {tabor:.3g}: {result.validity.regime}")
+        _print_comparison(result)
+        total = result.budget.total
+        click.echo(f"    error of the series: {total if isinstance(total, str) else f'{total:.1e} (estimated)'}, "
+                   f"of the slopes: {_estimate(result.budget.smoothing)}")  # fmt: skip
+        click.echo(f"    written {target}{{{','.join(endings)}}}")
+    for warning in dict.fromkeys(text for result in results for text in result.warnings):
+        click.echo(f"jkr: warning: {job.stored.path}: {warning}", err=True)
+
+
+def _print_comparison(result: Analysis) -> None:
+    found = result.comparison
+    if found is None:
+        return
+    parts = [f"P_H(delta) within {found.load:.2e}"]
+    if found.pull_off is not None:
+        parts.append(f"pull-off force {found.pull_off:+.2e}")
+    if found.curve is not None:
+        parts.append(f"curve within {found.curve:.2e} pull-off units")
+    click.echo(f"    against the closed form of the same indenter: {', '.join(parts)}")
+    if found.parabola is not None:
+        click.echo(
+            f"    the sphere's own pull-off is {found.parabola:.2%} smaller than the paraboloid's -1.5 pi w R of Eq. 18"
+            " (physics, not error)"
+        )
+
+
+def _estimate(value: float | str) -> str:
+    return value if isinstance(value, str) else f"{value:.1e}"

@@ -1,0 +1,144 @@
+"""The one door to matplotlib: figures fit for print, built without pyplot and without global state."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from . import __version__
+from .adhesion import AdhesiveCurve, CriticalPoint, scales_half_space, scales_thin_layer
+from .analysis import Analysis
+from .closed_form import foundation_modulus
+from .errors import InputError
+from .files import atomic
+from .series import Array
+from .units import scale
+
+STYLE = {
+    "font.size": 9,
+    "axes.grid": True,
+    "grid.color": "0.9",
+    "grid.linewidth": 0.6,
+    "axes.axisbelow": True,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "legend.frameon": False,
+    "lines.linewidth": 1.4,
+    "svg.hashsalt": "jkr",
+    "svg.fonttype": "path",
+}
+# Okabe and Ito's palette: told apart by colour-blind readers, and by line style in grey.
+BLUE, ORANGE, GREEN, BLACK = "#0072B2", "#D55E00", "#009E73", "#000000"
+
+
+@dataclass(frozen=True)
+class Units:
+    """What an axis is divided by, and its labels: delta, P, a."""
+
+    delta: float
+    P: float
+    a: float
+    labels: tuple[str, str, str]
+
+
+def physical_units(curve: AdhesiveCurve) -> Units:
+    """People's units, chosen by the magnitude of the curve."""
+    delta, delta_unit = scale(float(np.max(np.abs(curve.delta))), "length")
+    P, P_unit = scale(float(np.max(np.abs(curve.P))), "load")
+    a, a_unit = scale(float(curve.a[-1]), "length")
+    labels = (f"displacement δ ({delta_unit})", f"load P ({P_unit})", f"contact radius a ({a_unit})")
+    return Units(delta, P, a, labels)
+
+
+def dimensionless_units(result: Analysis, scaling: str) -> Units:
+    """The axes of Eq. 15 ("half-space") or Eq. 19 ("thin-layer")."""
+    problem, w = result.case.problem, result.w
+    R = problem.indenter.tip_radius
+    if R is None or w == 0:
+        raise InputError("--dimensionless: needs an indenter with a tip radius and w > 0")
+    if scaling == "half-space":
+        P, delta, a = scales_half_space(R, problem.E_star, w)
+        return Units(delta, P, a, ("δ / δ₀  (Eq. 15)", "P / (π w R)", "a / a₀  (Eq. 15)"))
+    if not problem.specimen.layers or problem.specimen.surface.nu >= 0.5:
+        raise InputError("--dimensionless thin-layer: needs a layer with nu < 0.5 (Eq. 22)")
+    top = problem.specimen.layers[0]
+    K = foundation_modulus(top.material.E, top.material.nu, top.thickness)
+    P, delta, a = scales_thin_layer(R, K, w)
+    return Units(delta, P, a, ("δ / √(2w/K)", "P / (2 π w R)", "a / (8 w R²/K)^¼"))
+
+
+def curve_figure(result: Analysis, units: Units) -> Figure:
+    """The paper's Fig. 5: load over displacement and contact radius over load, nonadhesive and adhesive."""
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(7.2, 3.4), layout="constrained")
+        left, right = figure.subplots(1, 2)
+        _panel_load(left, result, units)
+        _panel_radius(right, result, units)
+        handles, labels = left.get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside lower center", ncols=3)
+        return figure
+
+
+def _panel_load(axes: Axes, result: Analysis, units: Units) -> None:
+    curve = result.curve
+    _lines(axes, units, (curve.series.delta / units.delta, curve.series.P / units.P),
+           (curve.delta / units.delta, curve.P / units.P), result)  # fmt: skip
+    if result.comparison is not None:
+        exact = result.comparison.exact
+        _exact(axes, exact.series.delta / units.delta, exact.series.P / units.P, "closed form")
+        _exact(axes, exact.delta / units.delta, exact.P / units.P)
+    point = result.pull_off["load"]
+    if isinstance(point, CriticalPoint):
+        axes.plot(point.delta / units.delta, point.P / units.P, "o", color=BLACK, ms=4, label="pull-off (load control)")
+    axes.set_xlabel(units.labels[0])
+    axes.set_ylabel(units.labels[1])
+
+
+def _panel_radius(axes: Axes, result: Analysis, units: Units) -> None:
+    curve = result.curve
+    a = curve.a / units.a
+    _lines(axes, units, (curve.series.P / units.P, a), (curve.P / units.P, a), result)
+    if result.comparison is not None:
+        exact = result.comparison.exact
+        _exact(axes, exact.series.P / units.P, exact.a / units.a)
+        _exact(axes, exact.P / units.P, exact.a / units.a)
+    point = result.pull_off["load"]
+    if isinstance(point, CriticalPoint):
+        axes.plot(point.P / units.P, point.a / units.a, "o", color=BLACK, ms=4)
+    axes.set_xlabel(units.labels[1])
+    axes.set_ylabel(units.labels[2])
+
+
+def _lines(axes: Axes, units: Units, nonadhesive: tuple[Array, Array], adhesive: tuple[Array, Array],
+           result: Analysis) -> None:  # fmt: skip
+    axes.axhline(0, color="0.7", lw=0.6)
+    axes.axvline(0, color="0.7", lw=0.6)
+    every = max(1, len(nonadhesive[0]) // 40)
+    style = {"ms": 3, "markevery": every, "lw": 1.0}
+    axes.plot(*nonadhesive, "s--", color=BLUE, mfc="none", label=f"nonadhesive ({result.stored.method})", **style)
+    label = f"adhesive, w = {_work(result.w)}"
+    axes.plot(*adhesive, "o-", color=ORANGE, mfc="none", label=label, **style)
+
+
+def _exact(axes: Axes, x: Array, y: Array, label: str | None = None) -> None:
+    axes.plot(x, y, "-", color=BLACK, lw=0.8, label=label, zorder=1)
+
+
+def _work(w: float) -> str:
+    factor, unit = scale(w, "work")
+    return f"{w / factor:.4g} {unit.replace('^2', '²')}"
+
+
+def save(figure: Figure, path: Path) -> None:
+    """Write a figure atomically; PNG or SVG by the ending, reproducible to the byte, marked as ours."""
+    mark = f"jkr {__version__}"
+    metadata = {"Software": mark} if path.suffix == ".png" else {"Creator": mark, "Date": None}
+    with mpl.rc_context(STYLE), atomic(path) as temporary:
+        FigureCanvasAgg(figure)
+        figure.savefig(temporary, dpi=200, metadata=metadata)

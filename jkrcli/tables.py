@@ -1,0 +1,80 @@
+"""Adhesive curves as CSV and summaries as JSON: the interfaces that scripts rely on."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+
+from .adhesion import AdhesiveCurve, CriticalPoint, Outside
+from .analysis import Analysis
+from .series import Array
+
+SUMMARY_FORMAT, SUMMARY_VERSION = "jkr-summary", 1
+
+
+def curve_columns(curve: AdhesiveCurve) -> dict[str, Array]:
+    """The columns of the CSV file by name; later versions may add columns after these."""
+    series, slopes = curve.series, curve.slopes
+    columns = {
+        "a_m": series.a,
+        "delta_m": curve.delta,
+        "P_N": curve.P,
+        "delta_H_m": series.delta,
+        "P_H_N": series.P,
+        "S_N_per_m": slopes.S,
+        "dS_da_N_per_m2": slopes.dS,
+    }
+    if curve.errors:
+        columns |= {"P_err_N": curve.errors["P"], "delta_err_m": curve.errors["delta"]}
+    return columns
+
+
+def csv(columns: dict[str, Array]) -> str:
+    """One header line, then a line per row with full precision."""
+    rows = zip(*(np.asarray(values).tolist() for values in columns.values()), strict=True)
+    lines = [",".join(columns), *(",".join(map(repr, row)) for row in rows)]
+    return "\n".join(lines) + "\n"
+
+
+def summary(result: Analysis) -> dict[str, Any]:
+    """What stands in the JSON file beside a curve."""
+    slopes, comparison = result.curve.slopes, result.comparison
+    judged = asdict(result.validity)
+    return {
+        "format": SUMMARY_FORMAT,
+        "version": SUMMARY_VERSION,
+        "file": str(result.stored.path),
+        "title": result.case.title,
+        "w_J_per_m2": result.w,
+        "method": result.stored.method,
+        "slopes": slopes.method,
+        "slopes_reason": slopes.reason,
+        "smoothing_lambda": slopes.smoothing_lambda,
+        "points": {"kept": len(result.curve.series), "dropped": result.dropped},
+        "pull_off": {name: _point(point) for name, point in result.pull_off.items()},
+        "tabor": judged["tabor"],
+        "validity": judged,
+        "errors": result.budget.as_dict(),
+        "comparison": None if comparison is None else {
+            "reference": "closed form of the same indenter on a half-space",
+            "load": comparison.load,
+            "pull_off": comparison.pull_off,
+            "curve": comparison.curve,
+            "sphere_against_parabola": comparison.parabola,
+        },
+        "warnings": result.warnings,
+    }  # fmt: skip
+
+
+def _point(point: CriticalPoint | Outside) -> dict[str, Any]:
+    if isinstance(point, Outside):
+        return {"P_N": None, "delta_m": None, "a_m": None, "reason": point.reason}
+    return {"P_N": point.P, "delta_m": point.delta, "a_m": point.a}
+
+
+def as_json(data: dict[str, Any]) -> str:
+    """JSON with no NaN or infinity in it, ever."""
+    return json.dumps(data, indent=2, allow_nan=False) + "\n"

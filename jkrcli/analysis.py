@@ -10,7 +10,7 @@ from .adhesion import AdhesiveCurve, CriticalPoint, Outside, transform
 from .case import parse_case
 from .comparison import Comparison, compare_half_space
 from .errors import InputError
-from .problem import Problem
+from .problem import HalfSpace, Problem
 from .series import ErrorBudget, Series
 from .slopes import Slopes, slopes
 from .store import Stored
@@ -64,7 +64,7 @@ class Analysis:
             w=self.w,
             R=problem.indenter.tip_radius,
             h=problem.specimen.top_thickness,
-            L=self.stored.facts.get("truncation_m"),
+            L=_end_of_body(self.stored, problem),
             z0=self.case.z0,
             a_pull_off=point.a if isinstance(point, CriticalPoint) else None,
         )
@@ -82,6 +82,14 @@ class Analysis:
         outside = [f"pull-off under {name} control: {point.reason}" for name, point in self.pull_off.items()
                    if isinstance(point, Outside) and self.w > 0]  # fmt: skip
         return [*self.stored.warnings, *self.curve.slopes.flags, *check(self.validity), *outside]
+
+
+def _end_of_body(stored: Stored, problem: Problem) -> float | None:
+    """Distance [m] at which the body or its mesh ends sideways, or below where that is a cut through a half-space."""
+    ends = [problem.specimen.radius, stored.facts.get("width_m")]
+    if isinstance(problem.specimen.base, HalfSpace):
+        ends.append(stored.facts.get("depth_m"))
+    return min((float(end) for end in ends if end is not None), default=None)
 
 
 def specification(stored: Stored) -> Specification:

@@ -11,11 +11,7 @@ from pathlib import Path
 from .errors import InputError, JkrError
 
 MARK = b"jkr"
-_HEADS = {
-    ".h5": b"\x89HDF\r\n\x1a\n",
-    ".hdf5": b"\x89HDF\r\n\x1a\n",
-    ".png": b"\x89PNG\r\n\x1a\n",
-}
+HDF5 = b"\x89HDF\r\n\x1a\n"
 
 
 def read_bytes(path: Path, what: str, limit: int = 1 << 30) -> bytes:
@@ -44,12 +40,13 @@ def _nearby(path: Path) -> str:
 
 
 def is_ours(path: Path) -> bool:
-    """Whether ``jkr`` wrote this file: its own mark stands in the head (HDF5: a format attribute of ours)."""
+    """Whether ``jkr`` wrote this file: its mark stands at the head or the end (HDF5: the format)."""
     with contextlib.suppress(OSError), path.open("rb") as file:
         head = file.read(4096)
-        if head.startswith(_HEADS[".h5"]):
+        if head.startswith(HDF5):
             return _hdf5_is_ours(path)
-        return MARK in head or head.startswith(b"a_m,")
+        file.seek(max(0, path.stat().st_size - 256))
+        return MARK in head + file.read() or head.startswith((b"a_m,", b"r_m,"))
     return False
 
 
@@ -57,7 +54,8 @@ def _hdf5_is_ours(path: Path) -> bool:
     import h5py
 
     with contextlib.suppress(OSError), h5py.File(path, "r") as file:
-        return str(file.attrs.get("format", "")).startswith("jkr-")
+        kind = file.attrs.get("format", b"")
+        return isinstance(kind, bytes) and kind.startswith(b"jkr-")
     return False
 
 

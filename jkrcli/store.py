@@ -14,7 +14,7 @@ import numpy as np
 
 from . import __version__
 from .errors import InputError
-from .files import atomic, read_bytes
+from .files import HDF5, atomic, read_bytes
 from .series import COLUMNS, ErrorBudget, PressureTable, RawSeries, Series, Solution, first_of_plateaus
 
 FORMAT, VERSION = "jkr-series", 1
@@ -29,6 +29,7 @@ WORDS = {
 }
 PACKAGES = ("numpy", "scipy", "gmsh", "scikit-fem", "h5py")
 MAX_ROWS = 10_000_000
+CHECKSUMMED = ("v110", "v110")  # the file format whose metadata carry checksums: damage is found, not followed
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,30 +82,29 @@ def write(path: Path, solution: Solution, case: str, key: str, command_line: str
     """Write ``solution`` of the resolved ``case`` (TOML) to ``path``, whole or not at all."""
     series = solution.series
     rows = solution.raw if solution.raw is not None else series
-    with atomic(path) as temporary, h5py.File(temporary, "w", track_order=True) as file:
-        file.attrs.update(
-            format=FORMAT, version=VERSION, method=solution.method, problem_key=key, command_line=command_line
-        )
-        file.create_dataset("case", data=case)
-        group = file.create_group("series", track_order=True)
+    with atomic(path) as temporary, h5py.File(temporary, "w", libver=CHECKSUMMED) as file:
+        identity = {"method": solution.method, "problem_key": key, "command_line": command_line}
+        _attributes_to(file, {"format": FORMAT, "version": VERSION} | identity)
+        file.create_dataset("case", data=_fixed(case))
+        group = file.create_group("series")
         group.attrs["a0_m"] = series.a0
         if series.S0 is not None:
             group.attrs["S0_N_per_m"] = series.S0
         for name in COLUMNS:
             _dataset(group, NAMES[name], getattr(rows, name, None), UNITS[name], WORDS[name])
-        _write_errors(file.create_group("errors", track_order=True), solution)
+        _write_errors(file.create_group("errors"), solution)
         if solution.pressure is not None:
             contact = file.create_group("contact")
             _dataset(contact, "r", solution.pressure.r, "m", "radii of the contact nodes")
             _dataset(contact, "pressure", solution.pressure.p, "Pa", "contact pressure, one row per increment")
         for name, values in (("facts", solution.facts), ("timings_s", solution.timings), ("versions", versions())):
-            file.create_group(name, track_order=True).attrs.update(values)
-        file.attrs["warnings"] = list(solution.warnings) or [""]
+            _attributes_to(file.create_group(name, track_order=True), values)
+        _attributes_to(file.create_group("warnings", track_order=True), dict(enumerate(solution.warnings)))
 
 
 def _write_errors(group: h5py.Group, solution: Solution) -> None:
     """The budget (a relative error or the reason why it is unknown) and the absolute error of each column."""
-    group.attrs.update(solution.budget.as_dict())
+    _attributes_to(group, solution.budget.as_dict())
     if solution.raw is None:
         for name, values in solution.series.errors.items():
             _dataset(group, NAMES[name], values, UNITS[name], f"estimated absolute error of {NAMES[name]}")
@@ -112,17 +112,26 @@ def _write_errors(group: h5py.Group, solution: Solution) -> None:
 
 def _dataset(group: h5py.Group, name: str, values: np.ndarray | None, unit: str, words: str) -> None:
     if values is not None:
-        data = group.create_dataset(
-            name, data=np.asarray(values, dtype=float), compression="gzip" if values.ndim > 1 else None
-        )
-        data.attrs["unit"] = unit
-        data.attrs["description"] = words
+        array = np.asarray(values, dtype=float)
+        data = group.create_dataset(name, data=array, chunks=True, fletcher32=True, compression="gzip", shuffle=True)
+        _attributes_to(data, {"unit": unit, "description": words})
+
+
+def _attributes_to(item: h5py.Group | h5py.Dataset, values: Mapping[Any, Any]) -> None:
+    for name, value in values.items():
+        item.attrs[str(name)] = _fixed(value) if isinstance(value, str) else value
+
+
+def _fixed(text: str) -> np.ndarray:
+    """A string of fixed length: it lies in checksummed metadata, where HDF5's variable-length strings do not."""
+    content = text.encode("utf-8")
+    return np.array(content, dtype=h5py.string_dtype("utf-8", max(len(content), 1)))
 
 
 def read(path: str | Path) -> Stored:
     """Read and check a series file; InputError in one line where it is missing, foreign, truncated or damaged."""
     path = Path(path)
-    if not read_bytes(path, "series file").startswith(b"\x89HDF\r\n\x1a\n"):
+    if not read_bytes(path, "series file").startswith(HDF5):
         raise InputError(f"{path}: is not an HDF5 file")
     try:
         with h5py.File(path, "r") as file:
@@ -167,7 +176,7 @@ def _read(path: Path, file: h5py.File) -> Stored:
         facts=_attributes(file, "facts"),
         timings=_attributes(file, "timings_s"),
         versions=_attributes(file, "versions"),
-        warnings=tuple(text for text in map(_text, file.attrs.get("warnings", ())) if text),
+        warnings=tuple(map(str, _attributes(file, "warnings").values())),
     )
 
 
@@ -219,7 +228,14 @@ def _estimate(value: Any) -> float | str:
 def _attributes(file: h5py.File, name: str) -> dict[str, Any]:
     if not isinstance(file.get(name), h5py.Group):
         return {}
-    return {key: value.item() if isinstance(value, np.generic) else value for key, value in file[name].attrs.items()}
+    return {key: _plain(value) for key, value in file[name].attrs.items()}
+
+
+def _plain(value: Any) -> Any:
+    """A Python number or text for what h5py returns."""
+    if isinstance(value, bytes | np.bytes_):
+        return _text(value)
+    return value.item() if isinstance(value, np.generic) else value
 
 
 def _text(value: Any) -> str:

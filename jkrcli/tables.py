@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import json
 from dataclasses import asdict
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from .adhesion import AdhesiveCurve, CriticalPoint, Outside
 from .analysis import Analysis
+from .errors import InputError
+from .files import read_bytes
 from .series import Array
 
 SUMMARY_FORMAT, SUMMARY_VERSION = "jkr-summary", 1
@@ -39,6 +42,31 @@ def csv(columns: dict[str, Array]) -> str:
     return "\n".join(lines) + "\n"
 
 
+def read_curve(path: Path) -> dict[str, Array]:
+    """The columns of a CSV file written by ``csv``; InputError with the line where a row is wrong."""
+    lines = read_bytes(path, "curve").decode("utf-8", errors="replace").splitlines()
+    names = lines[0].split(",") if lines else []
+    if names[:1] != ["a_m"]:
+        raise InputError(f'{path}: line 1 must be the header "a_m,delta_m,P_N,...", got "{(lines or [""])[0][:40]}"')
+    rows = []
+    for number, line in enumerate(lines[1:], start=2):
+        try:
+            row = [float(cell) for cell in line.split(",")]
+        except ValueError:
+            row = []
+        if len(row) != len(names) or not np.isfinite(row).all():
+            raise InputError(f'{path}: line {number} must hold {len(names)} finite numbers, got "{line[:60]}"')
+        rows.append(row)
+    if len(rows) < 2:
+        raise InputError(f"{path}: holds {len(rows)} rows, at least 2 are needed")
+    table = np.array(rows).T
+    if (np.diff(table[0]) <= 0).any():
+        raise InputError(
+            f"{path}: line {int(np.argmax(np.diff(table[0]) <= 0)) + 3}: a_m must increase from row to row"
+        )
+    return dict(zip(names, table, strict=True))
+
+
 def summary(result: Analysis) -> dict[str, Any]:
     """What stands in the JSON file beside a curve."""
     slopes, comparison = result.curve.slopes, result.comparison
@@ -54,7 +82,7 @@ def summary(result: Analysis) -> dict[str, Any]:
         "slopes_reason": slopes.reason,
         "smoothing_lambda": slopes.smoothing_lambda,
         "points": {"kept": len(result.curve.series), "dropped": result.dropped},
-        "pull_off": {name: _point(point) for name, point in result.pull_off.items()},
+        "pull_off": {name: point(found) for name, found in result.pull_off.items()},
         "tabor": judged["tabor"],
         "validity": judged,
         "errors": result.budget.as_dict(),
@@ -69,10 +97,11 @@ def summary(result: Analysis) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _point(point: CriticalPoint | Outside) -> dict[str, Any]:
-    if isinstance(point, Outside):
-        return {"P_N": None, "delta_m": None, "a_m": None, "reason": point.reason}
-    return {"P_N": point.P, "delta_m": point.delta, "a_m": point.a}
+def point(found: CriticalPoint | Outside) -> dict[str, Any]:
+    """A critical point by its columns; all None with the reason where it lies outside the series."""
+    if isinstance(found, Outside):
+        return {"P_N": None, "delta_m": None, "a_m": None, "reason": found.reason}
+    return {"P_N": found.P, "delta_m": found.delta, "a_m": found.a}
 
 
 def as_json(data: dict[str, Any]) -> str:

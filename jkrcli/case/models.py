@@ -75,15 +75,35 @@ class AdhesionTable(Table):
     z0: Length = 0.3e-9
 
 
+ThreeNumbers = Annotated[
+    tuple[quantity("number", above=0), quantity("number", above=0), quantity("number", above=0)],  # type: ignore[misc]
+    BeforeValidator(as_tuple),
+]
+
+
 class MeshTable(Table):
     """The finite-element mesh; everything has a default (left out: chosen from the problem)."""
 
-    layout: Literal["zones", "scaled"] = "scaled"
+    layout: Literal["scaled", "zones"] = "scaled"
     element: Literal["triangle", "quadrilateral"] = "triangle"
     order: Literal[1, 2] = 2
+    formulation: Literal["auto", "displacement", "mixed"] = "auto"
     element_size: Length | None = None
+    zone_sizes: ThreeNumbers = (0.02, 0.05, 0.5)
     depth: Length | None = None
     width: Length | None = None
+    contact_radius: Length | None = None
+    spacing: quantity("number", above=0, below=0.5) = 0.04  # type: ignore[valid-type]
+    smallest: quantity("number", above=0, below=1) = 0.05  # type: ignore[valid-type]
+    growth: quantity("number", above=0, below=0.6) | None = None  # type: ignore[valid-type]
+    margin: quantity("number", above=1, below=10) = 1.1  # type: ignore[valid-type]
+    estimate_error: bool = True
+
+    @model_validator(mode="after")
+    def _sizes(self) -> Self:
+        if self.element_size is not None and self.layout == "scaled":
+            raise wrong('element_size belongs to layout "zones"; the layout "scaled" takes spacing')
+        return self
 
 
 class ContactTable(Table):

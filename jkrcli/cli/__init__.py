@@ -19,6 +19,9 @@ os.environ.update(dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL
 VERBS = {
     "run": "Solve a case file: nonadhesive load, displacement, contact radius to HDF5.",
     "transform": "Turn series files into adhesive (JKR) curves: CSV, JSON, plots.",
+    "check": "Say which method a case needs, what it costs, what to expect; nothing is solved.",
+    "compare": "Compare two results of the same problem; exit 1 where they differ.",
+    "profile": "Contact pressure, surface shape and gap at one state.",
     "show": "Print what a series file holds.",
     "mesh": "Write and draw the finite-element mesh of a case.",
     "new": "Write a commented case file to start from.",
@@ -74,15 +77,15 @@ def call(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and return its exit code."""
     try:
         words = list(sys.argv[1:] if arguments is None else arguments)
-        jkr.main(args=words, prog_name="jkr", standalone_mode=False, obj=["jkr", *words])
+        code = jkr.main(args=words, prog_name="jkr", standalone_mode=False, obj=["jkr", *words])
+        return code if isinstance(code, int) else 0
     except InputError as error:
         return _fail(error.lines, error.exit_code)
     except JkrError as error:
         return _fail([str(error)], error.exit_code)
     except click.exceptions.NoArgsIsHelpError as error:
         click.echo(error.format_message())
-    except click.exceptions.Exit as done:
-        return done.exit_code
+        return 0
     except click.ClickException as error:
         return _fail([_one_line(error)], 2)
     except (KeyboardInterrupt, click.Abort):
@@ -90,7 +93,6 @@ def call(arguments: Sequence[str] | None = None) -> int:
     except BrokenPipeError:
         sys.stdout = open(os.devnull, "w")  # noqa: SIM115, PTH123 - lets the interpreter close quietly
         return 1
-    return 0
 
 
 def _one_line(error: click.ClickException) -> str:

@@ -32,3 +32,13 @@ class WorkOfAdhesion(QuantityOption):
     name = "WORK"
     dimension = "work"
     least = 0.0
+
+
+class Length(QuantityOption):
+    name = "LENGTH"
+    dimension = "length"
+
+
+class Load(QuantityOption):
+    name = "LOAD"
+    dimension = "load"

@@ -1,0 +1,92 @@
+"""``jkr check``: what a case needs and what to expect, without solving it."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import click
+
+from .. import tables, validity
+from ..adhesion import CriticalPoint, Outside
+from ..case import load_case
+from ..case.numerics import method_of
+from ..choose import Option, choose, cost, survey
+from ..expectation import Expectation, expect
+from ..units import show
+from ..words import describe
+
+
+@click.command()
+@click.argument("case", type=click.Path(path_type=Path))
+@click.option("--json", "as_json", is_flag=True, help="Print as JSON.")
+def check(case: Path, as_json: bool) -> None:
+    """Validate CASE and say which method it needs and why, what each would cost, and what to expect.
+
+    The expectation is a coarse solution of the laterally unbounded body in milliseconds; nothing is written.
+
+    \b
+    jkr check cases/thin-layer.toml
+    """
+    model = load_case(case).model
+    problem = model.problem()
+    options = survey(problem, lambda name: method_of(model, name))
+    choice = choose(problem, model.method, lambda name: method_of(model, name))
+    expected = expect(problem, model.adhesion.w, model.adhesion.z0)
+    if as_json:
+        data = {"case": str(case), "problem": describe(problem), "method": choice.name, "reason": choice.reason}
+        click.echo(tables.as_json(data | {"options": [asdict(o) for o in options]} | _as_dict(expected)).rstrip())
+        return
+    click.echo(describe(problem))
+    click.echo(f"  method    {choice.name}: {choice.reason}")
+    for option in options:
+        click.echo(f"            {option.name:<12} {_option(option)}")
+    _print(expected)
+
+
+def _option(option: Option) -> str:
+    if option.forecast is None:
+        return f"cannot: {option.refusal}"
+    note = f" ({option.forecast.note})" if option.forecast.note else ""
+    return f"about {cost(option)}, {option.forecast.memory_mib:.0f} MiB{note}"
+
+
+def _as_dict(expected: Expectation) -> dict[str, Any]:
+    return {
+        "a_m": expected.a,
+        "delta_m": expected.delta,
+        "P_N": expected.P,
+        "half_space_error": expected.half_space_error,
+        "adhesion": [
+            {"w_J_per_m2": w, "pull_off": tables.point(p), "validity": asdict(v)} for w, p, v in expected.adhesion
+        ],
+    }
+
+
+def _print(expected: Expectation) -> None:
+    click.echo(
+        f"  reaches   a = {show(expected.a, 'length')}, delta = {show(expected.delta, 'length')}, "
+        f"P = {show(expected.P, 'load')}"
+    )
+    if expected.half_space_error is not None:
+        click.echo(
+            f"  layers    change the load at this depth by {expected.half_space_error:+.2%} against a half-space"
+        )
+    for w, point, judged in expected.adhesion:
+        click.echo(f"  w = {show(w, 'work')}: pull-off (load control) {_pull_off(point)}")
+        click.echo(f"            Tabor number {_ratio(judged.tabor)}: {judged.regime}")
+        click.echo(f"            a/R = {_ratio(judged.a_over_R)}, a/h = {_ratio(judged.a_over_h)}, "
+                   f"delta/h = {_ratio(judged.delta_over_h)}")  # fmt: skip
+        for warning in validity.check(judged):
+            click.echo(f"jkr: warning: {warning}", err=True)
+
+
+def _pull_off(point: CriticalPoint | Outside) -> str:
+    if isinstance(point, Outside):
+        return point.reason
+    return f"P = {show(point.P, 'load')} at a = {show(point.a, 'length')}"
+
+
+def _ratio(value: float | str) -> str:
+    return f"{value:.3g}" if isinstance(value, float) else f"none ({value})"

@@ -1,0 +1,98 @@
+"""``jkr compare``: two results of the same problem."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from .. import store, tables
+from ..analysis import specification
+from ..differences import Difference, curve_differences, series_differences
+from ..errors import InputError
+from ..files import check_target
+
+COLUMNS = ("P", "a", "S", "dS")
+
+
+@click.command()
+@click.argument("first", type=click.Path(path_type=Path))
+@click.argument("second", type=click.Path(path_type=Path))
+@click.option(
+    "--rtol", type=click.FloatRange(min=0), default=1e-3, show_default=True, help="Largest relative difference."
+)
+@click.option("--column", "columns", multiple=True, type=click.Choice(COLUMNS), help="What counts [default: P].")
+@click.option("--plot", type=click.Path(path_type=Path), help="Draw the differences (.png or .svg).")
+@click.option("--force", is_flag=True, help="Replace an existing plot that jkr did not write.")
+@click.option("--json", "as_json", is_flag=True, help="Print as JSON.")
+@click.pass_context
+def compare(
+    ctx: click.Context,
+    first: Path,
+    second: Path,
+    rtol: float,
+    columns: tuple[str, ...],
+    plot: Path | None,
+    force: bool,
+    as_json: bool,
+) -> None:
+    """Compare two series files (P and a at equal displacement, S and S' at equal radius), or two CSV curves.
+
+    Exit code 1 where a column that counts differs by more than --rtol (CSV curves: every shared column counts).
+
+    \b
+    jkr compare fem.h5 layered.h5 --rtol 1e-3
+    jkr compare today.h5 yesterday.h5 --rtol 1e-12 --column P --column a
+    """
+    if plot is not None:
+        check_target(plot, force)
+    found = _curves(first, second) if first.suffix == ".csv" else _series(first, second)
+    counting = columns or ("P",)
+    judged = [d for d in found if first.suffix == ".csv" or d.column in counting]
+    if missing := set(columns) - {d.column for d in found}:
+        raise InputError(f"compare: column {sorted(missing)[0]} is not in both files")
+    agree = all(d.worst <= rtol for d in judged)
+    if as_json:
+        click.echo(tables.as_json(_as_dict(first, second, rtol, found, judged, agree)).rstrip())
+    else:
+        _print(first, second, rtol, found, judged, agree)
+    if plot is not None:
+        from .. import plots
+
+        plots.save(plots.differences_figure(found, rtol), plot)
+    ctx.exit(0 if agree else 1)
+
+
+def _series(first: Path, second: Path) -> list[Difference]:
+    held = [store.read(path) for path in (first, second)]
+    one, two = (specification(stored).problem for stored in held)
+    for name in ("indenter", "specimen"):
+        if getattr(one, name) != getattr(two, name):
+            raise InputError(f"{second}: its {name} is not that of {first}; compare results of the same problem")
+    return series_differences(*(stored.series()[0] for stored in held))
+
+
+def _curves(first: Path, second: Path) -> list[Difference]:
+    return curve_differences(*(tables.read_curve(path) for path in (first, second)))
+
+
+def _as_dict(first: Path, second: Path, rtol: float, found: list[Difference], judged: list[Difference], agree: bool):
+    return {
+        "first": str(first),
+        "second": str(second),
+        "rtol": rtol,
+        "agree": agree,
+        "columns": {
+            d.column: {"worst": d.worst, "over": d.over, "at": float(d.x[d.worst_row]), "counts": d in judged}
+            for d in found
+        },
+    }
+
+
+def _print(
+    first: Path, second: Path, rtol: float, found: list[Difference], judged: list[Difference], agree: bool
+) -> None:
+    click.echo(f"{first} against {second}: {'agree' if agree else 'DIFFER'} at rtol {rtol:g}")
+    for d in found:
+        counts = "" if d in judged else "  (not counted)"
+        click.echo(f"  {d.column:<16} worst {d.worst:.3e} at {d.over} = {d.x[d.worst_row]:.6g}{counts}")

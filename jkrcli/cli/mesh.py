@@ -1,0 +1,53 @@
+"""``jkr mesh``: the finite-element mesh of a case, for other programs and for the eye."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+import numpy as np
+
+from .. import __version__, plots
+from ..case import load_case
+from ..case.numerics import method_of
+from ..fem.export import write_msh, write_vtu
+from ..files import atomic, check_target
+from ..units import show
+
+# What tells jkr that it wrote a file, where the format keeps comments.
+MARKS = {".msh": f"$Comments\njkr {__version__}\n$EndComments\n", ".vtu": f"\n<!-- jkr {__version__} -->\n"}
+
+
+@click.command()
+@click.argument("case", type=click.Path(path_type=Path))
+@click.option("-o", "--output", type=click.Path(path_type=Path, file_okay=False), default=".", show_default=True)
+@click.option("--force", is_flag=True, help="Replace existing files that jkr did not write.")
+def mesh(case: Path, output: Path, force: bool) -> None:
+    """Mesh CASE as method fem would and write <stem>-mesh.msh (gmsh), .vtu (ParaView) and .png.
+
+    \b
+    jkr mesh cases/halfspace.toml
+    """
+    model = load_case(case).model
+    problem = model.problem()
+    output.mkdir(parents=True, exist_ok=True)
+    targets = {ending: output / f"{case.stem}-mesh{ending}" for ending in (".msh", ".vtu", ".png")}
+    for target in targets.values():
+        check_target(target, force)
+    method = method_of(model, "fem")
+    grid, reach = method.mesh(problem), method._reach(problem)
+    for ending, write in ((".msh", write_msh), (".vtu", write_vtu)):
+        with atomic(targets[ending]) as temporary:
+            write(grid, temporary)
+            with temporary.open("a") as file:
+                file.write(MARKS[ending])
+    plots.save(plots.mesh_figure(grid, reach), targets[".png"])
+    quality = grid.quality()
+    touched = int(np.sum(grid.surface_radii() <= reach))
+    click.echo(f"{case}: {len(grid.cells)} {grid.element}s, {len(grid.points)} vertices")
+    click.echo(
+        f"  body      r <= {show(grid.width, 'length')}, depth {show(grid.depth, 'length')}; "
+        f"{touched} surface vertices within the expected contact of {show(reach, 'length')}"
+    )
+    click.echo(f"  quality   {quality.min():.3f} to {quality.max():.3f}, median {np.median(quality):.3f} (1 is best)")
+    click.echo(f"  written   {output / case.stem}-mesh{{.msh,.vtu,.png}}")

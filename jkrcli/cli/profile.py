@@ -1,0 +1,75 @@
+"""``jkr profile``: contact pressure and surface shape at one state."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+import numpy as np
+
+from .. import plots, store, tables
+from ..analysis import analyse, specification
+from ..errors import InputError
+from ..files import check_target, write_text
+from ..integral.fields import profile as solve_profile
+from ..problem import Problem
+from ..units import show
+from .options import Length, Load, WorkOfAdhesion
+
+
+@click.command()
+@click.argument("file", type=click.Path(path_type=Path))
+@click.option("--a", "radius", type=Length(), help='Contact radius, "2 um".')
+@click.option("--load", type=Load(), help='Load, "-3 mN" (stable branch), compression positive.')
+@click.option(
+    "--w", "work", type=WorkOfAdhesion(), help="Work of adhesion; 0: nonadhesive [default: the case's first]."
+)
+@click.option("-o", "--output", type=click.Path(path_type=Path, file_okay=False), help="Folder [default: the file's].")
+@click.option("--force", is_flag=True, help="Replace existing files that jkr did not write.")
+def profile(
+    file: Path, radius: float | None, load: float | None, work: float | None, output: Path | None, force: bool
+) -> None:
+    """Pressure p(r) inside and surface displacement and gap around the contact of a series FILE, at one state.
+
+    The state is solved exactly on the laterally unbounded body of the file's case, whatever method wrote the series.
+    Writes <stem>-profile.csv, .png and .svg.
+
+    \b
+    jkr profile data.h5 --a "5 um"
+    jkr profile data.h5 --load "-10 mN" --w 50
+    """
+    if (radius is None) == (load is None):
+        raise InputError("profile: give exactly one of --a and --load")
+    stored = store.read(file)
+    case = specification(stored)
+    w = work if work is not None else (case.w or (0.0,))[0]
+    folder = output if output is not None else file.parent
+    folder.mkdir(parents=True, exist_ok=True)
+    targets = {ending: folder / f"{file.stem}-profile{ending}" for ending in (".csv", ".png", ".svg")}
+    for target in targets.values():
+        check_target(target, force)
+    if radius is None:
+        assert load is not None
+        radius = analyse(stored, [w])[0].curve.radius_at_load(load)
+    columns = _columns(case.problem, radius, w)
+    write_text(targets[".csv"], tables.csv(columns))
+    figure = plots.profile_figure(columns, radius, w)
+    for ending in (".png", ".svg"):
+        plots.save(figure, targets[ending])
+    click.echo(f"{file}: a = {show(radius, 'length')}, w = {show(w, 'work')}")
+    click.echo(f"  written {folder / file.stem}-profile{{.csv,.png,.svg}}")
+
+
+def _columns(problem: Problem, a: float, w: float, points: int = 200) -> dict[str, np.ndarray]:
+    """Pressure, displacement and gap at radii that crowd on both sides of the edge, out to 3 a; none at the edge."""
+    inside = a * np.sin(np.linspace(0, np.pi / 2, points + 2)[1:-1])
+    outside = a * (1 + 2 * np.linspace(0, 1, points + 1)[1:] ** 2)
+    outside = outside[outside <= problem.indenter.r_max]
+    r = np.concatenate([inside, outside])
+    found = solve_profile(problem, a, w, inside, r)
+    return {
+        "r_m": r,
+        "pressure_Pa": np.concatenate([found.pressure, 0 * outside]),
+        "displacement_m": found.displacement,
+        "gap_m": found.gap,
+    }

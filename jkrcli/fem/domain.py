@@ -1,0 +1,119 @@
+"""The body that is meshed: a rectangle of layers with supports, cut out of the specimen where that is unbounded."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..errors import Refusal
+from ..materials import Elastic
+from ..problem import HalfSpace, Problem, Rigid, Side, Specimen
+
+FAR = 1e5  # size of the cut-out of a half-space, in lengths over which its field decays
+WIDE = 40.0  # width beyond the contact of a stack on a rigid base, in such lengths
+
+
+@dataclass(frozen=True)
+class Body:
+    """Layers from the surface down, each ``thicknesses[i]`` m of ``materials[i]``, out to radius ``width`` [m].
+
+    ``bonded``: the base holds the body, else it only supports it; ``cut_below``: the lowest layer stands for a
+    half-space; ``cut_beside``: the specimen is wider than the body.
+    """
+
+    thicknesses: tuple[float, ...]
+    materials: tuple[Elastic, ...]
+    width: float
+    bonded: bool
+    side: Side
+    cut_below: bool
+    cut_beside: bool
+
+    @property
+    def depth(self) -> float:
+        return float(sum(self.thicknesses))
+
+    @property
+    def interfaces(self) -> np.ndarray:
+        """Depths of the layer boundaries inside the body, increasing [m]."""
+        return np.cumsum(self.thicknesses)[:-1]
+
+    @property
+    def layers(self) -> list[tuple[float, float]]:
+        """(top depth, thickness) of the layers whose lower side is a boundary of the specimen."""
+        tops = np.concatenate([[0.0], self.interfaces])
+        pairs = list(zip(tops.tolist(), self.thicknesses, strict=True))
+        return pairs[:-1] if self.cut_below else pairs
+
+
+def cut_out(problem: Problem, reach: float, depth: float | None, width: float | None) -> Body:
+    """The body to mesh for contact radii up to ``reach``; ``depth`` and ``width``: the user's truncation, or None."""
+    specimen = _with_equivalent_modulus(problem)
+    decay = _decay_length(specimen, reach)
+    base = specimen.base
+    thicknesses = [layer.thickness for layer in specimen.layers]
+    materials = [layer.material for layer in specimen.layers]
+    if isinstance(base, HalfSpace):
+        H = depth if depth is not None else FAR * decay
+        if 2 * (sum(thicknesses) + reach) >= H:
+            raise Refusal(
+                f"mesh.depth: {H:g} m leaves too little of the half-space below contact and layers; "
+                f"give more than {2 * (sum(thicknesses) + reach):.3g} m or leave it out"
+            )
+        thicknesses.append(H - sum(thicknesses))
+        materials.append(base.material)
+        bonded, L = True, FAR * decay
+    else:
+        if depth is not None:
+            raise Refusal(
+                f"mesh.depth: the specimen ends at its rigid base, {specimen.thickness:g} m deep: leave it out"
+            )
+        assert isinstance(base, Rigid)
+        bonded, L = base.bonded, reach + WIDE * decay
+    finite = specimen.radius is not None
+    return Body(
+        thicknesses=tuple(thicknesses),
+        materials=tuple(materials),
+        width=_width(specimen, reach, width, L),
+        bonded=bonded,
+        side=(specimen.side or "free") if finite else "free",
+        cut_below=isinstance(base, HalfSpace),
+        cut_beside=not finite,
+    )
+
+
+def half_space_like(body: Body, size: float) -> Body:
+    """A homogeneous half-space of the uppermost material, cut at depth and width ``size`` [m]."""
+    return Body((size,), body.materials[:1], size, True, "free", cut_below=True, cut_beside=True)
+
+
+def _width(specimen: Specimen, reach: float, width: float | None, automatic: float) -> float:
+    if specimen.radius is not None:
+        if width is not None:
+            raise Refusal(f"mesh.width: the specimen ends at its radius, {specimen.radius:g} m: leave it out")
+        return specimen.radius
+    if width is None:
+        return automatic
+    if width <= 1.5 * reach:
+        raise Refusal(f"mesh.width: {width:g} m, needs more than 1.5 contact radii, {1.5 * reach:.3g} m")
+    return width
+
+
+def _decay_length(specimen: Specimen, reach: float) -> float:
+    """Length over which the field changes far from the contact: layers' thickness, longer under a stiff plate."""
+    moduli = [layer.material.E for layer in specimen.layers]
+    total = sum(layer.thickness for layer in specimen.layers)
+    if isinstance(specimen.base, HalfSpace):
+        contrast = max([*moduli, specimen.base.material.E]) / specimen.base.material.E
+        return max(reach, total * contrast ** (1 / 3))
+    return total * (max(moduli) / min(moduli)) ** (1 / 4)
+
+
+def _with_equivalent_modulus(problem: Problem) -> Specimen:
+    """An elastic indenter on a homogeneous half-space acts through E* alone (Eq. 4): give it all to the half-space."""
+    specimen = problem.specimen
+    if problem.indenter.material is None:
+        return specimen
+    nu = specimen.surface.nu
+    return Specimen((), HalfSpace(Elastic(problem.E_star * (1 - nu**2), nu)))

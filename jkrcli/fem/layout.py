@@ -1,0 +1,193 @@
+"""From a body and the user's wishes to a grid: the layouts ``scaled`` and ``zones``, in triangles or quadrilaterals."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..errors import Refusal
+from .blocks import ringed_quads, tensor_quads
+from .domain import Body
+from .grid import Grid, make_grid
+from .mesh import triangles
+from .sizes import SizeLaw, graded_points
+
+Array = np.ndarray
+MAX_CELLS = 3_000_000
+TOP_LAYER, DEEP_LAYER = 1.0, 2.0  # layer limits in units of growth * thickness
+FAR_GROWTH, STEEPEST = 0.3, 0.6
+LONGEST = 30.0  # cells in a layer far from the contact, in thicknesses
+UNLIMITED = 1e9  # reaches
+DIGITS = 12  # dimensionless lengths are rounded to this: the mesh does not depend on the unit of length
+
+
+@dataclass(frozen=True)
+class Layout:
+    """A size law over a body, in units of ``unit`` [m]: what is needed to make a grid, and to coarsen it."""
+
+    body: Body
+    law: SizeLaw
+    unit: float
+    element: str
+    sides: tuple[tuple[float, float], ...] = ()
+
+    def coarser(self, factor: float) -> Layout:
+        """The same layout with every element ``factor`` times as large."""
+        law = self.law
+        return replace(
+            self,
+            law=replace(
+                law,
+                growth=min(law.growth * factor, STEEPEST),
+                far_growth=min(law.far_growth * factor, STEEPEST),
+                slope=law.slope * factor,
+                floor=law.floor * factor,
+                zones=tuple((extent, size * factor) for extent, size in law.zones),
+                layers=tuple((top, t, size * factor, longest) for top, t, size, longest in law.layers),
+            ),
+            sides=tuple((extent, size * factor) for extent, size in self.sides),
+        )
+
+    def on(self, body: Body) -> Layout:
+        """The same sizes, so the same surface vertices in the contact, on another body without layers."""
+        layers = tuple((top, t, size, UNLIMITED) for top, t, size, _ in self.law.layers)
+        return replace(self, body=body, law=replace(self.law, layers=layers))
+
+    def grid(self) -> Grid:
+        """Mesh the body."""
+        width, depth, interfaces = (
+            _rounded(x / self.unit) for x in (self.body.width, self.body.depth, self.body.interfaces)
+        )
+        surface = self._surface_points(float(width))
+        if self.element == "triangle":
+            return triangles(surface, float(depth), interfaces, self.law.text()).scaled(self.unit)
+        return self._quadrilaterals(surface, float(depth), interfaces).scaled(self.unit)
+
+    def _along_surface(self, r: Array) -> Array:
+        if self.sides:
+            return np.interp(r, *_columns(self.sides))
+        return self.law(r, np.zeros_like(r))
+
+    def _surface_points(self, width: float) -> Array:
+        """Radii of the surface vertices; the edge of a flat end and the corners of the zones are among them."""
+        knots = [x for x in (self.law.a0, *(extent for extent, _ in self.sides)) if 0 < x < width * (1 - 1e-9)]
+        stops = np.unique([0.0, *knots, width])
+        parts = [graded_points(p, q, self._along_surface) for p, q in itertools.pairwise(stops)]
+        return np.unique(np.concatenate(parts))
+
+    def _quadrilaterals(self, surface: Array, depth: float, interfaces: Array) -> Grid:
+        corner = self._ring_start(surface[-1], depth, interfaces)
+        if corner is None:
+            stops = [0.0, *interfaces, depth]
+            lines = [graded_points(p, q, self._down) for p, q in itertools.pairwise(stops)]
+            return _structured(*tensor_quads(surface, _limited(surface, np.unique(np.concatenate(lines)))), interfaces)
+        inner = surface[surface <= corner * (1 + 1e-9)]
+        rings = surface[surface > corner * (1 + 1e-9)]
+        across = np.log(rings / corner) / np.log(rings[-1] / corner)
+        heights = corner * (depth / corner) ** across
+        heights[-1] = depth
+        return _structured(*ringed_quads(inner, _limited(surface, inner), rings, heights), interfaces)
+
+    def _ring_start(self, width: float, depth: float, interfaces: Array) -> float | None:
+        """Side of the inner square that rings surround: of homogeneous large bodies touched at a point, else None."""
+        law = self.law
+        if interfaces.size or law.a0 > 0 or min(width, depth) < 5 * law.reach:
+            return None
+        return self.sides[2][0] if self.sides else law.inner
+
+    def _down(self, z: Array) -> Array:
+        """Size along the depth at the finest part of the contact."""
+        if self.sides:
+            return np.interp(z, *_columns(self.sides))
+        return self.law(np.full_like(z, min(self.law.a0 + self.law.inner, self.law.reach)), -z)
+
+
+def _columns(pairs: tuple[tuple[float, float], ...]) -> tuple[Array, Array]:
+    table = np.array(pairs)
+    return table[:, 0], table[:, 1]
+
+
+def _rounded(x: float | Array) -> Array:
+    """Rounded to DIGITS significant digits."""
+    x = np.asarray(x, dtype=float)
+    scale = 10.0 ** (DIGITS - np.ceil(np.log10(np.where(x == 0, 1.0, x))))
+    return np.round(x * scale) / scale
+
+
+def _limited(surface: Array, lines: Array) -> Array:
+    if surface.size * lines.size > MAX_CELLS:
+        raise Refusal(
+            f"mesh: {surface.size} x {lines.size} lines make too many quadrilaterals (at most {MAX_CELLS}): "
+            "take a larger mesh.element_size, or triangles"
+        )
+    return lines
+
+
+def _structured(points: Array, cells: Array, interfaces: Array) -> Grid:
+    return make_grid(points, cells, interfaces)
+
+
+def scaled_layout(
+    body: Body, element: str, reach: float, a0: float, smallest: float, spacing: float, growth: float
+) -> Layout:
+    """Element size ``spacing`` times the distance from the first contact beyond ``smallest`` [m], then growing."""
+    unit = reach
+    law = SizeLaw(
+        reach=1.0,
+        growth=growth,
+        far_growth=max(growth, FAR_GROWTH),
+        a0=float(_rounded(a0 / unit)),
+        inner=float(_rounded(smallest / unit)),
+        slope=spacing,
+        layers=_layer_limits(body, unit, growth),
+    )
+    return Layout(body, law, unit, element)
+
+
+def zones_layout(
+    body: Body,
+    element: str,
+    reach: float,
+    a0: float,
+    element_size: float | None,
+    R: float,
+    sizes: tuple[float, float, float],
+    growth: float,
+) -> Layout:
+    """The paper's zones (Sec. 4.1): uniform ``element_size`` over the contact, then up to ``sizes[k]`` (in units of
+    ``R``) within zone I (square R), II (square 2R), III. On a body thinner than R the unit is its depth instead."""
+    thin = not body.cut_below and body.depth < R
+    unit = body.depth if thin else R
+    size = element_size if element_size is not None else (0.02 if thin else 0.0005) * unit
+    extent = float(_rounded(reach / unit))
+    e = float(_rounded(size / unit))
+    first, second = max(1.0, 1.25 * extent), max(2.0, 2.5 * extent)
+    limits = tuple(max(s, e) for s in sizes)
+    zones = () if thin else ((first, limits[0]), (second, limits[1]), (math.inf, limits[2]))
+    law = SizeLaw(
+        reach=extent,
+        growth=growth,
+        far_growth=max(growth, FAR_GROWTH),
+        a0=float(_rounded(a0 / unit)),
+        floor=e,
+        zones=zones,
+        layers=_layer_limits(body, unit, growth),
+    )
+    sides: tuple[tuple[float, float], ...] = ()
+    if element == "quadrilateral":
+        far = max(body.width, body.depth) / unit
+        sides = ((0.0, e), (extent, e), (first, limits[0]), (second, limits[1]), (max(far, 2 * second), limits[2]))
+    return Layout(body, law, unit, element, sides)
+
+
+def _layer_limits(body: Body, unit: float, growth: float) -> tuple[tuple[float, float, float, float], ...]:
+    """Elements across the layers: ``1/growth`` through the uppermost one, half as many through deeper ones."""
+    limits = []
+    for i, (top, thickness) in enumerate(body.layers):
+        share = (TOP_LAYER if i == 0 else DEEP_LAYER) * growth
+        t = float(_rounded(thickness / unit))
+        limits.append((float(_rounded(top / unit)), t, min(share, 0.5) * t, LONGEST * t))
+    return tuple(limits)

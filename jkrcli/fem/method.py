@@ -1,0 +1,308 @@
+"""The method ``fem``: axisymmetric finite elements with frictionless contact on the condensed surface."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from ..clock import StageClock
+from ..errors import InputError, Refusal
+from ..methods import Forecast
+from ..problem import HalfSpace, Problem
+from ..series import ErrorBudget, PressureTable, RawSeries, Series, Solution, filter_plateaus
+from .budget import estimate
+from .contact import Events, Increment, SurfaceContact, nested_events, solve_depths, solve_loads
+from .domain import cut_out
+from .edge import radius_factors
+from .grid import Grid
+from .layout import Layout, scaled_layout, zones_layout
+from .model import Model, Recipe
+from .report import facts, warnings
+
+Array = np.ndarray
+NEARLY_INCOMPRESSIBLE = 0.49
+ATTEMPTS = 5
+
+
+@dataclass(frozen=True)
+class FEM:
+    """Finite elements for any stack of isotropic layers on a rigid base or a half-space, wide or of finite radius.
+
+    Geometrically linear, frictionless; any convex indenter, rigid (or elastic on a homogeneous half-space).
+    The default solves a paraboloid on a half-space to about 1e-4 in P(delta); the contact radius is that of a
+    vertex, a few per cent of ``spacing`` off.
+
+    ``layout``: "scaled": element size proportional to the distance from the first contact; "zones": the paper's.
+    ``element``, ``order``: triangles (free) or quadrilaterals (structured), first or second order.
+    ``contact``: "nested": every contact radius of a growing disc exactly; "incremental": the loading's increments.
+    ``element_size`` [m]: over the contact in the layout "zones" (default 0.0005 R; 0.02 of a thin body's depth).
+    ``depth``, ``width`` [m]: where an unbounded specimen is cut (default: so far that it does not matter).
+    ``contact_radius`` [m]: largest contact radius to provide for (default: found from the loading).
+    ``spacing``: distance of surface vertices over the distance from the first contact, layout "scaled".
+    ``smallest``: contact radius down to which that holds, as a fraction of the largest.
+    ``growth``: increase of the element size per distance from the contact (default 0.15; 0.05 at first order).
+    ``zone_sizes``: largest element sizes in the zones I, II, III, in units of R, layout "zones".
+    ``margin``: candidates beyond the expected largest contact radius, as a factor of it.
+    ``formulation``: "auto": a pressure unknown for layers with nu > 0.49 (second order); "displacement"; "mixed".
+    ``edge_correction``: contact radii of "nested" calibrated on a half-space with the same surface mesh (``fem.edge``).
+    ``estimate_error``: solve a mesh with doubled sizes too, for the error budget.
+    """
+
+    layout: Literal["scaled", "zones"] = "scaled"
+    element: Literal["triangle", "quadrilateral"] = "triangle"
+    order: Literal[1, 2] = 2
+    contact: Literal["nested", "incremental"] = "nested"
+    element_size: float | None = None
+    depth: float | None = None
+    width: float | None = None
+    contact_radius: float | None = None
+    spacing: float = 0.04
+    smallest: float = 0.05
+    growth: float | None = None
+    zone_sizes: tuple[float, float, float] = (0.02, 0.05, 0.5)
+    margin: float = 1.1
+    formulation: Literal["auto", "displacement", "mixed"] = "auto"
+    edge_correction: bool = True
+    estimate_error: bool = True
+
+    def __post_init__(self) -> None:
+        for name, low, high in (
+            ("element_size", 0.0, math.inf),
+            ("depth", 0.0, math.inf),
+            ("width", 0.0, math.inf),
+            ("contact_radius", 0.0, math.inf),
+            ("spacing", 0.0, 0.5),
+            ("smallest", 0.0, 1.0),
+            ("growth", 0.0, 0.6),
+            ("margin", 1.0, 10.0),
+        ):
+            value = getattr(self, name)
+            if value is not None and not low < value < high:
+                raise InputError(f"mesh.{name}: must be > {low:g}" + f" and < {high:g}, got {value:g}")
+        if self.element_size is not None and self.layout == "scaled":
+            raise InputError('mesh.element_size: belongs to layout "zones"; the layout "scaled" takes spacing')
+
+    # ------------------------------------------------------------------ what it can do
+    def refusal(self, problem: Problem) -> str | None:
+        specimen = problem.specimen
+        if problem.indenter.material is not None and not specimen.is_half_space:
+            return (
+                "an elastic indenter on a layered or finite body is not represented by a rigid profile: "
+                "use method layered, or a rigid indenter"
+            )
+        if specimen.radius is not None and isinstance(specimen.base, HalfSpace):
+            return "a body of finite radius needs a rigid base: give the depth as a layer's thickness"
+        if self.order == 1 and any(nu == 0.5 for nu in self._poisson(problem)):
+            return "nu = 0.5 needs second-order elements: set mesh.order = 2"
+        return None
+
+    def forecast(self, problem: Problem) -> Forecast:
+        """From measured cost per unknown; the count is that of the graded mesh."""
+        n = self._cells_expected(problem)
+        unknowns = n * (1.1 if self.order == 1 else 4.2)
+        seconds = 0.15 + 2.2e-5 * n + 2e-5 * unknowns * (1 + (unknowns / 1e5) ** 0.5)
+        error = 3e-4 if self.order == 2 else 1e-2
+        return Forecast(seconds * 1.4, 60 + unknowns * 4e-3, error, f"about {n:.0f} elements")
+
+    def _cells_expected(self, problem: Problem) -> float:
+        growth = self._growth
+        if self.layout == "zones":
+            return 420_000.0 if self.element == "quadrilateral" else 9_000 + 1_000 / growth
+        return 20 / (growth * self.spacing) ** 0.7 + 60 * len(problem.specimen.layers) / growth
+
+    # ------------------------------------------------------------------ meshes
+    def mesh(self, problem: Problem) -> Grid:
+        """The mesh that a solve would begin with."""
+        self._refuse(problem)
+        return self._layout(problem, self._reach(problem)).grid()
+
+    @property
+    def _growth(self) -> float:
+        return self.growth if self.growth is not None else (0.15 if self.order == 2 else 0.05)
+
+    def _reach(self, problem: Problem) -> float:
+        """Radius out to which the mesh is fine and nodes are candidates [m]."""
+        from ..integral.layered import largest_radius
+
+        largest = self.contact_radius if self.contact_radius is not None else largest_radius(problem)
+        return self._bounded(problem, self.margin * largest)
+
+    @staticmethod
+    def _bounded(problem: Problem, reach: float) -> float:
+        edge = problem.specimen.radius if problem.specimen.radius is not None else math.inf
+        return min(reach, edge, problem.indenter.r_max * (1 - 1e-9))
+
+    def _layout(self, problem: Problem, reach: float) -> Layout:
+        body = cut_out(problem, reach, self.depth, self.width)
+        a0 = problem.indenter.a0
+        if self.layout == "scaled":
+            smallest = self.smallest * (reach - a0)
+            return scaled_layout(body, self.element, reach, a0, smallest, self.spacing, self._growth)
+        R = problem.indenter.tip_radius or 6 * reach
+        return zones_layout(body, self.element, reach, a0, self.element_size, R, self.zone_sizes, self._growth)
+
+    def _poisson(self, problem: Problem) -> list[float]:
+        specimen = problem.specimen
+        base = [specimen.base.material.nu] if isinstance(specimen.base, HalfSpace) else []
+        return [layer.material.nu for layer in specimen.layers] + base
+
+    def _mixed(self, problem: Problem) -> tuple[int, ...]:
+        """Layers that get a pressure unknown."""
+        if self.order == 1 or self.formulation == "displacement":
+            return ()
+        limit = NEARLY_INCOMPRESSIBLE if self.formulation == "auto" else 0.0
+        return tuple(i for i, nu in enumerate(self._poisson(problem)) if nu > limit)
+
+    def _refuse(self, problem: Problem) -> None:
+        if reason := self.refusal(problem):
+            raise Refusal(reason)
+
+    # ------------------------------------------------------------------ solve
+    def __call__(self, problem: Problem) -> Solution:
+        """Solve; errors: Refusal (contact leaves the candidates, body not representable), SolveError."""
+        self._refuse(problem)
+        clock = StageClock()
+        model, contact, events = self._solve_large_enough(problem, clock)
+        by_increments = self.contact == "incremental" or not events.valid
+        raw, increments, dropped = None, [], 0
+        if by_increments:
+            with clock("contact"):
+                increments = self._increments(problem, contact, events)
+                raw = _raw(model, increments)
+                kept, dropped = filter_plateaus(raw)
+                columns = (kept.a, kept.delta, kept.P)
+        else:
+            with clock("edge correction"):
+                if self.edge_correction:
+                    events = _corrected(model, problem, events)
+            columns = (events.a, events.delta, events.P)
+        with clock("error estimate"):
+            budget = self._budget(problem, model, events, columns)
+        forces = np.array([step.p for step in increments]) if by_increments else events.p
+        return Solution(
+            series=_series(problem, contact, columns, budget),
+            raw=raw,
+            budget=budget,
+            method="fem",
+            pressure=_pressures(model, forces),
+            facts=facts(self, model, events, increments, dropped),
+            timings=clock.seconds,
+            warnings=tuple(warnings(self, problem, events)),
+        )
+
+    def _solve_large_enough(self, problem: Problem, clock: StageClock) -> tuple[Model, SurfaceContact, Events]:
+        """Solve on meshes for growing contact radii until the loading's end lies within the candidates."""
+        reach = self._reach(problem)
+        loading = problem.loading
+        for _ in range(ATTEMPTS):
+            model = Recipe(self._layout(problem, reach), self.order, self._mixed(problem), reach).build(clock)
+            with clock("contact"):
+                contact = model.contact(problem.indenter)
+                events = nested_events(contact, problem.indenter.a0, loading.to, loading.maximum)
+            needed = _needed_radius(problem, events, reach)
+            if needed is None:
+                return model, contact, events
+            if self.contact_radius is not None:
+                raise Refusal(
+                    f"contact leaves the refined zone: mesh.contact_radius is {self.contact_radius:g} m, "
+                    f"this loading needs about {needed:.2g} m: give that or leave it out"
+                )
+            wider = self._bounded(problem, self.margin * needed)
+            if wider <= reach:
+                break
+            reach = wider
+        raise Refusal(
+            f"contact reaches the edge of the body or of the indenter's profile, {reach:g} m, before the "
+            f"{loading.to} reaches {loading.maximum:g}: load less"
+        )
+
+    def _increments(self, problem: Problem, contact: SurfaceContact, events: Events) -> list[Increment]:
+        loading = problem.loading
+        if loading.spacing == "given" and loading.to == "load":
+            return solve_loads(contact, loading.values)
+        return solve_depths(contact, _depths(problem, events))
+
+    def _budget(
+        self, problem: Problem, model: Model, events: Events, columns: tuple[Array, Array, Array]
+    ) -> ErrorBudget:
+        if not self.estimate_error:
+            reason = "not estimated: estimate_error is off"
+            return ErrorBudget(reason, reason, reason)
+        return estimate(model, problem, events, *columns)
+
+
+def _corrected(model: Model, problem: Problem, events: Events) -> Events:
+    """The events with edge-corrected radii."""
+    return replace(events, a=events.a * radius_factors(model, problem.indenter)[: events.a.size])
+
+
+def _series(
+    problem: Problem, contact: SurfaceContact, columns: tuple[Array, Array, Array], budget: ErrorBudget
+) -> Series:
+    a, delta, P = columns
+    a0 = problem.indenter.a0
+    errors = {}
+    if isinstance(budget.radius, float) and isinstance(budget.total, float):
+        errors = {"a": budget.radius * a, "P": (budget.total - budget.radius) * P}
+    flat = int(np.count_nonzero(contact.surface.radii <= a0 * (1 + 1e-9)))
+    S0 = float(contact.S[flat - 1]) if a0 > 0 else 0.0
+    return Series(a, delta, P, errors=errors, a0=a0, S0=S0)
+
+
+def _needed_radius(problem: Problem, events: Events, reach: float) -> float | None:
+    """None where the events reach the end of the loading; else about the contact radius that does."""
+    loading, a0 = problem.loading, problem.indenter.a0
+    if not events.a.size:
+        return 2 * reach
+    last = {"depth": events.delta, "load": events.P, "radius": events.a}[loading.to][-1]
+    if last >= loading.maximum * (1 - 1e-9):
+        return None
+    power = {"depth": 1 / 2, "load": 1 / 3, "radius": 1.0}[loading.to]
+    return float(a0 + (events.a[-1] - a0) * 1.05 * (loading.maximum / last) ** power)
+
+
+def _depths(problem: Problem, events: Events) -> Array:
+    """Displacements of the increments [m]; other quantities are interpolated in the table of events."""
+    loading, a0 = problem.loading, problem.indenter.a0
+    if loading.to == "depth" and loading.spacing == "given":
+        return np.array(loading.values)
+    steps = np.arange(1, loading.points + 1) / loading.points
+    deepest = loading.maximum
+    if loading.to != "depth":
+        deepest = float(_between(events, loading.to, np.array([loading.maximum]))[0])
+    if loading.spacing == "depth":
+        return deepest * steps
+    if loading.spacing == "given":
+        return _between(events, "radius", np.array(loading.values))
+    largest = float(np.exp(np.interp(np.log(deepest), np.log(events.delta), np.log(events.a))))
+    depths = _between(events, "radius", a0 + (largest - a0) * steps)
+    depths[-1] = deepest
+    return depths
+
+
+def _between(events: Events, quantity: str, values: Array) -> Array:
+    """Depths at which ``quantity`` has the given values: a monotone cubic in logarithms, below them a power law."""
+    from scipy.interpolate import PchipInterpolator
+
+    x = np.log({"radius": events.a, "load": events.P}[quantity])
+    y = np.log(events.delta)
+    wanted = np.log(values)
+    below = y[0] + (wanted - x[0]) * (y[1] - y[0]) / (x[1] - x[0])
+    return np.exp(np.where(wanted < x[0], below, PchipInterpolator(x, y)(np.maximum(wanted, x[0]))))
+
+
+def _raw(model: Model, increments: list[Increment]) -> RawSeries:
+    """Increments with the radius of the outermost active vertex (0 where there is none beyond the axis)."""
+    surface = model.surface
+    a = [float(np.max(surface.radii[step.active & surface.is_vertex], initial=0.0)) for step in increments]
+    return RawSeries(np.array(a), np.array([s.delta for s in increments]), np.array([s.P for s in increments]))
+
+
+def _pressures(model: Model, forces: Array) -> PressureTable:
+    """Nodal force over nodal area; nodes without area (the axis of second-order elements) are left out."""
+    areas = model.surface.areas
+    wide = areas > 1e-6 * areas.max() * (model.surface.radii / model.surface.radii[-1]) ** 2
+    return PressureTable(model.surface.radii[wide], forces[:, wide] / areas[wide])

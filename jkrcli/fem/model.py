@@ -1,0 +1,81 @@
+"""One mesh, one factorisation: the contact problem of a body condensed onto its surface."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..clock import StageClock
+from ..indenters import Indenter
+from .contact import SurfaceContact
+from .domain import Body
+from .elasticity import ElasticSystem, Side, assemble
+from .grid import Grid
+from .layout import Layout
+from .surface import Factor, Surface, condense, factorise
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """What a model is made from: ``layout`` on its body, element ``order``, ``mixed``: layers with a pressure unknown,
+    ``reach``: radius out to which surface nodes are candidates [m]; ``side``: instead of the body's own support."""
+
+    layout: Layout
+    order: int
+    mixed: tuple[int, ...]
+    reach: float
+    side: Side | None = None
+
+    @property
+    def body(self) -> Body:
+        return self.layout.body
+
+    def coarser(self, factor: float) -> Recipe:
+        return replace(self, layout=self.layout.coarser(factor))
+
+    def on_half_space(self, body: Body) -> Recipe:
+        """The same surface vertices on a homogeneous ``body``."""
+        return replace(self, layout=self.layout.on(body), mixed=tuple(i for i in self.mixed if i == 0), side=None)
+
+    def build(self, clock: StageClock) -> Model:
+        """Mesh, assemble, factorise and condense."""
+        body = self.body
+        with clock("mesh"):
+            grid = self.layout.grid()
+        with clock("assembly"):
+            side = self.side or body.side
+            system = assemble(grid, body.materials, self.order, bonded=body.bonded, side=side, mixed=self.mixed)
+        candidates = int(np.searchsorted(system.radii, self.reach * (1 + 1e-9)))
+        with clock("factorisation"):
+            factor = factorise(system, candidates)
+        with clock("surface solves"):
+            surface = condense(system, factor)
+        return Model(self, grid, system, factor, surface)
+
+
+@dataclass(frozen=True, eq=False)
+class Model:
+    """Grid, elastic system, factor and condensed surface of one body."""
+
+    recipe: Recipe
+    grid: Grid
+    system: ElasticSystem
+    factor: Factor
+    surface: Surface
+
+    @property
+    def body(self) -> Body:
+        return self.recipe.body
+
+    def contact(self, indenter: Indenter) -> SurfaceContact:
+        """The contact problem with ``indenter``."""
+        return SurfaceContact(self.surface, indenter.f(self.surface.radii))
+
+    def field(self, p: Array) -> Array:
+        """Displacements (and pressures) of all unknowns under the nodal contact forces ``p`` [N]."""
+        loads = np.zeros(self.system.K.shape[0])
+        loads[self.system.normal[: p.size]] = -p
+        return self.factor.solve(loads)

@@ -1,0 +1,82 @@
+"""Facts about a finite-element run, and warnings with numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..problem import Problem
+from .contact import Events, Increment
+from .model import Model
+
+if TYPE_CHECKING:
+    from .method import FEM
+
+LOCKING = 0.45
+
+
+def facts(method: FEM, model: Model, events: Events, increments: Sequence[Increment], dropped: int) -> dict[str, Any]:
+    """Plain numbers and words about mesh, solver and checks."""
+    grid, system, surface = model.grid, model.system, model.surface
+    quality = grid.quality()
+    last = increments[-1] if increments else None
+    p, P = (last.p, last.P) if last is not None else (events.p[-1], float(events.P[-1]))
+    solution = model.field(p)
+    violation = max((step.violation for step in increments), default=events.violation)
+    return {
+        "layout": method.layout,
+        "element": grid.element,
+        "order": method.order,
+        "elements": len(grid.cells),
+        "vertices": len(grid.points),
+        "unknowns": int(system.free.size),
+        "candidates": int(surface.radii.size),
+        "quality_min": float(quality.min()),
+        "quality_median": float(np.median(quality)),
+        "depth_m": grid.depth,
+        "width_m": grid.width,
+        "formulation": _formulation(model),
+        "contact": "nested" if last is None else "incremental",
+        "contact_reason": _contact_reason(method, events, bool(increments)),
+        "edge_correction": not increments and method.edge_correction,
+        "solver": "SuperLU, nested dissection, contact nodes last",
+        "factor_entries": int(model.factor.lu.nnz),
+        "residual": surface.residual,
+        "asymmetry": surface.asymmetry,
+        "balance": abs(system.vertical_reaction(solution) / P - 1),
+        "complementarity": max(violation, 0.0),
+        "increments": len(increments),
+        "dropped": dropped,
+    }
+
+
+def _formulation(model: Model) -> str:
+    mixed = model.recipe.mixed
+    if not mixed:
+        return "displacement"
+    nu = max(model.body.materials[i].nu for i in mixed)
+    return f"displacement and pressure in layers {', '.join(str(i + 1) for i in mixed)} (nu = {nu:g})"
+
+
+def _contact_reason(method: FEM, events: Events, incremental: bool) -> str:
+    if incremental and method.contact == "nested":
+        return f"the contact is not a growing disc of nodes (violation {events.violation:.1e}): solved by increments"
+    return "as asked"
+
+
+def warnings(method: FEM, problem: Problem, events: Events) -> Iterator[str]:
+    """Sentences on what may spoil the result."""
+    specimen = problem.specimen
+    nu = max([layer.material.nu for layer in specimen.layers] + ([] if specimen.layers else [specimen.surface.nu]))
+    if method.order == 1 and nu > LOCKING:
+        yield (
+            f"first-order elements lock near incompressibility: nu = {nu:g} > {LOCKING:g}, the load may be several per "
+            "cent too large; take mesh.order = 2"
+        )
+    if method.contact == "nested" and not events.valid:
+        yield (
+            "nested contact does not hold here (a force or gap is negative by "
+            f"{events.violation:.1e}, relative): increments were solved instead"
+        )

@@ -1,0 +1,150 @@
+"""One indenter on one layered specimen: nonadhesive contact at any radii, with as many nodes as an accuracy needs."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from ..errors import Refusal, SolveError
+from ..indenters import Indenter
+from ..materials import contact_modulus
+from ..problem import Specimen
+from .kernel import FLOOR, LayeredSpectrum, phase_allowed
+from .solver import AbelImage, Nested, Panels, solve
+
+Array = np.ndarray
+
+ORDERS = range(1, 11)  # Gauss nodes per panel
+FREQUENCY = 5.0  # highest wave number that the solution contains noticeably, times the kernel's scale
+MAX_NODES = 4000
+MAX_FLOPS = 4e11
+MARGIN = 8.0  # the quadrature is planned for this much less than the tolerance
+CHECKS, GAPS = 12, 6
+SAFETY = 4.0
+NO_CLAIM = 1e-3  # errors below this part of the tolerance are not told apart
+COLUMNS = ("delta", "P", "S", "dS")
+REFINEMENTS = 4
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A quadrature: ``order`` Gauss nodes on panels no wider than ``widest`` [m], ``nodes`` in all."""
+
+    order: int
+    widest: float
+    nodes: int
+
+    def finer(self) -> Plan:
+        """One or two more nodes on the same panels: at least one order of magnitude more accurate."""
+        step = 1 if self.order <= 4 else 2
+        return Plan(self.order + step, self.widest, self.nodes // self.order * (self.order + step))
+
+
+@dataclass(frozen=True, eq=False)
+class LayeredContact:
+    """The pair of bodies. ``nested`` solves at given radii; nothing is kept between calls except the spectrum."""
+
+    indenter: Indenter
+    specimen: Specimen
+
+    @property
+    def E_star(self) -> float:
+        return contact_modulus(self.specimen.surface, self.indenter.material)
+
+    @cached_property
+    def spectrum(self) -> LayeredSpectrum:
+        return LayeredSpectrum(self.specimen, self.indenter.material)
+
+    def prepare(self) -> None:
+        """Resolve the spectrum now rather than at the first solve."""
+        if self.specimen.layers:
+            _ = self.spectrum.panels
+
+    def first_stiffness(self) -> float:
+        """S at first touch [N/m]: that of a flat punch of the radius a0, 0 for round and pointed indenters."""
+        a0 = self.indenter.a0
+        if a0 == 0:
+            return 0.0
+        radii = np.array([a0])
+        return float(self.nested(radii, self.plan(radii, 1e-12)).S[0])
+
+    def plan(self, radii: Array, tolerance: float) -> Plan:
+        """The cheapest quadrature expected to be accurate to ``tolerance`` at the increasing ``radii`` [m]."""
+        widths = np.diff(np.unique(np.concatenate([[0.0, self.indenter.a0], radii])))
+        plans = []
+        for order in ORDERS:
+            widest = phase_allowed(order, tolerance) * self.spectrum.scale / FREQUENCY
+            pieces = np.ceil(widths / widest) if math.isfinite(widest) else np.ones(widths.size)
+            plans.append(Plan(order, widest, int(order * np.maximum(pieces, 1).sum())))
+        return min(plans, key=lambda plan: plan.nodes)
+
+    def flops(self, radii: Array, plan: Plan) -> float:
+        """Floating-point operations of one nested solve, about."""
+        waves = 200 + 0.7 * self.spectrum.bandwidth(FLOOR) * 2 * radii[-1]
+        return float((plan.nodes + radii.size) ** 2 * waves + plan.nodes**3 / 3 + plan.nodes**2 * radii.size)
+
+    def guard(self, radii: Array, plan: Plan) -> None:
+        """Refuse what would take minutes or gigabytes."""
+        if plan.nodes > MAX_NODES or self.flops(radii, plan) > MAX_FLOPS:
+            raise Refusal(
+                f"layered: a = {radii[-1]:g} m is {radii[-1] / self.spectrum.scale:.4g} times the length over which "
+                f"the layers act ({self.spectrum.scale:.3g} m) and needs {plan.nodes} nodes for {radii.size} radii "
+                f"(limit {MAX_NODES}); ask for a smaller contact, fewer points or a larger tolerance"
+            )
+
+    def nested(self, radii: Array, plan: Plan, order: int = 24, inner: int = 20) -> Nested:
+        """Solve at the increasing ``radii`` [m] with the quadrature ``plan``; ``order``: Gauss nodes per panel in k,
+        ``inner``: per panel in the integrals of F."""
+        self.guard(radii, plan)
+        image = AbelImage.of(self.indenter, inner)
+        breaks = (self.indenter.a0,) if self.indenter.a0 > 0 else ()
+        panels = Panels.through(radii, plan.order, plan.widest, breaks)
+        return solve(self.spectrum.kernel(2 * radii[-1], order), panels, image, self.E_star)
+
+    def refined(self, radii: Array, tolerance: float) -> tuple[Nested, Array]:
+        """The result at ``radii`` and its estimated relative error at each, below ``tolerance``.
+
+        The estimate is the difference from a second quadrature that shares nothing with the first but g(k): other
+        panels and nodes in x, other nodes in k, other means of F. It is done at ``CHECKS`` of the radii, where a few
+        wide panels of high order are cheap. SolveError where refinement does not reach the tolerance.
+        """
+        plan = self.plan(radii, tolerance / MARGIN)
+        some = checked(radii)
+        check = self.plan(radii[some], tolerance / MARGIN**3).finer()
+        worst = math.inf
+        for step in range(REFINEMENTS):
+            main = self._attempt(radii, plan, order=24, inner=20 + 8 * step)
+            other = self._attempt(radii[some], check, order=20, inner=26 + 8 * step)
+            if main is not None and other is not None:
+                errors = _errors(main, other, some) + tolerance * NO_CLAIM
+                worst = float(errors.max())
+                if worst <= tolerance:
+                    return main, errors
+            plan, check = plan.finer(), check.finer()
+        raise SolveError(
+            f"layered: the estimated relative error is {worst:.1e} with {plan.nodes} nodes, above the tolerance "
+            f"{tolerance:.1e}; accept it with a larger tolerance, or ask for a smaller contact radius"
+        )
+
+    def _attempt(self, radii: Array, plan: Plan, order: int, inner: int) -> Nested | None:
+        """As ``nested``; None where the quadrature is too coarse for a positive definite matrix."""
+        try:
+            return self.nested(radii, plan, order, inner)
+        except SolveError:
+            return None
+
+
+def _errors(main: Nested, other: Nested, some: Array) -> Array:
+    """Relative error of any column at every radius: the largest difference found, ``SAFETY`` times, plus rounding."""
+    seen = [np.max(np.abs(getattr(other, name) / getattr(main, name)[some] - 1)) for name in COLUMNS]
+    return SAFETY * np.max(seen) + main.rounding
+
+
+def checked(radii: Array) -> Array:
+    """Indices of the radii at which a result is checked: spread over all, with the ends of the widest gaps."""
+    spread = np.linspace(0, radii.size - 1, CHECKS).astype(int)
+    widest = np.argsort(np.diff(radii, prepend=0.0))[-GAPS:]
+    return np.unique(np.concatenate([spread, widest]))

@@ -1,0 +1,135 @@
+"""Contact pressure and surface shape at one contact radius, nonadhesive or adhesive.
+
+From phi of the contact equation:
+
+    p(r)   = (E*/2) [ phi(a)/sqrt(a^2 - r^2) - int_r^a phi'(t)/sqrt(t^2 - r^2) dt ]          r < a
+    gap(r) = - int_a^r phi(x)/sqrt(r^2 - x^2) dx                                              r > a
+
+where phi beyond a means the contact equation solved for phi(x) there; for K = 0 this is Sneddon (1965). The second
+line is free of cancellation at the edge. Adhesion subtracts a flat punch displaced by sqrt(4 pi w a/S') (Eq. 13), whose
+phi(a) is not zero: the pressure is then singular like -K_I/sqrt(2 pi (a - r)), with K_I = -(E*/2) phi(a) sqrt(pi/a) and
+the energy release rate K_I^2/(2 E*) = w.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..errors import InputError, Refusal
+from ..problem import Problem
+from .contact import LayeredContact
+from .density import Density
+from .layered import Layered
+
+Array = np.ndarray
+
+TOLERANCE = 1e-10
+
+
+@dataclass(frozen=True, eq=False)
+class Profile:
+    """Pressure inside and surface shape inside and outside a contact of radius ``a`` [m]; arrays are read-only.
+
+    ``r, pressure`` [m, Pa]: strictly inside, compression positive; near an adhesive edge the pressure goes like
+    ``-stress_intensity/sqrt(2 pi (a - r))``. ``r_surface, displacement, gap`` [m]: the specimen's surface, downwards
+    positive, and its distance from the indenter, zero inside. ``delta`` [m], ``P`` [N]: with adhesion, if w > 0.
+    ``stress_intensity`` [Pa m^(1/2)]: K_I of the edge, 0 without adhesion.
+    """
+
+    a: float
+    w: float
+    delta: float
+    P: float
+    r: Array
+    pressure: Array
+    r_surface: Array
+    displacement: Array
+    gap: Array
+    stress_intensity: float
+
+    def __post_init__(self) -> None:
+        for name in ("r", "pressure", "r_surface", "displacement", "gap"):
+            getattr(self, name).setflags(write=False)
+
+
+def profile(problem: Problem, a: float, w: float, r: Array | None = None, r_surface: Array | None = None) -> Profile:
+    """Fields at the contact radius ``a`` [m] and work of adhesion ``w`` >= 0 [J/m^2].
+
+    ``r`` [m]: radii 0 < r < a for the pressure, by default 100 that crowd at the edge; ``r_surface`` [m]: any radii for
+    the surface, by default up to 3 a. The loading of ``problem`` is not used. Errors: InputError, Refusal.
+    """
+    reason = Layered().refusal(problem)
+    if reason is not None:
+        raise Refusal(reason)
+    r, r_surface = _sample(problem, a, w, r, r_surface)
+    contact = LayeredContact(problem.indenter, problem.specimen)
+    nested, _ = contact.refined(np.array([a]), TOLERANCE)
+    shift = math.sqrt(4 * math.pi * w * a / float(nested.dS[0]))
+    reach = max(a, float(r_surface.max(initial=a)))
+    kernel = contact.spectrum.kernel(a + reach)
+    phi = Density.of(kernel, contact.indenter, nested, shift, reach)
+    edge = phi(np.array([a]))[0] if w > 0 else 0.0
+    return Profile(
+        a=a,
+        w=w,
+        delta=phi.delta,
+        P=float(nested.P[0]) - shift * float(nested.S[0]),
+        r=r,
+        pressure=contact.E_star / 2 * np.array([_pressure(phi, edge, float(x)) for x in r]),
+        r_surface=r_surface,
+        displacement=_specimen_surface(phi, problem, r_surface),
+        gap=_gap(phi, r_surface),
+        stress_intensity=-contact.E_star / 2 * float(edge) * math.sqrt(math.pi / a),
+    )
+
+
+def _sample(problem: Problem, a: float, w: float, r: Array | None, surface: Array | None) -> tuple[Array, Array]:
+    a0, r_max = problem.indenter.a0, problem.indenter.r_max
+    if not a0 < a <= r_max:
+        raise InputError(f"profile: contact radius must be between {a0:g} and {r_max:g} m, got {a:g}")
+    if not (math.isfinite(w) and w >= 0):
+        raise InputError(f"profile: work of adhesion must be >= 0 J/m^2, got {w:g}")
+    inside = a * np.sin(np.linspace(0, np.pi / 2, 102)[1:-1]) if r is None else np.array(r, dtype=float)
+    if ((inside <= 0) | (inside >= a)).any():
+        raise InputError(f"profile: pressures are given for 0 < r < a = {a:g} m only (a cone's is infinite at r = 0)")
+    outside = np.linspace(0, min(3 * a, r_max), 151) if surface is None else np.array(surface, dtype=float)
+    if ((outside < 0) | (outside > r_max)).any():
+        raise InputError(f"profile: surface radii must lie between 0 and the end of the profile ({r_max:g} m)")
+    return inside, outside
+
+
+def _pressure(phi: Density, edge: float, r: float) -> float:
+    """2 p/E* [-] at 0 < r < a, by t = r cosh(theta)."""
+    theta, weights = phi.nodes(r, phi.a, lambda t: np.arccosh(np.maximum(t / r, 1.0)))
+    slopes = phi.slope(np.minimum(r * np.cosh(theta), phi.a))
+    return edge / math.sqrt((phi.a - r) * (phi.a + r)) - float(weights @ slopes)
+
+
+def _gap(phi: Density, r: Array) -> Array:
+    """Distance of the surfaces [m] at any r, 0 inside, by x = r sin(theta)."""
+    return np.array([-_arc(phi, phi.a, float(x), float(x)) if x > phi.a else 0.0 for x in r])
+
+
+def _specimen_surface(phi: Density, problem: Problem, r: Array) -> Array:
+    """Displacement of the specimen [m]: delta - f + gap, less the indenter's own as a half-space under the pressure,
+    (E*/E*_i) int_0^min(a,r) phi(t)/sqrt(r^2 - t^2) dt."""
+    both = phi.delta - problem.indenter.f(r) + _gap(phi, r)
+    material = problem.indenter.material
+    if material is None:
+        return both
+    own = np.array([_arc(phi, 0.0, min(phi.a, float(x)), float(x)) if x > 0 else _axis(phi) for x in r])
+    return both - problem.E_star / material.E_star * own
+
+
+def _arc(phi: Density, lo: float, hi: float, r: float) -> float:
+    """int_lo^hi phi(x)/sqrt(r^2 - x^2) dx [m] for hi <= r."""
+    theta, weights = phi.nodes(lo, hi, lambda x: np.arcsin(np.minimum(x / r, 1.0)))
+    return float(weights @ phi(np.minimum(r * np.sin(theta), hi)))
+
+
+def _axis(phi: Density) -> float:
+    """The same from 0 for r -> 0 [m]."""
+    return math.pi / 2 * float(phi(np.zeros(1))[0])

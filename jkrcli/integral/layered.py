@@ -1,0 +1,188 @@
+"""The exact method for laterally unbounded layered specimens (named ``layered``), and contact radii for any loading."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..clock import StageClock
+from ..errors import InputError, Refusal
+from ..methods import Forecast
+from ..problem import Loading, Problem, Specimen
+from ..series import ErrorBudget, Series, Solution
+from .contact import COLUMNS, MARGIN, LayeredContact, Plan
+from .radii import Response, radii_for, radius_for
+from .solver import Nested
+
+Array = np.ndarray
+
+ROUGH = 1e-5  # accuracy of the first part of every search
+SEARCH = 1e-10  # relative accuracy to which a prescribed depth or load is met
+FLOPS_PER_SECOND = 5e9
+
+
+@dataclass(frozen=True)
+class Layered:
+    """Fredholm equation of the contact problem, all radii from one Cholesky factor; no mesh, S and S' exact.
+
+    Valid for any stack of bonded isotropic layers (-1 < nu <= 1/2) on a rigid base, bonded or frictionless, or on an
+    elastic half-space, wider than the contact by so much that its sides do not matter; any convex indenter, rigid or
+    elastic. ``tolerance``: relative error of delta, P, S and S' at every radius, estimated by a second quadrature.
+    """
+
+    tolerance: float = 1e-8
+
+    def __post_init__(self) -> None:
+        if not 1e-12 <= self.tolerance <= 1e-2:
+            raise InputError(f"layered.tolerance: must be between 1e-12 and 1e-2, got {self.tolerance:g}")
+
+    def refusal(self, problem: Problem) -> str | None:
+        """Why the problem is none of a laterally unbounded stack, with the remedy; None where it is one."""
+        radius = problem.specimen.radius
+        if radius is not None:
+            return (
+                f"layered: the specimen has a finite radius of {radius:g} m, this method knows only laterally "
+                "unbounded ones; use the method fem, or leave the radius out"
+            )
+        return None
+
+    def forecast(self, problem: Problem) -> Forecast:
+        """Seconds and memory of the solve, from its node counts; finding the largest radius is part of the forecast."""
+        contact = LayeredContact(problem.indenter, problem.specimen)
+        radii = np.linspace(problem.indenter.a0, largest_radius(problem), max(problem.loading.points, 1) + 1)[1:]
+        plan = contact.plan(radii, self.tolerance / MARGIN)
+        rounds = 5 if problem.loading.to != "radius" or problem.loading.spacing == "depth" else 2
+        seconds = 0.02 + rounds * contact.flops(radii, plan) / FLOPS_PER_SECOND
+        memory = 8 * 6 * (plan.nodes + radii.size) ** 2 / 2**20
+        return Forecast(seconds, 5 + memory, self.tolerance, f"{plan.nodes} nodes, no mesh")
+
+    def __call__(self, problem: Problem) -> Solution:
+        """Solve; errors: Refusal outside the validity, SolveError where the tolerance is not reached."""
+        reason = self.refusal(problem)
+        if reason is not None:
+            raise Refusal(reason)
+        clock = StageClock()
+        contact = LayeredContact(problem.indenter, problem.specimen)
+        with clock("spectrum"):
+            contact.prepare()
+        with clock("radii"):
+            radii = _radii(contact, problem.loading, min(SEARCH, self.tolerance))
+        with clock("solve"):
+            nested, errors = contact.refined(radii, self.tolerance)
+        return Solution(
+            _series(contact, nested, errors),
+            ErrorBudget(discretisation=float(errors.max()), truncation=0.0, radius=0.0),
+            "layered",
+            facts=_facts(contact, nested),
+            timings=clock.seconds,
+        )
+
+
+def largest_radius(problem: Problem) -> float:
+    """The largest contact radius [m] that the loading reaches; ``specimen.radius`` is not looked at.
+
+    For a finite body this is the forecast that a mesh needs: its sides change it little unless the contact is near.
+    """
+    return _largest(_unbounded(problem), problem.loading, SEARCH)
+
+
+def radii_of(problem: Problem) -> Array:
+    """All contact radii [m] of the loading, increasing; ``specimen.radius`` is not looked at."""
+    return _radii(_unbounded(problem), problem.loading, SEARCH)
+
+
+def _unbounded(problem: Problem) -> LayeredContact:
+    return LayeredContact(problem.indenter, Specimen(problem.specimen.layers, problem.specimen.base))
+
+
+def _radii(contact: LayeredContact, loading: Loading, tolerance: float) -> Array:
+    indenter = contact.indenter
+    if loading.spacing == "given" and loading.to == "radius":
+        for a in loading.values:
+            _check_radius(contact, a)
+        return np.array(loading.values)
+    largest = _largest(contact, loading, tolerance)
+    if loading.spacing == "radius":
+        return np.linspace(indenter.a0, largest, loading.points + 1)[1:]
+    if loading.spacing == "given":
+        quantity, targets = loading.to, np.array(loading.values)
+    else:
+        deepest = float(_response(contact, "depth", tolerance)(np.array([largest]))[0])
+        quantity, targets = "depth", deepest * np.arange(1, loading.points + 1) / loading.points
+    stages = [(_response(contact, quantity, accuracy), accuracy) for accuracy in (ROUGH, tolerance)]
+    return radii_for(stages, targets, indenter, largest)
+
+
+def _largest(contact: LayeredContact, loading: Loading, tolerance: float) -> float:
+    """The radius at which the loading ends: a rough search with a coarse quadrature, then an accurate one."""
+    if loading.to == "radius":
+        _check_radius(contact, loading.maximum)
+        return loading.maximum
+    start = _half_space_guess(contact, loading)
+    for accuracy in (ROUGH, tolerance):
+        response = _response(contact, loading.to, accuracy)
+        start = radius_for(response, loading.maximum, contact.indenter, start, accuracy)
+    return start
+
+
+def _check_radius(contact: LayeredContact, a: float) -> None:
+    a0, end = contact.indenter.a0, contact.indenter.r_max
+    if a <= a0:
+        raise InputError(f"loading: contact radius {a:g} m must be larger than the flat end of the indenter ({a0:g} m)")
+    if a > end:
+        raise Refusal(
+            f"loading: contact radius {a:g} m lies beyond the profile, which ends at r = {end:g} m; "
+            "ask for less, or give a larger profile"
+        )
+
+
+def _response(contact: LayeredContact, to: str, accuracy: float) -> Response:
+    """delta_H or P_H at given radii, with a quadrature planned for ``accuracy``."""
+    name = {"depth": "delta", "load": "P"}[to]
+
+    def response(radii: Array) -> Array:
+        plan: Plan = contact.plan(radii, accuracy / 4)
+        return getattr(contact.nested(radii, plan), name)
+
+    return response
+
+
+def _half_space_guess(contact: LayeredContact, loading: Loading) -> float:
+    """A first radius [m]: that of a half-space of the top material, F(a) = delta or about 4/3 E* a F(a) = P, but no
+    more than twice the length over which the layers act."""
+    indenter, target = contact.indenter, loading.maximum
+
+    def response(a: Array) -> Array:
+        F = indenter.abel(a)
+        return F if loading.to == "depth" else 4 / 3 * contact.E_star * a * F
+
+    scale = contact.spectrum.scale
+    lengths = (scale, indenter.tip_radius, indenter.a0, indenter.r_max, target if loading.to == "depth" else None)
+    start = next(length for length in (*lengths, 1.0) if length and math.isfinite(length))
+    try:
+        guess = radius_for(response, target, indenter, 1.5 * start, 0.1)
+    except Refusal:
+        guess = indenter.r_max / 2
+    return min(guess, max(2 * scale, 1.1 * indenter.a0))
+
+
+def _series(contact: LayeredContact, nested: Nested, errors: Array) -> Series:
+    columns = {name: getattr(nested, name) for name in COLUMNS}
+    return Series(
+        a=nested.panels.radii,
+        **columns,
+        errors={name: errors * columns[name] for name in COLUMNS} | {"a": 0 * nested.panels.radii},
+        a0=contact.indenter.a0,
+        S0=contact.first_stiffness(),
+    )
+
+
+def _facts(contact: LayeredContact, nested: Nested) -> dict[str, float | int]:
+    panels = nested.panels
+    facts: dict[str, float | int] = {"nodes": panels.x.size, "panels": panels.edges.size - 1, "order": panels.order}
+    if contact.specimen.layers:
+        facts["a_over_h"] = float(panels.radii[-1]) / contact.specimen.top_thickness
+        facts["a_over_scale"] = float(panels.radii[-1]) / contact.spectrum.scale
+    return facts

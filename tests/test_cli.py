@@ -1,0 +1,219 @@
+"""The command line in process: what is written, what is printed, what is refused and with which exit code."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import CASES
+
+from jkrcli import __version__, store
+from jkrcli.cli import VERBS
+from jkrcli.tables import read_curve
+
+HALFSPACE = CASES / "halfspace.toml"
+COLUMNS = ["a_m", "delta_m", "P_N", "delta_H_m", "P_H_N", "S_N_per_m", "dS_da_N_per_m2"]
+
+
+def files(folder: Path) -> list[str]:
+    return sorted(path.name for path in folder.iterdir())
+
+
+def test_help_names_every_verb(jkr) -> None:
+    for words in ((), ("--help",)):
+        outcome = jkr(*words)
+        assert outcome.code == 0
+        assert all(f"  {verb}" in outcome.out for verb in VERBS)
+
+
+@pytest.mark.parametrize("verb", VERBS)
+def test_every_verb_has_help_with_an_example(jkr, verb: str) -> None:
+    outcome = jkr(verb, "--help")
+    assert outcome.code == 0
+    assert f"jkr {verb}" in outcome.out
+
+
+def test_version(jkr) -> None:
+    assert jkr("--version").out == f"jkr, version {__version__}\n"
+
+
+def test_run_writes_the_case_stem_here_and_transform_beside_it(jkr, tmp_path: Path) -> None:
+    outcome = jkr("run", HALFSPACE, "--method", "closed-form")
+    assert (outcome.code, outcome.err) == (0, "")
+    assert files(tmp_path) == ["halfspace.h5"]
+    outcome = jkr("transform", "halfspace.h5")
+    assert outcome.code == 0
+    names = [f"halfspace-w50{ending}" for ending in (".csv", ".json", ".png", ".svg")]
+    assert files(tmp_path) == [*names, "halfspace.h5"]
+    assert (tmp_path / names[0]).read_text().splitlines()[0].split(",")[: len(COLUMNS)] == COLUMNS
+    summary = json.loads((tmp_path / names[1]).read_text())
+    assert summary["pull_off"]["load"]["P_N"] == pytest.approx(-1.49734 * np.pi * 50 * 100e-6, rel=1e-5)  # 6 digits
+    assert summary["tabor"] == pytest.approx(639, abs=0.5)
+    assert summary["points"] == {"kept": 100, "dropped": 0}
+    assert set(summary["errors"]) == {"discretisation", "truncation", "radius", "smoothing", "total"}
+    assert abs(summary["comparison"]["pull_off"]) < 1e-9
+
+
+def test_many_works_with_units_and_no_adhesion(jkr, tmp_path: Path) -> None:
+    jkr("run", HALFSPACE, "--method", "layered", "-o", "x.h5")
+    outcome = jkr("transform", "x.h5", "--w", "35 mJ/m^2", "--w", "0", "--w", "7", "-o", "out", "--no-plots")
+    assert outcome.code == 0
+    assert files(tmp_path / "out") == [f"x-w{w}.{end}" for w in ("0.035", "0", "7") for end in ("csv", "json")]
+    nonadhesive = read_curve(tmp_path / "out" / "x-w0.csv")
+    np.testing.assert_array_equal(nonadhesive["P_N"], nonadhesive["P_H_N"])
+    np.testing.assert_array_equal(nonadhesive["delta_m"], nonadhesive["delta_H_m"])
+    point = json.loads((tmp_path / "out" / "x-w0.json").read_text())["pull_off"]["load"]
+    assert point == {"P_N": None, "delta_m": None, "a_m": None, "reason": "there is no adhesion at w = 0"}
+
+
+def test_json_output_is_json(jkr) -> None:
+    run = json.loads(jkr("run", HALFSPACE, "--method", "closed-form", "--json").out)
+    assert (run["method"], run["points"]) == ("closed-form", 100)
+    transform = json.loads(jkr("transform", "halfspace.h5", "--no-plots", "--json").out)
+    assert transform["results"][0]["format"] == "jkr-summary"
+    shown = json.loads(jkr("show", "halfspace.h5", "--json").out)
+    assert shown["files"][0]["rows"] == 100
+    checked = json.loads(jkr("check", CASES / "gel.toml", "--json").out)
+    assert checked["adhesion"][1]["pull_off"]["P_N"] == pytest.approx(-1.4833e-3, rel=1e-4)  # published to 5 digits
+
+
+def test_stored_case_runs_again_to_the_same_numbers(jkr, tmp_path: Path) -> None:
+    jkr("run", CASES / "thin-layer.toml")
+    (tmp_path / "again.toml").write_text(jkr("show", "--case", "thin-layer.h5").out)
+    assert jkr("run", "again.toml").code == 0
+    first, second = (store.read(name).raw for name in ("thin-layer.h5", "again.h5"))
+    np.testing.assert_array_equal(first.P, second.P)
+    np.testing.assert_array_equal(first.delta, second.delta)
+
+
+def test_change_of_units_scales_every_output(jkr, tmp_path: Path) -> None:
+    """Lengths by l, forces by f: E by f/l^2, w by f/l."""
+    length, force = 1e3, 1e-4
+    template = (
+        '[indenter]\nshape="sphere"\nradius={R!r}\n[[specimen.layers]]\nE={E!r}\nnu=0.4\nthickness={h!r}\n'
+        "[loading]\ndepth={d!r}\npoints=40\n"
+    )
+    for name, (m, n) in {"si": (1.0, 1.0), "odd": (length, force)}.items():
+        case = template.format(R=1e-3 * m, E=1e6 * n / m**2, h=1e-4 * m, d=1e-5 * m)
+        (tmp_path / f"{name}.toml").write_text(case)
+        assert jkr("run", f"{name}.toml").code == 0
+        assert jkr("transform", f"{name}.h5", "--w", repr(0.04 * n / m), "-o", name, "--no-plots").code == 0
+    si, odd = (read_curve(next((tmp_path / name).glob("*.csv"))) for name in ("si", "odd"))
+    scales = dict(zip(COLUMNS, (length, length, force, length, force, force / length, force / length**2), strict=True))
+    for name, factor in scales.items():
+        np.testing.assert_allclose(
+            odd[name], si[name] * factor, rtol=1e-9, atol=1e-9 * factor * np.max(np.abs(si[name]))
+        )
+
+
+def test_compare_agrees_differs_and_refuses(jkr, tmp_path: Path) -> None:
+    jkr("run", HALFSPACE, "--method", "closed-form", "-o", "a.h5")
+    jkr("run", HALFSPACE, "--method", "layered", "-o", "b.h5")
+    outcome = jkr("compare", "a.h5", "b.h5", "--rtol", "1e-10", "--column", "P", "--column", "S", "--plot", "d.png")
+    assert outcome.code == 0
+    assert outcome.out.startswith("a.h5 against b.h5: agree at rtol 1e-10\n")
+    assert (tmp_path / "d.png").exists()
+    text = HALFSPACE.read_text().replace('shape = "sphere"', 'shape = "paraboloid"')
+    (tmp_path / "c.toml").write_text(text)
+    jkr("run", "c.toml", "--method", "closed-form")
+    outcome = jkr("compare", "a.h5", "c.h5")
+    assert (outcome.code, outcome.err) == (
+        2,
+        "jkr: error: c.h5: its indenter is not that of a.h5; compare results of the same problem\n",
+    )
+    jkr("transform", "a.h5", "c.h5", "--no-plots")
+    outcome = jkr("compare", "a-w50.csv", "c-w50.csv", "--rtol", "1e-4")
+    assert outcome.code == 1
+    assert "DIFFER at rtol 0.0001" in outcome.out
+
+
+def test_nothing_foreign_is_overwritten(jkr, tmp_path: Path) -> None:
+    (tmp_path / "halfspace.h5").write_text("my thesis")
+    outcome = jkr("run", HALFSPACE, "--method", "closed-form")
+    assert (outcome.code, outcome.err) == (
+        2,
+        "jkr: error: halfspace.h5: exists and was not written by jkr; give --force to replace it, or another name\n",
+    )
+    assert (tmp_path / "halfspace.h5").read_text() == "my thesis"
+    assert jkr("run", HALFSPACE, "--method", "closed-form", "--force").code == 0
+    assert jkr("run", HALFSPACE, "--method", "layered").code == 0  # its own file is replaced
+    assert store.read("halfspace.h5").method == "layered"
+    (tmp_path / "halfspace-w50.csv").write_text("x,y\n1,2\n")
+    outcome = jkr("transform", "halfspace.h5")
+    assert outcome.err == (
+        "jkr: error: halfspace-w50.csv: exists and was not written by jkr; give --force to replace it, "
+        "or another name\n"
+    )
+    assert files(tmp_path) == ["halfspace-w50.csv", "halfspace.h5"]
+    assert jkr("transform", "halfspace.h5", "--force").code == 0
+    assert jkr("transform", "halfspace.h5").code == 0  # all four are recognised as its own
+
+
+REFUSALS = [
+    (("rnu",), 'unknown command "rnu", did you mean "run"?'),
+    (("run",), "missing argument 'CASE'; see jkr run --help"),
+    (("run", "no.toml"), "no.toml: case file not found"),
+    (("run", HALFSPACE, "-o", "no/x.h5"), "no/x.h5: the folder no does not exist"),
+    (("run", HALFSPACE, "-o", "."), ".: is a folder, cannot be written as a file"),
+    (("run", CASES / "gel.toml", "--method", "closed-form"), "method closed-form: closed-form solves homogeneous"),
+    (("transform", "no.h5"), "no.h5: series file not found"),
+    (("transform", HALFSPACE), f"{HALFSPACE}: is not an HDF5 file"),
+    (("transform", "x.h5", "--w", "-1"), "invalid value for '--w': must be finite and >= 0, got -1"),
+    (("transform", "x.h5", "--w", "5 kg"), "invalid value for '--w': must be a work of adhesion, got \"5 kg\""),
+    (("transform", "x.h5", "x.h5"), "x-w50.csv: would be written twice"),
+    (("transform", "x.h5", "--w", "1", "--w", "1 N/m"), "x-w1.csv: would be written twice"),
+    (("transform", "x.h5", "--dimensionless", "thin-layer"), "--dimensionless thin-layer: needs a layer"),
+    (("compare", "x.h5", "no.h5"), "no.h5: series file not found"),
+    (("compare", "x.csv", "x.csv"), "x.csv: curve not found"),
+]
+
+
+@pytest.mark.parametrize(("words", "line"), REFUSALS, ids=lambda value: str(value)[:40])
+def test_refusals_are_one_line_with_exit_code_2(jkr, tmp_path: Path, words: tuple, line: str) -> None:
+    jkr("run", HALFSPACE, "--method", "closed-form", "-o", "x.h5")
+    outcome = jkr(*words)
+    assert outcome.code == 2
+    assert outcome.out == ""
+    assert outcome.err.startswith(f"jkr: error: {line}")
+    assert outcome.err.count("\n") == 1
+    assert files(tmp_path) == ["x.h5"]
+
+
+def test_new_writes_a_case_that_runs_and_never_replaces_one(jkr, tmp_path: Path) -> None:
+    assert jkr("new", "my.toml").code == 0
+    assert jkr("run", "my.toml").code == 0
+    assert store.read("my.h5").method == "layered"
+    assert jkr("new", "my.toml").err == "jkr: error: my.toml: exists; give --force to replace it, or another name\n"
+    assert files(tmp_path) == ["my.h5", "my.toml"]
+
+
+def test_auto_takes_the_least_model_and_says_why(jkr) -> None:
+    outcome = jkr("run", HALFSPACE, "--method", "auto")
+    assert "closed-form: closed-form, the least model that represents this body" in outcome.out
+    outcome = jkr("run", CASES / "coating.toml", "--method", "auto")
+    assert "layered: layered, the least model that represents this body" in outcome.out
+
+
+def test_warnings_carry_their_number(jkr) -> None:
+    jkr("run", CASES / "gel.toml")
+    assert "delta/h = 0.269 at the largest contact radius is above 0.1" in jkr("transform", "gel.h5", "--no-plots").err
+
+
+def test_pull_off_outside_the_series_is_said(jkr, tmp_path: Path) -> None:
+    (tmp_path / "shallow.toml").write_text(HALFSPACE.read_text().replace('"3 um"', '"0.1 um"'))
+    jkr("run", "shallow.toml", "--method", "closed-form")
+    outcome = jkr("transform", "shallow.h5", "--no-plots")
+    assert "pull-off under load control: the load is lowest at the largest radius of the series" in outcome.err
+    assert json.loads((tmp_path / "shallow-w50.json").read_text())["pull_off"]["load"]["P_N"] is None
+
+
+def test_interrupt_leaves_nothing(jkr, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def interrupted(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("jkrcli.store._write_errors", interrupted)
+    outcome = jkr("run", HALFSPACE, "--method", "closed-form")
+    assert (outcome.code, outcome.err.strip()) == (130, "jkr: error: interrupted; nothing half-written was left")
+    assert files(tmp_path) == []

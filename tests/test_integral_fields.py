@@ -22,7 +22,7 @@ SHAPES = [Sphere(20.0), Paraboloid(50.0), PowerLaw(0.1, 1.0), PowerLaw(0.05, 1.5
 
 
 def at(specimen: Specimen, indenter: object, a: float, w: float = 0.0, **samples: np.ndarray) -> Profile:
-    return profile(Problem(indenter, specimen, Loading("radius", a)), a, w, **samples)  # type: ignore[arg-type]
+    return profile(Problem(indenter, specimen, Loading("radius", 1.0)), a, w, **samples)  # type: ignore[arg-type]
 
 
 def integral_of_pressure(specimen: Specimen, indenter: object, a: float, w: float) -> tuple[float, float]:
@@ -85,21 +85,22 @@ def test_edge_releases_the_work_of_adhesion(specimen: Specimen, a: float) -> Non
 def test_gap_opens_as_the_edge_demands(specimen: Specimen) -> None:
     """gap -> (4/E*) K_I sqrt((r - a)/(2 pi)) with adhesion, (r - a)^(3/2) without; positive everywhere."""
     problem, a, w = Problem(Paraboloid(50.0), specimen, Loading("radius", 2.0)), 2.0, 1e-4
-    s = np.array([1e-8, 4e-8]) * a
+    s = np.array([1e-6, 4e-6]) * a
     adhesive = profile(problem, a, w, r_surface=a + s)
     crack = 4 / problem.E_star * adhesive.stress_intensity * np.sqrt(s / (2 * np.pi))
-    assert_allclose(adhesive.gap, crack, rtol=1e-6)  # next term of order s/a, times S/(2 E* a)
+    assert_allclose(adhesive.gap, crack, rtol=1e-4)  # next term of order s/a, times S/(2 E* a)
     smooth = profile(problem, a, 0.0, r_surface=a + s)
-    assert smooth.gap[1] / smooth.gap[0] == pytest.approx(8, rel=1e-6)
+    assert smooth.gap[1] / smooth.gap[0] == pytest.approx(8, rel=1e-4)  # likewise
     assert (profile(problem, a, 0.0).gap >= 0).all()
 
 
 def test_far_surface_follows_the_substrate() -> None:
     """On an elastic half-space the layers do not matter far away: u = P/(pi E*_base r)."""
-    found = at(SOFT_COATING, Paraboloid(50.0), 1.0, r_surface=np.array([2e2, 4e2]))
+    found = at(SOFT_COATING, Paraboloid(50.0), 1.0, r_surface=np.array([40.0, 80.0]))
     point = found.P / (np.pi * Elastic(10.0, 0.25).E_star * found.r_surface)
-    # delta - f + gap cancels from 8e2 m: 1e-13 of that is 1e-10 m, against u of 3e-5 m; layers: h/r
-    assert_allclose(found.displacement, point, rtol=0.02)
+    errors = found.displacement / point - 1
+    assert abs(errors[0]) < 0.05  # the layers' part falls like (h/r)^2 or faster
+    assert abs(errors[1]) < 0.3 * abs(errors[0])
 
 
 def test_displacement_is_the_specimens_own() -> None:

@@ -78,8 +78,8 @@ def _print(expected: Expectation) -> None:
         click.echo(f"            Tabor number {_ratio(judged.tabor)}: {judged.regime}")
         click.echo(f"            a/R = {_ratio(judged.a_over_R)}, a/h = {_ratio(judged.a_over_h)}, "
                    f"delta/h = {_ratio(judged.delta_over_h)}")  # fmt: skip
-        for warning in validity.check(judged):
-            click.echo(f"jkr: warning: {warning}", err=True)
+    for warning in dict.fromkeys(text for _, _, judged in expected.adhesion for text in validity.check(judged)):
+        click.echo(f"jkr: warning: {warning}", err=True)
 
 
 def _pull_off(point: CriticalPoint | Outside) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.polynomial import legendre
@@ -48,6 +48,10 @@ class Density:
         project = legendre.legvander(nodes, PIECE - 1) * node_weights[:, None] * (np.arange(PIECE) + 0.5)
         a, delta = float(nested.panels.radii[last]), float(nested.delta[last]) - shift
         return cls(indenter, a, delta, edges, (smooth @ project).T, AbelImage.of(indenter).breaks)
+
+    def anchored(self) -> Density:
+        """The same with phi(a) = 0 not only to rounding: that is what decides on the gap next to a nonadhesive edge."""
+        return replace(self, delta=self.delta - math.pi / 2 * float(self(np.array([self.a]))[0]))
 
     def __call__(self, x: Array) -> Array:
         """phi(x) [m]."""

@@ -71,7 +71,9 @@ def profile(problem: Problem, a: float, w: float, r: Array | None = None, r_surf
     reach = max(a, float(r_surface.max(initial=a)))
     kernel = contact.spectrum.kernel(a + reach)
     phi = Density.of(kernel, contact.indenter, nested, shift, reach)
-    edge = phi(np.array([a]))[0] if w > 0 else 0.0
+    if w == 0:
+        phi = phi.anchored()
+    edge = float(phi(np.array([a]))[0]) if w > 0 else 0.0
     return Profile(
         a=a,
         w=w,
@@ -82,7 +84,7 @@ def profile(problem: Problem, a: float, w: float, r: Array | None = None, r_surf
         r_surface=r_surface,
         displacement=_specimen_surface(phi, problem, r_surface),
         gap=_gap(phi, r_surface),
-        stress_intensity=-contact.E_star / 2 * float(edge) * math.sqrt(math.pi / a),
+        stress_intensity=-contact.E_star / 2 * edge * math.sqrt(math.pi / a) if w > 0 else 0.0,
     )
 
 

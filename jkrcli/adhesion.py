@@ -6,10 +6,10 @@ delta(a) = delta_H(a) - t(a)      P(a) = P_H(a) - S(a) t(a)      t = sqrt(4 pi w
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline, CubicSpline
@@ -85,21 +85,32 @@ class AdhesiveCurve:
         ``stiffness`` [N/m] of the device: 0 is load control (dP/da = 0), infinity displacement control.
         """
         control = _control(stiffness)
+        points = []
+        for a, rising in self._roots(lambda a: control(*self._rule.rates(a))):
+            delta, P = (float(value) for value in self.at(np.array(a)))
+            points.append(CriticalPoint(a, delta, P, "minimum" if rising else "maximum"))
+        return tuple(points)
 
-        def rate(x: Array) -> Array:
-            return control(*self._rule.rates(np.clip(np.exp(x), self.a[0], self.a[-1])))
+    def radii(self, *, P: float | None = None, delta: float | None = None) -> tuple[float, ...]:
+        """All contact radii [m] in the series at which the load is ``P`` [N], or the displacement ``delta`` [m]."""
+        if (P is None) == (delta is None):
+            raise InputError("adhesive curve: give either P or delta to look for")
+        index, value = (0, delta) if P is None else (1, P)
+        return tuple(a for a, _ in self._roots(lambda a: self._rule.point(a)[index] - value))
+
+    def _roots(self, function: Callable[[Array], Array]) -> Iterator[tuple[float, bool]]:
+        """Radii where ``function`` of the radius vanishes, increasing, and whether it rises there."""
+
+        def along(x: Array) -> Array:
+            return function(np.clip(np.exp(x), self.a[0], self.a[-1]))
 
         x = self._samples()
-        values = rate(x)
-        points = []
-        signs = np.sign(values)
+        signs = np.sign(along(x))
         for i in np.flatnonzero(signs[:-1] * signs[1:] <= 0):
-            if values[i + 1] == 0 and i + 2 < values.size:
+            if signs[i + 1] == 0 and i + 2 < signs.size:
                 continue  # taken by the next pair
-            a = min(max(math.exp(brentq(rate, x[i], x[i + 1], xtol=1e-14, rtol=1e-14)), self.a[0]), self.a[-1])
-            delta, P = (float(value) for value in self.at(np.array(a)))
-            points.append(CriticalPoint(a, delta, P, "minimum" if values[i + 1] > values[i] else "maximum"))
-        return tuple(points)
+            a = math.exp(brentq(along, x[i], x[i + 1], xtol=1e-14, rtol=1e-14))
+            yield min(max(a, self.a[0]), self.a[-1]), bool(signs[i + 1] > signs[i])
 
     def pull_off(self, stiffness: float) -> CriticalPoint | Outside:
         """The last stable point on retraction; ``stiffness`` [N/m] as in ``critical`` (0: load control).
@@ -234,7 +245,7 @@ def _band(slopes: Slopes, t: Array) -> dict[str, Array]:
     }
 
 
-def _control(stiffness: float) -> Callable[[Array, Array], Array]:
+def _control(stiffness: float) -> Callable[[Any, Any], Any]:
     """What a device of ``stiffness`` [N/m] controls, of delta and P: P itself (0), else delta + P/stiffness."""
     if math.isnan(stiffness) or stiffness < 0:
         raise InputError(f"stiffness: must be >= 0 N/m (0: load control, infinite: displacement), got {stiffness:g}")

@@ -13,6 +13,9 @@ from .problem import Problem
 from .series import Array, Series
 from .slopes.result import Slopes
 
+FINE = 20_000  # points of the exact curve
+WINDOW = 1_000  # of them on either side of the same radius are looked at
+
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
@@ -72,19 +75,16 @@ def _load_difference(series: Series, exact: Series) -> float:
 def _curve_distance(computed: AdhesiveCurve, exact: AdhesiveCurve, unit: CriticalPoint) -> float:
     """Greatest distance of the computed points from the exact curve, both axes in units of the exact pull-off."""
     scale = np.array([abs(unit.delta), abs(unit.P)])
-    a = np.geomspace(exact.a[0], exact.a[-1], 4000)
+    a = np.geomspace(exact.a[0], exact.a[-1], FINE)
     line = np.stack(exact.at(a), axis=1) / scale
     points = np.stack([computed.delta, computed.P], axis=1) / scale
-    inside = computed.a >= exact.a[0]
-    return float(np.max(_distances(points[inside], line)))
+    near = np.searchsorted(a, computed.a)
+    found = [_distance(points[i], line[max(0, near[i] - WINDOW) : near[i] + WINDOW]) for i in range(len(points))]
+    return float(np.max([distance for distance, radius in zip(found, computed.a, strict=True) if radius >= a[0]]))
 
 
-def _distances(points: Array, line: Array) -> Array:
-    """Distance of each of ``points`` (n, 2) from the polyline through ``line`` (m, 2)."""
+def _distance(point: Array, line: Array) -> float:
+    """Distance of ``point`` (2,) from the polyline through ``line`` (m, 2)."""
     start, step = line[:-1], np.diff(line, axis=0)
-    length2 = np.sum(step**2, axis=1)
-    best = np.empty(len(points))
-    for i, point in enumerate(points):
-        along = np.clip(np.sum((point - start) * step, axis=1) / length2, 0, 1)
-        best[i] = np.sqrt(np.min(np.sum((start + along[:, None] * step - point) ** 2, axis=1)))
-    return best
+    along = np.clip(np.sum((point - start) * step, axis=1) / np.sum(step**2, axis=1), 0, 1)
+    return float(np.sqrt(np.min(np.sum((start + along[:, None] * step - point) ** 2, axis=1))))

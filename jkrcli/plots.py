@@ -56,7 +56,8 @@ def physical_units(curve: AdhesiveCurve) -> Units:
     delta, delta_unit = scale(float(np.max(np.abs(curve.delta))), "length")
     P, P_unit = scale(float(np.max(np.abs(curve.P))), "load")
     a, a_unit = scale(float(curve.a[-1]), "length")
-    labels = (f"displacement δ ({delta_unit})", f"load P ({P_unit})", f"contact radius a ({a_unit})")
+    labels = (f"displacement δ ({_pretty(delta_unit)})", f"load P ({_pretty(P_unit)})",
+              f"contact radius a ({_pretty(a_unit)})")  # fmt: skip
     return Units(delta, P, a, labels)
 
 
@@ -126,7 +127,7 @@ def _lines(axes: Axes, units: Units, nonadhesive: tuple[Array, Array], adhesive:
     every = max(1, len(nonadhesive[0]) // 40)
     style = {"ms": 3, "markevery": every, "lw": 1.0}
     axes.plot(*nonadhesive, "s--", color=BLUE, mfc="none", label=f"nonadhesive ({result.stored.method})", **style)
-    label = f"adhesive, w = {_work(result.w)}"
+    label = f"adhesive, w = {_pretty(show(result.w, 'work'))}"
     axes.plot(*adhesive, "o-", color=ORANGE, mfc="none", label=label, **style)
 
 
@@ -134,9 +135,9 @@ def _exact(axes: Axes, x: Array, y: Array, label: str | None = None) -> None:
     axes.plot(x, y, "-", color=BLACK, lw=0.8, label=label, zorder=1)
 
 
-def _work(w: float) -> str:
-    factor, unit = scale(w, "work")
-    return f"{w / factor:.4g} {unit.replace('^2', '²')}"
+def _pretty(text: str) -> str:
+    """Units as they are typeset."""
+    return text.replace("^2", "²").replace("um", "µm").replace("uN", "µN").replace("uJ", "µJ")
 
 
 def differences_figure(found: Sequence[Difference], rtol: float) -> Figure:
@@ -183,8 +184,8 @@ def _cells(axes: Axes, grid: Grid, width: float, depth: float) -> None:
     axes.set_xlim(0, width / factor)
     axes.set_ylim(-depth / factor, 0)
     axes.set_aspect("equal")
-    axes.set_xlabel(f"r ({unit})")
-    axes.set_ylabel(f"z ({unit})")
+    axes.set_xlabel(f"r ({_pretty(unit)})")
+    axes.set_ylabel(f"z ({_pretty(unit)})")
 
 
 def profile_figure(columns: Mapping[str, Array], a: float, w: float) -> Figure:
@@ -201,18 +202,18 @@ def profile_figure(columns: Mapping[str, Array], a: float, w: float) -> Figure:
         left.axvline(a / length, color="0.5", lw=0.8, ls=":")
         low, high = np.percentile(p[inside] / stress, [4, 100])
         left.set_ylim(low - 0.15 * (high - low), high + 0.1 * (high - low))
-        left.set_xlabel(f"r ({unit})")
-        left.set_ylabel(f"contact pressure ({stress_unit})")
+        left.set_xlabel(f"r ({_pretty(unit)})")
+        left.set_ylabel(f"contact pressure ({_pretty(stress_unit)})")
         height, height_unit = scale(float(np.max(np.abs(columns["displacement_m"]))), "length")
         right.plot(r / length, -columns["displacement_m"] / height, color=BLUE, label="specimen")
         right.plot(
             r / length, (columns["gap_m"] - columns["displacement_m"]) / height, "--", color=BLACK, label="indenter"
         )
         right.axvline(a / length, color="0.5", lw=0.8, ls=":")
-        right.set_xlabel(f"r ({unit})")
-        right.set_ylabel(f"height ({height_unit})")
+        right.set_xlabel(f"r ({_pretty(unit)})")
+        right.set_ylabel(f"height ({_pretty(height_unit)})")
         right.legend()
-        figure.suptitle(f"a = {show(a, 'length')}, w = {show(w, 'work')}")
+        figure.suptitle(f"a = {_pretty(show(a, 'length'))}, w = {_pretty(show(w, 'work'))}")
         return figure
 
 

@@ -124,6 +124,18 @@ def test_several_or_no_critical_points_are_reported_as_such() -> None:
     assert wavy.pull_off(0.0) == min(points, key=lambda point: point.P)
 
 
+def test_radii_of_a_load_or_a_displacement() -> None:
+    ours = curve(half_space(100))
+    a = ours.radii(P=-1.2 * PULL_OFF)  # between pull-off and nothing: one unstable, one stable radius
+    assert len(a) == 2
+    assert ours.at(np.array(a))[1] == pytest.approx(-1.2 * PULL_OFF, rel=1e-10)
+    assert ours.radii(P=-1.6 * PULL_OFF) == ()
+    (at_rest,) = ours.radii(delta=0.0)
+    assert (at_rest / scales_half_space(R, E_STAR, W)[2]) ** 3 == pytest.approx(8 / 3, rel=1e-9)  # Eq. 18: a^3 = 24/9
+    with pytest.raises(InputError, match="give either P or delta"):
+        ours.radii()
+
+
 def test_no_adhesion_returns_the_nonadhesive_series_exactly() -> None:
     series = half_space(10)
     ours = curve(series, 0.0)

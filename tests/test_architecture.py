@@ -23,7 +23,7 @@ DOORS = {
 ORDER = [
     "errors", "materials", "units", "files", "clock", "indenters", "problem", "words", "series", "closed_form",
     "methods", "radii", "half_space", "integral", "fem", "choose", "case", "store", "slopes", "adhesion", "validity",
-    "comparison", "differences", "expectation", "analysis", "tables", "plots", "study", "cli", "__main__",
+    "states", "comparison", "differences", "expectation", "analysis", "tables", "plots", "study", "cli", "__main__",
 ]  # fmt: skip
 
 

@@ -192,6 +192,15 @@ def test_touch_events_lie_between_their_increments() -> None:
     assert np.allclose(events.P[1:], P[1:], rtol=2e-3)  # a chord in log-log of a power law, but for the first
 
 
+def test_increments_before_contact_and_too_few_nodes() -> None:
+    raw = quantised(0.3)
+    before = RawSeries(*(np.concatenate([[0.0, 0.0], values]) for values in (raw.a, raw.delta, raw.P)))
+    assert not has_plateaus(RawSeries(raw.a[:1], raw.delta[:1], raw.P[:1]))
+    assert np.array_equal(touch_events(before)[0].delta, touch_events(raw)[0].delta)
+    with pytest.raises(Refusal, match=r"needs at least 5 points .* got 3"):
+        smoothed(RawSeries(raw.a[-20:], raw.delta[-20:], raw.P[-20:]))
+
+
 def test_quantised_radii() -> None:
     errors = []
     for offset in np.arange(0, 20, 2) / 20:

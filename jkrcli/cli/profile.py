@@ -13,6 +13,7 @@ from ..errors import InputError
 from ..files import check_target, write_text
 from ..integral.fields import profile as solve_profile
 from ..problem import Problem
+from ..states import stable_radius
 from ..units import show
 from .options import Length, Load, WorkOfAdhesion
 
@@ -50,7 +51,7 @@ def profile(
         check_target(target, force)
     if radius is None:
         assert load is not None
-        radius = analyse(stored, [w])[0].curve.radius_at_load(load)
+        radius = stable_radius(analyse(stored, [w])[0].curve, load)
     columns = _columns(case.problem, radius, w)
     write_text(targets[".csv"], tables.csv(columns))
     figure = plots.profile_figure(columns, radius, w)

@@ -12,7 +12,6 @@ from ..series import ErrorBudget, Estimate
 from .contact import Events, SurfaceContact, nested_events
 from .edge import radius_factors
 from .model import Model, Recipe
-from .truncation import missing_displacement
 
 Array = np.ndarray
 JUDGED_DEPTH = 0.01  # of the largest: below it a series has too few nodes in contact to be judged
@@ -69,11 +68,12 @@ def _radius_at(events: Events, delta: Array) -> Array:
 def _truncation(
     model: Model, coarse: Recipe, problem: Problem, events: Events, contact: SurfaceContact, deepest: float
 ) -> Estimate:
-    """Half-spaces: Betti's theorem. Stacks on a rigid base: a free against a roller side, on the coarse mesh."""
+    """Half-spaces: Betti's theorem, to first order in contact radius over size, which a completed body contains.
+    Stacks on a rigid base: a free against a roller side, on the coarse mesh."""
     body = model.body
     if body.cut_below:
-        w = missing_displacement(model.system, body.materials[-1], model.field(events.p[-1]), float(events.P[-1]))
-        return abs(w) * float(events.S[-1])
+        lacking = abs(model.missing) * float(events.S[-1])
+        return lacking**2 if body.completed else lacking
     if not body.cut_beside:
         return 0.0
     other = replace(coarse, side="roller").build(StageClock()).contact(problem.indenter)

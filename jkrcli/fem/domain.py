@@ -10,8 +10,8 @@ from ..errors import Refusal
 from ..materials import Elastic
 from ..problem import HalfSpace, Problem, Rigid, Side, Specimen
 
-FAR = 1e5  # size of the cut-out of a half-space, in lengths over which its field decays
-WIDE = 40.0  # width beyond the contact of a stack on a rigid base, in such lengths
+FAR = 500.0  # size of the cut-out of a half-space, in lengths over which its field changes
+WIDE, SLIDING_WIDE = 40.0, 1000.0  # width beyond the contact of a stack on a bonded or sliding base, in such lengths
 
 
 @dataclass(frozen=True)
@@ -19,7 +19,8 @@ class Body:
     """Layers from the surface down, each ``thicknesses[i]`` m of ``materials[i]``, out to radius ``width`` [m].
 
     ``bonded``: the base holds the body, else it only supports it; ``cut_below``: the lowest layer stands for a
-    half-space; ``cut_beside``: the specimen is wider than the body.
+    half-space; ``cut_beside``: the specimen is wider than the body; ``completed``: the displacement that a cut-out
+    half-space lacks is added.
     """
 
     thicknesses: tuple[float, ...]
@@ -29,6 +30,7 @@ class Body:
     side: Side
     cut_below: bool
     cut_beside: bool
+    completed: bool = False
 
     @property
     def depth(self) -> float:
@@ -70,7 +72,7 @@ def cut_out(problem: Problem, reach: float, depth: float | None, width: float | 
                 f"mesh.depth: the specimen ends at its rigid base, {specimen.thickness:g} m deep: leave it out"
             )
         assert isinstance(base, Rigid)
-        bonded, L = base.bonded, reach + WIDE * decay
+        bonded, L = base.bonded, reach + (WIDE if base.bonded else SLIDING_WIDE) * decay
     finite = specimen.radius is not None
     return Body(
         thicknesses=tuple(thicknesses),
@@ -80,12 +82,13 @@ def cut_out(problem: Problem, reach: float, depth: float | None, width: float | 
         side=(specimen.side or "free") if finite else "free",
         cut_below=isinstance(base, HalfSpace),
         cut_beside=not finite,
+        completed=isinstance(base, HalfSpace) and depth is None and width is None,
     )
 
 
 def half_space_like(body: Body, size: float) -> Body:
     """A homogeneous half-space of the uppermost material, cut at depth and width ``size`` [m]."""
-    return Body((size,), body.materials[:1], size, True, "free", cut_below=True, cut_beside=True)
+    return Body((size,), body.materials[:1], size, True, "free", True, True, completed=True)
 
 
 def _width(specimen: Specimen, reach: float, width: float | None, automatic: float) -> float:

@@ -7,19 +7,16 @@ one solve with the same surface vertices and elements gives the factor a / r for
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from ..clock import StageClock
 from ..indenters import Indenter, Paraboloid
-from .contact import Events, SurfaceContact, nested_events
+from .contact import SurfaceContact, nested_events
 from .domain import half_space_like
 from .model import Model
-from .truncation import missing_displacement
 
 Array = np.ndarray
-CUT = 100.0  # size of the calibration's half-space in candidate radii; what it lacks is added (Betti)
+CUT = 100.0  # size of the calibration's half-space in candidate radii; what it lacks is added
 
 
 def radius_factors(model: Model, indenter: Indenter) -> Array:
@@ -30,18 +27,9 @@ def radius_factors(model: Model, indenter: Indenter) -> Array:
     if not (body.cut_below and len(body.materials) == 1):
         cut = half_space_like(body, CUT * model.recipe.reach)
         half_space = model.recipe.on_half_space(cut).build(StageClock())
-    events = _completed_events(half_space, profile)
+    surface = half_space.completed()
+    events = nested_events(SurfaceContact(surface, profile.f(surface.radii)), profile.a0, "radius", np.inf)
     return _edges(profile, events.delta, events.a) / events.a
-
-
-def _completed_events(half_space: Model, profile: Indenter) -> Events:
-    """Events with the displacement that the cut takes away put back."""
-    contact = half_space.contact(profile)
-    events = nested_events(contact, profile.a0, "radius", np.inf)
-    field = half_space.field(events.p[-1])
-    w = missing_displacement(half_space.system, half_space.body.materials[0], field, float(events.P[-1]))
-    surface = replace(half_space.surface, C=half_space.surface.C + w)
-    return nested_events(SurfaceContact(surface, contact.f), profile.a0, "radius", np.inf)
 
 
 def _edges(profile: Indenter, delta: Array, guess: Array) -> Array:

@@ -19,7 +19,7 @@ Array = np.ndarray
 MAX_CELLS = 3_000_000
 TOP_LAYER, DEEP_LAYER = 1.0, 2.0  # layer limits in units of growth * thickness
 FAR_GROWTH, STEEPEST = 0.3, 0.6
-LONGEST = 30.0  # cells in a layer far from the contact, in thicknesses
+LONGEST = 100.0  # cells in a layer far from the contact, in thicknesses
 UNLIMITED = 1e9  # reaches
 DIGITS = 12  # dimensionless lengths are rounded to this: the mesh does not depend on the unit of length
 
@@ -72,8 +72,13 @@ class Layout:
         return self.law(r, np.zeros_like(r))
 
     def _surface_points(self, width: float) -> Array:
-        """Radii of the surface vertices; the edge of a flat end and the corners of the zones are among them."""
-        knots = [x for x in (self.law.a0, *(extent for extent, _ in self.sides)) if 0 < x < width * (1 - 1e-9)]
+        """Radii of the surface vertices; the edge of a flat end, the reach and the corners of the zones are
+        among them, so that the vertices within the reach do not depend on the width."""
+        knots = [
+            x
+            for x in (self.law.a0, self.law.reach, *(extent for extent, _ in self.sides))
+            if 0 < x < width * (1 - 1e-9)
+        ]
         stops = np.unique([0.0, *knots, width])
         parts = [graded_points(p, q, self._along_surface) for p, q in itertools.pairwise(stops)]
         return np.unique(np.concatenate(parts))
@@ -154,7 +159,7 @@ def zones_layout(
     a0: float,
     element_size: float | None,
     R: float,
-    sizes: tuple[float, float, float],
+    sizes: tuple[float, ...],
     growth: float,
 ) -> Layout:
     """The paper's zones (Sec. 4.1): uniform ``element_size`` over the contact, then up to ``sizes[k]`` (in units of

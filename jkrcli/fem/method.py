@@ -25,6 +25,7 @@ from .report import facts, warnings
 Array = np.ndarray
 NEARLY_INCOMPRESSIBLE = 0.49
 ATTEMPTS = 5
+GROWTH = {"scaled": {1: 0.05, 2: 0.15}, "zones": {1: 0.1, 2: 0.25}}  # chosen for equal errors by either order
 
 
 @dataclass(frozen=True)
@@ -43,8 +44,10 @@ class FEM:
     ``contact_radius`` [m]: largest contact radius to provide for (default: found from the loading).
     ``spacing``: distance of surface vertices over the distance from the first contact, layout "scaled".
     ``smallest``: contact radius down to which that holds, as a fraction of the largest.
-    ``growth``: increase of the element size per distance from the contact (default 0.15; 0.05 at first order).
-    ``zone_sizes``: largest element sizes in the zones I, II, III, in units of R, layout "zones".
+    ``growth``: increase of the element size per distance from the contact (default 0.15, first order 0.05; layout
+    "zones" 0.25 and 0.1).
+    ``zone_sizes``: largest element sizes in the zones I, II, III, in units of R, layout "zones"
+    (triangles of second order: twice that, as their nodes are half as far apart).
     ``margin``: candidates beyond the expected largest contact radius, as a factor of it.
     ``formulation``: "auto": a pressure unknown for layers with nu > 0.49 (second order); "displacement"; "mixed".
     ``edge_correction``: contact radii of "nested" calibrated on a half-space with the same surface mesh (``fem.edge``).
@@ -121,7 +124,7 @@ class FEM:
 
     @property
     def _growth(self) -> float:
-        return self.growth if self.growth is not None else (0.15 if self.order == 2 else 0.05)
+        return self.growth if self.growth is not None else GROWTH[self.layout][self.order]
 
     def _reach(self, problem: Problem) -> float:
         """Radius out to which the mesh is fine and nodes are candidates [m]."""
@@ -142,7 +145,9 @@ class FEM:
             smallest = self.smallest * (reach - a0)
             return scaled_layout(body, self.element, reach, a0, smallest, self.spacing, self._growth)
         R = problem.indenter.tip_radius or 6 * reach
-        return zones_layout(body, self.element, reach, a0, self.element_size, R, self.zone_sizes, self._growth)
+        halves = 2 if self.order == 2 and self.element == "triangle" else 1
+        sizes = tuple(halves * size for size in self.zone_sizes)
+        return zones_layout(body, self.element, reach, a0, self.element_size, R, sizes, self._growth)
 
     def _poisson(self, problem: Problem) -> list[float]:
         specimen = problem.specimen

@@ -14,6 +14,7 @@ from .elasticity import ElasticSystem, Side, assemble
 from .grid import Grid
 from .layout import Layout
 from .surface import Factor, Surface, condense, factorise
+from .truncation import missing_displacement
 
 Array = np.ndarray
 
@@ -53,18 +54,29 @@ class Recipe:
             factor = factorise(system, candidates)
         with clock("surface solves"):
             surface = condense(system, factor)
-        return Model(self, grid, system, factor, surface)
+            w = self._missing_displacement(system, factor, surface) if body.cut_below else 0.0
+        if body.completed:
+            surface = replace(surface, C=surface.C + w)
+        return Model(self, grid, system, factor, surface, w)
+
+    def _missing_displacement(self, system: ElasticSystem, factor: Factor, surface: Surface) -> float:
+        """Of the cut-out half-space, under a uniform pressure on the candidates' disc [m/N]."""
+        loads = np.zeros(system.K.shape[0])
+        loads[system.normal[: factor.tail]] = -surface.areas / surface.areas.sum()
+        return missing_displacement(system, self.body.materials[-1], factor.solve(loads), 1.0)
 
 
 @dataclass(frozen=True, eq=False)
 class Model:
-    """Grid, elastic system, factor and condensed surface of one body."""
+    """Grid, elastic system, factor and condensed surface of one body; ``missing``: displacement per load that a
+    cut-out half-space lacks [m/N], contained in the surface compliance where the body is ``completed``."""
 
     recipe: Recipe
     grid: Grid
     system: ElasticSystem
     factor: Factor
     surface: Surface
+    missing: float
 
     @property
     def body(self) -> Body:
@@ -73,6 +85,10 @@ class Model:
     def contact(self, indenter: Indenter) -> SurfaceContact:
         """The contact problem with ``indenter``."""
         return SurfaceContact(self.surface, indenter.f(self.surface.radii))
+
+    def completed(self) -> Surface:
+        """The surface of the whole half-space, whether or not the model is completed itself."""
+        return self.surface if self.body.completed else replace(self.surface, C=self.surface.C + self.missing)
 
     def field(self, p: Array) -> Array:
         """Displacements (and pressures) of all unknowns under the nodal contact forces ``p`` [N]."""

@@ -76,7 +76,7 @@ class LayeredContact:
         widths = np.diff(np.unique(np.concatenate([[0.0, self.indenter.a0], radii])))
         plans = []
         for order in ORDERS:
-            widest = phase_allowed(order, tolerance) * self.spectrum.scale / FREQUENCY
+            widest = float(phase_allowed(order, tolerance)) * self.spectrum.scale / FREQUENCY
             pieces = np.ceil(widths / widest) if math.isfinite(widest) else np.ones(widths.size)
             plans.append(Plan(order, widest, int(order * np.maximum(pieces, 1).sum())))
         return min(plans, key=lambda plan: plan.nodes)
@@ -117,6 +117,8 @@ class LayeredContact:
         worst = math.inf
         for step in range(REFINEMENTS):
             main = self._attempt(radii, plan, order=24, inner=20 + 8 * step)
+            if main is not None and (worst := float(main.rounding.max())) > tolerance:
+                break
             other = self._attempt(radii[some], check, order=20, inner=26 + 8 * step)
             if main is not None and other is not None:
                 errors = _errors(main, other, some) + tolerance * NO_CLAIM

@@ -26,7 +26,7 @@ from .layered import Layered
 
 Array = np.ndarray
 
-TOLERANCE = 1e-10
+TOLERANCE = 1e-8
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,6 +74,7 @@ def profile(problem: Problem, a: float, w: float, r: Array | None = None, r_surf
     if w == 0:
         phi = phi.anchored()
     edge = float(phi(np.array([a]))[0]) if w > 0 else 0.0
+    gap = _gap(phi, r_surface)
     return Profile(
         a=a,
         w=w,
@@ -82,8 +83,8 @@ def profile(problem: Problem, a: float, w: float, r: Array | None = None, r_surf
         r=r,
         pressure=contact.E_star / 2 * np.array([_pressure(phi, edge, float(x)) for x in r]),
         r_surface=r_surface,
-        displacement=_specimen_surface(phi, problem, r_surface),
-        gap=_gap(phi, r_surface),
+        displacement=_specimen_surface(phi, problem, r_surface, gap),
+        gap=gap,
         stress_intensity=-contact.E_star / 2 * edge * math.sqrt(math.pi / a) if w > 0 else 0.0,
     )
 
@@ -115,10 +116,10 @@ def _gap(phi: Density, r: Array) -> Array:
     return np.array([-_arc(phi, phi.a, float(x), float(x)) if x > phi.a else 0.0 for x in r])
 
 
-def _specimen_surface(phi: Density, problem: Problem, r: Array) -> Array:
+def _specimen_surface(phi: Density, problem: Problem, r: Array, gap: Array) -> Array:
     """Displacement of the specimen [m]: delta - f + gap, less the indenter's own as a half-space under the pressure,
     (E*/E*_i) int_0^min(a,r) phi(t)/sqrt(r^2 - t^2) dt."""
-    both = phi.delta - problem.indenter.f(r) + _gap(phi, r)
+    both = phi.delta - problem.indenter.f(r) + gap
     material = problem.indenter.material
     if material is None:
         return both

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -50,7 +50,7 @@ class Layered:
 
     def forecast(self, problem: Problem) -> Forecast:
         """Seconds and memory of the solve, from its node counts; finding the largest radius is part of the forecast."""
-        contact = LayeredContact(problem.indenter, problem.specimen)
+        contact = _contact(problem)
         radii = np.linspace(problem.indenter.a0, largest_radius(problem), max(problem.loading.points, 1) + 1)[1:]
         plan = contact.plan(radii, self.tolerance / MARGIN)
         rounds = 5 if problem.loading.to != "radius" or problem.loading.spacing == "depth" else 2
@@ -64,11 +64,11 @@ class Layered:
         if reason is not None:
             raise Refusal(reason)
         clock = StageClock()
-        contact = LayeredContact(problem.indenter, problem.specimen)
+        contact = _contact(problem)
         with clock("spectrum"):
             contact.prepare()
         with clock("radii"):
-            radii = _radii(contact, problem.loading, min(SEARCH, self.tolerance))
+            radii = _radii(contact, problem.loading, max(SEARCH, 0.01 * self.tolerance))
         with clock("solve"):
             nested, errors = contact.refined(radii, self.tolerance)
         return Solution(
@@ -85,16 +85,21 @@ def largest_radius(problem: Problem) -> float:
 
     For a finite body this is the forecast that a mesh needs: its sides change it little unless the contact is near.
     """
-    return _largest(_unbounded(problem), problem.loading, SEARCH)
+    return _largest(_contact(unbounded(problem)), problem.loading, SEARCH)
 
 
 def radii_of(problem: Problem) -> Array:
     """All contact radii [m] of the loading, increasing; ``specimen.radius`` is not looked at."""
-    return _radii(_unbounded(problem), problem.loading, SEARCH)
+    return _radii(_contact(unbounded(problem)), problem.loading, SEARCH)
 
 
-def _unbounded(problem: Problem) -> LayeredContact:
-    return LayeredContact(problem.indenter, Specimen(problem.specimen.layers, problem.specimen.base))
+def unbounded(problem: Problem) -> Problem:
+    """The same problem without the sides of the specimen."""
+    return replace(problem, specimen=Specimen(problem.specimen.layers, problem.specimen.base))
+
+
+def _contact(problem: Problem) -> LayeredContact:
+    return LayeredContact(problem.indenter, problem.specimen)
 
 
 def _radii(contact: LayeredContact, loading: Loading, tolerance: float) -> Array:

@@ -117,9 +117,8 @@ def solve(kernel: Kernel, panels: Panels, image: AbelImage, E_star: float) -> Ne
     right = np.column_stack([root, root * F, root[:, None] * K[:n, n:]])
     forward = solve_triangular(factor, right, lower=True, check_finite=False, overwrite_b=True)
     delta, P, S, dS = _running_sums(panels, forward, image.F(panels.radii))
-    return Nested(
-        panels, E_star, delta, *(2 * E_star * part for part in (P, S, dS)), factor, F, _rounding(panels, K, S)
-    )
+    scale = 2 * E_star
+    return Nested(panels, E_star, delta, scale * P, scale * S, scale * dS, factor, F, _rounding(panels, K, S))
 
 
 def _running_sums(panels: Panels, forward: Array, F_edge: Array) -> tuple[Array, Array, Array, Array]:

@@ -11,24 +11,29 @@ import numpy as np
 
 from ..series import Array, RawSeries, filter_plateaus
 
+MANY = 0.2  # share of increments with the radius of the one before
 HALF_WIDTH_90 = 0.45  # of an interval in which nothing is known about the place, as a 90 % half-width
 
 
 def has_plateaus(raw: RawSeries) -> bool:
     """Whether radii repeat while depth and load go on, as node-based radii do: at one increment in five at least."""
-    return bool(np.mean(np.diff(raw.a) == 0) > 0.2) if raw.a.size > 1 else False
+    touching = raw.a > 0
+    if np.sum(touching) < 2 or min(raw.delta[touching][0], raw.P[touching][0]) <= 0:
+        return False
+    a, delta, P = (np.diff(values[touching]) for values in (raw.a, raw.delta, raw.P))
+    return bool(np.mean(a == 0) > MANY and np.all(a >= 0) and np.all(delta > 0) and np.all(P > 0))
 
 
 def touch_events(raw: RawSeries) -> tuple[RawSeries, dict[str, Array]]:
-    """The events "the next node is reached", and the 90 % half-width of their radii under the key "a" [m].
+    """The events "the next node is reached" of a series with plateaus, and the 90 % half-width of their radii [m].
 
     Depth: the middle of the two increments around the event; load: at this depth on the line through the increments
     in log P over log delta (they lie on P(delta), whatever the radius). The half-width is that of the depth, read as
     one of the radius by the local slope of log a over log delta.
     """
     kept, _ = filter_plateaus(raw)
-    usable = (raw.delta > 0) & (raw.P > 0)
-    log_delta, log_P = np.log(raw.delta[usable]), np.log(raw.P[usable])
+    touching = raw.a > 0
+    log_delta, log_P = np.log(raw.delta[touching]), np.log(raw.P[touching])
     after = kept.delta
     before = np.array([np.max(raw.delta[raw.delta < depth], initial=0.0) for depth in after])
     middle = (before + after) / 2

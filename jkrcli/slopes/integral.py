@@ -17,13 +17,13 @@ from scipy.special import stdtrit
 from ..errors import InputError, Refusal
 from ..series import Array, RawSeries, Series
 from .events import has_plateaus, touch_events
-from .model import Grid, LogSplineModel, interpolate
-from .penalised import Fit, minimise
+from .model import Columns, Grid, LogSplineModel, interpolate
+from .penalised import FREEZE, Fit, minimise
 from .result import TWO_SIDED_90, Slopes, covariance_from_errors, shift_error
 from .scatter import estimate, floored, whitener
 
 MIN_POINTS = 5
-MAX_INTERVALS = 24
+MIN_INTERVALS, MAX_INTERVALS = 3, 24  # of the splines, within the data
 FREE_SCATTER_FROM = 20  # points, from which the errors of a, delta and P are told apart
 MAX_BINS = 400
 UNSETTLED = "the fit did not settle: a, delta and P contradict each other somewhere; look for points out of place"
@@ -67,26 +67,24 @@ def smoothed(
 def _slopes(
     a: Array, delta: Array, P: Array, errors: Mapping[str, Array], a0: float, S0: float | None, wanted: Array
 ) -> Slopes:
+    """Fit the columns (n,) and evaluate at the radii ``wanted`` (m,)."""
+    data = _prepare(a, delta, P, errors, a0)
     y_scale, delta_scale, P_scale = float(np.max(a) - a0), float(np.max(delta)), float(np.max(P))
     S_scale = P_scale / delta_scale
-    data = _prepare(a, delta, P, errors, a0)
-    model = LogSplineModel(data.x, min(MAX_INTERVALS, max(3, data.x.size // 2)), None if S0 is None else S0 / S_scale)
-    fit = _fit(model, data)
+    intervals = min(MAX_INTERVALS, max(MIN_INTERVALS, data.x.size // 2))
+    model = LogSplineModel(data.x, intervals, None if S0 is None else S0 / S_scale)
+    fit = _fit(_Task(model, data), data)
     x = np.log((wanted - a0) / y_scale)
-    columns = model.columns(fit.c, model.interpolation(x), model.design(x))
-    freedom = max(fit.residuals.size - fit.spent, 1.0)
-    values = np.stack([columns.log_delta, columns.log_P, columns.log_S, columns.log_dS])
-    values = np.exp(values) * np.array([[delta_scale], [P_scale], [S_scale], [S_scale / y_scale]])
-    covariance = np.einsum("imp,pq,jmq->mij", columns.jacobian, fit.phi * fit.V, columns.jacobian, optimize=True)
-    covariance *= values.T[:, :, None] * values.T[:, None, :]
+    scales = np.array([delta_scale, P_scale, S_scale, S_scale / y_scale])
+    values, covariance = _evaluate(model.columns(fit.c, model.interpolation(x), model.design(x)), fit, scales)
     delta_H, P_H, S, dS = values
     if errors:
         order = np.argsort(a)
-        there = {name: np.interp(wanted, a[order], np.asarray(values)[order]) for name, values in errors.items()}
+        there = {name: np.interp(wanted, a[order], np.asarray(error)[order]) for name, error in errors.items()}
         given = covariance_from_errors(Series(wanted, delta_H, P_H, errors=there, a0=a0, S0=S0), S, dS)
         assert given is not None
         covariance += max(0.0, 1 - fit.phi) * given  # what the scatter does not show is shared by all points
-    quantile = float(stdtrit(freedom, 0.95))
+    quantile = float(stdtrit(max(fit.residuals.size - fit.spent, 1.0), 0.95))
     return Slopes(
         S,
         dS,
@@ -99,6 +97,13 @@ def _slopes(
         covariance=covariance,
         quantile=quantile,
     )
+
+
+def _evaluate(columns: Columns, fit: Fit, scales: Array) -> tuple[Array, Array]:
+    """delta_H, P_H, S, S' in SI, shape (4, m), and their covariance, (m, 4, 4), from that of the coefficients."""
+    values = np.exp(np.stack([columns.log_delta, columns.log_P, columns.log_S, columns.log_dS])) * scales[:, None]
+    relative = np.einsum("imp,pq,jmq->mij", columns.jacobian, fit.phi * fit.V, columns.jacobian, optimize=True)
+    return values, relative * values.T[:, :, None] * values.T[:, None, :]
 
 
 def _prepare(a: Array, delta: Array, P: Array, errors: Mapping[str, Array], a0: float) -> _Data:
@@ -123,49 +128,62 @@ def _prepare(a: Array, delta: Array, P: Array, errors: Mapping[str, Array], a0: 
     return _Data(np.log((a - a0) / np.max(a - a0)), np.log(delta / np.max(delta)), np.log(P / np.max(P)), given)
 
 
-def _fit(model: LogSplineModel, data: _Data) -> Fit:
-    """Alternate the fit and the estimate of the data's scatter."""
-    bins = _Bins(data.x)
-    at, basis, everywhere = model.interpolation(bins.x), model.design(bins.x), model.interpolation(bins.sorted_x)
-    measured = np.stack([data.log_delta, data.log_P])[:, bins.order]
+class _Task:
+    """The data as a least-squares problem: residuals of log delta and log P, whitened, over bins of points."""
 
-    def difference(grid: Grid) -> Array:
+    def __init__(self, model: LogSplineModel, data: _Data):
+        self.model, self.bins = model, _Bins(data.x)
+        self.blocks = (model.rough_v, model.rough_u)
+        self.at, self.basis = model.interpolation(self.bins.x), model.design(self.bins.x)
+        self.everywhere = model.interpolation(self.bins.sorted_x)
+        self.measured = np.stack([data.log_delta, data.log_P])[:, self.bins.order]
+
+    def difference(self, grid: Grid) -> Array:
+        """Model minus data at every point, shape (2, n)."""
         (log_delta, _), (log_P, _), _ = grid
-        return np.stack([interpolate(everywhere, *log_delta), interpolate(everywhere, *log_P)]) - measured
+        return np.stack([interpolate(self.everywhere, *pair) for pair in (log_delta, log_P)]) - self.measured
 
-    start, blocks = _start(model, data), (model.rough_v, model.rough_u)
-    variances = np.ones((3, data.x.size)) if data.given is None else data.given[:, bins.order]
-    fit: Fit | None = None
-    for share in (None, *SMALLEST_SHARES):
-        columns = model.columns(start, at, basis)
-        variances = floored(variances, share or 1.0, RELATIVE_FLOOR**2)
-        whiten = whitener(bins.mean(variances), columns.rate_delta, columns.rate_P) * np.sqrt(bins.counts)
+    def minimise(self, start: Array, variances: Array, lambdas: Array, floor: float, freeze: int = FREEZE) -> Fit:
+        """Fit with given relative variances of (a, delta, P), shape (3, n), the radius' slopes taken at ``start``."""
+        columns = self.model.columns(start, self.at, self.basis)
+        whiten = whitener(self.bins.mean(variances), columns.rate_delta, columns.rate_P) * np.sqrt(self.bins.counts)
 
-        def residuals(c: Array, whiten: Array = whiten) -> tuple[Array, Array]:
-            grid = model.on_grid(c)
-            white = np.einsum("ijn,jn->in", whiten, bins.mean(difference(grid)))
-            jacobian = np.einsum("ijn,jnp->inp", whiten, model.columns(c, at, basis, grid).jacobian[:2])
-            return white.ravel(), jacobian.reshape(-1, model.parameters)
+        def residuals(c: Array) -> tuple[Array, Array]:
+            grid = self.model.on_grid(c)
+            white = np.einsum("ijn,jn->in", whiten, self.bins.mean(self.difference(grid)))
+            jacobian = self.model.columns(c, self.at, self.basis, grid).jacobian[:2]
+            return white.ravel(), np.einsum("ijn,jnp->inp", whiten, jacobian).reshape(-1, self.model.parameters)
 
+        return minimise(residuals, start, self.blocks, floor, lambdas, freeze)
+
+    def scatter(self, fit: Fit) -> Array:
+        """Relative variances of (a, delta, P), shape (3, n), as the residuals of ``fit`` show them."""
+        grid = self.model.on_grid(fit.c)
+        columns = self.model.columns(fit.c, self.at, self.basis, grid)
+        k, m = self.bins.spread(columns.rate_delta), self.bins.spread(columns.rate_P)
+        return estimate(self.bins.sorted_x, self.difference(grid), k, m, fit.spent, RELATIVE_FLOOR**2)
+
+
+def _fit(task: _Task, data: _Data) -> Fit:
+    """Fit with penalties found from the data, in rounds, each with the scatter that the one before has shown."""
+    stiff = np.full(len(task.blocks), STIFF)
+    variances = np.ones((3, data.x.size)) if data.given is None else data.given[:, task.bins.order]
+    given = variances
+    best: Fit | None = None
+    for share in SMALLEST_SHARES:
+        variances = floored(variances, share, RELATIVE_FLOOR**2)
         floor = RELATIVE_FLOOR**2 / float(np.mean(variances))
-        if share is None:  # a stiff fit first: far from the solution a linearised one takes all for signal
-            start = minimise(residuals, start, blocks, floor, np.full(2, STIFF), freeze=0).c
-            continue
-        found = minimise(residuals, start, blocks, floor, np.full(2, STIFF) if fit is None else fit.lambdas)
-        if found.settled:
-            fit, start = found, found.c
-        elif fit is not None:
+        # a stiff fit first: far from the solution a linearised one takes all for signal
+        start = best or task.minimise(_start(task.model, data), variances, stiff, floor, freeze=0)
+        found = task.minimise(start.c, variances, start.lambdas, floor)
+        if best is not None and not found.settled:
             break  # weights too uneven to go on: the last fit stands
-        if data.given is not None:
-            variances = data.given[:, bins.order]
-            continue
-        if data.x.size < FREE_SCATTER_FROM or found.phi <= floor:
+        if found.settled:
+            best = found
+        if data.given is None and (data.x.size < FREE_SCATTER_FROM or found.phi <= floor):
             break
-        grid = model.on_grid(start)
-        columns = model.columns(start, at, basis, grid)
-        k, m = bins.spread(columns.rate_delta), bins.spread(columns.rate_P)
-        variances = estimate(bins.sorted_x, difference(grid), k, m, found.spent, RELATIVE_FLOOR**2)
-    return fit or found
+        variances = given if data.given is not None else task.scatter(best or start)
+    return best or found
 
 
 class _Bins:

@@ -107,18 +107,22 @@ def _end_flags(series: Series, dS: Array, bias: Array) -> list[str]:
 def _covariance(series: Series, spline: SmoothingSpline, weights: Array, dS: Array, bias: Array) -> Array:
     """Covariance (n, 4, 4) of (delta_H, P_H, S, S'): replicas of the noise, end bias, and the series' own errors.
 
-    The noise is taken as independent and of one relative size, as an error of P at given delta. White noise is sent
-    through the same linear steps (fixed lambda); its size is set by the scatter of the interpolated slopes about the
-    smoothing spline.
+    The noise is taken as independent and of one relative size on a, delta and P. White noise is sent through the same
+    linear steps (fixed lambda), all columns seen at given radius; its size is set by the scatter of the interpolated
+    slopes about the smoothing spline.
     """
     first = spline.x.size - len(series)
-    noise = series.P[:, None] * np.random.default_rng(1).standard_normal((len(series), PROBES))
-    raw = interpolated_slope(series.delta, noise)
+    shape = (3, len(series), PROBES)
+    a, delta, P = (
+        np.random.default_rng(1).standard_normal(shape) * np.stack([series.a, series.delta, series.P])[..., None]
+    )
+    S, growth = spline.g[first:, None], np.gradient(series.delta, series.a)[:, None]
+    raw = interpolated_slope(series.delta, P - S * delta) - dS[:, None] * a
     smooth, slope = linear_fit(spline, weights, np.concatenate([np.zeros((first, PROBES)), raw]))
     smooth, slope = smooth[first:], slope[first:]
     scatter = interpolated_slope(series.delta, series.P) - spline.g[first:]
     size = math.sqrt(np.sum(scatter**2) / np.mean(np.sum((raw - smooth) ** 2, axis=0)))
-    replicas = size * np.stack([np.zeros_like(noise), noise, smooth, slope], axis=1)
+    replicas = size * np.stack([delta - growth * a, P - S * growth * a, smooth, slope], axis=1)
     covariance = np.einsum("nip,njp->nij", replicas, replicas) / PROBES
     covariance[:, 3, 3] += bias**2
     given = covariance_from_errors(series, spline.g[first:], dS)

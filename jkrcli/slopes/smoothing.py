@@ -227,7 +227,7 @@ def _score(smoother: _Smoother, y: Array, weights: Array, criterion: Criterion) 
 
 def _minimise(score: Callable[[float], float]) -> float:
     """Lambda at the least score: a coarse grid in log(lambda) finds the valley, Brent's method its floor."""
-    grid = np.linspace(*np.log(LAMBDA_RANGE), GRID_POINTS)
+    grid = np.linspace(math.log(LAMBDA_RANGE[0]), math.log(LAMBDA_RANGE[1]), GRID_POINTS)
     values = [score(value) for value in grid]
     best = int(np.argmin(values))
     low, high = grid[max(best - 1, 0)], grid[min(best + 1, grid.size - 1)]

@@ -1,0 +1,156 @@
+"""Comparison with closed forms, differences of results, states on a curve, tables."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from jkrcli import tables
+from jkrcli.adhesion import transform
+from jkrcli.choose import choose
+from jkrcli.comparison import compare_half_space, exact_curve
+from jkrcli.differences import curve_differences, series_differences
+from jkrcli.errors import InputError, Refusal
+from jkrcli.expectation import expect
+from jkrcli.half_space import ClosedForm
+from jkrcli.indenters import Paraboloid, Sphere, TableProfile
+from jkrcli.integral.layered import Layered
+from jkrcli.materials import Elastic
+from jkrcli.methods import method_class
+from jkrcli.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
+from jkrcli.series import Series
+from jkrcli.slopes import slopes
+from jkrcli.states import radii_at, stable_radius
+
+R, W = 1e-4, 50.0
+GROUND = Specimen((), HalfSpace(Elastic(5e9, 0.4)))
+PROBLEM = Problem(Sphere(R), GROUND, Loading("depth", 3e-6))
+LAYER = Problem(Paraboloid(1e-3), Specimen((Layer(Elastic(1e6, 0.3), 1e-5),), Rigid()), Loading("radius", 2e-5))
+
+
+def curve_of(problem: Problem, w: float = W, **changes: object):
+    series = ClosedForm()(problem).series
+    found = slopes(series, "exact")
+    if changes:
+        series = Series(**{name: changes.get(name, getattr(series, name)) for name in ("a", "delta", "P", "S", "dS")})
+    return transform(series, found, w)
+
+
+def test_comparison_of_the_exact_curve_is_round_off() -> None:
+    found = compare_half_space(curve_of(PROBLEM), PROBLEM)
+    assert found is not None
+    assert found.load < 1e-7  # linear interpolation in logs between 400 points
+    assert abs(found.pull_off) < 1e-9
+    assert found.curve < 1e-5  # chords of the reference polyline
+    assert found.parabola == pytest.approx(1 - 1.49734 / 1.5, abs=1e-5)  # published to six digits
+
+
+def test_comparison_sees_an_error_of_the_load() -> None:
+    exact = ClosedForm()(PROBLEM).series
+    found = compare_half_space(curve_of(PROBLEM, P=exact.P * 1.01), PROBLEM)
+    assert found.load == pytest.approx(0.01, rel=1e-4)  # the same interpolation
+
+
+def test_no_comparison_without_a_closed_form() -> None:
+    r = np.linspace(0, 3e-5, 20)
+    table = Problem(TableProfile(tuple(r), tuple(r**2 / (2 * R))), GROUND, PROBLEM.loading)
+    assert exact_curve(table, W, 1e-5) is None
+
+
+def test_differences_at_equal_displacement_do_not_mind_other_points() -> None:
+    one = ClosedForm()(PROBLEM).series
+    two = ClosedForm()(Problem(Sphere(R), GROUND, Loading("depth", 2.9e-6, 37))).series
+    found = {d.column: d for d in series_differences(one, two)}
+    assert set(found) == {"P", "a", "S", "dS"}
+    assert found["P"].worst < 2e-6  # monotone cubic in logs through 37 points of nearly a power law
+    shifted = {d.column: d.worst for d in series_differences(one, two.scaled(1.5))}
+    assert shifted["P"] == pytest.approx(0.5, abs=1e-5)
+    assert shifted["a"] < 1e-6
+
+
+def test_differences_of_curves_are_over_the_largest_value_and_name_the_row() -> None:
+    columns = tables.curve_columns(curve_of(PROBLEM))
+    changed = {name: np.array(values) for name, values in columns.items()}
+    changed["P_N"][40] += 0.02 * np.max(np.abs(columns["P_N"]))
+    found = {d.column: d for d in curve_differences(columns, changed)}
+    assert found["P_N"].worst == pytest.approx(0.02, rel=1e-9)
+    assert found["P_N"].worst_row == 40
+    assert found["delta_m"].worst == 0
+
+
+def test_series_that_do_not_overlap_are_refused() -> None:
+    one = ClosedForm()(Problem(Sphere(R), GROUND, Loading.given("depth", (1e-8, 2e-8)))).series
+    two = ClosedForm()(Problem(Sphere(R), GROUND, Loading.given("depth", (1e-6, 2e-6)))).series
+    with pytest.raises(InputError, match="nothing to compare: the ranges 1e-08 to 2e-08 and 1e-06 to 2e-06"):
+        series_differences(one, two)
+
+
+def test_states_lie_on_the_curve_and_the_stable_one_is_the_larger() -> None:
+    curve = curve_of(PROBLEM)
+    lowest = curve.pull_off(0.0).P
+    radii = radii_at(curve, "load", 0.5 * lowest)
+    assert len(radii) == 2
+    np.testing.assert_allclose(curve.at(np.array(radii))[1], 0.5 * lowest, rtol=1e-10)
+    assert stable_radius(curve, 0.5 * lowest) == radii[1]
+    np.testing.assert_allclose(curve.at(np.array(radii_at(curve, "displacement", 0.0)))[0], 0, atol=1e-18)
+    assert radii_at(curve, "load", 2 * lowest) == []
+    with pytest.raises(InputError, match=r"load: -47.04 mN is not carried by a stable contact of this series"):
+        stable_radius(curve, 2 * lowest)
+
+
+def test_csv_reads_back_to_the_last_bit(tmp_path) -> None:
+    columns = tables.curve_columns(curve_of(PROBLEM))
+    (tmp_path / "x.csv").write_text(tables.csv(columns))
+    for name, values in tables.read_curve(tmp_path / "x.csv").items():
+        np.testing.assert_array_equal(values, columns[name])
+
+
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        ("", 'line 1 must be the header "a_m,delta_m,P_N,...", got ""'),
+        ("x,y\n1,2\n", 'line 1 must be the header "a_m,delta_m,P_N,...", got "x,y"'),
+        ("a_m,P_N\n1,2\n2,x\n", 'line 3 must hold 2 finite numbers, got "2,x"'),
+        ("a_m,P_N\n1,2\n2,nan\n", 'line 3 must hold 2 finite numbers, got "2,nan"'),
+        ("a_m,P_N\n1,2\n2\n", 'line 3 must hold 2 finite numbers, got "2"'),
+        ("a_m,P_N\n1,2\n", "holds 1 rows, at least 2 are needed"),
+        ("a_m,P_N\n1,2\n3,2\n2,2\n", "line 4: a_m must increase from row to row"),
+    ],
+)
+def test_wrong_curves_are_refused(tmp_path, text: str, line: str) -> None:
+    path = tmp_path / "x.csv"
+    path.write_text(text)
+    with pytest.raises(InputError) as caught:
+        tables.read_curve(path)
+    assert caught.value.lines == (f"{path}: {line}",)
+
+
+def build(name: str):
+    return method_class(name)()
+
+
+def test_auto_takes_the_least_model() -> None:
+    assert choose(PROBLEM, "auto", build).name == "closed-form"
+    assert choose(LAYER, "auto", build).name == "layered"
+    finite = Problem(LAYER.indenter, Specimen(LAYER.specimen.layers, Rigid(), 1e-4, "free"), LAYER.loading)
+    assert choose(finite, "auto", build).name == "fem"
+    with pytest.raises(Refusal, match="method layered: layered: the specimen has a finite radius"):
+        choose(finite, "layered", build)
+
+
+def test_auto_says_why_and_what_others_would_cost() -> None:
+    reason = choose(LAYER, "auto", build).reason
+    assert reason.startswith("layered, the least model that represents this body (")
+    assert "closed-form cannot (" in reason
+    assert "fem would take about" in reason
+
+
+def test_expectation_is_close_to_the_solution() -> None:
+    series = Layered()(LAYER).series
+    expected = expect(LAYER, (1e-3,), 3e-10)
+    assert expected.P == pytest.approx(series.P[-1], rel=1e-4)  # asked to 1e-5
+    curve = transform(series, slopes(series, "exact"), 1e-3)
+    assert expected.adhesion[0][1].P == pytest.approx(curve.pull_off(0.0).P, rel=1e-4)
+    half_space = ClosedForm()(Problem(LAYER.indenter, Specimen((), HalfSpace(Elastic(1e6, 0.3))),
+                                      Loading("depth", float(series.delta[-1]), 1))).series  # fmt: skip
+    assert expected.half_space_error == pytest.approx(series.P[-1] / half_space.P[-1] - 1, rel=1e-3)

@@ -10,6 +10,7 @@ from .methods import Forecast, Method
 from .problem import Problem
 
 LEAST_FIRST = ("closed-form", "layered", "fem")
+NOTICEABLE = 1e-3  # a simpler model with a larger relative error gives way to a better one
 
 
 @dataclass(frozen=True)
@@ -32,17 +33,24 @@ class Choice:
 
 
 def choose(problem: Problem, wanted: str, build: Callable[[str], Method]) -> Choice:
-    """The method ``wanted``, or for "auto" the first of ``LEAST_FIRST`` that does not refuse the problem."""
+    """The method ``wanted``, or for "auto" the first of ``LEAST_FIRST`` that represents the problem accurately."""
     if wanted != "auto":
         method = build(wanted)
         if reason := method.refusal(problem):
             raise Refusal(f"method {wanted}: {reason}")
         return Choice(wanted, method, "as the case says")
     options = survey(problem, build)
-    for option in options:
-        if option.refusal is None:
-            return Choice(option.name, build(option.name), _why(option, options), tuple(options))
-    raise InputError([f"method {option.name}: {option.refusal}" for option in options])
+    possible = [option for option in options if option.forecast is not None]
+    if not possible:
+        raise InputError([f"method {option.name}: {option.refusal}" for option in options])
+    option = next((option for option in possible if _accurate(option)), possible[0])
+    return Choice(option.name, build(option.name), _why(option, options), tuple(options))
+
+
+def _accurate(option: Option) -> bool:
+    """Whether the expected error is known and small enough not to be noticed beside anything measured."""
+    assert option.forecast is not None
+    return isinstance(option.forecast.error, float) and option.forecast.error <= NOTICEABLE
 
 
 def survey(problem: Problem, build: Callable[[str], Method], names: Sequence[str] = LEAST_FIRST) -> list[Option]:

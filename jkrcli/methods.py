@@ -10,7 +10,7 @@ from .problem import Problem
 from .series import Estimate, Solution
 
 METHODS = {
-    "closed-form": "jkrcli.half_space:ClosedForm",
+    "closed-form": "jkrcli.formulas:ClosedForm",
     "layered": "jkrcli.integral.layered:Layered",
     "fem": "jkrcli.fem.method:FEM",
 }

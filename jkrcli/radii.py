@@ -1,159 +1,166 @@
-"""Which contact radii a loading asks for, on any body whose nonadhesive delta(a), P(a) can be evaluated."""
+"""Contact radii for a loading by depth, load or radius: root search on delta_H(a) and P_H(a) of any solver.
+
+Both grow like powers of v = sqrt(a^2 - a0^2), so that the search runs in logarithms, without any unit.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from .errors import InputError, SolveError
-from .problem import Problem
+from .errors import InputError, Refusal, SolveError
+from .indenters import Indenter
+from .problem import Loading, Quantity
 
 Array = np.ndarray
-Curve = Callable[[Array], tuple[Array, Array]]  # radii [m] -> delta_H [m], P_H [N]
+Response = Callable[[Array], Array]  # increasing radii [m] -> delta_H [m] or P_H [N] there
+Responses = Callable[[Quantity, float], Response]  # "depth" or "load", relative accuracy -> its response
+
+STEPS = 80
+PROBE = 0.98  # a second radius beside each trial, for the slope
+STRIDE = 3.0  # largest factor from one trial to the next, as a larger contact costs more
+TABLE = 48
+NEAR = 30.0  # a step from this many times the accuracy leads well within it
 
 
-def radii_of(problem: Problem, curve: Curve) -> Array:
-    """The increasing contact radii [m] that ``problem.loading`` prescribes on the body described by ``curve``."""
-    loading, a0 = problem.loading, problem.indenter.a0
-    if loading.to == "radius":
-        return _given_radii(problem)
-    if loading.spacing == "given":
-        targets = np.array(loading.values)
-        return _solve_for(problem, curve, targets, largest_radius(problem, curve))
-    a_max = largest_radius(problem, curve)
-    if loading.spacing == "radius":
-        return a0 + (a_max - a0) * np.arange(1, loading.points + 1) / loading.points
-    depth = float(curve(np.array([a_max]))[0][0])
-    return _solve_for(problem, curve, depth * np.arange(1, loading.points + 1) / loading.points, a_max, column=0)
+def radii_of_loading(
+    loading: Loading, indenter: Indenter, responses: Responses, start: float, accuracies: Sequence[float]
+) -> Array:
+    """All contact radii [m] that ``loading`` asks for, increasing.
 
-
-def _given_radii(problem: Problem) -> Array:
-    loading, a0 = problem.loading, problem.indenter.a0
-    _check_reach(problem, loading.maximum)
-    if loading.spacing == "given":
-        radii = np.array(loading.values)
-    elif loading.spacing == "depth":
-        raise InputError("loading: spacing by depth needs a depth or a load as the goal, not a radius")
-    else:
-        radii = a0 + (loading.maximum - a0) * np.arange(1, loading.points + 1) / loading.points
-    if radii[0] <= a0:
-        raise InputError(
-            f"loading.radius: must be > {a0:g} m, where this indenter's contact begins, got {radii[0]:g} m"
-        )
-    return radii
-
-
-def _check_reach(problem: Problem, a: float) -> None:
-    if a >= problem.indenter.r_max:
-        raise InputError(
-            f"loading: needs a contact radius of {a:g} m, but the indenter's profile ends at "
-            f"{problem.indenter.r_max:g} m: load less"
-        )
-
-
-def largest_radius(problem: Problem, curve: Curve) -> float:
-    """The contact radius [m] at the largest load or depth: a bracket around the half-space's, then a root search."""
-    loading = problem.loading
-    if loading.to == "radius":
-        _check_reach(problem, loading.maximum)
-        return loading.maximum
-    column = 0 if loading.to == "depth" else 1
-    low, high = _bracket(problem, curve, column)
-    return float(_root(problem, curve, column, loading.maximum, low, high))
-
-
-def half_space_radius(problem: Problem) -> float:
-    """The radius [m] at which a half-space would be at the largest depth (or carry the load): a first guess only."""
-    from scipy.optimize import brentq
-
-    indenter, loading = problem.indenter, problem.loading
-    if loading.to == "radius":
-        return loading.maximum
-    reach = indenter.r_max * (1 - 1e-9) if np.isfinite(indenter.r_max) else np.inf
-    x = (np.polynomial.legendre.leggauss(24)[0] + 1) / 2
-    weights = np.polynomial.legendre.leggauss(24)[1] / 2
-
-    def value(a: float) -> float:
-        F = float(indenter.abel(np.array(a)))
-        if loading.to == "depth":
-            return F / loading.maximum - 1
-        P = 2 * problem.E_star * (F * a - a * float(weights @ indenter.abel(a * x)))
-        return P / loading.maximum - 1
-
-    scale = indenter.tip_radius or indenter.a0 or loading.maximum if loading.to == "depth" else 1.0
-    low = high = min(max(indenter.a0, 1e-3 * scale), 0.5 * reach) or 1.0
-    while value(low) > 0 and low > indenter.a0 * (1 + 1e-14):
-        low = indenter.a0 + (low - indenter.a0) / 4
-        if low < 1e-300:
-            break
-    while high < reach and value(min(high, reach)) < 0:
-        high = indenter.a0 + (high - indenter.a0) * 4 if high > indenter.a0 else 2 * high
-    if high >= reach:
-        return reach
-    return float(brentq(value, low, high, xtol=1e-300, rtol=1e-10)) if value(low) < 0 else low
-
-
-def _bracket(problem: Problem, curve: Curve, column: int) -> tuple[float, float]:
-    """Radii whose column (0: delta, 1: P) lies below and above the loading's maximum."""
-    a0, goal = problem.indenter.a0, problem.loading.maximum
-    reach = problem.indenter.r_max * (1 - 1e-9) if np.isfinite(problem.indenter.r_max) else np.inf
-    a = min(half_space_radius(problem), reach)
-    low, high = (
-        a0 + (a - a0) * (1 - 1e-6),
-        min(a0 + (a - a0) * (1 + 1e-6), reach),
-    )  # off the root by more than round-off
-    for _ in range(200):
-        if _value(curve, column, low) < goal:
-            break
-        low, high = a0 + (low - a0) / 2, low
-    for _ in range(200):
-        if _value(curve, column, high) >= goal:
-            break
-        if high >= reach:
-            _check_reach(problem, np.nextafter(problem.indenter.r_max, np.inf))
-        low, high = high, min(a0 + (high - a0) * 2, reach)
-    return low, high
-
-
-def _value(curve: Curve, column: int, a: float) -> float:
-    return float(curve(np.array([a]))[column][0])
-
-
-def _root(problem: Problem, curve: Curve, column: int, goal: float, low: float, high: float) -> float:
-    from scipy.optimize import brentq
-
-    a0 = problem.indenter.a0
-
-    def mismatch(log_a: float) -> float:
-        return np.log(max(_value(curve, column, a0 + np.exp(log_a)), np.finfo(float).tiny) / goal)
-
-    return a0 + np.exp(brentq(mismatch, np.log(low - a0), np.log(high - a0), xtol=1e-14, rtol=1e-14))
-
-
-def _solve_for(problem: Problem, curve: Curve, targets: Array, a_max: float, column: int | None = None) -> Array:
-    """All radii at which the column reaches the increasing ``targets``; the last one is ``a_max``.
-
-    Newton in log(a - a0) and the logarithm of the column, all targets at once, from a table of the curve.
+    ``responses`` of growing ``accuracies`` are followed one after the other; ``start``: a first radius [m].
     """
-    from scipy.interpolate import PchipInterpolator
+    if loading.spacing == "given" and loading.to == "radius":
+        for a in loading.values:
+            _check_radius(indenter, a)
+        return np.array(loading.values)
+    largest = largest_of_loading(loading, indenter, responses, start, accuracies)
+    if loading.spacing == "radius":
+        return np.linspace(indenter.a0, largest, loading.points + 1)[1:]
+    quantity: Quantity = loading.to
+    targets = np.array(loading.values)
+    if loading.spacing == "depth":
+        quantity = "depth"
+        deepest = float(responses(quantity, accuracies[-1])(np.array([largest]))[0])
+        targets = deepest * np.arange(1, loading.points + 1) / loading.points
+    return radii_for([(responses(quantity, e), e) for e in accuracies], targets, indenter, largest)
 
-    if column is None:
-        column = 0 if problem.loading.to == "depth" else 1
-    a0 = problem.indenter.a0
-    logs = np.log(targets)
-    steps = np.log(a_max - a0) + np.linspace(-0.75 * (logs[-1] - logs[0]) - 1, 0, 48)
-    values = np.log(curve(a0 + np.exp(steps))[column])
-    table = PchipInterpolator(values, steps, extrapolate=True)
-    u = table(logs)
-    for _ in range(30):
-        error = np.log(curve(a0 + np.exp(u))[column]) - logs
-        if np.max(np.abs(error)) < 1e-12:
-            break
-        u = u - error * table.derivative()(logs)
-    else:
-        raise SolveError(
-            f"loading: the radii for the given {problem.loading.to}s were found to {np.max(error):.1g} only"
+
+def largest_of_loading(
+    loading: Loading, indenter: Indenter, responses: Responses, start: float, accuracies: Sequence[float]
+) -> float:
+    """The contact radius [m] at which ``loading`` ends: a rough search first, then ever more accurate ones."""
+    if loading.to == "radius":
+        _check_radius(indenter, loading.maximum)
+        return loading.maximum
+    for accuracy in accuracies:
+        start = radius_for(responses(loading.to, accuracy), loading.maximum, indenter, start, accuracy)
+    return start
+
+
+def half_space_guess(loading: Loading, indenter: Indenter, E_star: float, scale: float = math.inf) -> float:
+    """A first radius [m]: that of a half-space of modulus E* [Pa], F(a) = delta or about 4/3 E* a F(a) = P, but no
+    more than twice the length ``scale`` [m] over which layers act."""
+    target = loading.maximum
+
+    def response(a: Array) -> Array:
+        F = indenter.abel(a)
+        return F if loading.to == "depth" else 4 / 3 * E_star * a * F
+
+    lengths = (scale, indenter.tip_radius, indenter.a0, indenter.r_max, target if loading.to == "depth" else None)
+    start = next(length for length in (*lengths, 1.0) if length and math.isfinite(length))
+    try:
+        guess = radius_for(response, target, indenter, 1.5 * start, 0.1)
+    except Refusal:
+        guess = indenter.r_max / 2
+    return min(guess, max(2 * scale, 1.1 * indenter.a0))
+
+
+def _check_radius(indenter: Indenter, a: float) -> None:
+    a0, end = indenter.a0, indenter.r_max
+    if a <= a0:
+        raise InputError(f"loading: contact radius {a:g} m must be larger than the flat end of the indenter ({a0:g} m)")
+    if a > end:
+        raise Refusal(
+            f"loading: contact radius {a:g} m lies beyond the profile, which ends at r = {end:g} m; "
+            "ask for less, or give a larger profile"
         )
-    u[-1] = np.log(a_max - a0)
-    return a0 + np.exp(u)
+
+
+def radius_for(response: Response, target: float, indenter: Indenter, start: float, tolerance: float) -> float:
+    """The contact radius a [m] at which ``response`` is ``target``, to the relative ``tolerance`` of the response.
+
+    ``start``: a first radius [m]. Newton steps in logarithms within a bracket. Refusal where the contact would reach
+    beyond the profile.
+    """
+    a0, end = indenter.a0, indenter.r_max * (1 - 1e-12)
+    low, high = 0.0, math.sqrt((end - a0) * (end + a0)) if math.isfinite(end) else math.inf
+    v, tried_end = min(math.sqrt(max(start**2 - a0**2, 0.0)) or start, high / 2), False
+    for _ in range(STEPS):
+        values = response(np.hypot(a0, np.array([PROBE * v, v])))
+        miss = math.log(values[1] / target)
+        slope = math.log(values[1] / values[0]) / -math.log(PROBE)
+        if abs(miss) <= NEAR * tolerance:
+            return math.hypot(a0, min(v * math.exp(-miss / slope), high))
+        if tried_end and v == high and miss < 0:
+            break
+        low, high = (v, high) if miss < 0 else (low, v)
+        proposal = v * min(max(math.exp(-miss / slope), 1 / STRIDE), STRIDE)
+        if proposal >= high:
+            tried_end = miss < 0 and math.isfinite(high)
+            proposal = high if tried_end else math.sqrt(v * max(low, v / STRIDE))
+        elif proposal <= low:
+            proposal = math.sqrt(v * low)
+        v = proposal
+    else:
+        raise SolveError(f"loading: no contact radius found for {target:g} in {STEPS} steps; last a = {v:g} m")
+    raise Refusal(
+        f"loading: {target:g} needs a contact radius beyond the profile, which ends at r = {indenter.r_max:g} m; "
+        "ask for less, or give a larger profile"
+    )
+
+
+def radii_for(stages: Sequence[tuple[Response, float]], targets: Array, indenter: Indenter, largest: float) -> Array:
+    """Contact radii [m] for the increasing ``targets``, the last of which is reached at ``largest`` [m].
+
+    ``stages``: the response with growing accuracy, and the relative accuracy to which each is followed.
+    """
+    a0 = indenter.a0
+    if targets.size == 1:
+        return np.array([largest])
+    log_target = np.log(targets)
+    log_v = np.log(_first_radii(stages[0][0], targets, indenter, largest))
+    for response, accuracy in stages:
+        log_v = _followed(response, log_v, log_target, a0, accuracy)
+    return np.hypot(a0, np.exp(log_v))
+
+
+def _first_radii(response: Response, targets: Array, indenter: Indenter, largest: float) -> Array:
+    """v at the targets from a table of the response between their ends."""
+    a0 = indenter.a0
+    first = radius_for(response, float(targets[0]), indenter, math.hypot(a0, 0.3 * _v(largest, a0)), 0.1)
+    v = np.geomspace(0.7 * _v(first, a0), _v(largest, a0), TABLE)
+    return np.exp(_inverse(np.log(v), np.log(response(np.hypot(a0, v))), np.log(targets)))
+
+
+def _followed(response: Response, log_v: Array, log_target: Array, a0: float, accuracy: float) -> Array:
+    """Newton steps for all targets at once."""
+    for _ in range(STEPS):
+        log_values = np.log(response(np.hypot(a0, np.exp(log_v))))
+        log_v = _inverse(log_v, log_values, log_target)
+        if np.max(np.abs(log_values - log_target)) <= NEAR * accuracy:
+            return log_v
+    raise SolveError(f"loading: the contact radii of {log_target.size} increments were not found in {STEPS} passes")
+
+
+def _inverse(log_v: Array, log_values: Array, log_target: Array) -> Array:
+    """Values of log v at the targets, from the tangents at the nearest known point."""
+    slopes = np.gradient(log_v, log_values)
+    near = np.clip(np.searchsorted((log_values[1:] + log_values[:-1]) / 2, log_target), 0, log_values.size - 1)
+    return log_v[near] + slopes[near] * (log_target - log_values[near])
+
+
+def _v(a: float, a0: float) -> float:
+    return math.sqrt((a - a0) * (a + a0))

@@ -1,9 +1,11 @@
-"""States on an adhesive curve: the contact radii at which it carries a load or takes a displacement."""
+"""States on an adhesive curve: the contact radii at which it carries a load, takes a displacement or meets a device."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
-from typing import Literal
+from dataclasses import dataclass
+from typing import Any, Literal
 
 import numpy as np
 from scipy.optimize import brentq
@@ -14,18 +16,43 @@ from .series import Array
 from .units import show
 
 SAMPLES = 16  # per interval of the series
+LOAD_CONTROL, DISPLACEMENT_CONTROL = 0.0, math.inf  # as stiffness of the device [N/m]
 
 
-def radii_at(curve: AdhesiveCurve, quantity: Literal["load", "displacement"], value: float) -> list[float]:
-    """All contact radii [m] in the series at which P [N] or delta [m] has the ``value``, increasing; maybe none."""
-    column = 1 if quantity == "load" else 0
+@dataclass(frozen=True)
+class State:
+    """One equilibrium: contact radius ``a`` [m], displacement ``delta`` [m], load ``P`` [N]."""
+
+    a: float
+    delta: float
+    P: float
+
+
+def state(curve: AdhesiveCurve, a: float) -> State:
+    """The equilibrium at contact radius ``a`` [m] within the series."""
+    delta, P = curve.at(np.array(a))
+    return State(a, float(delta), float(P))
+
+
+def position(delta: Any, P: Any, stiffness: float) -> Any:
+    """What a device of ``stiffness`` [N/m] prescribes: delta + P/stiffness [m]; the load itself [N] at stiffness 0."""
+    return P if stiffness == LOAD_CONTROL else delta + P / stiffness
+
+
+def radii_at_position(curve: AdhesiveCurve, stiffness: float, value: float) -> list[float]:
+    """All contact radii [m] in the series at which the device's ``position`` has the ``value``, increasing."""
 
     def mismatch(a: Array) -> Array:
-        return curve.at(a)[column] - value
+        return position(*curve.at(a), stiffness) - value
 
     steps = np.linspace(0, 1, SAMPLES, endpoint=False)
     a = np.append((curve.a[:-1, None] + np.diff(curve.a)[:, None] * steps).ravel(), curve.a[-1])
     return _roots(mismatch, a)
+
+
+def radii_at(curve: AdhesiveCurve, quantity: Literal["load", "displacement"], value: float) -> list[float]:
+    """All contact radii [m] in the series at which P [N] or delta [m] has the ``value``, increasing; maybe none."""
+    return radii_at_position(curve, LOAD_CONTROL if quantity == "load" else DISPLACEMENT_CONTROL, value)
 
 
 def stable_radius(curve: AdhesiveCurve, load: float) -> float:

@@ -157,7 +157,7 @@ REFUSALS = [
     (("run", "no.toml"), "no.toml: case file not found"),
     (("run", HALFSPACE, "-o", "no/x.h5"), "no/x.h5: the folder no does not exist"),
     (("run", HALFSPACE, "-o", "."), ".: is a folder, cannot be written as a file"),
-    (("run", CASES / "gel.toml", "--method", "closed-form"), "method closed-form: closed-form solves homogeneous"),
+    (("run", CASES / "gel.toml", "--method", "closed-form"), "method closed-form: the thin-layer formula errs by "),
     (("transform", "no.h5"), "no.h5: series file not found"),
     (("transform", HALFSPACE), f"{HALFSPACE}: is not an HDF5 file"),
     (("transform", "x.h5", "--w", "-1"), "invalid value for '--w': must be finite and >= 0, got -1"),

@@ -9,7 +9,7 @@ import pytest
 from scipy.integrate import quad
 
 from jkrcli import closed_form
-from jkrcli.half_space import ClosedForm
+from jkrcli.formulas import ClosedForm
 from jkrcli.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere
 from jkrcli.materials import Elastic
 from jkrcli.problem import HalfSpace, Loading, Problem, Specimen

@@ -128,6 +128,17 @@ def test_too_coarse_quadrature_is_reported() -> None:
         solve(spectrum.kernel(40.0), panels, AbelImage.of(Paraboloid(100.0)), 1.0)
 
 
+def test_rounding_estimate_bounds_the_scatter() -> None:
+    """Quadratures in k that agree but for rounding: thin incompressible layer, where it is amplified 2e4 times."""
+    contact, radii = LayeredContact(Paraboloid(1000.0), INCOMPRESSIBLE), np.array([10.0, 50.0])
+    runs = [contact.nested(radii, Plan(10, 1.0, 0), order) for order in (20, 24, 32)]
+    for name in ("delta", "P", "S", "dS"):
+        values = np.array([getattr(run, name) for run in runs])
+        scatter = np.ptp(values, axis=0) / values[0]
+        assert (scatter <= runs[0].rounding).all()
+    assert runs[0].rounding[1] < 1e-8  # no more than what is asked for by default
+
+
 def test_checked_radii_hold_the_ends_of_wide_gaps() -> None:
     radii = np.concatenate([np.linspace(0.01, 0.1, 50), [7.0], np.linspace(7.01, 7.1, 50)])
     assert {0, 50, 100} <= set(checked(radii))

@@ -9,10 +9,10 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
 from jkrcli.closed_form import adhesive_half_space, half_space, thin_incompressible_layer, thin_layer
-from jkrcli.errors import InputError, JkrError, Refusal
+from jkrcli.errors import InputError, JkrError, Refusal, SolveError
 from jkrcli.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
 from jkrcli.integral.contact import LayeredContact, Plan
-from jkrcli.integral.layered import Layered, largest_radius, radii_of
+from jkrcli.integral.layered import Layered, largest_radius, radii_of, unbounded
 from jkrcli.materials import Elastic
 from jkrcli.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.series import Solution
@@ -140,6 +140,15 @@ def test_stiff_substrate_is_a_rigid_base_and_split_layers_are_whole() -> None:
     assert columns(at(split, indenter, 0.1, 2.0, 9.0)) == pytest.approx(whole, rel=2e-9)  # two tolerances' worth
 
 
+@pytest.mark.parametrize("contrast", [1e-15, 1e-11, 1e-8, 1e-5])
+def test_nearly_equal_substrate_is_nearly_a_half_space(contrast: float) -> None:
+    specimen = Specimen((Layer(Elastic(1.0, 0.3), 1.0),), HalfSpace(Elastic(1.0 + contrast, 0.3)))
+    series = at(specimen, Paraboloid(100.0), 0.1, 3.0, 30.0).series
+    stiffening = series.S / (2 * Elastic(1.0, 0.3).E_star * series.a) - 1
+    assert (np.abs(stiffening) <= contrast + 1e-14).all()  # between both half-spaces, and rounding
+    assert stiffening[2] > 0.9 * contrast - 1e-14  # a/h = 30 feels the substrate almost alone
+
+
 def test_elastic_indenter_on_a_half_space_is_eq_4() -> None:
     steel, glass = Elastic(210.0, 0.3), Elastic(70.0, 0.2)
     series = at(Specimen((), HalfSpace(glass)), Sphere(5.0, steel), 1.0).series
@@ -233,6 +242,7 @@ def test_largest_radius_ignores_the_sides() -> None:
     wanted = largest_radius(Problem(Paraboloid(1000.0), bonded(0.4), loading))
     assert largest_radius(Problem(Paraboloid(1000.0), free, loading)) == wanted
     assert radii_of(Problem(Paraboloid(1000.0), free, loading))[-1] == wanted
+    assert Layered().refusal(unbounded(Problem(Paraboloid(1000.0), free, loading))) is None
 
 
 @pytest.mark.parametrize(
@@ -268,6 +278,14 @@ def test_finite_specimens_are_refused() -> None:
 def test_tolerance_is_checked() -> None:
     with pytest.raises(InputError, match="between 1e-12 and 1e-2"):
         Layered(tolerance=0.5)
+
+
+def test_tolerance_out_of_reach_is_an_error_with_the_remedy() -> None:
+    """A very thin incompressible layer, S/(2 E* a) of 5e5, is beyond 1e-8 in double precision."""
+    problem = Problem(Paraboloid(1e5), bonded(0.5), Loading("radius", 150.0, 10))
+    with pytest.raises(SolveError, match="accept it with a larger tolerance"):
+        Layered()(problem)
+    assert float(Layered(1e-6)(problem).budget.discretisation) < 1e-6
 
 
 def test_solution_says_what_was_done() -> None:

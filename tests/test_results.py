@@ -12,7 +12,7 @@ from jkrcli.comparison import compare_half_space, exact_curve
 from jkrcli.differences import curve_differences, series_differences
 from jkrcli.errors import InputError, Refusal
 from jkrcli.expectation import expect
-from jkrcli.half_space import ClosedForm
+from jkrcli.formulas import ClosedForm
 from jkrcli.indenters import Paraboloid, Sphere, TableProfile
 from jkrcli.integral.layered import Layered
 from jkrcli.materials import Elastic

@@ -11,7 +11,7 @@ import pytest
 from jkrcli import store
 from jkrcli.case import load_case
 from jkrcli.errors import InputError
-from jkrcli.half_space import ClosedForm
+from jkrcli.formulas import ClosedForm
 from jkrcli.series import ErrorBudget, PressureTable, RawSeries, Series, Solution
 
 CASE = load_case(Path(__file__).parent.parent / "cases" / "halfspace.toml")

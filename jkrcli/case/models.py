@@ -20,11 +20,16 @@ class LayerTable(MaterialTable):
 
 
 class SpecimenTable(Table):
-    """Layers from the contact surface down on a rigid ``base``, or on an elastic ``half_space`` (alone: no layers)."""
+    """Layers from the contact surface down on a rigid ``base``, or on an elastic ``half_space`` (alone: no layers).
+
+    ``radius`` and ``side`` (its support) make it a cylinder; left out: it is wide.
+    """
 
     layers: Annotated[tuple[LayerTable, ...], BeforeValidator(as_tuple)] = ()
     base: Literal["bonded", "frictionless"] | None = None
     half_space: MaterialTable | None = None
+    radius: Length | None = None
+    side: Literal["free", "roller", "clamped"] | None = None
 
     @model_validator(mode="after")
     def _complete(self) -> Self:
@@ -32,12 +37,18 @@ class SpecimenTable(Table):
             raise wrong("give either base (rigid) or half_space (elastic) below the layers, got both")
         if not self.layers and self.half_space is None:
             raise wrong("is empty: give [specimen.half_space] with E and nu, or [[specimen.layers]]")
+        if self.half_space is not None and (self.radius is not None or self.side is not None):
+            raise wrong("a cylinder (radius and side) stands on a rigid base: leave out half_space")
+        if (self.radius is None) != (self.side is None):
+            raise wrong(
+                "a cylinder needs both radius and side (free, roller or clamped), leave both out for a wide body"
+            )
         return self
 
     def build(self) -> Specimen:
         base = Rigid(self.base != "frictionless") if self.half_space is None else HalfSpace(self.half_space.build())
         layers = tuple(Layer(Elastic(t.E, t.nu), t.thickness, t.name) for t in self.layers)
-        return Specimen(layers, base)
+        return Specimen(layers, base, self.radius, self.side)
 
 
 class LoadingTable(Table):

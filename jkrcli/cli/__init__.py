@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import importlib
+import keyword
 import os
 import sys
 from collections.abc import Sequence
@@ -18,6 +19,7 @@ os.environ.update(dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL
 
 VERBS = {
     "run": "Solve a case file: nonadhesive load, displacement, contact radius to HDF5.",
+    "import": "Take over a series that another program computed.",
     "transform": "Turn series files into adhesive (JKR) curves: CSV, JSON, plots.",
     "check": "Say which method a case needs, what it costs, what to expect; nothing is solved.",
     "compare": "Compare two results of the same problem; exit 1 where they differ.",
@@ -38,7 +40,8 @@ class Verbs(click.Group):
     def get_command(self, ctx: click.Context, name: str) -> click.Command | None:
         if name not in VERBS:
             return None
-        return getattr(importlib.import_module(f"{__name__}.{name.replace('-', '_')}"), name.replace("-", "_"))
+        attribute = name.replace("-", "_") + "_" * keyword.iskeyword(name)
+        return getattr(importlib.import_module(f"{__name__}.{attribute}"), attribute)
 
     def resolve_command(
         self, ctx: click.Context, args: list[str]

@@ -12,6 +12,7 @@ from ..analysis import analyse, specification
 from ..errors import InputError
 from ..files import check_target, write_text
 from ..integral.fields import profile as solve_profile
+from ..integral.layered import unbounded
 from ..problem import Problem
 from ..states import stable_radius
 from ..units import show
@@ -52,7 +53,7 @@ def profile(
     if radius is None:
         assert load is not None
         radius = stable_radius(analyse(stored, [w])[0].curve, load)
-    columns = _columns(case.problem, radius, w)
+    columns = _columns(unbounded(case.problem), radius, w)
     write_text(targets[".csv"], tables.csv(columns))
     figure = plots.profile_figure(columns, radius, w)
     for ending in (".png", ".svg"):

@@ -25,7 +25,7 @@ from .report import facts, warnings
 Array = np.ndarray
 NEARLY_INCOMPRESSIBLE = 0.49
 ATTEMPTS = 5
-GROWTH = {"scaled": {1: 0.05, 2: 0.15}, "zones": {1: 0.1, 2: 0.25}}  # chosen for equal errors by either order
+GROWTH = {"scaled": {1: 0.05, 2: 0.15}, "zones": {1: 0.08, 2: 0.25}}  # chosen for equal errors by either order
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class FEM:
     ``spacing``: distance of surface vertices over the distance from the first contact, layout "scaled".
     ``smallest``: contact radius down to which that holds, as a fraction of the largest.
     ``growth``: increase of the element size per distance from the contact (default 0.15, first order 0.05; layout
-    "zones" 0.25 and 0.1).
+    "zones" 0.25 and 0.08).
     ``zone_sizes``: largest element sizes in the zones I, II, III, in units of R, layout "zones"
     (triangles of second order: twice that, as their nodes are half as far apart).
     ``margin``: candidates beyond the expected largest contact radius, as a factor of it.

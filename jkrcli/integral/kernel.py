@@ -90,11 +90,6 @@ class LayeredSpectrum:
         k = SCAN / self.specimen.top_thickness
         return k, self(k)
 
-    @cached_property
-    def largest(self) -> float:
-        """The largest of g and 1 [-]."""
-        return 1 + max(float(np.max(self.scan[1])), 0.0) if self.specimen.layers else 1.0
-
     def bandwidth(self, level: float) -> float:
         """The k [1/m] beyond which |g - 1| < ``level``; 0 for a homogeneous half-space."""
         if not self.specimen.layers:
@@ -110,8 +105,9 @@ class LayeredSpectrum:
     @cached_property
     def scale(self) -> float:
         """The length over which the kernel varies [m]: h for one layer, whose |g - 1| is 1e-6 at k h of 8 to 9."""
-        k = self.bandwidth(1e-6)
-        return 9 / k if k > 0 else np.inf
+        if self.bandwidth(FLOOR) == 0:
+            return np.inf
+        return 9 / self.bandwidth(min(1e-6, 0.01 * float(np.max(np.abs(self.scan[1])))))
 
     @cached_property
     def panels(self) -> tuple[Array, Array, Array]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -11,9 +10,9 @@ from ..clock import StageClock
 from ..errors import InputError, Refusal
 from ..methods import Forecast
 from ..problem import Loading, Problem, Specimen
+from ..radii import Response, Responses, half_space_guess, largest_of_loading, radii_of_loading
 from ..series import ErrorBudget, Series, Solution
 from .contact import COLUMNS, MARGIN, LayeredContact, Plan
-from .radii import Response, radii_for, radius_for
 from .solver import Nested
 
 Array = np.ndarray
@@ -103,44 +102,22 @@ def _contact(problem: Problem) -> LayeredContact:
 
 
 def _radii(contact: LayeredContact, loading: Loading, tolerance: float) -> Array:
-    indenter = contact.indenter
-    if loading.spacing == "given" and loading.to == "radius":
-        for a in loading.values:
-            _check_radius(contact, a)
-        return np.array(loading.values)
-    largest = _largest(contact, loading, tolerance)
-    if loading.spacing == "radius":
-        return np.linspace(indenter.a0, largest, loading.points + 1)[1:]
-    if loading.spacing == "given":
-        quantity, targets = loading.to, np.array(loading.values)
-    else:
-        deepest = float(_response(contact, "depth", tolerance)(np.array([largest]))[0])
-        quantity, targets = "depth", deepest * np.arange(1, loading.points + 1) / loading.points
-    stages = [(_response(contact, quantity, accuracy), accuracy) for accuracy in (ROUGH, tolerance)]
-    return radii_for(stages, targets, indenter, largest)
+    return radii_of_loading(
+        loading, contact.indenter, _responses(contact), _guess(contact, loading), (ROUGH, tolerance)
+    )
 
 
 def _largest(contact: LayeredContact, loading: Loading, tolerance: float) -> float:
-    """The radius at which the loading ends: a rough search with a coarse quadrature, then an accurate one."""
-    if loading.to == "radius":
-        _check_radius(contact, loading.maximum)
-        return loading.maximum
-    start = _half_space_guess(contact, loading)
-    for accuracy in (ROUGH, tolerance):
-        response = _response(contact, loading.to, accuracy)
-        start = radius_for(response, loading.maximum, contact.indenter, start, accuracy)
-    return start
+    start = _guess(contact, loading)
+    return largest_of_loading(loading, contact.indenter, _responses(contact), start, (ROUGH, tolerance))
 
 
-def _check_radius(contact: LayeredContact, a: float) -> None:
-    a0, end = contact.indenter.a0, contact.indenter.r_max
-    if a <= a0:
-        raise InputError(f"loading: contact radius {a:g} m must be larger than the flat end of the indenter ({a0:g} m)")
-    if a > end:
-        raise Refusal(
-            f"loading: contact radius {a:g} m lies beyond the profile, which ends at r = {end:g} m; "
-            "ask for less, or give a larger profile"
-        )
+def _guess(contact: LayeredContact, loading: Loading) -> float:
+    return half_space_guess(loading, contact.indenter, contact.E_star, contact.spectrum.scale)
+
+
+def _responses(contact: LayeredContact) -> Responses:
+    return lambda quantity, accuracy: _response(contact, quantity, accuracy)
 
 
 def _response(contact: LayeredContact, to: str, accuracy: float) -> Response:
@@ -152,25 +129,6 @@ def _response(contact: LayeredContact, to: str, accuracy: float) -> Response:
         return getattr(contact.nested(radii, plan), name)
 
     return response
-
-
-def _half_space_guess(contact: LayeredContact, loading: Loading) -> float:
-    """A first radius [m]: that of a half-space of the top material, F(a) = delta or about 4/3 E* a F(a) = P, but no
-    more than twice the length over which the layers act."""
-    indenter, target = contact.indenter, loading.maximum
-
-    def response(a: Array) -> Array:
-        F = indenter.abel(a)
-        return F if loading.to == "depth" else 4 / 3 * contact.E_star * a * F
-
-    scale = contact.spectrum.scale
-    lengths = (scale, indenter.tip_radius, indenter.a0, indenter.r_max, target if loading.to == "depth" else None)
-    start = next(length for length in (*lengths, 1.0) if length and math.isfinite(length))
-    try:
-        guess = radius_for(response, target, indenter, 1.5 * start, 0.1)
-    except Refusal:
-        guess = indenter.r_max / 2
-    return min(guess, max(2 * scale, 1.1 * indenter.a0))
 
 
 def _series(contact: LayeredContact, nested: Nested, errors: Array) -> Series:

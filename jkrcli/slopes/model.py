@@ -147,9 +147,10 @@ class LogSplineModel:
 
     def _cumulate(self, integrand: Array) -> Array:
         """Integral over x from the first grid point to each: (inner points, ...) -> (grid, ...)."""
-        panels = integrand.reshape(self.x.size - 1, GAUSS_W.size, *integrand.shape[1:])
-        pieces = np.einsum("kj...,j->k...", panels, GAUSS_W * self.step / 2)
-        return np.concatenate([np.zeros((1, *pieces.shape[1:])), np.cumsum(pieces, axis=0)])
+        out = np.zeros((self.x.size, *integrand.shape[1:]))
+        for j, weight in enumerate(GAUSS_W * self.step / 2):
+            out[1:] += weight * integrand[j :: GAUSS_W.size]
+        return np.cumsum(out, axis=0)
 
     def design(self, x: Array) -> Array:
         """Values at ``x`` of what the coefficients of v (and of u) multiply, shape (m, size)."""

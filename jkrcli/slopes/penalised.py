@@ -6,7 +6,8 @@ its block), by the fixed point of Wood and Fasiolo (Biometrics 73 (2017) 1071):
 
     lambda_j <- lambda_j * phi (size_j/lambda_j - tr V_jj) / |c_j|^2        V = (J^T J + Lambda)^-1
 
-phi V is the covariance of the coefficients (Nychka 1988: intervals from it hold on average over the curve).
+phi V is the covariance of the coefficients seen as a posterior (Nychka 1988: intervals from it hold on average over
+the curve). It is the scatter that noise causes, phi V J^T J V, and an allowance for smoothing bias, phi V Lambda V.
 """
 
 from __future__ import annotations
@@ -21,6 +22,9 @@ from ..series import Array
 
 Residuals = Callable[[Array], tuple[Array, Array]]
 LAMBDA_RANGE = (1e-15, 1e6)  # in units of the mean diagonal of J^T J over the block
+BIAS_SHARE = (
+    0.5  # of that allowance: bodies bend less than their priors draw; with all of it 90 % bands hold 97 to 100 %
+)
 LARGEST_PRIOR = 10.0  # variance of a coefficient before data are seen: bodies do not bend more
 MAX_STEPS = 50
 LEAST_DAMPING = 1e-8  # of the diagonal of the linearised problem
@@ -31,7 +35,7 @@ LONGEST_STEP = 5.0  # of a coefficient: all of them belong to logarithms
 MAX_UPDATES = 40
 FACTOR_PER_UPDATE = 100.0
 SETTLED = 0.02  # change of log(lambda)
-TOLERANCE = 1e-2  # of a step, in standard deviations of the fit
+TOLERANCE = 3e-2  # of a step, in standard deviations of the fit
 STUCK = 0.5  # standard deviations of a step that is still open at the end: not settled
 
 
@@ -81,7 +85,8 @@ def minimise(
             break
         damping = max(10 * damping, LEAST_DAMPING) if taken < POOR_STEP else damping / 3 * (damping > LEAST_DAMPING)
     settled = moved < STUCK and (taken > 0 or linear.deviations < STUCK)
-    return Fit(c, linear.V, now[0], linear.phi, lambdas, linear.spent, settled)
+    V = linear.V - (1 - BIAS_SHARE) * linear.V @ (linear.penalty[:, None] * linear.V)
+    return Fit(c, V, now[0], linear.phi, lambdas, linear.spent, settled)
 
 
 def _linear(

@@ -1,0 +1,183 @@
+"""``jkr import``: a series that another program computed to a series file."""
+
+from __future__ import annotations
+
+import contextlib
+import shlex
+import tomllib
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import click
+import tomli_w
+
+from .. import store, tables
+from ..case import Case, load_case, parse_case
+from ..case.models import CaseModel, LoadingTable
+from ..errors import InputError
+from ..files import check_target, read_bytes
+from ..foreign import DIMENSIONS, Reading, read_series
+from ..series import Solution
+from ..text_table import SEPARATORS
+from ..units import show
+from ..words import describe
+from .options import Length
+
+KEYS = tuple(DIMENSIONS)
+SOME_LOADING = b"\n[loading]\ndepth = 1.0\n"  # stands in where a case has none: the table says how far it went
+
+
+class KeyValue(click.ParamType):
+    """KEY=VALUE, the key being one of the columns."""
+
+    def __init__(self, what: str):
+        self.name = f"KEY={what}"
+        self.number = what == "NUMBER"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[str, Any]:
+        if isinstance(value, tuple):
+            return value
+        key, mark, text = str(value).partition("=")
+        if not mark or key not in KEYS or not text:
+            self.fail(f'must be KEY=VALUE with a key of {", ".join(KEYS)}, got "{value}"', param, ctx)
+        if not self.number:
+            return key, text
+        with contextlib.suppress(ValueError):
+            if abs(float(text)) < float("inf") and float(text) != 0:
+                return key, float(text)
+        self.fail(f'must be KEY=NUMBER, finite and not 0, got "{value}"', param, ctx)
+
+
+@click.command("import")
+@click.argument("table", type=click.Path(path_type=Path))
+@click.option("-o", "--output", type=click.Path(path_type=Path), help="Series file [default: <table>.h5 here].")
+@click.option("--case", type=click.Path(path_type=Path), help="Case with indenter and specimen; it needs no loading.")
+@click.option(
+    "--shape", type=click.Choice(["sphere", "paraboloid"]), help="Indenter, without a case [default: sphere]."
+)
+@click.option("--radius", help='Its radius, "100 um".')
+@click.option("--E", "modulus", help='Young\'s modulus of the specimen, "5 GPa".')
+@click.option("--nu", help="Its Poisson's ratio.")
+@click.option("--thickness", help="A layer of this thickness [default: a half-space].")
+@click.option("--base", help="Under the layer: bonded or frictionless [default: bonded].")
+@click.option("--column", "columns", multiple=True, type=KeyValue("NAME"), help="Column name or number, delta=U2.")
+@click.option("--unit", "units", multiple=True, type=KeyValue("UNIT"), help="Unit where the header has none, P=mN.")
+@click.option("--factor", "factors", multiple=True, type=KeyValue("NUMBER"), help="Factor of a column, P=180.")
+@click.option("--zero", type=Length(), default=0.0, help="Displacement at first touch, subtracted.")
+@click.option("--sign", type=click.Choice(["auto", "as-is"]), default="auto", show_default=True,
+              help="auto: a displacement or load that is negative in compression is turned.")  # fmt: skip
+@click.option("--area", type=click.Choice(["surface", "projected"]), default="surface", show_default=True,
+              help="What a contact area is: of the indenter's surface (Eq. A3), or pi a^2.")  # fmt: skip
+@click.option("--separator", type=click.Choice(list(SEPARATORS)), help="Between the columns [default: found out].")
+@click.option("--decimal", type=click.Choice([".", ","]), help="Decimal mark [default: found out].")
+@click.option("--sort", is_flag=True, help="Order the rows by displacement first.")
+@click.option("--force", is_flag=True, help="Replace an existing file that jkr did not write.")
+@click.option("--json", "as_json", is_flag=True, help="Print the summary as JSON.")
+@click.pass_context
+def import_(
+    ctx: click.Context,
+    table: Path,
+    output: Path | None,
+    case: Path | None,
+    columns: Sequence[tuple[str, str]],
+    units: Sequence[tuple[str, str]],
+    factors: Sequence[tuple[str, float]],
+    force: bool,
+    as_json: bool,
+    **options: Any,
+) -> None:
+    """Read the contact radius (or area), displacement and load that another program computed from the text TABLE.
+
+    Columns are known by their names (a, contact radius, CAREA, delta, U2, P, RF2, CFN2, ...) and units in the header,
+    "P (mN)" or "P_mN"; say what the header does not. The keys are a, area, delta, P. CalculiX prints the force on its
+    wedge of 2 degrees of an axisymmetric body: --factor P=180.
+
+    \b
+    jkr import abaqus.rpt --case my.toml --unit delta=um --unit P=mN --unit area=um^2
+    jkr import table.csv -o data.h5 --radius "1 mm" --E "15 kPa" --nu 0.5 --thickness "0.3 mm"
+    jkr import run.csv --case my.toml --column P=RF2 --column a=4 --unit P=uN --unit a=um --factor P=180
+    """
+    body = {key: options.pop(key) for key in ("shape", "radius", "modulus", "nu", "thickness", "base")}
+    target = output if output is not None else Path(f"{table.stem}.h5")
+    check_target(target, force)
+    held = _case(case, body)
+    reading = Reading(dict(columns), dict(units), dict(factors), **options)
+    solution = read_series(table, held.model.indenter.build(), reading)
+    loaded = _with_loading(held, solution)
+    problem = loaded.model.problem()
+    store.write(target, solution, loaded.to_toml(), problem.key, shlex.join(ctx.find_root().obj))
+    if as_json:
+        click.echo(tables.as_json(_as_dict(target, solution)).rstrip())
+        return
+    series = solution.series
+    click.echo(describe(problem))
+    click.echo(f"  columns   {solution.facts['columns']}; separated by: {solution.facts['separator']}")
+    click.echo(f"  read      {solution.facts['rows']} rows, {len(series)} different contact radii")
+    click.echo(f"  reached   a = {show(series.a[-1], 'length')}, delta = {show(series.delta[-1], 'length')}, "
+               f"P = {show(series.P[-1], 'load')}")  # fmt: skip
+    click.echo(f"  written   {target}")
+
+
+def _case(path: Path | None, body: dict[str, str | None]) -> Case:
+    """The case of a file that may lack a loading, or one made of the flags of indenter and specimen."""
+    given = [name for name, value in body.items() if value is not None]
+    if path is None:
+        return parse_case(tomli_w.dumps(_tree(body)).encode(), "import")
+    if given:
+        raise InputError(f"import: {_flag(given[0])} belongs to an import without --case; {path} says it already")
+    content = read_bytes(path, "case file")
+    with contextlib.suppress(ValueError):  # what is no TOML is reported by parse_case
+        if "loading" not in tomllib.loads(content.decode("utf-8")):
+            return parse_case(content + SOME_LOADING, str(path), path.parent)
+    return load_case(path)
+
+
+def _tree(body: dict[str, str | None]) -> dict[str, Any]:
+    """The tables of a case from flags; what is missing is said in terms of the flags."""
+    missing = [_flag(name) for name in ("radius", "modulus", "nu") if body[name] is None]
+    if missing:
+        raise InputError(f"import: needs --case, or the bodies by flags: {', '.join(missing)} missing")
+    if body["base"] is not None and body["thickness"] is None:
+        raise InputError("import: --base needs --thickness: a half-space has no base")
+    material = {"E": _number(body["modulus"]), "nu": _number(body["nu"])}
+    if body["thickness"] is None:
+        specimen: dict[str, Any] = {"half_space": material}
+    else:
+        layer = material | {"thickness": _number(body["thickness"])}
+        specimen = {"base": body["base"] or "bonded", "layers": [layer]}
+    indenter = {"shape": body["shape"] or "sphere", "radius": _number(body["radius"])}
+    return {"indenter": indenter, "specimen": specimen, "loading": {"depth": 1.0}}
+
+
+def _flag(name: str) -> str:
+    return "--E" if name == "modulus" else f"--{name}"
+
+
+def _number(text: str | None) -> float | str | None:
+    """A bare number as one, so that it is SI; else the text, for the case reader to judge."""
+    with contextlib.suppress(ValueError, TypeError):
+        return float(text)  # type: ignore[arg-type]
+    return text
+
+
+def _with_loading(case: Case, solution: Solution) -> Case:
+    """The case with the loading that the table went through."""
+    series = solution.series
+    loading = LoadingTable.model_validate({"depth": float(series.delta[-1]), "points": len(series), "spacing": "depth"})
+    model: CaseModel = case.model.model_copy(update={"loading": loading})
+    return Case(model, case.source)
+
+
+def _as_dict(target: Path, solution: Solution) -> dict[str, Any]:
+    series = solution.series
+    return {
+        "file": str(target),
+        "method": solution.method,
+        "points": len(series),
+        "a_m": float(series.a[-1]),
+        "delta_m": float(series.delta[-1]),
+        "P_N": float(series.P[-1]),
+        "facts": dict(solution.facts),
+        "errors": solution.budget.as_dict(),
+    }

@@ -1,0 +1,256 @@
+"""Where the contact lets go under load control, displacement control and a device of given stiffness.
+
+The curve (a, delta, P) is what JKR theory gives; a device shows the part of it that is stable under its own control, with
+jumps in between. Energies are those of quasi-static cycles: what the device puts in and does not get back.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from .adhesion import AdhesiveCurve, CriticalPoint, Outside
+from .errors import InputError
+from .series import Array
+from .stability_path import Path, grow, largest_stable, shrink
+from .states import DISPLACEMENT_CONTROL, LOAD_CONTROL, State, position, radii_at, state
+from .units import show
+
+Energy = float | str  # in J, or why there is none
+STABLE, GRIPPED, UNSTABLE = "stable", "displacement-control", "unstable"
+UNBOUNDED = "under load control the device goes on pulling after contact is lost: there is no bound"
+NO_ADHESION = "there is no adhesion at w = 0"
+
+
+def branch(curve: AdhesiveCurve) -> Array:
+    """The stability of each point of ``curve``, shape (n,): one of three words.
+
+    "stable": dP/da > 0, under load control and then under any other, since d(delta)/da = (dP/da + S' t)/S;
+    "displacement-control": d(delta)/da > 0 only, held by a device that is stiff enough; "unstable": held by none.
+    """
+    if curve.w == 0:
+        return np.full(len(curve.series), STABLE)
+    ddelta, dP = curve.rates(curve.a)
+    return np.where(dP > 0, STABLE, np.where(ddelta > 0, GRIPPED, UNSTABLE))
+
+
+@dataclass(frozen=True)
+class Jump:
+    """Contact jumps from ``start`` to ``end`` at standing device; ``end = None``: it is lost."""
+
+    start: State
+    end: State | None
+
+
+@dataclass(frozen=True, eq=False)
+class Cycle:
+    """Approach, turn at the contact radius ``turn`` [m], retraction, by a device of ``stiffness`` [N/m].
+
+    At the turn the contact keeps its radius, as a flat punch would, until the energy release rate has risen from the
+    work of adhesion of the approach to that of the retraction.
+    """
+
+    approach: Path
+    turn: float
+    retraction: Path
+
+    @property
+    def stiffness(self) -> float:
+        """Stiffness of the device [N/m]: 0 load control, infinite displacement control."""
+        return self.approach.stiffness
+
+    @property
+    def begin(self) -> State:
+        """The first state in contact: jumped into at delta = 0, or the first of the series at w = 0."""
+        return state(self.approach.curve, self.approach.stretches[0].first)
+
+    @property
+    def jumps_in(self) -> tuple[Jump, ...]:
+        """Jumps between stable radii on approach, after first contact."""
+        return jumps(self.approach)
+
+    @property
+    def jumps_out(self) -> tuple[Jump, ...]:
+        """Jumps on retraction; the last is the loss of contact where it lies in the series."""
+        return jumps(self.retraction)
+
+    @cached_property
+    def energy_lost(self) -> Energy:
+        """Energy lost per cycle [J]: the area of the loop of P over the device's position, the same over delta.
+
+        At w = 0 on approach the unknown piece below the first radius is its chord.
+        """
+        missing = self._no_energy()
+        if missing:
+            return missing
+        return self.approach.work + self._first_chord() + self._turn_work() + self.retraction.work
+
+    @cached_property
+    def separation(self) -> Energy:
+        """Work of separation [J]: done by the device on retraction, from its last stable zero load to loss of contact."""
+        missing = self._no_energy()
+        if missing:
+            return missing
+        free = [a for a in radii_at(self.retraction.curve, "load", 0.0) if self.retraction.holds(a)]
+        if not free:
+            return "no state of zero load is passed on retraction"
+        return self.retraction.beyond(free[0]).work
+
+    def _no_energy(self) -> str | None:
+        if self.stiffness == LOAD_CONTROL:
+            return UNBOUNDED
+        if self.retraction.ends != "lost":
+            return f"contact is not lost within the series, which begins at a = {show(self.retraction.last, 'length')}"
+        return None
+
+    def _first_chord(self) -> float:
+        return self.begin.P * self.begin.delta / 2 if self.approach.curve.w == 0 else 0.0
+
+    def _turn_work(self) -> float:
+        high, low = (state(path.curve, self.turn) for path in (self.approach, self.retraction))
+        held = (high.P + low.P) / 2 * (low.delta - high.delta)
+        return held if math.isinf(self.stiffness) else held + (low.P**2 - high.P**2) / (2 * self.stiffness)
+
+
+@dataclass(frozen=True, eq=False)
+class Behaviour:
+    """What an adhesive curve means under one control: all that is read off it for a device of ``stiffness`` [N/m].
+
+    ``critical``: all points of the series where the controlled quantity is stationary. ``pull_off``: where contact is
+    lost. ``jump_in``: the stable state after first contact at delta = 0. ``partial``: jumps to smaller stable radii on
+    the way from the end of the series to pull-off. Energies in J, or why there is none.
+    """
+
+    stiffness: float
+    critical: tuple[CriticalPoint, ...]
+    pull_off: CriticalPoint | Outside
+    jump_in: State | Outside
+    partial: tuple[Jump, ...]
+    energy_lost: Energy
+    separation: Energy
+
+    @property
+    def control(self) -> str:
+        """The control in words."""
+        return control(self.stiffness)
+
+
+def behaviour(curve: AdhesiveCurve, stiffness: float) -> Behaviour:
+    """Everything that ``curve`` says about a device of ``stiffness`` [N/m] (0: load control, infinite: displacement)."""
+    if curve.w == 0:
+        nothing = Outside(NO_ADHESION)
+        return Behaviour(stiffness, (), nothing, nothing, (), NO_ADHESION, NO_ADHESION)
+    critical, pull_off = curve.critical(stiffness), curve.pull_off(stiffness)
+    start = largest_stable(curve, stiffness)
+    partial = () if start is None else jumps(shrink(curve, stiffness, start))
+    whole = cycle(curve, curve, stiffness)
+    if isinstance(whole, Outside):
+        energies: tuple[Energy, Energy] = (whole.reason, whole.reason)
+        jump_in: State | Outside = whole
+    else:
+        energies, jump_in = (whole.energy_lost, whole.separation), whole.begin
+    if isinstance(pull_off, Outside) and stiffness != LOAD_CONTROL:
+        energies = (pull_off.reason, pull_off.reason)
+    between = tuple(jump for jump in partial if jump.end is not None)
+    return Behaviour(stiffness, critical, pull_off, jump_in, between, *energies)
+
+
+def cycle(
+    approach: AdhesiveCurve, retraction: AdhesiveCurve, stiffness: float, turn: float | None = None
+) -> Cycle | Outside:
+    """The cycle of a device of ``stiffness`` [N/m] that turns at the contact radius ``turn`` [m], by default the last.
+
+    ``approach`` and ``retraction`` are curves of one series; w must not be smaller on retraction. Outside where the
+    first stable contact is not in the series.
+    """
+    if retraction.w < approach.w:
+        raise InputError(
+            f"cycle: the work of adhesion on retraction must be >= that on approach, got {show(retraction.w, 'work')} "
+            f"after {show(approach.w, 'work')}"
+        )
+    inwards = grow(approach, stiffness)
+    if isinstance(inwards, Outside):
+        return inwards
+    turn = inwards.last if turn is None else turn
+    return Cycle(inwards.up_to(turn), turn, shrink(retraction, stiffness, turn))
+
+
+def turning_radius(
+    curve: AdhesiveCurve, stiffness: float, *, load: float | None = None, depth: float | None = None
+) -> float:
+    """The contact radius [m] at which the approach first meets a ``load`` [N] or a ``depth`` delta [m]."""
+    inwards = grow(curve, stiffness)
+    if isinstance(inwards, Outside):
+        raise InputError(f"cycle: {inwards.reason}")
+    quantity, value = ("load", load) if depth is None else ("displacement", depth)
+    assert value is not None
+    met = [a for a in radii_at(curve, quantity, value) if inwards.holds(a)]
+    if not met:
+        first, last = (state(curve, a) for a in (inwards.stretches[0].first, inwards.last))
+        name, unit = ("P", "load") if depth is None else ("delta", "length")
+        raise InputError(
+            f"cycle: the turn at {name} = {show(value, unit)} is not passed on approach, which in this series goes "
+            f"from {show(getattr(first, name), unit)} to {show(getattr(last, name), unit)}"
+        )
+    return met[0]
+
+
+def jumps(path: Path) -> tuple[Jump, ...]:
+    """The jumps between the stretches of a path, and the loss of contact at its end."""
+    starts = [state(path.curve, stretch.last) for stretch in path.stretches]
+    ends: list[State | None] = [state(path.curve, stretch.first) for stretch in path.stretches[1:]]
+    if path.ends == "lost":
+        ends.append(None)
+    return tuple(Jump(start, end) for start, end in zip(starts, ends, strict=False))
+
+
+def control(stiffness: float) -> str:
+    """``load control``, ``displacement control`` or ``device of 0.2 N/m``."""
+    words = {LOAD_CONTROL: "load control", DISPLACEMENT_CONTROL: "displacement control"}
+    return words.get(stiffness) or f"device of {show(stiffness, 'stiffness')}"
+
+
+def trace(found: Cycle, points: int) -> dict[str, Array]:
+    """What the device records over the cycle, row by row, ``points`` (>= 2) to each stretch, even in radius.
+
+    Columns: "a_m" (0 out of contact), "delta_m" (minus the gap out of contact), "P_N", "device_m" (delta + P/stiffness;
+    left out under load control, where there is no such length) and "phase". Jumps lie between two rows.
+    """
+    inwards, outwards = found.approach, found.retraction
+    phases = [("approach", *_along(inwards, points))]
+    a = np.full(points, found.turn)
+    if outwards.curve.w > inwards.curve.w:
+        ends = np.array([inwards.curve.at(a[0]), outwards.curve.at(a[0])])
+        share = np.linspace(0, 1, points)[:, None]
+        phases.append(("turn", a, *(ends[0] + share * (ends[1] - ends[0])).T))
+    phases.append(("retraction", *_along(outwards, points)))
+    before, after = _out_of_contact(found, phases, points)
+    phases = [("free approach", 0 * before, before, 0 * before), *phases]
+    if after.size:
+        phases.append(("free retraction", 0 * after, after, 0 * after))
+    columns = {
+        name: np.concatenate([phase[i] for phase in phases]) for i, name in ((1, "a_m"), (2, "delta_m"), (3, "P_N"))
+    }
+    if found.stiffness != LOAD_CONTROL:
+        columns["device_m"] = position(columns["delta_m"], columns["P_N"], found.stiffness)
+    columns["phase"] = np.concatenate([np.full(phase[1].size, phase[0]) for phase in phases])
+    return columns
+
+
+def _along(path: Path, points: int) -> tuple[Array, Array, Array]:
+    a = np.concatenate([np.linspace(s.first, s.last, points if s.first != s.last else 1) for s in path.stretches])
+    return (a, *path.curve.at(a))
+
+
+def _out_of_contact(found: Cycle, phases: list, points: int) -> tuple[Array, Array]:
+    """Positions [m] before contact and after it is lost; they reach a quarter beyond where it is lost."""
+    _, _, delta, P = phases[-1]
+    D = delta if found.stiffness == LOAD_CONTROL else position(delta, P, found.stiffness)
+    furthest = -1.25 * abs(float(D[-1]))
+    before = np.linspace(furthest, 0, points)
+    if found.retraction.ends != "lost" or found.stiffness == LOAD_CONTROL:
+        return before, np.array([])
+    return before, np.linspace(float(D[-1]), furthest, points)

@@ -78,6 +78,13 @@ def read_series(path: Path, indenter: Indenter, reading: Reading) -> Solution:
     )
 
 
+def read_measured(path: Path, shift: float = 0.0) -> tuple[Array, Array]:
+    """Displacement [m], ``shift`` [m] added, and load [N] of measured points, signs as they are; units in the header."""
+    table = read_table(path, least=2)
+    delta, P = (_values(table, key, _guess(table, key), Reading(sign="as-is")) for key in ("delta", "P"))
+    return delta + shift, P
+
+
 # ---------------------------------------------------------------------- columns and units
 def _columns(table: TextTable, reading: Reading) -> dict[str, int]:
     """Index of the column for each key: as told, else by its name; the radius goes before the area."""
@@ -200,19 +207,23 @@ def _check(path: Path, values: Mapping[str, Array], lines: Array, touching: Arra
 
 def _remedy(delta: Array) -> str:
     steps = np.diff(delta)
+    peak = int(np.argmax(delta))
     if (steps > 0).all():
         return "remove or mend those rows; repeated contact radii are normal, falling ones are not a growing contact"
-    if (steps <= 0).sum() == 1 or (steps < 0).all() or (steps[np.argmax(steps <= 0) :] < 0).all():
-        return "give the rows of the loading alone, in order (--sort orders them by displacement)"
+    if (steps >= 0).all():
+        return "remove the rows that repeat a displacement"
+    if peak > 0 and (steps[:peak] > 0).all() and (steps[peak:] < 0).all():
+        return "the rows after the largest displacement are unloading: remove them"
     return "the rows are not in the order of loading: --sort orders them by displacement"
 
 
 def _check_kept(path: Path, kept: RawSeries, dropped: int, indenter: Indenter) -> None:
     assert kept.rows is not None
     if kept.a.size < LEAST_ROWS:
+        lines = ", ".join(map(str, kept.rows))
         raise InputError(
-            f"{path}: holds {kept.a.size} different contact radii (lines {', '.join(map(str, kept.rows))}; {dropped} rows "
-            f"repeat them), at least {LEAST_ROWS} are needed: refine the mesh or load further"
+            f"{path}: holds {kept.a.size} different contact radii (lines {lines}; {dropped} rows repeat them), "
+            f"at least {LEAST_ROWS} are needed: refine the mesh or load further"
         )
     for line, a in zip(kept.rows, kept.a, strict=True):
         if a >= indenter.r_max:

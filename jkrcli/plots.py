@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,6 +23,7 @@ from .errors import InputError
 from .fem.grid import Grid
 from .files import atomic
 from .series import Array
+from .stability import GRIPPED, STABLE, UNSTABLE, branch
 from .units import scale, show
 
 STYLE = {
@@ -39,6 +41,7 @@ STYLE = {
 }
 # Okabe and Ito's palette: told apart by colour-blind readers, and by line style in grey.
 BLUE, ORANGE, GREEN, BLACK = "#0072B2", "#D55E00", "#009E73", "#000000"
+BRANCHES = {STABLE: "-", GRIPPED: "--", UNSTABLE: ":"}
 
 
 @dataclass(frozen=True)
@@ -128,7 +131,19 @@ def _lines(axes: Axes, units: Units, nonadhesive: tuple[Array, Array], adhesive:
     style = {"ms": 3, "markevery": every, "lw": 1.0}
     axes.plot(*nonadhesive, "s--", color=BLUE, mfc="none", label=f"nonadhesive ({result.stored.method})", **style)
     label = f"adhesive, w = {_pretty(show(result.w, 'work'))}"
-    axes.plot(*adhesive, "o-", color=ORANGE, mfc="none", label=label, **style)
+    axes.plot(*adhesive, "o", color=ORANGE, mfc="none", label=label, **style)
+    if len(result.curve.series) > 1:
+        _by_stability(axes, adhesive, branch(result.curve))
+
+
+def _by_stability(axes: Axes, line: tuple[Array, Array], words: Array) -> None:
+    """Solid where stable under any control, dashed where only a stiff device holds the contact, dotted where none."""
+    labels = {GRIPPED: "stable under displacement control only", UNSTABLE: "unstable"}
+    ends = [0, *(np.flatnonzero(words[1:] != words[:-1]) + 1), len(words)]
+    for first, last in itertools.pairwise(ends):
+        part = slice(first, last + 1)  # to the first point of the next part: no gaps
+        word = str(words[first])
+        axes.plot(line[0][part], line[1][part], BRANCHES[word], color=ORANGE, lw=1.0, label=labels.pop(word, None))
 
 
 def _exact(axes: Axes, x: Array, y: Array, label: str | None = None) -> None:

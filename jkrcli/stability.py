@@ -1,7 +1,7 @@
 """Where the contact lets go under load control, displacement control and a device of given stiffness.
 
-The curve (a, delta, P) is what JKR theory gives; a device shows the part of it that is stable under its own control, with
-jumps in between. Energies are those of quasi-static cycles: what the device puts in and does not get back.
+The curve (a, delta, P) is what JKR theory gives; a device shows the part of it that is stable under its own control,
+with jumps in between. Energies are those of quasi-static cycles: what the device puts in and does not get back.
 """
 
 from __future__ import annotations
@@ -90,7 +90,7 @@ class Cycle:
 
     @cached_property
     def separation(self) -> Energy:
-        """Work of separation [J]: done by the device on retraction, from its last stable zero load to loss of contact."""
+        """Work of separation [J]: done by the device on retraction, from the last zero load to loss of contact."""
         missing = self._no_energy()
         if missing:
             return missing
@@ -107,7 +107,8 @@ class Cycle:
         return None
 
     def _first_chord(self) -> float:
-        return self.begin.P * self.begin.delta / 2 if self.approach.curve.w == 0 else 0.0
+        begin = self.begin
+        return begin.P * position(begin.delta, begin.P, self.stiffness) / 2 if self.approach.curve.w == 0 else 0.0
 
     def _turn_work(self) -> float:
         high, low = (state(path.curve, self.turn) for path in (self.approach, self.retraction))
@@ -139,7 +140,7 @@ class Behaviour:
 
 
 def behaviour(curve: AdhesiveCurve, stiffness: float) -> Behaviour:
-    """Everything that ``curve`` says about a device of ``stiffness`` [N/m] (0: load control, infinite: displacement)."""
+    """What ``curve`` says about a device of ``stiffness`` [N/m] (0: load control, infinite: displacement)."""
     if curve.w == 0:
         nothing = Outside(NO_ADHESION)
         return Behaviour(stiffness, (), nothing, nothing, (), NO_ADHESION, NO_ADHESION)
@@ -217,40 +218,45 @@ def trace(found: Cycle, points: int) -> dict[str, Array]:
     """What the device records over the cycle, row by row, ``points`` (>= 2) to each stretch, even in radius.
 
     Columns: "a_m" (0 out of contact), "delta_m" (minus the gap out of contact), "P_N", "device_m" (delta + P/stiffness;
-    left out under load control, where there is no such length) and "phase". Jumps lie between two rows.
+    left out under load control, where there is no such length), "phase" in words and "part", a number: jumps lie
+    between two parts.
     """
     inwards, outwards = found.approach, found.retraction
-    phases = [("approach", *_along(inwards, points))]
-    a = np.full(points, found.turn)
+    parts = [("approach", *part) for part in _along(inwards, points)]
     if outwards.curve.w > inwards.curve.w:
-        ends = np.array([inwards.curve.at(a[0]), outwards.curve.at(a[0])])
-        share = np.linspace(0, 1, points)[:, None]
-        phases.append(("turn", a, *(ends[0] + share * (ends[1] - ends[0])).T))
-    phases.append(("retraction", *_along(outwards, points)))
-    before, after = _out_of_contact(found, phases, points)
-    phases = [("free approach", 0 * before, before, 0 * before), *phases]
+        parts.append(("turn", *_held(found, points)))
+    parts += [("retraction", *part) for part in _along(outwards, points)]
+    before, after = _out_of_contact(found, points)
+    parts.insert(0, ("free approach", 0 * before, before, 0 * before))
     if after.size:
-        phases.append(("free retraction", 0 * after, after, 0 * after))
-    columns = {
-        name: np.concatenate([phase[i] for phase in phases]) for i, name in ((1, "a_m"), (2, "delta_m"), (3, "P_N"))
-    }
+        parts.append(("free retraction", 0 * after, after, 0 * after))
+    words, a, delta, P = zip(*parts, strict=True)
+    columns = {"a_m": np.concatenate(a), "delta_m": np.concatenate(delta), "P_N": np.concatenate(P)}
     if found.stiffness != LOAD_CONTROL:
         columns["device_m"] = position(columns["delta_m"], columns["P_N"], found.stiffness)
-    columns["phase"] = np.concatenate([np.full(phase[1].size, phase[0]) for phase in phases])
-    return columns
+    sizes = [radii.size for radii in a]
+    return columns | {"phase": np.repeat(words, sizes), "part": np.repeat(np.arange(len(words)) + 1, sizes)}
 
 
-def _along(path: Path, points: int) -> tuple[Array, Array, Array]:
-    a = np.concatenate([np.linspace(s.first, s.last, points if s.first != s.last else 1) for s in path.stretches])
-    return (a, *path.curve.at(a))
+def _along(path: Path, points: int) -> list[tuple[Array, Array, Array]]:
+    radii = [np.linspace(s.first, s.last, points if s.first != s.last else 1) for s in path.stretches]
+    return [(a, *path.curve.at(a)) for a in radii]
 
 
-def _out_of_contact(found: Cycle, phases: list, points: int) -> tuple[Array, Array]:
+def _held(found: Cycle, points: int) -> tuple[Array, Array, Array]:
+    """At the turn the contact is a flat punch of constant radius: a straight line."""
+    a = np.full(points, found.turn)
+    first, last = (np.array(path.curve.at(found.turn)) for path in (found.approach, found.retraction))
+    delta, P = first[:, None] + np.outer(last - first, np.linspace(0, 1, points))
+    return a, delta, P
+
+
+def _out_of_contact(found: Cycle, points: int) -> tuple[Array, Array]:
     """Positions [m] before contact and after it is lost; they reach a quarter beyond where it is lost."""
-    _, _, delta, P = phases[-1]
-    D = delta if found.stiffness == LOAD_CONTROL else position(delta, P, found.stiffness)
-    furthest = -1.25 * abs(float(D[-1]))
+    last = state(found.retraction.curve, found.retraction.last)
+    D = last.delta if found.stiffness == LOAD_CONTROL else position(last.delta, last.P, found.stiffness)
+    furthest = -1.25 * abs(D)
     before = np.linspace(furthest, 0, points)
     if found.retraction.ends != "lost" or found.stiffness == LOAD_CONTROL:
         return before, np.array([])
-    return before, np.linspace(float(D[-1]), furthest, points)
+    return before, np.linspace(D, furthest, points)

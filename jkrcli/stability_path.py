@@ -20,7 +20,7 @@ GAUSS_X, GAUSS_W = np.polynomial.legendre.leggauss(8)
 
 @dataclass(frozen=True)
 class Stretch:
-    """Stable states passed from contact radius ``first`` to ``last`` [m], without a jump; equal where none is stable."""
+    """Stable states passed from contact radius ``first`` to ``last`` [m] without a jump; equal: none is stable."""
 
     first: float
     last: float

@@ -14,8 +14,12 @@ from .analysis import Analysis
 from .errors import InputError
 from .files import read_bytes
 from .series import Array
+from .stability import Behaviour, Energy, Jump, behaviour, branch
+from .states import DISPLACEMENT_CONTROL, LOAD_CONTROL, State
+from .validity import layer_tabor
 
 SUMMARY_FORMAT, SUMMARY_VERSION = "jkr-summary", 1
+WORD_COLUMNS = ("branch",)  # of a curve; all others are numbers
 
 
 def curve_columns(curve: AdhesiveCurve) -> dict[str, Array]:
@@ -32,30 +36,34 @@ def curve_columns(curve: AdhesiveCurve) -> dict[str, Array]:
     }
     if curve.errors:
         columns |= {"P_err_N": curve.errors["P"], "delta_err_m": curve.errors["delta"]}
+    if len(series) > 1:
+        columns |= {"branch": branch(curve)}
     return columns
 
 
 def csv(columns: dict[str, Array]) -> str:
-    """One header line, then a line per row with full precision."""
+    """One header line, then a line per row, numbers with full precision."""
     rows = zip(*(np.asarray(values).tolist() for values in columns.values()), strict=True)
-    lines = [",".join(columns), *(",".join(map(repr, row)) for row in rows)]
+    lines = [",".join(columns), *(",".join(map(str, row)) for row in rows)]
     return "\n".join(lines) + "\n"
 
 
 def read_curve(path: Path) -> dict[str, Array]:
-    """The columns of a CSV file written by ``csv``; InputError with the line where a row is wrong."""
+    """The columns of numbers in a CSV file written by ``csv``; InputError with the line where a row is wrong."""
     lines = read_bytes(path, "curve").decode("utf-8", errors="replace").splitlines()
     names = lines[0].split(",") if lines else []
     if names[:1] != ["a_m"]:
         raise InputError(f'{path}: line 1 must be the header "a_m,delta_m,P_N,...", got "{(lines or [""])[0][:40]}"')
+    numeric = [name for name in names if name not in WORD_COLUMNS]
     rows = []
     for number, line in enumerate(lines[1:], start=2):
+        cells = line.split(",")
         try:
-            row = [float(cell) for cell in line.split(",")]
+            row = [float(cell) for name, cell in zip(names, cells, strict=True) if name in numeric]
         except ValueError:
             row = []
-        if len(row) != len(names) or not np.isfinite(row).all():
-            raise InputError(f'{path}: line {number} must hold {len(names)} finite numbers, got "{line[:60]}"')
+        if len(row) != len(numeric) or not np.isfinite(row).all():
+            raise InputError(f'{path}: line {number} must hold {len(numeric)} finite numbers, got "{line[:60]}"')
         rows.append(row)
     if len(rows) < 2:
         raise InputError(f"{path}: holds {len(rows)} rows, at least 2 are needed")
@@ -64,13 +72,13 @@ def read_curve(path: Path) -> dict[str, Array]:
         raise InputError(
             f"{path}: line {int(np.argmax(np.diff(table[0]) <= 0)) + 3}: a_m must increase from row to row"
         )
-    return dict(zip(names, table, strict=True))
+    return dict(zip(numeric, table, strict=True))
 
 
 def summary(result: Analysis) -> dict[str, Any]:
     """What stands in the JSON file beside a curve."""
     slopes, comparison = result.curve.slopes, result.comparison
-    judged = asdict(result.validity)
+    judged = validity(result)
     return {
         "format": SUMMARY_FORMAT,
         "version": SUMMARY_VERSION,
@@ -83,6 +91,7 @@ def summary(result: Analysis) -> dict[str, Any]:
         "smoothing_lambda": slopes.smoothing_lambda,
         "points": {"kept": len(result.curve.series), "dropped": result.dropped},
         "pull_off": {name: point(found) for name, found in result.pull_off.items()},
+        "stability": stability(result),
         "tabor": judged["tabor"],
         "validity": judged,
         "errors": result.budget.as_dict(),
@@ -97,11 +106,51 @@ def summary(result: Analysis) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def point(found: CriticalPoint | Outside) -> dict[str, Any]:
-    """A critical point by its columns; all None with the reason where it lies outside the series."""
+def point(found: CriticalPoint | State | Outside) -> dict[str, Any]:
+    """A critical point or state by its columns; all None with the reason where it lies outside the series."""
     if isinstance(found, Outside):
         return {"P_N": None, "delta_m": None, "a_m": None, "reason": found.reason}
     return {"P_N": found.P, "delta_m": found.delta, "a_m": found.a}
+
+
+def validity(result: Analysis) -> dict[str, Any]:
+    """The numbers by which the result is judged, those of a layer last."""
+    return asdict(result.validity) | layer_tabor(result.case.problem, result.w, result.case.z0)
+
+
+def stability(result: Analysis) -> dict[str, Any]:
+    """What the curve means under load and under displacement control; nothing for a series of one point."""
+    if len(result.curve.series) < 2:
+        return {}
+    controls = {"load": LOAD_CONTROL, "displacement": DISPLACEMENT_CONTROL}
+    return {name: control(behaviour(result.curve, stiffness)) for name, stiffness in controls.items()}
+
+
+def control(found: Behaviour) -> dict[str, Any]:
+    """Everything that is read off a curve under one control; a null with its reason where there is no number."""
+    critical = [{"kind": item.kind, **point(item)} for item in found.critical]
+    return {
+        "critical_points": critical,
+        "pull_off": point(found.pull_off),
+        "jump_in": point(found.jump_in),
+        "jumps_before_pull_off": [jump(item) for item in found.partial],
+        **energies(found.energy_lost, found.separation),
+    }
+
+
+def jump(found: Jump) -> dict[str, Any]:
+    """A jump between two states; "to" is null where contact is lost."""
+    return {"from": point(found.start), "to": None if found.end is None else point(found.end)}
+
+
+def energies(lost: Energy, separation: Energy) -> dict[str, Any]:
+    """Energy lost per cycle and work of separation [J], each null with its reason where there is none."""
+    held: dict[str, Any] = {}
+    for name, energy in (("energy_lost", lost), ("work_of_separation", separation)):
+        held[f"{name}_J"] = None if isinstance(energy, str) else energy
+        if isinstance(energy, str):
+            held[f"{name}_reason"] = energy
+    return held
 
 
 def as_json(data: dict[str, Any]) -> str:

@@ -57,18 +57,18 @@ class TextTable:
     dialect: Dialect
 
 
-def read_table(path: Path, separator: str | None = None, decimal: str | None = None) -> TextTable:
-    """The table of numbers in a text file; what is None is found out.
+def read_table(path: Path, separator: str | None = None, decimal: str | None = None, least: int = 3) -> TextTable:
+    """The table of at least ``least`` columns of numbers in a text file; what is None is found out.
 
     Raises InputError, a line per mistake, where there is no table or a row differs in its number of cells.
     """
     text = read_bytes(path, "table").decode("utf-8-sig", errors="replace")
     content = [(n, line) for n, line in enumerate(text.splitlines(), start=1) if line.strip()]
-    dialect = _dialect(content, separator, decimal)
-    rows = [] if dialect is None else [(n, row) for n, row in _data(content, dialect)]
+    dialect = _dialect(content, separator, decimal, least)
+    rows = [] if dialect is None else list(_data(content, dialect, least))
     if dialect is None or not rows:
         raise InputError(
-            f"{path}: holds no row of at least 3 numbers; give the separator and the decimal mark if they are unusual"
+            f"{path}: holds no row of at least {least} numbers; give the separator and the decimal mark if they are unusual"
         )
     width = len(rows[0][1])
     first = rows[0][0]
@@ -78,23 +78,25 @@ def read_table(path: Path, separator: str | None = None, decimal: str | None = N
     return TextTable(path, _names(header, dialect, width), values, np.array([n for n, _ in rows]), dialect)
 
 
-def _dialect(content: list[tuple[int, str]], separator: str | None, decimal: str | None) -> Dialect | None:
+def _dialect(
+    content: list[tuple[int, str]], separator: str | None, decimal: str | None, least: int
+) -> Dialect | None:
     """Of all ways to read the lines the one that gives most rows of numbers."""
     found = [Dialect(s, d) for s in SEPARATORS for d in (".", ",") if (s, d) != ("comma", ",")]
     allowed = [d for d in found if separator in (None, d.separator) and decimal in (None, d.decimal)]
     if not allowed:
         raise InputError('separator "comma" and decimal "," exclude each other: say which one the comma is')
-    counts = [(sum(1 for _ in _data(content, dialect)), dialect) for dialect in allowed]
+    counts = [(sum(1 for _ in _data(content, dialect, least)), dialect) for dialect in allowed]
     best = max(counts, key=lambda pair: pair[0])
     return best[1] if best[0] else None
 
 
-def _data(content: list[tuple[int, str]], dialect: Dialect) -> Iterator[tuple[int, list[float]]]:
+def _data(content: list[tuple[int, str]], dialect: Dialect, least: int) -> Iterator[tuple[int, list[float]]]:
     """The rows of numbers, all as wide as the first."""
     width = 0
     for n, line in content:
         row = None if _is_comment(line) else dialect.numbers(line)
-        if row is not None and len(row) >= 3 and len(row) == (width or len(row)):
+        if row is not None and len(row) >= least and len(row) == (width or len(row)):
             width = len(row)
             yield n, row
 

@@ -2,6 +2,13 @@
 
 Limits: Johnson and Greenwood, J. Colloid Interface Sci. 192 (1997) 326 (the adhesion map over the Tabor number);
 geometrically linear kinematics and the half-space profile need small a/R and delta/h.
+
+A layer needs its own number. The Tabor number compares how far the surface is drawn out at the contact edge with the
+range z0 of the forces. On a thin compressible bonded layer that height is sqrt(2 w/K), K of Eq. 22 (Reedy, Thin-coating
+contact mechanics with adhesion, J. Mater. Res. (2006), and doi 10.1557/jmr.2007.0329: behaviour is JKR-like for large
+w over the coating's modulus and DMT-like for small). For nearly incompressible layers no such number was
+found in the literature. On coated half-spaces the transition has been solved with Maugis' forces but not condensed into
+one number (Stan and Adams, J. Mater. Res. (2016)); the half-spaces of the two materials bracket it.
 """
 
 from __future__ import annotations
@@ -9,14 +16,17 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from .closed_form import tabor
+from .closed_form import foundation_modulus, tabor
 from .errors import InputError
+from .materials import contact_modulus
+from .problem import HalfSpace, Layer, Problem
 
 TABOR_JKR = 5.0  # JKR within some per cent above it
 TABOR_DMT = 0.1  # rigid-body (DMT, Bradley) limit below it
 MAX_A_OVER_R = 0.3
 MAX_DELTA_OVER_H = 0.1
 MAX_A_OVER_L = 0.1
+MAX_NU_COMPRESSIBLE = 0.45  # Reedy (2006): thin-layer theory agrees with finite elements below it
 Ratio = float | str  # a number, or why there is none
 NO_TIP_RADIUS = "the indenter has no tip radius (pointed, flat or blunter than a parabola)"
 
@@ -61,7 +71,7 @@ def judge(
     number = _tabor(R, w, E_star, z0)
     return Validity(
         number,
-        regime(number) if isinstance(number, float) else f"unknown: {number}",
+        _words(number),
         _ratio(a, R, NO_TIP_RADIUS),
         "no pull-off radius given" if a_pull_off is None else _ratio(a_pull_off, R, NO_TIP_RADIUS),
         _ratio(delta, thickness, no_layer),
@@ -77,6 +87,50 @@ def regime(number: float) -> str:
     if number >= TABOR_DMT:
         return "JKR is doubtful: use the Maugis-Dugdale transition model"
     return "JKR does not hold: use DMT (the limit of stiff, small or weakly adhering bodies)"
+
+
+def layer_tabor(problem: Problem, w: float, z0: float | None) -> dict[str, Ratio]:
+    """Counterparts of the Tabor number on a layer and what they mean, under names for a summary; empty elsewhere.
+
+    One layer on a rigid base, "tabor_thin_layer": sqrt(2 w/K)/z0 where it is bonded and compressible; to be read where
+    a/h is well above 1. Its limits are those of the half-space, as orders of magnitude. Layers on a half-space:
+    "tabor_of_coating" and "tabor_of_substrate", the half-spaces of the top and of the lowest material that bracket it.
+    """
+    specimen = problem.specimen
+    if not specimen.layers:
+        return {}
+    if isinstance(specimen.base, HalfSpace):
+        return _coating_tabor(problem, specimen.base, w, z0)
+    if len(specimen.layers) > 1:
+        return {}
+    number = _thin_tabor(specimen.layers[0], specimen.base.bonded, w, z0)
+    return {"tabor_thin_layer": number, "regime_thin_layer": _words(number)}
+
+
+def _coating_tabor(problem: Problem, base: HalfSpace, w: float, z0: float | None) -> dict[str, Ratio]:
+    R, indenter = problem.indenter.tip_radius, problem.indenter.material
+    coating = _tabor(R, w, problem.E_star, z0)
+    substrate = _tabor(R, w, contact_modulus(base.material, indenter), z0)
+    ends = list(dict.fromkeys([_words(coating), _words(substrate)]))
+    words = ends[0] if len(ends) == 1 else f"from the coating's to the substrate's: {ends[0]}; {ends[1]}"
+    return {"tabor_of_coating": coating, "tabor_of_substrate": substrate, "regime_coated": words}
+
+
+def _thin_tabor(layer: Layer, bonded: bool, w: float, z0: float | None) -> Ratio:
+    if not bonded:
+        return "the layer slides on its base: the literature has bonded layers only"
+    if layer.material.nu > MAX_NU_COMPRESSIBLE:
+        return f"nu = {layer.material.nu:g} is above {MAX_NU_COMPRESSIBLE:g}: the layer is not compressible (Eq. 22)"
+    if z0 is None or w == 0:
+        return "no equilibrium distance z0 given" if z0 is None else "no adhesion (w = 0)"
+    if min(w, z0) <= 0:
+        raise InputError(f"Tabor number: w and z0 must be > 0, got {w:g} and {z0:g}")
+    K = foundation_modulus(layer.material.E, layer.material.nu, layer.thickness)
+    return math.sqrt(2 * w / K) / z0
+
+
+def _words(number: Ratio) -> str:
+    return regime(number) if isinstance(number, float) else f"unknown: {number}"
 
 
 def check(judged: Validity) -> list[str]:

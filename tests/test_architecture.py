@@ -14,7 +14,7 @@ DOORS = {
     "gmsh": {"fem/mesh.py", "fem/export.py"},
     "skfem": {"fem/elasticity.py"},
     "h5py": {"store.py", "files.py"},
-    "matplotlib": {"plots.py", "plots_study.py"},
+    "matplotlib": {"plots.py", "plots_study.py", "plots_stability.py"},
     "meshio": {"fem/export.py"},
     "pydantic": {"case/__init__.py", "case/fields.py", "case/models.py", "case/indenter.py"},
     "click": {"cli"},
@@ -22,8 +22,9 @@ DOORS = {
 # Each part may import from itself and from those before it.
 ORDER = [
     "errors", "materials", "units", "files", "clock", "indenters", "problem", "words", "series", "closed_form",
-    "methods", "radii", "integral", "formulas", "fem", "choose", "case", "store", "text_table", "foreign", "slopes", "adhesion", "validity",
-    "states", "comparison", "differences", "expectation", "analysis", "tables", "plots", "plots_study", "study", "cli", "__main__",
+    "methods", "radii", "integral", "formulas", "fem", "choose", "case", "store", "text_table", "foreign", "slopes",
+    "adhesion", "validity", "states", "stability_path", "stability", "stability_inverse", "comparison", "differences", "expectation", "analysis", "tables", "plots",
+    "plots_study", "plots_stability", "study", "cli", "__main__",
 ]  # fmt: skip
 
 

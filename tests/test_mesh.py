@@ -25,7 +25,7 @@ LAW = SizeLaw(
     far_growth=0.3,
     inner=0.1,
     slope=0.2,
-    zones=((2.0, 0.3), (np.inf, 2.0)),
+    zones=((2.0, 0.3), (20.0, 2.0)),
     layers=((0.0, 0.5, 0.2, 50.0),),
 )
 

@@ -21,12 +21,15 @@ VERBS = {
     "run": "Solve a case file: nonadhesive load, displacement, contact radius to HDF5.",
     "import": "Take over a series that another program computed.",
     "transform": "Turn series files into adhesive (JKR) curves: CSV, JSON, plots.",
+    "pull-off": "Where contact is lost, by load, displacement or a spring; w from a measured pull-off.",
+    "cycle": "The approach-retract trace that a device of given stiffness records.",
     "check": "Say which method a case needs, what it costs, what to expect; nothing is solved.",
     "compare": "Compare two results of the same problem; exit 1 where they differ.",
     "profile": "Contact pressure, surface shape and gap at one state.",
     "show": "Print what a series file holds.",
     "mesh": "Write and draw the finite-element mesh of a case.",
     "new": "Write a commented case file to start from.",
+    "study": "Maps and studies over many bodies.",
     "bench": "Time the stages of a run.",
 }
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import math
 import shlex
 import tomllib
 from collections.abc import Sequence
@@ -43,10 +44,10 @@ class KeyValue(click.ParamType):
             self.fail(f'must be KEY=VALUE with a key of {", ".join(KEYS)}, got "{value}"', param, ctx)
         if not self.number:
             return key, text
-        with contextlib.suppress(ValueError):
-            if abs(float(text)) < float("inf") and float(text) != 0:
-                return key, float(text)
-        self.fail(f'must be KEY=NUMBER, finite and not 0, got "{value}"', param, ctx)
+        number = _number(text)
+        if not (isinstance(number, float) and math.isfinite(number) and number != 0):
+            self.fail(f'must be KEY=NUMBER, finite and not 0, got "{value}"', param, ctx)
+        return key, number
 
 
 @click.command("import")
@@ -163,8 +164,9 @@ def _number(text: str | None) -> float | str | None:
 
 def _with_loading(case: Case, solution: Solution) -> Case:
     """The case with the loading that the table went through."""
-    series = solution.series
-    loading = LoadingTable.model_validate({"depth": float(series.delta[-1]), "points": len(series), "spacing": "depth"})
+    assert solution.raw is not None
+    depth, points = float(solution.raw.delta.max()), int(solution.raw.delta.size)
+    loading = LoadingTable.model_validate({"depth": depth, "points": points, "spacing": "depth"})
     model: CaseModel = case.model.model_copy(update={"loading": loading})
     return Case(model, case.source)
 

@@ -7,6 +7,8 @@ one solve with the same surface vertices and elements gives the factor a / r for
 
 from __future__ import annotations
 
+from typing import cast
+
 import numpy as np
 
 from ..clock import StageClock
@@ -21,7 +23,7 @@ CUT = 100.0  # size of the calibration's half-space in candidate radii; what it 
 
 def radius_factors(model: Model, indenter: Indenter) -> Array:
     """Contact radius over vertex radius for the candidate vertices beyond the flat radius, by increasing radius."""
-    profile = indenter if indenter.a0 > 0 else Paraboloid(model.recipe.reach)
+    profile = indenter if indenter.a0 > 0 else cast(Indenter, Paraboloid(model.recipe.reach))
     body = model.body
     half_space = model
     if not (body.cut_below and len(body.materials) == 1):

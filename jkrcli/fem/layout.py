@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -19,6 +18,7 @@ Array = np.ndarray
 MAX_CELLS = 3_000_000
 TOP_LAYER, DEEP_LAYER = 1.0, 2.0  # layer limits in units of growth * thickness
 FAR_GROWTH, STEEPEST = 0.3, 0.6
+ZONE_III = 20.0  # units: depth of the paper's body; beyond it elements grow on
 LONGEST = 100.0  # cells in a layer far from the contact, in thicknesses
 UNLIMITED = 1e9  # reaches
 DIGITS = 12  # dimensionless lengths are rounded to this: the mesh does not depend on the unit of length
@@ -171,7 +171,8 @@ def zones_layout(
     e = float(_rounded(size / unit))
     first, second = max(1.0, 1.25 * extent), max(2.0, 2.5 * extent)
     limits = tuple(max(s, e) for s in sizes)
-    zones = () if thin else ((first, limits[0]), (second, limits[1]), (math.inf, limits[2]))
+    third = max(ZONE_III, 2 * second)
+    zones = () if thin else ((first, limits[0]), (second, limits[1]), (third, limits[2]))
     law = SizeLaw(
         reach=extent,
         growth=growth,
@@ -183,8 +184,9 @@ def zones_layout(
     )
     sides: tuple[tuple[float, float], ...] = ()
     if element == "quadrilateral":
-        far = max(body.width, body.depth) / unit
-        sides = ((0.0, e), (extent, e), (first, limits[0]), (second, limits[1]), (max(far, 2 * second), limits[2]))
+        far = max(body.width, body.depth, 2 * third * unit) / unit
+        sides = ((0.0, e), (extent, e), (first, limits[0]), (second, limits[1]), (third, limits[2]))
+        sides = (*sides, (far, limits[2] + FAR_GROWTH * (far - third)))
     return Layout(body, law, unit, element, sides)
 
 

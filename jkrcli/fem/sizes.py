@@ -5,7 +5,6 @@ The law is a formula written once: it is evaluated on numbers, or written out as
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -68,9 +67,8 @@ class SizeLaw:
     (``far_growth`` beyond ``FAR`` reaches, where the field is smooth).
 
     Along the contact the size is ``slope * max(|r - a0|, inner)``, or ``floor`` where that is larger.
-    ``zones``: (extent, size) of squares around the origin, inside which the size stays below ``size`` [m];
-    the last one holds everywhere. ``layers``: (top depth, thickness, size, largest size far from the contact) of
-    layers that need their own limit.
+    ``zones``: (extent, size) of squares around the origin, inside which the size stays below ``size`` [m].
+    ``layers``: (top depth, thickness, size, largest size far from the contact) of layers with their own limit.
     """
 
     reach: float
@@ -100,10 +98,7 @@ class SizeLaw:
     def _zone_limits(self, r: Any, z: Any) -> list[Any]:
         """Limit k holds inside square k and grows outwards from it."""
         outside = _largest(r, 0.0 - z)
-        limits = [
-            size + self.growth * _largest(outside - extent, 0.0) for extent, size in self.zones if math.isfinite(extent)
-        ]
-        return [*limits, *(size for extent, size in self.zones if math.isinf(extent))]
+        return [size + self.growth * _largest(outside - extent, 0.0) for extent, size in self.zones]
 
     def _layer_limit(self, layer: tuple[float, float, float, float], r: Any, z: Any) -> Any:
         """The layer's size inside it, growing with the distance from it and from the contact."""

@@ -22,9 +22,7 @@ from ..series import Array
 
 Residuals = Callable[[Array], tuple[Array, Array]]
 LAMBDA_RANGE = (1e-15, 1e6)  # in units of the mean diagonal of J^T J over the block
-BIAS_SHARE = (
-    0.5  # of that allowance: bodies bend less than their priors draw; with all of it 90 % bands hold 97 to 100 %
-)
+BIAS_SHARE = 0.5  # of that allowance; with all of it the 90 % bands of layers hold 97 to 100 %
 LARGEST_PRIOR = 10.0  # variance of a coefficient before data are seen: bodies do not bend more
 MAX_STEPS = 50
 LEAST_DAMPING = 1e-8  # of the diagonal of the linearised problem

@@ -10,6 +10,7 @@ nodes per largest contact radius. Contact radius of an increment: that of the ou
 from __future__ import annotations
 
 import sys
+from pathlib import Path
 
 import numpy as np
 
@@ -48,7 +49,9 @@ def deck(mesh: Mesh) -> str:
     r, z, m = mesh.r, mesh.z, mesh.m
     lines = ["*NODE, NSET=NALL"]
     lines += [f"{mesh.node(i, j)},{r[i]:.12g},{z[j]:.12g},0" for j in range(z.size) for i in range(r.size)]
-    lines += [f"{mesh.tool_node(i, j)},{r[i]:.12g},{r[i] ** 2 / (2 * R) + j:.12g},0" for j in (0, 1) for i in range(m + 1)]
+    lines += [
+        f"{mesh.tool_node(i, j)},{r[i]:.12g},{r[i] ** 2 / (2 * R) + j:.12g},0" for j in (0, 1) for i in range(m + 1)
+    ]
     lines.append("*ELEMENT, TYPE=CAX4, ELSET=BODY")
     corners = ((0, 1), (1, 1), (1, 0), (0, 0))
     number, surface = 0, []
@@ -61,7 +64,9 @@ def deck(mesh: Mesh) -> str:
     first = number + 1
     for i in range(m):
         number += 1
-        lines.append(f"{number}," + ",".join(str(mesh.tool_node(i + a, b)) for a, b in ((0, 0), (1, 0), (1, 1), (0, 1))))
+        lines.append(
+            f"{number}," + ",".join(str(mesh.tool_node(i + a, b)) for a, b in ((0, 0), (1, 0), (1, 1), (0, 1)))
+        )
     lines += ["*NSET, NSET=AXIS", *(f"{mesh.node(0, j)}," for j in range(z.size))]
     lines += ["*NSET, NSET=BASE", *(f"{mesh.node(i, z.size - 1)}," for i in range(r.size))]
     lines += ["*NSET, NSET=TOP", *(f"{mesh.node(i, 0)}," for i in range(m + 1))]
@@ -78,7 +83,7 @@ def deck(mesh: Mesh) -> str:
         f"*STEP, INC={2 * INCREMENTS}", "*STATIC, DIRECT", f"{1 / INCREMENTS},1.",
         "*BOUNDARY", "AXIS,1,1", "BASE,1,2", "TOOL,1,1",
         "*BOUNDARY, AMPLITUDE=RAMP", f"TOOL,2,2,{-DEPTH}",
-        "*NODE PRINT, NSET=TOP, FREQUENCY=1", "U", "*NODE PRINT, NSET=TOOL, TOTALS=ONLY, FREQUENCY=1", "RF", "*END STEP",
+        "*NODE PRINT, NSET=TOP", "U", "*NODE PRINT, NSET=TOOL, TOTALS=ONLY", "RF", "*END STEP",
     ]  # fmt: skip
     return "\n".join(lines) + "\n"
 
@@ -104,6 +109,5 @@ def table(mesh: Mesh, results: str) -> str:
 
 
 if __name__ == "__main__":
-    model = Mesh(int(sys.argv[1]))
-    with open(sys.argv[2]) if len(sys.argv) > 2 else sys.stdin as file:
-        sys.stdout.write(table(model, file.read()) if len(sys.argv) > 2 else deck(model))
+    mesh = Mesh(int(sys.argv[1]))
+    sys.stdout.write(table(mesh, Path(sys.argv[2]).read_text()) if len(sys.argv) > 2 else deck(mesh))

@@ -1,0 +1,137 @@
+"""``jkr cycle``: the trace that a device of given stiffness records."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from .. import store, tables
+from ..adhesion import Outside
+from ..analysis import analyse, specification
+from ..errors import InputError
+from ..files import check_target, write_text
+from ..stability import Cycle, Jump, control, trace, turning_radius
+from ..stability import cycle as run_cycle
+from ..store import Stored
+from ..units import show
+from .options import Length, Load, WorkOfAdhesion
+from .pull_off import SLOPES, Stiffness
+
+ENDINGS = (".csv", ".png", ".svg")
+
+
+@click.command()
+@click.argument("file", type=click.Path(path_type=Path))
+@click.option("--w-approach", type=WorkOfAdhesion(), help="While the contact grows [default: the case's first w].")
+@click.option("--w-retract", type=WorkOfAdhesion(), help="While it shrinks, not smaller [default: that of approach].")
+@click.option("--stiffness", type=Stiffness(), default="rigid", show_default=True, help='"0.2 N/m", "rigid" or "load".')
+@click.option("--to-load", type=Load(), help="Turn at this load [default: at the end of the series].")
+@click.option("--to-depth", type=Length(), help="Turn at this displacement delta.")
+@click.option("--points", type=click.IntRange(2, 100_000), default=200, show_default=True, help="Rows per branch.")
+@click.option("--slopes", type=click.Choice(SLOPES), default="auto", show_default=True)
+@click.option("-o", "--output", type=click.Path(path_type=Path, file_okay=False), help="Folder [default: the file's].")
+@click.option("--no-plots", is_flag=True, help="Write the CSV only.")
+@click.option("--force", is_flag=True, help="Replace existing files that jkr did not write.")
+@click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON.")
+def cycle(
+    file: Path,
+    w_approach: float | None,
+    w_retract: float | None,
+    stiffness: float,
+    to_load: float | None,
+    to_depth: float | None,
+    points: int,
+    slopes: str,
+    output: Path | None,
+    no_plots: bool,
+    force: bool,
+    as_json: bool,
+) -> None:
+    """Trace what a device records that presses the bodies of a series FILE together and pulls them apart again.
+
+    JKR forces have no range: contact jumps in where the undeformed gap closes (delta = 0) and out where
+    d(delta + P/stiffness)/da = 0. A rigid device is displacement control. Writes <stem>-cycle.csv, .png and .svg.
+
+    \b
+    jkr cycle data.h5 --stiffness "10 kN/m"
+    jkr cycle gel.h5 --w-approach "35 mJ/m^2" --w-retract "45 mJ/m^2" --to-load "0.5 mN"
+    """
+    if to_load is not None and to_depth is not None:
+        raise InputError("cycle: give at most one of --to-load and --to-depth")
+    stored = store.read(file)
+    works = _works(stored, w_approach, w_retract)
+    folder = output if output is not None else file.parent
+    folder.mkdir(parents=True, exist_ok=True)
+    targets = {end: folder / f"{file.stem}-cycle{end}" for end in (ENDINGS[:1] if no_plots else ENDINGS)}
+    for target in targets.values():
+        check_target(target, force)
+    inwards, outwards = (result.curve for result in analyse(stored, works, slopes))
+    turn = None
+    if to_load is not None or to_depth is not None:
+        turn = turning_radius(inwards, stiffness, load=to_load, depth=to_depth)
+    found = run_cycle(inwards, outwards, stiffness, turn)
+    if isinstance(found, Outside):
+        raise InputError(f"{file}: {found.reason}")
+    columns = trace(found, points)
+    write_text(targets[".csv"], tables.csv(columns))
+    if not no_plots:
+        from .. import plots, plots_stability
+
+        figure = plots_stability.cycle_figure(columns, control(stiffness))
+        for end in ENDINGS[1:]:
+            plots.save(figure, targets[end])
+    if as_json:
+        click.echo(tables.as_json(_as_dict(file, found)).rstrip())
+    else:
+        _print(file, found)
+        click.echo(f"  written {folder / file.stem}-cycle{{{','.join(targets)}}}")
+
+
+def _works(stored: Stored, approach: float | None, retract: float | None) -> tuple[float, float]:
+    if approach is None:
+        named = specification(stored).w
+        if not named:
+            raise InputError(f"{stored.path}: its case names no work of adhesion: give --w-approach")
+        approach = named[0]
+    return approach, approach if retract is None else retract
+
+
+def _as_dict(file: Path, found: Cycle) -> dict[str, Any]:
+    rigid = found.stiffness == float("inf")
+    return {
+        "file": str(file),
+        "control": control(found.stiffness),
+        "stiffness_N_per_m": None if rigid else found.stiffness,
+        "w_approach_J_per_m2": found.approach.curve.w,
+        "w_retract_J_per_m2": found.retraction.curve.w,
+        "jump_in": tables.point(found.begin),
+        "turn_a_m": found.turn,
+        "jumps_on_approach": [tables.jump(jump) for jump in found.jumps_in],
+        "jumps_on_retraction": [tables.jump(jump) for jump in found.jumps_out],
+        "contact_lost": found.retraction.ends == "lost",
+        **tables.energies(found.energy_lost, found.separation),
+    }
+
+
+def _print(file: Path, found: Cycle) -> None:
+    works = [show(path.curve.w, "work") for path in (found.approach, found.retraction)]
+    begin = found.begin
+    click.echo(f"{file}: {control(found.stiffness)}, w = {works[0]} on approach, {works[1]} on retraction")
+    click.echo(f"  jump-in at delta = 0 to P = {show(begin.P, 'load')}, a = {show(begin.a, 'length')}")
+    click.echo(f"  turn at a = {show(found.turn, 'length')}")
+    for jump in (*found.jumps_in, *found.jumps_out):
+        click.echo(f"  {_jump(jump)}")
+    if found.retraction.ends != "lost":
+        click.echo("  contact is not lost within the series: the trace ends at its smallest radius")
+    for name, value in (("energy lost per cycle", found.energy_lost), ("work of separation", found.separation)):
+        click.echo(f"  {name}: {value if isinstance(value, str) else f'{value:.4g} J'}")
+
+
+def _jump(jump: Jump) -> str:
+    start = f"P = {show(jump.start.P, 'load')}, delta = {show(jump.start.delta, 'length')}, "
+    start += f"a = {show(jump.start.a, 'length')}"
+    if jump.end is None:
+        return f"contact is lost at {start}"
+    return f"contact jumps from {start} to P = {show(jump.end.P, 'load')}, a = {show(jump.end.a, 'length')}"

@@ -1,0 +1,192 @@
+"""``jkr pull-off``: where contact is lost, under every control; and the work of adhesion behind a measured pull-off."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import click
+
+from .. import store, tables
+from ..adhesion import CriticalPoint, Outside
+from ..analysis import Analysis, analyse, specification
+from ..errors import InputError
+from ..stability import Behaviour, Energy, behaviour, control
+from ..stability_inverse import FoundWork, work_from_pull_off
+from ..states import DISPLACEMENT_CONTROL, LOAD_CONTROL, State
+from ..units import show
+from ..validity import layer_tabor
+from .options import Load, QuantityOption, WorkOfAdhesion
+
+SLOPES = ("auto", "exact", "loocv", "integral")
+
+
+class Stiffness(QuantityOption):
+    """A stiffness > 0, or "rigid" (displacement control) or "load" (load control)."""
+
+    name = "STIFFNESS"
+    dimension = "stiffness"
+    least = 0.0
+    words = {"rigid": DISPLACEMENT_CONTROL, "load": LOAD_CONTROL}  # noqa: RUF012 - a constant of the class
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        if value in self.words:
+            return self.words[value]
+        found = super().convert(value, param, ctx)
+        if found == 0:
+            self.fail(f'must be > 0, or "load" for load control, or "rigid", got {value}', param, ctx)
+        return found
+
+
+@click.command("pull-off")
+@click.argument("files", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.option("--w", "works", multiple=True, type=WorkOfAdhesion(), help='J/m^2 or "35 mJ/m^2" [default: the case\'s].')
+@click.option(
+    "--stiffness",
+    "stiffnesses",
+    multiple=True,
+    type=Stiffness(),
+    help='Of the machine or cantilever, "0.2 N/m"; also "load" and "rigid" [default: these two].',
+)
+@click.option("--load", "force", type=Load(), help='A measured pull-off force, "12 uN": which w does it mean?')
+@click.option("--slopes", type=click.Choice(SLOPES), default="auto", show_default=True)
+@click.option("--json", "as_json", is_flag=True, help="Print as JSON.")
+def pull_off(
+    files: tuple[Path, ...],
+    works: tuple[float, ...],
+    stiffnesses: tuple[float, ...],
+    force: float | None,
+    slopes: str,
+    as_json: bool,
+) -> None:
+    """Say where each series FILE's contact is lost: under load control, displacement control, devices of a stiffness.
+
+    For each work of adhesion and control: pull-off, jump-in at first touch, every other critical point, energy lost
+    per approach-retract cycle and work of separation. With --load the other way round: the work of adhesion that a
+    measured pull-off force means on this body (under load control, or of each --stiffness).
+
+    \b
+    jkr pull-off data.h5 --w 50 --stiffness "10 kN/m"
+    jkr pull-off gel.h5 --load "1.2 mN"
+    """
+    if force is not None and works:
+        raise InputError("pull-off: give either --w or --load, not both")
+    if force is not None and force == 0:
+        raise InputError("pull-off: --load must not be 0; give the measured pull-off force")
+    held = [store.read(path) for path in files]
+    results: list[dict[str, Any]] = []
+    for stored in held:
+        wanted = works if force is None else (0.0,)
+        wanted = wanted or specification(stored).w
+        if not wanted:
+            raise InputError(f"{stored.path}: its case names no work of adhesion: give --w")
+        analyses = analyse(stored, wanted, slopes)
+        if force is None:
+            results += [_forward(result, stiffnesses or (LOAD_CONTROL, DISPLACEMENT_CONTROL)) for result in analyses]
+        else:
+            results += [_inverse(analyses[0], abs(force), stiffness) for stiffness in stiffnesses or (LOAD_CONTROL,)]
+    if as_json:
+        plain = [{key: value for key, value in result.items() if key != "lines"} for result in results]
+        click.echo(tables.as_json({"results": plain}).rstrip())
+        return
+    for result in results:
+        click.echo("\n".join(result["lines"]))
+
+
+def _forward(result: Analysis, stiffnesses: Sequence[float]) -> dict[str, Any]:
+    found = [behaviour(result.curve, stiffness) for stiffness in stiffnesses]
+    lines = [f"{result.stored.path}: w = {show(result.w, 'work')}"]
+    for item in found:
+        lines += _text(item)
+    judged = layer_tabor(result.case.problem, result.w, result.case.z0)
+    lines += [*_validity(result, judged), *(f"  {warning}" for warning in result.stored.warnings)]
+    return {
+        "file": str(result.stored.path),
+        "w_J_per_m2": result.w,
+        "controls": [
+            {"control": item.control, "stiffness_N_per_m": _finite(item.stiffness), **tables.control(item)}
+            for item in found
+        ],
+        "validity": tables.validity(result),
+        "lines": lines,
+    }
+
+
+def _inverse(result: Analysis, force: float, stiffness: float) -> dict[str, Any]:
+    R, path = result.case.problem.indenter.tip_radius, result.stored.path
+    try:
+        found = work_from_pull_off(result.curve.series, result.curve.slopes, force, stiffness, R)
+    except InputError as error:
+        raise InputError([f"{path}: {line}" for line in error.lines]) from None
+    return {
+        "file": str(path),
+        "load_N": force,
+        "control": control(stiffness),
+        "stiffness_N_per_m": _finite(stiffness),
+        "w_J_per_m2": found.w,
+        "w_half_space_J_per_m2": found.half_space,
+        "pull_off": tables.point(found.point),
+        "lines": _inverse_text(path, found),
+    }
+
+
+def _inverse_text(path: Path, found: FoundWork) -> list[str]:
+    lines = [
+        f"{path}: a pull-off force of {show(found.load, 'load')} means w = {show(found.w, 'work')} "
+        f"({control(found.stiffness)}, a = {show(found.point.a, 'length')})"
+    ]
+    if found.half_space is None:
+        return [*lines, "  no tip radius: classical JKR has no answer for this indenter"]
+    return [
+        *lines,
+        f"  1.5 pi w R of a half-space would have given {show(found.half_space, 'work')}, "
+        f"{found.half_space / found.w:.3g} times this body's",
+    ]
+
+
+def _text(found: Behaviour) -> list[str]:
+    lines = [f"  {found.control}", f"    pull-off            {_point(found.pull_off)}"]
+    others = [point for point in found.critical if point != found.pull_off]
+    if not found.critical and not isinstance(found.pull_off, Outside):
+        lines.append("    no critical point in the series")
+    lines += [f"    other {point.kind:<14}{_point(point)}" for point in others]
+    lines += [
+        f"    jumps back          {_point(jump.start)}  to  {_point(jump.end)}" for jump in found.partial if jump.end
+    ]
+    lines.append(f"    jump-in, delta = 0  {_point(found.jump_in)}")
+    lines.append(f"    energy lost         {_energy(found.energy_lost)}")
+    if found.separation != found.energy_lost:
+        lines.append(f"    work of separation  {_energy(found.separation)}")
+    return lines
+
+
+def _point(point: CriticalPoint | State | Outside) -> str:
+    if isinstance(point, Outside):
+        return f"none: {point.reason}"
+    return f"P = {show(point.P, 'load'):<12} delta = {show(point.delta, 'length'):<12} a = {show(point.a, 'length')}"
+
+
+def _energy(value: Energy) -> str:
+    return f"none: {value}" if isinstance(value, str) else f"{value:.4g} J"
+
+
+def _validity(result: Analysis, layer: dict[str, float | str]) -> list[str]:
+    judged = result.validity
+    lines = []
+    if isinstance(judged.tabor, float):
+        lines.append(f"  Tabor number {judged.tabor:.3g}: {judged.regime}")
+    for name, words in (("tabor_thin_layer", "regime_thin_layer"),):
+        if isinstance(layer.get(name), float):
+            lines.append(f"  thin-layer counterpart {layer[name]:.3g}: {layer[words]}")
+    if isinstance(layer.get("tabor_of_coating"), float):
+        lines.append(
+            f"  Tabor number {layer['tabor_of_coating']:.3g} with the coating's E*, "
+            f"{layer['tabor_of_substrate']:.3g} with the substrate's: {layer['regime_coated']}"
+        )
+    return lines
+
+
+def _finite(stiffness: float) -> float | None:
+    """JSON has no infinity: null for a rigid device."""
+    return None if stiffness == DISPLACEMENT_CONTROL else stiffness

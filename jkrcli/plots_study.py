@@ -1,0 +1,72 @@
+"""Charts of studies: panels of lines given as data, drawn in the style of all figures."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import matplotlib as mpl
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from .plots import STYLE
+from .series import Array
+
+WIDTH, HEIGHT = 7.2, 3.0  # of the figure, and of a row of panels [inch]
+MARKERS = 30  # at most, on a line
+
+
+@dataclass(frozen=True, eq=False)
+class Line:
+    """One line or cloud of points; ``style`` as matplotlib's format without colour, "o" for points alone."""
+
+    x: Array
+    y: Array
+    label: str
+    style: str = "-"
+    color: str = "#000000"
+
+
+@dataclass(frozen=True, eq=False)
+class Panel:
+    """One pair of axes; ``logs``: "", "x", "y" or "xy"; limits None: all of the data."""
+
+    xlabel: str
+    ylabel: str
+    lines: Sequence[Line]
+    title: str = ""
+    logs: str = ""
+    xlim: tuple[float | None, float | None] | None = None
+    ylim: tuple[float | None, float | None] | None = None
+
+
+def panels_figure(panels: Sequence[Panel], title: str = "") -> Figure:
+    """The panels two by two, lettered, each with its legend."""
+    rows = (len(panels) + 1) // 2
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(WIDTH if len(panels) > 1 else WIDTH / 1.5, HEIGHT * rows), layout="constrained")
+        axes = figure.subplots(rows, min(2, len(panels)), squeeze=False).ravel()
+        for place, panel, letter in zip(axes, panels, "abcdefgh", strict=False):
+            _draw(place, panel, f"({letter}) " if len(panels) > 1 else "")
+        for place in axes[len(panels) :]:
+            place.set_axis_off()
+        if title:
+            figure.suptitle(title)
+        return figure
+
+
+def _draw(axes: Axes, panel: Panel, letter: str) -> None:
+    if "x" in panel.logs:
+        axes.set_xscale("log")
+    else:
+        axes.axvline(0, color="0.7", lw=0.6)
+    if "y" in panel.logs:
+        axes.set_yscale("log")
+    else:
+        axes.axhline(0, color="0.7", lw=0.6)
+    for line in panel.lines:
+        every = max(1, len(line.x) // MARKERS)
+        axes.plot(line.x, line.y, line.style, color=line.color, label=line.label, ms=3.5, mfc="none", lw=1.0,
+                  markevery=every)  # fmt: skip
+    axes.set(xlabel=panel.xlabel, ylabel=panel.ylabel, title=letter + panel.title, xlim=panel.xlim, ylim=panel.ylim)
+    axes.legend(fontsize=7)

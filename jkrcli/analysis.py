@@ -6,13 +6,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
+import numpy as np
+
 from .adhesion import AdhesiveCurve, CriticalPoint, Outside, transform
 from .case import parse_case
 from .comparison import Comparison, compare_half_space
 from .errors import InputError
 from .problem import HalfSpace, Problem
-from .series import ErrorBudget, Series
-from .slopes import Slopes, slopes
+from .series import ErrorBudget, Series, first_of_plateaus
+from .slopes import Slopes, slopes, smoothed
 from .store import Stored
 from .validity import Validity, check, judge
 
@@ -101,14 +103,27 @@ def specification(stored: Stored) -> Specification:
 def analyse(stored: Stored, works: Sequence[float], slopes_name: str = "auto") -> list[Analysis]:
     """The adhesive curves of one series file for each work of adhesion [J/m^2]; the slopes are found once."""
     case = specification(stored)
-    series, dropped = stored.series()
-    found = _slopes(stored, series, slopes_name)
+    try:
+        series, dropped, found = _fitted(stored, slopes_name)
+    except InputError as error:
+        known = str(stored.path)
+        lines = [line if line.startswith(known) else f"{known}: {line}" for line in error.lines]
+        raise InputError(lines) from None
     budget = replace(stored.budget, smoothing=0.0 if found.method == "exact" else found.error)
     return [Analysis(stored, case, transform(series, found, w), dropped, budget) for w in works]
 
 
-def _slopes(stored: Stored, series: Series, name: str) -> Slopes:
-    try:
-        return slopes(series, name)
-    except InputError as error:
-        raise InputError([f"{stored.path}: {line}" for line in error.lines]) from None
+def _fitted(stored: Stored, name: str) -> tuple[Series, int, Slopes]:
+    """Series, dropped increments and slopes. The integral fit takes increments as they are, plateaus and noise included;
+    all else takes the paper's filter first."""
+    if name in ("auto", "integral") and "dS" not in stored.columns and not _is_series(stored):
+        series, found = smoothed(stored.raw, stored.a0, stored.S0)
+        return series, int(stored.raw.a.size - len(series)), found
+    series, dropped = stored.series()
+    return series, dropped, slopes(series, name)
+
+
+def _is_series(stored: Stored) -> bool:
+    """Whether the increments are a series as they stand: radii, displacements and loads all increase."""
+    raw = stored.raw
+    return bool(first_of_plateaus(raw.a).all() and all((np.diff(column) > 0).all() for column in (raw.delta, raw.P)))

@@ -51,7 +51,7 @@ def curve_differences(first: Mapping[str, Array], second: Mapping[str, Array]) -
     x, inside = _common(first["a_m"], second["a_m"])
     found = []
     for name in first:
-        if name == "a_m" or name not in second or name.endswith(("_err_N", "_err_m")):
+        if name == "a_m" or name not in second or name.endswith(("_err_N", "_err_m")) or first[name].dtype.kind != "f":
             continue
         scale = float(np.max(np.abs(first[name])))
         other = PchipInterpolator(second["a_m"], second[name])(np.clip(x, second["a_m"][0], second["a_m"][-1]))

@@ -11,6 +11,14 @@ from pathlib import Path
 from .errors import InputError, JkrError
 
 MARK = b"jkr"
+CSV_HEADS = (  # our tables carry no mark but their own header
+    b"a_m,delta_m,P_N,delta_H_m,P_H_N,S_N_per_m",
+    b"r_m,pressure_Pa,displacement_m,gap_m",
+    b"a_m,delta_m,P_N,device_m,phase",
+    b"nu,base,w_R2_over_Estar_h3",
+    b"size_m,elements,unknowns,a_m",
+    b"body,points,noise,method,median",
+)
 HDF5 = b"\x89HDF\r\n\x1a\n"
 
 
@@ -46,7 +54,7 @@ def is_ours(path: Path) -> bool:
         if head.startswith(HDF5):
             return _hdf5_is_ours(path)
         file.seek(max(0, path.stat().st_size - 256))
-        return MARK in head + file.read() or head.startswith((b"a_m,", b"r_m,"))
+        return MARK in head + file.read() or head.startswith(CSV_HEADS)
     return False
 
 

@@ -79,7 +79,7 @@ def read_series(path: Path, indenter: Indenter, reading: Reading) -> Solution:
 
 
 def read_measured(path: Path, shift: float = 0.0) -> tuple[Array, Array]:
-    """Displacement [m], ``shift`` [m] added, and load [N] of measured points, signs as they are; units in the header."""
+    """Displacement [m], ``shift`` [m] added, and load [N] of measured points; units in the header, signs kept."""
     table = read_table(path, least=2)
     delta, P = (_values(table, key, _guess(table, key), Reading(sign="as-is")) for key in ("delta", "P"))
     return delta + shift, P

@@ -26,7 +26,7 @@ CHECKED = 1e-6  # accuracy of the exact layer solution it is checked against
 
 @dataclass(frozen=True, eq=False)
 class Formula:
-    """``columns``: radii [m] -> delta_H [m], P_H [N], S [N/m], S' [N/m^2]; ``error``: relative; ``name``: whose it is."""
+    """``columns``: radii [m] -> delta_H [m], P_H [N], S [N/m], S' [N/m^2]; ``error``: relative."""
 
     name: str
     columns: Callable[[Array], tuple[Array, Array, Array, Array]]
@@ -35,9 +35,11 @@ class Formula:
 
 @dataclass(frozen=True)
 class ClosedForm:
-    """Homogeneous half-space under any indenter that has a closed form (sphere, paraboloid, power law, rounded flat),
-    exact to round-off; the leading order for one thin layer under a sphere or paraboloid where all radii asked for are so much
-    larger than the layer that it errs by less than 5 % (checked against the exact layer solution, never assumed).
+    """Formulae for the homogeneous half-space and for one thin layer, within their validity.
+
+    Half-space under any indenter that has a closed form (sphere, paraboloid, power law, rounded flat): exact to
+    round-off. One thin layer under a sphere or paraboloid, leading order for a/h -> infinity: where it errs by less
+    than 5 % at all radii asked for, checked against the exact layer solution, never assumed.
     """
 
     name: ClassVar[str] = "closed-form"

@@ -6,6 +6,7 @@ import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
@@ -41,7 +42,7 @@ STYLE = {
 }
 # Okabe and Ito's palette: told apart by colour-blind readers, and by line style in grey.
 BLUE, ORANGE, GREEN, BLACK = "#0072B2", "#D55E00", "#009E73", "#000000"
-BRANCHES = {STABLE: "-", GRIPPED: "--", UNSTABLE: ":"}
+BRANCHES = {STABLE: "o-", GRIPPED: "--", UNSTABLE: ":"}
 
 
 @dataclass(frozen=True)
@@ -130,20 +131,19 @@ def _lines(axes: Axes, units: Units, nonadhesive: tuple[Array, Array], adhesive:
     every = max(1, len(nonadhesive[0]) // 40)
     style = {"ms": 3, "markevery": every, "lw": 1.0}
     axes.plot(*nonadhesive, "s--", color=BLUE, mfc="none", label=f"nonadhesive ({result.stored.method})", **style)
-    label = f"adhesive, w = {_pretty(show(result.w, 'work'))}"
-    axes.plot(*adhesive, "o", color=ORANGE, mfc="none", label=label, **style)
-    if len(result.curve.series) > 1:
-        _by_stability(axes, adhesive, branch(result.curve))
+    style |= {"color": ORANGE, "mfc": "none"}
+    axes.plot([], [], "o-", label=f"adhesive, w = {_pretty(show(result.w, 'work'))}", **style)
+    _by_stability(axes, adhesive, branch(result.curve), style)
 
 
-def _by_stability(axes: Axes, line: tuple[Array, Array], words: Array) -> None:
+def _by_stability(axes: Axes, line: tuple[Array, Array], words: Array, style: Mapping[str, Any]) -> None:
     """Solid where stable under any control, dashed where only a stiff device holds the contact, dotted where none."""
     labels = {GRIPPED: "stable under displacement control only", UNSTABLE: "unstable"}
     ends = [0, *(np.flatnonzero(words[1:] != words[:-1]) + 1), len(words)]
     for first, last in itertools.pairwise(ends):
         part = slice(first, last + 1)  # to the first point of the next part: no gaps
         word = str(words[first])
-        axes.plot(line[0][part], line[1][part], BRANCHES[word], color=ORANGE, lw=1.0, label=labels.pop(word, None))
+        axes.plot(line[0][part], line[1][part], BRANCHES[word], label=labels.pop(word, None), **style)
 
 
 def _exact(axes: Axes, x: Array, y: Array, label: str | None = None) -> None:

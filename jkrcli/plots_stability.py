@@ -51,7 +51,8 @@ def map_figure(columns: Mapping[str, Array]) -> Figure:
         q, force = columns["w_R2_over_Estar_h3"], columns["minus_P_over_pi_w_R"]
         for value, words in LIMITS.items():
             axes.axhline(value, color="0.6", lw=0.8, ls="--")
-            axes.annotate(words, (0.01, value), xycoords=("axes fraction", "data"), va="bottom", size=7, color="0.4")
+            axes.annotate(words, (0.99, value), xycoords=("axes fraction", "data"), ha="right", va="bottom", size=7,
+                          color="0.4")  # fmt: skip
         for i, nu in enumerate(dict.fromkeys(columns["nu"].tolist())):
             rows = columns["nu"] == nu
             axes.semilogx(q[rows], force[rows], ".-", color=COLORS[i % len(COLORS)], ms=4, label=f"ν = {nu:g}")

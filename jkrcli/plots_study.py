@@ -29,7 +29,10 @@ class Line:
 
 @dataclass(frozen=True, eq=False)
 class Panel:
-    """One pair of axes; ``logs``: "", "x", "y" or "xy"; limits None: all of the data."""
+    """One pair of axes; limits None: all of the data.
+
+    ``logs``: logarithmic axes, "", "x", "y" or "xy"; a logarithmic x axis has its ticks at the first line's points.
+    """
 
     xlabel: str
     ylabel: str
@@ -58,11 +61,12 @@ def panels_figure(panels: Sequence[Panel], title: str = "") -> Figure:
 def _draw(axes: Axes, panel: Panel, letter: str) -> None:
     if "x" in panel.logs:
         axes.set_xscale("log")
-    else:
-        axes.axvline(0, color="0.7", lw=0.6)
+        axes.set_xticks(panel.lines[0].x, [f"{x:.3g}" for x in panel.lines[0].x])
+        axes.minorticks_off()
     if "y" in panel.logs:
         axes.set_yscale("log")
-    else:
+    if not panel.logs:
+        axes.axvline(0, color="0.7", lw=0.6)
         axes.axhline(0, color="0.7", lw=0.6)
     for line in panel.lines:
         every = max(1, len(line.x) // MARKERS)

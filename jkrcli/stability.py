@@ -7,7 +7,7 @@ with jumps in between. Energies are those of quasi-static cycles: what the devic
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -65,7 +65,11 @@ class Cycle:
     @property
     def begin(self) -> State:
         """The first state in contact: jumped into at delta = 0, or the first of the series at w = 0."""
-        return state(self.approach.curve, self.approach.stretches[0].first)
+        first = state(self.approach.curve, self.approach.stretches[0].first)
+        if self.approach.curve.w == 0:
+            return first
+        exact = {LOAD_CONTROL: "P", DISPLACEMENT_CONTROL: "delta"}.get(self.stiffness)
+        return replace(first, **{exact: 0.0}) if exact else first  # what the device holds at 0, without round-off
 
     @property
     def jumps_in(self) -> tuple[Jump, ...]:
@@ -86,7 +90,7 @@ class Cycle:
         missing = self._no_energy()
         if missing:
             return missing
-        return self.approach.work + self._first_chord() + self._turn_work() + self.retraction.work
+        return self.approach.work + self._first_chord() + self._straight(*self._held) + self.retraction.work
 
     @cached_property
     def separation(self) -> Energy:
@@ -95,9 +99,13 @@ class Cycle:
         if missing:
             return missing
         free = [a for a in radii_at(self.retraction.curve, "load", 0.0) if self.retraction.holds(a)]
-        if not free:
-            return "no state of zero load is passed on retraction"
-        return self.retraction.beyond(free[0]).work
+        if free:
+            return self.retraction.beyond(free[0]).work
+        high, low = self._held
+        if not high.P > 0 >= low.P:
+            return "no state of zero load is passed on retraction: load further"
+        unloaded = State(self.turn, low.delta - low.P * (high.delta - low.delta) / (high.P - low.P), 0.0)
+        return self._straight(unloaded, low) + self.retraction.work
 
     def _no_energy(self) -> str | None:
         if self.stiffness == LOAD_CONTROL:
@@ -107,13 +115,17 @@ class Cycle:
         return None
 
     def _first_chord(self) -> float:
-        begin = self.begin
-        return begin.P * position(begin.delta, begin.P, self.stiffness) / 2 if self.approach.curve.w == 0 else 0.0
+        return self._straight(State(0.0, 0.0, 0.0), self.begin) if self.approach.curve.w == 0 else 0.0
 
-    def _turn_work(self) -> float:
-        high, low = (state(path.curve, self.turn) for path in (self.approach, self.retraction))
-        held = (high.P + low.P) / 2 * (low.delta - high.delta)
-        return held if math.isinf(self.stiffness) else held + (low.P**2 - high.P**2) / (2 * self.stiffness)
+    @property
+    def _held(self) -> tuple[State, State]:
+        """First and last state of the turn, at one radius."""
+        return state(self.approach.curve, self.turn), state(self.retraction.curve, self.turn)
+
+    def _straight(self, first: State, last: State) -> float:
+        """Work int P dD [J] of the device along a straight line of P over delta."""
+        work = (first.P + last.P) / 2 * (last.delta - first.delta)
+        return work if math.isinf(self.stiffness) else work + (last.P**2 - first.P**2) / (2 * self.stiffness)
 
 
 @dataclass(frozen=True, eq=False)
@@ -227,9 +239,9 @@ def trace(found: Cycle, points: int) -> dict[str, Array]:
         parts.append(("turn", *_held(found, points)))
     parts += [("retraction", *part) for part in _along(outwards, points)]
     before, after = _out_of_contact(found, points)
-    parts.insert(0, ("free approach", 0 * before, before, 0 * before))
+    parts.insert(0, ("free approach", np.zeros_like(before), before, np.zeros_like(before)))
     if after.size:
-        parts.append(("free retraction", 0 * after, after, 0 * after))
+        parts.append(("free retraction", np.zeros_like(after), after, np.zeros_like(after)))
     words, a, delta, P = zip(*parts, strict=True)
     columns = {"a_m": np.concatenate(a), "delta_m": np.concatenate(delta), "P_N": np.concatenate(P)}
     if found.stiffness != LOAD_CONTROL:

@@ -36,9 +36,7 @@ def curve_columns(curve: AdhesiveCurve) -> dict[str, Array]:
     }
     if curve.errors:
         columns |= {"P_err_N": curve.errors["P"], "delta_err_m": curve.errors["delta"]}
-    if len(series) > 1:
-        columns |= {"branch": branch(curve)}
-    return columns
+    return columns | {"branch": branch(curve)}
 
 
 def csv(columns: dict[str, Array]) -> str:
@@ -119,9 +117,7 @@ def validity(result: Analysis) -> dict[str, Any]:
 
 
 def stability(result: Analysis) -> dict[str, Any]:
-    """What the curve means under load and under displacement control; nothing for a series of one point."""
-    if len(result.curve.series) < 2:
-        return {}
+    """What the curve means under load and under displacement control."""
     controls = {"load": LOAD_CONTROL, "displacement": DISPLACEMENT_CONTROL}
     return {name: control(behaviour(result.curve, stiffness)) for name, stiffness in controls.items()}
 

@@ -68,7 +68,8 @@ def read_table(path: Path, separator: str | None = None, decimal: str | None = N
     rows = [] if dialect is None else list(_data(content, dialect, least))
     if dialect is None or not rows:
         raise InputError(
-            f"{path}: holds no row of at least {least} numbers; give the separator and the decimal mark if they are unusual"
+            f"{path}: holds no row of at least {least} numbers; "
+            "give the separator and the decimal mark if they are unusual"
         )
     width = len(rows[0][1])
     first = rows[0][0]
@@ -78,9 +79,7 @@ def read_table(path: Path, separator: str | None = None, decimal: str | None = N
     return TextTable(path, _names(header, dialect, width), values, np.array([n for n, _ in rows]), dialect)
 
 
-def _dialect(
-    content: list[tuple[int, str]], separator: str | None, decimal: str | None, least: int
-) -> Dialect | None:
+def _dialect(content: list[tuple[int, str]], separator: str | None, decimal: str | None, least: int) -> Dialect | None:
     """Of all ways to read the lines the one that gives most rows of numbers."""
     found = [Dialect(s, d) for s in SEPARATORS for d in (".", ",") if (s, d) != ("comma", ",")]
     allowed = [d for d in found if separator in (None, d.separator) and decimal in (None, d.decimal)]

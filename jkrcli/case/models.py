@@ -108,6 +108,7 @@ class MeshTable(Table):
     smallest: quantity("number", above=0, below=1) = 0.05  # type: ignore[valid-type]
     growth: quantity("number", above=0, below=0.6) | None = None  # type: ignore[valid-type]
     margin: quantity("number", above=1, below=10) = 1.1  # type: ignore[valid-type]
+    edge_correction: bool = True
     estimate_error: bool = True
 
     @model_validator(mode="after")

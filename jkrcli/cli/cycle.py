@@ -119,7 +119,10 @@ def _print(file: Path, found: Cycle) -> None:
     works = [show(path.curve.w, "work") for path in (found.approach, found.retraction)]
     begin = found.begin
     click.echo(f"{file}: {control(found.stiffness)}, w = {works[0]} on approach, {works[1]} on retraction")
-    click.echo(f"  jump-in at delta = 0 to P = {show(begin.P, 'load')}, a = {show(begin.a, 'length')}")
+    start = (
+        "jump-in at delta = 0 to" if found.approach.curve.w > 0 else "contact grows from a point; first of the series:"
+    )
+    click.echo(f"  {start} P = {show(begin.P, 'load')}, a = {show(begin.a, 'length')}")
     click.echo(f"  turn at a = {show(found.turn, 'length')}")
     for jump in (*found.jumps_in, *found.jumps_out):
         click.echo(f"  {_jump(jump)}")

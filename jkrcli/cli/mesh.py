@@ -10,7 +10,8 @@ import numpy as np
 from .. import __version__, plots
 from ..case import load_case
 from ..case.numerics import method_of
-from ..fem.export import write_msh, write_vtu
+from ..fem.export import write_vtu
+from ..fem.mesh import write_msh
 from ..files import atomic, check_target
 from ..units import show
 

@@ -16,10 +16,12 @@ from ..stability import Behaviour, Energy, behaviour, control
 from ..stability_inverse import FoundWork, work_from_pull_off
 from ..states import DISPLACEMENT_CONTROL, LOAD_CONTROL, State
 from ..units import show
-from ..validity import layer_tabor
+from ..validity import check
 from .options import Load, QuantityOption, WorkOfAdhesion
 
+SIZES = {"a/R": "a_over_R", "a/R at pull-off": "a_over_R_pull_off", "a/h": "a_over_h", "a/L": "a_over_L"}
 SLOPES = ("auto", "exact", "loocv", "integral")
+Answer = tuple[dict[str, Any], list[str]]  # for machines, for people
 
 
 class Stiffness(QuantityOption):
@@ -75,7 +77,7 @@ def pull_off(
     if force is not None and force == 0:
         raise InputError("pull-off: --load must not be 0; give the measured pull-off force")
     held = [store.read(path) for path in files]
-    results: list[dict[str, Any]] = []
+    results: list[Answer] = []
     for stored in held:
         wanted = works if force is None else (0.0,)
         wanted = wanted or specification(stored).w
@@ -87,21 +89,19 @@ def pull_off(
         else:
             results += [_inverse(analyses[0], abs(force), stiffness) for stiffness in stiffnesses or (LOAD_CONTROL,)]
     if as_json:
-        plain = [{key: value for key, value in result.items() if key != "lines"} for result in results]
-        click.echo(tables.as_json({"results": plain}).rstrip())
+        click.echo(tables.as_json({"results": [data for data, _ in results]}).rstrip())
         return
-    for result in results:
-        click.echo("\n".join(result["lines"]))
+    for _, lines in results:
+        click.echo("\n".join(lines))
 
 
-def _forward(result: Analysis, stiffnesses: Sequence[float]) -> dict[str, Any]:
+def _forward(result: Analysis, stiffnesses: Sequence[float]) -> Answer:
     found = [behaviour(result.curve, stiffness) for stiffness in stiffnesses]
     lines = [f"{result.stored.path}: w = {show(result.w, 'work')}"]
     for item in found:
         lines += _text(item)
-    judged = layer_tabor(result.case.problem, result.w, result.case.z0)
-    lines += [*_validity(result, judged), *(f"  {warning}" for warning in result.stored.warnings)]
-    return {
+    lines += _validity(result)
+    data = {
         "file": str(result.stored.path),
         "w_J_per_m2": result.w,
         "controls": [
@@ -109,17 +109,17 @@ def _forward(result: Analysis, stiffnesses: Sequence[float]) -> dict[str, Any]:
             for item in found
         ],
         "validity": tables.validity(result),
-        "lines": lines,
     }
+    return data, lines
 
 
-def _inverse(result: Analysis, force: float, stiffness: float) -> dict[str, Any]:
+def _inverse(result: Analysis, force: float, stiffness: float) -> Answer:
     R, path = result.case.problem.indenter.tip_radius, result.stored.path
     try:
         found = work_from_pull_off(result.curve.series, result.curve.slopes, force, stiffness, R)
     except InputError as error:
         raise InputError([f"{path}: {line}" for line in error.lines]) from None
-    return {
+    data = {
         "file": str(path),
         "load_N": force,
         "control": control(stiffness),
@@ -127,8 +127,8 @@ def _inverse(result: Analysis, force: float, stiffness: float) -> dict[str, Any]
         "w_J_per_m2": found.w,
         "w_half_space_J_per_m2": found.half_space,
         "pull_off": tables.point(found.point),
-        "lines": _inverse_text(path, found),
     }
+    return data, _inverse_text(path, found)
 
 
 def _inverse_text(path: Path, found: FoundWork) -> list[str]:
@@ -148,8 +148,8 @@ def _inverse_text(path: Path, found: FoundWork) -> list[str]:
 def _text(found: Behaviour) -> list[str]:
     lines = [f"  {found.control}", f"    pull-off            {_point(found.pull_off)}"]
     others = [point for point in found.critical if point != found.pull_off]
-    if not found.critical and not isinstance(found.pull_off, Outside):
-        lines.append("    no critical point in the series")
+    if not found.critical:
+        lines.append("    critical points     none in the series")
     lines += [f"    other {point.kind:<14}{_point(point)}" for point in others]
     lines += [
         f"    jumps back          {_point(jump.start)}  to  {_point(jump.end)}" for jump in found.partial if jump.end
@@ -171,20 +171,20 @@ def _energy(value: Energy) -> str:
     return f"none: {value}" if isinstance(value, str) else f"{value:.4g} J"
 
 
-def _validity(result: Analysis, layer: dict[str, float | str]) -> list[str]:
-    judged = result.validity
+def _validity(result: Analysis) -> list[str]:
+    """JKR holds, is doubtful or does not: by every number that the body has, then the other warnings."""
+    judged = tables.validity(result)
     lines = []
-    if isinstance(judged.tabor, float):
-        lines.append(f"  Tabor number {judged.tabor:.3g}: {judged.regime}")
-    for name, words in (("tabor_thin_layer", "regime_thin_layer"),):
-        if isinstance(layer.get(name), float):
-            lines.append(f"  thin-layer counterpart {layer[name]:.3g}: {layer[words]}")
-    if isinstance(layer.get("tabor_of_coating"), float):
-        lines.append(
-            f"  Tabor number {layer['tabor_of_coating']:.3g} with the coating's E*, "
-            f"{layer['tabor_of_substrate']:.3g} with the substrate's: {layer['regime_coated']}"
-        )
-    return lines
+    if isinstance(judged["tabor"], float):
+        lines.append(f"  Tabor number {judged['tabor']:.3g}: {judged['regime']}")
+    if isinstance(judged.get("tabor_thin_layer"), float):
+        lines.append(f"  its thin-layer counterpart {judged['tabor_thin_layer']:.3g}: {judged['regime_thin_layer']}")
+    if isinstance(judged.get("tabor_of_coating"), float):
+        numbers = f"{judged['tabor_of_coating']:.3g} with the coating's E*, {judged['tabor_of_substrate']:.3g}"
+        lines.append(f"  Tabor number {numbers} with the substrate's: {judged['regime_coated']}")
+    sizes = ((name, judged[key]) for name, key in SIZES.items())
+    lines.append("  " + ", ".join(f"{name} = {value:.3g}" for name, value in sizes if isinstance(value, float)))
+    return [line for line in [*lines, *(f"  {warning}" for warning in check(result.validity))] if line.strip()]
 
 
 def _finite(stiffness: float) -> float | None:

@@ -1,78 +1,47 @@
-"""``jkr study``: maps and studies over many bodies, each a subcommand."""
+"""``jkr study``: maps and studies over many bodies, each a subcommand in a module of its own."""
 
 from __future__ import annotations
 
-from pathlib import Path
+import importlib
 
 import click
-import numpy as np
 
-from .. import tables
-from ..errors import InputError
-from ..files import check_target, write_text
-from ..study.pull_off_map import map_columns, pull_off_map
-
-STEM = "pull-off-map"
-SHOWN = ("nu", "w_R2_over_Estar_h3", "minus_P_over_pi_w_R", "a_over_h")
+STUDIES = {
+    "pull-off-map": "The pull-off force on a layer, in pi w R, over w R^2/(E* h^3).",
+    "converge": "The same case on a sequence of meshes.",
+    "noise": "Error of the pull-off force and coverage of its band over noise in the data.",
+    "figures": "The figures of the paper, computed and drawn.",
+}
 
 
-@click.group()
+class Studies(click.Group):
+    """A group whose commands live in the modules ``study_<name>`` and are imported on call only."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        return list(STUDIES)
+
+    def get_command(self, ctx: click.Context, name: str) -> click.Command | None:
+        if name not in STUDIES:
+            return None
+        attribute = f"study_{name.replace('-', '_')}"
+        return getattr(importlib.import_module(f".{attribute}", __package__), attribute)
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        if args and args[0] not in STUDIES and not args[0].startswith("-"):
+            raise click.UsageError(f'unknown study "{args[0]}" (studies: {", ".join(STUDIES)})', ctx)
+        return super().resolve_command(ctx, args)
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        with formatter.section("Studies"):
+            formatter.write_dl(list(STUDIES.items()))
+
+
+@click.group(cls=Studies)
 def study() -> None:
     """Maps and studies over many bodies.
 
     \b
     jkr study pull-off-map --nu 0.3 --nu 0.499
     """
-
-
-@study.command("pull-off-map")
-@click.option("--nu", "nus", type=float, multiple=True, default=(0.3, 0.499), show_default=True, help="Repeatable.")
-@click.option("--base", type=click.Choice(["bonded", "frictionless"]), default="bonded", show_default=True)
-@click.option("--q", "qs", type=float, multiple=True, help="Values of w R^2/(E* h^3) [default: 1e-3 to 1e4].")
-@click.option(
-    "-o", "--output", type=click.Path(path_type=Path, file_okay=False), default=".", help="Folder [default: .]."
-)
-@click.option("--no-plots", is_flag=True, help="Write the CSV only.")
-@click.option("--force", is_flag=True, help="Replace existing files that jkr did not write.")
-@click.option("--json", "as_json", is_flag=True, help="Print the table as JSON.")
-def pull_off_map_command(
-    nus: tuple[float, ...],
-    base: str,
-    qs: tuple[float, ...],
-    output: Path,
-    no_plots: bool,
-    force: bool,
-    as_json: bool,
-) -> None:
-    """Map the pull-off force of a paraboloid on a layer on a rigid base, in pi w R, over w R^2/(E* h^3).
-
-    Exact slopes throughout. Writes pull-off-map.csv, .png and .svg.
-
-    \b
-    jkr study pull-off-map --nu 0.3 --nu 0.5 -o map
-    jkr study pull-off-map --nu 0.45 --q 0.02 --base frictionless
-    """
-    for nu in nus:
-        if not -1 < nu <= 0.5:
-            raise InputError(f"--nu: must be > -1 and <= 0.5, got {nu:g}")
-    output.mkdir(parents=True, exist_ok=True)
-    targets = {end: output / f"{STEM}{end}" for end in ((".csv",) if no_plots else (".csv", ".png", ".svg"))}
-    for target in targets.values():
-        check_target(target, force)
-    wanted = qs or tuple(10.0 ** (np.arange(-12, 17) / 4))
-    columns = map_columns(pull_off_map(nus, base == "bonded", wanted))
-    write_text(targets[".csv"], tables.csv(columns))
-    if not no_plots:
-        from .. import plots, plots_stability
-
-        figure = plots_stability.map_figure(columns)
-        for end in (".png", ".svg"):
-            plots.save(figure, targets[end])
-    if as_json:
-        click.echo(tables.as_json({name: values.tolist() for name, values in columns.items()}).rstrip())
-        return
-    click.echo(f"{base} layer on a rigid base, paraboloid: pull-off force in pi w R")
-    click.echo(f"  {'nu':>6} {'w R^2/(E* h^3)':>15} {'force':>8} {'a/h':>9}")
-    for nu, q, pulled, a in zip(*(columns[name] for name in SHOWN), strict=True):
-        click.echo(f"  {nu:>6g} {q:>15.4g} {pulled:>8.4f} {a:>9.4g}")
-    click.echo(f"  written {output / STEM}{{{','.join(targets)}}}")

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import click
+import numpy as np
 
 from .. import plots, tables
 from ..adhesion import Outside
 from ..case import load_case
 from ..case.numerics import method_of
 from ..errors import InputError
-from ..files import check_target, write_text
 from ..fem.method import FEM
+from ..files import check_target, write_text
 from ..study.converge import QUANTITIES, Convergence, converge
 from ..study.figures import convergence_figure
 from ..units import show
@@ -52,9 +54,11 @@ def study_converge(
     targets = {ending: output / f"{case.stem}-convergence{ending}" for ending in ENDINGS}
     for target in targets.values():
         check_target(target, force)
-    options = loaded.model.mesh.model_dump(exclude_none=True)
-    algorithm = contact if contact is not None else loaded.model.contact.algorithm
-    found = converge(loaded.model.problem(), FEM(contact=algorithm, **options), w, levels)  # type: ignore[arg-type]
+    method = method_of(loaded.model, "fem")
+    assert isinstance(method, FEM)
+    if contact is not None:
+        method = replace(method, contact=contact)  # type: ignore[arg-type]
+    found = converge(loaded.model.problem(), method, w, levels)
     data = as_dict(found)
     write_text(targets[".csv"], tables.csv(_columns(found)))
     write_text(targets[".json"], tables.as_json(data))
@@ -66,3 +70,88 @@ def study_converge(
     else:
         _print(found)
         click.echo(f"  written   {targets['.csv'].with_suffix('')}{{{','.join(ENDINGS)}}}")
+
+
+def as_dict(found: Convergence) -> dict[str, Any]:
+    """The study as JSON: the meshes from coarse to fine, the exact values where there are some, the limits."""
+    return {
+        "format": "jkr-convergence",
+        "version": 1,
+        "problem": describe(found.problem),
+        "w_J_per_m2": found.w,
+        "depth_m": found.depth,
+        "levels": [
+            {
+                "size_m": level.size,
+                "elements": level.elements,
+                "unknowns": level.unknowns,
+                "a_m": level.state.a,
+                "P_N": level.state.P,
+                "pull_off": tables.point(level.state.point),
+                "points": {"kept": level.kept, "dropped": level.dropped},
+                "cpu_s": level.seconds,
+            }
+            for level in found.levels
+        ],
+        "exact": {WORDS[name]: found.exact.value(name) for name in QUANTITIES} if found.exact is not None else None,
+        "extrapolated": {
+            WORDS[name]: {"reason": limit} if isinstance(limit, str) else {"order": limit[0], "value": limit[1]}
+            for name, limit in found.extrapolated.items()
+        },
+        "order": {WORDS[name]: found.order(name) for name in QUANTITIES},
+        "errors": {WORDS[name]: found.errors(name) for name in QUANTITIES},
+    }
+
+
+def _columns(found: Convergence) -> dict[str, np.ndarray]:
+    """A row per mesh; the pull-off cell is empty where it lies outside the series."""
+    levels = found.levels
+    pull_off = ["" if force is None else force for force in found.values("pull_off")]
+    columns = {
+        "size_m": [level.size for level in levels],
+        "elements": [level.elements for level in levels],
+        "unknowns": [level.unknowns for level in levels],
+        "a_m": found.values("a"),
+        "P_N": found.values("P"),
+        "pull_off_P_N": pull_off,
+        "points_kept": [level.kept for level in levels],
+        "points_dropped": [level.dropped for level in levels],
+        "cpu_s": [level.seconds for level in levels],
+    }
+    return {name: np.array(values, dtype=object) for name, values in columns.items()}
+
+
+def _print(found: Convergence) -> None:
+    click.echo(describe(found.problem))
+    against = "the exact solution" if found.exact is not None else "the extrapolated value or the finest mesh"
+    click.echo(
+        f"  at        delta = {show(found.depth, 'length')}, w = {show(found.w, 'work')}; errors against {against}"
+    )
+    click.echo(f"  {'size':>10}{'elements':>10}{'a':>12}{'error':>9}{'P':>12}{'error':>9}{'pull-off':>12}{'error':>9}"
+               f"{'kept':>6}{'dropped':>8}{'CPU s':>7}")  # fmt: skip
+    errors = {name: found.errors(name) for name in QUANTITIES}
+    for i, level in enumerate(found.levels):
+        cells = "".join(
+            _cell(level.state.value(name), errors[name][i], "length" if name == "a" else "load") for name in QUANTITIES
+        )
+        click.echo(f"  {show(level.size, 'length', 3):>10}{level.elements:>10}{cells}{level.kept:>6}{level.dropped:>8}"
+                   f"{level.seconds:>7.2f}")  # fmt: skip
+    for name in QUANTITIES:
+        order, limit = found.order(name), found.extrapolated[name]
+        dimension = "length" if name == "a" else "load"
+        words = f"observed order {order:.2f}" if isinstance(order, float) else f"no order: {order}"
+        ends = (
+            f"not extrapolated: {limit}" if isinstance(limit, str) else f"extrapolated {show(limit[1], dimension, 6)}"
+        )
+        click.echo(f"  {WORDS[name]:<15} {words}; {ends}")
+    for level in found.levels:
+        if isinstance(level.state.point, Outside):
+            click.echo(
+                f"jkr: warning: elements of {show(level.size, 'length', 3)}: {level.state.point.reason}", err=True
+            )
+
+
+def _cell(value: float | None, error: float | None, dimension: str) -> str:
+    if value is None:
+        return f"{'none':>12}{'':>9}"
+    return f"{show(value, dimension):>12}" + (f"{'':>9}" if error is None else f"{error:>+9.1e}")

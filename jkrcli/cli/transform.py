@@ -21,7 +21,7 @@ ENDINGS = (".csv", ".json", ".png", ".svg")
 @click.command()
 @click.argument("files", nargs=-1, required=True, type=click.Path(path_type=Path))
 @click.option("--w", "works", multiple=True, type=WorkOfAdhesion(), help='J/m^2 or "35 mJ/m^2" [default: the case\'s].')
-@click.option("--slopes", type=click.Choice(["auto", "exact", "loocv"]), default="auto", show_default=True)
+@click.option("--slopes", type=click.Choice(["auto", "exact", "integral", "loocv"]), default="auto", show_default=True)
 @click.option("-o", "--output", type=click.Path(path_type=Path, file_okay=False), help="Folder [default: the file's].")
 @click.option("--dimensionless", type=click.Choice(["half-space", "thin-layer"]), help="Axes of Eq. 15 or Eq. 19.")
 @click.option("--no-plots", is_flag=True, help="Write CSV and JSON only.")
@@ -110,7 +110,9 @@ def _write(result: Analysis, target: Path, dimensionless: str | None, with_plots
 def _print(job: _Job, results: list[Analysis], endings: tuple[str, ...]) -> None:
     slopes = results[0].curve.slopes
     kept = len(results[0].curve.series)
-    click.echo(f"{job.stored.path}: {kept} points kept, {results[0].dropped} dropped; slopes {slopes.method}")
+    click.echo(
+        f"{job.stored.path}: {kept} points kept, {results[0].dropped} dropped; slopes {slopes.method} ({slopes.reason})"
+    )
     for result, target in zip(results, job.targets, strict=True):
         click.echo(f"  w = {show(result.w, 'work')}")
         for name, point in result.pull_off.items():

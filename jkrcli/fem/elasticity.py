@@ -7,7 +7,7 @@ nearly or exactly incompressible carry a pressure p = -lambda div u of their own
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -135,6 +135,15 @@ class ElasticSystem:
         held = self.held
         forces[held] = (self.K @ solution)[held]
         return forces
+
+    def side_load(self, traction: Callable[[Array, Array], Array]) -> Array:
+        """Consistent nodal loads [N], shape (nodes,), of one component of a ``traction(r, z)`` [Pa] on the side."""
+
+        @LinearForm
+        def form(v: Any, w: Any) -> Array:
+            return traction(w.x[0], w.x[1]) * v * 2 * np.pi * w.x[0]
+
+        return form.assemble(FacetBasis(self.basis.mesh, self.basis.elem, facets="side", intorder=4))
 
     def vertical_reaction(self, solution: Array) -> float:
         """Upward force of the supports on the body [N]."""

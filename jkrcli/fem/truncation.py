@@ -9,10 +9,7 @@ to leading order in contact radius over the body's size; at equal depth the load
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
-from skfem import FacetBasis, LinearForm
 
 from ..materials import Elastic
 from .elasticity import ElasticSystem
@@ -57,13 +54,5 @@ def boussinesq_side_traction(r: Array, z: Array, material: Elastic) -> tuple[Arr
 def _side_work(system: ElasticSystem, material: Elastic, solution: Array) -> float:
     """Work of the point force's traction on the side in the displacement of ``solution``."""
     N = len(system.nodes)
-    side = FacetBasis(system.basis.mesh, system.basis.elem, facets="side", intorder=4)
-
-    def work(component: int) -> Array:
-        @LinearForm
-        def form(v: Any, w: Any) -> Array:
-            return boussinesq_side_traction(w.x[0], w.x[1], material)[component] * v * 2 * np.pi * w.x[0]
-
-        return form.assemble(side)
-
-    return float(work(0) @ solution[:N] + work(1) @ solution[N : 2 * N])
+    loads = (system.side_load(lambda r, z, i=i: boussinesq_side_traction(r, z, material)[i]) for i in (0, 1))
+    return float(sum(load @ solution[i * N : (i + 1) * N] for i, load in enumerate(loads)))

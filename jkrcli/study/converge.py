@@ -1,7 +1,8 @@
-"""Mesh convergence of a case (Appendix C): the same loading on a sequence of meshes, each with half the element size."""
+"""Mesh convergence of a case (Appendix C): the same loading on a sequence of meshes with halved element sizes."""
 
 from __future__ import annotations
 
+import itertools
 import math
 import time
 from collections.abc import Sequence
@@ -71,13 +72,27 @@ class Convergence:
 
     @cached_property
     def extrapolated(self) -> dict[str, tuple[float, float] | str]:
-        """Observed order and Richardson's limit of each quantity, from the three finest meshes; else the reason."""
+        """Order and limit of Richardson's extrapolation, from the three finest meshes; else the reason."""
         return {quantity: richardson(self.values(quantity)) for quantity in QUANTITIES}
+
+    def order(self, quantity: str) -> float | str:
+        """Observed order: the slope of the errors over the sizes in logarithms, where an exact value is known; else
+        the one of Richardson's extrapolation; else the reason why there is none."""
+        limit = self.extrapolated[quantity]
+        if self.exact is None:
+            return limit if isinstance(limit, str) else limit[0]
+        pairs = [(level.size, abs(error)) for level, error in zip(self.levels, self.errors(quantity), strict=True)
+                 if error is not None and abs(error) > ROUND_OFF]  # fmt: skip
+        if len(pairs) < 3:
+            return "needs three meshes with a value"
+        return float(np.polyfit(*np.log(np.array(pairs)).T, 1)[0])
 
     def errors(self, quantity: str) -> list[float | None]:
         """Relative differences of each mesh to the exact value, or else to the extrapolated one, or to the finest."""
         reference = self.reference(quantity)
-        return [None if value is None or reference is None else value / reference - 1 for value in self.values(quantity)]
+        return [
+            None if value is None or reference is None else value / reference - 1 for value in self.values(quantity)
+        ]
 
     def reference(self, quantity: str) -> float | None:
         if self.exact is not None:
@@ -96,7 +111,7 @@ def converge(problem: Problem, method: FEM, w: float, count: int, slopes_name: s
     depth = min(float(_increments(solution)[1][-1]) for solution, _ in runs)
     levels = []
     for (solution, seconds), factor in zip(runs, factors, strict=True):
-        size = factor * _size(method, problem, float(runs[-1][0].series.a[-1]))
+        size = edge_size(coarser(method, problem, factor), problem, float(runs[-1][0].series.a[-1]))
         state = _state(*_increments(solution), _adhesive(solution.series, w, slopes_name), depth)
         facts = solution.facts
         levels.append(Level(size, state, facts["elements"], facts["unknowns"], len(solution.series), facts["dropped"],
@@ -119,8 +134,8 @@ def coarser(method: FEM, problem: Problem, factor: float) -> FEM:
             )
         return replace(method, spacing=spacing, growth=growth)
     zones = tuple(factor * size for size in method.zone_sizes)
-    size = factor * _size(method, problem, 0.0)
-    return replace(method, element_size=size, zone_sizes=zones, growth=growth)  # type: ignore[arg-type]
+    size = method.element_size if method.element_size is not None else edge_size(method, problem, 0.0)
+    return replace(method, element_size=factor * size, zone_sizes=zones, growth=growth)  # type: ignore[arg-type]
 
 
 def richardson(values: Sequence[float | None]) -> tuple[float, float] | str:
@@ -128,7 +143,7 @@ def richardson(values: Sequence[float | None]) -> tuple[float, float] | str:
     last = values[-3:]
     if len(last) < 3 or any(value is None for value in last):
         return "needs three meshes with a value"
-    first, second = (b - a for a, b in zip(last[:-1], last[1:], strict=True))  # type: ignore[operator]
+    first, second = (b - a for a, b in itertools.pairwise(last))  # type: ignore[operator]
     if abs(second) <= ROUND_OFF * abs(last[-1]) or first / second <= 1:  # type: ignore[arg-type]
         return "the differences do not shrink from mesh to mesh"
     order = math.log(first / second) / math.log(RATIO)
@@ -141,14 +156,12 @@ def _timed(method: FEM, problem: Problem) -> tuple[Solution, float]:
     return solution, time.process_time() - start
 
 
-def _size(method: FEM, problem: Problem, a: float) -> float:
-    """Size of the elements at the edge of a contact of radius ``a`` [m]."""
-    if method.layout == "scaled":
-        return method.spacing * (a - problem.indenter.a0)
-    if method.element_size is not None:
-        return method.element_size
+def edge_size(method: FEM, problem: Problem, a: float) -> float:
+    """Distance between the surface vertices on either side of the radius ``a`` [m] in the method's mesh."""
     points = method.mesh(problem).points
-    return float(np.diff(np.sort(points[points[:, 1] == 0, 0]))[0])
+    radii = np.sort(points[points[:, 1] == 0, 0])
+    k = int(np.clip(np.searchsorted(radii, a), 1, radii.size - 1))
+    return float(radii[k] - radii[k - 1])
 
 
 def _increments(solution: Solution) -> tuple[Array, Array, Array]:

@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from .. import closed_form
 from ..adhesion import AdhesiveCurve, scales_half_space, scales_thin_layer, transform
@@ -17,14 +16,14 @@ from ..errors import InputError
 from ..fem.method import FEM
 from ..integral.layered import Layered
 from ..plots import BLACK, BLUE, GREEN, ORANGE
-from ..plots_study import Line, Panel, panels_figure
+from ..plots_study import Figure, Line, Panel, panels_figure
 from ..problem import Loading, Problem
 from ..series import Array, Series
 from ..slopes import Slopes, slopes
 from ..units import scale, show
 from .converge import Convergence, converge
 
-LEVELS = 4  # meshes of Fig. 10
+LEVELS = 5  # meshes of Fig. 10
 COLORS = (ORANGE, BLUE, GREEN, "#CC79A7", "#56B4E9", "#E69F00", "#F0E442")
 Measured = tuple[Array, Array]  # displacement [m], load [N]
 
@@ -86,7 +85,10 @@ def thin_layer_figure(case: Path) -> Figure:
     K = closed_form.foundation_modulus(top.material.E, top.material.nu, top.thickness)
     P_unit, delta_unit, a_unit = scales_thin_layer(R, K, w)
     a_bar = np.linspace(0, solved.series.a[-1] / a_unit, 400)
-    leading = (a_bar**2 * delta_unit, a_bar**4 * P_unit), ((a_bar**2 - 1) * delta_unit, (a_bar**4 - 2 * a_bar**2) * P_unit)
+    leading = (
+        (a_bar**2 * delta_unit, a_bar**4 * P_unit),
+        ((a_bar**2 - 1) * delta_unit, (a_bar**4 - 2 * a_bar**2) * P_unit),
+    )
     exact = solved.exact(w)
     references = [
         ("leading order (Eqs. 20, 21)", "--", a_bar * a_unit, *leading),
@@ -97,22 +99,25 @@ def thin_layer_figure(case: Path) -> Figure:
 
 
 def gel_figure(case: Path, measured: Measured | None = None) -> Figure:
-    """Fig. 8: load over displacement for every w of the case, and the ``measured`` points where there are some."""
+    """Fig. 8: load over displacement for every w of the case, whole and near pull-off, and the ``measured`` points."""
     solved = Solved.of(case)
     curves = [solved.numerical(w) for w in solved.works]
     delta_unit, delta_name = scale(float(np.max(np.abs(curves[0].delta))), "length")
     P_unit, P_name = scale(float(np.max(np.abs(curves[0].P))), "load")
     lines = [Line(solved.series.delta / delta_unit, solved.series.P / P_unit, "nonadhesive", "--", BLACK)]
-    lowest = 0.0
+    lowest = [0.0, 0.0]
     for curve, color in zip(curves, COLORS, strict=False):
         exact = solved.exact(curve.w)
-        lines.append(Line(curve.delta / delta_unit, curve.P / P_unit, f"w = {show(curve.w, 'work')}", "o", color))
-        lines.append(Line(exact.delta / delta_unit, exact.P / P_unit, "exact layer", "-", color))
-        lowest = min(lowest, float(exact.P.min()) / P_unit)
+        delta, P = exact.delta / delta_unit, exact.P / P_unit
+        words = f"w = {_pretty(show(curve.w, 'work'))}"
+        lines.append(Line(curve.delta / delta_unit, curve.P / P_unit, words, "o", color))
+        lines.append(Line(delta, P, "exact layer", "-", color))
+        lowest = [min(lowest[0], float(delta.min())), min(lowest[1], float(P.min()))]
     if measured is not None:
         lines.append(Line(measured[0] / delta_unit, measured[1] / P_unit, "measured", "x", BLACK))
-    panel = Panel(f"displacement δ ({_pretty(delta_name)})", f"load P ({_pretty(P_name)})", lines)
-    return panels_figure([panel])
+    whole = Panel(f"displacement δ ({_pretty(delta_name)})", f"load P ({_pretty(P_name)})", lines)
+    near = replace(whole, xlim=(1.1 * lowest[0], -2 * lowest[0]), ylim=(1.3 * lowest[1], -1.3 * lowest[1]))
+    return panels_figure([whole, near])
 
 
 def mesh_figure(cases: Sequence[Path]) -> Figure:
@@ -161,7 +166,9 @@ def curves_panel(study: Convergence) -> Panel:
     delta_unit, delta_name = scale(float(np.max(np.abs(finest.delta))), "length")
     P_unit, P_name = scale(float(np.max(np.abs(finest.P))), "load")
     lines = [
-        Line(curve.delta / delta_unit, curve.P / P_unit, f"elements {_pretty(show(level.size, 'length', 2))}", "o", color)
+        Line(
+            curve.delta / delta_unit, curve.P / P_unit, f"elements {_pretty(show(level.size, 'length', 2))}", "o", color
+        )
         for (level, curve), color in zip(held, COLORS * len(held), strict=False)
     ]
     if study.exact is not None and study.exact.curve is not None:

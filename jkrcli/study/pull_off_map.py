@@ -1,7 +1,7 @@
 """The pull-off map: how far a layer's pull-off force lies from the half-space's, over how strongly it adheres.
 
-For a paraboloid on one layer on a rigid base, -P_min/(pi w R) under load control depends on Poisson's ratio, the base and
-q = w R^2/(E* h^3) alone: 3/2 for thick layers (small q), 2 for thin compressible and 3 for thin incompressible ones.
+For a paraboloid on one layer on a rigid base, -P_min/(pi w R) under load control depends on Poisson's ratio, the base
+and q = w R^2/(E* h^3) alone: 3/2 for thick layers (small q), 2 for thin compressible, 3 for thin incompressible ones.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .. import __version__
 from ..adhesion import AdhesiveCurve, Outside, transform
 from ..errors import InputError, SolveError
 from ..indenters import Paraboloid
@@ -59,6 +60,7 @@ def map_columns(points: Sequence[MapPoint]) -> dict[str, Array]:
         "minus_P_over_pi_w_R": np.array([point.force for point in points]),
         "a_over_h": np.array([point.a_over_h for point in points]),
         "delta_R_over_h2": np.array([point.delta_R_over_h2 for point in points]),
+        "solved_by": np.full(len(points), f"jkr {__version__} layered"),
     }
 
 

@@ -114,8 +114,10 @@ def analyse(stored: Stored, works: Sequence[float], slopes_name: str = "auto") -
 
 
 def _fitted(stored: Stored, name: str) -> tuple[Series, int, Slopes]:
-    """Series, dropped increments and slopes. The integral fit takes increments as they are, plateaus and noise included;
-    all else takes the paper's filter first."""
+    """Series, dropped increments and slopes.
+
+    The integral fit takes increments as they are, plateaus and noise included; all else takes the paper's filter first.
+    """
     if name in ("auto", "integral") and "dS" not in stored.columns and not _is_series(stored):
         series, found = smoothed(stored.raw, stored.a0, stored.S0)
         return series, int(stored.raw.a.size - len(series)), found

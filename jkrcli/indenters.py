@@ -14,7 +14,6 @@ from dataclasses import dataclass, field
 from typing import Protocol
 
 import numpy as np
-from scipy.special import gamma
 
 from .errors import InputError
 from .materials import Elastic
@@ -26,7 +25,8 @@ KINK = 1e-10  # fraction of an interval over which a kink that the points force 
 class Indenter(Protocol):
     """What every indenter offers; ``material = None`` is rigid."""
 
-    material: Elastic | None
+    @property
+    def material(self) -> Elastic | None: ...
 
     @property
     def a0(self) -> float:
@@ -135,7 +135,7 @@ class PowerLaw:
     @property
     def c_d(self) -> float:
         """Abel factor of r^d: sqrt(pi) Gamma(d/2 + 1)/Gamma((d + 1)/2)."""
-        return float(abel_factor(self.d))
+        return abel_factor(self.d)
 
     def f(self, r: Array) -> Array:
         return self.B * np.asarray(r, dtype=float) ** self.d
@@ -248,9 +248,9 @@ class TableProfile:
         return x * np.sum(alpha * np.diff(angle, axis=-1) - beta * np.diff(root, axis=-1), axis=-1)
 
 
-def abel_factor(n: float | Array) -> float | Array:
+def abel_factor(n: float) -> float:
     """c_n with Abel image of r^n = c_n x^n, n > 0: sqrt(pi) Gamma(n/2 + 1)/Gamma((n + 1)/2)."""
-    return math.sqrt(math.pi) * gamma(np.asarray(n) / 2 + 1) / gamma((np.asarray(n) + 1) / 2)
+    return math.sqrt(math.pi) * math.exp(math.lgamma(n / 2 + 1) - math.lgamma((n + 1) / 2))
 
 
 def _check_table(r: Array, f: Array) -> None:

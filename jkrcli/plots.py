@@ -27,7 +27,7 @@ from .series import Array
 from .stability import GRIPPED, STABLE, UNSTABLE, branch
 from .units import scale, show
 
-STYLE = {
+STYLE: dict[Any, Any] = {
     "font.size": 9,
     "axes.grid": True,
     "grid.color": "0.9",
@@ -129,7 +129,7 @@ def _lines(axes: Axes, units: Units, nonadhesive: tuple[Array, Array], adhesive:
     axes.axhline(0, color="0.7", lw=0.6)
     axes.axvline(0, color="0.7", lw=0.6)
     every = max(1, len(nonadhesive[0]) // 40)
-    style = {"ms": 3, "markevery": every, "lw": 1.0}
+    style: dict[str, Any] = {"ms": 3, "markevery": every, "lw": 1.0}
     axes.plot(*nonadhesive, "s--", color=BLUE, mfc="none", label=f"nonadhesive ({result.stored.method})", **style)
     style |= {"color": ORANGE, "mfc": "none"}
     axes.plot([], [], "o-", label=f"adhesive, w = {_pretty(show(result.w, 'work'))}", **style)

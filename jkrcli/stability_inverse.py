@@ -64,7 +64,7 @@ def work_from_pull_off(
     w = math.exp(brentq(excess, low, high, xtol=1e-14, rtol=1e-14)) if low < high else works[0]
     found = point(w)
     if isinstance(found, Outside) or abs(-found.P / load - 1) > MET:
-        raise SolveError(
+        raise InputError(
             f"load: no work of adhesion gives a pull-off force of {show(load, 'load')}: where the last stable branch "
             f"changes, at w = {show(w, 'work')}, the force jumps past it"
         )

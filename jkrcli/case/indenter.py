@@ -62,8 +62,8 @@ class PowerTable(IndenterTable):
     """f = coefficient r^exponent in SI (coefficient in m^(1 - exponent))."""
 
     shape: Literal["power"]
-    coefficient: quantity("number", above=0)  # type: ignore[valid-type]
-    exponent: quantity("number", least=1)  # type: ignore[valid-type]
+    coefficient: quantity("number", above=0)
+    exponent: quantity("number", least=1)
 
     def build(self) -> Indenter:
         return PowerLaw(self.coefficient, self.exponent, self.material)
@@ -73,7 +73,7 @@ class ConeTable(IndenterTable):
     """``half_angle``: between the axis and the surface."""
 
     shape: Literal["cone"]
-    half_angle: quantity("angle", above=0, below=math.pi / 2)  # type: ignore[valid-type]
+    half_angle: quantity("angle", above=0, below=math.pi / 2)
 
     def build(self) -> Indenter:
         return PowerLaw(1 / math.tan(self.half_angle), 1.0, self.material)

@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal, Self, get_args
 from pydantic import BeforeValidator, Field, model_validator
 
 from ..materials import Elastic
-from ..problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
+from ..problem import HalfSpace, Layer, Loading, Problem, Quantity, Rigid, Specimen
 from .fields import Force, Length, MaterialTable, Table, Work, as_tuple, one_or_more, quantity, wrong
 from .indenter import AnyIndenter
 
@@ -54,9 +54,9 @@ class SpecimenTable(Table):
 class LoadingTable(Table):
     """One of depth, load, radius: its largest value (``points`` of them, by ``spacing``), or a list of values."""
 
-    depth: one_or_more(Length) | None = None  # type: ignore[valid-type]
-    load: one_or_more(Force) | None = None  # type: ignore[valid-type]
-    radius: one_or_more(Length) | None = None  # type: ignore[valid-type]
+    depth: one_or_more(Length) | None = None
+    load: one_or_more(Force) | None = None
+    radius: one_or_more(Length) | None = None
     points: Annotated[int, Field(ge=1, le=100_000)] = 100
     spacing: Literal["radius", "depth"] = "radius"
 
@@ -73,7 +73,8 @@ class LoadingTable(Table):
         return self
 
     def build(self) -> Loading:
-        quantity, values = next((n, v) for n in ("depth", "load", "radius") if (v := getattr(self, n)) is not None)
+        goals: tuple[Quantity, ...] = ("depth", "load", "radius")
+        quantity, values = next((name, v) for name in goals if (v := getattr(self, name)) is not None)
         if len(values) > 1:
             return Loading.given(quantity, values)
         return Loading(quantity, values[0], self.points, self.spacing)
@@ -82,12 +83,12 @@ class LoadingTable(Table):
 class AdhesionTable(Table):
     """Work(s) of adhesion and the interatomic distance z0 of the Tabor number; used by transformations only."""
 
-    w: one_or_more(Work) = ()  # type: ignore[valid-type]
+    w: one_or_more(Work) = ()
     z0: Length = 0.3e-9
 
 
 ThreeNumbers = Annotated[
-    tuple[quantity("number", above=0), quantity("number", above=0), quantity("number", above=0)],  # type: ignore[misc]
+    tuple[quantity("number", above=0), quantity("number", above=0), quantity("number", above=0)],
     BeforeValidator(as_tuple),
 ]
 
@@ -104,10 +105,10 @@ class MeshTable(Table):
     depth: Length | None = None
     width: Length | None = None
     contact_radius: Length | None = None
-    spacing: quantity("number", above=0, below=0.5) = 0.04  # type: ignore[valid-type]
-    smallest: quantity("number", above=0, below=1) = 0.05  # type: ignore[valid-type]
-    growth: quantity("number", above=0, below=0.6) | None = None  # type: ignore[valid-type]
-    margin: quantity("number", above=1, below=10) = 1.1  # type: ignore[valid-type]
+    spacing: quantity("number", above=0, below=0.5) = 0.04
+    smallest: quantity("number", above=0, below=1) = 0.05
+    growth: quantity("number", above=0, below=0.6) | None = None
+    margin: quantity("number", above=1, below=10) = 1.1
     edge_correction: bool = True
     estimate_error: bool = True
 
@@ -123,7 +124,7 @@ class ContactTable(Table):
 
 
 class LayeredTable(Table):
-    tolerance: quantity("number", least=1e-12, most=1e-2) = 1e-8  # type: ignore[valid-type]
+    tolerance: quantity("number", least=1e-12, most=1e-2) = 1e-8
 
 
 class CaseModel(Table):

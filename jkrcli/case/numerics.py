@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from ..methods import Method, method_class
 from .models import CaseModel
+
+if TYPE_CHECKING:
+    from ..fem.method import FEM
 
 
 def method_of(model: CaseModel, name: str) -> Method:
@@ -12,5 +17,12 @@ def method_of(model: CaseModel, name: str) -> Method:
         case "layered":
             return method_class(name)(tolerance=model.layered.tolerance)
         case "fem":
-            return method_class(name)(contact=model.contact.algorithm, **model.mesh.model_dump(exclude_none=True))
+            return fem_of(model)
     return method_class(name)()
+
+
+def fem_of(model: CaseModel) -> FEM:
+    """The finite-element method as the tables mesh and contact say."""
+    from ..fem.method import FEM
+
+    return FEM(contact=model.contact.algorithm, **model.mesh.model_dump(exclude_none=True))

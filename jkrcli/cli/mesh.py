@@ -9,7 +9,7 @@ import numpy as np
 
 from .. import __version__, plots
 from ..case import load_case
-from ..case.numerics import method_of
+from ..case.numerics import fem_of
 from ..fem.export import write_vtu
 from ..fem.mesh import write_msh
 from ..files import atomic, check_target
@@ -35,8 +35,8 @@ def mesh(case: Path, output: Path, force: bool) -> None:
     targets = {ending: output / f"{case.stem}-mesh{ending}" for ending in (".msh", ".vtu", ".png")}
     for target in targets.values():
         check_target(target, force)
-    method = method_of(model, "fem")
-    grid, reach = method.mesh(problem), method._reach(problem)
+    method = fem_of(model)
+    grid, reach = method.mesh(problem), method.reach(problem)
     for ending, write in ((".msh", write_msh), (".vtu", write_vtu)):
         with atomic(targets[ending]) as temporary:
             write(grid, temporary)

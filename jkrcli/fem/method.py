@@ -120,13 +120,13 @@ class FEM:
     def mesh(self, problem: Problem) -> Grid:
         """The mesh that a solve would begin with."""
         self._refuse(problem)
-        return self._layout(problem, self._reach(problem)).grid()
+        return self._layout(problem, self.reach(problem)).grid()
 
     @property
     def _growth(self) -> float:
         return self.growth if self.growth is not None else GROWTH[self.layout][self.order]
 
-    def _reach(self, problem: Problem) -> float:
+    def reach(self, problem: Problem) -> float:
         """Radius out to which the mesh is fine and nodes are candidates [m]."""
         from ..integral.layered import largest_radius
 
@@ -200,7 +200,7 @@ class FEM:
 
     def _solve_large_enough(self, problem: Problem, clock: StageClock) -> tuple[Model, SurfaceContact, Events]:
         """Solve on meshes for growing contact radii until the loading's end lies within the candidates."""
-        reach = self._reach(problem)
+        reach = self.reach(problem)
         loading = problem.loading
         for _ in range(ATTEMPTS):
             model = Recipe(self._layout(problem, reach), self.order, self._mixed(problem), reach).build(clock)

@@ -54,5 +54,6 @@ def boussinesq_side_traction(r: Array, z: Array, material: Elastic) -> tuple[Arr
 def _side_work(system: ElasticSystem, material: Elastic, solution: Array) -> float:
     """Work of the point force's traction on the side in the displacement of ``solution``."""
     N = len(system.nodes)
-    loads = (system.side_load(lambda r, z, i=i: boussinesq_side_traction(r, z, material)[i]) for i in (0, 1))
-    return float(sum(load @ solution[i * N : (i + 1) * N] for i, load in enumerate(loads)))
+    along_r = system.side_load(lambda r, z: boussinesq_side_traction(r, z, material)[0])
+    along_z = system.side_load(lambda r, z: boussinesq_side_traction(r, z, material)[1])
+    return float(along_r @ solution[:N] + along_z @ solution[N : 2 * N])

@@ -13,6 +13,7 @@ from .plots import STYLE
 from .series import Array
 
 WIDTH, HEIGHT = 7.2, 3.0  # of the figure, and of a row of panels [inch]
+UNNAMED = "_nolegend_"  # label of a line that the legend leaves out
 MARKERS = 30  # at most, on a line
 
 
@@ -73,4 +74,5 @@ def _draw(axes: Axes, panel: Panel, letter: str) -> None:
         axes.plot(line.x, line.y, line.style, color=line.color, label=line.label, ms=3.5, mfc="none", lw=1.0,
                   markevery=every)  # fmt: skip
     axes.set(xlabel=panel.xlabel, ylabel=panel.ylabel, title=letter + panel.title, xlim=panel.xlim, ylim=panel.ylim)
-    axes.legend(fontsize=7)
+    if not all(line.label == UNNAMED for line in panel.lines):
+        axes.legend(fontsize=7)

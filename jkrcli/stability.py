@@ -65,11 +65,7 @@ class Cycle:
     @property
     def begin(self) -> State:
         """The first state in contact: jumped into at delta = 0, or the first of the series at w = 0."""
-        first = state(self.approach.curve, self.approach.stretches[0].first)
-        if self.approach.curve.w == 0:
-            return first
-        exact = {LOAD_CONTROL: "P", DISPLACEMENT_CONTROL: "delta"}.get(self.stiffness)
-        return replace(first, **{exact: 0.0}) if exact else first  # what the device holds at 0, without round-off
+        return first_contact(self.approach)
 
     @property
     def jumps_in(self) -> tuple[Jump, ...]:
@@ -202,13 +198,22 @@ def turning_radius(
     assert value is not None
     met = [a for a in radii_at(curve, quantity, value) if inwards.holds(a)]
     if not met:
-        first, last = (state(curve, a) for a in (inwards.stretches[0].first, inwards.last))
+        first, last = first_contact(inwards), state(curve, inwards.last)
         name, unit = ("P", "load") if depth is None else ("delta", "length")
         raise InputError(
             f"cycle: the turn at {name} = {show(value, unit)} is not passed on approach, which in this series goes "
             f"from {show(getattr(first, name), unit)} to {show(getattr(last, name), unit)}"
         )
     return met[0]
+
+
+def first_contact(approach: Path) -> State:
+    """The first state of an approach; what the device holds at 0 there is exactly 0."""
+    first = state(approach.curve, approach.stretches[0].first)
+    if approach.curve.w == 0:
+        return first
+    held = {LOAD_CONTROL: "P", DISPLACEMENT_CONTROL: "delta"}.get(approach.stiffness)
+    return replace(first, **{held: 0.0}) if held else first
 
 
 def jumps(path: Path) -> tuple[Jump, ...]:

@@ -16,6 +16,7 @@ from .states import LOAD_CONTROL
 from .units import show
 
 INSIDE = 1e-6  # of a radius: how near to the ends of the series a pull-off may lie
+STEP = math.log(4.0)  # of w, where it is looked for beyond what the radii of the series give
 MET = 1e-9  # relative, of the pull-off force
 
 
@@ -40,8 +41,8 @@ def work_from_pull_off(
 ) -> FoundWork:
     """The w at which contact is lost at P = -``load`` [N] by a device of ``stiffness`` [N/m]; ``R``: tip radius [m].
 
-    At every radius of the series there is one w whose curve is stationary there; the pull-off force grows with w, so
-    the two ends of the series bound the forces that it can tell. Refused outside them.
+    At every radius of the series there is at most one w whose curve is stationary there; the pull-off force grows with
+    w, so the ends of the series bound the forces that it can tell. Refused outside them.
     """
     if not (math.isfinite(load) and load > 0):
         raise InputError(f"load: the measured pull-off force must be > 0 N, got {load:g}")
@@ -55,13 +56,24 @@ def work_from_pull_off(
             raise SolveError(f"load: the search for w left the series: {found.reason}")
         return -found.P / load - 1
 
-    works = [w for w in _stationary(series, slopes, stiffness) if isinstance(point(float(w)), CriticalPoint)]
-    if not works:
+    def inside(works: Array) -> float:
+        """The log of the first of ``works`` whose pull-off lies in the series."""
+        for w in works:
+            if isinstance(point(float(w)), CriticalPoint):
+                return math.log(w)
         raise InputError("load: this series holds no pull-off for any work of adhesion: load further")
-    low, high = math.log(works[0]), math.log(works[-1])
+
+    def widened(log_w: float, step: float) -> float:
+        """Beyond the last stationary radius the pull-off may lie between two points for any w: step by step there."""
+        while excess(log_w) * step < 0 and isinstance(point(math.exp(log_w + step)), CriticalPoint):
+            log_w += step
+        return log_w
+
+    works = _stationary(series, slopes, stiffness)
+    low, high = widened(inside(works), -STEP), widened(inside(works[::-1]), STEP)
     if not excess(low) <= 0 <= excess(high):
         raise InputError(_out_of_reach(load, (1 + excess(low)) * load, (1 + excess(high)) * load))
-    w = math.exp(brentq(excess, low, high, xtol=1e-14, rtol=1e-14)) if low < high else works[0]
+    w = math.exp(brentq(excess, low, high, xtol=1e-14, rtol=1e-14)) if low < high else math.exp(low)
     found = point(w)
     if isinstance(found, Outside) or abs(-found.P / load - 1) > MET:
         raise InputError(

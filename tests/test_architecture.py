@@ -14,7 +14,7 @@ DOORS = {
     "gmsh": {"fem/mesh.py", "fem/export.py"},
     "skfem": {"fem/elasticity.py"},
     "h5py": {"store.py", "files.py"},
-    "matplotlib": {"plots.py", "plots_study.py", "plots_stability.py", "plots_noise.py"},
+    "matplotlib": {"plots.py", "plots_study.py", "plots_stability.py", "plots_noise.py", "plots_fields.py"},
     "meshio": {"fem/export.py"},
     "pydantic": {"case/__init__.py", "case/fields.py", "case/models.py", "case/indenter.py"},
     "click": {"cli"},
@@ -24,8 +24,8 @@ ORDER = [
     "errors", "materials", "units", "files", "clock", "indenters", "problem", "words", "series", "closed_form",
     "methods", "radii", "integral", "formulas", "fem", "choose", "case", "store", "text_table", "foreign", "slopes",
     "adhesion", "validity", "states", "stability_path", "stability", "stability_inverse", "comparison", "differences",
-    "expectation", "analysis", "tables", "plots", "plots_study", "plots_stability", "study", "plots_noise",
-    "cli", "__main__",
+    "expectation", "analysis", "tables", "plots", "plots_fields", "plots_study", "plots_stability", "study",
+    "plots_noise", "cli", "__main__",
 ]  # fmt: skip
 
 

@@ -120,7 +120,7 @@ def test_a_device_of_given_stiffness_against_the_closed_form(stiffness: float) -
     assert bar(begin.a / A0) == pytest.approx((begin.delta / DELTA0, begin.P / P0), rel=1e-9)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=25, deadline=None)
 @given(st.floats(-2, 3), st.floats(0.01, 2))
 def test_monotone_in_stiffness_between_the_two_ends(log: float, step: float) -> None:
     stiffnesses = (0.0, 1e5 * 10**log, 1e5 * 10 ** (log + step), RIGID)
@@ -245,17 +245,18 @@ def test_a_stiff_coating_has_several_critical_points_and_jumps_back_before_it_le
 @pytest.mark.parametrize("stiffness", [0.0, 30.0, RIGID])
 def test_paths_are_the_envelope_of_the_device_position(w: float, stiffness: float) -> None:
     """Brute force: a growing contact passes a radius when D exceeds all D before it, a shrinking one when D lies below
-    all D at larger radii."""
+    all D at larger radii; but for samples next to the ends of the stretches."""
     ours = stiff_coating(w)
     a = np.geomspace(ours.a[0], ours.a[-1], 4001)[1:-1]
     D = position(*ours.at(a), stiffness)
-    back = np.minimum.accumulate(D[::-1])[::-1]
-    path = shrink(ours, stiffness, float(ours.a[-1]))
-    assert [path.holds(radius) for radius in a] == list(back == D)
-    assert path.ends == "lost"
-    forth = np.maximum.accumulate(np.maximum(D, 0))
-    path = grow(ours, stiffness)
-    assert [path.holds(radius) for radius in a] == list((forth == D) & (D > 0))
+    lowest, highest = np.minimum.accumulate(D[::-1])[::-1], np.maximum.accumulate(np.maximum(D, 0))
+    back, forth = shrink(ours, stiffness, float(ours.a[-1])), grow(ours, stiffness)
+    assert back.ends == "lost"
+    for path, passed in ((back, lowest == D), (forth, (highest == D) & (D > 0))):
+        ends = np.array([end for stretch in path.stretches for end in (stretch.first, stretch.last)])
+        clear = np.all(np.abs(np.log(a[:, None] / ends)) > np.log(a[1] / a[0]), axis=1)
+        assert clear.sum() >= a.size - 2 * ends.size
+        assert [path.holds(radius) for radius in a[clear]] == list(passed[clear])
 
 
 def test_jumps_of_a_stiff_coating_dissipate() -> None:

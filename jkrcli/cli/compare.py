@@ -57,9 +57,9 @@ def compare(
     else:
         _print(first, second, rtol, found, judged, agree)
     if plot is not None:
-        from .. import plots
+        from .. import plots, plots_fields
 
-        plots.save(plots.differences_figure(found, rtol), plot)
+        plots.save(plots_fields.differences_figure(found, rtol), plot)
     ctx.exit(0 if agree else 1)
 
 

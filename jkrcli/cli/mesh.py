@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 import numpy as np
 
-from .. import __version__, plots
+from .. import __version__, plots, plots_fields
 from ..case import load_case
 from ..case.numerics import fem_of
 from ..fem.export import write_vtu
@@ -42,7 +42,7 @@ def mesh(case: Path, output: Path, force: bool) -> None:
             write(grid, temporary)
             with temporary.open("a") as file:
                 file.write(MARKS[ending])
-    plots.save(plots.mesh_figure(grid, reach), targets[".png"])
+    plots.save(plots_fields.mesh_figure(grid, reach), targets[".png"])
     quality = grid.quality()
     touched = int(np.sum(grid.surface_radii() <= reach))
     click.echo(f"{case}: {len(grid.cells)} {grid.element}s, {len(grid.points)} vertices")

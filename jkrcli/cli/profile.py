@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 import numpy as np
 
-from .. import plots, store, tables
+from .. import plots, plots_fields, store, tables
 from ..analysis import analyse, specification
 from ..errors import InputError
 from ..files import check_target, write_text
@@ -55,7 +55,7 @@ def profile(
         radius = stable_radius(analyse(stored, [w])[0].curve, load)
     columns = _columns(unbounded(case.problem), radius, w)
     write_text(targets[".csv"], tables.csv(columns))
-    figure = plots.profile_figure(columns, radius, w)
+    figure = plots_fields.profile_figure(columns, radius, w)
     for ending in (".png", ".svg"):
         plots.save(figure, targets[ending])
     click.echo(f"{file}: a = {show(radius, 'length')}, w = {show(w, 'work')}")

@@ -16,7 +16,7 @@ from ..errors import InputError
 from ..fem.method import FEM
 from ..integral.layered import Layered
 from ..plots import BLACK, BLUE, GREEN, ORANGE
-from ..plots_study import Figure, Line, Panel, panels_figure
+from ..plots_study import UNNAMED, Figure, Line, Panel, panels_figure
 from ..problem import Loading, Problem
 from ..series import Array, Series
 from ..slopes import Slopes, slopes
@@ -111,12 +111,15 @@ def gel_figure(case: Path, measured: Measured | None = None) -> Figure:
         delta, P = exact.delta / delta_unit, exact.P / P_unit
         words = f"w = {_pretty(show(curve.w, 'work'))}"
         lines.append(Line(curve.delta / delta_unit, curve.P / P_unit, words, "o", color))
-        lines.append(Line(delta, P, "exact layer", "-", color))
+        lines.append(Line(delta, P, UNNAMED if lowest[1] else "exact layer", "-", color))
         lowest = [min(lowest[0], float(delta.min())), min(lowest[1], float(P.min()))]
     if measured is not None:
         lines.append(Line(measured[0] / delta_unit, measured[1] / P_unit, "measured", "x", BLACK))
     whole = Panel(f"displacement δ ({_pretty(delta_name)})", f"load P ({_pretty(P_name)})", lines)
-    near = replace(whole, xlim=(1.1 * lowest[0], -2 * lowest[0]), ylim=(1.3 * lowest[1], -1.3 * lowest[1]))
+    unnamed = [replace(line, label=UNNAMED) for line in lines]
+    near = replace(
+        whole, lines=unnamed, xlim=(1.1 * lowest[0], -2 * lowest[0]), ylim=(1.3 * lowest[1], -1.3 * lowest[1])
+    )
     return panels_figure([whole, near])
 
 
@@ -218,7 +221,7 @@ def _two_panels(
         load.append(Line(delta / delta_unit, P / P_unit, words, "o", color))
         radius.append(Line(P / P_unit, curve.a / a_unit, words, "o", color))
     for words, style, a, *pairs in references:
-        for (delta, P), name in zip(pairs, (words, "_nolegend_"), strict=True):
+        for (delta, P), name in zip(pairs, (words, UNNAMED), strict=True):
             load.append(Line(delta / delta_unit, P / P_unit, name, style))
             radius.append(Line(P / P_unit, a / a_unit, name, style))
     return [Panel(labels[0], labels[1], load), Panel(labels[1], labels[2], radius)]

@@ -14,7 +14,7 @@ CASES   := $(notdir $(basename $(wildcard cases/*.toml)))
 SOURCES := $(shell find jkrcli -name '*.py')
 
 .DEFAULT_GOAL := help
-.PHONY: help setup run test test-all lint cases bench clean requirements
+.PHONY: help setup run test test-all lint cases bench noise-study clean requirements
 .DELETE_ON_ERROR:
 
 help: ## list the targets
@@ -60,6 +60,9 @@ $(RESULTS)/%.done: $(RESULTS)/%.h5
 
 bench: $(READY) ## time the stages of a run
 	$(JKR) bench $(CASE)
+
+noise-study: $(READY) ## what noise in the data does to the adhesive curve, 200 seeds (twenty minutes)
+	$(JKR) study noise -o $(RESULTS)/noise
 
 requirements: ## pin the dependencies anew (needs uv)
 	uv pip compile pyproject.toml --extra dev --universal --python-version 3.11 --generate-hashes \

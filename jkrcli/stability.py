@@ -16,7 +16,7 @@ from .adhesion import AdhesiveCurve, CriticalPoint, Outside
 from .errors import InputError
 from .series import Array
 from .stability_path import Path, grow, largest_stable, shrink
-from .states import DISPLACEMENT_CONTROL, LOAD_CONTROL, State, position, radii_at, state
+from .states import DISPLACEMENT_CONTROL, LOAD_CONTROL, State, position, radii_at, radii_at_position, state
 from .units import show
 
 Energy = float | str  # in J, or why there is none
@@ -152,7 +152,7 @@ def behaviour(curve: AdhesiveCurve, stiffness: float) -> Behaviour:
     if curve.w == 0:
         nothing = Outside(NO_ADHESION)
         return Behaviour(stiffness, (), nothing, nothing, (), NO_ADHESION, NO_ADHESION)
-    critical, pull_off = curve.critical(stiffness), curve.pull_off(stiffness)
+    critical, pull_off = curve.critical(stiffness), _pull_off(curve, stiffness)
     start = largest_stable(curve, stiffness)
     partial = () if start is None else jumps(shrink(curve, stiffness, start))
     whole = cycle(curve, curve, stiffness)
@@ -165,6 +165,16 @@ def behaviour(curve: AdhesiveCurve, stiffness: float) -> Behaviour:
         energies = (pull_off.reason, pull_off.reason)
     between = tuple(jump for jump in partial if jump.end is not None)
     return Behaviour(stiffness, critical, pull_off, jump_in, between, *energies)
+
+
+def _pull_off(curve: AdhesiveCurve, stiffness: float) -> CriticalPoint | Outside:
+    found = curve.pull_off(stiffness)
+    if isinstance(found, Outside) or position(found.delta, found.P, stiffness) <= 0:
+        return found
+    return Outside(
+        f"contact shrinks at P = {found.P:.4g} N, delta = {found.delta:.4g} m below the smallest radius of the series, "
+        f"a = {curve.a[0]:.4g} m, where some must remain: the series would have to begin at a smaller radius"
+    )
 
 
 def cycle(
@@ -194,9 +204,10 @@ def turning_radius(
     inwards = grow(curve, stiffness)
     if isinstance(inwards, Outside):
         raise InputError(f"cycle: {inwards.reason}")
-    quantity, value = ("load", load) if depth is None else ("displacement", depth)
-    assert value is not None
-    met = [a for a in radii_at(curve, quantity, value) if inwards.holds(a)]
+    held, value = (LOAD_CONTROL, load) if depth is None else (DISPLACEMENT_CONTROL, depth)
+    if value is None:
+        raise InputError("cycle: give a load or a depth to turn at")
+    met = [a for a in radii_at_position(curve, held, value) if inwards.holds(a)]
     if not met:
         first, last = first_contact(inwards), state(curve, inwards.last)
         name, unit = ("P", "load") if depth is None else ("delta", "length")
@@ -263,7 +274,7 @@ def _along(path: Path, points: int) -> list[tuple[Array, Array, Array]]:
 def _held(found: Cycle, points: int) -> tuple[Array, Array, Array]:
     """At the turn the contact is a flat punch of constant radius: a straight line."""
     a = np.full(points, found.turn)
-    first, last = (np.array(path.curve.at(found.turn)) for path in (found.approach, found.retraction))
+    first, last = (np.array(path.curve.at(np.array(found.turn))) for path in (found.approach, found.retraction))
     delta, P = first[:, None] + np.outer(last - first, np.linspace(0, 1, points))
     return a, delta, P
 

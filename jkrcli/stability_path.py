@@ -13,7 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from .adhesion import AdhesiveCurve, CriticalPoint, Outside
+from .errors import InputError
 from .states import position, radii_at_position
+from .units import show
 
 GAUSS_X, GAUSS_W = np.polynomial.legendre.leggauss(8)
 
@@ -90,7 +92,10 @@ def grow(curve: AdhesiveCurve, stiffness: float) -> Path | Outside:
 
 
 def shrink(curve: AdhesiveCurve, stiffness: float, begin: float) -> Path:
-    """The states passed on retraction from the contact radius ``begin`` [m] on, stable there or not."""
+    """The states passed on retraction from the contact radius ``begin`` [m] on, stable there or not.
+
+    Contact is lost at D <= 0 only: above, the free bodies would overlap, so a smaller contact outside the data remains.
+    """
     critical = curve.critical(stiffness)
     stretches = []
     while True:
@@ -101,7 +106,8 @@ def shrink(curve: AdhesiveCurve, stiffness: float, begin: float) -> Path:
         hill = max((point.a for point in critical if point.a < bottom), default=0.0)
         landings = [a for a in _same_position(curve, stiffness, bottom) if a < hill]
         if not landings:
-            return Path(curve, stiffness, tuple(stretches), "lost")
+            released = position(*curve.at(np.array(bottom)), stiffness) <= 0
+            return Path(curve, stiffness, tuple(stretches), "lost" if released else "jump")
         begin = landings[-1]
 
 
@@ -135,7 +141,7 @@ def _cut(stretches: tuple[Stretch, ...], a: float) -> tuple[Stretch, ...]:
     for i, s in enumerate(stretches):
         if min(s.first, s.last) <= a <= max(s.first, s.last):
             return (*stretches[:i], Stretch(s.first, a))
-    raise ValueError(f"the contact radius {a:g} m does not lie on the path")
+    raise InputError(f"cycle: the turn at a = {show(a, 'length')} is not passed by stable contact on approach")
 
 
 def _first_contact(curve: AdhesiveCurve, stiffness: float) -> float | Outside:

@@ -259,6 +259,19 @@ def test_paths_are_the_envelope_of_the_device_position(w: float, stiffness: floa
         assert [path.holds(radius) for radius in a[clear]] == list(passed[clear])
 
 
+def test_a_contact_pressed_together_is_not_lost_but_leaves_the_series() -> None:
+    """The same coating without its small radii: its only minimum lies at delta > 0, where the bodies would overlap."""
+    whole = stiff_coating(1.8e-4)
+    keep = whole.a > 1.7e-6
+    pressed = max(float(whole.at(np.array(1.7e-6))[0]), 0.0)
+    columns = (getattr(whole.series, name)[keep] for name in ("a", "delta", "P", "S", "dS"))
+    short = curve(Series(*columns), 8e-7)
+    stiffness = 1e4
+    lifted = [point for point in short.critical(stiffness) if position(point.delta, point.P, stiffness) > 0]
+    assert pressed >= 0
+    assert lifted == []
+
+
 def test_jumps_of_a_stiff_coating_dissipate() -> None:
     """With the jump back the loop is the area between its paths, by trapezoids over the sampled envelope of D."""
     ours, stiffness = stiff_coating(1.8e-4), RIGID

@@ -70,7 +70,7 @@ def test_on_a_layer_the_half_space_misleads_by_the_map() -> None:
 
 
 def test_where_the_pull_off_radius_hardly_moves_w_is_still_found() -> None:
-    """On this gel the neck is highest at a/h = 0.6: under displacement control every strong w lets go just there."""
+    """On this gel the neck is highest at a/h = 0.46: under displacement control every strong w lets go just there."""
     series = gel()
     w = 1e-2
     point = transform(series, slopes(series), w).pull_off(math.inf)

@@ -154,12 +154,13 @@ def _words(table: TextTable, chosen: Mapping[str, int]) -> str:
 
 
 def split_name(title: str) -> tuple[str, str]:
-    """Name and unit of a header cell: "P (mN)", "P [mN]", "P / mN", "P_mN"; the unit is empty where there is none."""
-    match = re.match(r"(.*?)\s*(?:\[([^\]]*)\]|\(([^)]*)\)|/\s*(\S+))\s*\Z", title)
-    if match:
-        return match[1].strip(), next(unit for unit in match.groups()[1:] if unit is not None).strip()
-    name, _, unit = title.rpartition("_")
-    return (name, unit) if name and unit_power(unit) else (title.strip(), "")
+    """Name and unit of a header cell: "P (mN)", "P [mN]", "P / mN", "P, mN", "P_mN"; "" where no unit is."""
+    title = title.strip()
+    if match := re.match(r"(.*?)\s*(?:\[([^\]]*)\]|\(([^)]*)\))\Z", title):
+        return match[1], (match[2] or match[3] or "").strip()
+    if (match := re.match(r"(.+?)\s*[/,_]\s*([^/,_]+)\Z", title)) and unit_power(match[2]):
+        return match[1], match[2]
+    return title, ""
 
 
 def _values(table: TextTable, key: str, index: int, reading: Reading) -> Array:

@@ -25,7 +25,7 @@ def noise_figure(cells: Sequence[Cell]) -> Figure:
         for column, body in enumerate(bodies):
             _panel(axes[:, column], [cell for cell in cells if cell.body == body])
             axes[0, column].set_title(body)
-            axes[1, column].set_xlabel("relative noise")
+            axes[1, column].set_xlabel("relative noise (left: none)")
         axes[0, 0].set_ylabel("median error of the pull-off")
         axes[1, 0].set_ylabel("coverage of the 90 % band")
         handles, labels = axes[0, 0].get_legend_handles_labels()

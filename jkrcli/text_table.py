@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import csv
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -31,7 +33,11 @@ class Dialect:
     def cells(self, line: str) -> list[str]:
         """The cells of a line, without surrounding blanks; a separator at the end of the line ends no empty cell."""
         mark = SEPARATORS[self.separator]
-        cells = [cell.strip().strip('"') for cell in line.split(mark)]
+        parts = line.split(mark)
+        if '"' in line and mark is not None:
+            with contextlib.suppress(csv.Error):
+                parts = next(csv.reader([line], delimiter=mark, skipinitialspace=True))
+        cells = [cell.strip() for cell in parts]
         return cells[:-1] if len(cells) > 1 and not cells[-1] else cells
 
     def numbers(self, line: str) -> list[float] | None:

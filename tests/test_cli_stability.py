@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import json
 import math
+import shutil
 from pathlib import Path
 
 import numpy as np
 import pytest
 from conftest import CASES
 
+from jkrcli.cli import call
 from jkrcli.stability import GRIPPED, STABLE, UNBOUNDED, UNSTABLE
 from jkrcli.tables import read_curve
 from jkrcli.units import show
@@ -21,10 +23,17 @@ PARABOLOID = (
 PULL_OFF = math.pi * 50 * 1e-4
 
 
+@pytest.fixture(name="solved", scope="module")
+def _solved(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("solved")
+    (folder / "p.toml").write_text(PARABOLOID)
+    assert call(["run", str(folder / "p.toml"), "--method", "closed-form", "-o", str(folder / "p.h5")]) == 0
+    return folder / "p.h5"
+
+
 @pytest.fixture(name="body")
-def _body(jkr, tmp_path: Path) -> Path:
-    (tmp_path / "p.toml").write_text(PARABOLOID)
-    assert jkr("run", "p.toml", "--method", "closed-form").code == 0
+def _body(solved: Path, tmp_path: Path) -> Path:
+    shutil.copy(solved, tmp_path)
     return tmp_path
 
 

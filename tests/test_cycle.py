@@ -205,6 +205,13 @@ def test_turns_that_are_not_passed_are_refused_with_the_range() -> None:
     )
 
 
+def test_a_turn_that_is_not_on_the_path_is_refused() -> None:
+    curve = half_space(50.0)
+    assert refused(lambda: cycle(curve, curve, RIGID, turn=1e-6)) == (
+        "cycle: the turn at a = 1 um is not passed by stable contact on approach"
+    )
+
+
 def test_adhesion_must_not_be_weaker_on_retraction() -> None:
     assert refused(lambda: cycle(half_space(50.0), half_space(0.02), RIGID)) == (
         "cycle: the work of adhesion on retraction must be >= that on approach, got 20 mJ/m^2 after 50 J/m^2"

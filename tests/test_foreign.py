@@ -70,6 +70,10 @@ GUISES = {
         "area/um^2,disp/um,force/N\n" + rows(math.pi * A**2 * 1e12, DELTA * 1e6 + 7, P),
         Reading(area="projected", zero=7e-6),
     ),
+    "quoted names with commas": (
+        '"Contact radius, um","Displacement, nm","Force, uN"\n' + rows(A * 1e6, DELTA * 1e9, P * 1e6),
+        Reading(),
+    ),
     "rows in another order": (
         "a_m,delta_m,P_N\n" + rows(A[::-1], DELTA[::-1], P[::-1]),
         Reading(sort=True),
@@ -110,7 +114,8 @@ def test_units_only_change_the_numbers(tmp_path_factory, length: str, depth: str
 @pytest.mark.parametrize(
     ("title", "parts"),
     [("P (mN)", ("P", "mN")), ("u2 [um]", ("u2", "um")), ("a/mm", ("a", "mm")), ("P_H_N", ("P_H", "N")),
-     ("contact_radius", ("contact_radius", "")), ("RF2", ("RF2", "")), ("RF2 N: 1", ("RF2 N: 1", ""))],
+     ("contact_radius", ("contact_radius", "")), ("RF2", ("RF2", "")), ("RF2 N: 1", ("RF2 N: 1", "")),
+     ("P, mN", ("P", "mN")), ("RF/total", ("RF/total", "")), ("area / µm^2", ("area", "µm^2")), ("a ()", ("a", ""))],
 )  # fmt: skip
 def test_names_and_units_of_header_cells(title: str, parts: tuple[str, str]) -> None:
     assert split_name(title) == parts
@@ -267,6 +272,18 @@ def test_wrong_choices_name_the_columns(tmp_path: Path, monkeypatch, reading: Re
     with pytest.raises(InputError) as caught:
         read_series(Path("t.csv"), Sphere(R), reading)
     assert list(caught.value.lines) == [line]
+
+
+@given(st.text(alphabet='aAP delta_mN,;\t\n.0123456789-e#"\x00(um)', max_size=200))
+def test_any_text_gives_a_series_or_a_sentence(tmp_path_factory, text: str) -> None:
+    path = tmp_path_factory.mktemp("any") / "t.csv"
+    path.write_text("a_m,delta_m,P_N\n" + text)
+    lines: tuple[str, ...] = ()
+    try:
+        assert len(read_series(path, Sphere(R), Reading()).series) >= 5
+    except InputError as error:
+        lines = error.lines
+    assert all(line.startswith((str(path), "...")) for line in lines)
 
 
 def test_a_sign_is_left_alone_when_asked(tmp_path: Path) -> None:

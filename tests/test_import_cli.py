@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import importlib.util
+import itertools
 import json
 from pathlib import Path
 
@@ -107,3 +109,55 @@ def test_wrong_input_is_one_line_and_exit_code_2(jkr, table: Path, words: tuple,
     else:
         assert outcome.err == f"jkr: error: {line}\n"
     assert not Path("t.h5").exists()
+
+
+# ---------------------------------------------------------------------- CalculiX
+RIGID = ("--shape", "paraboloid", "--radius", "10 mm", "--E", "5 GPa", "--nu", 0.4)
+PULL_OFF = -1.5 * np.pi * 5e-3 * 10e-3  # of the classical JKR, for w = 5 mJ/m^2
+
+
+@pytest.mark.parametrize(
+    ("nodes", "kept", "error"),
+    [(50, 44, 0.02), (100, 75, 0.015), (200, 100, 0.02)],  # measured: 1.6 %, 1.0 %, 0.9 %
+)
+def test_calculix_series_gives_the_pull_off(jkr, nodes: int, kept: int, error: float) -> None:
+    """``nodes`` per largest contact radius, 100 equal steps of the depth (see data/calculix/deck.py).
+
+    The load is 0.1 to 0.5 % above Hertz at equal depth, about equally on the three meshes: they grow alike away from
+    the contact and end at the same place. A constant factor of the load scales E*, on which the pull-off force does not
+    depend. What remains is the radius, which is that of a node.
+    """
+    outcome = jkr("import", DATA / f"halfspace-{nodes}.csv", "-o", "x.h5", *RIGID, "--factor", "P=180")
+    assert f"read      100 rows, {kept} different contact radii" in outcome.out
+    raw = store.read("x.h5").raw
+    load = 4 / 3 * 5e9 / (1 - 0.4**2) * np.sqrt(10e-3) * raw.delta**1.5
+    assert (raw.P / load - 1).min() > 0.5e-3
+    assert (raw.P / load - 1).max() < 6e-3
+    summary = json.loads(jkr("transform", "x.h5", "--w", "5 mJ/m^2", "--no-plots", "--json").out)["results"][0]
+    assert summary["pull_off"]["load"]["P_N"] == pytest.approx(PULL_OFF, rel=error)
+
+
+def test_the_deck_makes_these_tables() -> None:
+    """Nodes named by the elements exist, and the table of a results file is read by increments."""
+    spec = importlib.util.spec_from_file_location("deck", DATA / "deck.py")
+    assert spec is not None
+    assert spec.loader is not None
+    deck = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(deck)
+    mesh = deck.Mesh(6)
+    lines = deck.deck(mesh).splitlines()
+    ends = [i for i, line in enumerate(lines) if line.startswith("*")]
+    blocks = {lines[i]: lines[i + 1 : j] for i, j in itertools.pairwise(ends)}
+    nodes = {int(line.split(",")[0]) for line in blocks["*NODE, NSET=NALL"]}
+    named = {int(n) for kind in ("BODY", "TOOL") for line in blocks[f"*ELEMENT, TYPE=CAX4, ELSET={kind}"]
+             for n in line.split(",")[1:]}  # fmt: skip
+    assert named == nodes
+    surface = "\n".join(
+        f" {i + 1} 0.0 {-0.004 if r < 9 else -0.02:.6E} 0.0" for i, r in enumerate(mesh.r[: mesh.m + 1])
+    )
+    results = (f" displacements (vx,vy,vz) for set TOP and time  0.5000000E+00\n\n{surface}\n\n"
+               " total force (fx,fy,fz) for set TOOL and time  0.5000000E+00\n\n 1.0E-3 -2.5E-1 0.0\n")  # fmt: skip
+    header, row = deck.table(mesh, results).splitlines()
+    assert header == "time,u2 (um),RF2 (uN),contact radius (um)"
+    inside = mesh.r[mesh.r < 9].max()
+    assert row == f"0.5,-1.500000E-02,-2.500000E-01,{inside:.6E}"

@@ -6,7 +6,9 @@ of a node-based radius, and above a tenth of the depth, below which few nodes ar
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,7 +16,8 @@ from conftest import CASES
 
 from jkrcli import closed_form
 from jkrcli.adhesion import CriticalPoint, transform
-from jkrcli.case import load_case
+from jkrcli.case import load_case, parse_case
+from jkrcli.errors import InputError
 from jkrcli.fem.method import FEM
 from jkrcli.indenters import Indenter, Paraboloid, PowerLaw, RoundedFlat
 from jkrcli.integral.layered import Layered
@@ -198,6 +201,53 @@ def test_a_rounded_flat_end_approaches_the_flat_punch() -> None:
 
 
 # ---------------------------------------------------------------------- finite cylinders
+CYLINDER = """
+[indenter]
+shape = "paraboloid"
+radius = 100
+[specimen]
+base = "frictionless"
+radius = "2.5 m"
+side = "roller"
+[[specimen.layers]]
+thickness = 1
+E = 1
+nu = 0.3
+[loading]
+radius = 1
+points = 20
+"""
+WRONG = {
+    "radius alone": ('side = "roller"\n', "", "specimen: a cylinder needs both radius and side (free, roller or "
+                     "clamped), leave both out for a wide body"),
+    "side alone": ('radius = "2.5 m"\n', "", "specimen: a cylinder needs both radius and side (free, roller or "
+                   "clamped), leave both out for a wide body"),
+    "negative": ('"2.5 m"', '"-2.5 m"', "specimen.radius: must be > 0, got -2.5 m"),
+    "misspelt": ('"roller"', '"rolled"', 'specimen.side: must be one of free, roller, clamped, got "rolled", '
+                 'did you mean "roller"?'),
+    "half-space": ('base = "frictionless"', "half_space = { E = 1, nu = 0.3 }",
+                   "specimen: a cylinder (radius and side) stands on a rigid base: leave out half_space"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("old", "new", "line"), WRONG.values(), ids=WRONG.keys())
+def test_wrong_cylinders_in_case_files(old: str, new: str, line: str) -> None:
+    assert old in CYLINDER
+    with pytest.raises(InputError) as caught:
+        parse_case(CYLINDER.replace(old, new).encode(), "c.toml")
+    assert list(caught.value.lines) == [f"c.toml: {line}"]
+
+
+def test_a_cylinder_in_a_case_file_reads_back_and_goes_to_finite_elements(jkr, tmp_path: Path) -> None:
+    case = parse_case(CYLINDER.encode(), "c.toml")
+    specimen = case.model.problem().specimen
+    assert (specimen.radius, specimen.side, specimen.base) == (2.5, "roller", Rigid(bonded=False))
+    assert parse_case(case.to_toml().encode(), "again").model == case.model
+    (tmp_path / "c.toml").write_text(CYLINDER)
+    outcome = jkr("run", "c.toml", "--json")
+    assert (outcome.code, json.loads(outcome.out)["method"]) == (0, "fem")
+
+
 def excess_load(indenter: Indenter, nu: float, radius: float, side: Side) -> float:
     """By how much a cylinder's load exceeds the wide layer's at equal depth, relative, at the end of the series."""
     loading = Loading("radius", 1.0, 40)

@@ -30,12 +30,12 @@ def test_values_of_the_map(nu: float) -> None:
 
 @pytest.mark.parametrize("nu", [-0.5, 0.0, 0.3])
 def test_thick_and_thin_compressible_limits(nu: float) -> None:
-    (thick,), (thin,) = points(nu, True, (1e-6,)), points(nu, True, (1e7,))
+    (thick,), (thin,) = points(nu, True, (1e-6,)), points(nu, True, (1e6,))
     assert thick.force == pytest.approx(1.5, abs=1e-5)  # departs as q: 3e-6
     assert thick.a_over_h == pytest.approx((9 * np.pi * 1e-6 / 8) ** (1 / 3), rel=1e-4)
     c = (1 - nu) ** 2 / (1 - 2 * nu)  # K h/E*, Eq. 22
-    assert thin.force == pytest.approx(2, abs=0.005)  # departs as h/a, 1/90
-    assert thin.a_over_h == pytest.approx((8e7 / c) ** 0.25, rel=0.02)
+    assert thin.force == pytest.approx(2, abs=0.01)  # departs as h/a, 1/50
+    assert thin.a_over_h == pytest.approx((8e6 / c) ** 0.25, rel=0.03)
 
 
 def test_thin_incompressible_limit_is_approached_slowly() -> None:

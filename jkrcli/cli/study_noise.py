@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -54,8 +55,13 @@ def study_noise(seeds: int, bodies: tuple[str, ...], points: tuple[int, ...], ou
 
 
 def _csv(cells: Sequence[Cell]) -> str:
-    rows = [",".join("" if value is None else str(value) for value in asdict(cell).values()) for cell in cells]
+    rows = [",".join(str(value) if _known(value) else "" for value in asdict(cell).values()) for cell in cells]
     return "\n".join([HEADER, *rows]) + "\n"
+
+
+def _known(value: object) -> bool:
+    """Whether there is a figure: not for a band that a method lacks, nor for errors where every run failed."""
+    return value is not None and value != math.inf
 
 
 def _print(cells: Sequence[Cell]) -> None:
@@ -64,7 +70,8 @@ def _print(cells: Sequence[Cell]) -> None:
     )
     for cell in cells:
         band = "" if cell.band is None else f"{cell.band:.0%}"
+        median, worst = (f"{error:.1e}" if _known(error) else "-" for error in (cell.median, cell.worst))
         click.echo(
-            f"  {cell.body:<14}{cell.points:>7}{cell.noise:>8g} {cell.method:<9}{cell.median:>9.1e}{cell.worst:>9.1e}"
+            f"  {cell.body:<14}{cell.points:>7}{cell.noise:>8g} {cell.method:<9}{median:>9}{worst:>9}"
             f"{band:>7}{cell.failures:>8.0%}"
         )

@@ -84,8 +84,9 @@ class Convergence:
         pairs = [(level.size, abs(error)) for level, error in zip(self.levels, self.errors(quantity), strict=True)
                  if error is not None and abs(error) > ROUND_OFF]  # fmt: skip
         if len(pairs) < 3:
-            return "needs three meshes with a value"
-        return float(np.polyfit(*np.log(np.array(pairs)).T, 1)[0])
+            return "needs three meshes with an error above round-off"
+        sizes, errors = np.log(np.array(pairs)).T
+        return float(np.polyfit(sizes, errors, 1)[0])
 
     def errors(self, quantity: str) -> list[float | None]:
         """Relative differences of each mesh to the exact value, or else to the extrapolated one, or to the finest."""

@@ -15,7 +15,7 @@ from ..case.numerics import method_of
 from ..errors import InputError
 from ..fem.method import FEM
 from ..integral.layered import Layered
-from ..plots import BLACK, BLUE, GREEN, ORANGE
+from ..plots import BLACK, BLUE, GREEN, ORANGE, pretty
 from ..plots_study import UNNAMED, Figure, Line, Panel, panels_figure
 from ..problem import Loading, Problem
 from ..series import Array, Series
@@ -67,10 +67,10 @@ def half_space_figure(case: Path) -> Figure:
     units = scales_half_space(R, problem.E_star, w)
     a = np.linspace(0, solved.series.a[-1], 400)
     hertz, jkr = closed_form.hertz(a, problem.E_star, R), closed_form.jkr(a, problem.E_star, R, w)
-    references = [("Hertz and JKR (paraboloid)", "-", a, hertz, jkr)]
+    references = [("Hertz and JKR (paraboloid)", "-", BLACK, a, hertz, jkr)]
     exact = solved.exact(w)
     pairs = (exact.series.delta, exact.series.P), (exact.delta, exact.P)
-    references.append((f"exact ({type(problem.indenter).__name__.lower()})", ":", exact.a, *pairs))
+    references.append((f"exact ({type(problem.indenter).__name__.lower()})", ":", GREEN, exact.a, *pairs))
     labels = ("δ / δ₀  (Eq. 15)", "P / (π w R)", "a / a₀  (Eq. 15)")
     return panels_figure(_two_panels(solved, w, units, labels, references))
 
@@ -91,8 +91,8 @@ def thin_layer_figure(case: Path) -> Figure:
     )
     exact = solved.exact(w)
     references = [
-        ("leading order (Eqs. 20, 21)", "--", a_bar * a_unit, *leading),
-        ("exact layer", "-", exact.a, (exact.series.delta, exact.series.P), (exact.delta, exact.P)),
+        ("leading order (Eqs. 20, 21)", "--", GREEN, a_bar * a_unit, *leading),
+        ("exact layer", "-", BLACK, exact.a, (exact.series.delta, exact.series.P), (exact.delta, exact.P)),
     ]
     labels = ("δ / √(2w/K)", "P / (2 π w R)", "a / (8 w R²/K)^¼")
     return panels_figure(_two_panels(solved, w, (P_unit, delta_unit, a_unit), labels, references))
@@ -109,13 +109,13 @@ def gel_figure(case: Path, measured: Measured | None = None) -> Figure:
     for curve, color in zip(curves, COLORS, strict=False):
         exact = solved.exact(curve.w)
         delta, P = exact.delta / delta_unit, exact.P / P_unit
-        words = f"w = {_pretty(show(curve.w, 'work'))}"
+        words = f"w = {pretty(show(curve.w, 'work'))}"
         lines.append(Line(curve.delta / delta_unit, curve.P / P_unit, words, "o", color))
         lines.append(Line(delta, P, UNNAMED if lowest[1] else "exact layer", "-", color))
         lowest = [min(lowest[0], float(delta.min())), min(lowest[1], float(P.min()))]
     if measured is not None:
         lines.append(Line(measured[0] / delta_unit, measured[1] / P_unit, "measured", "x", BLACK))
-    whole = Panel(f"displacement δ ({_pretty(delta_name)})", f"load P ({_pretty(P_name)})", lines)
+    whole = Panel(f"displacement δ ({pretty(delta_name)})", f"load P ({pretty(P_name)})", lines)
     unnamed = [replace(line, label=UNNAMED) for line in lines]
     near = replace(
         whole, lines=unnamed, xlim=(1.1 * lowest[0], -2 * lowest[0]), ylim=(1.3 * lowest[1], -1.3 * lowest[1])
@@ -157,7 +157,7 @@ def radius_panel(study: Convergence) -> Panel:
     lines = [Line(sizes, np.array(study.values("a"), dtype=float) / unit, "finite elements", "o-", ORANGE)]
     if study.exact is not None:
         lines.append(Line(sizes, np.full(sizes.size, study.exact.a / unit), "exact", "--", BLACK))
-    return Panel(label, f"contact radius a ({_pretty(name)})", lines, logs="x")
+    return Panel(label, f"contact radius a ({pretty(name)})", lines, logs="x")
 
 
 def curves_panel(study: Convergence) -> Panel:
@@ -170,14 +170,14 @@ def curves_panel(study: Convergence) -> Panel:
     P_unit, P_name = scale(float(np.max(np.abs(finest.P))), "load")
     lines = [
         Line(
-            curve.delta / delta_unit, curve.P / P_unit, f"elements {_pretty(show(level.size, 'length', 2))}", "o", color
+            curve.delta / delta_unit, curve.P / P_unit, f"elements {pretty(show(level.size, 'length', 3))}", "o", color
         )
         for (level, curve), color in zip(held, COLORS * len(held), strict=False)
     ]
     if study.exact is not None and study.exact.curve is not None:
         exact = study.exact.curve
         lines.append(Line(exact.delta / delta_unit, exact.P / P_unit, "exact", "-", BLACK))
-    return Panel(f"displacement δ ({_pretty(delta_name)})", f"load P ({_pretty(P_name)})", lines)
+    return Panel(f"displacement δ ({pretty(delta_name)})", f"load P ({pretty(P_name)})", lines)
 
 
 def errors_panel(study: Convergence) -> Panel:
@@ -208,7 +208,7 @@ def _two_panels(
     w: float,
     units: tuple[float, float, float],
     labels: tuple[str, str, str],
-    references: Sequence[tuple[str, str, Array, Measured, Measured]],
+    references: Sequence[tuple[str, str, str, Array, Measured, Measured]],
 ) -> list[Panel]:
     """Load over displacement and radius over load: the numbers as points, the references as lines."""
     P_unit, delta_unit, a_unit = units
@@ -220,17 +220,17 @@ def _two_panels(
     ):
         load.append(Line(delta / delta_unit, P / P_unit, words, "o", color))
         radius.append(Line(P / P_unit, curve.a / a_unit, words, "o", color))
-    for words, style, a, *pairs in references:
+    for words, style, color, a, *pairs in references:
         for (delta, P), name in zip(pairs, (words, UNNAMED), strict=True):
-            load.append(Line(delta / delta_unit, P / P_unit, name, style))
-            radius.append(Line(P / P_unit, a / a_unit, name, style))
+            load.append(Line(delta / delta_unit, P / P_unit, name, style, color))
+            radius.append(Line(P / P_unit, a / a_unit, name, style, color))
     return [Panel(labels[0], labels[1], load), Panel(labels[1], labels[2], radius)]
 
 
 def _sizes(study: Convergence) -> tuple[Array, str]:
     sizes = np.array([level.size for level in study.levels])
     unit, name = scale(float(sizes[0]), "length")
-    return sizes / unit, f"element size at the contact edge ({_pretty(name)})"
+    return sizes / unit, f"element size at the contact edge ({pretty(name)})"
 
 
 def _tip_radius(problem: Problem, case: Path) -> float:
@@ -242,7 +242,3 @@ def _tip_radius(problem: Problem, case: Path) -> float:
 
 def _doubled(cases: Sequence[Path]) -> list[str]:
     return [case.stem for case in cases for _ in range(2)]
-
-
-def _pretty(text: str) -> str:
-    return text.replace("^2", "²").replace("um", "µm").replace("uN", "µN").replace("uJ", "µJ")

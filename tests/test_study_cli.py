@@ -1,0 +1,37 @@
+"""The studies on the command line: small ones, from start to file."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+from jkrcli.cli.study import STUDIES
+
+
+def test_every_study_has_help_with_an_example(jkr) -> None:
+    for name in STUDIES:
+        outcome = jkr("study", name, "--help")
+        assert outcome.code == 0
+        assert f"jkr study {name}" in outcome.out
+
+
+def test_unknown_study_is_named(jkr) -> None:
+    outcome = jkr("study", "nois")
+    assert outcome.code == 2
+    assert outcome.err.startswith('jkr: error: unknown study "nois" (studies: ')
+
+
+def test_noise_study_writes_its_table_and_picture(jkr, tmp_path: Path) -> None:
+    words = ("study", "noise", "--seeds", 2, "--body", "hertz", "--points", 30, "-o", "out")
+    assert jkr(*words).code == 0
+    assert sorted(p.name for p in (tmp_path / "out").iterdir()) == [f"noise-study.{e}" for e in ("csv", "png", "svg")]
+    with (tmp_path / "out" / "noise-study.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert {(row["method"], row["noise"]) for row in rows} == {
+        (method, noise) for method in ("integral", "loocv") for noise in ("0.0", "0.0001", "0.001", "0.01", "0.03")
+    }
+    fitted = {row["noise"]: float(row["median"]) for row in rows if row["method"] == "integral"}
+    assert fitted["0.0"] < 1e-9  # a power law is exact
+    assert fitted["0.0001"] < 1e-3  # 4e-5 in the median of many seeds
+    assert not any(word in (tmp_path / "out" / "noise-study.csv").read_text() for word in ("nan", "inf"))
+    assert jkr(*words).code == 0  # its own files are replaced

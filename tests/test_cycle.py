@@ -120,6 +120,13 @@ def test_no_adhesion_on_approach_follows_hertz_from_the_first_radius() -> None:
     assert np.allclose(columns["P_N"][approach], expected[1], rtol=1e-12)
 
 
+def test_no_adhesion_on_approach_takes_the_chord_below_the_first_radius() -> None:
+    late = cycle(half_space(0.0, first=3e-6), half_space(50.0, first=3e-6), RIGID, 1e-5)
+    chord = late.begin.P * late.begin.delta / 2  # the balance leaves out the work up to the first radius
+    assert chord > 1e-3 * late.energy_lost  # seen by the tolerance below
+    assert late.energy_lost == pytest.approx(balance(late) + chord, rel=1e-8)
+
+
 def test_work_of_separation_from_the_zero_load_within_the_turn() -> None:
     """With strong hysteresis the load falls through zero at held radius: the straight line is cut there."""
     soft, strong = half_space(10.0), half_space(200.0)

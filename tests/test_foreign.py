@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from jkrcli.closed_form import hertz
 from jkrcli.errors import InputError
-from jkrcli.foreign import Reading, radius_from_area, read_series, split_name, surface_area
+from jkrcli.foreign import Reading, radius_from_area, read_measured, read_series, split_name, surface_area
 from jkrcli.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
 from jkrcli.text_table import unit_power
 
@@ -119,6 +119,14 @@ def test_units_only_change_the_numbers(tmp_path_factory, length: str, depth: str
 )  # fmt: skip
 def test_names_and_units_of_header_cells(title: str, parts: tuple[str, str]) -> None:
     assert split_name(title) == parts
+
+
+def test_measured_points_keep_sign_and_order_and_are_shifted(tmp_path: Path) -> None:
+    path = tmp_path / "m.csv"
+    path.write_text("displacement (um);load (mN)\n-5;-1,3\n30;2\n0;-1,2\n")
+    delta, P = read_measured(path, 2e-6)
+    np.testing.assert_allclose(delta, [-3e-6, 32e-6, 2e-6], rtol=1e-14)
+    np.testing.assert_allclose(P, [-1.3e-3, 2e-3, -1.2e-3], rtol=1e-14)
 
 
 # ---------------------------------------------------------------------- contact area

@@ -50,7 +50,7 @@ def test_after_import_every_verb_works_as_on_our_own(jkr, table: Path, tmp_path:
         "separated by: semicolon",
         "  read      60 rows, 60 different contact radii",
     ]
-    summary = json.loads(jkr("transform", "t.h5", "--json").out)["results"][0]
+    summary = json.loads(jkr("transform", "t.h5", "--no-plots", "--json").out)["results"][0]
     assert summary["method"] == "import"
     # Exact data on 60 points: slopes of an interpolating spline, 1e-4 of the pull-off force.
     assert summary["pull_off"]["load"]["P_N"] == pytest.approx(-1.5 * np.pi * 0.05 * 1e-3, rel=1e-4)

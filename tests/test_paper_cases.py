@@ -126,7 +126,7 @@ def test_gel_is_wide_enough() -> None:
 
 # ---------------------------------------------------------------------- up to nu = 1/2
 SWEEP = [(nu, x) for nu in (0.3, 0.45, 0.49, 0.499, 0.4999, 0.49999, 0.5) for x in (1.0, 5.0)]
-FAST = [(0.45, 1.0), (0.5, 5.0)]
+FAST = [(0.5, 5.0)]
 
 
 @pytest.mark.parametrize(
@@ -174,18 +174,17 @@ def test_layer_on_a_half_space_of_the_same_material_is_the_half_space() -> None:
     np.testing.assert_allclose(series.P[upper], P[upper], rtol=1e-3)  # measured: 2e-5
 
 
-@pytest.mark.parametrize(
-    "indenter", [PowerLaw(0.02, 1.0), PowerLaw(1e-3, 4.0), PowerLaw(1e-2, 1.5)], ids=["cone", "B r^4", "B r^1.5"]
-)
+@pytest.mark.parametrize("indenter", [PowerLaw(0.02, 1.0), PowerLaw(1e-3, 4.0)], ids=["cone", "B r^4"])
 def test_power_laws_on_a_large_body(indenter: PowerLaw) -> None:
     material = Elastic(1.0, 0.3)
     series = PLAIN(Problem(indenter, Specimen((), HalfSpace(material)), Loading("radius", 2.0, 50))).series
     a = (series.delta / (indenter.B * indenter.c_d)) ** (1 / indenter.d)
     _, P = closed_form.power_law(a, material.E_star, indenter.B, indenter.d)
     upper = series.delta > 0.01 * series.delta[-1]
-    np.testing.assert_allclose(series.P[upper], P[upper], rtol=5e-3)  # measured: 4e-4, 5e-5, 6e-5
+    np.testing.assert_allclose(series.P[upper], P[upper], rtol=5e-3)  # measured: 4e-4, 5e-5
 
 
+@pytest.mark.slow
 def test_a_rounded_flat_end_approaches_the_flat_punch() -> None:
     """P = 2 E* b delta in the limit of a sharp edge; the excess falls with the edge radius."""
     material = Elastic(1.0, 0.3)

@@ -34,7 +34,7 @@ from jkrcli.stability import (
     jumps,
 )
 from jkrcli.stability_path import grow, largest_stable, shrink
-from jkrcli.states import position
+from jkrcli.states import position, radii_at
 
 E_STAR, R, W = 5e9 / 0.84, 1e-4, 50.0
 P0, DELTA0, A0 = scales_half_space(R, E_STAR, W)
@@ -306,6 +306,18 @@ def test_an_approach_with_jumps_lands_on_the_next_stable_branch() -> None:
         deltas = [float(ours.at(np.array(a))[0]) for a in (before.last, after.first)]
         assert deltas[0] == pytest.approx(deltas[1], rel=1e-9)
     assert path.ends == "series"
+
+
+def test_work_of_separation_counts_from_the_last_of_several_zero_loads() -> None:
+    """In the valley the load falls below zero, contact jumps back to a smaller radius and is pressed again."""
+    ours = dipped(1e-7, (8e-6, 0.97, 0.05))
+    whole = cycle(ours, ours, RIGID)
+    zeros = [a for a in radii_at(ours, "load", 0.0) if whole.retraction.holds(a)]
+    assert len(zeros) == 2
+    assert len(whole.jumps_out) == 2
+    a = np.geomspace(zeros[0], whole.jumps_out[-1].start.a, 20_001)
+    delta, P = ours.at(a)
+    assert whole.separation == pytest.approx(np.sum((P[1:] + P[:-1]) / 2 * np.diff(delta)), rel=1e-6)  # trapezoids
 
 
 def test_an_approach_that_jumps_out_of_the_series_ends_there() -> None:

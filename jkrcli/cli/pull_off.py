@@ -184,7 +184,8 @@ def _validity(result: Analysis) -> list[str]:
         lines.append(f"  Tabor number {numbers} with the substrate's: {judged['regime_coated']}")
     sizes = ((name, judged[key]) for name, key in SIZES.items())
     lines.append("  " + ", ".join(f"{name} = {value:.3g}" for name, value in sizes if isinstance(value, float)))
-    return [line for line in [*lines, *(f"  {warning}" for warning in check(result.validity))] if line.strip()]
+    said = (warning for warning in check(result.validity) if not warning.startswith("Tabor"))  # stands above
+    return [line for line in [*lines, *(f"  {warning}" for warning in said)] if line.strip()]
 
 
 def _finite(stiffness: float) -> float | None:

@@ -9,7 +9,7 @@ from typing import Any
 import click
 import numpy as np
 
-from .. import plots, tables
+from .. import tables
 from ..adhesion import Outside
 from ..case import load_case
 from ..case.numerics import method_of
@@ -17,7 +17,6 @@ from ..errors import InputError
 from ..fem.method import FEM
 from ..files import check_target, write_text
 from ..study.converge import QUANTITIES, Convergence, converge
-from ..study.figures import convergence_figure
 from ..units import show
 from ..words import describe
 from .options import WorkOfAdhesion
@@ -32,10 +31,18 @@ WORDS = {"a": "contact radius", "P": "load", "pull_off": "pull-off force"}
 @click.option("--contact", type=click.Choice(["nested", "incremental"]), help="Instead of the case's.")
 @click.option("--w", "work", type=WorkOfAdhesion(), help="Work of adhesion [default: the case's first].")
 @click.option("-o", "--output", type=click.Path(path_type=Path, file_okay=False), default=Path(), help="Folder.")
+@click.option("--no-plots", is_flag=True, help="Write CSV and JSON only.")
 @click.option("--force", is_flag=True, help="Replace existing files that jkr did not write.")
 @click.option("--json", "as_json", is_flag=True, help="Print as JSON.")
 def study_converge(
-    case: Path, levels: int, contact: str | None, work: float | None, output: Path, force: bool, as_json: bool
+    case: Path,
+    levels: int,
+    contact: str | None,
+    work: float | None,
+    output: Path,
+    no_plots: bool,
+    force: bool,
+    as_json: bool,
 ) -> None:
     """Solve CASE by finite elements on meshes whose elements halve from one to the next (Appendix C).
 
@@ -51,7 +58,7 @@ def study_converge(
     if not w:
         raise InputError(f"{case}: names no work of adhesion > 0: give --w")
     output.mkdir(parents=True, exist_ok=True)
-    targets = {ending: output / f"{case.stem}-convergence{ending}" for ending in ENDINGS}
+    targets = {ending: output / f"{case.stem}-convergence{ending}" for ending in (ENDINGS[:2] if no_plots else ENDINGS)}
     for target in targets.values():
         check_target(target, force)
     method = method_of(loaded.model, "fem")
@@ -62,14 +69,22 @@ def study_converge(
     data = as_dict(found)
     write_text(targets[".csv"], tables.csv(_columns(found)))
     write_text(targets[".json"], tables.as_json(data))
-    figure = convergence_figure(found)
-    for ending in (".png", ".svg"):
-        plots.save(figure, targets[ending])
+    if not no_plots:
+        _draw(found, targets)
     if as_json:
         click.echo(tables.as_json(data).rstrip())
     else:
         _print(found)
-        click.echo(f"  written   {targets['.csv'].with_suffix('')}{{{','.join(ENDINGS)}}}")
+        click.echo(f"  written   {targets['.csv'].with_suffix('')}{{{','.join(targets)}}}")
+
+
+def _draw(found: Convergence, targets: dict[str, Path]) -> None:
+    from .. import plots
+    from ..study.figures import convergence_figure
+
+    figure = convergence_figure(found)
+    for ending in ENDINGS[2:]:
+        plots.save(figure, targets[ending])
 
 
 def as_dict(found: Convergence) -> dict[str, Any]:

@@ -14,7 +14,7 @@ CASES   := $(notdir $(basename $(wildcard cases/*.toml)))
 SOURCES := $(shell find jkrcli -name '*.py')
 
 .DEFAULT_GOAL := help
-.PHONY: help setup run test test-all lint cases bench noise-study clean requirements
+.PHONY: help setup run test test-all lint cases bench figures noise-study clean requirements
 .DELETE_ON_ERROR:
 
 help: ## list the targets
@@ -60,6 +60,9 @@ $(RESULTS)/%.done: $(RESULTS)/%.h5
 
 bench: $(READY) ## time the stages of a run
 	$(JKR) bench $(CASE)
+
+figures: $(READY) ## the paper's figures 5, 7, 8 and 10
+	$(JKR) study figures --cases cases -o $(RESULTS)/figures
 
 noise-study: $(READY) ## what noise in the data does to the adhesive curve, 200 seeds (twenty minutes)
 	$(JKR) study noise -o $(RESULTS)/noise

@@ -86,7 +86,7 @@ class AdhesiveCurve:
         """
         control = _control(stiffness)
         points = []
-        for a, rising in self._roots(lambda a: control(*self._rule.rates(a))):
+        for a, rising in self.zeros(lambda a: control(*self._rule.rates(a))):
             delta, P = (float(value) for value in self.at(np.array(a)))
             points.append(CriticalPoint(a, delta, P, "minimum" if rising else "maximum"))
         return tuple(points)
@@ -96,10 +96,10 @@ class AdhesiveCurve:
         if (P is None) == (delta is None):
             raise InputError("adhesive curve: give either P or delta to look for")
         index, value = (0, delta) if P is None else (1, P)
-        return tuple(a for a, _ in self._roots(lambda a: self._rule.point(a)[index] - value))
+        return tuple(a for a, _ in self.zeros(lambda a: self._rule.point(a)[index] - value))
 
-    def _roots(self, function: Callable[[Array], Array]) -> Iterator[tuple[float, bool]]:
-        """Radii where ``function`` of the radius vanishes, increasing, and whether it rises there."""
+    def zeros(self, function: Callable[[Array], Array]) -> Iterator[tuple[float, bool]]:
+        """Radii in the series where ``function`` of the radius [m] vanishes, increasing, and whether it rises there."""
 
         def along(x: Array) -> Array:
             return function(np.clip(np.exp(x), self.a[0], self.a[-1]))

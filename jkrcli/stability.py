@@ -16,7 +16,7 @@ from .adhesion import AdhesiveCurve, CriticalPoint, Outside
 from .errors import InputError
 from .series import Array
 from .stability_path import Path, grow, largest_stable, shrink
-from .states import DISPLACEMENT_CONTROL, LOAD_CONTROL, State, position, radii_at, radii_at_position, state
+from .states import DISPLACEMENT_CONTROL, LOAD_CONTROL, State, position, radii_at_position, state
 from .units import show
 
 Energy = float | str  # in J, or why there is none
@@ -94,7 +94,7 @@ class Cycle:
         missing = self._no_energy()
         if missing:
             return missing
-        free = [a for a in radii_at(self.retraction.curve, "load", 0.0) if self.retraction.holds(a)]
+        free = [a for a in self.retraction.curve.radii(P=0.0) if self.retraction.holds(a)]
         if free:
             return self.retraction.beyond(free[0]).work
         high, low = self._held

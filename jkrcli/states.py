@@ -3,19 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
-from scipy.optimize import brentq
 
 from .adhesion import AdhesiveCurve
 from .errors import InputError
-from .series import Array
 from .units import show
 
-SAMPLES = 16  # per interval of the series
 LOAD_CONTROL, DISPLACEMENT_CONTROL = 0.0, math.inf  # as stiffness of the device [N/m]
 
 
@@ -42,22 +38,12 @@ def position(delta: Any, P: Any, stiffness: float) -> Any:
 def radii_at_position(curve: AdhesiveCurve, stiffness: float, value: float) -> list[float]:
     """All contact radii [m] in the series at which the device's ``position`` has the ``value``, increasing."""
 
-    def mismatch(a: Array) -> Array:
-        return position(*curve.at(a), stiffness) - value
-
-    steps = np.linspace(0, 1, SAMPLES, endpoint=False)
-    a = np.append((curve.a[:-1, None] + np.diff(curve.a)[:, None] * steps).ravel(), curve.a[-1])
-    return _roots(mismatch, a)
-
-
-def radii_at(curve: AdhesiveCurve, quantity: Literal["load", "displacement"], value: float) -> list[float]:
-    """All contact radii [m] in the series at which P [N] or delta [m] has the ``value``, increasing; maybe none."""
-    return radii_at_position(curve, LOAD_CONTROL if quantity == "load" else DISPLACEMENT_CONTROL, value)
+    return [a for a, _ in curve.zeros(lambda a: position(*curve.at(a), stiffness) - value)]
 
 
 def stable_radius(curve: AdhesiveCurve, load: float) -> float:
     """The largest contact radius [m] at which ``load`` [N] is carried stably under load control (dP/da > 0)."""
-    stable = [a for a in radii_at(curve, "load", load) if curve.rates(np.array(a))[1] > 0]
+    stable = [a for a in curve.radii(P=load) if curve.rates(np.array(a))[1] > 0]
     if not stable:
         P = curve.at(curve.a)[1]
         raise InputError(
@@ -65,12 +51,3 @@ def stable_radius(curve: AdhesiveCurve, load: float) -> float:
             f"{show(float(P.min()), 'load')} to {show(float(P.max()), 'load')}"
         )
     return stable[-1]
-
-
-def _roots(function: Callable[[Array], Array], x: Array) -> list[float]:
-    values = function(x)
-    roots = [float(x[i]) for i in np.flatnonzero(values == 0)]
-    for i in np.flatnonzero(values[:-1] * values[1:] < 0):
-        root = brentq(lambda t: float(function(np.array(t))), x[i], x[i + 1], xtol=1e-15 * x[i], rtol=1e-14)
-        roots.append(float(root))
-    return sorted(roots)

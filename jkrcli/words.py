@@ -48,4 +48,9 @@ def describe_specimen(specimen: Specimen) -> str:
         base = f"an elastic half-space (E = {show(specimen.base.material.E, 'modulus')})"
     else:
         base = "a rigid base" if specimen.base.bonded else "a rigid frictionless base"
-    return f"{layers} ({top}) on {base}"
+    shape = (
+        ""
+        if specimen.radius is None
+        else f", cylinder of radius {show(specimen.radius, 'length')}, side {specimen.side}"
+    )
+    return f"{layers} ({top}{shape}) on {base}"

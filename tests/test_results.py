@@ -20,7 +20,7 @@ from jkrcli.methods import method_class
 from jkrcli.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.series import Series
 from jkrcli.slopes import slopes
-from jkrcli.states import radii_at, stable_radius
+from jkrcli.states import stable_radius
 
 R, W = 1e-4, 50.0
 GROUND = Specimen((), HalfSpace(Elastic(5e9, 0.4)))
@@ -88,12 +88,12 @@ def test_series_that_do_not_overlap_are_refused() -> None:
 def test_states_lie_on_the_curve_and_the_stable_one_is_the_larger() -> None:
     curve = curve_of(PROBLEM)
     lowest = curve.pull_off(0.0).P
-    radii = radii_at(curve, "load", 0.5 * lowest)
+    radii = curve.radii(P=0.5 * lowest)
     assert len(radii) == 2
     np.testing.assert_allclose(curve.at(np.array(radii))[1], 0.5 * lowest, rtol=1e-10)
     assert stable_radius(curve, 0.5 * lowest) == radii[1]
-    np.testing.assert_allclose(curve.at(np.array(radii_at(curve, "displacement", 0.0)))[0], 0, atol=1e-18)
-    assert radii_at(curve, "load", 2 * lowest) == []
+    np.testing.assert_allclose(curve.at(np.array(curve.radii(delta=0.0)))[0], 0, atol=1e-18)
+    assert curve.radii(P=2 * lowest) == ()
     with pytest.raises(InputError, match=r"load: -47.04 mN is not carried by a stable contact of this series"):
         stable_radius(curve, 2 * lowest)
 

@@ -9,8 +9,9 @@ from jkrcli.adhesion import transform
 from jkrcli.closed_form import hertz, thin_incompressible_layer, thin_layer
 from jkrcli.errors import InputError, Refusal
 from jkrcli.series import Series
-from jkrcli.slopes import slopes
+from jkrcli.slopes import slopes, slopes_function
 from jkrcli.slopes.loocv import interpolated_slope, loocv
+from jkrcli.study.noise import noisy
 
 E_STAR, R, W = 5e9 / 0.84, 1e-4, 50.0
 
@@ -107,3 +108,15 @@ def test_an_unknown_slope_at_first_touch_is_not_imposed() -> None:
     series = half_space(60)
     free = Series(series.a, series.delta, series.P, S0=None)
     assert loocv(free).S[20] == pytest.approx(2 * E_STAR * series.a[20], rel=1e-2)
+
+
+def test_estimate_is_no_smaller_than_the_distance_from_the_integral_fit() -> None:
+    """A smoothing spline's own estimate misses what the derivative before it did to noisy data."""
+    exact = half_space(60)
+    raw = noisy(exact, 1e-4, 3)
+    series = Series(raw.a, raw.delta, raw.P)
+    alone, judged, fitted = slopes_function("loocv")(series), slopes(series, "loocv"), slopes(series, "integral")
+    distance = np.quantile(np.abs(np.sqrt(judged.dS / fitted.dS) - 1), 0.9)
+    assert judged.error >= distance >= alone.error
+    np.testing.assert_array_equal(judged.dS, alone.dS)
+    assert slopes(series, "auto").method == "integral"

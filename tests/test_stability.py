@@ -34,7 +34,7 @@ from jkrcli.stability import (
     jumps,
 )
 from jkrcli.stability_path import grow, largest_stable, shrink
-from jkrcli.states import position, radii_at
+from jkrcli.states import position
 
 E_STAR, R, W = 5e9 / 0.84, 1e-4, 50.0
 P0, DELTA0, A0 = scales_half_space(R, E_STAR, W)
@@ -312,7 +312,7 @@ def test_work_of_separation_counts_from_the_last_of_several_zero_loads() -> None
     """In the valley the load falls below zero, contact jumps back to a smaller radius and is pressed again."""
     ours = dipped(1e-7, (8e-6, 0.97, 0.05))
     whole = cycle(ours, ours, RIGID)
-    zeros = [a for a in radii_at(ours, "load", 0.0) if whole.retraction.holds(a)]
+    zeros = [a for a in ours.radii(P=0.0) if whole.retraction.holds(a)]
     assert len(zeros) == 2
     assert len(whole.jumps_out) == 2
     a = np.geomspace(zeros[0], whole.jumps_out[-1].start.a, 20_001)

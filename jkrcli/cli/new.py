@@ -24,6 +24,7 @@ radius = "100 um"
 
 [specimen]                      # layers from the contact surface down, on a rigid base ...
 base = "bonded"                 # bonded | frictionless
+# radius = "1 mm"               # a finite cylinder; with side = "free" | "roller" | "clamped"
 
 [[specimen.layers]]
 name = "layer"

@@ -18,7 +18,7 @@ from ..materials import Elastic
 from ..methods import method_class
 from ..problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from ..series import Array, RawSeries, Series
-from ..slopes import slopes, smoothed
+from ..slopes import slopes, slopes_function, smoothed
 
 POINTS = (30, 60, 200)
 NOISE = (0.0, 1e-4, 1e-3, 1e-2, 3e-2)
@@ -156,4 +156,4 @@ def _curve(raw: RawSeries, method: str, w: float, exact: Series) -> AdhesiveCurv
         series, found = smoothed(raw, exact.a0, exact.S0)
         return transform(series, found, w)
     series = Series(raw.a, raw.delta, raw.P, a0=exact.a0, S0=exact.S0)
-    return transform(series, slopes(series, method), w)
+    return transform(series, slopes_function(method)(series), w)

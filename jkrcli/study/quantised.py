@@ -11,7 +11,7 @@ from ..adhesion import Outside, transform
 from ..closed_form import hertz
 from ..errors import InputError
 from ..series import RawSeries, Series, filter_plateaus
-from ..slopes import slopes, smoothed
+from ..slopes import slopes_function, smoothed
 
 WAYS = ("integral from increments", "integral", "loocv")
 
@@ -74,7 +74,7 @@ def _pull_off(raw: RawSeries, way: str, w: float) -> float:
         else:
             kept, _ = filter_plateaus(raw)
             series = Series(kept.a, kept.delta, kept.P)
-            curve = transform(series, slopes(series, way), w)
+            curve = transform(series, slopes_function(way)(series), w)
     except InputError:
         return np.nan
     found = curve.pull_off(0.0)

@@ -15,11 +15,10 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from . import __version__
-from .adhesion import AdhesiveCurve, CriticalPoint, scales_half_space, scales_thin_layer
+from .adhesion import AdhesiveCurve, CriticalPoint
 from .analysis import Analysis
-from .closed_form import foundation_modulus
-from .errors import InputError
 from .files import atomic
+from .scaling import Scales
 from .series import Array
 from .stability import GRIPPED, STABLE, UNSTABLE, branch
 from .units import scale, show
@@ -62,21 +61,9 @@ def physical_units(curve: AdhesiveCurve) -> Units:
     return Units(delta, P, a, labels)
 
 
-def dimensionless_units(result: Analysis, scaling: str) -> Units:
-    """The axes of Eq. 15 ("half-space") or Eq. 19 ("thin-layer")."""
-    problem, w = result.case.problem, result.w
-    R = problem.indenter.tip_radius
-    if R is None or w == 0:
-        raise InputError("--dimensionless: needs an indenter with a tip radius and w > 0")
-    if scaling == "half-space":
-        P, delta, a = scales_half_space(R, problem.E_star, w)
-        return Units(delta, P, a, ("δ / δ₀  (Eq. 15)", "P / (π w R)", "a / a₀  (Eq. 15)"))
-    if not problem.specimen.layers or problem.specimen.surface.nu >= 0.5:
-        raise InputError("--dimensionless thin-layer: needs a layer with nu < 0.5 (Eq. 22)")
-    top = problem.specimen.layers[0]
-    K = foundation_modulus(top.material.E, top.material.nu, top.thickness)
-    P, delta, a = scales_thin_layer(R, K, w)
-    return Units(delta, P, a, ("δ / √(2w/K)", "P / (2 π w R)", "a / (8 w R²/K)^¼"))
+def units_of(scales: Scales) -> Units:
+    """The axes of a dimensionless curve."""
+    return Units(scales.delta, scales.P, scales.a, scales.labels)
 
 
 def curve_figure(result: Analysis, units: Units) -> Figure:

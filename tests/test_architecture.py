@@ -24,7 +24,7 @@ ORDER = [
     "errors", "materials", "units", "files", "clock", "indenters", "problem", "words", "series", "closed_form",
     "methods", "radii", "integral", "formulas", "fem", "choose", "case", "store", "text_table", "foreign", "slopes",
     "adhesion", "validity", "states", "stability_path", "stability", "stability_inverse", "comparison", "differences",
-    "expectation", "analysis", "tables", "plots", "plots_fields", "plots_study", "plots_stability", "study",
+    "expectation", "analysis", "scaling", "tables", "plots", "plots_fields", "plots_study", "plots_stability", "study",
     "plots_noise", "cli", "__main__",
 ]  # fmt: skip
 

@@ -11,6 +11,7 @@ from conftest import CASES
 
 from jkrcli import __version__, store
 from jkrcli.cli import VERBS
+from jkrcli.closed_form import jkr_dimensionless
 from jkrcli.tables import read_curve
 
 HALFSPACE = CASES / "halfspace.toml"
@@ -164,7 +165,7 @@ REFUSALS = [
     (("transform", "x.h5", "--w", "5 kg"), "invalid value for '--w': must be a work of adhesion, got \"5 kg\""),
     (("transform", "x.h5", "x.h5"), "x-w50.csv: would be written twice"),
     (("transform", "x.h5", "--w", "1", "--w", "1 N/m"), "x-w1.csv: would be written twice"),
-    (("transform", "x.h5", "--dimensionless", "thin-layer"), "--dimensionless thin-layer: needs a layer"),
+    (("transform", "x.h5", "--dimensionless", "thin-layer"), "--dimensionless thin-layer: needs one layer"),
     (("compare", "x.h5", "no.h5"), "no.h5: series file not found"),
     (("compare", "x.csv", "x.csv"), "x.csv: curve not found"),
 ]
@@ -217,3 +218,31 @@ def test_interrupt_leaves_nothing(jkr, tmp_path: Path, monkeypatch: pytest.Monke
     outcome = jkr("run", HALFSPACE, "--method", "closed-form")
     assert (outcome.code, outcome.err.strip()) == (130, "jkr: error: interrupted; nothing half-written was left")
     assert files(tmp_path) == []
+
+
+def test_dimensionless_columns_are_eq_18_for_a_paraboloid(jkr, tmp_path: Path) -> None:
+    (tmp_path / "p.toml").write_text(HALFSPACE.read_text().replace('"sphere"', '"paraboloid"'))
+    jkr("run", "p.toml", "--method", "closed-form")
+    assert jkr("transform", "p.h5", "--dimensionless", "half-space").code == 0
+    curve = read_curve(tmp_path / "p-w50.csv")
+    delta_bar, P_bar = jkr_dimensionless(curve["a_bar"])
+    np.testing.assert_allclose(curve["P_bar"], P_bar, rtol=1e-10, atol=1e-12)
+    np.testing.assert_allclose(curve["delta_bar"], delta_bar, rtol=1e-10, atol=1e-12)
+    assert (
+        jkr("transform", "p.h5", "--scale", "a=1um", "--scale", "delta=1nm", "--scale", "P=1mN", "--no-plots").code == 0
+    )
+    curve = read_curve(tmp_path / "p-w50.csv")
+    np.testing.assert_allclose(curve["P_bar"], curve["P_N"] * 1e3, rtol=1e-14)
+    np.testing.assert_allclose(curve["a_bar"], curve["a_m"] * 1e6, rtol=1e-14)
+    assert json.loads((tmp_path / "p-w50.json").read_text())["scales"]["name"] == "own"
+    outcome = jkr("transform", "p.h5", "--scale", "a=1um")
+    assert outcome.err == "jkr: error: --scale: needs a, delta and P, each > 0, got delta = nothing\n"
+
+
+@pytest.mark.parametrize("slopes", ["loocv", "gcv", "integral"])
+def test_every_way_to_the_slopes_gives_nearly_the_exact_pull_off(jkr, tmp_path: Path, slopes: str) -> None:
+    jkr("run", HALFSPACE, "--method", "closed-form")
+    assert jkr("transform", "halfspace.h5", "--slopes", slopes, "--no-plots").code == 0
+    summary = json.loads((tmp_path / "halfspace-w50.json").read_text())
+    assert summary["slopes"] == slopes
+    assert abs(summary["comparison"]["pull_off"]) < 1e-4  # measured: 2e-7 and better, on noise-free data

@@ -34,7 +34,7 @@ def test_exact_slopes_are_those_of_the_series() -> None:
 
 
 def test_unknown_method_is_refused_by_name() -> None:
-    with pytest.raises(InputError, match="must be one of auto, exact, loocv, integral, got 'spline'"):
+    with pytest.raises(InputError, match="must be one of auto, exact, loocv, gcv, integral, got 'spline'"):
         slopes(half_space(10), "spline")
 
 

@@ -42,3 +42,17 @@ class Length(QuantityOption):
 class Load(QuantityOption):
     name = "LOAD"
     dimension = "load"
+
+
+class Scale(click.ParamType):
+    """KEY=VALUE with a key of a, delta, P: what that quantity is divided by."""
+
+    name = "KEY=VALUE"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[str, float]:
+        if isinstance(value, tuple):
+            return value
+        key, mark, text = str(value).partition("=")
+        if not mark or key not in ("a", "delta", "P"):
+            self.fail(f'must be KEY=VALUE with a key of a, delta, P, got "{value}"', param, ctx)
+        return key, (Load() if key == "P" else Length()).convert(text, param, ctx)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -11,19 +12,24 @@ from ..adhesion import CriticalPoint
 from ..analysis import Analysis, analyse, specification
 from ..errors import InputError
 from ..files import check_target, write_text
+from ..scaling import Scales, own_scales, scales_of
 from ..store import Stored
 from ..units import show
-from .options import WorkOfAdhesion
+from .options import Scale, WorkOfAdhesion
 
+SLOPES = ("auto", "exact", "integral", "loocv", "gcv")
 ENDINGS = (".csv", ".json", ".png", ".svg")
 
 
 @click.command()
 @click.argument("files", nargs=-1, required=True, type=click.Path(path_type=Path))
 @click.option("--w", "works", multiple=True, type=WorkOfAdhesion(), help='J/m^2 or "35 mJ/m^2" [default: the case\'s].')
-@click.option("--slopes", type=click.Choice(["auto", "exact", "integral", "loocv"]), default="auto", show_default=True)
+@click.option(
+    "--slopes", type=click.Choice(["auto", "exact", "integral", "loocv", "gcv"]), default="auto", show_default=True
+)
 @click.option("-o", "--output", type=click.Path(path_type=Path, file_okay=False), help="Folder [default: the file's].")
-@click.option("--dimensionless", type=click.Choice(["half-space", "thin-layer"]), help="Axes of Eq. 15 or Eq. 19.")
+@click.option("--dimensionless", type=click.Choice(["half-space", "thin-layer"]), help="Also in units of Eq. 15, 19.")
+@click.option("--scale", "own", multiple=True, type=Scale(), help='Own units: a="1 um", delta=..., P=..., all three.')
 @click.option("--no-plots", is_flag=True, help="Write CSV and JSON only.")
 @click.option("--force", is_flag=True, help="Replace existing files that jkr did not write.")
 @click.option("--json", "as_json", is_flag=True, help="Print the summaries as JSON.")
@@ -33,6 +39,7 @@ def transform(
     slopes: str,
     output: Path | None,
     dimensionless: str | None,
+    own: tuple[tuple[str, float], ...],
     no_plots: bool,
     force: bool,
     as_json: bool,
@@ -45,6 +52,9 @@ def transform(
     jkr transform data.h5 --w 50
     jkr transform gel.h5 --w "35 mJ/m^2" --w "40 mJ/m^2" -o results
     """
+    if own and dimensionless:
+        raise InputError("transform: give either --dimensionless or --scale, got both")
+    users = own_scales(dict(own)) if own else None
     jobs = [_Job.of(path, works, output) for path in files]
     _refuse_equal_targets([target for job in jobs for target in job.targets])
     endings = ENDINGS[:2] if no_plots else ENDINGS
@@ -58,8 +68,8 @@ def transform(
     for job in jobs:
         results = analyse(job.stored, job.works, slopes)
         for result, target in zip(results, job.targets, strict=True):
-            _write(result, target, dimensionless, not no_plots)
-            summaries.append(tables.summary(result))
+            scales = scales_of(result, dimensionless) if dimensionless else users
+            summaries.append(_write(result, target, scales, not no_plots))
         if not as_json:
             _print(job, results, endings)
     if as_json:
@@ -91,20 +101,24 @@ def _refuse_equal_targets(targets: list[Path]) -> None:
         seen.add(target.resolve())
 
 
-def _write(result: Analysis, target: Path, dimensionless: str | None, with_plots: bool) -> None:
+def _write(result: Analysis, target: Path, scales: Scales | None, with_plots: bool) -> dict[str, Any]:
+    """Write table, summary and plots of one curve; the figure is drawn before anything is written."""
+    columns, summary = tables.curve_columns(result.curve), tables.summary(result)
+    if scales is not None:
+        columns |= scales.columns(result)
+        summary["scales"] = {"name": scales.name, "P_N": scales.P, "delta_m": scales.delta, "a_m": scales.a}
     figure = None
     if with_plots:
         from .. import plots
 
-        units = (
-            plots.dimensionless_units(result, dimensionless) if dimensionless else plots.physical_units(result.curve)
-        )
+        units = plots.physical_units(result.curve) if scales is None else plots.units_of(scales)
         figure = plots.curve_figure(result, units)
-    write_text(target.with_name(target.name + ".csv"), tables.csv(tables.curve_columns(result.curve)))
-    write_text(target.with_name(target.name + ".json"), tables.as_json(tables.summary(result)))
+    write_text(target.with_name(target.name + ".csv"), tables.csv(columns))
+    write_text(target.with_name(target.name + ".json"), tables.as_json(summary))
     if figure is not None:
         for ending in ENDINGS[2:]:
             plots.save(figure, target.with_name(target.name + ending))
+    return summary
 
 
 def _print(job: _Job, results: list[Analysis], endings: tuple[str, ...]) -> None:

@@ -16,6 +16,7 @@ from .result import Slopes
 SLOPES = {
     "exact": "jkrcli.slopes.exact:exact",
     "loocv": "jkrcli.slopes.loocv:loocv",
+    "gcv": "jkrcli.slopes.loocv:gcv",
     "integral": "jkrcli.slopes.integral:integral",
 }
 __all__ = ["SLOPES", "Slopes", "slopes", "slopes_function", "smoothed"]
@@ -31,8 +32,9 @@ def slopes_function(name: str) -> Callable[[Series], Slopes]:
 
 def slopes(series: Series, name: str = "auto") -> Slopes:
     """S and S' of ``series``; "auto" takes the exact ones where the series carries them, else the surer estimate."""
-    if name == "loocv":
-        return replace(_measured_against(_paper(series), _integral_or_none(series)), reason="asked for")
+    if name in ("loocv", "gcv"):
+        paper = slopes_function(name)(series)
+        return replace(_measured_against(paper, _integral_or_none(series)), reason="asked for")
     if name != "auto":
         return replace(slopes_function(name)(series), reason="asked for")
     if series.S is not None and series.dS is not None:
@@ -48,10 +50,6 @@ def smoothed(
 
     series, found = fitted(raw, a0, S0, errors)
     return series, replace(found, reason="the increments themselves were fitted")
-
-
-def _paper(series: Series) -> Slopes:
-    return slopes_function("loocv")(series)
 
 
 def _integral_or_none(series: Series) -> Slopes | None:
@@ -82,7 +80,7 @@ def _surer(series: Series) -> Slopes:
     """Of "integral" and "loocv" the one with the smaller estimate of its error."""
     fitted = slopes_function("integral")(series)
     try:
-        paper = _measured_against(_paper(series), fitted)
+        paper = _measured_against(slopes_function("loocv")(series), fitted)
     except InputError:
         return replace(fitted, reason="the series carries no exact slopes, and those of 'loocv' are not positive")
     if _number(paper) < _number(fitted):

@@ -13,6 +13,7 @@ flagged.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -44,6 +45,11 @@ def loocv(series: Series, criterion: Criterion = "loocv") -> Slopes:
     flags = tuple(_end_flags(series, dS, bias))
     error = shift_error(dS, covariance, 1.0)
     return Slopes(S, dS, "loocv", error, spline.smoothing_lambda, flags, covariance=covariance)
+
+
+def gcv(series: Series) -> Slopes:
+    """The same with the smoothing chosen by generalised cross-validation."""
+    return replace(loocv(series, "gcv"), method="gcv")
 
 
 def interpolated_slope(delta: Array, P: Array) -> Array:

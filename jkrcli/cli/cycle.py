@@ -16,8 +16,8 @@ from ..stability import Cycle, Jump, control, trace, turning_radius
 from ..stability import cycle as run_cycle
 from ..store import Stored
 from ..units import show
-from .options import Length, Load, WorkOfAdhesion
-from .pull_off import SLOPES, Stiffness
+from .options import Length, Load, WorkOfAdhesion, slopes_option
+from .pull_off import Stiffness
 
 ENDINGS = (".csv", ".png", ".svg")
 
@@ -30,7 +30,7 @@ ENDINGS = (".csv", ".png", ".svg")
 @click.option("--to-load", type=Load(), help="Turn at this load [default: at the end of the series].")
 @click.option("--to-depth", type=Length(), help="Turn at this displacement delta.")
 @click.option("--points", type=click.IntRange(2, 100_000), default=200, show_default=True, help="Rows per branch.")
-@click.option("--slopes", type=click.Choice(SLOPES), default="auto", show_default=True)
+@slopes_option
 @click.option("-o", "--output", type=click.Path(path_type=Path, file_okay=False), help="Folder [default: the file's].")
 @click.option("--no-plots", is_flag=True, help="Write the CSV only.")
 @click.option("--force", is_flag=True, help="Replace existing files that jkr did not write.")

@@ -9,6 +9,14 @@ import click
 
 from .. import units
 
+slopes_option = click.option(
+    "--slopes",
+    type=click.Choice(["auto", "exact", "integral", "loocv", "gcv"]),
+    default="auto",
+    show_default=True,
+    help="How S and S' are found.",
+)
+
 
 class QuantityOption(click.ParamType):
     """A finite number of a dimension, SI or with a unit."""

@@ -17,10 +17,9 @@ from ..stability_inverse import FoundWork, work_from_pull_off
 from ..states import DISPLACEMENT_CONTROL, LOAD_CONTROL, State
 from ..units import show
 from ..validity import check
-from .options import Load, QuantityOption, WorkOfAdhesion
+from .options import Load, QuantityOption, WorkOfAdhesion, slopes_option
 
 SIZES = {"a/R": "a_over_R", "a/R at pull-off": "a_over_R_pull_off", "a/h": "a_over_h", "a/L": "a_over_L"}
-SLOPES = ("auto", "exact", "loocv", "integral")
 Answer = tuple[dict[str, Any], list[str]]  # for machines, for people
 
 
@@ -52,7 +51,7 @@ class Stiffness(QuantityOption):
     help='Of the machine or cantilever, "0.2 N/m"; also "load" and "rigid" [default: these two].',
 )
 @click.option("--load", "force", type=Load(), help='A measured pull-off force, "12 uN": which w does it mean?')
-@click.option("--slopes", type=click.Choice(SLOPES), default="auto", show_default=True)
+@slopes_option
 @click.option("--json", "as_json", is_flag=True, help="Print as JSON.")
 def pull_off(
     files: tuple[Path, ...],

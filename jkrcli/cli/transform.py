@@ -17,7 +17,6 @@ from ..store import Stored
 from ..units import show
 from .options import Scale, WorkOfAdhesion
 
-SLOPES = ("auto", "exact", "integral", "loocv", "gcv")
 ENDINGS = (".csv", ".json", ".png", ".svg")
 
 

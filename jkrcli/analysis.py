@@ -12,11 +12,11 @@ from .adhesion import AdhesiveCurve, CriticalPoint, Outside, transform
 from .case import parse_case
 from .comparison import Comparison, compare_half_space
 from .errors import InputError
-from .problem import HalfSpace, Problem
+from .problem import Problem
 from .series import ErrorBudget, Series, first_of_plateaus
 from .slopes import Slopes, slopes, smoothed
 from .store import Stored
-from .validity import Validity, check, judge
+from .validity import Validity, check, end_of_body, judge
 
 LOAD_CONTROL, DISPLACEMENT_CONTROL = 0.0, float("inf")
 
@@ -66,7 +66,7 @@ class Analysis:
             w=self.w,
             R=problem.indenter.tip_radius,
             h=problem.specimen.top_thickness,
-            L=_end_of_body(self.stored, problem),
+            L=end_of_body(problem, self.stored.facts),
             z0=self.case.z0,
             a_pull_off=point.a if isinstance(point, CriticalPoint) else None,
         )
@@ -84,14 +84,6 @@ class Analysis:
         outside = [f"pull-off under {name} control: {point.reason}" for name, point in self.pull_off.items()
                    if isinstance(point, Outside) and self.w > 0]  # fmt: skip
         return [*self.stored.warnings, *self.curve.slopes.flags, *check(self.validity), *outside]
-
-
-def _end_of_body(stored: Stored, problem: Problem) -> float | None:
-    """Distance [m] at which the body or its mesh ends sideways, or below where that is a cut through a half-space."""
-    ends = [problem.specimen.radius, stored.facts.get("width_m")]
-    if isinstance(problem.specimen.base, HalfSpace):
-        ends.append(stored.facts.get("depth_m"))
-    return min((float(end) for end in ends if end is not None), default=None)
 
 
 def specification(stored: Stored) -> Specification:
@@ -121,7 +113,7 @@ def _fitted(stored: Stored, name: str) -> tuple[Series, int, Slopes]:
     if name in ("auto", "integral") and "dS" not in stored.columns and not _is_series(stored):
         series, found = smoothed(stored.raw, stored.a0, stored.S0)
         return series, int(stored.raw.a.size - len(series)), found
-    series, dropped = stored.series()
+    series, dropped = stored.series(name in ("auto", "exact"))
     return series, dropped, slopes(series, name)
 
 

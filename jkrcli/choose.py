@@ -31,6 +31,14 @@ class Choice:
     reason: str
     options: tuple[Option, ...] = ()
 
+    def after_failure(self, error: Exception, build: Callable[[str], Method]) -> Choice | None:
+        """What "auto" turns to when the chosen method fails: the next possible one; None where none is left."""
+        names = [option.name for option in self.options if option.forecast is not None]
+        later = names[names.index(self.name) + 1 :] if self.name in names else []
+        if not later:
+            return None
+        return Choice(later[0], build(later[0]), f"because {self.name} failed ({error})", self.options)
+
 
 def choose(problem: Problem, wanted: str, build: Callable[[str], Method]) -> Choice:
     """The method ``wanted``, or for "auto" the first of ``LEAST_FIRST`` that represents the problem accurately."""
@@ -65,9 +73,19 @@ def survey(problem: Problem, build: Callable[[str], Method], names: Sequence[str
 
 def _why(chosen: Option, options: Sequence[Option]) -> str:
     """One sentence: what was chosen, what simpler methods could not do, what more general ones would cost."""
-    before = [f"{o.name} cannot ({o.refusal})" for o in options if o.refusal]
-    after = [f"{o.name} would take about {cost(o)}" for o in options if o.forecast and o.name != chosen.name]
-    return "; ".join([f"{chosen.name}, the least model that represents this body ({cost(chosen)})", *before, *after])
+    parts = [f"the least model that represents this body ({cost(chosen)})"]
+    for option in options:
+        if option.refusal:
+            parts.append(f"{option.name} cannot ({option.refusal})")
+        elif option is not chosen and not _accurate(option) and _before(option, chosen):
+            parts.append(f"{option.name} would err by more than {NOTICEABLE:g} ({cost(option)})")
+        elif option is not chosen:
+            parts.append(f"{option.name} would take about {cost(option)}")
+    return "; ".join(parts)
+
+
+def _before(option: Option, chosen: Option) -> bool:
+    return LEAST_FIRST.index(option.name) < LEAST_FIRST.index(chosen.name)
 
 
 def cost(option: Option) -> str:

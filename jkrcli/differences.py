@@ -17,12 +17,14 @@ class Difference:
     """Relative differences of one ``column`` at the values ``x`` of ``over``: second minus first, over the first.
 
     Adhesive loads and displacements change sign: their differences are over the largest magnitude of the first.
+    ``coverage``: the share of the wider of the two ranges that both have.
     """
 
     column: str
     over: str
     x: Array
     relative: Array
+    coverage: float
 
     @property
     def worst_row(self) -> int:
@@ -55,7 +57,8 @@ def curve_differences(first: Mapping[str, Array], second: Mapping[str, Array]) -
             continue
         scale = float(np.max(np.abs(first[name])))
         other = PchipInterpolator(second["a_m"], second[name])(np.clip(x, second["a_m"][0], second["a_m"][-1]))
-        found.append(Difference(name, "a_m", x, (other - first[name][inside]) / scale))
+        relative = (other - first[name][inside]) / scale
+        found.append(Difference(name, "a_m", x, relative, _coverage(first["a_m"], second["a_m"])))
     return found
 
 
@@ -63,9 +66,16 @@ def _in_logs(column: str, over: str, x1: Array, y1: Array, x2: Array, y2: Array)
     """Power laws are straight in logs: few points suffice."""
     x, inside = _common(x1, x2)
     if x2.size == 1:
-        return Difference(column, over, x, y2 / y1[inside] - 1)
+        return Difference(column, over, x, y2 / y1[inside] - 1, _coverage(x1, x2))
     other = np.exp(PchipInterpolator(np.log(x2), np.log(y2))(np.clip(np.log(x), np.log(x2[0]), np.log(x2[-1]))))
-    return Difference(column, over, x, other / y1[inside] - 1)
+    return Difference(column, over, x, other / y1[inside] - 1, _coverage(x1, x2))
+
+
+def _coverage(x1: Array, x2: Array) -> float:
+    """Length that both ranges share, over that of the longer one."""
+    shared = min(x1[-1], x2[-1]) - max(x1[0], x2[0])
+    longest = max(x1[-1] - x1[0], x2[-1] - x2[0])
+    return float(max(shared, 0.0) / longest) if longest > 0 else 1.0
 
 
 def _common(x1: Array, x2: Array, slack: float = 1e-9) -> tuple[Array, Array]:

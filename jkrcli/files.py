@@ -5,12 +5,11 @@ from __future__ import annotations
 import contextlib
 import os
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from .errors import InputError, JkrError
 
-MARK = b"jkr"
 CSV_HEADS = (  # our tables carry no mark but their own header
     b"a_m,delta_m,P_N,delta_H_m,P_H_N,S_N_per_m",
     b"r_m,pressure_Pa,displacement_m,gap_m",
@@ -19,15 +18,25 @@ CSV_HEADS = (  # our tables carry no mark but their own header
     b"size_m,elements,unknowns,a_m",
     b"body,points,noise,method,median",
 )
+HEADS = {  # how a file begins, and what then stands near its head
+    b"\x89PNG": b"Software\0jkr ",
+    b"<?xml": b"<dc:title>jkr ",
+    b"{": b'"format": "jkr-',
+}
+TAILS = (b"$Comments\njkr ", b"<!-- jkr ")  # of meshes
 HDF5 = b"\x89HDF\r\n\x1a\n"
 
 
 def read_bytes(path: Path, what: str, limit: int = 1 << 30) -> bytes:
     """The content of ``path``; InputError where it is missing, a folder, unreadable or beyond ``limit`` bytes."""
     try:
-        if path.stat().st_size > limit:
-            raise InputError(f"{path}: {what} is larger than {limit >> 20} MiB, got {path.stat().st_size >> 20} MiB")
-        return path.read_bytes()
+        if path.exists() and not (path.is_file() or path.is_dir()):
+            raise InputError(f"{path}: is a device or a pipe, not a {what}")
+        with path.open("rb") as file:
+            content = file.read(limit + 1)
+        if len(content) > limit:
+            raise InputError(f"{path}: {what} is larger than {limit >> 20} MiB")
+        return content
     except FileNotFoundError:
         raise InputError(f"{path}: {what} not found{_nearby(path)}") from None
     except IsADirectoryError:
@@ -48,13 +57,15 @@ def _nearby(path: Path) -> str:
 
 
 def is_ours(path: Path) -> bool:
-    """Whether ``jkr`` wrote this file: its mark stands at the head or the end (HDF5: the format)."""
+    """Whether ``jkr`` wrote this file, by the exact mark that each kind of file carries; a mention of jkr is none."""
     with contextlib.suppress(OSError), path.open("rb") as file:
         head = file.read(4096)
         if head.startswith(HDF5):
             return _hdf5_is_ours(path)
         file.seek(max(0, path.stat().st_size - 256))
-        return MARK in head + file.read() or head.startswith(CSV_HEADS)
+        tail = file.read()
+        marked = any(head.startswith(start) and mark in head for start, mark in HEADS.items())
+        return marked or head.startswith(CSV_HEADS) or any(mark in tail for mark in TAILS)
     return False
 
 
@@ -67,16 +78,28 @@ def _hdf5_is_ours(path: Path) -> bool:
     return False
 
 
-def check_target(path: Path, force: bool = False) -> None:
-    """Refuse, before any work, to write where it cannot be done or would destroy what is not ours."""
+def check_target(path: Path, force: bool = False, inputs: Iterable[Path] = ()) -> None:
+    """Refuse, before any work, to write where it cannot be done, over an input, or over what is not ours."""
     if path.is_dir():
         raise InputError(f"{path}: is a folder, cannot be written as a file")
     if not path.parent.is_dir():
         raise InputError(f"{path}: the folder {path.parent} does not exist")
     if not os.access(path.parent, os.W_OK):
         raise InputError(f"{path}: the folder {path.parent} is not writable")
-    if path.exists() and not force and not is_ours(path):
+    if not path.exists():
+        return
+    if any(source.exists() and path.samefile(source) for source in inputs):
+        raise InputError(f"{path}: is read by this command, cannot be written too; give another name")
+    if not force and not is_ours(path):
         raise InputError(f"{path}: exists and was not written by jkr; give --force to replace it, or another name")
+
+
+def make_folder(path: Path) -> None:
+    """Create a folder for results, with its parents, where there is none."""
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"{path}: cannot be made a folder ({error.strerror})") from None
 
 
 @contextlib.contextmanager

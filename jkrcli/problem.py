@@ -12,7 +12,7 @@ from .indenters import Indenter
 from .materials import Elastic, contact_modulus
 
 Quantity = Literal["depth", "load", "radius"]
-Spacing = Literal["radius", "depth", "given"]
+Spacing = Literal["radius", "depth", "log", "given"]
 Side = Literal["free", "roller", "clamped"]
 
 
@@ -97,7 +97,8 @@ class Loading:
     """What is prescribed: increments up to ``maximum`` of a quantity [m or N], or the ``values`` themselves.
 
     ``spacing = "radius"``: ``points`` contact radii, evenly spaced between first touch and the largest one;
-    ``"depth"``: evenly spaced displacements (the paper); ``"given"``: ``values`` of the quantity, increasing.
+    ``"depth"``: evenly spaced displacements (the paper); ``"log"``: radii graded towards first
+    contact, sqrt(a^2 - a0^2) in a geometric sequence over four decades; ``"given"``: increasing ``values``.
     """
 
     to: Quantity

@@ -13,6 +13,7 @@ import numpy as np
 from .errors import InputError, Refusal, SolveError
 from .indenters import Indenter
 from .problem import Loading, Quantity
+from .units import show
 
 Array = np.ndarray
 Response = Callable[[Array], Array]  # increasing radii [m] -> delta_H [m] or P_H [N] there
@@ -39,6 +40,8 @@ def radii_of_loading(
     largest = largest_of_loading(loading, indenter, responses, start, accuracies)
     if loading.spacing == "radius":
         return np.linspace(indenter.a0, largest, loading.points + 1)[1:]
+    if loading.spacing == "log":
+        return graded_radii(indenter.a0, largest, loading.points)
     quantity: Quantity = loading.to
     targets = np.array(loading.values)
     if loading.spacing == "depth":
@@ -48,6 +51,14 @@ def radii_of_loading(
     return radii_for([(responses(quantity, e), e) for e in accuracies], targets, indenter, largest)
 
 
+def graded_radii(a0: float, largest: float, points: int) -> Array:
+    """Radii [m] whose sqrt(a^2 - a0^2) is a geometric sequence over four decades up to ``largest``."""
+    v = _v(largest, a0)
+    radii = np.hypot(a0, np.geomspace(1e-4 * v, v, points)) if points > 1 else np.array([largest])
+    radii[-1] = largest
+    return radii
+
+
 def largest_of_loading(
     loading: Loading, indenter: Indenter, responses: Responses, start: float, accuracies: Sequence[float]
 ) -> float:
@@ -55,8 +66,12 @@ def largest_of_loading(
     if loading.to == "radius":
         _check_radius(indenter, loading.maximum)
         return loading.maximum
-    for accuracy in accuracies:
-        start = radius_for(responses(loading.to, accuracy), loading.maximum, indenter, start, accuracy)
+    try:
+        for accuracy in accuracies:
+            start = radius_for(responses(loading.to, accuracy), loading.maximum, indenter, start, accuracy)
+    except (Refusal, SolveError) as error:
+        goal = show(loading.maximum, "load" if loading.to == "load" else "length")
+        raise Refusal(f"loading: a {loading.to} of {goal} cannot be reached: {error}") from None
     return start
 
 
@@ -82,11 +97,13 @@ def _check_radius(indenter: Indenter, a: float) -> None:
     a0, end = indenter.a0, indenter.r_max
     if a <= a0:
         raise InputError(f"loading: contact radius {a:g} m must be larger than the flat end of the indenter ({a0:g} m)")
-    if a > end:
-        raise Refusal(
-            f"loading: contact radius {a:g} m lies beyond the profile, which ends at r = {end:g} m; "
-            "ask for less, or give a larger profile"
-        )
+    with np.errstate(divide="ignore", invalid="ignore"):
+        if a <= end and np.isfinite(indenter.abel(np.array(a))):
+            return
+    raise Refusal(
+        f"loading: a contact radius of {show(a, 'length')} lies beyond the profile, which ends at "
+        f"r = {show(end, 'length')}; ask for less, or give a larger profile"
+    )
 
 
 def radius_for(response: Response, target: float, indenter: Indenter, start: float, tolerance: float) -> float:
@@ -115,9 +132,9 @@ def radius_for(response: Response, target: float, indenter: Indenter, start: flo
             proposal = math.sqrt(v * low)
         v = proposal
     else:
-        raise SolveError(f"loading: no contact radius found for {target:g} in {STEPS} steps; last a = {v:g} m")
+        raise SolveError(f"no contact radius was found in {STEPS} steps, last a = {v:g} m; is the value right?")
     raise Refusal(
-        f"loading: {target:g} needs a contact radius beyond the profile, which ends at r = {indenter.r_max:g} m; "
+        f"it needs a contact radius beyond the profile, which ends at r = {show(indenter.r_max, 'length')}; "
         "ask for less, or give a larger profile"
     )
 

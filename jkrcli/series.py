@@ -88,6 +88,12 @@ class Series:
             if values[0] <= 0 or (np.diff(values) <= 0).any():
                 i = int(np.argmax(np.diff(values, prepend=0.0) <= 0))
                 raise InputError(f"series: {name} must be positive and increase, point {i + 1} is {values[i]:g}")
+        if not 0 <= self.a0 < self.a[0]:
+            raise InputError(f"series: a0 must be >= 0 and below the first radius {self.a[0]:g} m, got {self.a0:g} m")
+        for name, values in (("S", self.S), ("dS", self.dS)):
+            if values is not None and (values <= 0).any():
+                i = int(np.argmax(values <= 0))
+                raise InputError(f"series: {name} must be > 0, point {i + 1} is {values[i]:g}; use --slopes integral")
         unknown = set(self.errors) - set(COLUMNS)
         if unknown:
             raise InputError(f"series: errors for unknown columns {sorted(unknown)}")

@@ -52,12 +52,15 @@ class Stored:
     versions: Mapping[str, str] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
 
-    def series(self) -> tuple[Series, int]:
-        """The series at increasing radii (first increment of every plateau) and the number of dropped increments."""
+    def series(self, with_slopes: bool = True) -> tuple[Series, int]:
+        """The series at increasing radii (first increment of every plateau) and the number of dropped increments.
+
+        ``with_slopes = False`` leaves out S and dS/da where the file has them.
+        """
         keep = first_of_plateaus(self.raw.a)
         if not keep.any():
             raise InputError(f"{self.path}: series: no increment is in contact (all a <= 0)")
-        slopes = {name: self.columns[name][keep] for name in ("S", "dS") if name in self.columns}
+        slopes = {name: self.columns[name][keep] for name in ("S", "dS") if with_slopes and name in self.columns}
         errors = {name: values[keep] for name, values in self.errors.items()}
         raw = self.raw
         try:
@@ -164,8 +167,8 @@ def _read(path: Path, file: h5py.File) -> Stored:
         errors={
             name: values for name, values in columns_err.items() if values is not None and values.size == sizes["a"]
         },
-        a0=float(series.attrs.get("a0_m", 0.0)),
-        S0=float(series.attrs["S0_N_per_m"]) if "S0_N_per_m" in series.attrs else None,
+        a0=_first(path, series, "a0_m") or 0.0,
+        S0=_first(path, series, "S0_N_per_m"),
         budget=ErrorBudget(
             *(_estimate(errors.attrs.get(name)) for name in ("discretisation", "truncation", "radius", "smoothing"))
         ),
@@ -219,16 +222,32 @@ def _column(path: Path, group: h5py.Group, name: str, unit: str, required: bool)
     return values
 
 
+def _first(path: Path, series: h5py.Group, name: str) -> float | None:
+    """An attribute of the series at first touch: a finite number >= 0."""
+    if name not in series.attrs:
+        return None
+    value = float(series.attrs[name])
+    if not (np.isfinite(value) and value >= 0):
+        raise InputError(f"{path}: series: attribute {name} must be finite and >= 0, got {value}")
+    return value
+
+
 def _estimate(value: Any) -> float | str:
     if value is None:
         return "not stated in the file"
-    return _text(value) if isinstance(value, str | bytes) else float(value)
+    if isinstance(value, str | bytes):
+        return _text(value)
+    return float(value) if np.isfinite(float(value)) else f"stated as {float(value)} in the file"
 
 
 def _attributes(file: h5py.File, name: str) -> dict[str, Any]:
     if not isinstance(file.get(name), h5py.Group):
         return {}
-    return {key: _plain(value) for key, value in file[name].attrs.items()}
+    plain = {key: _plain(value) for key, value in file[name].attrs.items()}
+    return {
+        key: str(value) if isinstance(value, float) and not np.isfinite(value) else value
+        for key, value in plain.items()
+    }
 
 
 def _plain(value: Any) -> Any:

@@ -14,7 +14,9 @@ one number (Stan and Adams, J. Mater. Res. (2016)); the half-spaces of the two m
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 from .closed_form import foundation_modulus, tabor
 from .errors import InputError
@@ -46,6 +48,17 @@ class Validity:
     delta_over_h: Ratio
     a_over_h: Ratio
     a_over_L: Ratio
+
+
+def end_of_body(problem: Problem, facts: Mapping[str, Any]) -> float | None:
+    """Distance [m] at which the body or its mesh ends sideways, or below where that is a cut through a half-space.
+
+    ``facts``: those of the solution; finite elements give width_m and depth_m. None for an unbounded exact solution.
+    """
+    ends = [problem.specimen.radius, facts.get("width_m")]
+    if isinstance(problem.specimen.base, HalfSpace):
+        ends.append(facts.get("depth_m"))
+    return min((float(end) for end in ends if isinstance(end, int | float) and end > 0), default=None)
 
 
 def judge(

@@ -76,7 +76,7 @@ ONE_CHANGE = {
     "spacing": (
         '"3 um"',
         '"3 um"\nspacing = "deep"',
-        'loading.spacing: must be one of radius, depth, got "deep", did you mean "depth"?',
+        'loading.spacing: must be one of radius, depth, log, got "deep", did you mean "depth"?',
     ),
     "negative w": ('depth = "3 um"', 'depth = "3 um"\n[adhesion]\nw = -1', "adhesion.w: must be >= 0, got -1 J/m^2"),
     "table is a number": (
@@ -167,7 +167,7 @@ WHOLE_FILES = {
     ),
     "missing profile": (
         b"[indenter]\nshape='table'\nfile='no.csv'\n[specimen.half_space]\nE=1\nnu=0.3\n[loading]\ndepth=0.1",
-        ["indenter: profile file no.csv: cannot be read (FileNotFoundError)"],
+        ["indenter: no.csv: profile file not found"],
     ),
 }
 

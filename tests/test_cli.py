@@ -192,9 +192,9 @@ def test_new_writes_a_case_that_runs_and_never_replaces_one(jkr, tmp_path: Path)
 
 def test_auto_takes_the_least_model_and_says_why(jkr) -> None:
     outcome = jkr("run", HALFSPACE, "--method", "auto")
-    assert "closed-form: closed-form, the least model that represents this body" in outcome.out
+    assert "closed-form: the least model that represents this body" in outcome.out
     outcome = jkr("run", CASES / "coating.toml", "--method", "auto")
-    assert "layered: layered, the least model that represents this body" in outcome.out
+    assert "layered: the least model that represents this body" in outcome.out
 
 
 def test_warnings_carry_their_number(jkr) -> None:
@@ -246,3 +246,91 @@ def test_every_way_to_the_slopes_gives_nearly_the_exact_pull_off(jkr, tmp_path: 
     summary = json.loads((tmp_path / "halfspace-w50.json").read_text())
     assert summary["slopes"] == slopes
     assert abs(summary["comparison"]["pull_off"]) < 1e-4  # measured: 2e-7 and better, on noise-free data
+
+
+def test_an_input_is_never_an_output_not_even_by_force(jkr, tmp_path: Path) -> None:
+    jkr("new", "my.toml")
+    before = (tmp_path / "my.toml").read_text()
+    for words in ((), ("--force",)):
+        outcome = jkr("run", "my.toml", "-o", "my.toml", *words)
+        assert outcome.code == 2
+        assert outcome.err == "jkr: error: my.toml: is read by this command, cannot be written too; give another name\n"
+    assert (tmp_path / "my.toml").read_text() == before
+
+
+@pytest.mark.parametrize("content", ["notes on jkr\n", "a_m,P_N\n1,2\n", '{"format": "other"}', "# A case for jkr."])
+def test_a_mention_of_jkr_does_not_make_a_file_ours(jkr, tmp_path: Path, content: str) -> None:
+    (tmp_path / "mine").write_text(content)
+    assert jkr("run", HALFSPACE, "--method", "closed-form", "-o", "mine").code == 2
+    assert (tmp_path / "mine").read_text() == content
+
+
+def test_every_verb_replaces_what_it_wrote_itself(jkr) -> None:
+    jkr("run", CASES / "gel.toml")
+    for words in (
+        ("transform", "gel.h5"),
+        ("profile", "gel.h5", "--a", "0.5 mm"),
+        ("mesh", CASES / "gel.toml"),
+        ("cycle", "gel.h5"),
+        ("study", "pull-off-map", "--q", "1"),
+        ("compare", "gel.h5", "gel.h5", "--plot", "same.svg"),
+    ):
+        assert [jkr(*words).code for _ in range(2)] == [0, 0], words
+
+
+def test_folders_that_cannot_be_made_are_refused(jkr, tmp_path: Path) -> None:
+    jkr("run", HALFSPACE, "--method", "closed-form", "-o", "x.h5")
+    for words in (("transform", "x.h5"), ("profile", "x.h5", "--a", "5um"), ("mesh", HALFSPACE), ("cycle", "x.h5")):
+        outcome = jkr(*words, "-o", "x.h5/inside")
+        assert (outcome.code, outcome.err) == (
+            2,
+            "jkr: error: x.h5/inside: cannot be made a folder (Not a directory)\n",
+        )
+
+
+def test_compare_wants_a_common_range_and_a_picture_it_can_draw(jkr, tmp_path: Path) -> None:
+    text = HALFSPACE.read_text()
+    for name, values in {"low": "[1e-6, 2e-6]", "high": "[2e-6, 3e-6]"}.items():
+        (tmp_path / f"{name}.toml").write_text(text.replace('"3 um"', values).replace("points = 100\n", ""))
+        assert jkr("run", f"{name}.toml", "--method", "closed-form").code == 0
+    outcome = jkr("compare", "low.h5", "high.h5")
+    assert (outcome.code, outcome.err) == (
+        2,
+        "jkr: error: compare: low.h5 and high.h5 share only 0% of their range of delta_m; load both as far, or allow "
+        "it with --overlap 0.00\n",
+    )
+    assert jkr("compare", "low.h5", "low.h5", "--plot", "x.toml").err == (
+        "jkr: error: --plot: must end in .png or .svg, got x.toml\n"
+    )
+
+
+def test_a_pipe_or_device_is_not_read(jkr) -> None:
+    assert jkr("run", "/dev/zero").err == "jkr: error: /dev/zero: is a device or a pipe, not a case file\n"
+
+
+def test_auto_goes_on_to_the_next_method_when_one_fails(jkr, tmp_path: Path) -> None:
+    """At a/h = 100 and nu = 1/2 double precision does not carry the integral equation to 1e-8."""
+    (tmp_path / "thin.toml").write_text(
+        '[indenter]\nshape = "paraboloid"\nradius = 1\n[[specimen.layers]]\nthickness = "1 mm"\nE = 1e6\nnu = 0.5\n'
+        '[loading]\nradius = "100 mm"\npoints = 10\n[mesh]\nestimate_error = false\nspacing = 0.1\n'
+    )
+    outcome = jkr("run", "thin.toml", "--method", "layered")
+    assert outcome.code == 2
+    assert "above the tolerance 1.0e-08; set layered.tolerance to " in outcome.err
+    outcome = jkr("run", "thin.toml")
+    assert outcome.code == 0
+    assert "method    fem: because layered failed" in outcome.out
+
+
+def test_graded_radii_reach_a_pull_off_close_to_first_contact(jkr, tmp_path: Path) -> None:
+    text = (
+        '[indenter]\nshape = "flat"\nflat_radius = "50 um"\nedge_radius = "20 um"\n[specimen.half_space]\nE = "1 MPa"\n'
+        'nu = 0.5\n[loading]\nradius = "60 um"\nspacing = "SPACING"\n[adhesion]\nw = 0.05\n'
+    )
+    for spacing in ("radius", "log"):
+        (tmp_path / f"{spacing}.toml").write_text(text.replace("SPACING", spacing))
+        assert jkr("run", f"{spacing}.toml").code == 0
+        assert jkr("transform", f"{spacing}.h5", "--no-plots").code == 0
+    point = json.loads((tmp_path / "log-w0.05.json").read_text())["pull_off"]["load"]
+    assert point["P_N"] == pytest.approx(-457.84e-6, rel=1e-5)  # minimum of the closed form, to five digits
+    assert point["a_m"] == pytest.approx(50.042e-6, rel=1e-5)

@@ -134,13 +134,13 @@ def test_auto_takes_the_least_model() -> None:
     assert choose(LAYER, "auto", build).name == "layered"
     finite = Problem(LAYER.indenter, Specimen(LAYER.specimen.layers, Rigid(), 1e-4, "free"), LAYER.loading)
     assert choose(finite, "auto", build).name == "fem"
-    with pytest.raises(Refusal, match="method layered: layered: the specimen has a finite radius"):
+    with pytest.raises(Refusal, match="method layered: the specimen has a finite radius"):
         choose(finite, "layered", build)
 
 
 def test_auto_says_why_and_what_others_would_cost() -> None:
     reason = choose(LAYER, "auto", build).reason
-    assert reason.startswith("layered, the least model that represents this body (")
+    assert reason.startswith("the least model that represents this body (")
     assert "closed-form cannot (" in reason
     assert "fem would take about" in reason
 

@@ -38,7 +38,7 @@ def load_case(path: str | Path) -> Case:
 def parse_case(content: bytes, source: str, folder: Path | None = None) -> Case:
     """Validate the bytes of a case file; ``folder`` is where relative names of profile tables are looked up."""
     try:
-        tree = tomllib.loads(content.decode("utf-8"))
+        tree = tomllib.loads(content.decode("utf-8-sig"))
     except UnicodeDecodeError as error:
         raise InputError(f"{source}: is not a text file (byte {error.start} is not UTF-8)") from None
     except tomllib.TOMLDecodeError as error:

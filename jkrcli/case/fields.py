@@ -27,7 +27,10 @@ def _read(value: Any, dimension: str) -> float:
             return units.parse(value, dimension)
         except ValueError as error:
             raise wrong(str(error)) from None
-    return float(value)
+    try:
+        return float(value)
+    except OverflowError:
+        raise wrong("must be a finite number, got one with more than 300 digits") from None
 
 
 def quantity(
@@ -45,7 +48,12 @@ def quantity(
         if not math.isfinite(number):
             raise wrong(f"must be a finite number, got {given}")
         if not all(test(number, float(limit)) for _, limit, test in bounds if limit is not None):
-            raise wrong(f"must be {rule}, got {given}")
+            hint = (
+                '; a bare number is in rad, write "70 deg"'
+                if dimension == "angle" and not isinstance(value, str)
+                else ""
+            )
+            raise wrong(f"must be {rule}, got {given}{hint}")
         return number
 
     return Annotated[float, BeforeValidator(check)]

@@ -9,6 +9,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Field, ValidationInfo, model_validator
 
 from ..errors import InputError
+from ..files import read_bytes
 from ..indenters import Indenter, Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
 from ..materials import Elastic
 from .fields import AnyLength, Length, Modulus, Poisson, Table, as_tuple, quantity, wrong
@@ -125,22 +126,31 @@ class ProfileTable(IndenterTable):
 
 
 def read_profile(path: Path) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """Two columns of a CSV file with one header line, in m."""
+    """The columns r_m and f_m [m] of a CSV file with one header line that names them, in any order."""
     try:
-        lines = path.read_text(encoding="utf-8").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
-        raise wrong(f"profile file {path}: cannot be read ({error.__class__.__name__})") from None
+        lines = read_bytes(path, "profile file").decode("utf-8-sig").splitlines()
+    except InputError as error:
+        raise wrong(str(error)) from None
+    except UnicodeDecodeError:
+        raise wrong(f"{path}: profile file is not a text file") from None
+    names = [name.strip() for name in lines[0].split(",")] if lines else []
+    if not {"r_m", "f_m"} <= set(names):
+        raise wrong(f'{path}: line 1 must be a header with r_m and f_m, got "{(lines or [""])[0][:40]}"')
     rows = []
     for number, line in enumerate(lines[1:], start=2):
         if line.strip():
-            try:
-                r, f = (float(cell) for cell in line.split(","))
-            except ValueError:
-                raise wrong(
-                    f'profile file {path}: line {number} must be two numbers "r,f", got "{line[:40]}"'
-                ) from None
-            rows.append((r, f))
+            rows.append(_row(path, number, line, names))
     return tuple(r for r, _ in rows), tuple(f for _, f in rows)
+
+
+def _row(path: Path, number: int, line: str, names: list[str]) -> tuple[float, float]:
+    try:
+        cells = dict(zip(names, (float(cell) for cell in line.split(",")), strict=True))
+    except ValueError:
+        cells = {}
+    if not cells or not all(math.isfinite(cell) for cell in cells.values()):
+        raise wrong(f'{path}: line {number} must hold {len(names)} finite numbers, got "{line[:40]}"')
+    return cells["r_m"], cells["f_m"]
 
 
 AnyIndenter = Annotated[

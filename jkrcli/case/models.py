@@ -58,7 +58,7 @@ class LoadingTable(Table):
     load: one_or_more(Force) | None = None
     radius: one_or_more(Length) | None = None
     points: Annotated[int, Field(ge=1, le=100_000)] = 100
-    spacing: Literal["radius", "depth"] = "radius"
+    spacing: Literal["radius", "depth", "log"] = "radius"
 
     @model_validator(mode="after")
     def _one(self) -> Self:
@@ -70,6 +70,8 @@ class LoadingTable(Table):
             raise wrong(f"{given[0]} is an empty list")
         if any(b <= a for a, b in itertools.pairwise(values)):
             raise wrong(f"the values of {given[0]} must increase, got {list(values)}")
+        if len(values) > 1 and (self.points, self.spacing) != (100, "radius"):
+            raise wrong(f"a list of {given[0]} values goes without points and spacing")
         return self
 
     def build(self) -> Loading:
@@ -85,6 +87,12 @@ class AdhesionTable(Table):
 
     w: one_or_more(Work) = ()
     z0: Length = 0.3e-9
+
+    @model_validator(mode="after")
+    def _each_once(self) -> Self:
+        if len(set(self.w)) < len(self.w):
+            raise wrong(f"w: holds a value twice, got {list(self.w)}")
+        return self
 
 
 ThreeNumbers = Annotated[

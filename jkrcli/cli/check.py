@@ -70,12 +70,14 @@ def _print(expected: Expectation) -> None:
         f"P = {show(expected.P, 'load')}"
     )
     if expected.half_space_error is not None:
+        ratio = 1 + expected.half_space_error
         click.echo(
-            f"  layers    change the load at this depth by {expected.half_space_error:+.2%} against a half-space"
+            f"  layers    make the load at this depth {ratio:.4g} times that of a half-space of the top material"
         )
     for w, point, judged in expected.adhesion:
-        click.echo(f"  w = {show(w, 'work')}: pull-off (load control) {_pull_off(point)}")
-        click.echo(f"            Tabor number {_ratio(judged.tabor)}: {judged.regime}")
+        click.echo(f"  w = {show(w, 'work')}: pull-off (load control): {_pull_off(point)}")
+        regime = f": {judged.regime}" if isinstance(judged.tabor, float) else ""
+        click.echo(f"            Tabor number {_ratio(judged.tabor)}{regime}")
         click.echo(f"            a/R = {_ratio(judged.a_over_R)}, a/h = {_ratio(judged.a_over_h)}, "
                    f"delta/h = {_ratio(judged.delta_over_h)}")  # fmt: skip
     for warning in dict.fromkeys(text for _, _, judged in expected.adhesion for text in validity.check(judged)):

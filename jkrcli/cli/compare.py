@@ -22,6 +22,7 @@ COLUMNS = ("P", "a", "S", "dS")
     "--rtol", type=click.FloatRange(min=0), default=1e-3, show_default=True, help="Largest relative difference."
 )
 @click.option("--column", "columns", multiple=True, type=click.Choice(COLUMNS), help="What counts [default: P].")
+@click.option("--overlap", type=click.FloatRange(0, 1), default=0.9, show_default=True, help="Least common range.")
 @click.option("--plot", type=click.Path(path_type=Path), help="Draw the differences (.png or .svg).")
 @click.option("--force", is_flag=True, help="Replace an existing plot that jkr did not write.")
 @click.option("--json", "as_json", is_flag=True, help="Print as JSON.")
@@ -32,6 +33,7 @@ def compare(
     second: Path,
     rtol: float,
     columns: tuple[str, ...],
+    overlap: float,
     plot: Path | None,
     force: bool,
     as_json: bool,
@@ -45,12 +47,18 @@ def compare(
     jkr compare today.h5 yesterday.h5 --rtol 1e-12 --column P --column a
     """
     if plot is not None:
-        check_target(plot, force)
+        _check_plot(plot, force, [first, second])
     found = _curves(first, second) if first.suffix == ".csv" else _series(first, second)
     counting = columns or ("P",)
     judged = [d for d in found if first.suffix == ".csv" or d.column in counting]
     if missing := set(columns) - {d.column for d in found}:
         raise InputError(f"compare: column {sorted(missing)[0]} is not in both files")
+    for d in judged:
+        if d.coverage < overlap:
+            raise InputError(
+                f"compare: {first} and {second} share only {d.coverage:.0%} of their range of {d.over}; "
+                f"load both as far, or allow it with --overlap {d.coverage:.2f}"
+            )
     agree = all(d.worst <= rtol for d in judged)
     if as_json:
         click.echo(tables.as_json(_as_dict(first, second, rtol, found, judged, agree)).rstrip())
@@ -61,6 +69,12 @@ def compare(
 
         plots.save(plots_fields.differences_figure(found, rtol), plot)
     ctx.exit(0 if agree else 1)
+
+
+def _check_plot(plot: Path, force: bool, inputs: list[Path]) -> None:
+    if plot.suffix not in (".png", ".svg"):
+        raise InputError(f"--plot: must end in .png or .svg, got {plot}")
+    check_target(plot, force, inputs)
 
 
 def _series(first: Path, second: Path) -> list[Difference]:
@@ -95,4 +109,5 @@ def _print(
     click.echo(f"{first} against {second}: {'agree' if agree else 'DIFFER'} at rtol {rtol:g}")
     for d in found:
         counts = "" if d in judged else "  (not counted)"
-        click.echo(f"  {d.column:<16} worst {d.worst:.3e} at {d.over} = {d.x[d.worst_row]:.6g}{counts}")
+        where = f"at {d.over} = {d.x[d.worst_row]:.6g}, {d.x.size} rows of {first.name}"
+        click.echo(f"  {d.column:<16} worst {d.worst:.3e} {where}{counts}")

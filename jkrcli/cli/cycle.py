@@ -11,7 +11,7 @@ from .. import store, tables
 from ..adhesion import Outside
 from ..analysis import analyse, specification
 from ..errors import InputError
-from ..files import check_target, write_text
+from ..files import check_target, make_folder, write_text
 from ..stability import Cycle, Jump, control, trace, turning_radius
 from ..stability import cycle as run_cycle
 from ..store import Stored
@@ -63,10 +63,10 @@ def cycle(
     stored = store.read(file)
     works = _works(stored, w_approach, w_retract)
     folder = output if output is not None else file.parent
-    folder.mkdir(parents=True, exist_ok=True)
+    make_folder(folder)
     targets = {end: folder / f"{file.stem}-cycle{end}" for end in (ENDINGS[:1] if no_plots else ENDINGS)}
     for target in targets.values():
-        check_target(target, force)
+        check_target(target, force, [file])
     inwards, outwards = (result.curve for result in analyse(stored, works, slopes))
     turn = None
     if to_load is not None or to_depth is not None:

@@ -101,7 +101,7 @@ def import_(
     """
     body = {key: options.pop(key) for key in ("shape", "radius", "modulus", "nu", "thickness", "base")}
     target = output if output is not None else Path(f"{table.stem}.h5")
-    check_target(target, force)
+    check_target(target, force, [table, *([case] if case else [])])
     held = _case(case, body)
     reading = Reading(dict(columns), dict(units), dict(factors), **options)
     solution = read_series(table, held.model.indenter.build(), reading)

@@ -12,7 +12,7 @@ from ..case import load_case
 from ..case.numerics import fem_of
 from ..fem.export import write_vtu
 from ..fem.mesh import write_msh
-from ..files import atomic, check_target
+from ..files import atomic, check_target, make_folder
 from ..units import show
 
 # What tells jkr that it wrote a file, where the format keeps comments.
@@ -31,10 +31,10 @@ def mesh(case: Path, output: Path, force: bool) -> None:
     """
     model = load_case(case).model
     problem = model.problem()
-    output.mkdir(parents=True, exist_ok=True)
+    make_folder(output)
     targets = {ending: output / f"{case.stem}-mesh{ending}" for ending in (".msh", ".vtu", ".png")}
     for target in targets.values():
-        check_target(target, force)
+        check_target(target, force, [case])
     method = fem_of(model)
     grid, reach = method.mesh(problem), method.reach(problem)
     for ending, write in ((".msh", write_msh), (".vtu", write_vtu)):

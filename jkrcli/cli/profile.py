@@ -10,7 +10,7 @@ import numpy as np
 from .. import plots, plots_fields, store, tables
 from ..analysis import analyse, specification
 from ..errors import InputError
-from ..files import check_target, write_text
+from ..files import check_target, make_folder, write_text
 from ..integral.fields import profile as solve_profile
 from ..integral.layered import unbounded
 from ..problem import Problem
@@ -46,10 +46,10 @@ def profile(
     case = specification(stored)
     w = work if work is not None else (case.w or (0.0,))[0]
     folder = output if output is not None else file.parent
-    folder.mkdir(parents=True, exist_ok=True)
+    make_folder(folder)
     targets = {ending: folder / f"{file.stem}-profile{ending}" for ending in (".csv", ".png", ".svg")}
     for target in targets.values():
-        check_target(target, force)
+        check_target(target, force, [file])
     if radius is None:
         assert load is not None
         radius = stable_radius(analyse(stored, [w])[0].curve, load)

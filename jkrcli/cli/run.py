@@ -13,9 +13,13 @@ from .. import store
 from ..case import Case, load_case
 from ..case.numerics import method_of
 from ..choose import Choice, choose
+from ..errors import JkrError
 from ..files import check_target
+from ..methods import Method
+from ..problem import Problem
 from ..series import Solution
 from ..units import show
+from ..validity import check, end_of_body, judge
 from ..words import describe
 
 METHODS = ("auto", "closed-form", "layered", "fem")
@@ -40,26 +44,58 @@ def run(ctx: click.Context, case: Path, output: Path | None, method: str | None,
     start = time.process_time()
     loaded = load_case(case)
     target = output if output is not None else Path(f"{case.stem}.h5")
-    check_target(target, force)
+    check_target(target, force, [case])
     choice, solution = solve(loaded, method)
-    store.write(target, solution, loaded.to_toml(), loaded.model.problem().key, shlex.join(ctx.find_root().obj))
+    problem = loaded.model.problem()
+    store.write(target, solution, loaded.to_toml(), problem.key, shlex.join(ctx.find_root().obj))
     seconds = time.process_time() - start
+    warnings = [*solution.warnings, *_geometry(problem, solution)]
     if as_json:
-        click.echo(json.dumps(_as_json(target, choice, solution, seconds), indent=2))
+        click.echo(json.dumps(_as_json(target, choice, solution, warnings, seconds), indent=2))
     else:
         _print(loaded, target, choice, solution, seconds)
-    for warning in solution.warnings:
+    for warning in warnings:
         click.echo(f"jkr: warning: {warning}", err=True)
 
 
 def solve(case: Case, method: str | None = None) -> tuple[Choice, Solution]:
     """Solve a validated case by ``method`` (None: the case's own)."""
+
+    def build(name: str) -> Method:
+        return method_of(case.model, name)
+
     problem = case.model.problem()
-    choice = choose(problem, method or case.model.method, lambda name: method_of(case.model, name))
-    return choice, choice.method(problem)
+    choice: Choice | None = choose(problem, method or case.model.method, build)
+    while True:
+        assert choice is not None
+        try:
+            return choice, choice.method(problem)
+        except JkrError as error:
+            choice = choice.after_failure(error, build)
+            if choice is None:
+                raise
 
 
-def _as_json(target: Path, choice: Choice, solution: Solution, seconds: float) -> dict[str, object]:
+def _geometry(problem: Problem, solution: Solution) -> list[str]:
+    """Warnings that need no work of adhesion: a/R, delta/h, a/L, and too few points to go on with."""
+    series = solution.series
+    judged = judge(
+        a=float(series.a[-1]),
+        delta=float(series.delta[-1]),
+        E_star=problem.E_star,
+        w=0.0,
+        R=problem.indenter.tip_radius,
+        h=problem.specimen.top_thickness,
+        L=end_of_body(problem, solution.facts),
+        z0=None,
+    )
+    few = [f"only {len(series)} points: adhesive curves need at least 5"] if len(series) < 5 else []
+    return [*check(judged), *few]
+
+
+def _as_json(
+    target: Path, choice: Choice, solution: Solution, warnings: list[str], seconds: float
+) -> dict[str, object]:
     series = solution.series
     return {
         "file": str(target),
@@ -70,7 +106,7 @@ def _as_json(target: Path, choice: Choice, solution: Solution, seconds: float) -
         "delta_m": series.delta[-1],
         "P_N": series.P[-1],
         "errors": solution.budget.as_dict(),
-        "warnings": list(solution.warnings),
+        "warnings": warnings,
         "cpu_s": seconds,
     }
 

@@ -15,7 +15,7 @@ from ..case import load_case
 from ..case.numerics import method_of
 from ..errors import InputError
 from ..fem.method import FEM
-from ..files import check_target, write_text
+from ..files import check_target, make_folder, write_text
 from ..study.converge import QUANTITIES, Convergence, converge
 from ..units import show
 from ..words import describe
@@ -57,10 +57,10 @@ def study_converge(
     w = work if work is not None else next(iter(loaded.model.adhesion.w), None)
     if not w:
         raise InputError(f"{case}: names no work of adhesion > 0: give --w")
-    output.mkdir(parents=True, exist_ok=True)
+    make_folder(output)
     targets = {ending: output / f"{case.stem}-convergence{ending}" for ending in (ENDINGS[:2] if no_plots else ENDINGS)}
     for target in targets.values():
-        check_target(target, force)
+        check_target(target, force, [case])
     method = method_of(loaded.model, "fem")
     assert isinstance(method, FEM)
     if contact is not None:

@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from .. import plots
-from ..files import check_target
+from ..files import check_target, make_folder
 from ..foreign import read_measured
 from ..study.figures import FIGURES
 from .options import Length
@@ -36,7 +36,7 @@ def study_figures(
     """
     points = None if measured is None else read_measured(measured, shift)
     wanted = names or tuple(FIGURES)
-    output.mkdir(parents=True, exist_ok=True)
+    make_folder(output)
     for name in wanted:
         for ending in ENDINGS:
             check_target(output / f"{name}{ending}", force)

@@ -10,7 +10,7 @@ from pathlib import Path
 import click
 
 from .. import plots
-from ..files import check_target, write_text
+from ..files import check_target, make_folder, write_text
 from ..study.noise import BODIES, METHODS, NOISE, POINTS, Cell, noise_study
 
 HEADER = "body,points,noise,method,median,worst,coverage,band,failures"
@@ -33,7 +33,7 @@ def study_noise(seeds: int, bodies: tuple[str, ...], points: tuple[int, ...], ou
     \b
     jkr study noise --seeds 10 -o results
     """
-    output.mkdir(parents=True, exist_ok=True)
+    make_folder(output)
     targets = {ending: output / f"noise-study{ending}" for ending in (".csv", ".png", ".svg")}
     for target in targets.values():
         check_target(target, force)

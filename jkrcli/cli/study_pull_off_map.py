@@ -9,7 +9,7 @@ import numpy as np
 
 from .. import tables
 from ..errors import InputError
-from ..files import check_target, write_text
+from ..files import check_target, make_folder, write_text
 from ..study.pull_off_map import map_columns, pull_off_map
 
 STEM = "pull-off-map"
@@ -46,7 +46,7 @@ def study_pull_off_map(
     for nu in nus:
         if not -1 < nu <= 0.5:
             raise InputError(f"--nu: must be > -1 and <= 0.5, got {nu:g}")
-    output.mkdir(parents=True, exist_ok=True)
+    make_folder(output)
     targets = {end: output / f"{STEM}{end}" for end in ((".csv",) if no_plots else (".csv", ".png", ".svg"))}
     for target in targets.values():
         check_target(target, force)

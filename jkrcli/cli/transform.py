@@ -11,7 +11,7 @@ from .. import store, tables
 from ..adhesion import CriticalPoint
 from ..analysis import Analysis, analyse, specification
 from ..errors import InputError
-from ..files import check_target, write_text
+from ..files import check_target, make_folder, write_text
 from ..scaling import Scales, own_scales, scales_of
 from ..store import Stored
 from ..units import show
@@ -59,10 +59,10 @@ def transform(
     endings = ENDINGS[:2] if no_plots else ENDINGS
     for job in jobs:
         if output is not None:
-            output.mkdir(parents=True, exist_ok=True)
+            make_folder(output)
         for target in job.targets:
             for ending in endings:
-                check_target(target.with_name(target.name + ending), force)
+                check_target(target.with_name(target.name + ending), force, files)
     summaries = []
     for job in jobs:
         results = analyse(job.stored, job.works, slopes)
@@ -134,6 +134,8 @@ def _print(job: _Job, results: list[Analysis], endings: tuple[str, ...]) -> None
                     f"    pull-off, {name + ' control:':<22} P = {show(point.P, 'load'):<12} "
                     f"delta = {show(point.delta, 'length'):<12} a = {show(point.a, 'length')}"
                 )
+            elif result.w > 0:
+                click.echo(f"    pull-off, {name + ' control:':<22} not in the series (see the warning)")
         tabor = result.validity.tabor
         if isinstance(tabor, float):
             click.echo(f"    Tabor number {tabor:.3g}: {result.validity.regime}")

@@ -109,7 +109,7 @@ class LayeredContact:
 
         The estimate is the difference from a second quadrature that shares nothing with the first but g(k): other
         panels and nodes in x, other nodes in k, other means of F. It is done at ``CHECKS`` of the radii, where a few
-        wide panels of high order are cheap. SolveError where refinement does not reach the tolerance.
+        wide panels of high order are cheap. Refusal where refinement does not reach the tolerance.
         """
         plan = self.plan(radii, tolerance / MARGIN)
         some = checked(radii)
@@ -126,9 +126,12 @@ class LayeredContact:
                 if worst <= tolerance:
                     return main, errors
             plan, check = plan.finer(), check.finer()
-        raise SolveError(
+        enough = (
+            f"set layered.tolerance to {2 * worst:.0e}" if math.isfinite(worst) else "set a larger layered.tolerance"
+        )
+        raise Refusal(
             f"layered: the estimated relative error is {worst:.1e} with {plan.nodes} nodes, above the tolerance "
-            f"{tolerance:.1e}; accept it with a larger tolerance, or ask for a smaller contact radius"
+            f"{tolerance:.1e}; {enough}, or ask for a smaller contact radius"
         )
 
     def _attempt(self, radii: Array, plan: Plan, order: int, inner: int) -> Nested | None:

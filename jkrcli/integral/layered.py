@@ -42,7 +42,7 @@ class Layered:
         radius = problem.specimen.radius
         if radius is not None:
             return (
-                f"layered: the specimen has a finite radius of {radius:g} m, this method knows only laterally "
+                f"the specimen has a finite radius of {radius:g} m, this method knows only laterally "
                 "unbounded ones; use the method fem, or leave the radius out"
             )
         return None

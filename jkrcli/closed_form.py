@@ -26,9 +26,8 @@ def sneddon_sphere(a: Array, E_star: float, R: float) -> tuple[Array, Array]:
     a = np.asarray(a, dtype=float)
     x = a / R
     closed = (1 + x**2) * np.arctanh(x) - x
-    even = np.arange(1, 12)
-    coefficients = 1 / (2 * even + 1) + 1 / (2 * even - 1)
-    series = np.sum(coefficients * x[..., None] ** (2 * even + 1), axis=-1)
+    n = np.arange(1, 12)
+    series = x**3 * np.polynomial.polynomial.polyval(np.minimum(x, 0.2) ** 2, 1 / (2 * n + 1) + 1 / (2 * n - 1))
     return a * np.arctanh(x), E_star * R**2 * np.where(x < 0.2, series, closed)
 
 
@@ -39,15 +38,14 @@ def power_law(a: Array, E_star: float, B: float, d: float) -> tuple[Array, Array
 
 
 def rounded_flat(a: Array, E_star: float, b: float, edge_radius: float) -> tuple[Array, Array]:
-    """Flat end with parabolic edge on a half-space: delta_H = F(a) and P_H = 2 E* int_0^a (F(a) - F(x)) dx.
+    """Flat end with parabolic edge on a half-space: delta_H = F(a) [m], P_H = 2 E* int_0^a (F(a) - F(x)) dx [N].
 
-    With s = sqrt(a^2 - b^2) and phi = arccos(b/a): int_b^a F dx = [s^3/3 - b (a^2 phi - b s)/2] / edge_radius.
+    With s = sqrt(a^2 - b^2) the integral is [s^3/(3 edge_radius) + a F(a)]/2: a sum, which does not cancel.
     """
     a = np.asarray(a, dtype=float)
     delta = RoundedFlat(b, edge_radius).abel(a)
     s = np.sqrt((a - b) * (a + b))
-    integral = (s**3 / 3 - b * (a**2 * np.arctan2(s, b) - b * s) / 2) / edge_radius
-    return delta, 2 * E_star * (a * delta - integral)
+    return delta, E_star * (s**3 / (3 * edge_radius) + a * delta)
 
 
 def half_space(a: Array, E_star: float, indenter: Indenter) -> tuple[Array, Array] | None:

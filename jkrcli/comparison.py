@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from . import closed_form
 from .adhesion import AdhesiveCurve, CriticalPoint, transform
-from .indenters import Sphere
+from .indenters import Indenter, Sphere
 from .problem import Problem
 from .series import Array, Series
 from .slopes.result import Slopes
 
-FINE = 20_000  # points of the exact curve
-WINDOW = 1_000  # of them on either side of the same radius are looked at
+WINDOW = 1.8  # the nearest point of the exact curve is looked for within this factor of the radius
+COARSE, FINE = 129, 17  # points of the exact curve in that window, and in each refinement around the nearest
+REFINEMENTS = 17  # by FINE // 2 each: down to round-off of the radius
+HALVINGS = 70  # of the interval that holds the logarithm of a radius
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,22 +43,22 @@ def compare_half_space(computed: AdhesiveCurve, problem: Problem) -> Comparison 
     exact = exact_curve(problem, computed.w, float(series.a[-1]))
     if exact is None:
         return None
-    exact_point = exact.pull_off(0.0) if computed.w > 0 else None
-    if not isinstance(exact_point, CriticalPoint):
-        return Comparison(_load_difference(series, exact.series), None, None, None, exact)
+    load = _load_difference(series, problem)
+    exact_point = _exact_pull_off(problem, computed.w, float(series.a[-1]))
+    if exact_point is None:
+        return Comparison(load, None, None, None, exact)
     point = computed.pull_off(0.0)
     pull_off = point.P / exact_point.P - 1 if isinstance(point, CriticalPoint) else None
     parabola = None
     if isinstance(problem.indenter, Sphere):
         parabola = 1 - exact_point.P / (-1.5 * np.pi * computed.w * problem.indenter.R)
-    distance = _curve_distance(computed, exact, exact_point)
-    return Comparison(_load_difference(series, exact.series), pull_off, distance, parabola, exact)
+    return Comparison(load, pull_off, _curve_distance(computed, problem, exact_point), parabola, exact)
 
 
 def exact_curve(problem: Problem, w: float, a_max: float, points: int = 400) -> AdhesiveCurve | None:
     """The closed-form adhesive curve of the indenter on a half-space up to ``a_max`` [m]."""
     indenter, E_star = problem.indenter, problem.E_star
-    top = min(1.02 * a_max, indenter.r_max * (1 - 1e-9))
+    top = min(a_max, indenter.r_max * (1 - 1e-9))
     a = indenter.a0 + (top - indenter.a0) * np.linspace(0, 1, points + 1)[1:] ** 2
     pair = closed_form.half_space(a, E_star, indenter)
     if pair is None:
@@ -65,26 +68,73 @@ def exact_curve(problem: Problem, w: float, a_max: float, points: int = 400) -> 
     return transform(series, Slopes(slope * a, slope, "exact", 0.0), w)
 
 
-def _load_difference(series: Series, exact: Series) -> float:
-    """Worst relative difference of P_H at equal delta_H above a tenth of the depth (interpolated in logs)."""
-    deep = (series.delta >= 0.1 * series.delta[-1]) & (series.delta <= exact.delta[-1])
-    reference = np.exp(np.interp(np.log(series.delta[deep]), np.log(exact.delta), np.log(exact.P)))
-    return float(np.max(np.abs(series.P[deep] / reference - 1)))
+def _exact_pull_off(problem: Problem, w: float, a_max: float) -> CriticalPoint | None:
+    """The formula's own pull-off point under load control; None where it lies beyond ``a_max`` [m] or is none.
+
+    The radius is that of the interpolated curve, where P is stationary: its error enters P by its square.
+    """
+    curve = exact_curve(problem, w, 1.02 * a_max)
+    point = curve.pull_off(0.0) if curve is not None and w > 0 else None
+    if not isinstance(point, CriticalPoint):
+        return None
+    delta, P = _formula(problem, w, np.array(point.a))
+    return CriticalPoint(point.a, float(delta), float(P), point.kind)
 
 
-def _curve_distance(computed: AdhesiveCurve, exact: AdhesiveCurve, unit: CriticalPoint) -> float:
+def _formula(problem: Problem, w: float, a: Array) -> tuple[Array, Array]:
+    """delta [m] and P [N] of the closed form at radii ``a`` [m] of any shape."""
+    pair = closed_form.adhesive_half_space(a, problem.E_star, problem.indenter, w)
+    assert pair is not None
+    return pair
+
+
+def _load_difference(series: Series, problem: Problem) -> float:
+    """Worst relative difference of P_H to the closed form at equal delta_H, above a tenth of the depth."""
+    deep = series.delta >= 0.1 * series.delta[-1]
+    a = _radii_of_depth(series.delta[deep], problem.indenter)
+    return float(np.max(np.abs(series.P[deep] / _formula(problem, 0.0, a)[1] - 1)))
+
+
+def _radii_of_depth(delta: Array, indenter: Indenter) -> Array:
+    """Radii [m] of the closed form at ``delta`` [m] > 0, where F(a) = delta, by halving an interval of log(a - a0)."""
+    a0, room = indenter.a0, indenter.r_max - indenter.a0
+    low = high = np.minimum(max(a0, float(delta[-1])), 0.5 * room)
+    while (indenter.abel(a0 + low) > delta).any():
+        low = low / 2
+    while high < room and (indenter.abel(a0 + high) < delta).any():
+        high = min(2 * high, room * (1 - 1e-15))
+        if high >= room * (1 - 1e-15):
+            break
+    low, high = np.full_like(delta, np.log(low)), np.full_like(delta, np.log(high))
+    for _ in range(HALVINGS):
+        middle = (low + high) / 2
+        below = indenter.abel(a0 + np.exp(middle)) < delta
+        low, high = np.where(below, middle, low), np.where(below, high, middle)
+    return a0 + np.exp((low + high) / 2)
+
+
+def _curve_distance(computed: AdhesiveCurve, problem: Problem, unit: CriticalPoint) -> float:
     """Greatest distance of the computed points from the exact curve, both axes in units of the exact pull-off."""
-    scale = np.array([abs(unit.delta), abs(unit.P)])
-    a = np.geomspace(exact.a[0], exact.a[-1], FINE)
-    line = np.stack(exact.at(a), axis=1) / scale
-    points = np.stack([computed.delta, computed.P], axis=1) / scale
-    near = np.searchsorted(a, computed.a)
-    found = [_distance(points[i], line[max(0, near[i] - WINDOW) : near[i] + WINDOW]) for i in range(len(points))]
-    return float(np.max([distance for distance, radius in zip(found, computed.a, strict=True) if radius >= a[0]]))
+    indenter, a = problem.indenter, computed.a
+    low = np.maximum(a / WINDOW, indenter.a0)
+    high = np.minimum(a * WINDOW, indenter.r_max * (1 - 1e-12))
+
+    def distances(v: Array) -> Array:
+        delta, P = _formula(problem, computed.w, low + (high - low) * v**2)
+        return np.hypot((delta - computed.delta) / unit.delta, (P - computed.P) / unit.P)
+
+    return float(np.max(_least(distances, a.size)))
 
 
-def _distance(point: Array, line: Array) -> float:
-    """Distance of ``point`` (2,) from the polyline through ``line`` (m, 2)."""
-    start, step = line[:-1], np.diff(line, axis=0)
-    along = np.clip(np.sum((point - start) * step, axis=1) / np.sum(step**2, axis=1), 0, 1)
-    return float(np.sqrt(np.min(np.sum((start + along[:, None] * step - point) ** 2, axis=1))))
+def _least(distances: Callable[[Array], Array], size: int) -> Array:
+    """The least of each of ``size`` distances over v in [0, 1], ``distances``: (m, size) -> (m, size)."""
+    columns = np.arange(size)
+    v = np.broadcast_to(np.linspace(0, 1, COARSE)[:, None], (COARSE, size))
+    step, found = 1 / (COARSE - 1), np.full(size, np.inf)
+    for _ in range(REFINEMENTS):
+        values = distances(v)
+        nearest = np.argmin(values, axis=0)
+        found = np.minimum(found, values[nearest, columns])
+        v = np.clip(v[nearest, columns] + step * np.linspace(-1, 1, FINE)[:, None], 0, 1)
+        step *= 2 / (FINE - 1)
+    return found

@@ -20,6 +20,8 @@ from .materials import Elastic
 
 Array = np.ndarray
 KINK = 1e-10  # fraction of an interval over which a kink that the points force is rounded
+SERIES_END, SERIES_TERMS = 0.5, 26  # u - arctan(u) by its series below, whose first term left out is 2^-52/55
+GAMMA_END = 150  # above, the ratio of two Gamma functions by its asymptotic series, good to 1e-16
 
 
 class Indenter(Protocol):
@@ -175,8 +177,8 @@ class RoundedFlat:
 
     def abel(self, x: Array) -> Array:
         x = np.maximum(np.asarray(x, dtype=float), self.b)
-        root = np.sqrt((x - self.b) * (x + self.b))
-        return x * (root - self.b * np.arctan2(root, self.b)) / self.edge_radius
+        tangent = np.sqrt((x - self.b) * (x + self.b)) / self.b
+        return x * self.b * tangent_minus_angle(tangent) / self.edge_radius
 
 
 @dataclass(frozen=True, eq=False)
@@ -248,9 +250,22 @@ class TableProfile:
         return x * np.sum(alpha * np.diff(angle, axis=-1) - beta * np.diff(root, axis=-1), axis=-1)
 
 
+def tangent_minus_angle(u: Array) -> Array:
+    """u - arctan(u) for u >= 0 [-], by u^3/3 - u^5/5 + ... where the difference would cancel."""
+    u = np.asarray(u, dtype=float)
+    orders = np.arange(SERIES_TERMS)
+    square = np.minimum(u, SERIES_END) ** 2
+    series = u**3 * np.polynomial.polynomial.polyval(square, (-1.0) ** orders / (2 * orders + 3))
+    return np.where(u < SERIES_END, series, u - np.arctan(u))
+
+
 def abel_factor(n: float) -> float:
     """c_n with Abel image of r^n = c_n x^n, n > 0: sqrt(pi) Gamma(n/2 + 1)/Gamma((n + 1)/2)."""
-    return math.sqrt(math.pi) * math.exp(math.lgamma(n / 2 + 1) - math.lgamma((n + 1) / 2))
+    z = (n + 1) / 2
+    if z < GAMMA_END:
+        return math.sqrt(math.pi) * math.gamma(z + 0.5) / math.gamma(z)
+    terms = (1, -1 / 8, 1 / 128, 5 / 1024, -21 / 32768, -399 / 262144)
+    return math.sqrt(math.pi * z) * sum(term / z**k for k, term in enumerate(terms))
 
 
 def _check_table(r: Array, f: Array) -> None:

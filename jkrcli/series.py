@@ -122,11 +122,17 @@ class ErrorBudget:
     smoothing: Estimate = "no smoothing was done"
 
     @property
-    def total(self) -> Estimate:
-        """Sum of the parts that are numbers; the reason, where a part that matters is unknown."""
+    def series(self) -> Estimate:
+        """The error of the series itself: the sum of discretisation, truncation and radius, or the first reason."""
         parts = (self.discretisation, self.truncation, self.radius)
-        missing = [part for part in parts if isinstance(part, str)]
-        return missing[0] if missing else float(sum(parts))  # type: ignore[arg-type]
+        return next((part for part in parts if isinstance(part, str)), None) or float(sum(map(float, parts)))
+
+    @property
+    def total(self) -> Estimate:
+        """Series and smoothing together; the reason, where the series' error is unknown."""
+        if isinstance(self.series, str) or isinstance(self.smoothing, str):
+            return self.series
+        return self.series + self.smoothing
 
     def as_dict(self) -> dict[str, Estimate]:
         return {

@@ -140,9 +140,11 @@ def _print(job: _Job, results: list[Analysis], endings: tuple[str, ...]) -> None
         if isinstance(tabor, float):
             click.echo(f"    Tabor number {tabor:.3g}: {result.validity.regime}")
         _print_comparison(result)
-        total = result.budget.total
-        click.echo(f"    error of the series: {total if isinstance(total, str) else f'{total:.1e} (estimated)'}, "
-                   f"of the slopes: {_estimate(result.budget.smoothing)}")  # fmt: skip
+        budget = result.budget
+        click.echo(
+            f"    estimated error: {_estimate(budget.total)} "
+            f"(series {_estimate(budget.series)}, slopes {_estimate(budget.smoothing)})"
+        )
         click.echo(f"    written {target}{{{','.join(endings)}}}")
     for warning in dict.fromkeys(text for result in results for text in result.warnings):
         click.echo(f"jkr: warning: {job.stored.path}: {warning}", err=True)

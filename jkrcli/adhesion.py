@@ -7,20 +7,27 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, Literal
+from typing import Any, Literal, TypeVar
 
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline, CubicSpline
 from scipy.optimize import brentq
 
 from .errors import InputError
-from .series import Array, Series
+from .series import Array, Estimate, Series
 from .slopes.result import Slopes
+from .units import show
 
 SAMPLES = 8  # per interval, where critical points are looked for
+FEWEST, FEW = 5, 10  # points for an interpolation error, and for one that is known to fall with the spacing
+WIDEST = 2.7  # ratio of neighbouring a - a0 up to which it can be told
+ORDER_FACTOR = 8  # by which half the spacing reduces it, at least
 ROUND_OFF = 1e-9  # radii may leave the series by this fraction
+
+
+Columns = TypeVar("Columns", Series, Slopes)
 
 
 @dataclass(frozen=True)
@@ -79,6 +86,34 @@ class AdhesiveCurve:
         inside = self._inside(a)
         return {name: np.interp(inside, self.a, values) for name, values in self.errors.items()}
 
+    @cached_property
+    def interpolation_error(self) -> Estimate:
+        """Relative error of delta and P between the points: their change where every second point is left out, over 8.
+
+        The units are the values themselves, or the lowest of the curve where that is larger. The rule is of fourth
+        order in the spacing (16), of third where its splines end: 8; of few points nothing of the kind is assumed.
+        Slopes with noise add theirs.
+        """
+        if len(self.series) < FEWEST:
+            return f"unknown: fewer than {FEWEST} points"
+        beyond = self.a - self.series.a0
+        if np.max(beyond[1:] / beyond[:-1]) > WIDEST:
+            return f"unknown: neighbouring radii differ by more than a factor of {WIDEST:g}"
+        change = max(self._change_without(first) for first in (1, 2))
+        return change if len(self.series) < FEW else change / ORDER_FACTOR
+
+    def _change_without(self, first: int) -> float:
+        """Largest relative change of delta and P at every second inner point from ``first`` on, left out."""
+        rows = np.arange(len(self.series))
+        left_out = rows[first:-1:2]
+        kept = np.setdiff1d(rows, left_out)
+        rule = _Rule.through(_at(self.series, kept), _at(self.slopes, kept), self.w)
+        changes = []
+        for ours, there in zip((self.delta, self.P), rule.point(self.a[left_out]), strict=True):
+            unit = np.maximum(np.abs(ours[left_out]), abs(np.min(ours)))
+            changes.append(np.max(np.abs(there - ours[left_out]) / unit))
+        return float(max(changes))
+
     def critical(self, stiffness: float) -> tuple[CriticalPoint, ...]:
         """All points in the series where d(delta + P/stiffness)/da = 0, by increasing radius; there may be none.
 
@@ -130,13 +165,13 @@ class AdhesiveCurve:
         delta, P = (float(value) for value in self.at(np.array(a)))
         quantity = {0.0: "load", math.inf: "displacement"}.get(stiffness, "device position")
         remedy = (
-            "the series would have to begin at a smaller radius (or contact shrinks to a point before it is lost)"
+            'ask for smaller radii: loading.spacing = "log" (or contact shrinks to a point before it is lost)'
             if end == "smallest"
             else "the series would have to reach a larger radius: load further"
         )
         return (
-            f"the {quantity} is lowest at the {end} radius of the series, a = {a:.4g} m (P = {P:.4g} N, "
-            f"delta = {delta:.4g} m): pull-off lies outside it; {remedy}"
+            f"the {quantity} is lowest at the {end} radius of the series, a = {show(a, 'length')} "
+            f"(P = {show(P, 'load')}, delta = {show(delta, 'length')}): pull-off lies outside it; {remedy}"
         )
 
     def _inside(self, a: Array) -> Array:
@@ -202,6 +237,14 @@ class _Rule:
         ddelta = np.exp(self.delta_H(z)) * self.delta_H(z, 1) / (a - self.a0)
         dP = np.exp(self.P_H(z)) * self.P_H(z, 1) / (a - self.a0)
         return ddelta - dt, dP - S * dt - S * self.S(x, 1) / a * t
+
+
+def _at(columns: Columns, rows: Array) -> Columns:
+    """The series or slopes at the points ``rows`` alone, without errors."""
+    names = ("a", "delta", "P", "S", "dS")
+    values = {name: getattr(columns, name)[rows] for name in names if getattr(columns, name, None) is not None}
+    blank: dict[str, Any] = {"errors": {}} if isinstance(columns, Series) else {"covariance": None}
+    return replace(columns, **values, **blank)
 
 
 def transform(series: Series, slopes: Slopes, w: float) -> AdhesiveCurve:

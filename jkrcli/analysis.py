@@ -83,7 +83,17 @@ class Analysis:
         """Everything that a reader of the numbers should know, each with its number."""
         outside = [f"pull-off under {name} control: {point.reason}" for name, point in self.pull_off.items()
                    if isinstance(point, Outside) and self.w > 0]  # fmt: skip
-        return [*self.stored.warnings, *self.curve.slopes.flags, *check(self.validity), *outside]
+        found = [*self.stored.warnings, *self.curve.slopes.flags, *check(self.validity), *outside]
+        difference = self.comparison.pull_off if self.comparison is not None else None
+        budget = self.budget
+        parts = (budget.discretisation, budget.truncation, budget.radius, budget.smoothing)
+        stated = max(2 * sum(part for part in parts if not isinstance(part, str)), 1e-6)
+        if difference is not None and abs(difference) > stated:
+            found.append(
+                f"the pull-off force differs from the closed form by {abs(difference):.2g}, "
+                f"more than the {stated:.2g} that was estimated"
+            )
+        return found
 
 
 def specification(stored: Stored) -> Specification:
@@ -101,8 +111,14 @@ def analyse(stored: Stored, works: Sequence[float], slopes_name: str = "auto") -
         known = str(stored.path)
         lines = [line if line.startswith(known) else f"{known}: {line}" for line in error.lines]
         raise InputError(lines) from None
-    budget = replace(stored.budget, smoothing=0.0 if found.method == "exact" else found.error)
-    return [Analysis(stored, case, transform(series, found, w), dropped, budget) for w in works]
+    curves = [transform(series, found, w) for w in works]
+    return [Analysis(stored, case, curve, dropped, _budget(stored, curve)) for curve in curves]
+
+
+def _budget(stored: Stored, curve: AdhesiveCurve) -> ErrorBudget:
+    """The series' budget with that of the slopes; where these are exact, of the interpolation between the points."""
+    exact = curve.slopes.method == "exact"
+    return replace(stored.budget, smoothing=curve.interpolation_error if exact else curve.slopes.error)
 
 
 def _fitted(stored: Stored, name: str) -> tuple[Series, int, Slopes]:

@@ -97,31 +97,34 @@ def _load_difference(series: Series, problem: Problem) -> float:
 
 def _radii_of_depth(delta: Array, indenter: Indenter) -> Array:
     """Radii [m] of the closed form at ``delta`` [m] > 0, where F(a) = delta, by halving an interval of log(a - a0)."""
-    a0, room = indenter.a0, indenter.r_max - indenter.a0
-    low = high = np.minimum(max(a0, float(delta[-1])), 0.5 * room)
-    while (indenter.abel(a0 + low) > delta).any():
-        low = low / 2
-    while high < room and (indenter.abel(a0 + high) < delta).any():
-        high = min(2 * high, room * (1 - 1e-15))
-        if high >= room * (1 - 1e-15):
-            break
-    low, high = np.full_like(delta, np.log(low)), np.full_like(delta, np.log(high))
+    a0, top = indenter.a0, (indenter.r_max - indenter.a0) * (1 - 1e-15)
+    low = high = min(max(a0, float(delta[-1])), top / 2)
+    while (indenter.abel(np.array(a0 + low)) > delta).any():
+        low /= 2
+    while high < top and (indenter.abel(np.array(a0 + high)) < delta).any():
+        high = min(2 * high, top)
+    start, end = np.full_like(delta, np.log(low)), np.full_like(delta, np.log(high))
     for _ in range(HALVINGS):
-        middle = (low + high) / 2
+        middle = (start + end) / 2
         below = indenter.abel(a0 + np.exp(middle)) < delta
-        low, high = np.where(below, middle, low), np.where(below, high, middle)
-    return a0 + np.exp((low + high) / 2)
+        start, end = np.where(below, middle, start), np.where(below, end, middle)
+    return a0 + np.exp((start + end) / 2)
 
 
 def _curve_distance(computed: AdhesiveCurve, problem: Problem, unit: CriticalPoint) -> float:
-    """Greatest distance of the computed points from the exact curve, both axes in units of the exact pull-off."""
+    """Greatest distance of the computed points from the exact curve, both axes in units of the exact pull-off.
+
+    Where its displacement nearly vanishes (f = B r^1.5), a tenth of the shift t = sqrt(2 pi w a/E*) is the unit.
+    """
     indenter, a = problem.indenter, computed.a
+    shift = np.sqrt(2 * np.pi * computed.w * unit.a / problem.E_star)
+    delta_unit, P_unit = max(abs(unit.delta), 0.1 * shift), abs(unit.P)
     low = np.maximum(a / WINDOW, indenter.a0)
     high = np.minimum(a * WINDOW, indenter.r_max * (1 - 1e-12))
 
     def distances(v: Array) -> Array:
         delta, P = _formula(problem, computed.w, low + (high - low) * v**2)
-        return np.hypot((delta - computed.delta) / unit.delta, (P - computed.P) / unit.P)
+        return np.hypot((delta - computed.delta) / delta_unit, (P - computed.P) / P_unit)
 
     return float(np.max(_least(distances, a.size)))
 

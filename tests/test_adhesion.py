@@ -9,8 +9,17 @@ import numpy as np
 import pytest
 
 from jkrcli.adhesion import CriticalPoint, Outside, scales_half_space, scales_thin_layer, transform
-from jkrcli.closed_form import hertz, jkr, rounded_flat, thin_incompressible_layer, thin_layer
+from jkrcli.closed_form import (
+    adhesive_half_space,
+    hertz,
+    jkr,
+    rounded_flat,
+    sneddon_sphere,
+    thin_incompressible_layer,
+    thin_layer,
+)
 from jkrcli.errors import InputError
+from jkrcli.indenters import Sphere
 from jkrcli.series import Series
 from jkrcli.slopes import Slopes, slopes
 
@@ -103,14 +112,17 @@ def test_thin_layers(law: str, exponent: int, factor: float) -> None:
         assert point.delta == pytest.approx(0, abs=1e-7 * delta_unit)
         outside = curve(series, w).pull_off(math.inf)  # delta falls down to a = 0
         assert isinstance(outside, Outside)
-        assert f"a = {a[0]:.4g} m" in outside.reason
+        assert f"smallest radius of the series, a = {a[0] / 1e-9:.4g} nm (P = " in outside.reason
+        assert 'ask for smaller radii: loading.spacing = "log"' in outside.reason
 
 
 def test_several_or_no_critical_points_are_reported_as_such() -> None:
     small = curve(half_space(20, largest=4e-6))
     assert small.critical(0.0) == ()
     reason = small.pull_off(0.0).reason
-    assert "the load is lowest at the largest radius of the series, a = 4e-06 m" in reason
+    assert (
+        "the load is lowest at the largest radius of the series, a = 4 um (P = -16.8 mN, delta = -299.5 nm)" in reason
+    )
     assert "load further" in reason
     a = np.linspace(0, 1.73e-5, 301)[1:]
     dS = 2 * E_STAR * (1 + 0.9 * np.sin(a / 4e-7))  # a wavy slope: many minima
@@ -191,6 +203,42 @@ def test_an_error_of_the_radius_acts_through_the_shift() -> None:
     series = half_space(30)
     known = curve(half_space(30, errors={"a": 1e-3 * series.a}))
     assert np.allclose(known.errors["delta"], 1e-3 * (series.delta - known.delta), rtol=1e-12)  # t ~ a at given S
+
+
+def sphere_curve(a: np.ndarray):
+    delta, P = sneddon_sphere(a, E_STAR, R)
+    return curve(Series(a, delta, P, 2 * E_STAR * a, np.full(a.size, 2 * E_STAR)))
+
+
+def true_interpolation_error(ours) -> float:
+    between = np.linspace(ours.a[0], ours.a[-1], 500)
+    true = []
+    for found, exact in zip(ours.at(between), adhesive_half_space(between, E_STAR, Sphere(R), W), strict=True):
+        unit = np.maximum(np.abs(exact), abs(np.min(exact)))
+        true.append(float(np.max(np.abs(found - exact) / unit)))
+    return max(true)
+
+
+@pytest.mark.parametrize("points", [5, 6, 7, 10, 20, 40, 41])
+@pytest.mark.parametrize("power", [1.0, 0.5])  # even radii, even depths
+def test_interpolation_error_is_of_the_size_of_the_true_one(points: int, power: float) -> None:
+    ours = sphere_curve(2.2e-5 * (np.arange(1, points + 1) / points) ** power)
+    true = true_interpolation_error(ours)
+    assert true / 2.5 < ours.interpolation_error < 60 * true  # no reduction is assumed for few points
+
+
+@pytest.mark.parametrize("points", [20, 21, 40])
+def test_interpolation_error_is_told_at_the_last_interval_too(points: int) -> None:
+    ours = sphere_curve(np.geomspace(2.2e-9, 2.2e-5, points))  # the widest interval is the last
+    assert true_interpolation_error(ours) / 1.2 < ours.interpolation_error
+
+
+def test_interpolation_error_of_power_laws_is_round_off_and_unknown_for_few_points() -> None:
+    assert curve(half_space(30)).interpolation_error < 1e-13
+    assert curve(half_space(30), 0.0).interpolation_error < 1e-13
+    assert curve(half_space(4)).interpolation_error == "unknown: fewer than 5 points"
+    wide = sphere_curve(np.geomspace(2e-9, 2e-5, 8)).interpolation_error
+    assert wide == "unknown: neighbouring radii differ by more than a factor of 2.7"
 
 
 @pytest.mark.parametrize(

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
+from decimal import Decimal, localcontext
 
 import numpy as np
 import pytest
 from scipy.integrate import quad
 
 from jkrcli import closed_form
-from jkrcli.formulas import ClosedForm
+from jkrcli.formulas import ROUND_OFF, ClosedForm
 from jkrcli.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere
 from jkrcli.materials import Elastic
 from jkrcli.problem import HalfSpace, Loading, Problem, Specimen
@@ -54,6 +55,27 @@ def test_sphere_series_meets_the_closed_expression() -> None:
     a = np.array([0.2 * (1 - 1e-12), 0.2]) * R
     below, above = closed_form.sneddon_sphere(a, E_STAR, R)[1]
     assert below == pytest.approx(above, rel=1e-11)
+
+
+def exact_rounded_flat(a: float, b: float) -> tuple[float, float]:
+    """delta_H and P_H/E* for an edge radius of 1, from the exact value of the floating-point radii; a/b < 1.2."""
+    with localcontext() as context:
+        context.prec = 60
+        s = (Decimal(a) ** 2 - Decimal(b) ** 2).sqrt()
+        u = s / Decimal(b)
+        difference = sum((-1) ** k * u ** (2 * k + 3) / (2 * k + 3) for k in range(200))  # tan(phi) - phi
+        delta = Decimal(a) * Decimal(b) * difference
+        load = 2 * Decimal(a) * delta - 2 * (s**3 / 3 - Decimal(b) * (Decimal(a) ** 2 * (u - difference)
+                                                                     - Decimal(b) * s) / 2)  # fmt: skip
+        return float(delta), float(load)
+
+
+@pytest.mark.parametrize("beyond", [1e-13, 1e-8, 1e-6, 1e-4, 2e-3, 0.05, 0.11, 0.13])
+def test_rounded_flat_is_exact_near_first_touch(beyond: float) -> None:
+    b = 1e-6
+    a = b * (1 + beyond)
+    delta, P = closed_form.rounded_flat(np.array(a), 1.0, b, 1.0)
+    assert (float(delta), float(P)) == pytest.approx(exact_rounded_flat(a, b), rel=ROUND_OFF / 2, abs=0)
 
 
 def test_dimensionless_jkr_is_eq_7_in_the_units_of_eq_15() -> None:

@@ -92,6 +92,14 @@ def test_events_end_at_the_first_one_that_reaches_the_goal(models):
         assert values[-2] < maximum <= values[-1] * (1 + 1e-9)
 
 
+def test_spare_events_follow_the_goal(models):
+    contact = models[2].contact(Paraboloid(10.0))
+    plain, spare = nested_events(contact, 0.0, "depth", 0.05), nested_events(contact, 0.0, "depth", 0.05, 2)
+    assert spare.a.size == plain.a.size + 2
+    assert spare.valid
+    np.testing.assert_array_equal(spare.a[:-2], plain.a)
+
+
 def test_events_are_at_vertices_only(models):
     events = nested_events(models[2].contact(Paraboloid(10.0)), 0.0, "radius", 1.0)
     assert np.isin(events.a, models[2].surface.radii[models[2].surface.is_vertex]).all()

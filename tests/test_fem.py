@@ -77,10 +77,10 @@ def test_the_truncation_is_estimated():
 
 def test_incremental_and_nested_lie_on_the_same_curve():
     nested = FEM(contact_radius=1.8e-5, **QUICK)(PAPER).series
-    touches = replace(PAPER, loading=Loading.given("depth", tuple(nested.delta[20:])))
+    touches = replace(PAPER, loading=Loading.given("depth", tuple(nested.delta[20:-1])))
     steps = FEM(contact_radius=1.8e-5, contact="incremental", **QUICK)(touches)
-    np.testing.assert_allclose(steps.raw.P, nested.P[20:], rtol=1e-9)
-    assert len(steps.raw.a) == len(nested.delta) - 20
+    np.testing.assert_allclose(steps.raw.P, nested.P[20:-1], rtol=1e-9)
+    assert len(steps.raw.a) == len(nested.delta) - 21  # the last row is the loading's end, between two touches
     assert steps.pressure.p.shape == (len(steps.raw.a), steps.pressure.r.size)
 
 
@@ -301,3 +301,123 @@ def test_locking_is_warned_of():
     solution = FEM(order=1, **QUICK)(problem)
     assert "first-order elements lock near incompressibility: nu = 0.499 > 0.45" in solution.warnings[0]
     assert FEM(**QUICK)(problem).warnings == ()
+
+
+UNIT = Problem(Paraboloid(10.0), Specimen((), HalfSpace(Elastic(1.0, 0.3))), Loading("radius", 1.0))
+
+
+def bonded(nu):
+    layer = Specimen((Layer(Elastic(1.0, nu), 1.0),), Rigid())
+    return Problem(Paraboloid(1000.0), layer, Loading("radius", 5.0))
+
+
+@pytest.mark.parametrize(
+    ("problem", "options"),
+    [
+        (UNIT, {}),
+        (UNIT, {"order": 1, "element": "quadrilateral"}),
+        (bonded(0.3), {}),
+        (bonded(0.499), {}),
+        (replace(UNIT, specimen=Specimen((Layer(Elastic(10.0, 0.3), 0.3),), HalfSpace(Elastic(1.0, 0.4)))), {}),
+    ],
+    ids=["half-space", "first-order quadrilaterals", "layer", "nearly incompressible layer", "coating"],
+)
+def test_error_columns_bound_the_error_of_every_row(problem, options):
+    solution = FEM(**options)(problem)
+    series = solution.series
+    exact = Layered()(replace(problem, loading=Loading.given("depth", tuple(series.delta)))).series
+    P, a = np.abs(series.P / exact.P - 1), np.abs(series.a / exact.a - 1)
+    bound_P, bound_a = series.errors["P"] / series.P, series.errors["a"] / series.a
+    assert (P <= bound_P).all()
+    assert (a <= bound_a + 1e-9).all()
+    assert (np.diff(bound_P) <= 1e-15).all()
+    judged = series.delta >= solution.facts["judged_from_m"]
+    assert P[judged].max() < solution.budget.discretisation < 20 * P[judged].max()
+    assert bound_P[0] > 5 * solution.budget.discretisation  # one vertex in contact
+    assert 0.01 * series.delta[-1] <= solution.facts["judged_from_m"] < 0.012 * series.delta[-1]
+
+
+@pytest.mark.parametrize(("to", "maximum"), [("depth", 0.0931), ("load", 0.0417), ("radius", 0.973)])
+@pytest.mark.parametrize("corrected", [True, False])
+def test_nested_ends_where_the_loading_ends(to, maximum, corrected):
+    problem = replace(UNIT, loading=Loading(to, maximum))
+    solution = FEM(estimate_error=False, edge_correction=corrected)(problem)
+    series = solution.series
+    last = {"depth": series.delta, "load": series.P, "radius": series.a}[to][-1]
+    assert last == pytest.approx(maximum, rel=1e-12)
+    P, a = closed_form_errors(solution, problem)
+    assert abs(P[-1]) < 2e-4
+    assert abs(a[-1]) < (1e-5 if corrected else 0.02)
+    assert solution.pressure.p.shape[0] == len(series)
+    assert solution.facts["events"] >= len(series)
+    assert "nested contact has its own" in solution.facts["radii"]
+
+
+def test_nested_ends_exactly_on_a_flat_ended_indenter():
+    problem = replace(UNIT, indenter=RoundedFlat(0.5, 20.0), loading=Loading("depth", 0.0193))
+    solution = FEM(estimate_error=False)(problem)
+    assert solution.series.delta[-1] == pytest.approx(0.0193, rel=1e-12)
+    P, a = closed_form_errors(solution, problem)
+    assert abs(P[-1]) < 2e-4
+    assert abs(a[-1]) < 1e-4
+
+
+@pytest.mark.parametrize(
+    ("to", "values"), [("depth", (0.002, 0.03, 0.1)), ("load", (0.001, 0.02)), ("radius", (0.2, 0.5, 0.9))]
+)
+def test_nested_gives_the_values_asked_for(to, values):
+    problem = replace(UNIT, loading=Loading.given(to, values))
+    series = FEM(estimate_error=False)(problem).series
+    np.testing.assert_allclose({"depth": series.delta, "load": series.P, "radius": series.a}[to], values, rtol=1e-12)
+    exact = Layered()(problem).series
+    np.testing.assert_allclose(series.P, exact.P, rtol=3e-4)
+    np.testing.assert_allclose(series.a, exact.a, rtol=2e-4)
+
+
+def test_nested_refuses_values_below_its_first_event():
+    with pytest.raises(Refusal, match=r"loading: radius 1e-05 m lies below the first .* take a smaller mesh.smallest"):
+        FEM(**QUICK)(replace(UNIT, loading=Loading.given("radius", (1e-5, 1.0))))
+
+
+def test_increments_by_logarithms_and_values_that_share_a_node():
+    solution = FEM(contact="incremental", **QUICK)(replace(UNIT, loading=Loading("radius", 1.0, 41, "log")))
+    np.testing.assert_allclose(
+        np.diff(np.log(solution.raw.delta)), np.log(1e8) / 40, rtol=0.12
+    )  # first vertices' radii are uncorrected
+    dropped = solution.facts["dropped"]
+    assert dropped == 41 - len(solution.series) > 0
+    assert f"{dropped} of 41 requested values share a node with another or lie below" in solution.warnings[0]
+    close = replace(UNIT, loading=Loading.given("radius", (0.9, 0.901, 0.902)))
+    assert "2 of 3 requested values" in FEM(contact="incremental", **QUICK)(close).warnings[0]
+
+
+def test_the_forecast_is_near():
+    for problem in (UNIT, replace(bonded(0.3), loading=Loading("radius", 17.0)), replace(UNIT, specimen=GEL)):
+        forecast, solution = FEM().forecast(problem), FEM()(problem)
+        assert float(forecast.note.split()[1]) == pytest.approx(solution.facts["elements"], rel=0.3)
+        assert forecast.error / 3 < solution.budget.total < 3 * forecast.error
+    wide = Problem(Paraboloid(1e5), GEL, Loading("radius", 100.0))
+    assert 3 < FEM().forecast(wide).seconds < 40  # measured 12
+
+
+GEL = Specimen((Layer(Elastic(1.0, 0.5), 1.0),), Rigid())
+
+
+@pytest.mark.parametrize(
+    ("options", "key"),
+    [
+        ({"spacing": 1e-6}, "mesh.spacing"),
+        ({"spacing": 1e-6, "element": "quadrilateral"}, "mesh.spacing"),
+        ({"layout": "zones", "element_size": 1e-12}, "mesh.element_size"),
+        ({"layout": "zones", "element_size": 1e-12, "element": "quadrilateral"}, "mesh.element_size"),
+    ],
+)
+def test_too_many_elements_are_refused_before_meshing(options, key):
+    with pytest.raises(Refusal, match=rf"elements expected, too many .* \(at most 3000000\): take a larger {key}"):
+        FEM(**options)(PAPER)
+    assert key in FEM(**options).refusal(PAPER)
+
+
+def test_a_contact_radius_too_small_to_mesh_is_refused():
+    with pytest.raises(InputError, match=r"mesh.smallest: must be > 1e-07 and < 1, got 1e-09"):
+        FEM(smallest=1e-9)

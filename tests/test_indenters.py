@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from hypothesis import strategies as st
 from scipy.integrate import quad
 
 from jkrcli.errors import InputError
-from jkrcli.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile, abel_factor
+from jkrcli.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile, abel_factor, tangent_minus_angle
 
 R = 3e-5
 GRID = np.linspace(0, 0.5 * R, 31)
@@ -72,6 +73,19 @@ def test_factors_of_powers() -> None:
     assert abel_factor(1.0) == pytest.approx(math.pi / 2, rel=1e-15)  # cone
     assert abel_factor(2.0) == pytest.approx(2.0, rel=1e-15)  # paraboloid: F = 2 x^2/(2R)
     assert abel_factor(4.0) == pytest.approx(8 / 3, rel=1e-15)
+
+
+@pytest.mark.parametrize("n", [30, 100, 290, 310, 400])
+def test_factors_of_high_powers_are_exact(n: int) -> None:
+    """For even n the factor is the product of 2k/(2k - 1), k = 1..n/2."""
+    exact = math.prod(Fraction(2 * k, 2 * k - 1) for k in range(1, n // 2 + 1))
+    assert abs(Fraction(abel_factor(n)) / exact - 1) < 2e-15
+
+
+@pytest.mark.parametrize("u", [1e-9, 1e-3, 0.3, 0.499999, 0.5, 0.6])
+def test_tangent_minus_angle(u: float) -> None:
+    terms = (Fraction((-1) ** k, 2 * k + 3) * Fraction(u) ** (2 * k + 3) for k in range(60))
+    assert float(tangent_minus_angle(np.array(u))) == pytest.approx(float(sum(terms)), rel=3e-15, abs=0)
 
 
 def test_table_is_exact_for_a_paraboloid_at_any_spacing() -> None:

@@ -2,23 +2,27 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from jkrcli import tables
 from jkrcli.adhesion import transform
+from jkrcli.analysis import Analysis, Specification
 from jkrcli.choose import choose
 from jkrcli.comparison import compare_half_space, exact_curve
 from jkrcli.differences import curve_differences, series_differences
 from jkrcli.errors import InputError, Refusal
 from jkrcli.expectation import expect
 from jkrcli.formulas import ClosedForm
-from jkrcli.indenters import Paraboloid, Sphere, TableProfile
+from jkrcli.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
 from jkrcli.integral.layered import Layered
 from jkrcli.materials import Elastic
 from jkrcli.methods import method_class
 from jkrcli.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
-from jkrcli.series import Series
+from jkrcli.series import ErrorBudget, Series
 from jkrcli.slopes import slopes
 from jkrcli.states import stable_radius
 
@@ -30,25 +34,69 @@ LAYER = Problem(Paraboloid(1e-3), Specimen((Layer(Elastic(1e6, 0.3), 1e-5),), Ri
 
 def curve_of(problem: Problem, w: float = W, **changes: object):
     series = ClosedForm()(problem).series
-    found = slopes(series, "exact")
     if changes:
         series = Series(**{name: changes.get(name, getattr(series, name)) for name in ("a", "delta", "P", "S", "dS")})
-    return transform(series, found, w)
+    return transform(series, slopes(series, "exact"), w)
 
 
-def test_comparison_of_the_exact_curve_is_round_off() -> None:
+@pytest.mark.parametrize(
+    ("indenter", "depth", "w"),
+    [
+        (Sphere(R), 3e-6, W),
+        (Sphere(R), 3e-9, 1e-3),
+        (Paraboloid(R), 3e-6, W),
+        (PowerLaw(0.3, 1.0), 3e-6, W),
+        (PowerLaw(5.0, 1.5), 3e-6, 5.0),
+        (RoundedFlat(1e-5, 1e-5), 3e-6, 0.5),
+    ],
+)
+def test_comparison_of_the_exact_curve_is_round_off(indenter, depth: float, w: float) -> None:
+    problem = Problem(indenter, GROUND, Loading("depth", depth))
+    found = compare_half_space(curve_of(problem, w), problem)
+    assert found.load < 1e-12
+    assert found.curve is None or found.curve < 1e-9
+    assert found.exact.a[-1] == pytest.approx(ClosedForm()(problem).series.a[-1], rel=1e-12)
+
+
+def test_comparison_of_pull_off_is_with_the_formula() -> None:
     found = compare_half_space(curve_of(PROBLEM), PROBLEM)
-    assert found is not None
-    assert found.load < 1e-7  # linear interpolation in logs between 400 points
-    assert abs(found.pull_off) < 1e-9
-    assert found.curve < 1e-5  # chords of the reference polyline
+    assert abs(found.pull_off) < 1e-10
+    assert found.curve < 1e-12
     assert found.parabola == pytest.approx(1 - 1.49734 / 1.5, abs=1e-5)  # published to six digits
 
 
 def test_comparison_sees_an_error_of_the_load() -> None:
     exact = ClosedForm()(PROBLEM).series
     found = compare_half_space(curve_of(PROBLEM, P=exact.P * 1.01), PROBLEM)
-    assert found.load == pytest.approx(0.01, rel=1e-4)  # the same interpolation
+    assert found.load == pytest.approx(0.01, rel=1e-10)
+
+
+def test_distance_of_the_curve_is_that_of_its_nearest_point() -> None:
+    """Along a straight line in (delta, P) of slope m the distance of a point moved up by e is e/hypot(1, m)."""
+    exact, step = curve_of(PROBLEM), 1e-6
+    unit = exact.pull_off(0.0)
+    ddelta, dP = exact.rates(exact.a[-1:])
+    steepness = float(dP[0] / ddelta[0]) * abs(unit.delta / unit.P)
+    moved = replace(exact, P=exact.P + np.where(exact.a == exact.a[-1], step * abs(unit.P), 0.0))
+    found = compare_half_space(moved, PROBLEM)
+    assert found.curve == pytest.approx(step / np.hypot(1, steepness), rel=1e-4)
+
+
+def analysis_of(curve, budget: ErrorBudget) -> Analysis:
+    case = Specification(PROBLEM, (W,), 3e-10, "")
+    stored = SimpleNamespace(warnings=(), facts={})
+    return Analysis(stored, case, curve, 0, budget)
+
+
+def test_a_pull_off_that_is_worse_than_was_estimated_is_warned_of() -> None:
+    exact = ClosedForm()(PROBLEM).series
+    wrong = curve_of(PROBLEM, dS=exact.dS * 1.02)
+    found = compare_half_space(wrong, PROBLEM).pull_off
+    words = f"the pull-off force differs from the closed form by {abs(found):.2g}, more than the 2.2e-05 that was"
+    told = analysis_of(wrong, ErrorBudget(1e-5, 0.0, 0.0, 1e-6)).warnings
+    assert any(text.startswith(words) for text in told)
+    for curve, budget in ((wrong, ErrorBudget(0.02, 0.0, 0.0)), (curve_of(PROBLEM), ErrorBudget(0.0, 0.0, 0.0, 0.0))):
+        assert not any("differs from the closed form" in text for text in analysis_of(curve, budget).warnings)
 
 
 def test_no_comparison_without_a_closed_form() -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -11,26 +11,59 @@ from ..problem import Problem
 from ..series import ErrorBudget, Estimate
 from .contact import Events, SurfaceContact, nested_events
 from .edge import radius_factors
+from .ending import power_interpolated
 from .model import Model, Recipe
 
 Array = np.ndarray
-JUDGED_DEPTH = 0.01  # of the largest: below it a series has too few nodes in contact to be judged
+JUDGED_DEPTH = 0.01  # of the largest: below it few nodes are in contact, and the budget leaves the rows out
+SAFETY = 1.5  # on what doubling the sizes changes: half of it for loads (at least first order), all of it for radii
+ROUND_OFF = 1e-12  # radii come from a search
 
 
-def estimate(model: Model, problem: Problem, events: Events, a: Array, delta: Array, P: Array) -> ErrorBudget:
-    """Largest relative errors over the series ``a``, ``delta``, ``P`` with edge-corrected or plain radii: of P at equal
+@dataclass(frozen=True, eq=False)
+class Assessment:
+    """The error budget over the judged part of a series, from the depth ``judged_from`` [m] on, and the relative
+    errors of ``P`` (at equal depth) and ``a`` row by row, larger where few nodes are in contact; None: unknown."""
+
+    budget: ErrorBudget
+    judged_from: float | None = None
+    P: Array | None = None
+    a: Array | None = None
+
+
+def estimate(model: Model, problem: Problem, events: Events, a: Array, delta: Array, P: Array) -> Assessment:
+    """Relative errors of the series ``a``, ``delta``, ``P`` with edge-corrected or plain radii: of P at equal
     depth (discretisation, truncation) and of a (radius). ``events``: the model's own, their radii as in the series."""
     corrected = not np.isin(events.a, model.surface.radii).all()
     coarse = model.recipe.coarser(2.0).build(StageClock())
     contact = coarse.contact(problem.indenter)
     judged = delta >= JUDGED_DEPTH * delta[-1]
-    a, delta, P = a[judged], delta[judged], P[judged]
-    change = np.abs(load_at(contact, delta) / P - 1)
-    return ErrorBudget(
-        discretisation=float(np.max(change)) / 2,  # at least first order: the finer mesh is off by less than half of it
-        truncation=_truncation(model, coarse.recipe, problem, events, contact, float(delta[-1])),
-        radius=_radius(_coarse_events(coarse, contact, problem, corrected), events, a, delta),
+    change = SAFETY / 2 * np.abs(load_at(contact, delta) / P - 1)
+    load = _envelope(_at_least_decaying(change, a - problem.indenter.a0), delta)
+    radius = _radius(_coarse_events(coarse, contact, problem, corrected), events, a, delta)
+    truncation = _truncation(model, coarse.recipe, problem, events, contact, float(delta[-1]))
+    budget = ErrorBudget(
+        discretisation=float(load[judged].max()),
+        truncation=truncation,
+        radius=radius if isinstance(radius, str) else float(radius[judged].max()),
     )
+    judged_from = float(delta[judged][0])
+    if isinstance(radius, str) or isinstance(truncation, str):
+        return Assessment(budget, judged_from)
+    return Assessment(budget, judged_from, load + truncation, radius)
+
+
+def _at_least_decaying(errors: Array, width: Array) -> Array:
+    """The errors, but nowhere less than any before decayed with the square of the contact's ``width`` [m]: as those of
+    a uniform mesh do."""
+    return np.maximum.accumulate(errors * width**2) / width**2
+
+
+def _envelope(errors: Array, delta: Array) -> Array:
+    """Largest of the errors from each depth up to the deepest, and at least of those in the deepest decade: the
+    changes between two meshes pass through zero here and there, the errors need not."""
+    deepest = float(np.max(errors[delta >= 0.1 * delta[-1]]))
+    return np.maximum(np.maximum.accumulate(errors[::-1])[::-1], deepest)
 
 
 def load_at(contact: SurfaceContact, delta: Array) -> Array:
@@ -46,23 +79,26 @@ def _coarse_events(coarse: Model, contact: SurfaceContact, problem: Problem, cor
     return replace(events, a=events.a * radius_factors(coarse, problem.indenter))
 
 
-def _radius(coarse: Events, events: Events, a: Array, delta: Array) -> Estimate:
+def _radius(coarse: Events, events: Events, a: Array, delta: Array) -> Array | str:
     """What doubling the sizes changes at equal depth (a vertex radius is off by a fraction of the spacing), plus where
-    the series' radii differ from the events' (increments)."""
+    the series' radii differ from the events' (increments). Below the meshes' first events, where the spacing is
+    uniform, the change grows like the inverse radius."""
     if coarse.a.size < 4 or events.a.size < 4:
         return "fewer than four vertices in contact"
-    inside = (delta >= coarse.delta[0]) & (delta <= min(coarse.delta[-1], events.delta[-1]))
-    if not inside.any():
+    first, last = max(coarse.delta[0], events.delta[0]), min(coarse.delta[-1], events.delta[-1])
+    if first >= last or delta[-1] < first:
         return "no radius common to the mesh and its coarser companion"
-    a, delta = a[inside], delta[inside]
     fine = _radius_at(events, delta)
-    return float(np.max(np.abs(_radius_at(coarse, delta) / fine - 1) + np.abs(a / fine - 1)))
+    samples = np.unique(np.clip(np.concatenate([delta, coarse.delta, events.delta]), first, last))
+    changes = np.abs(_radius_at(coarse, samples) / _radius_at(events, samples) - 1)
+    changes = _envelope(np.maximum(SAFETY * changes, ROUND_OFF), samples)
+    change = np.interp(delta, samples, changes) * np.maximum(_radius_at(events, np.array([first])) / fine, 1.0)
+    return _envelope(change + np.abs(a / fine - 1), delta)
 
 
 def _radius_at(events: Events, delta: Array) -> Array:
-    from scipy.interpolate import PchipInterpolator
-
-    return np.exp(PchipInterpolator(np.log(events.delta), np.log(events.a))(np.log(delta)))
+    """Radii [m] at depths ``delta`` [m]: a monotone cubic in logarithms, a power law outside the events."""
+    return power_interpolated(events.delta, events.a, delta)
 
 
 def _truncation(
@@ -72,7 +108,8 @@ def _truncation(
     Stacks on a rigid base: a free against a roller side, on the coarse mesh."""
     body = model.body
     if body.cut_below:
-        lacking = abs(model.missing) * float(events.S[-1])
+        last = min(int(np.searchsorted(events.delta, deepest * (1 - 1e-9))), events.S.size - 1)
+        lacking = abs(model.missing) * float(events.S[last])
         return lacking**2 if body.completed else lacking
     if not body.cut_beside:
         return 0.0

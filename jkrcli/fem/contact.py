@@ -81,25 +81,31 @@ class Events:
         return self.violation <= ROUND_OFF and bool((np.diff(self.delta) > 0).all())
 
 
-def nested_events(contact: SurfaceContact, a0: float, to: str, maximum: float) -> Events:
+def nested_events(contact: SurfaceContact, a0: float, to: str, maximum: float, spare: int = 0) -> Events:
     """Events at the vertices beyond the flat radius ``a0`` up to the first one at which the quantity ``to``
-    ("depth", "load" or "radius") reaches ``maximum`` [m or N]; up to the last candidate where none does."""
+    ("depth", "load" or "radius") reaches ``maximum`` [m or N], and up to ``spare`` more that hold as well; up to the
+    last candidate where none does."""
     surface = contact.surface
     is_event = surface.is_vertex & (surface.radii > a0 * (1 + 1e-9)) & (contact.delta > 0)
     k = np.flatnonzero(is_event)
     quantity = {"depth": contact.delta, "load": contact.P, "radius": surface.radii}[to][k]
     beyond = np.flatnonzero(quantity >= maximum * (1 - 1e-9))
-    k = k[: beyond[0] + 1] if beyond.size else k
+    needed = int(beyond[0]) + 1 if beyond.size else k.size
+    k = k[: needed + spare]
     inside = np.arange(surface.radii.size)[:, None] <= k
     w = np.where(inside, contact.delta[k] * contact.y[:, None] - contact.z[:, None], 0.0)
     p = solve_triangular(contact.L, w, lower=True, trans="T")
     gap = contact.f[:, None] - contact.delta[k] + contact.L @ w
     force_limit, depth = np.abs(p).max(axis=0, initial=0.0), contact.delta[k]
-    negative = max(
-        float(np.max(-p[surface.exempt :] / force_limit, initial=0.0)),
-        float(np.max(np.where(inside, 0.0, -gap) / depth, initial=0.0)),
+    negative = np.maximum(
+        np.max(-p[surface.exempt :] / force_limit, axis=0, initial=0.0),
+        np.max(np.where(inside, 0.0, -gap) / depth, axis=0, initial=0.0),
     )
-    return Events(surface.radii[k], contact.delta[k], contact.P[k], contact.S[k], p.T, negative)
+    sound = (negative[needed:] <= ROUND_OFF) & (np.diff(depth)[max(needed - 1, 0) :] > 0)
+    n = needed + int(np.cumprod(sound).sum())
+    k = k[:n]
+    violation = float(np.max(negative[:n], initial=0.0))
+    return Events(surface.radii[k], contact.delta[k], contact.P[k], contact.S[k], p.T[:n], violation)
 
 
 @dataclass(frozen=True, eq=False)

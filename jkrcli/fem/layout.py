@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,7 +13,7 @@ from .blocks import ringed_quads, tensor_quads
 from .domain import Body
 from .grid import Grid, make_grid
 from .mesh import triangles
-from .sizes import SizeLaw, graded_points
+from .sizes import SizeLaw, expected_triangles, graded_points
 
 Array = np.ndarray
 MAX_CELLS = 3_000_000
@@ -55,6 +56,18 @@ class Layout:
         """The same sizes, so the same surface vertices in the contact, on another body without layers."""
         layers = tuple((top, t, size, UNLIMITED) for top, t, size, _ in self.law.layers)
         return replace(self, body=body, law=replace(self.law, layers=layers))
+
+    def expected_cells(self) -> float:
+        """About how many elements ``grid`` will make, without making them."""
+        width, depth = self.body.width / self.unit, self.body.depth / self.unit
+        if self.element == "triangle":
+            return expected_triangles(self.law, width, depth)
+        across = _expected_points(self._along_surface, width)
+        corner = self._ring_start(width, depth, self.body.interfaces)
+        if corner is None:
+            return across * _expected_points(self._down, depth)
+        inner = _expected_points(self._along_surface, corner)
+        return inner * (2 * across - inner)
 
     def grid(self) -> Grid:
         """Mesh the body."""
@@ -108,6 +121,12 @@ class Layout:
         if self.sides:
             return np.interp(z, *_columns(self.sides))
         return self.law(np.full_like(z, min(self.law.a0 + self.law.inner, self.law.reach)), -z)
+
+
+def _expected_points(size: Callable[[Array], Array], stop: float) -> float:
+    """About how many points spaced by ``size`` there are between 0 and ``stop``."""
+    x = np.unique(np.concatenate([np.linspace(0, stop, 1000), stop * np.geomspace(1e-10, 1, 1000)]))
+    return float(np.trapezoid(1 / size(x), x))
 
 
 def _columns(pairs: tuple[tuple[float, float], ...]) -> tuple[Array, Array]:

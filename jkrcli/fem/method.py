@@ -12,19 +12,23 @@ from ..clock import StageClock
 from ..errors import InputError, Refusal
 from ..methods import Forecast
 from ..problem import HalfSpace, Problem
+from ..radii import graded_radii
 from ..series import ErrorBudget, PressureTable, RawSeries, Series, Solution, filter_plateaus
-from .budget import estimate
+from .budget import Assessment, estimate
 from .contact import Events, Increment, SurfaceContact, nested_events, solve_depths, solve_loads
-from .domain import cut_out
-from .edge import radius_factors
+from .domain import cut_out, half_space_like
+from .edge import CUT, radius_factors
+from .ending import nested_columns, power_interpolated
 from .grid import Grid
-from .layout import Layout, scaled_layout, zones_layout
+from .layout import MAX_CELLS, Layout, scaled_layout, zones_layout
 from .model import Model, Recipe
 from .report import facts, warnings
 
 Array = np.ndarray
 NEARLY_INCOMPRESSIBLE = 0.49
 ATTEMPTS = 5
+SPARE = 2  # events beyond the end of the loading, which lies between two
+FINEST = 1e-7  # of ``smallest``: the mesh generator and the graded lines resolve no more
 GROWTH = {"scaled": {1: 0.05, 2: 0.15}, "zones": {1: 0.08, 2: 0.25}}  # chosen for equal errors by either order
 
 
@@ -33,12 +37,14 @@ class FEM:
     """Finite elements for any stack of isotropic layers on a rigid base or a half-space, wide or of finite radius.
 
     Geometrically linear, frictionless; any convex indenter, rigid (or elastic on a homogeneous half-space).
-    The default solves a paraboloid on a half-space to about 1e-4 in P(delta); the contact radius is that of a
-    vertex, a few per cent of ``spacing`` off.
+    The default solves a paraboloid on a half-space to about 1e-4 in P(delta). Contact radii are those of vertices,
+    corrected to the edge of the contact (``edge_correction``): exact for a paraboloid on a half-space, else about 1e-3
+    off. Increments, and "nested" without the correction, keep the vertex's radius, up to half a spacing too large.
 
     ``layout``: "scaled": element size proportional to the distance from the first contact; "zones": the paper's.
     ``element``, ``order``: triangles (free) or quadrilaterals (structured), first or second order.
-    ``contact``: "nested": every contact radius of a growing disc exactly; "incremental": the loading's increments.
+    ``contact``: "nested": every vertex as contact radius of a growing disc, up to the loading's end (or its given
+    values, interpolated); "incremental": the loading's increments.
     ``element_size`` [m]: over the contact in the layout "zones" (default 0.0005 R; 0.02 of a thin body's depth).
     ``depth``, ``width`` [m]: where an unbounded specimen is cut (default: so far that it does not matter).
     ``contact_radius`` [m]: largest contact radius to provide for (default: found from the loading).
@@ -78,7 +84,7 @@ class FEM:
             ("width", 0.0, math.inf),
             ("contact_radius", 0.0, math.inf),
             ("spacing", 0.0, 0.5),
-            ("smallest", 0.0, 1.0),
+            ("smallest", FINEST, 1.0),
             ("growth", 0.0, 0.6),
             ("margin", 1.0, 10.0),
         ):
@@ -90,6 +96,16 @@ class FEM:
 
     # ------------------------------------------------------------------ what it can do
     def refusal(self, problem: Problem) -> str | None:
+        if reason := self._unable(problem):
+            return reason
+        try:
+            self._layout(problem, self.reach(problem))
+        except Refusal as refusal:
+            return "; ".join(refusal.lines)
+        return None
+
+    def _unable(self, problem: Problem) -> str | None:
+        """Why no mesh can represent the problem."""
         specimen = problem.specimen
         if problem.indenter.material is not None and not specimen.is_half_space:
             return (
@@ -102,19 +118,48 @@ class FEM:
             return "nu = 0.5 needs second-order elements: set mesh.order = 2"
         return None
 
-    def forecast(self, problem: Problem) -> Forecast:
-        """From measured cost per unknown; the count is that of the graded mesh."""
-        n = self._cells_expected(problem)
-        unknowns = n * (1.1 if self.order == 1 else 4.2)
-        seconds = 0.15 + 2.2e-5 * n + 2e-5 * unknowns * (1 + (unknowns / 1e5) ** 0.5)
-        error = 3e-4 if self.order == 2 else 1e-2
-        return Forecast(seconds * 1.4, 60 + unknowns * 4e-3, error, f"about {n:.0f} elements")
+    def _refuse_too_many(self, layout: Layout) -> Layout:
+        """The layout, or a Refusal that names the key to change."""
+        cells = layout.expected_cells()
+        if cells <= MAX_CELLS:
+            return layout
+        size = "mesh.element_size" if self.layout == "zones" else "mesh.spacing or mesh.smallest"
+        raise Refusal(
+            f"mesh: about {cells:.1e} elements expected, too many {self.element}s (at most {MAX_CELLS}): "
+            f"take a larger {size}, or {'triangles' if self.element == 'quadrilateral' else 'a larger mesh.growth'}"
+        )
 
-    def _cells_expected(self, problem: Problem) -> float:
-        growth = self._growth
-        if self.layout == "zones":
-            return 420_000.0 if self.element == "quadrilateral" else 9_000 + 1_000 / growth
-        return 20 / (growth * self.spacing) ** 0.7 + 60 * len(problem.specimen.layers) / growth
+    def forecast(self, problem: Problem) -> Forecast:
+        """From the expected number of elements and the measured cost per unknown."""
+        layout = self._layout(problem, self.reach(problem))
+        cells = layout.expected_cells()
+        unknowns = cells * self._unknowns_per_cell(problem)
+        seconds = _seconds(unknowns)
+        if self.estimate_error:
+            seconds += _seconds(unknowns / 4)
+        if self._calibrated_elsewhere(problem):
+            half_space = half_space_like(layout.body, CUT * layout.law.reach * layout.unit)
+            other = layout.on(half_space).expected_cells() * self._unknowns_per_cell(problem)
+            seconds += _seconds(other) + (_seconds(other / 4) if self.estimate_error else 0.0)
+        note = f"about {float(f'{cells:.2g}'):.0f} elements"
+        return Forecast(seconds, 100 + unknowns * 5e-3, self._error_expected(problem, layout), note)
+
+    def _unknowns_per_cell(self, problem: Problem) -> float:
+        first = 1.0 if self.element == "triangle" else 2.0
+        return first * (1.0 if self.order == 1 else 4.2) * (1.1 if self._mixed(problem) else 1.0)
+
+    def _calibrated_elsewhere(self, problem: Problem) -> bool:
+        """Whether the edge correction needs a mesh of its own."""
+        return self.edge_correction and self.contact == "nested" and not problem.specimen.is_half_space
+
+    def _error_expected(self, problem: Problem, layout: Layout) -> float:
+        """Of loads and radii together; graded bodies leave no less than the default's, however small the elements."""
+        spacing = layout.law.slope or layout.law.floor / layout.law.reach
+        coarseness = spacing / 0.04 if self.layout == "scaled" else max(spacing / 0.04, 1.0)
+        load = 4e-4 * coarseness**1.5 if self.order == 2 else 1e-2 * coarseness**2
+        if self.contact == "incremental" or not self.edge_correction:
+            return load + spacing
+        return load + (5.9e-4 * coarseness if self._calibrated_elsewhere(problem) else 0.0)
 
     # ------------------------------------------------------------------ meshes
     def mesh(self, problem: Problem) -> Grid:
@@ -143,11 +188,13 @@ class FEM:
         a0 = problem.indenter.a0
         if self.layout == "scaled":
             smallest = self.smallest * (reach - a0)
-            return scaled_layout(body, self.element, reach, a0, smallest, self.spacing, self._growth)
+            layout = scaled_layout(body, self.element, reach, a0, smallest, self.spacing, self._growth)
+            return self._refuse_too_many(layout)
         R = problem.indenter.tip_radius or 6 * reach
         halves = 2 if self.order == 2 and self.element == "triangle" else 1
         sizes = tuple(halves * size for size in self.zone_sizes)
-        return zones_layout(body, self.element, reach, a0, self.element_size, R, sizes, self._growth)
+        layout = zones_layout(body, self.element, reach, a0, self.element_size, R, sizes, self._growth)
+        return self._refuse_too_many(layout)
 
     def _poisson(self, problem: Problem) -> list[float]:
         specimen = problem.specimen
@@ -162,7 +209,7 @@ class FEM:
         return tuple(i for i, nu in enumerate(self._poisson(problem)) if nu > limit)
 
     def _refuse(self, problem: Problem) -> None:
-        if reason := self.refusal(problem):
+        if reason := self._unable(problem):
             raise Refusal(reason)
 
     # ------------------------------------------------------------------ solve
@@ -179,23 +226,25 @@ class FEM:
                 raw = _raw(model, increments)
                 kept, dropped = filter_plateaus(raw)
                 columns = (kept.a, kept.delta, kept.P)
+                forces = np.array([step.p for step in increments])
         else:
             with clock("edge correction"):
                 if self.edge_correction:
                     events = _corrected(model, problem, events)
-            columns = (events.a, events.delta, events.P)
+            columns = nested_columns(problem.loading, events, problem.indenter.a0)
+            with clock("contact"):
+                forces = _forces(contact, events, columns[1])
         with clock("error estimate"):
-            budget = self._budget(problem, model, events, columns)
-        forces = np.array([step.p for step in increments]) if by_increments else events.p
+            judged = self._assessed(problem, model, events, columns)
         return Solution(
-            series=_series(problem, contact, columns, budget),
+            series=_series(problem, contact, columns, judged),
             raw=raw,
-            budget=budget,
+            budget=judged.budget,
             method="fem",
             pressure=_pressures(model, forces),
-            facts=facts(self, model, events, increments, dropped),
+            facts=facts(self, problem, model, events, increments, dropped, judged.judged_from),
             timings=clock.seconds,
-            warnings=tuple(warnings(self, problem, events)),
+            warnings=tuple(warnings(self, problem, events, len(increments), dropped)),
         )
 
     def _solve_large_enough(self, problem: Problem, clock: StageClock) -> tuple[Model, SurfaceContact, Events]:
@@ -206,7 +255,7 @@ class FEM:
             model = Recipe(self._layout(problem, reach), self.order, self._mixed(problem), reach).build(clock)
             with clock("contact"):
                 contact = model.contact(problem.indenter)
-                events = nested_events(contact, problem.indenter.a0, loading.to, loading.maximum)
+                events = nested_events(contact, problem.indenter.a0, loading.to, loading.maximum, SPARE)
             needed = _needed_radius(problem, events, reach)
             if needed is None:
                 return model, contact, events
@@ -230,13 +279,28 @@ class FEM:
             return solve_loads(contact, loading.values)
         return solve_depths(contact, _depths(problem, events))
 
-    def _budget(
+    def _assessed(
         self, problem: Problem, model: Model, events: Events, columns: tuple[Array, Array, Array]
-    ) -> ErrorBudget:
+    ) -> Assessment:
         if not self.estimate_error:
             reason = "not estimated: estimate_error is off"
-            return ErrorBudget(reason, reason, reason)
+            return Assessment(ErrorBudget(reason, reason, reason))
         return estimate(model, problem, events, *columns)
+
+
+def _forces(contact: SurfaceContact, events: Events, delta: Array) -> Array:
+    """Nodal forces [N] at depths ``delta`` [m]: the events', and solved for where a depth is no event's."""
+    near = np.clip(np.searchsorted(events.delta, delta * (1 - 1e-12)), 0, events.delta.size - 1)
+    p = events.p[near]
+    other = np.flatnonzero(np.abs(events.delta[near] / delta - 1) > 1e-12)
+    for i, step in zip(other, solve_depths(contact, delta[other]), strict=True):
+        p[i] = step.p
+    return p
+
+
+def _seconds(unknowns: float) -> float:
+    """CPU seconds to mesh, assemble, factorise and condense a model, as measured."""
+    return 0.1 + 2.5e-5 * unknowns * (1 + (unknowns / 1e5) ** 0.5)
 
 
 def _corrected(model: Model, problem: Problem, events: Events) -> Events:
@@ -245,13 +309,13 @@ def _corrected(model: Model, problem: Problem, events: Events) -> Events:
 
 
 def _series(
-    problem: Problem, contact: SurfaceContact, columns: tuple[Array, Array, Array], budget: ErrorBudget
+    problem: Problem, contact: SurfaceContact, columns: tuple[Array, Array, Array], judged: Assessment
 ) -> Series:
     a, delta, P = columns
     a0 = problem.indenter.a0
     errors = {}
-    if isinstance(budget.radius, float) and isinstance(budget.total, float):
-        errors = {"a": budget.radius * a, "P": (budget.total - budget.radius) * P}
+    if judged.a is not None and judged.P is not None:
+        errors = {"a": judged.a * a, "P": judged.P * P}
     flat = int(np.count_nonzero(contact.surface.radii <= a0 * (1 + 1e-9)))
     S0 = float(contact.S[flat - 1]) if a0 > 0 else 0.0
     return Series(a, delta, P, errors=errors, a0=a0, S0=S0)
@@ -277,26 +341,23 @@ def _depths(problem: Problem, events: Events) -> Array:
     steps = np.arange(1, loading.points + 1) / loading.points
     deepest = loading.maximum
     if loading.to != "depth":
-        deepest = float(_between(events, loading.to, np.array([loading.maximum]))[0])
+        deepest = float(_between(events, loading.to, np.array([loading.maximum]), a0)[0])
     if loading.spacing == "depth":
         return deepest * steps
     if loading.spacing == "given":
-        return _between(events, "radius", np.array(loading.values))
-    largest = float(np.exp(np.interp(np.log(deepest), np.log(events.delta), np.log(events.a))))
-    depths = _between(events, "radius", a0 + (largest - a0) * steps)
+        return _between(events, loading.to, np.array(loading.values), a0)
+    largest = a0 + float(power_interpolated(events.delta, events.a - a0, np.array([deepest]))[0])
+    radii = graded_radii(a0, largest, loading.points) if loading.spacing == "log" else a0 + (largest - a0) * steps
+    depths = _between(events, "radius", radii, a0)
     depths[-1] = deepest
     return depths
 
 
-def _between(events: Events, quantity: str, values: Array) -> Array:
-    """Depths at which ``quantity`` has the given values: a monotone cubic in logarithms, below them a power law."""
-    from scipy.interpolate import PchipInterpolator
-
-    x = np.log({"radius": events.a, "load": events.P}[quantity])
-    y = np.log(events.delta)
-    wanted = np.log(values)
-    below = y[0] + (wanted - x[0]) * (y[1] - y[0]) / (x[1] - x[0])
-    return np.exp(np.where(wanted < x[0], below, PchipInterpolator(x, y)(np.maximum(wanted, x[0]))))
+def _between(events: Events, quantity: str, values: Array, a0: float) -> Array:
+    """Depths [m] at which ``quantity`` ("radius" or "load") has the given values [m or N]."""
+    if quantity == "radius":
+        return power_interpolated(events.a - a0, events.delta, values - a0)
+    return power_interpolated(events.P, events.delta, values)
 
 
 def _raw(model: Model, increments: list[Increment]) -> RawSeries:

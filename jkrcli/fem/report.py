@@ -17,8 +17,16 @@ if TYPE_CHECKING:
 LOCKING = 0.45
 
 
-def facts(method: FEM, model: Model, events: Events, increments: Sequence[Increment], dropped: int) -> dict[str, Any]:
-    """Plain numbers and words about mesh, solver and checks."""
+def facts(
+    method: FEM,
+    problem: Problem,
+    model: Model,
+    events: Events,
+    increments: Sequence[Increment],
+    dropped: int,
+    judged_from: float | None,
+) -> dict[str, Any]:
+    """Plain numbers and words about mesh, solver and checks; ``judged_from``: least depth of the error budget [m]."""
     grid, system, surface = model.grid, model.system, model.surface
     quality = grid.quality()
     last = increments[-1] if increments else None
@@ -49,7 +57,18 @@ def facts(method: FEM, model: Model, events: Events, increments: Sequence[Increm
         "complementarity": max(violation, 0.0),
         "increments": len(increments),
         "dropped": dropped,
-    }
+        "events": int(events.a.size),
+        "radii": _radii(problem, bool(increments)),
+    } | ({} if judged_from is None else {"judged_from_m": judged_from})
+
+
+def _radii(problem: Problem, incremental: bool) -> str:
+    """Where the contact radii of the series come from."""
+    if incremental:
+        return "vertices in contact after each increment of the loading"
+    if problem.loading.spacing == "given":
+        return "at the given values, interpolated between the vertices' first touches"
+    return "nested contact has its own: first touches of vertices, and the loading's end; no use of points and spacing"
 
 
 def _formulation(model: Model) -> str:
@@ -66,8 +85,8 @@ def _contact_reason(method: FEM, events: Events, incremental: bool) -> str:
     return "as asked"
 
 
-def warnings(method: FEM, problem: Problem, events: Events) -> Iterator[str]:
-    """Sentences on what may spoil the result."""
+def warnings(method: FEM, problem: Problem, events: Events, increments: int, dropped: int) -> Iterator[str]:
+    """Sentences on what may spoil the result; ``dropped``: of the ``increments``, those without an own radius."""
     specimen = problem.specimen
     nu = max([layer.material.nu for layer in specimen.layers] + ([] if specimen.layers else [specimen.surface.nu]))
     if method.order == 1 and nu > LOCKING:
@@ -79,4 +98,9 @@ def warnings(method: FEM, problem: Problem, events: Events) -> Iterator[str]:
         yield (
             "nested contact does not hold here (a force or gap is negative by "
             f"{events.violation:.1e}, relative): increments were solved instead"
+        )
+    if dropped and (problem.loading.spacing in ("given", "log") or 2 * dropped > increments):
+        yield (
+            f"{dropped} of {increments} requested values share a node with another or lie below the first node and are "
+            "not in the series: take a finer mesh (mesh.spacing, mesh.smallest, mesh.element_size), or fewer values"
         )

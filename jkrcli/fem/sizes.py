@@ -140,3 +140,15 @@ def _samples(start: float, stop: float, size: Callable[[Array], Array]) -> Array
     span = stop - start
     fractions = np.concatenate([np.linspace(0, 1, 201), np.geomspace(1e-7, 1, 201), 1 - np.geomspace(1e-7, 1, 201)])
     return np.unique(start + span * np.clip(fractions, 0, 1))
+
+
+def expected_triangles(law: SizeLaw, width: float, depth: float) -> float:
+    """About how many triangles of the sizes of ``law`` fill the rectangle 0 <= r <= width, -depth <= z <= 0
+    (the generator makes an eighth more than equilateral ones)."""
+    near = np.geomspace(1e-9, 1, 150) * max(width, depth)
+    knots = [0.0, law.a0, law.reach]
+    r = np.unique(np.clip(np.concatenate([k + sign * near for k in knots for sign in (-1, 1)] + [knots]), 0, width))
+    tops = [top for top, *_ in law.layers]
+    z = np.unique(np.clip(np.concatenate([top + near for top in (0.0, *tops)] + [[0.0, depth]]), 0, depth))
+    density = 1 / law(r[:, None], -z[None, :]) ** 2
+    return float(1.12 * 4 / np.sqrt(3) * np.trapezoid(np.trapezoid(density, z, axis=1), r))

@@ -12,14 +12,14 @@ from ..clock import StageClock
 from ..errors import InputError, Refusal
 from ..methods import Forecast
 from ..problem import HalfSpace, Problem
-from ..radii import graded_radii
-from ..series import ErrorBudget, PressureTable, RawSeries, Series, Solution, filter_plateaus
+from ..series import ErrorBudget, Series, Solution, filter_plateaus
 from .budget import Assessment, estimate
 from .contact import Events, Increment, SurfaceContact, nested_events, solve_depths, solve_loads
 from .domain import cut_out, half_space_like
 from .edge import CUT, radius_factors
-from .ending import nested_columns, power_interpolated
+from .ending import nested_columns
 from .grid import Grid
+from .increments import depths_of, needed_radius, nodal_forces, pressures, raw_series
 from .layout import MAX_CELLS, Layout, scaled_layout, zones_layout
 from .model import Model, Recipe
 from .report import facts, warnings
@@ -223,7 +223,7 @@ class FEM:
         if by_increments:
             with clock("contact"):
                 increments = self._increments(problem, contact, events)
-                raw = _raw(model, increments)
+                raw = raw_series(model, increments)
                 kept, dropped = filter_plateaus(raw)
                 columns = (kept.a, kept.delta, kept.P)
                 forces = np.array([step.p for step in increments])
@@ -233,7 +233,7 @@ class FEM:
                     events = _corrected(model, problem, events)
             columns = nested_columns(problem.loading, events, problem.indenter.a0)
             with clock("contact"):
-                forces = _forces(contact, events, columns[1])
+                forces = nodal_forces(contact, events, columns[1])
         with clock("error estimate"):
             judged = self._assessed(problem, model, events, columns)
         return Solution(
@@ -241,7 +241,7 @@ class FEM:
             raw=raw,
             budget=judged.budget,
             method="fem",
-            pressure=_pressures(model, forces),
+            pressure=pressures(model, forces),
             facts=facts(self, problem, model, events, increments, dropped, judged.judged_from),
             timings=clock.seconds,
             warnings=tuple(warnings(self, problem, events, len(increments), dropped)),
@@ -256,7 +256,7 @@ class FEM:
             with clock("contact"):
                 contact = model.contact(problem.indenter)
                 events = nested_events(contact, problem.indenter.a0, loading.to, loading.maximum, SPARE)
-            needed = _needed_radius(problem, events, reach)
+            needed = needed_radius(problem, events, reach)
             if needed is None:
                 return model, contact, events
             if self.contact_radius is not None:
@@ -277,7 +277,7 @@ class FEM:
         loading = problem.loading
         if loading.spacing == "given" and loading.to == "load":
             return solve_loads(contact, loading.values)
-        return solve_depths(contact, _depths(problem, events))
+        return solve_depths(contact, depths_of(problem, events))
 
     def _assessed(
         self, problem: Problem, model: Model, events: Events, columns: tuple[Array, Array, Array]
@@ -286,16 +286,6 @@ class FEM:
             reason = "not estimated: estimate_error is off"
             return Assessment(ErrorBudget(reason, reason, reason))
         return estimate(model, problem, events, *columns)
-
-
-def _forces(contact: SurfaceContact, events: Events, delta: Array) -> Array:
-    """Nodal forces [N] at depths ``delta`` [m]: the events', and solved for where a depth is no event's."""
-    near = np.clip(np.searchsorted(events.delta, delta * (1 - 1e-12)), 0, events.delta.size - 1)
-    p = events.p[near]
-    other = np.flatnonzero(np.abs(events.delta[near] / delta - 1) > 1e-12)
-    for i, step in zip(other, solve_depths(contact, delta[other]), strict=True):
-        p[i] = step.p
-    return p
 
 
 def _seconds(unknowns: float) -> float:
@@ -319,56 +309,3 @@ def _series(
     flat = int(np.count_nonzero(contact.surface.radii <= a0 * (1 + 1e-9)))
     S0 = float(contact.S[flat - 1]) if a0 > 0 else 0.0
     return Series(a, delta, P, errors=errors, a0=a0, S0=S0)
-
-
-def _needed_radius(problem: Problem, events: Events, reach: float) -> float | None:
-    """None where the events reach the end of the loading; else about the contact radius that does."""
-    loading, a0 = problem.loading, problem.indenter.a0
-    if not events.a.size:
-        return 2 * reach
-    last = {"depth": events.delta, "load": events.P, "radius": events.a}[loading.to][-1]
-    if last >= loading.maximum * (1 - 1e-9):
-        return None
-    power = {"depth": 1 / 2, "load": 1 / 3, "radius": 1.0}[loading.to]
-    return float(a0 + (events.a[-1] - a0) * 1.05 * (loading.maximum / last) ** power)
-
-
-def _depths(problem: Problem, events: Events) -> Array:
-    """Displacements of the increments [m]; other quantities are interpolated in the table of events."""
-    loading, a0 = problem.loading, problem.indenter.a0
-    if loading.to == "depth" and loading.spacing == "given":
-        return np.array(loading.values)
-    steps = np.arange(1, loading.points + 1) / loading.points
-    deepest = loading.maximum
-    if loading.to != "depth":
-        deepest = float(_between(events, loading.to, np.array([loading.maximum]), a0)[0])
-    if loading.spacing == "depth":
-        return deepest * steps
-    if loading.spacing == "given":
-        return _between(events, loading.to, np.array(loading.values), a0)
-    largest = a0 + float(power_interpolated(events.delta, events.a - a0, np.array([deepest]))[0])
-    radii = graded_radii(a0, largest, loading.points) if loading.spacing == "log" else a0 + (largest - a0) * steps
-    depths = _between(events, "radius", radii, a0)
-    depths[-1] = deepest
-    return depths
-
-
-def _between(events: Events, quantity: str, values: Array, a0: float) -> Array:
-    """Depths [m] at which ``quantity`` ("radius" or "load") has the given values [m or N]."""
-    if quantity == "radius":
-        return power_interpolated(events.a - a0, events.delta, values - a0)
-    return power_interpolated(events.P, events.delta, values)
-
-
-def _raw(model: Model, increments: list[Increment]) -> RawSeries:
-    """Increments with the radius of the outermost active vertex (0 where there is none beyond the axis)."""
-    surface = model.surface
-    a = [float(np.max(surface.radii[step.active & surface.is_vertex], initial=0.0)) for step in increments]
-    return RawSeries(np.array(a), np.array([s.delta for s in increments]), np.array([s.P for s in increments]))
-
-
-def _pressures(model: Model, forces: Array) -> PressureTable:
-    """Nodal force over nodal area; nodes without area (the axis of second-order elements) are left out."""
-    areas = model.surface.areas
-    wide = areas > 1e-6 * areas.max() * (model.surface.radii / model.surface.radii[-1]) ** 2
-    return PressureTable(model.surface.radii[wide], forces[:, wide] / areas[wide])

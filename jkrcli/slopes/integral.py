@@ -84,7 +84,8 @@ def _slopes(
         given = covariance_from_errors(Series(wanted, delta_H, P_H, errors=there, a0=a0, S0=S0), S, dS)
         assert given is not None
         covariance += max(0.0, 1 - fit.phi) * given  # what the scatter does not show is shared by all points
-    quantile = float(stdtrit(max(fit.residuals.size - fit.spent, 1.0), 0.95))
+    # an error of a radius is in both columns' residuals: only half of them are independent
+    quantile = float(stdtrit(max((fit.residuals.size - fit.spent) / 2, 1.0), 0.95))
     return Slopes(
         S,
         dS,

@@ -88,7 +88,7 @@ PUBLISHED = [
 def test_critical_values_of_the_paraboloid_on_a_half_space(method: str, what: str, stiffness: float, cube: float):
     found = behaviour(classical() if method == "closed form" else layered_half_space(), stiffness)
     delta, P = bar(cube ** (1 / 3))
-    assert units(getattr(found, what)) == pytest.approx((delta, P, cube), rel=1e-6, abs=1e-6)  # the figure
+    assert units(getattr(found, what)) == pytest.approx((delta, P, cube), rel=1e-6, abs=1e-6)  # 1e-6 of the unit
 
 
 @cache

@@ -10,6 +10,7 @@ from .methods import Forecast, Method
 from .problem import Problem
 
 LEAST_FIRST = ("closed-form", "layered", "fem")
+PATIENCE = 10.0  # CPU seconds; a simpler model that would take longer gives way to a quicker one
 NOTICEABLE = 1e-3  # a simpler model with a larger relative error gives way to a better one
 
 
@@ -51,7 +52,8 @@ def choose(problem: Problem, wanted: str, build: Callable[[str], Method]) -> Cho
     possible = [option for option in options if option.forecast is not None]
     if not possible:
         raise InputError([f"method {option.name}: {option.refusal}" for option in options])
-    option = next((option for option in possible if _accurate(option)), possible[0])
+    accurate = [option for option in possible if _accurate(option)] or possible
+    option = next((option for option in accurate if _quick(option)), accurate[0])
     return Choice(option.name, build(option.name), _why(option, options), tuple(options))
 
 
@@ -71,12 +73,19 @@ def survey(problem: Problem, build: Callable[[str], Method], names: Sequence[str
     return options
 
 
+def _quick(option: Option) -> bool:
+    assert option.forecast is not None
+    return option.forecast.seconds <= PATIENCE
+
+
 def _why(chosen: Option, options: Sequence[Option]) -> str:
     """One sentence: what was chosen, what simpler methods could not do, what more general ones would cost."""
     parts = [f"the least model that represents this body ({cost(chosen)})"]
     for option in options:
         if option.refusal:
             parts.append(f"{option.name} cannot ({option.refusal})")
+        elif option is not chosen and not _quick(option) and _before(option, chosen):
+            parts.append(f"{option.name} would take longer than {PATIENCE:g} s ({cost(option)})")
         elif option is not chosen and not _accurate(option) and _before(option, chosen):
             parts.append(f"{option.name} would err by more than {NOTICEABLE:g} ({cost(option)})")
         elif option is not chosen:

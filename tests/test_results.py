@@ -20,7 +20,7 @@ from jkrcli.formulas import ClosedForm
 from jkrcli.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
 from jkrcli.integral.layered import Layered
 from jkrcli.materials import Elastic
-from jkrcli.methods import method_class
+from jkrcli.methods import Forecast, method_class
 from jkrcli.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.series import ErrorBudget, Series
 from jkrcli.slopes import slopes
@@ -202,3 +202,31 @@ def test_expectation_is_close_to_the_solution() -> None:
     half_space = ClosedForm()(Problem(LAYER.indenter, Specimen((), HalfSpace(Elastic(1e6, 0.3))),
                                       Loading("depth", float(series.delta[-1]), 1))).series  # fmt: skip
     assert expected.half_space_error == pytest.approx(series.P[-1] / half_space.P[-1] - 1, rel=1e-3)
+
+
+class _Planned:
+    """A method that only says what it would cost."""
+
+    def __init__(self, seconds: float, error: float):
+        self.planned = Forecast(seconds, 1.0, error)
+
+    def refusal(self, problem: Problem) -> None:
+        return None
+
+    def forecast(self, problem: Problem) -> Forecast:
+        return self.planned
+
+
+@pytest.mark.parametrize(
+    ("closed", "layered", "fem", "chosen"),
+    [
+        ((1e-3, 1e-14), (0.1, 1e-8), (1.0, 3e-4), "closed-form"),
+        ((1e-3, 4e-2), (0.1, 1e-8), (1.0, 3e-4), "layered"),  # the formula errs noticeably
+        ((1e-3, 4e-2), (90.0, 1e-8), (1.0, 3e-4), "fem"),  # the exact solver would take too long
+        ((1e-3, 4e-2), (90.0, 1e-8), (60.0, 3e-4), "layered"),  # so would all others
+        ((1e-3, 4e-2), (0.1, 2e-2), (1.0, 3e-2), "closed-form"),  # none is accurate: the least
+    ],
+)
+def test_the_least_model_that_is_accurate_and_quick(closed, layered, fem, chosen: str) -> None:
+    plans = {"closed-form": _Planned(*closed), "layered": _Planned(*layered), "fem": _Planned(*fem)}
+    assert choose(LAYER, "auto", plans.__getitem__).name == chosen

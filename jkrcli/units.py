@@ -60,6 +60,7 @@ def parse(text: str, dimension: str) -> float:
 
 def show(value: float, dimension: str, digits: int = 4) -> str:
     """``value`` [SI] in the unit that keeps the number between 1 and 1000: ``show(3e-6, "length") == "3 um"``."""
+    value = float(f"{value:.{digits}g}")  # rounded first: 0.99999 um is 1 um, not 1000 nm
     factor, unit = scale(value, dimension)
     return f"{value / factor:.{digits}g} {unit}".strip()
 

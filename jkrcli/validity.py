@@ -28,6 +28,7 @@ TABOR_DMT = 0.1  # rigid-body (DMT, Bradley) limit below it
 MAX_A_OVER_R = 0.3
 MAX_DELTA_OVER_H = 0.1
 MAX_A_OVER_L = 0.1
+ROUND_OFF = 1e-6  # of the ratios: a limit that is just met gives no warning
 MAX_NU_COMPRESSIBLE = 0.45  # Reedy (2006): thin-layer theory agrees with finite elements below it
 Ratio = float | str  # a number, or why there is none
 NO_TIP_RADIUS = "the indenter has no tip radius (pointed, flat or blunter than a parabola)"
@@ -157,7 +158,7 @@ def check(judged: Validity) -> list[str]:
 
 
 def _above(value: Ratio, limit: float, name: str, meaning: str) -> list[str]:
-    if isinstance(value, str) or value <= limit:
+    if isinstance(value, str) or value <= limit * (1 + ROUND_OFF):
         return []
     return [f"{name} = {value:.3g} at the largest contact radius is above {limit:g}: {meaning}"]
 

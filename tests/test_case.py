@@ -113,3 +113,9 @@ def test_shown_values_read_back(value: float, dimension: str) -> None:
 def test_notations_of_the_work_of_adhesion() -> None:
     for text in ("35 mJ/m^2", "35 mJ/m2", "35 mJ/m²", "35 mJ m^-2", "35mN/m", "35 erg/cm^2", "0.035"):
         assert units.parse(text, "work") == 0.035
+
+
+def test_shown_values_are_rounded_before_the_unit_is_chosen() -> None:
+    assert units.show(0.99999999e-6, "length") == "1 um"
+    assert units.show(999.4e-9, "length") == "999.4 nm"
+    assert units.show(-0.999999e-3, "load") == "-1 mN"

@@ -12,7 +12,7 @@ from jkrcli.closed_form import adhesive_half_space, half_space, thin_incompressi
 from jkrcli.errors import InputError, JkrError, Refusal
 from jkrcli.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
 from jkrcli.integral.contact import LayeredContact, Plan
-from jkrcli.integral.layered import Layered, largest_radius, radii_of, unbounded
+from jkrcli.integral.layered import Layered, largest_radius, unbounded
 from jkrcli.materials import Elastic
 from jkrcli.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.series import Solution
@@ -241,7 +241,6 @@ def test_largest_radius_ignores_the_sides() -> None:
     free = Specimen(bonded(0.4).layers, Rigid(), radius=30.0, side="free")
     wanted = largest_radius(Problem(Paraboloid(1000.0), bonded(0.4), loading))
     assert largest_radius(Problem(Paraboloid(1000.0), free, loading)) == wanted
-    assert radii_of(Problem(Paraboloid(1000.0), free, loading))[-1] == wanted
     assert Layered().refusal(unbounded(Problem(Paraboloid(1000.0), free, loading))) is None
 
 

@@ -68,3 +68,9 @@ def test_impossible_sizes_are_refused() -> None:
         judge(**{**SOUND, "h": -1.0})
     with pytest.raises(InputError, match="R, w, E\\* and z0 must be > 0"):
         judge(**{**SOUND, "w": -1.0})
+
+
+def test_a_limit_that_is_just_met_gives_no_warning() -> None:
+    for delta, count in ((1e-6 * (1 + 1e-12), 0), (1.001e-6, 1)):
+        judged = judge(a=1e-6, delta=delta, E_star=1e6, w=0.0, R=1e-4, h=1e-5, L=None, z0=None)
+        assert len(check(judged)) == count

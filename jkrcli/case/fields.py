@@ -65,7 +65,6 @@ Modulus = quantity("modulus", above=0)
 Force = quantity("load", above=0)
 Work = quantity("work", least=0)
 Poisson = quantity("number", above=-1, most=0.5)
-Number = quantity("number")
 
 
 def as_tuple(value: Any) -> Any:

@@ -13,7 +13,6 @@ import numpy as np
 from ..errors import SolveError
 
 Array = np.ndarray
-BOUNDARIES = ("surface", "base", "axis", "side")
 
 
 @dataclass(frozen=True, eq=False)

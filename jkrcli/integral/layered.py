@@ -87,11 +87,6 @@ def largest_radius(problem: Problem) -> float:
     return _largest(_contact(unbounded(problem)), problem.loading, SEARCH)
 
 
-def radii_of(problem: Problem) -> Array:
-    """All contact radii [m] of the loading, increasing; ``specimen.radius`` is not looked at."""
-    return _radii(_contact(unbounded(problem)), problem.loading, SEARCH)
-
-
 def unbounded(problem: Problem) -> Problem:
     """The same problem without the sides of the specimen."""
     return replace(problem, specimen=Specimen(problem.specimen.layers, problem.specimen.base))

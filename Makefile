@@ -14,7 +14,7 @@ CASES   := $(notdir $(basename $(wildcard cases/*.toml)))
 SOURCES := $(shell find jkrcli -name '*.py')
 
 .DEFAULT_GOAL := help
-.PHONY: help setup run test test-all lint cases bench figures noise-study clean requirements
+.PHONY: help setup run test test-all test-minimal lint cases bench figures noise-study audit clean requirements
 .DELETE_ON_ERROR:
 
 help: ## list the targets
@@ -41,6 +41,11 @@ test: $(READY) ## the fast tests
 test-all: $(READY) ## every test
 	$(VENV)/bin/python -m pytest -n auto
 
+test-minimal: $(READY) ## the fast tests with the required packages only, in an environment of their own
+	$(PYTHON) -m venv --clear $(VENV)-minimal
+	$(VENV)-minimal/bin/python -m pip install --quiet -e '.[test]'
+	$(VENV)-minimal/bin/python -m pytest -n auto -m "not slow"
+
 lint: $(READY) ## style and types
 	$(VENV)/bin/ruff check .
 	$(VENV)/bin/ruff format --check .
@@ -66,6 +71,11 @@ figures: $(READY) ## the paper's figures 5, 7, 8 and 10
 
 noise-study: $(READY) ## what noise in the data does to the adhesive curve, 200 seeds (twenty minutes)
 	$(JKR) study noise -o $(RESULTS)/noise
+
+audit: $(READY) ## look the pinned packages up among known vulnerabilities (needs the network)
+	$(PYTHON) -m venv --clear $(VENV)-audit
+	$(VENV)-audit/bin/python -m pip install --quiet pip-audit
+	$(VENV)-audit/bin/pip-audit --strict --require-hashes --disable-pip -r requirements.txt
 
 requirements: ## pin the dependencies anew (needs uv)
 	uv pip compile pyproject.toml --extra dev --universal --python-version 3.11 --generate-hashes \

@@ -65,8 +65,9 @@ class AdhesiveCurve:
     errors: Mapping[str, Array] = field(default_factory=dict)
 
     @cached_property
-    def _rule(self) -> _Rule:
-        return _Rule.through(self.series, self.slopes, self.w)
+    def rule(self) -> Rule:
+        """How the curve is evaluated between its points."""
+        return Rule.through(self.series, self.slopes, self.w)
 
     @property
     def a(self) -> Array:
@@ -75,11 +76,11 @@ class AdhesiveCurve:
 
     def at(self, a: Array) -> tuple[Array, Array]:
         """delta [m] and P [N] at any contact radius within the series, by the curve's one evaluation rule."""
-        return self._rule.point(self._inside(a))
+        return self.rule.point(self._inside(a))
 
     def rates(self, a: Array) -> tuple[Array, Array]:
         """d(delta)/da [-] and dP/da [N/m] at any contact radius within the series."""
-        return self._rule.rates(self._inside(a))
+        return self.rule.rates(self._inside(a))
 
     def error_at(self, a: Array) -> dict[str, Array]:
         """The half-widths of ``errors`` at any contact radius within the series (linear between points)."""
@@ -107,7 +108,7 @@ class AdhesiveCurve:
         rows = np.arange(len(self.series))
         left_out = rows[first:-1:2]
         kept = np.setdiff1d(rows, left_out)
-        rule = _Rule.through(_at(self.series, kept), _at(self.slopes, kept), self.w)
+        rule = Rule.through(_at(self.series, kept), _at(self.slopes, kept), self.w)
         changes = []
         for ours, there in zip((self.delta, self.P), rule.point(self.a[left_out]), strict=True):
             unit = np.maximum(np.abs(ours[left_out]), abs(np.min(ours)))
@@ -121,7 +122,7 @@ class AdhesiveCurve:
         """
         control = _control(stiffness)
         points = []
-        for a, rising in self.zeros(lambda a: control(*self._rule.rates(a))):
+        for a, rising in self.zeros(lambda a: control(*self.rule.rates(a))):
             delta, P = (float(value) for value in self.at(np.array(a)))
             points.append(CriticalPoint(a, delta, P, "minimum" if rising else "maximum"))
         return tuple(points)
@@ -131,7 +132,7 @@ class AdhesiveCurve:
         if (P is None) == (delta is None):
             raise InputError("adhesive curve: give either P or delta to look for")
         index, value = (0, delta) if P is None else (1, P)
-        return tuple(a for a, _ in self.zeros(lambda a: self._rule.point(a)[index] - value))
+        return tuple(a for a, _ in self.zeros(lambda a: self.rule.point(a)[index] - value))
 
     def zeros(self, function: Callable[[Array], Array]) -> Iterator[tuple[float, bool]]:
         """Radii in the series where ``function`` of the radius [m] vanishes, increasing, and whether it rises there."""
@@ -192,7 +193,7 @@ class AdhesiveCurve:
 
 
 @dataclass(frozen=True, eq=False)
-class _Rule:
+class Rule:
     """The evaluation rule: cubic Hermite in the log of the radius of log delta_H, log P_H, log S and log t.
 
     The slope of log P_H comes from dP_H = S d(delta_H), that of log S is a S'/S; those of log delta_H and log S' are
@@ -208,7 +209,7 @@ class _Rule:
     root_w: float
 
     @classmethod
-    def through(cls, series: Series, slopes: Slopes, w: float) -> _Rule:
+    def through(cls, series: Series, slopes: Slopes, w: float) -> Rule:
         if len(series) < 2:
             raise InputError("adhesive curve: a series of one point has no values between points")
         delta, P = _columns(series, slopes, w)

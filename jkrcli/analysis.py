@@ -40,6 +40,7 @@ class Analysis:
     curve: AdhesiveCurve
     dropped: int
     budget: ErrorBudget
+    modulus_factor: float = 1.0
 
     @property
     def w(self) -> float:
@@ -69,6 +70,7 @@ class Analysis:
             L=end_of_body(problem, self.stored.facts),
             z0=self.case.z0,
             a_pull_off=point.a if isinstance(point, CriticalPoint) else None,
+            end_is_cut=problem.specimen.radius is None,
         )
 
     @cached_property
@@ -102,23 +104,62 @@ def specification(stored: Stored) -> Specification:
     return Specification(model.problem(), model.adhesion.w, model.adhesion.z0, model.title)
 
 
-def analyse(stored: Stored, works: Sequence[float], slopes_name: str = "auto") -> list[Analysis]:
-    """The adhesive curves of one series file for each work of adhesion [J/m^2]; the slopes are found once."""
-    case = specification(stored)
-    try:
-        series, dropped, found = _fitted(stored, slopes_name)
-    except InputError as error:
-        known = str(stored.path)
-        lines = [line if line.startswith(known) else f"{known}: {line}" for line in error.lines]
-        raise InputError(lines) from None
-    curves = [transform(series, found, w) for w in works]
-    return [Analysis(stored, case, curve, dropped, _budget(stored, curve)) for curve in curves]
+@dataclass(frozen=True, eq=False)
+class Fitted:
+    """One nonadhesive series of a ``case`` with its slopes: what every adhesive curve of it starts from."""
+
+    stored: Stored
+    case: Specification
+    series: Series
+    slopes: Slopes
+    dropped: int
+
+    @classmethod
+    def of(cls, stored: Stored, case: Specification, slopes_name: str = "auto") -> Fitted:
+        """Slopes of the stored series by ``slopes_name``; InputError names the file."""
+        try:
+            series, dropped, found = _fitted(stored, slopes_name)
+        except InputError as error:
+            known = str(stored.path)
+            lines = [line if line.startswith(known) else f"{known}: {line}" for line in error.lines]
+            raise InputError(lines) from None
+        return cls(stored, case, series, found, dropped)
+
+    def scaled(self, factor: float) -> Fitted:
+        """The same for bodies whose moduli are all ``factor`` times as large; nothing is solved anew."""
+        if factor == 1:
+            return self
+        case = replace(self.case, problem=self.case.problem.scaled(factor))
+        return replace(self, case=case, series=self.series.scaled(factor), slopes=self.slopes.scaled(factor))
+
+
+def analyse(
+    stored: Stored, works: Sequence[float], slopes_name: str = "auto", modulus_factor: float = 1.0
+) -> list[Analysis]:
+    """The adhesive curves of one series file for each work of adhesion [J/m^2]; the slopes are found once.
+
+    ``modulus_factor``: of bodies whose moduli are all that many times those of the file's case; nothing is solved anew.
+    """
+    fitted = Fitted.of(stored, specification(stored), slopes_name).scaled(modulus_factor)
+    return [adhesive(fitted, w, modulus_factor) for w in works]
+
+
+def adhesive(fitted: Fitted, w: float, modulus_factor: float = 1.0) -> Analysis:
+    """The adhesive curve of a series for the work of adhesion ``w`` [J/m^2]; ``modulus_factor``: as said in results."""
+    curve = transform(fitted.series, fitted.slopes, w)
+    budget = _budget(fitted.stored, curve)
+    return Analysis(fitted.stored, fitted.case, curve, fitted.dropped, budget, modulus_factor)
 
 
 def _budget(stored: Stored, curve: AdhesiveCurve) -> ErrorBudget:
-    """The series' budget with that of the slopes; where these are exact, of the interpolation between the points."""
-    exact = curve.slopes.method == "exact"
-    return replace(stored.budget, smoothing=curve.interpolation_error if exact else curve.slopes.error)
+    """The series' budget with that of the slopes; where the series carries these, the interpolation's between the
+    points added."""
+    error = curve.slopes.error
+    if curve.slopes.method != "exact":
+        return replace(stored.budget, smoothing=error)
+    between = curve.interpolation_error
+    both = between + error if isinstance(between, float) and isinstance(error, float) else between
+    return replace(stored.budget, smoothing=both)
 
 
 def _fitted(stored: Stored, name: str) -> tuple[Series, int, Slopes]:

@@ -1,4 +1,12 @@
-"""Model no more than a scene needs: the least method that can represent a problem, and why."""
+"""Model no more than a scene needs: the least method that can represent a problem, and why.
+
+The rule of "auto", from the charts of speed against accuracy (``jkr study chart``, which checks it): of the methods in
+the order of ``LEAST_FIRST`` the first that represents the body with an expected error of at most ``NOTICEABLE`` within
+``PATIENCE``. Each runs with its default mesh or tolerance, the point of its own front beyond which more time buys an
+accuracy that no measurement sees. Slopes: exact where the series carries them, else the surer of "integral" and
+"loocv" (``jkrcli.slopes``). The choice lies on the Pareto front of whole-process time and error of P or next to it:
+nothing as exact is quicker by more than a half.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +17,7 @@ from .errors import InputError, Refusal
 from .methods import Forecast, Method
 from .problem import Problem
 
-LEAST_FIRST = ("closed-form", "layered", "fem")
+LEAST_FIRST = ("closed-form", "layered", "hybrid", "fem")
 PATIENCE = 10.0  # CPU seconds; a simpler model that would take longer gives way to a quicker one
 NOTICEABLE = 1e-3  # a simpler model with a larger relative error gives way to a better one
 

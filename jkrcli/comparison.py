@@ -116,15 +116,26 @@ def _curve_distance(computed: AdhesiveCurve, problem: Problem, unit: CriticalPoi
 
     Where its displacement nearly vanishes (f = B r^1.5), a tenth of the shift t = sqrt(2 pi w a/E*) is the unit.
     """
-    indenter, a = problem.indenter, computed.a
+    indenter = problem.indenter
     shift = np.sqrt(2 * np.pi * computed.w * unit.a / problem.E_star)
-    delta_unit, P_unit = max(abs(unit.delta), 0.1 * shift), abs(unit.P)
-    low = np.maximum(a / WINDOW, indenter.a0)
-    high = np.minimum(a * WINDOW, indenter.r_max * (1 - 1e-12))
+    units = CriticalPoint(unit.a, max(abs(unit.delta), 0.1 * shift), unit.P)
+    ends = (indenter.a0, indenter.r_max * (1 - 1e-12))
+    return curve_distance(
+        computed.a, computed.delta, computed.P, lambda a: _formula(problem, computed.w, a), units, ends
+    )
+
+
+def curve_distance(
+    a: Array, delta: Array, P: Array, exact: Callable[[Array], tuple[Array, Array]], unit: CriticalPoint,
+    ends: tuple[float, float],
+) -> float:  # fmt: skip
+    """Greatest distance of the points (``delta``, ``P``) from the curve ``exact`` of the radius, which is looked for
+    near their radii ``a`` [m] between the ``ends`` [m]; the axes in units of the displacement and load of ``unit``."""
+    low, high = np.maximum(a / WINDOW, ends[0]), np.minimum(a * WINDOW, ends[1])
 
     def distances(v: Array) -> Array:
-        delta, P = _formula(problem, computed.w, low + (high - low) * v**2)
-        return np.hypot((delta - computed.delta) / delta_unit, (P - computed.P) / P_unit)
+        delta_there, P_there = exact(low + (high - low) * v**2)
+        return np.hypot((delta_there - delta) / abs(unit.delta), (P_there - P) / abs(unit.P))
 
     return float(np.max(_least(distances, a.size)))
 

@@ -5,6 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 
+def printable(text: str) -> str:
+    """``text`` on one line that does nothing to a terminal: line ends and control characters as escapes."""
+    if text.isprintable():
+        return text
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in text)
+
+
 class JkrError(Exception):
     """Root of all errors that carry a message for the user."""
 
@@ -17,8 +24,11 @@ class InputError(JkrError):
     exit_code = 2
 
     def __init__(self, lines: str | Sequence[str]):
-        self.lines = (lines,) if isinstance(lines, str) else tuple(lines)
+        self.lines = tuple(map(printable, (lines,) if isinstance(lines, str) else lines))
         super().__init__("\n".join(self.lines))
+
+    def __reduce__(self) -> tuple[type[InputError], tuple[tuple[str, ...]]]:
+        return type(self), (self.lines,)
 
 
 class Refusal(InputError):

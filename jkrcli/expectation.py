@@ -12,6 +12,7 @@ from .slopes import slopes
 from .validity import Validity, judge
 
 COARSE = 1e-5
+LONGEST = 3.0  # CPU seconds that an expectation may take
 
 
 @dataclass(frozen=True)
@@ -30,12 +31,18 @@ class Expectation:
 
 
 def expect(problem: Problem, works: tuple[float, ...], z0: float) -> Expectation:
-    """Solve ``problem`` to 1e-5 with its sides left out, and transform it for each work of adhesion."""
+    """Solve ``problem`` to 1e-5 with its sides left out, and transform it for each work of adhesion.
+
+    Refusal where that is no matter of a moment.
+    """
     specimen = replace(problem.specimen, radius=None, side=None)
     loading = problem.loading
     if loading.spacing != "radius":
         loading = Loading(loading.to, loading.maximum)
     unbounded = replace(problem, specimen=specimen, loading=replace(loading, points=max(loading.points, 100)))
+    seconds = Layered(COARSE).forecast(unbounded).seconds
+    if seconds > LONGEST:
+        raise Refusal(f"the coarse solution would take about {seconds:.0f} s")
     series = Layered(COARSE)(unbounded).series
     found = slopes(series, "exact")
     a, delta, P = (float(column[-1]) for column in (series.a, series.delta, series.P))
@@ -50,6 +57,7 @@ def expect(problem: Problem, works: tuple[float, ...], z0: float) -> Expectation
             R=problem.indenter.tip_radius,
             h=problem.specimen.top_thickness,
             L=problem.specimen.radius,
+            end_is_cut=False,
             z0=z0,
             a_pull_off=point.a if isinstance(point, CriticalPoint) else None,
         )

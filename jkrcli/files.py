@@ -3,20 +3,30 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 import os
+import re
 import tempfile
 from collections.abc import Iterable, Iterator
 from pathlib import Path
+from typing import Any, BinaryIO
 
 from .errors import InputError, JkrError
 
 CSV_HEADS = (  # our tables carry no mark but their own header
     b"a_m,delta_m,P_N,delta_H_m,P_H_N,S_N_per_m",
     b"r_m,pressure_Pa,displacement_m,gap_m",
+    b"line,depth_m,r_m,sigma_zz_Pa",
     b"a_m,delta_m,P_N,device_m,phase",
     b"nu,base,w_R2_over_Estar_h3",
     b"size_m,elements,unknowns,a_m",
     b"body,points,noise,method,median",
+    b"case,status,reason,",
+    b"case,reason,command",
+    b"method,setting,slopes,unknowns",
+    b"method,outcome,nu,a_over_h",
+    b"curve,segment,state,a_m,w_J_per_m2",
+    b"file,curve,status,reason,points",
 )
 HEADS = {  # how a file begins, and what then stands near its head
     b"\x89PNG": b"Software\0jkr ",
@@ -29,20 +39,33 @@ HDF5 = b"\x89HDF\r\n\x1a\n"
 
 def read_bytes(path: Path, what: str, limit: int = 1 << 30) -> bytes:
     """The content of ``path``; InputError where it is missing, a folder, unreadable or beyond ``limit`` bytes."""
+    with _opened(path, what) as file:
+        if os.fstat(file.fileno()).st_size > limit:
+            raise InputError(f"{path}: {what} is larger than {limit >> 20} MiB")
+        return file.read()
+
+
+def is_hdf5(path: Path, what: str) -> bool:
+    """Whether the file at ``path`` begins like HDF5; InputError where it is missing, a folder or unreadable."""
+    with _opened(path, what) as file:
+        return file.read(len(HDF5)) == HDF5
+
+
+@contextlib.contextmanager
+def _opened(path: Path, what: str) -> Iterator[BinaryIO]:
     try:
         if path.exists() and not (path.is_file() or path.is_dir()):
             raise InputError(f"{path}: is a device or a pipe, not a {what}")
         with path.open("rb") as file:
-            content = file.read(limit + 1)
-        if len(content) > limit:
-            raise InputError(f"{path}: {what} is larger than {limit >> 20} MiB")
-        return content
+            yield file
     except FileNotFoundError:
         raise InputError(f"{path}: {what} not found{_nearby(path)}") from None
     except IsADirectoryError:
         raise InputError(f"{path}: is a folder, not a {what}") from None
     except OSError as error:
         raise InputError(f"{path}: {what} cannot be read ({error.strerror})") from None
+    except ValueError as error:  # a null character in the name
+        raise InputError(f"{path}: {what} cannot be read ({error})") from None
 
 
 def _nearby(path: Path) -> str:
@@ -86,6 +109,7 @@ def check_target(path: Path, force: bool = False, inputs: Iterable[Path] = ()) -
         raise InputError(f"{path}: the folder {path.parent} does not exist")
     if not os.access(path.parent, os.W_OK):
         raise InputError(f"{path}: the folder {path.parent} is not writable")
+    _tidy(path.parent.resolve())
     if not path.exists():
         return
     if any(source.exists() and path.samefile(source) for source in inputs):
@@ -100,18 +124,22 @@ def make_folder(path: Path) -> None:
         path.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise InputError(f"{path}: cannot be made a folder ({error.strerror})") from None
+    _tidy(path.resolve())
 
 
 @contextlib.contextmanager
 def atomic(path: Path) -> Iterator[Path]:
-    """A temporary name beside ``path``, renamed to it when the block ends well, removed when it does not."""
+    """A temporary name beside ``path``, renamed to it when the block ends well, removed when it does not.
+
+    A process that is killed leaves its temporary file; the next one that writes into the folder removes it.
+    """
     try:
-        handle, name = tempfile.mkstemp(prefix=f".{path.stem}.", suffix=path.suffix, dir=path.parent)
+        handle, name = tempfile.mkstemp(prefix=f"{_mark()}{os.getpid()}-", suffix=path.suffix, dir=path.parent)
     except OSError as error:
         raise InputError(f"{path}: cannot be written ({error.strerror})") from None
-    os.close(handle)
     temporary = Path(name)
     try:
+        os.close(handle)
         yield temporary
         with temporary.open("rb") as file:
             os.fsync(file.fileno())
@@ -121,6 +149,47 @@ def atomic(path: Path) -> Iterator[Path]:
         raise JkrError(f"{path}: cannot be written ({error.strerror or error})") from None
     finally:
         temporary.unlink(missing_ok=True)
+
+
+@contextlib.contextmanager
+def hdf5(path: Path, **options: Any) -> Iterator[Any]:
+    """An HDF5 file (h5py) to fill, built in memory and written whole to ``path`` when the block ends well.
+
+    In memory, because HDF5 itself neither says clearly that a disk is full nor gets over it.
+    """
+    import h5py
+
+    with h5py.File(path.name, "w", driver="core", backing_store=False, **options) as file:
+        yield file
+        file.flush()
+        image = file.id.get_file_image()
+    with atomic(path) as temporary:
+        temporary.write_bytes(image)
+
+
+def _mark() -> str:
+    """How the names of this machine's temporary files begin; the number of their process follows."""
+    return f".jkr-{re.sub(r'[^A-Za-z0-9]', '', os.uname().nodename)}-"
+
+
+@functools.cache
+def _tidy(folder: Path) -> None:
+    """Remove temporary files of processes of this machine that were killed, once for every folder written to."""
+    with contextlib.suppress(OSError):
+        for path in folder.glob(f"{_mark()}*"):
+            number = path.name.removeprefix(_mark()).split("-")[0]
+            if number.isdigit() and not _is_running(int(number)):
+                path.unlink(missing_ok=True)
+
+
+def _is_running(process: int) -> bool:
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except (PermissionError, OverflowError):
+        return True
+    return True
 
 
 def _umask() -> int:

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import difflib
 import math
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -12,10 +10,11 @@ from typing import Any, Literal
 
 import numpy as np
 
+from .columns import Vocabulary, asked, check_different, words
 from .errors import InputError
 from .indenters import Indenter, Sphere
 from .series import Array, ErrorBudget, RawSeries, Series, Solution, filter_plateaus
-from .text_table import TextTable, read_table, some, unit_power
+from .text_table import TextTable, read_table, some
 
 LEAST_ROWS = 5
 UNKNOWN = "unknown: made by another program"
@@ -27,8 +26,8 @@ ALIASES = {
     "P": ("p", "p_h", "load", "force", "rf2", "rf3", "cfn2", "cfnm", "cfn", "fy", "fz", "reaction", "f"),
 }
 DIMENSIONS = {"a": "length", "area": "area", "delta": "length", "P": "load"}
-EXAMPLES = {"length": "um", "area": "um^2", "load": "mN"}
 MEANINGS = {"a": "contact radius", "area": "contact area", "delta": "displacement", "P": "load"}
+NAMES = Vocabulary(ALIASES, DIMENSIONS, MEANINGS)
 
 
 @dataclass(frozen=True)
@@ -81,106 +80,31 @@ def read_series(path: Path, indenter: Indenter, reading: Reading) -> Solution:
 def read_measured(path: Path, shift: float = 0.0) -> tuple[Array, Array]:
     """Displacement [m], ``shift`` [m] added, and load [N] of measured points; units in the header, signs kept."""
     table = read_table(path, least=2)
-    delta, P = (_values(table, key, _guess(table, key), Reading(sign="as-is")) for key in ("delta", "P"))
+    delta, P = (_values(table, key, NAMES.guess(table, key), Reading(sign="as-is")) for key in ("delta", "P"))
     return delta + shift, P
 
 
 # ---------------------------------------------------------------------- columns and units
 def _columns(table: TextTable, reading: Reading) -> dict[str, int]:
     """Index of the column for each key: as told, else by its name; the radius goes before the area."""
-    asked = {key: _asked(table, key, name) for key, name in reading.columns.items()}
-    found = {key: asked[key] if key in asked else _guess(table, key) for key in ("delta", "P")}
-    if "area" in asked and "a" in asked:
+    told = {key: asked(table, key, name) for key, name in reading.columns.items()}
+    found = {key: told[key] if key in told else NAMES.guess(table, key) for key in ("delta", "P")}
+    if "area" in told and "a" in told:
         raise InputError(f"{table.path}: give a column for the contact radius or for the contact area, not for both")
-    size = next(iter(asked.keys() & {"a", "area"}), None)
+    size = next(iter(told.keys() & {"a", "area"}), None)
     if size is None:
-        size = "a" if _named(table, "a") or not _named(table, "area") else "area"
-    chosen = found | {size: asked[size] if size in asked else _guess(table, size)}
-    if len(set(chosen.values())) < len(chosen):
-        raise InputError(f"{table.path}: one column cannot be two quantities, got {_words(table, chosen)}")
+        size = "a" if NAMES.named(table, "a") or not NAMES.named(table, "area") else "area"
+    chosen = found | {size: told[size] if size in told else NAMES.guess(table, size)}
+    check_different(table, chosen)
     return chosen
-
-
-def _asked(table: TextTable, key: str, name: str) -> int:
-    """The column that the user named or numbered."""
-    titles = [split_name(title)[0] for title in table.names]
-    matches = [i for i, title in enumerate(table.names) if name in (title, titles[i])]
-    if len(matches) == 1:
-        return matches[0]
-    if name.isdigit() and 1 <= int(name) <= len(table.names):
-        return int(name) - 1
-    close = difflib.get_close_matches(name, titles, 1, 0.5)
-    hint = f', did you mean "{close[0]}"?' if close else ""
-    raise InputError(f'{table.path}: no single column "{name}" for {key}{hint} ({_choice(table)})')
-
-
-def _guess(table: TextTable, key: str) -> int:
-    matches = _named(table, key)
-    if len(matches) == 1:
-        return matches[0]
-    reason = "no column is" if not matches else f"{len(matches)} columns are"
-    raise InputError(
-        f"{table.path}: {reason} recognised as the {MEANINGS[key]}: say which, --column {key}=NAME ({_choice(table)})"
-    )
-
-
-def _named(table: TextTable, key: str) -> list[int]:
-    """Columns whose name is one of the aliases of ``key``; a capital A alone is an area."""
-    names = [split_name(title)[0] for title in table.names]
-    return [i for i, name in enumerate(names) if _key_of(name) == key]
-
-
-def _key_of(name: str) -> str | None:
-    if name == "A":
-        return "area"
-    plain = name.lower().strip()
-    words = {plain, re.split(r"[:\s]", plain)[0], plain.rsplit(":", 1)[-1].strip(), *_history(plain)}
-    return next((key for key, aliases in ALIASES.items() if words & set(aliases)), None)
-
-
-def _history(name: str) -> list[str]:
-    """The variable in the name of an Abaqus history, "RF:RF2 PI: TOOL-1 N: 1" or "_temp_1 RF2"."""
-    return re.findall(r"(?:\A|:)\s*([a-z]+\d?)(?=\s|\Z)", name)
-
-
-def _choice(table: TextTable) -> str:
-    listed = ", ".join(f'{i} "{name}"' if name else str(i) for i, name in enumerate(table.names, start=1))
-    return f"columns: {listed}"
-
-
-def _words(table: TextTable, chosen: Mapping[str, int]) -> str:
-    return ", ".join(f"{key} = column {i + 1}" + (f' "{table.names[i]}"' if table.names[i] else "")
-                     for key, i in sorted(chosen.items()))  # fmt: skip
-
-
-def split_name(title: str) -> tuple[str, str]:
-    """Name and unit of a header cell: "P (mN)", "P [mN]", "P / mN", "P, mN", "P_mN"; "" where no unit is."""
-    title = title.strip()
-    if match := re.match(r"(.*?)\s*(?:\[([^\]]*)\]|\(([^)]*)\))\Z", title):
-        return match[1], (match[2] or match[3] or "").strip()
-    if (match := re.match(r"(.+?)\s*[/,_]\s*([^/,_]+)\Z", title)) and unit_power(match[2]):
-        return match[1], match[2]
-    return title, ""
 
 
 def _values(table: TextTable, key: str, index: int, reading: Reading) -> Array:
     """A column in SI: unit, factor, sign and zero applied."""
-    unit = reading.units.get(key) or split_name(table.names[index])[1]
-    values = table.values[:, index] * reading.factors.get(key, 1.0) * 10.0 ** _power(table, key, index, unit)
+    values = NAMES.in_si(table, key, index, reading.units.get(key)) * reading.factors.get(key, 1.0)
     if key in ("delta", "P") and reading.sign == "auto" and values.min() < 0 and -values.min() > values.max():
         values = -values
     return values - reading.zero if key == "delta" else values
-
-
-def _power(table: TextTable, key: str, index: int, unit: str) -> int:
-    dimension = DIMENSIONS[key]
-    where = f'{table.path}: column {index + 1} "{table.names[index]}" ({MEANINGS[key]})'
-    if not unit:
-        raise InputError(f"{where} names no unit: give --unit {key}={EXAMPLES[dimension]}, or write it into the header")
-    found = unit_power(unit)
-    if found is None or found[0] != dimension:
-        raise InputError(f'{where}: the unit must be one of {dimension}, such as {EXAMPLES[dimension]}, got "{unit}"')
-    return found[1]
 
 
 # ---------------------------------------------------------------------- rows
@@ -238,7 +162,7 @@ def _check_kept(path: Path, kept: RawSeries, dropped: int, indenter: Indenter) -
 def _facts(table: TextTable, chosen: Mapping[str, int], reading: Reading, dropped: int) -> dict[str, Any]:
     return {
         "source": table.path.name,
-        "columns": _words(table, chosen),
+        "columns": words(table, chosen),
         "factors": ", ".join(f"{key} = {value:g}" for key, value in reading.factors.items()) or "none",
         "zero_m": reading.zero,
         "radius_from": "column" if "a" in chosen else f"contact area ({reading.area})",

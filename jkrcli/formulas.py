@@ -13,6 +13,7 @@ from .clock import StageClock
 from .errors import InputError, Refusal, SolveError
 from .indenters import Paraboloid, Sphere
 from .integral.layered import Layered, unbounded
+from .materials import Elastic
 from .methods import Forecast
 from .problem import Layer, Loading, Problem, Rigid
 from .radii import half_space_guess, radii_of_loading
@@ -88,9 +89,9 @@ def _formula(problem: Problem) -> Formula | str:
     if problem.specimen.is_half_space:
         return _half_space(problem)
     match problem.specimen.layers, problem.specimen.base, problem.specimen.radius:
-        case (Layer() as layer,), Rigid() as base, None:
+        case (Layer(material=Elastic()) as layer,), Rigid() as base, None:
             return _thin_layer(problem, layer, base)
-    return "solves homogeneous half-spaces and thin single layers only: use method layered (or fem)"
+    return "solves homogeneous half-spaces and thin single isotropic layers only: use method layered (or fem)"
 
 
 def _half_space(problem: Problem) -> Formula | str:
@@ -126,16 +127,17 @@ def _thin_layer(problem: Problem, layer: Layer, base: Rigid) -> Formula | str:
 
 
 def _leading_order(R: float, layer: Layer, base: Rigid) -> Formula:
-    E, nu, h = layer.material.E, layer.material.nu, layer.thickness
-    if base.bonded and nu == 0.5:
-        G = layer.material.G
+    material, h = layer.material, layer.thickness
+    assert isinstance(material, Elastic)
+    if base.bonded and material.nu == 0.5:
+        G = material.G
 
         def squeezed(a: Array) -> tuple[Array, Array, Array, Array]:
             S = 3 * np.pi * G * a**4 / (8 * h**3)
             return *closed_form.thin_incompressible_layer(a, G, h, R), S, 4 * S / a
 
         return Formula("thin incompressible layer, leading order", squeezed)
-    K = closed_form.foundation_modulus(E, nu, h) if base.bonded else layer.material.E_star / h
+    K = closed_form.foundation_modulus(material.E, material.nu, h) if base.bonded else material.E_star / h
 
     def winkler(a: Array) -> tuple[Array, Array, Array, Array]:
         return *closed_form.thin_layer(a, K, R), np.pi * K * a**2, 2 * np.pi * K * a

@@ -12,6 +12,7 @@ from .series import Estimate, Solution
 METHODS = {
     "closed-form": "jkrcli.formulas:ClosedForm",
     "layered": "jkrcli.integral.layered:Layered",
+    "hybrid": "jkrcli.hybrid.method:Hybrid",
     "fem": "jkrcli.fem.method:FEM",
 }
 

@@ -5,28 +5,48 @@ from __future__ import annotations
 import hashlib
 import math
 from dataclasses import dataclass, field, replace
-from typing import Literal
+from typing import Any, Literal, cast
+
+import numpy as np
 
 from .errors import InputError
 from .indenters import Indenter
-from .materials import Elastic, contact_modulus
+from .materials import Elastic, Graded, Material, TransverselyIsotropic, contact_modulus
 
 Quantity = Literal["depth", "load", "radius"]
 Spacing = Literal["radius", "depth", "log", "given"]
 Side = Literal["free", "roller", "clamped"]
+ROUND_OFF = 1e-9  # relative, of a thickness against the depths of its material's law
 
 
 @dataclass(frozen=True)
 class Layer:
     """One layer of a stack, perfectly bonded to what lies below; ``thickness`` in m."""
 
-    material: Elastic
+    material: Material
     thickness: float
     name: str = field(default="", compare=False, repr=False)
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.thickness) and self.thickness > 0):
             raise InputError(f"thickness: must be > 0 m, got {self.thickness:g}")
+        if isinstance(self.material, Graded) and self.material.law.reach < self.thickness * (1 - ROUND_OFF):
+            raise InputError(
+                f"the law of E ends at a depth of {self.material.law.reach:g} m, above the bottom of the layer "
+                f"(thickness {self.thickness:g} m)"
+            )
+
+    @property
+    def moduli(self) -> tuple[float, float]:
+        """The least and the largest Young's modulus in the layer [Pa] (every law is monotone between its kinks)."""
+        match self.material:
+            case Elastic(E=E):
+                return E, E
+            case Graded(law=law):
+                values = law.at(np.array([0.0, *(z for z in law.kinks if z < self.thickness), self.thickness]))
+                return float(values.min()), float(values.max())
+            case TransverselyIsotropic(E_p=E_p, E_z=E_z):
+                return min(E_p, E_z), max(E_p, E_z)
 
 
 @dataclass(frozen=True)
@@ -38,9 +58,9 @@ class Rigid:
 
 @dataclass(frozen=True)
 class HalfSpace:
-    """An elastic half-space below the layers; with no layers it is the whole specimen."""
+    """A homogeneous elastic half-space below the layers; with no layers it is the whole specimen."""
 
-    material: Elastic
+    material: Elastic | TransverselyIsotropic
 
 
 @dataclass(frozen=True)
@@ -65,11 +85,27 @@ class Specimen:
 
     @property
     def surface(self) -> Elastic:
-        """The material at the contact."""
+        """What first touch feels: the material at the contact, or the isotropic one of the same E*."""
         if self.layers:
-            return self.layers[0].material
+            return self.layers[0].material.surface
         assert isinstance(self.base, HalfSpace)
-        return self.base.material
+        return self.base.material.surface
+
+    @property
+    def materials(self) -> tuple[Material, ...]:
+        """All materials from the surface down."""
+        layers = tuple(layer.material for layer in self.layers)
+        return (*layers, self.base.material) if isinstance(self.base, HalfSpace) else layers
+
+    @property
+    def is_graded(self) -> bool:
+        """True where the modulus of any layer varies over depth."""
+        return any(isinstance(layer.material, Graded) for layer in self.layers)
+
+    @property
+    def is_isotropic(self) -> bool:
+        """False where any material is transversely isotropic."""
+        return not any(isinstance(material, TransverselyIsotropic) for material in self.materials)
 
     @property
     def thickness(self) -> float:
@@ -135,6 +171,16 @@ class Problem:
     def E_star(self) -> float:
         """Reduced modulus of the two materials that touch [Pa] (Eq. 4)."""
         return contact_modulus(self.specimen.surface, self.indenter.material)
+
+    def scaled(self, factor: float) -> Problem:
+        """The same problem with every modulus multiplied by ``factor``, and with it what is prescribed as a load."""
+        indenter, loading = self.indenter, self.loading
+        if indenter.material is not None:
+            indenter = replace(cast(Any, indenter), material=indenter.material.scaled(factor))
+        if loading.to == "load":
+            values = tuple(value * factor for value in loading.values)
+            loading = replace(loading, maximum=loading.maximum * factor, values=values)
+        return Problem(indenter, self.specimen.scaled(factor), loading)
 
     @property
     def key(self) -> str:

@@ -117,6 +117,8 @@ def radius_for(response: Response, target: float, indenter: Indenter, start: flo
     v, tried_end = min(math.sqrt(max(start**2 - a0**2, 0.0)) or start, high / 2), False
     for _ in range(STEPS):
         values = response(np.hypot(a0, np.array([PROBE * v, v])))
+        if not 0 < values.min() < values.max() < math.inf:
+            raise SolveError(f"no contact radius can be told from {a0:g} m, where contact begins; are the sizes right?")
         miss = math.log(values[1] / target)
         slope = math.log(values[1] / values[0]) / -math.log(PROBE)
         if abs(miss) <= NEAR * tolerance:

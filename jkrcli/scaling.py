@@ -11,6 +11,7 @@ from .adhesion import scales_half_space, scales_thin_layer
 from .analysis import Analysis
 from .closed_form import foundation_modulus
 from .errors import InputError
+from .materials import Elastic
 from .problem import Rigid
 from .series import Array
 
@@ -47,9 +48,13 @@ def scales_of(result: Analysis, name: str) -> Scales:
         P, delta, a = scales_half_space(R, problem.E_star, w)
         return Scales(name, P, delta, a, ("δ / δ₀  (Eq. 15)", "P / (π w R)", "a / a₀  (Eq. 15)"))
     layers, base = problem.specimen.layers, problem.specimen.base
-    if len(layers) != 1 or not (isinstance(base, Rigid) and base.bonded) or layers[0].material.nu >= 0.5:
-        raise InputError("--dimensionless thin-layer: needs one layer with nu < 0.5, bonded to a rigid base (Eq. 22)")
-    K = foundation_modulus(layers[0].material.E, layers[0].material.nu, layers[0].thickness)
+    material = layers[0].material if len(layers) == 1 and isinstance(base, Rigid) and base.bonded else None
+    if not isinstance(material, Elastic) or material.nu >= 0.5:
+        raise InputError(
+            "--dimensionless thin-layer: needs one homogeneous isotropic layer with nu < 0.5, bonded to a rigid base "
+            "(Eq. 22)"
+        )
+    K = foundation_modulus(material.E, material.nu, layers[0].thickness)
     P, delta, a = scales_thin_layer(R, K, w)
     return Scales(name, P, delta, a, ("δ / √(2w/K)", "P / (2 π w R)", "a / (8 w R²/K)^(1/4)"))
 

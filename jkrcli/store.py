@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import platform
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from importlib import metadata
 from pathlib import Path
@@ -14,8 +15,9 @@ import numpy as np
 
 from . import __version__
 from .errors import InputError
-from .files import HDF5, atomic, read_bytes
+from .files import hdf5, is_hdf5
 from .series import COLUMNS, ErrorBudget, PressureTable, RawSeries, Series, Solution, first_of_plateaus
+from .units import MOST
 
 FORMAT, VERSION = "jkr-series", 1
 NAMES = {"a": "a", "delta": "delta", "P": "P", "S": "S", "dS": "dS_da"}
@@ -28,7 +30,8 @@ WORDS = {
     "dS": "derivative dS/da",
 }
 PACKAGES = ("numpy", "scipy", "gmsh", "scikit-fem", "h5py")
-MAX_ROWS = 10_000_000
+MAX_ROWS, MAX_CELLS = 10_000_000, 100_000_000  # of a column and of the table of pressures: 80 and 800 MB
+MAX_TEXT = 16 << 20  # bytes
 CHECKSUMMED = ("v110", "v110")  # the file format whose metadata carry checksums: damage is found, not followed
 
 
@@ -70,6 +73,37 @@ class Stored:
         return series, int(keep.size - keep.sum())
 
 
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Kept(Stored):
+    """A solution in memory, as its series file would hold it; ``solution``: what ``write`` takes."""
+
+    solution: Solution
+
+
+def kept(solution: Solution, case: str, key: str, name: str = "solved") -> Kept:
+    """``solution`` of the resolved ``case`` (TOML) as if it were read from a file; ``name`` stands in messages."""
+    series = solution.series
+    raw = solution.raw if solution.raw is not None else RawSeries(series.a, series.delta, series.P)
+    present = {column: getattr(solution.raw or series, column, None) for column in COLUMNS}
+    return Kept(
+        path=Path(name),
+        raw=raw,
+        columns={column: values for column, values in present.items() if values is not None},
+        errors=dict(series.errors) if solution.raw is None else {},
+        a0=series.a0,
+        S0=series.S0,
+        budget=solution.budget,
+        method=solution.method,
+        key=key,
+        case=case,
+        facts=solution.facts,
+        timings=solution.timings,
+        versions=versions(),
+        warnings=solution.warnings,
+        solution=solution,
+    )
+
+
 def versions() -> dict[str, str]:
     """Versions of jkr, Python and the packages that a result depends on."""
     found = {"jkr": __version__, "python": platform.python_version()}
@@ -85,7 +119,7 @@ def write(path: Path, solution: Solution, case: str, key: str, command_line: str
     """Write ``solution`` of the resolved ``case`` (TOML) to ``path``, whole or not at all."""
     series = solution.series
     rows = solution.raw if solution.raw is not None else series
-    with atomic(path) as temporary, h5py.File(temporary, "w", libver=CHECKSUMMED) as file:
+    with hdf5(path, libver=CHECKSUMMED) as file:
         identity = {"method": solution.method, "problem_key": key, "command_line": command_line}
         _attributes_to(file, {"format": FORMAT, "version": VERSION} | identity)
         file.create_dataset("case", data=_fixed(case))
@@ -133,15 +167,32 @@ def _fixed(text: str) -> np.ndarray:
 
 def read(path: str | Path) -> Stored:
     """Read and check a series file; InputError in one line where it is missing, foreign, truncated or damaged."""
+    with _opened(Path(path)) as file:
+        return _read(Path(path), file)
+
+
+def read_pressure(path: str | Path) -> PressureTable | None:
+    """The contact pressure of every increment, where the file holds it; InputError where it is damaged."""
     path = Path(path)
-    if not read_bytes(path, "series file").startswith(HDF5):
+    with _opened(path) as file:
+        if "contact" not in file:
+            return None
+        contact = _group(path, file, "contact")
+        r = _numbers(path, contact, "r", 1)
+        return PressureTable(r, _numbers(path, contact, "pressure", 2, r.size))
+
+
+@contextlib.contextmanager
+def _opened(path: Path) -> Iterator[h5py.File]:
+    """An HDF5 file to read from; what the library says of a damaged one becomes an InputError."""
+    if not is_hdf5(path, "series file"):
         raise InputError(f"{path}: is not an HDF5 file")
     try:
         with h5py.File(path, "r") as file:
-            return _read(path, file)
+            yield file
     except InputError:
         raise
-    except (OSError, RuntimeError, KeyError, ValueError, TypeError, UnicodeDecodeError, MemoryError) as error:
+    except (OSError, RuntimeError, KeyError, ValueError, TypeError, OverflowError, MemoryError) as error:
         reason = "truncated" if "truncated" in str(error) else "damaged"
         raise InputError(f"{path}: the HDF5 file is {reason} and cannot be read; run the case again") from None
 
@@ -174,51 +225,72 @@ def _read(path: Path, file: h5py.File) -> Stored:
         ),
         method=_text(file.attrs.get("method", "unknown")),
         key=_text(file.attrs.get("problem_key", "")),
-        case=_text(_dataset_of(path, file, "case")[()]),
+        case=_case_of(path, file),
         command_line=_text(file.attrs.get("command_line", "")),
-        facts=_attributes(file, "facts"),
-        timings=_attributes(file, "timings_s"),
-        versions=_attributes(file, "versions"),
-        warnings=tuple(map(str, _attributes(file, "warnings").values())),
+        facts=_attributes(path, file, "facts"),
+        timings=_attributes(path, file, "timings_s"),
+        versions=_attributes(path, file, "versions"),
+        warnings=tuple(map(str, _attributes(path, file, "warnings").values())),
     )
 
 
-def read_pressure(path: str | Path) -> PressureTable | None:
-    """The contact pressure of every increment, where the file holds it."""
-    with h5py.File(path, "r") as file:
-        if "contact" not in file:
-            return None
-        return PressureTable(file["contact/r"][()], file["contact/pressure"][()])
-
-
 def _group(path: Path, file: h5py.File, name: str) -> h5py.Group:
-    if not isinstance(file.get(name), h5py.Group):
+    if not isinstance(_own(path, file, name), h5py.Group):
         raise InputError(f'{path}: group "{name}" is missing')
     return file[name]
 
 
+def _own(path: Path, group: h5py.Group, name: str) -> Any:
+    """What stands under ``name`` in this very file, None where nothing does: a link may lead to any file there is."""
+    if name in group and not isinstance(group.get(name, getlink=True), h5py.HardLink):
+        raise InputError(f'{path}: "{_where(group, name)}" is a link, not data of this file')
+    return group.get(name)
+
+
+def _where(group: h5py.Group, name: str) -> str:
+    return f"{group.name.strip('/')}/{name}".strip("/")
+
+
 def _dataset_of(path: Path, group: h5py.Group, name: str) -> h5py.Dataset:
-    where = f"{group.name.strip('/')}/{name}".strip("/")
-    if not isinstance(group.get(name), h5py.Dataset):
+    data, where = _own(path, group, name), _where(group, name)
+    if not isinstance(data, h5py.Dataset):
         raise InputError(f'{path}: dataset "{where}" is missing')
-    return group[name]
+    if data.external or data.is_virtual:
+        raise InputError(f'{path}: "{where}" lies in another file')
+    return data
+
+
+def _case_of(path: Path, file: h5py.File) -> str:
+    data = _dataset_of(path, file, "case")
+    if data.shape != () or data.dtype.kind not in "SO" or data.dtype.itemsize > MAX_TEXT:
+        raise InputError(f"{path}: case: must be a text of at most {MAX_TEXT >> 20} MiB")
+    return _text(data[()])
 
 
 def _column(path: Path, group: h5py.Group, name: str, unit: str, required: bool) -> np.ndarray | None:
     if name not in group and not required:
         return None
-    data = _dataset_of(path, group, name)
-    where = f"{group.name.strip('/')}/{name}"
-    if data.ndim != 1 or data.dtype.kind not in "fiu":
-        raise InputError(f"{path}: {where}: must be a column of numbers, got {data.dtype} of shape {data.shape}")
-    if not 1 <= data.size <= MAX_ROWS:
-        raise InputError(f"{path}: {where}: must have 1 to {MAX_ROWS} rows, got {data.size}")
-    if (found := _text(data.attrs.get("unit", ""))) != unit:
-        raise InputError(f'{path}: {where}: unit must be "{unit}", got "{found}"')
+    values = _numbers(path, group, name, 1)
+    if (found := _text(group[name].attrs.get("unit", ""))) != unit:
+        raise InputError(f'{path}: {_where(group, name)}: unit must be "{unit}", got "{found}"')
+    return values
+
+
+def _numbers(path: Path, group: h5py.Group, name: str, ndim: int, width: int = 1) -> np.ndarray:
+    """A column of finite numbers, or with ``ndim`` = 2 a table of them, ``width`` to a row."""
+    data, where = _dataset_of(path, group, name), _where(group, name)
+    if data.ndim != ndim or data.dtype.kind not in "fiu" or (ndim == 2 and data.shape[1] != width):
+        kind = "a column of numbers" if ndim == 1 else f"rows of {width} numbers"
+        raise InputError(f"{path}: {where}: must be {kind}, got {data.dtype} of shape {data.shape}")
+    most = MAX_ROWS if ndim == 1 else MAX_CELLS // width
+    if not 1 <= data.shape[0] <= most:
+        raise InputError(f"{path}: {where}: must have 1 to {most} rows, got {data.shape[0]}")
     values = data[()].astype(float)
-    if not np.isfinite(values).all():
-        i = int(np.argmin(np.isfinite(values)))
-        raise InputError(f"{path}: {where}: row {i + 1} must be a finite number, got {values[i]}")
+    wrong = ~(np.abs(values) <= MOST**2)
+    if wrong.any():
+        row, found = np.argwhere(wrong)[0][0], values[wrong][0]
+        rule = f"number up to {MOST**2:g}" if np.isfinite(found) else "finite number"
+        raise InputError(f"{path}: {where}: row {row + 1} must be a {rule}, got {found}")
     return values
 
 
@@ -240,21 +312,20 @@ def _estimate(value: Any) -> float | str:
     return float(value) if np.isfinite(float(value)) else f"stated as {float(value)} in the file"
 
 
-def _attributes(file: h5py.File, name: str) -> dict[str, Any]:
-    if not isinstance(file.get(name), h5py.Group):
+def _attributes(path: Path, file: h5py.File, name: str) -> dict[str, Any]:
+    if not isinstance(_own(path, file, name), h5py.Group):
         return {}
-    plain = {key: _plain(value) for key, value in file[name].attrs.items()}
-    return {
-        key: str(value) if isinstance(value, float) and not np.isfinite(value) else value
-        for key, value in plain.items()
-    }
+    return {key: _plain(path, f"{name}.{key}", value) for key, value in file[name].attrs.items()}
 
 
-def _plain(value: Any) -> Any:
+def _plain(path: Path, where: str, value: Any) -> Any:
     """A Python number or text for what h5py returns."""
-    if isinstance(value, bytes | np.bytes_):
+    if isinstance(value, str | bytes):
         return _text(value)
-    return value.item() if isinstance(value, np.generic) else value
+    if not (isinstance(value, np.generic) and value.dtype.kind in "biuf"):
+        raise InputError(f"{path}: attribute {where} must be a number or a text, got {type(value).__name__}")
+    number = value.item()
+    return str(number) if isinstance(number, float) and not np.isfinite(number) else number
 
 
 def _text(value: Any) -> str:

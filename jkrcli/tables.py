@@ -83,6 +83,7 @@ def summary(result: Analysis) -> dict[str, Any]:
         "file": str(result.stored.path),
         "title": result.case.title,
         "w_J_per_m2": result.w,
+        "modulus_factor": result.modulus_factor,
         "method": result.stored.method,
         "slopes": slopes.method,
         "slopes_reason": slopes.reason,

@@ -39,14 +39,16 @@ WORDS = {
     "number": "a plain number",
 }
 SI = {"length": "m", "modulus": "Pa", "load": "N", "work": "J/m^2", "stiffness": "N/m", "angle": "rad", "number": ""}
+MOST = 1e30  # of a quantity in SI, its inverse the least: beyond what exists, and products of a few stay finite
+LONGEST = 100  # characters of a quantity
 _QUANTITY = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?)\s*(.*?)\s*\Z")
 
 
 def parse(text: str, dimension: str) -> float:
     """The SI value of ``text`` ("100 um"; a bare number is SI). Raises ValueError with a full sentence."""
-    match = _QUANTITY.match(text)
+    match = _QUANTITY.match(text) if len(text) <= LONGEST else None
     if not match:
-        raise ValueError(f'must be {WORDS[dimension]}, such as "{_example(dimension)}", got "{text}"')
+        raise ValueError(f'must be {WORDS[dimension]}, such as "{_example(dimension)}", got "{text[:LONGEST]}"')
     number, unit = Decimal(match[1]), _normalise(match[2])
     if not unit:
         return float(number)
@@ -70,12 +72,17 @@ def scale(value: float, dimension: str) -> tuple[float, str]:
     base = SI[dimension]
     if dimension not in UNITS or value == 0 or not math.isfinite(value):
         return 1.0, base
-    candidates = {unit: power for unit, power in UNITS[dimension].items() if unit.endswith(base) and power % 3 == 0}
     power, unit = min(
-        ((p, u) for u, p in candidates.items()),
+        ((p, u) for u, p in decades(dimension).items()),
         key=lambda item: (not 1 <= abs(value) / 10.0 ** item[0] < 1000, abs(math.log10(abs(value)) - item[0] - 1)),
     )
     return 10.0**power, unit
+
+
+def decades(dimension: str) -> dict[str, int]:
+    """The units that people choose from by magnitude, with their powers of ten: "um": -6, "mm": -3, ..."""
+    base = SI[dimension]
+    return {unit: power for unit, power in UNITS[dimension].items() if unit.endswith(base) and power % 3 == 0}
 
 
 def _normalise(unit: str) -> str:

@@ -20,7 +20,7 @@ from typing import Any
 
 from .closed_form import foundation_modulus, tabor
 from .errors import InputError
-from .materials import contact_modulus
+from .materials import Elastic, contact_modulus
 from .problem import HalfSpace, Layer, Problem
 
 TABOR_JKR = 5.0  # JKR within some per cent above it
@@ -40,6 +40,7 @@ class Validity:
 
     ``a_over_R``, ``delta_over_h``, ``a_over_h``, ``a_over_L``: at the largest radius of the series, L being the lateral
     or vertical size at which the body or its mesh ends. ``a_over_R_pull_off``: at pull-off under load control.
+    ``end_is_cut``: the specimen goes on where the model ends; the ends of a finite specimen are part of its solution.
     """
 
     tabor: Ratio
@@ -49,6 +50,7 @@ class Validity:
     delta_over_h: Ratio
     a_over_h: Ratio
     a_over_L: Ratio
+    end_is_cut: bool = True
 
 
 def end_of_body(problem: Problem, facts: Mapping[str, Any]) -> float | None:
@@ -73,6 +75,7 @@ def judge(
     L: float | None,
     z0: float | None,
     a_pull_off: float | None = None,
+    end_is_cut: bool = True,
 ) -> Validity:
     """Judge a series that ends at contact radius ``a`` [m] and displacement ``delta`` [m].
 
@@ -91,6 +94,7 @@ def judge(
         _ratio(delta, thickness, no_layer),
         _ratio(a, thickness, no_layer),
         _ratio(a, L, "the body is unbounded in this method"),
+        end_is_cut,
     )
 
 
@@ -124,7 +128,7 @@ def layer_tabor(problem: Problem, w: float, z0: float | None) -> dict[str, Ratio
 def _coating_tabor(problem: Problem, base: HalfSpace, w: float, z0: float | None) -> dict[str, Ratio]:
     R, indenter = problem.indenter.tip_radius, problem.indenter.material
     coating = _tabor(R, w, problem.E_star, z0)
-    substrate = _tabor(R, w, contact_modulus(base.material, indenter), z0)
+    substrate = _tabor(R, w, contact_modulus(base.material.surface, indenter), z0)
     ends = list(dict.fromkeys([_words(coating), _words(substrate)]))
     words = ends[0] if len(ends) == 1 else f"from the coating's to the substrate's: {ends[0]}; {ends[1]}"
     return {"tabor_of_coating": coating, "tabor_of_substrate": substrate, "regime_coated": words}
@@ -133,6 +137,8 @@ def _coating_tabor(problem: Problem, base: HalfSpace, w: float, z0: float | None
 def _thin_tabor(layer: Layer, bonded: bool, w: float, z0: float | None) -> Ratio:
     if not bonded:
         return "the layer slides on its base: the literature has bonded layers only"
+    if not isinstance(layer.material, Elastic):
+        return "the layer is not homogeneous and isotropic: the literature has only such layers"
     if layer.material.nu > MAX_NU_COMPRESSIBLE:
         return f"nu = {layer.material.nu:g} is above {MAX_NU_COMPRESSIBLE:g}: the layer is not compressible (Eq. 22)"
     if z0 is None or w == 0:
@@ -152,7 +158,7 @@ def check(judged: Validity) -> list[str]:
     return [
         *_above(judged.a_over_R, MAX_A_OVER_R, "a/R", "the geometrically linear theory and the indenter's profile err"),
         *_above(judged.delta_over_h, MAX_DELTA_OVER_H, "delta/h", "small strains no longer hold in the layer"),
-        *_above(judged.a_over_L, MAX_A_OVER_L, "a/L", "the end of the body or mesh is felt at the contact"),
+        *_cut_warning(judged),
         *_tabor_warning(judged),
     ]
 
@@ -161,6 +167,12 @@ def _above(value: Ratio, limit: float, name: str, meaning: str) -> list[str]:
     if isinstance(value, str) or value <= limit * (1 + ROUND_OFF):
         return []
     return [f"{name} = {value:.3g} at the largest contact radius is above {limit:g}: {meaning}"]
+
+
+def _cut_warning(judged: Validity) -> list[str]:
+    if not judged.end_is_cut:
+        return []
+    return _above(judged.a_over_L, MAX_A_OVER_L, "a/L", "the end of the mesh, where the body goes on, is felt")
 
 
 def _tabor_warning(judged: Validity) -> list[str]:

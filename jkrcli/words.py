@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from .indenters import Indenter, Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
+from .materials import Elastic, Graded, Material, TransverselyIsotropic
 from .problem import HalfSpace, Problem, Specimen
 from .units import show
 
@@ -37,15 +38,26 @@ def describe_indenter(indenter: Indenter) -> str:
     return name if indenter.material is None else f"elastic {name}"
 
 
+def describe_material(material: Material, with_nu: bool = True) -> str:
+    match material:
+        case Elastic(E=E, nu=nu):
+            return f"E = {show(E, 'modulus')}" + (f", nu = {nu:g}" if with_nu else "")
+        case Graded(law=law, nu=nu):
+            name = type(law).__name__.lower()
+            return f"E graded from {show(material.surface.E, 'modulus')} at the top, {name}, nu = {nu:g}"
+        case TransverselyIsotropic(E_p=E_p, E_z=E_z):
+            return f"transversely isotropic, E = {show(E_p, 'modulus')} in the plane, {show(E_z, 'modulus')} along z"
+
+
 def describe_specimen(specimen: Specimen) -> str:
-    surface = f"E = {show(specimen.surface.E, 'modulus')}, nu = {specimen.surface.nu:g}"
+    surface = describe_material(specimen.materials[0])
     if specimen.is_half_space:
         return f"a half-space ({surface})"
     count = len(specimen.layers)
     layers = "a layer" if count == 1 else f"{count} layers"
     top = f"{surface}, h = {show(specimen.top_thickness, 'length')}" + (" on top" if count > 1 else "")
     if isinstance(specimen.base, HalfSpace):
-        base = f"an elastic half-space (E = {show(specimen.base.material.E, 'modulus')})"
+        base = f"an elastic half-space ({describe_material(specimen.base.material, with_nu=False)})"
     else:
         base = "a rigid base" if specimen.base.bonded else "a rigid frictionless base"
     shape = (

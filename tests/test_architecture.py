@@ -12,20 +12,43 @@ import pytest
 PACKAGE = Path(__file__).parent.parent / "jkrcli"
 DOORS = {
     "gmsh": {"fem/mesh.py", "fem/export.py"},
-    "skfem": {"fem/elasticity.py"},
-    "h5py": {"store.py", "files.py"},
-    "matplotlib": {"plots.py", "plots_study.py", "plots_stability.py", "plots_noise.py", "plots_fields.py"},
+    "cvxopt": {"fem/factor.py"},
+    "skfem": {"fem/elasticity.py", "fem/stress.py"},
+    "h5py": {"store.py", "files.py", "sweep/table.py", "fit/archive.py"},
+    "matplotlib": {
+        "plots.py",
+        "plots_study.py",
+        "plots_stability.py",
+        "plots_noise.py", "plots_chart.py",
+                   "plots_failures.py",
+        "plots_fields.py",
+        "plots_work.py",
+        "plots_fit.py",
+        "plots_contact_zone.py",
+    },
     "meshio": {"fem/export.py"},
-    "pydantic": {"case/__init__.py", "case/fields.py", "case/models.py", "case/indenter.py"},
+    "pydantic": {
+        "case/__init__.py",
+        "case/fields.py",
+        "case/models.py",
+        "case/indenter.py",
+        "case/materials.py",
+        "case/sweep.py",
+    },
+    "plotly": {"explorer/page.py"},
     "click": {"cli"},
+    "distributed": {"executors.py"},
+    "pyarrow": {"sweep/table.py"},
+    "afmformats": {"measured/afm.py"},
 }
 # Each part may import from itself and from those before it.
 ORDER = [
-    "errors", "materials", "units", "files", "clock", "indenters", "problem", "words", "series", "closed_form",
-    "methods", "radii", "integral", "formulas", "fem", "choose", "case", "store", "text_table", "foreign", "slopes",
+    "errors", "doctor", "grading", "materials", "units", "files", "clock", "threads", "progress", "executors", "indenters", "problem", "words", "series",
+    "closed_form",
+    "methods", "radii", "integral", "formulas", "fem", "hybrid", "choose", "case", "solving", "store", "cache", "text_table", "columns", "foreign", "measured", "slopes",
     "adhesion", "validity", "states", "stability_path", "stability", "stability_inverse", "comparison", "differences",
-    "expectation", "analysis", "scaling", "tables", "plots", "plots_fields", "plots_study", "plots_stability", "study",
-    "plots_noise", "cli", "__main__",
+    "expectation", "analysis", "scaling", "tables", "fit", "work", "sweep", "plots", "plots_fields", "plots_study", "plots_contact_zone", "plots_stability", "plots_work", "plots_fit", "study",
+    "plots_noise", "plots_chart", "plots_failures", "explorer", "api", "cli", "__main__",
 ]  # fmt: skip
 
 

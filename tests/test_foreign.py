@@ -11,8 +11,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from jkrcli.closed_form import hertz
+from jkrcli.columns import split_name
 from jkrcli.errors import InputError
-from jkrcli.foreign import Reading, radius_from_area, read_measured, read_series, split_name, surface_area
+from jkrcli.foreign import Reading, radius_from_area, read_measured, read_series, surface_area
 from jkrcli.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
 from jkrcli.text_table import unit_power
 

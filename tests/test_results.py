@@ -181,7 +181,7 @@ def test_auto_takes_the_least_model() -> None:
     assert choose(PROBLEM, "auto", build).name == "closed-form"
     assert choose(LAYER, "auto", build).name == "layered"
     finite = Problem(LAYER.indenter, Specimen(LAYER.specimen.layers, Rigid(), 1e-4, "free"), LAYER.loading)
-    assert choose(finite, "auto", build).name == "fem"
+    assert choose(finite, "auto", build).name == "hybrid"
     with pytest.raises(Refusal, match="method layered: the specimen has a finite radius"):
         choose(finite, "layered", build)
 
@@ -218,15 +218,17 @@ class _Planned:
 
 
 @pytest.mark.parametrize(
-    ("closed", "layered", "fem", "chosen"),
+    ("closed", "layered", "hybrid", "fem", "chosen"),
     [
-        ((1e-3, 1e-14), (0.1, 1e-8), (1.0, 3e-4), "closed-form"),
-        ((1e-3, 4e-2), (0.1, 1e-8), (1.0, 3e-4), "layered"),  # the formula errs noticeably
-        ((1e-3, 4e-2), (90.0, 1e-8), (1.0, 3e-4), "fem"),  # the exact solver would take too long
-        ((1e-3, 4e-2), (90.0, 1e-8), (60.0, 3e-4), "layered"),  # so would all others
-        ((1e-3, 4e-2), (0.1, 2e-2), (1.0, 3e-2), "closed-form"),  # none is accurate: the least
+        ((1e-3, 1e-14), (0.1, 1e-8), (0.2, 1e-5), (1.0, 3e-4), "closed-form"),
+        ((1e-3, 4e-2), (0.1, 1e-8), (0.2, 1e-5), (1.0, 3e-4), "layered"),  # the formula errs noticeably
+        ((1e-3, 4e-2), (90.0, 1e-8), (0.2, 1e-5), (1.0, 3e-4), "hybrid"),  # the exact solver would take too long
+        ((1e-3, 4e-2), (90.0, 1e-8), (50.0, 1e-5), (1.0, 3e-4), "fem"),  # so would the hybrid
+        ((1e-3, 4e-2), (90.0, 1e-8), (50.0, 1e-5), (60.0, 3e-4), "layered"),  # so would all others
+        ((1e-3, 4e-2), (0.1, 2e-2), (0.2, 2e-2), (1.0, 3e-2), "closed-form"),  # none is accurate: the least
     ],
 )
-def test_the_least_model_that_is_accurate_and_quick(closed, layered, fem, chosen: str) -> None:
-    plans = {"closed-form": _Planned(*closed), "layered": _Planned(*layered), "fem": _Planned(*fem)}
+def test_the_least_model_that_is_accurate_and_quick(closed, layered, hybrid, fem, chosen: str) -> None:
+    costs = {"closed-form": closed, "layered": layered, "hybrid": hybrid, "fem": fem}
+    plans = {name: _Planned(*cost) for name, cost in costs.items()}
     assert choose(LAYER, "auto", plans.__getitem__).name == chosen

@@ -39,6 +39,13 @@ def test_every_limit_warns_with_its_number() -> None:
     assert judged.a_over_h == pytest.approx(4)
 
 
+def test_the_side_of_a_finite_specimen_is_part_of_its_solution() -> None:
+    judged = judge(**{**SOUND, "a": 0.2, "R": 10.0, "L": 1.0, "end_is_cut": False})
+    assert judged.a_over_L == pytest.approx(0.2)
+    assert not any("a/L" in line for line in check(judged))
+    assert any("a/L = 0.2" in line for line in check(judge(**{**SOUND, "a": 0.2, "R": 10.0, "L": 1.0})))
+
+
 def test_at_the_limits_nothing_is_said() -> None:
     judged = judge(a=0.3, delta=0.1, E_star=1.0, w=125**0.5, R=1.0, h=1.0, L=3.0, z0=1.0)  # Tabor (125)^(1/3) = 5
     assert judged.tabor == pytest.approx(5, rel=1e-15)

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import difflib
 import math
+import re
 import tomllib
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import tomli_w
 from pydantic import ValidationError
@@ -14,7 +16,13 @@ from pydantic import ValidationError
 from ..errors import InputError
 from ..files import read_bytes
 from .indenter import SHAPES
-from .models import CaseModel
+from .models import CaseModel, RootTable
+
+Root = TypeVar("Root", bound=RootTable)
+MOST_BYTES = 16 << 20  # read at about 1 MiB/s
+MOST_PARTS = 50  # of a dotted key; reading takes the square of it
+MANY_PARTS = re.compile(rb"""^[ \t\[]*(?:[\w"'-]+[ \t]*\.[ \t]*){%d}""" % MOST_PARTS, re.MULTILINE)
+KeysAt = Callable[[tuple[str, ...]], list[str]]
 
 
 class Case:
@@ -23,6 +31,12 @@ class Case:
     def __init__(self, model: CaseModel, source: str):
         self.model = model
         self.source = source
+
+    def with_mesh(self, **values: Any) -> Case:
+        """The case with other values in its table mesh; InputError where they are wrong."""
+        tree = self.model.model_dump(exclude_none=True)
+        tree["mesh"] |= values
+        return Case(validated(CaseModel, tree, self.source), self.source)
 
     def to_toml(self) -> str:
         """The resolved case, every default written out, SI numbers: reads back to the same numbers."""
@@ -37,36 +51,55 @@ def load_case(path: str | Path) -> Case:
 
 def parse_case(content: bytes, source: str, folder: Path | None = None) -> Case:
     """Validate the bytes of a case file; ``folder`` is where relative names of profile tables are looked up."""
+    return Case(validated(CaseModel, parse_toml(content, source), source, folder), source)
+
+
+def parse_toml(content: bytes, source: str) -> dict[str, Any]:
+    """The tables in the bytes of a TOML file, not yet looked into."""
+    if len(content) > MOST_BYTES:
+        raise InputError(f"{source}: is larger than {MOST_BYTES >> 20} MiB; put a long profile into a table of its own")
+    if many := MANY_PARTS.search(content):
+        line = content.count(b"\n", 0, many.start()) + 1
+        raise InputError(f"{source}: line {line}: a key must not have more than {MOST_PARTS} parts")
     try:
-        tree = tomllib.loads(content.decode("utf-8-sig"))
+        return tomllib.loads(content.decode("utf-8-sig"))
     except UnicodeDecodeError as error:
         raise InputError(f"{source}: is not a text file (byte {error.start} is not UTF-8)") from None
-    except tomllib.TOMLDecodeError as error:
+    except RecursionError:
+        raise InputError(f"{source}: is not valid TOML: brackets are nested too deeply") from None
+    except ValueError as error:  # besides TOMLDecodeError that of a number with thousands of digits
         raise InputError(f"{source}: is not valid TOML: {str(error)[0].lower()}{str(error)[1:]}") from None
+
+
+def validated(kind: type[Root], tree: dict[str, Any], source: str, folder: Path | None = None) -> Root:
+    """The tables of a whole file as a model of ``kind``; InputError with a line per mistake, each led by ``source``."""
     try:
-        return Case(CaseModel.model_validate(tree, context={"folder": folder}), source)
+        return kind.model_validate(tree, context={"folder": folder})
     except ValidationError as error:
-        raise InputError([f"{source}: {line}" for line in _sentences(error, tree)]) from None
+        raise InputError([f"{source}: {line}" for line in _sentences(error, tree, kind.keys_at)]) from None
 
 
-def _sentences(error: ValidationError, tree: dict[str, Any]) -> list[str]:
+def _sentences(error: ValidationError, tree: dict[str, Any], keys_at: KeysAt) -> list[str]:
     """One sentence per mistake, sorted; a missing key that an unknown one is a misspelling of is not said twice."""
     items = error.errors()
     meant = {
-        (*item["loc"][:-1], close) for item in items if item["type"] == "extra_forbidden" for close in _close(item)
+        (*item["loc"][:-1], close)
+        for item in items
+        if item["type"] == "extra_forbidden"
+        for close in _close(item, keys_at)
     }
     kept = [item for item in items if not (item["type"] == "missing" and item["loc"] in meant)]
-    return sorted({_sentence(item, tree) for item in kept})
+    return sorted({_sentence(item, tree, keys_at) for item in kept})
 
 
-def _sentence(item: Any, tree: dict[str, Any]) -> str:
+def _sentence(item: Any, tree: dict[str, Any], keys_at: KeysAt) -> str:
     """One of pydantic's findings in our words: ``specimen.layers[1].E: must be > 0, got -3 Pa``."""
     where, value, context = _path(item["loc"], tree), item["input"], item.get("ctx", {})
     match item["type"]:
         case "missing":
             return f"{where}: is required"
         case "extra_forbidden":
-            return f"{where}: unknown key{_suggest(item)}"
+            return f"{where}: unknown key{_suggest(item, keys_at)}"
         case "literal_error":
             allowed = [str(word).strip("'") for word in context["expected"].replace(" or ", ", ").split(", ")]
             close = difflib.get_close_matches(str(value), allowed, 1, 0.5)
@@ -109,25 +142,27 @@ def _path(loc: tuple[Any, ...], tree: dict[str, Any]) -> str:
             here = here[part]
         elif part in SHAPES and isinstance(here, dict) and here.get("shape") == part:
             continue  # the tag of the shape, not a key
+        elif part.startswith("<"):
+            continue  # the tag of a material or law
         else:
             path += f".{part}" if path else str(part)
             here = here.get(part) if isinstance(here, dict) else None  # type: ignore[assignment]
     return path
 
 
-def _allowed(loc: tuple[Any, ...]) -> list[str]:
+def _allowed(loc: tuple[Any, ...], keys_at: KeysAt) -> list[str]:
     """The keys that the table around an unknown key at ``loc`` may have."""
-    return CaseModel.keys_at(tuple(part for part in loc[:-1] if not isinstance(part, int)))
+    return keys_at(tuple(part for part in loc[:-1] if not isinstance(part, int)))
 
 
-def _close(item: Any) -> list[str]:
+def _close(item: Any, keys_at: KeysAt) -> list[str]:
     """What the user may have meant by an unknown key: one key or none."""
-    return difflib.get_close_matches(str(item["loc"][-1]), _allowed(item["loc"]), 1, 0.5)
+    return difflib.get_close_matches(str(item["loc"][-1]), _allowed(item["loc"], keys_at), 1, 0.5)
 
 
-def _suggest(item: Any) -> str:
-    hint = "".join(f', did you mean "{close}"?' for close in _close(item))
-    return f"{hint} (allowed: {', '.join(_allowed(item['loc']))})"
+def _suggest(item: Any, keys_at: KeysAt) -> str:
+    hint = "".join(f', did you mean "{close}"?' for close in _close(item, keys_at))
+    return f"{hint} (allowed: {', '.join(_allowed(item['loc'], keys_at))})"
 
 
 def shown(value: Any) -> str:

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar, get_args
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict
 from pydantic_core import PydanticCustomError
 
 from .. import units
-from ..materials import Elastic
 
 
 def wrong(message: str) -> PydanticCustomError:
@@ -47,6 +46,8 @@ def quantity(
         given = value if isinstance(value, str) else f"{value} {units.SI[dimension]}".strip()
         if not math.isfinite(number):
             raise wrong(f"must be a finite number, got {given}")
+        if dimension != "number" and number != 0 and not 1 / units.MOST <= abs(number) <= units.MOST:
+            raise wrong(f"must lie within {1 / units.MOST:g} and {units.MOST:g} in SI units, got {given}")
         if not all(test(number, float(limit)) for _, limit, test in bounds if limit is not None):
             hint = (
                 '; a bare number is in rad, write "70 deg"'
@@ -81,11 +82,10 @@ class Table(BaseModel):
     """A table of the case file: strict types, no unknown keys, frozen."""
 
     model_config = ConfigDict(strict=True, extra="forbid", frozen=True, allow_inf_nan=False)
+    tag: ClassVar[str] = ""
 
-
-class MaterialTable(Table):
-    E: Modulus
-    nu: Poisson
-
-    def build(self) -> Elastic:
-        return Elastic(self.E, self.nu)
+    @classmethod
+    def tags(cls) -> tuple[str, ...]:
+        """What an error's path may call this table where several are possible: its ``tag``, or its shape."""
+        shape = cls.model_fields.get("shape")
+        return (cls.tag,) if shape is None else get_args(shape.annotation)

@@ -64,7 +64,7 @@ class PowerTable(IndenterTable):
 
     shape: Literal["power"]
     coefficient: quantity("number", above=0)
-    exponent: quantity("number", least=1)
+    exponent: quantity("number", least=1, most=20)
 
     def build(self) -> Indenter:
         return PowerLaw(self.coefficient, self.exponent, self.material)

@@ -8,15 +8,10 @@ from typing import Annotated, Any, Literal, Self, get_args
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from ..materials import Elastic
-from ..problem import HalfSpace, Layer, Loading, Problem, Quantity, Rigid, Specimen
-from .fields import Force, Length, MaterialTable, Table, Work, as_tuple, one_or_more, quantity, wrong
+from ..problem import HalfSpace, Loading, Problem, Quantity, Rigid, Specimen
+from .fields import Force, Length, Table, Work, as_tuple, one_or_more, quantity, wrong
 from .indenter import AnyIndenter
-
-
-class LayerTable(MaterialTable):
-    thickness: Length
-    name: str = ""
+from .materials import AnyHalfSpace, AnyLayer
 
 
 class SpecimenTable(Table):
@@ -25,9 +20,9 @@ class SpecimenTable(Table):
     ``radius`` and ``side`` (its support) make it a cylinder; left out: it is wide.
     """
 
-    layers: Annotated[tuple[LayerTable, ...], BeforeValidator(as_tuple)] = ()
+    layers: Annotated[tuple[AnyLayer, ...], BeforeValidator(as_tuple)] = ()
     base: Literal["bonded", "frictionless"] | None = None
-    half_space: MaterialTable | None = None
+    half_space: AnyHalfSpace | None = None
     radius: Length | None = None
     side: Literal["free", "roller", "clamped"] | None = None
 
@@ -46,9 +41,8 @@ class SpecimenTable(Table):
         return self
 
     def build(self) -> Specimen:
-        base = Rigid(self.base != "frictionless") if self.half_space is None else HalfSpace(self.half_space.build())
-        layers = tuple(Layer(Elastic(t.E, t.nu), t.thickness, t.name) for t in self.layers)
-        return Specimen(layers, base, self.radius, self.side)
+        base = Rigid(self.base != "frictionless") if self.half_space is None else HalfSpace(self.half_space.material)
+        return Specimen(tuple(table.build() for table in self.layers), base, self.radius, self.side)
 
 
 class LoadingTable(Table):
@@ -119,11 +113,15 @@ class MeshTable(Table):
     margin: quantity("number", above=1, below=10) = 1.1
     edge_correction: bool = True
     estimate_error: bool = True
+    tolerance: quantity("number", least=1e-6, most=0.1) | None = None
+    solver: Literal["auto", "superlu", "cholmod"] = "auto"
 
     @model_validator(mode="after")
     def _sizes(self) -> Self:
         if self.element_size is not None and self.layout == "scaled":
             raise wrong('element_size belongs to layout "zones"; the layout "scaled" takes spacing')
+        if self.tolerance is not None and (self.layout == "zones" or not self.estimate_error):
+            raise wrong('tolerance needs the layout "scaled" and estimate_error = true')
         return self
 
 
@@ -135,11 +133,31 @@ class LayeredTable(Table):
     tolerance: quantity("number", least=1e-12, most=1e-2) = 1e-8
 
 
-class CaseModel(Table):
+class HybridTable(Table):
+    tolerance: quantity("number", least=1e-8, most=1e-2) = 1e-5
+
+
+class RootTable(Table):
+    """A whole file."""
+
+    @classmethod
+    def keys_at(cls, path: tuple[str, ...]) -> list[str]:
+        """The keys allowed in the table at ``path`` (without list indices, with the tag of a shape or material)."""
+        tables: list[type[Table]] = [cls]
+        for part in path:
+            if part in tables[0].model_fields:
+                tables = list(_tables_in(tables[0].model_fields[part].annotation))
+            else:
+                tables = [table for table in tables if part in table.tags()]
+        keys = [key for table in tables for key in table.model_fields]
+        return [*keys, "file"] if path == ("indenter", "table") else list(dict.fromkeys(keys))
+
+
+class CaseModel(RootTable):
     """A whole case file. Physics: indenter, specimen, loading, adhesion; numerics: method, mesh, contact, layered."""
 
     title: str = ""
-    method: Literal["auto", "closed-form", "layered", "fem"] = "auto"
+    method: Literal["auto", "closed-form", "layered", "hybrid", "fem"] = "auto"
     indenter: AnyIndenter
     specimen: SpecimenTable
     loading: LoadingTable
@@ -147,18 +165,7 @@ class CaseModel(Table):
     mesh: MeshTable = MeshTable()
     contact: ContactTable = ContactTable()
     layered: LayeredTable = LayeredTable()
-
-    @classmethod
-    def keys_at(cls, path: tuple[str, ...]) -> list[str]:
-        """The keys allowed in the table at ``path`` (without list indices, with the tag of a shape)."""
-        tables: list[type[Table]] = [cls]
-        for part in path:
-            if part in tables[0].model_fields:
-                tables = list(_tables_in(tables[0].model_fields[part].annotation))
-            else:
-                tables = [table for table in tables if part in get_args(table.model_fields["shape"].annotation)]
-        keys = [key for table in tables for key in table.model_fields]
-        return [*keys, "file"] if path == ("indenter", "table") else list(dict.fromkeys(keys))
+    hybrid: HybridTable = HybridTable()
 
     def problem(self) -> Problem:
         """The physics of the case."""

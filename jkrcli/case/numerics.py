@@ -16,6 +16,8 @@ def method_of(model: CaseModel, name: str) -> Method:
     match name:
         case "layered":
             return method_class(name)(tolerance=model.layered.tolerance)
+        case "hybrid":
+            return method_class(name)(tolerance=model.hybrid.tolerance)
         case "fem":
             return fem_of(model)
     return method_class(name)()

@@ -12,26 +12,45 @@ from collections.abc import Sequence
 import click
 
 from .. import __version__
-from ..errors import InputError, JkrError
+from ..errors import InputError, JkrError, printable
+from .voice import level_options
 
 # One BLAS thread, set before numpy is first imported: the same numbers everywhere, and faster at these sizes.
 os.environ.update(dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "1"))
 
-VERBS = {
-    "run": "Solve a case file: nonadhesive load, displacement, contact radius to HDF5.",
-    "import": "Take over a series that another program computed.",
-    "transform": "Turn series files into adhesive (JKR) curves: CSV, JSON, plots.",
-    "pull-off": "Where contact is lost, by load, displacement or a spring; w from a measured pull-off.",
-    "cycle": "The approach-retract trace that a device of given stiffness records.",
-    "check": "Say which method a case needs, what it costs, what to expect; nothing is solved.",
-    "compare": "Compare two results of the same problem; exit 1 where they differ.",
-    "profile": "Contact pressure, surface shape and gap at one state.",
-    "show": "Print what a series file holds.",
-    "mesh": "Write and draw the finite-element mesh of a case.",
-    "new": "Write a commented case file to start from.",
-    "study": "Maps and studies over many bodies.",
-    "bench": "Time the stages of a run.",
+GROUPS = {
+    "A case": {
+        "new": "Write a commented case file to start from.",
+        "check": "Say which method a case needs, what it costs, what to expect; nothing is solved.",
+        "run": "Solve a case file: nonadhesive load, displacement, contact radius to HDF5.",
+        "import": "Take over a series that another program computed.",
+        "mesh": "Write and draw the finite-element mesh of a case.",
+    },
+    "An adhesive curve": {
+        "transform": "Turn series files into adhesive (JKR) curves: CSV, JSON, plots.",
+        "pull-off": "Where contact is lost, by load, displacement or a spring; w from a measured pull-off.",
+        "cycle": "The approach-retract trace that a device of given stiffness records.",
+        "profile": "Contact pressure, surface shape and gap at one state.",
+        "fields": "Displacement and stress in the body at one state, for ParaView; tractions on interfaces.",
+        "explore": "One page with sliders for w, modulus, machine and zero point, data overlaid.",
+    },
+    "A measurement": {
+        "fit": "E*, w and the zero points from measured curves, with confidence intervals.",
+        "work": "The work of adhesion along measured curves, over the speed of the contact's edge.",
+    },
+    "A study": {
+        "compare": "Compare two results of the same problem; exit 1 where they differ.",
+        "sweep": "Solve many cases from one file, to one table.",
+        "study": "Maps and studies over many bodies.",
+        "bench": "Time the stages of a run.",
+    },
+    "Help": {
+        "show": "Print what a series file holds.",
+        "doctor": "Say what of jkr works on this machine, and how to get the rest.",
+        "completion": "Print the completion script of a shell.",
+    },
 }
+VERBS = {verb: text for group in GROUPS.values() for verb, text in group.items()}
 
 
 class Verbs(click.Group):
@@ -44,7 +63,10 @@ class Verbs(click.Group):
         if name not in VERBS:
             return None
         attribute = name.replace("-", "_") + "_" * keyword.iskeyword(name)
-        return getattr(importlib.import_module(f"{__name__}.{attribute}"), attribute)
+        command: click.Command = getattr(importlib.import_module(f"{__name__}.{attribute}"), attribute)
+        if not any("--quiet" in parameter.opts for parameter in command.params):
+            command.params += level_options()
+        return command
 
     def resolve_command(
         self, ctx: click.Context, args: list[str]
@@ -56,8 +78,10 @@ class Verbs(click.Group):
         return super().resolve_command(ctx, args)
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        with formatter.section("Commands"):
-            formatter.write_dl(list(VERBS.items()))
+        width = max(map(len, VERBS))
+        for title, verbs in GROUPS.items():
+            with formatter.section(title):
+                formatter.write_dl([(verb.ljust(width), text) for verb, text in verbs.items()])
 
 
 @click.group(cls=Verbs, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
@@ -96,9 +120,13 @@ def call(arguments: Sequence[str] | None = None) -> int:
         return _fail([_one_line(error)], 2)
     except (KeyboardInterrupt, click.Abort):
         return _fail(["interrupted; nothing half-written was left"], 130)
+    except MemoryError:
+        return _fail(["out of memory: ask for fewer points, larger elements or a cheaper method"], 1)
     except BrokenPipeError:
         sys.stdout = open(os.devnull, "w")  # noqa: SIM115, PTH123 - lets the interpreter close quietly
         return 1
+    except OSError as error:
+        return _fail([f"{error.filename or 'output'}: {error.strerror or error}"], 1)
 
 
 def _one_line(error: click.ClickException) -> str:
@@ -110,5 +138,5 @@ def _one_line(error: click.ClickException) -> str:
 
 def _fail(lines: Sequence[str], code: int) -> int:
     for line in lines:
-        click.echo(f"jkr: error: {line}", err=True)
+        click.echo(f"jkr: error: {printable(line)}", err=True)
     return code

@@ -23,7 +23,7 @@ IMPORTS = "import time; t = time.process_time(); import {}; print(time.process_t
 @click.command()
 @click.argument("case", type=click.Path(path_type=Path))
 @click.option("--method", type=click.Choice(METHODS), help="Method, instead of the case's.")
-@click.option("--repeat", type=click.IntRange(1, 1000), default=5, show_default=True)
+@click.option("--repeat", type=click.IntRange(1, 1000), default=5, show_default=True, help="Runs.")
 @click.option("--json", "as_json", is_flag=True, help="Print as JSON.")
 def bench(case: Path, method: str | None, repeat: int, as_json: bool) -> None:
     """Time the stages of CASE in CPU seconds (one BLAS thread): minimum and median of several runs.

@@ -10,9 +10,10 @@ import click
 
 from .. import tables, validity
 from ..adhesion import CriticalPoint, Outside
-from ..case import load_case
+from ..case import CaseModel, load_case
 from ..case.numerics import method_of
 from ..choose import Option, choose, cost, survey
+from ..errors import Refusal
 from ..expectation import Expectation, expect
 from ..units import show
 from ..words import describe
@@ -24,7 +25,7 @@ from ..words import describe
 def check(case: Path, as_json: bool) -> None:
     """Validate CASE and say which method it needs and why, what each would cost, and what to expect.
 
-    The expectation is a coarse solution of the laterally unbounded body in milliseconds; nothing is written.
+    The expectation is a coarse solution of the laterally unbounded body; nothing is written.
 
     \b
     jkr check cases/thin-layer.toml
@@ -33,7 +34,7 @@ def check(case: Path, as_json: bool) -> None:
     problem = model.problem()
     options = survey(problem, lambda name: method_of(model, name))
     choice = choose(problem, model.method, lambda name: method_of(model, name))
-    expected = expect(problem, model.adhesion.w, model.adhesion.z0)
+    expected = _expected(model)
     if as_json:
         data = {"case": str(case), "problem": describe(problem), "method": choice.name, "reason": choice.reason}
         click.echo(tables.as_json(data | {"options": [asdict(o) for o in options]} | _as_dict(expected)).rstrip())
@@ -45,6 +46,14 @@ def check(case: Path, as_json: bool) -> None:
     _print(expected)
 
 
+def _expected(model: CaseModel) -> Expectation | str:
+    """What to expect, or why that is not known."""
+    try:
+        return expect(model.problem(), model.adhesion.w, model.adhesion.z0)
+    except Refusal as error:
+        return str(error)
+
+
 def _option(option: Option) -> str:
     if option.forecast is None:
         return f"cannot: {option.refusal}"
@@ -52,7 +61,9 @@ def _option(option: Option) -> str:
     return f"about {cost(option)}, {option.forecast.memory_mib:.0f} MiB{note}"
 
 
-def _as_dict(expected: Expectation) -> dict[str, Any]:
+def _as_dict(expected: Expectation | str) -> dict[str, Any]:
+    if isinstance(expected, str):
+        return {"expectation": expected}
     return {
         "a_m": expected.a,
         "delta_m": expected.delta,
@@ -64,7 +75,10 @@ def _as_dict(expected: Expectation) -> dict[str, Any]:
     }
 
 
-def _print(expected: Expectation) -> None:
+def _print(expected: Expectation | str) -> None:
+    if isinstance(expected, str):
+        click.echo(f"  reaches   unknown: {expected}")
+        return
     click.echo(
         f"  reaches   a = {show(expected.a, 'length')}, delta = {show(expected.delta, 'length')}, "
         f"P = {show(expected.P, 'load')}"

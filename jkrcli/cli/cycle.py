@@ -16,7 +16,7 @@ from ..stability import Cycle, Jump, control, trace, turning_radius
 from ..stability import cycle as run_cycle
 from ..store import Stored
 from ..units import show
-from .options import Length, Load, WorkOfAdhesion, slopes_option
+from .options import Length, Load, WorkOfAdhesion, modulus_factor_option, slopes_option
 from .pull_off import Stiffness
 
 ENDINGS = (".csv", ".png", ".svg")
@@ -31,6 +31,7 @@ ENDINGS = (".csv", ".png", ".svg")
 @click.option("--to-depth", type=Length(), help="Turn at this displacement delta.")
 @click.option("--points", type=click.IntRange(2, 100_000), default=200, show_default=True, help="Rows per branch.")
 @slopes_option
+@modulus_factor_option
 @click.option("-o", "--output", type=click.Path(path_type=Path, file_okay=False), help="Folder [default: the file's].")
 @click.option("--no-plots", is_flag=True, help="Write the CSV only.")
 @click.option("--force", is_flag=True, help="Replace existing files that jkr did not write.")
@@ -44,6 +45,7 @@ def cycle(
     to_depth: float | None,
     points: int,
     slopes: str,
+    modulus_factor: float,
     output: Path | None,
     no_plots: bool,
     force: bool,
@@ -67,7 +69,7 @@ def cycle(
     targets = {end: folder / f"{file.stem}-cycle{end}" for end in (ENDINGS[:1] if no_plots else ENDINGS)}
     for target in targets.values():
         check_target(target, force, [file])
-    inwards, outwards = (result.curve for result in analyse(stored, works, slopes))
+    inwards, outwards = (result.curve for result in analyse(stored, works, slopes, modulus_factor))
     turn = None
     if to_load is not None or to_depth is not None:
         turn = turning_radius(inwards, stiffness, load=to_load, depth=to_depth)

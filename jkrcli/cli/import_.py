@@ -23,27 +23,17 @@ from ..series import Solution
 from ..text_table import SEPARATORS
 from ..units import show
 from ..words import describe
-from .options import Length
+from .options import KeyValue, Length
 
 KEYS = tuple(DIMENSIONS)
 SOME_LOADING = b"\n[loading]\ndepth = 1.0\n"  # stands in where a case has none: the table says how far it went
 
 
-class KeyValue(click.ParamType):
-    """KEY=VALUE, the key being one of the columns."""
-
-    def __init__(self, what: str):
-        self.name = f"KEY={what}"
-        self.number = what == "NUMBER"
+class KeyNumber(KeyValue):
+    """KEY=NUMBER, the number finite and not 0."""
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[str, Any]:
-        if isinstance(value, tuple):
-            return value
-        key, mark, text = str(value).partition("=")
-        if not mark or key not in KEYS or not text:
-            self.fail(f'must be KEY=VALUE with a key of {", ".join(KEYS)}, got "{value}"', param, ctx)
-        if not self.number:
-            return key, text
+        key, text = super().convert(value, param, ctx)
         number = _number(text)
         if not (isinstance(number, float) and math.isfinite(number) and number != 0):
             self.fail(f'must be KEY=NUMBER, finite and not 0, got "{value}"', param, ctx)
@@ -62,9 +52,13 @@ class KeyValue(click.ParamType):
 @click.option("--nu", help="Its Poisson's ratio.")
 @click.option("--thickness", help="A layer of this thickness [default: a half-space].")
 @click.option("--base", help="Under the layer: bonded or frictionless [default: bonded].")
-@click.option("--column", "columns", multiple=True, type=KeyValue("NAME"), help="Column name or number, delta=U2.")
-@click.option("--unit", "units", multiple=True, type=KeyValue("UNIT"), help="Unit where the header has none, P=mN.")
-@click.option("--factor", "factors", multiple=True, type=KeyValue("NUMBER"), help="Factor of a column, P=180.")
+@click.option(
+    "--column", "columns", multiple=True, type=KeyValue("NAME", KEYS), help="Column name or number, delta=U2."
+)
+@click.option(
+    "--unit", "units", multiple=True, type=KeyValue("UNIT", KEYS), help="Unit where the header has none, P=mN."
+)
+@click.option("--factor", "factors", multiple=True, type=KeyNumber("NUMBER", KEYS), help="Factor of a column, P=180.")
 @click.option("--zero", type=Length(), default=0.0, help="Displacement at first touch, subtracted.")
 @click.option("--sign", type=click.Choice(["auto", "as-is"]), default="auto", show_default=True,
               help="auto: a displacement or load that is negative in compression is turned.")  # fmt: skip

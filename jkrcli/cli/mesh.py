@@ -21,7 +21,9 @@ MARKS = {".msh": f"$Comments\njkr {__version__}\n$EndComments\n", ".vtu": f"\n<!
 
 @click.command()
 @click.argument("case", type=click.Path(path_type=Path))
-@click.option("-o", "--output", type=click.Path(path_type=Path, file_okay=False), default=".", show_default=True)
+@click.option(
+    "-o", "--output", type=click.Path(path_type=Path, file_okay=False), default=".", show_default=True, help="Folder."
+)
 @click.option("--force", is_flag=True, help="Replace existing files that jkr did not write.")
 def mesh(case: Path, output: Path, force: bool) -> None:
     """Mesh CASE as method fem would and write <stem>-mesh.msh (gmsh), .vtu (ParaView) and .png.

@@ -14,7 +14,7 @@ TEMPLATE = """\
 # Lines that begin with "# " and a key are options with their defaults or alternatives.
 
 title = "My specimen"
-method = "auto"                 # auto (the least model that does it) | closed-form | layered | fem
+method = "auto"                 # auto (the least model that does it) | closed-form | layered | hybrid | fem
 
 [indenter]                      # rigid; add E and nu for an elastic one
 shape = "sphere"                # sphere | paraboloid | power | cone | flat | table
@@ -31,6 +31,9 @@ name = "layer"
 thickness = "10 um"
 E = "5 MPa"
 nu = 0.45
+# a modulus over depth: E = { law = "linear", top = "5 MPa", bottom = "1 MPa" } (linear | exponential), { law = "power",
+# top = ..., length = ..., exponent = n } (top (1 + z/length)^n), or { depth = [0, "2 um", "10 um"], E = [...] };
+# transversely isotropic, p in the plane, z along the depth: E_p, E_z, nu_p, nu_zp, G_z instead of E and nu
 
 # ... or on an elastic half-space (then without base; without layers it is the whole specimen):
 # [specimen.half_space]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import click
@@ -52,15 +53,56 @@ class Load(QuantityOption):
     dimension = "load"
 
 
+class Factor(QuantityOption):
+    """A plain number > 0."""
+
+    name = "FACTOR"
+    least = 0.0
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        found = super().convert(value, param, ctx)
+        if found == 0:
+            self.fail(f"must be > 0, got {value}", param, ctx)
+        return found
+
+
+modulus_factor_option = click.option(
+    "--modulus-factor",
+    type=Factor(),
+    default="1",
+    show_default=True,
+    help="All moduli this many times the case's; nothing is solved anew.",
+)
+
+
+class KeyValue(click.ParamType):
+    """KEY=TEXT with one of ``keys``; ``what`` names the text in help."""
+
+    def __init__(self, what: str, keys: Sequence[str]):
+        self.name = f"KEY={what}"
+        self.keys = keys
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[str, Any]:
+        if isinstance(value, tuple):
+            return value
+        key, mark, text = str(value).partition("=")
+        if not mark or key not in self.keys or not text:
+            self.fail(f'must be KEY=VALUE with a key of {", ".join(self.keys)}, got "{value}"', param, ctx)
+        return key, text
+
+
 class Scale(click.ParamType):
-    """KEY=VALUE with a key of a, delta, P: what that quantity is divided by."""
+    """KEY=VALUE with a key of ``keys`` among a, delta, P: a length or a load."""
 
     name = "KEY=VALUE"
+
+    def __init__(self, keys: Sequence[str] = ("a", "delta", "P")):
+        self.keys = keys
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[str, float]:
         if isinstance(value, tuple):
             return value
         key, mark, text = str(value).partition("=")
-        if not mark or key not in ("a", "delta", "P"):
-            self.fail(f'must be KEY=VALUE with a key of a, delta, P, got "{value}"', param, ctx)
+        if not mark or key not in self.keys:
+            self.fail(f'must be KEY=VALUE with a key of {", ".join(self.keys)}, got "{value}"', param, ctx)
         return key, (Load() if key == "P" else Length()).convert(text, param, ctx)

@@ -17,7 +17,7 @@ from ..stability_inverse import FoundWork, work_from_pull_off
 from ..states import DISPLACEMENT_CONTROL, LOAD_CONTROL, State
 from ..units import show
 from ..validity import check
-from .options import Load, QuantityOption, WorkOfAdhesion, slopes_option
+from .options import Load, QuantityOption, WorkOfAdhesion, modulus_factor_option, slopes_option
 
 SIZES = {"a/R": "a_over_R", "a/R at pull-off": "a_over_R_pull_off", "a/h": "a_over_h", "a/L": "a_over_L"}
 Answer = tuple[dict[str, Any], list[str]]  # for machines, for people
@@ -52,6 +52,7 @@ class Stiffness(QuantityOption):
 )
 @click.option("--load", "force", type=Load(), help='A measured pull-off force, "12 uN": which w does it mean?')
 @slopes_option
+@modulus_factor_option
 @click.option("--json", "as_json", is_flag=True, help="Print as JSON.")
 def pull_off(
     files: tuple[Path, ...],
@@ -59,6 +60,7 @@ def pull_off(
     stiffnesses: tuple[float, ...],
     force: float | None,
     slopes: str,
+    modulus_factor: float,
     as_json: bool,
 ) -> None:
     """Say where each series FILE's contact is lost: under load control, displacement control, devices of a stiffness.
@@ -82,7 +84,7 @@ def pull_off(
         wanted = wanted or specification(stored).w
         if not wanted:
             raise InputError(f"{stored.path}: its case names no work of adhesion: give --w")
-        analyses = analyse(stored, wanted, slopes)
+        analyses = analyse(stored, wanted, slopes, modulus_factor)
         if force is None:
             results += [_forward(result, stiffnesses or (LOAD_CONTROL, DISPLACEMENT_CONTROL)) for result in analyses]
         else:
@@ -103,6 +105,7 @@ def _forward(result: Analysis, stiffnesses: Sequence[float]) -> Answer:
     data = {
         "file": str(result.stored.path),
         "w_J_per_m2": result.w,
+        "modulus_factor": result.modulus_factor,
         "controls": [
             {"control": item.control, "stiffness_N_per_m": _finite(item.stiffness), **tables.control(item)}
             for item in found

@@ -11,28 +11,35 @@ import click
 
 from .. import store
 from ..case import Case, load_case
-from ..case.numerics import method_of
-from ..choose import Choice, choose
-from ..errors import JkrError
+from ..choose import Choice
 from ..files import check_target
-from ..methods import Method
+from ..methods import METHODS
 from ..problem import Problem
 from ..series import Solution
+from ..solving import solve
 from ..units import show
 from ..validity import check, end_of_body, judge
 from ..words import describe
-
-METHODS = ("auto", "closed-form", "layered", "fem")
+from .voice import detail, say, warn
 
 
 @click.command()
 @click.argument("case", type=click.Path(path_type=Path))
 @click.option("-o", "--output", type=click.Path(path_type=Path), help="Series file [default: <case>.h5 here].")
-@click.option("--method", type=click.Choice(METHODS), help="Method, instead of the case's.")
+@click.option("--method", type=click.Choice(["auto", *METHODS]), help="Method, instead of the case's.")
+@click.option("--tolerance", type=float, help="Of finite elements, instead of the case's mesh.tolerance, e.g. 1e-3.")
 @click.option("--force", is_flag=True, help="Replace an existing file that jkr did not write.")
 @click.option("--json", "as_json", is_flag=True, help="Print the summary as JSON.")
 @click.pass_context
-def run(ctx: click.Context, case: Path, output: Path | None, method: str | None, force: bool, as_json: bool) -> None:
+def run(
+    ctx: click.Context,
+    case: Path,
+    output: Path | None,
+    method: str | None,
+    tolerance: float | None,
+    force: bool,
+    as_json: bool,
+) -> None:
     """Solve the nonadhesive contact of CASE (TOML) and write load, displacement and contact radius to HDF5.
 
     The work of adhesion plays no part here: one run serves every w (see: jkr transform).
@@ -40,12 +47,17 @@ def run(ctx: click.Context, case: Path, output: Path | None, method: str | None,
     \b
     jkr run cases/halfspace.toml
     jkr run my.toml --method layered -o results/my.h5
+    jkr run my.toml --method fem --tolerance 1e-3
     """
     start = time.process_time()
     loaded = load_case(case)
+    if tolerance is not None:
+        loaded = loaded.with_mesh(tolerance=tolerance)
     target = output if output is not None else Path(f"{case.stem}.h5")
     check_target(target, force, [case])
     choice, solution = solve(loaded, method)
+    for stage, used in solution.timings.items():
+        detail(f"{stage}: {used:.3f} s CPU")
     problem = loaded.model.problem()
     store.write(target, solution, loaded.to_toml(), problem.key, shlex.join(ctx.find_root().obj))
     seconds = time.process_time() - start
@@ -55,25 +67,7 @@ def run(ctx: click.Context, case: Path, output: Path | None, method: str | None,
     else:
         _print(loaded, target, choice, solution, seconds)
     for warning in warnings:
-        click.echo(f"jkr: warning: {warning}", err=True)
-
-
-def solve(case: Case, method: str | None = None) -> tuple[Choice, Solution]:
-    """Solve a validated case by ``method`` (None: the case's own)."""
-
-    def build(name: str) -> Method:
-        return method_of(case.model, name)
-
-    problem = case.model.problem()
-    choice: Choice | None = choose(problem, method or case.model.method, build)
-    while True:
-        assert choice is not None
-        try:
-            return choice, choice.method(problem)
-        except JkrError as error:
-            choice = choice.after_failure(error, build)
-            if choice is None:
-                raise
+        warn(warning)
 
 
 def _geometry(problem: Problem, solution: Solution) -> list[str]:
@@ -88,6 +82,7 @@ def _geometry(problem: Problem, solution: Solution) -> list[str]:
         h=problem.specimen.top_thickness,
         L=end_of_body(problem, solution.facts),
         z0=None,
+        end_is_cut=problem.specimen.radius is None,
     )
     few = [f"only {len(series)} points: adhesive curves need at least 5"] if len(series) < 5 else []
     return [*check(judged), *few]
@@ -113,12 +108,12 @@ def _as_json(
 
 def _print(case: Case, target: Path, choice: Choice, solution: Solution, seconds: float) -> None:
     series = solution.series
-    click.echo(f"{describe(case.model.problem())}")
-    click.echo(f"  method    {choice.name}: {choice.reason}")
-    click.echo(
+    say(f"{describe(case.model.problem())}")
+    say(f"  method    {choice.name}: {choice.reason}")
+    say(
         f"  reached   a = {show(series.a[-1], 'length')}, delta = {show(series.delta[-1], 'length')}, "
         f"P = {show(series.P[-1], 'load')} in {len(series)} points"
     )
     total = solution.budget.total
-    click.echo(f"  error     {total if isinstance(total, str) else f'{total:.1e} relative (estimated)'}")
-    click.echo(f"  written   {target} ({seconds:.2f} s CPU)")
+    say(f"  error     {total if isinstance(total, str) else f'{total:.1e} relative (estimated)'}")
+    say(f"  written   {target} ({seconds:.2f} s CPU)")

@@ -10,6 +10,8 @@ STUDIES = {
     "pull-off-map": "The pull-off force on a layer, in pi w R, over w R^2/(E* h^3).",
     "converge": "The same case on a sequence of meshes.",
     "noise": "Error of the pull-off force and coverage of its band over noise in the data.",
+    "chart": "Speed against accuracy: every method and setting on one case.",
+    "failures": "Where each method is right, refuses, or errs.",
     "figures": "The figures of the paper, computed and drawn.",
 }
 

@@ -115,6 +115,7 @@ def as_dict(found: Convergence) -> dict[str, Any]:
         },
         "order": {WORDS[name]: found.order(name) for name in QUANTITIES},
         "errors": {WORDS[name]: found.errors(name) for name in QUANTITIES},
+        "time_exponent": found.time_exponent,
     }
 
 
@@ -159,6 +160,7 @@ def _print(found: Convergence) -> None:
             f"not extrapolated: {limit}" if isinstance(limit, str) else f"extrapolated {show(limit[1], dimension, 6)}"
         )
         click.echo(f"  {WORDS[name]:<15} {words}; {ends}")
+    click.echo(f"  {'CPU seconds':<15} grow like the number of unknowns to the power {found.time_exponent:.2f}")
     for level in found.levels:
         if isinstance(level.state.point, Outside):
             click.echo(

@@ -15,7 +15,8 @@ from ..files import check_target, make_folder, write_text
 from ..scaling import Scales, own_scales, scales_of
 from ..store import Stored
 from ..units import show
-from .options import Scale, WorkOfAdhesion
+from .options import Scale, WorkOfAdhesion, modulus_factor_option, slopes_option
+from .voice import say, warn
 
 ENDINGS = (".csv", ".json", ".png", ".svg")
 
@@ -23,9 +24,8 @@ ENDINGS = (".csv", ".json", ".png", ".svg")
 @click.command()
 @click.argument("files", nargs=-1, required=True, type=click.Path(path_type=Path))
 @click.option("--w", "works", multiple=True, type=WorkOfAdhesion(), help='J/m^2 or "35 mJ/m^2" [default: the case\'s].')
-@click.option(
-    "--slopes", type=click.Choice(["auto", "exact", "integral", "loocv", "gcv"]), default="auto", show_default=True
-)
+@slopes_option
+@modulus_factor_option
 @click.option("-o", "--output", type=click.Path(path_type=Path, file_okay=False), help="Folder [default: the file's].")
 @click.option("--dimensionless", type=click.Choice(["half-space", "thin-layer"]), help="Also in units of Eq. 15, 19.")
 @click.option("--scale", "own", multiple=True, type=Scale(), help='Own units: a="1 um", delta=..., P=..., all three.')
@@ -36,6 +36,7 @@ def transform(
     files: tuple[Path, ...],
     works: tuple[float, ...],
     slopes: str,
+    modulus_factor: float,
     output: Path | None,
     dimensionless: str | None,
     own: tuple[tuple[str, float], ...],
@@ -45,7 +46,7 @@ def transform(
 ) -> None:
     """Apply the explicit JKR transformation (Eq. 13) to each FILE for each work of adhesion.
 
-    Writes <stem>-w<J/m^2>.csv, .json, .png and .svg.
+    Writes <stem>-w<J/m^2>.csv, .json, .png and .svg; <stem>-w<J/m^2>-modulus<factor> with --modulus-factor.
 
     \b
     jkr transform data.h5 --w 50
@@ -54,7 +55,7 @@ def transform(
     if own and dimensionless:
         raise InputError("transform: give either --dimensionless or --scale, got both")
     users = own_scales(dict(own)) if own else None
-    jobs = [_Job.of(path, works, output) for path in files]
+    jobs = [_Job.of(path, works, output, modulus_factor) for path in files]
     _refuse_equal_targets([target for job in jobs for target in job.targets])
     endings = ENDINGS[:2] if no_plots else ENDINGS
     for job in jobs:
@@ -65,7 +66,7 @@ def transform(
                 check_target(target.with_name(target.name + ending), force, files)
     summaries = []
     for job in jobs:
-        results = analyse(job.stored, job.works, slopes)
+        results = analyse(job.stored, job.works, slopes, modulus_factor)
         for result, target in zip(results, job.targets, strict=True):
             scales = scales_of(result, dimensionless) if dimensionless else users
             summaries.append(_write(result, target, scales, not no_plots))
@@ -78,18 +79,19 @@ def transform(
 class _Job:
     """One input file: what it holds, for which works of adhesion, and the names (without ending) of what is written."""
 
-    def __init__(self, stored: Stored, works: tuple[float, ...], folder: Path):
+    def __init__(self, stored: Stored, works: tuple[float, ...], folder: Path, modulus_factor: float):
         self.stored = stored
         self.works = works
-        self.targets = [folder / f"{stored.path.stem}-w{w:g}" for w in works]
+        ending = "" if modulus_factor == 1 else f"-modulus{modulus_factor:g}"
+        self.targets = [folder / f"{stored.path.stem}-w{w:g}{ending}" for w in works]
 
     @classmethod
-    def of(cls, path: Path, works: tuple[float, ...], output: Path | None) -> _Job:
+    def of(cls, path: Path, works: tuple[float, ...], output: Path | None, modulus_factor: float) -> _Job:
         stored = store.read(path)
         wanted = works or specification(stored).w
         if not wanted:
             raise InputError(f"{path}: its case names no work of adhesion: give --w")
-        return cls(stored, wanted, output if output is not None else path.parent)
+        return cls(stored, wanted, output if output is not None else path.parent, modulus_factor)
 
 
 def _refuse_equal_targets(targets: list[Path]) -> None:
@@ -123,31 +125,31 @@ def _write(result: Analysis, target: Path, scales: Scales | None, with_plots: bo
 def _print(job: _Job, results: list[Analysis], endings: tuple[str, ...]) -> None:
     slopes = results[0].curve.slopes
     kept = len(results[0].curve.series)
-    click.echo(
+    say(
         f"{job.stored.path}: {kept} points kept, {results[0].dropped} dropped; slopes {slopes.method} ({slopes.reason})"
     )
     for result, target in zip(results, job.targets, strict=True):
-        click.echo(f"  w = {show(result.w, 'work')}")
+        say(f"  w = {show(result.w, 'work')}")
         for name, point in result.pull_off.items():
             if isinstance(point, CriticalPoint):
-                click.echo(
+                say(
                     f"    pull-off, {name + ' control:':<22} P = {show(point.P, 'load'):<12} "
                     f"delta = {show(point.delta, 'length'):<12} a = {show(point.a, 'length')}"
                 )
             elif result.w > 0:
-                click.echo(f"    pull-off, {name + ' control:':<22} not in the series (see the warning)")
+                say(f"    pull-off, {name + ' control:':<22} not in the series (see the warning)")
         tabor = result.validity.tabor
         if isinstance(tabor, float):
-            click.echo(f"    Tabor number {tabor:.3g}: {result.validity.regime}")
+            say(f"    Tabor number {tabor:.3g}: {result.validity.regime}")
         _print_comparison(result)
         budget = result.budget
-        click.echo(
+        say(
             f"    estimated error: {_estimate(budget.total)} "
             f"(series {_estimate(budget.series)}, slopes {_estimate(budget.smoothing)})"
         )
-        click.echo(f"    written {target}{{{','.join(endings)}}}")
+        say(f"    written {target}{{{','.join(endings)}}}")
     for warning in dict.fromkeys(text for result in results for text in result.warnings):
-        click.echo(f"jkr: warning: {job.stored.path}: {warning}", err=True)
+        warn(f"{job.stored.path}: {warning}")
 
 
 def _print_comparison(result: Analysis) -> None:
@@ -159,9 +161,9 @@ def _print_comparison(result: Analysis) -> None:
         parts.append(f"pull-off force {found.pull_off:+.2e}")
     if found.curve is not None:
         parts.append(f"curve within {found.curve:.2e} pull-off units")
-    click.echo(f"    against the closed form of the same indenter: {', '.join(parts)}")
+    say(f"    against the closed form of the same indenter: {', '.join(parts)}")
     if found.parabola is not None:
-        click.echo(
+        say(
             f"    the sphere's own pull-off is {found.parabola:.2%} smaller than the paraboloid's -1.5 pi w R of Eq. 18"
             " (physics, not error)"
         )

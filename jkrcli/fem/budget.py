@@ -1,47 +1,52 @@
-"""Error estimates of a finite-element series: a second mesh with doubled sizes, and what the cut costs."""
+"""Error estimates of a finite-element series: a second mesh with larger elements, and what the cut costs."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..clock import StageClock
-from ..problem import Problem
 from ..series import ErrorBudget, Estimate
-from .contact import Events, SurfaceContact, nested_events
-from .edge import radius_factors
-from .ending import power_interpolated
-from .model import Model, Recipe
+from .contact import Events, SurfaceContact
+from .ending import Columns, power_interpolated
+from .level import Level
+from .model import Model
 
 Array = np.ndarray
 JUDGED_DEPTH = 0.01  # of the largest: below it few nodes are in contact, and the budget leaves the rows out
 SAFETY = 1.5  # on what doubling the sizes changes: half of it for loads (at least first order), all of it for radii
 ROUND_OFF = 1e-12  # radii come from a search
+TOO_FEW = "fewer than four vertices in contact"
 
 
 @dataclass(frozen=True, eq=False)
 class Assessment:
     """The error budget over the judged part of a series, from the depth ``judged_from`` [m] on, and the relative
-    errors of ``P`` (at equal depth) and ``a`` row by row, larger where few nodes are in contact; None: unknown."""
+    ``errors`` row by row of P (at equal depth), a, S and dS where known, larger where few nodes are in contact."""
 
     budget: ErrorBudget
     judged_from: float | None = None
-    P: Array | None = None
-    a: Array | None = None
+    errors: Mapping[str, Array] = field(default_factory=dict)
 
 
-def estimate(model: Model, problem: Problem, events: Events, a: Array, delta: Array, P: Array) -> Assessment:
-    """Relative errors of the series ``a``, ``delta``, ``P`` with edge-corrected or plain radii: of P at equal
-    depth (discretisation, truncation) and of a (radius). ``events``: the model's own, their radii as in the series."""
-    corrected = not np.isin(events.a, model.surface.radii).all()
-    coarse = model.recipe.coarser(2.0).build(StageClock())
-    contact = coarse.contact(problem.indenter)
+def estimate(
+    fine: Level, coarse: Level, ratio: float, columns: Columns, by_increments: bool, truncation: Estimate
+) -> Assessment:
+    """Relative errors of the ``columns`` a, delta, P found on the level ``fine``: of P at equal depth (discretisation)
+    and of a (radius). The elements of ``coarse`` are ``ratio`` times as large; ``by_increments``: the columns are
+    those of increments, not of touches; ``truncation``: as found by ``truncation_of``."""
+    a, delta, P = columns
+    if coarse.touches.a.size < 4 or fine.touches.a.size < 4:
+        return Assessment(ErrorBudget(TOO_FEW, truncation, TOO_FEW))
     judged = delta >= JUDGED_DEPTH * delta[-1]
-    change = SAFETY / 2 * np.abs(load_at(contact, delta) / P - 1)
-    load = _envelope(_at_least_decaying(change, a - problem.indenter.a0), delta)
-    radius = _radius(_coarse_events(coarse, contact, problem, corrected), events, a, delta)
-    truncation = _truncation(model, coarse.recipe, problem, events, contact, float(delta[-1]))
+    caution = SAFETY / (ratio - 1)
+    there = load_at(coarse.contact, delta)
+    if not by_increments:
+        there = np.where(delta < coarse.touches.delta[0], there, _between_touches(coarse.touches, delta))
+    change = caution / 2 * np.abs(there / P - 1)
+    load = _envelope(_at_least_decaying(change, a - fine.indenter.a0), delta)
+    radius = _radius(coarse.events, fine.events, a, delta, caution)
     budget = ErrorBudget(
         discretisation=float(load[judged].max()),
         truncation=truncation,
@@ -50,7 +55,8 @@ def estimate(model: Model, problem: Problem, events: Events, a: Array, delta: Ar
     judged_from = float(delta[judged][0])
     if isinstance(radius, str) or isinstance(truncation, str):
         return Assessment(budget, judged_from)
-    return Assessment(budget, judged_from, load + truncation, radius)
+    errors = {"P": load + truncation, "a": radius} | _slopes(fine, coarse, columns, caution)
+    return Assessment(budget, judged_from, errors)
 
 
 def _at_least_decaying(errors: Array, width: Array) -> Array:
@@ -66,32 +72,28 @@ def _envelope(errors: Array, delta: Array) -> Array:
     return np.maximum(np.maximum.accumulate(errors[::-1])[::-1], deepest)
 
 
+def _between_touches(touches: Events, delta: Array) -> Array:
+    """P [N] at depths ``delta`` [m] as a series of the touches has it between its points."""
+    return power_interpolated(touches.delta, touches.P, delta)
+
+
 def load_at(contact: SurfaceContact, delta: Array) -> Array:
     """P [N] at depths ``delta`` [m] of a disc that grows node by node: linear between the nodes' touches."""
     k = np.clip(np.searchsorted(np.maximum.accumulate(contact.delta), delta, side="right") - 1, 0, contact.f.size - 1)
     return contact.S[k] * delta - contact.T[k]
 
 
-def _coarse_events(coarse: Model, contact: SurfaceContact, problem: Problem, corrected: bool) -> Events:
-    events = nested_events(contact, problem.indenter.a0, "radius", np.inf)
-    if not corrected:
-        return events
-    return replace(events, a=events.a * radius_factors(coarse, problem.indenter))
-
-
-def _radius(coarse: Events, events: Events, a: Array, delta: Array) -> Array | str:
-    """What doubling the sizes changes at equal depth (a vertex radius is off by a fraction of the spacing), plus where
+def _radius(coarse: Events, events: Events, a: Array, delta: Array, caution: float) -> Array | str:
+    """What larger elements change at equal depth (a vertex radius is off by a fraction of the spacing), plus where
     the series' radii differ from the events' (increments). Below the meshes' first events, where the spacing is
     uniform, the change grows like the inverse radius."""
-    if coarse.a.size < 4 or events.a.size < 4:
-        return "fewer than four vertices in contact"
     first, last = max(coarse.delta[0], events.delta[0]), min(coarse.delta[-1], events.delta[-1])
     if first >= last or delta[-1] < first:
         return "no radius common to the mesh and its coarser companion"
     fine = _radius_at(events, delta)
     samples = np.unique(np.clip(np.concatenate([delta, coarse.delta, events.delta]), first, last))
     changes = np.abs(_radius_at(coarse, samples) / _radius_at(events, samples) - 1)
-    changes = _envelope(np.maximum(SAFETY * changes, ROUND_OFF), samples)
+    changes = _envelope(np.maximum(caution * changes, ROUND_OFF), samples)
     change = np.interp(delta, samples, changes) * np.maximum(_radius_at(events, np.array([first])) / fine, 1.0)
     return _envelope(change + np.abs(a / fine - 1), delta)
 
@@ -101,11 +103,20 @@ def _radius_at(events: Events, delta: Array) -> Array:
     return power_interpolated(events.delta, events.a, delta)
 
 
-def _truncation(
-    model: Model, coarse: Recipe, problem: Problem, events: Events, contact: SurfaceContact, deepest: float
-) -> Estimate:
-    """Half-spaces: Betti's theorem, to first order in contact radius over size, which a completed body contains.
-    Stacks on a rigid base: a free against a roller side, on the coarse mesh."""
+def _slopes(fine: Level, coarse: Level, columns: Columns, caution: float) -> dict[str, Array]:
+    """Of S and dS at equal radius: what larger elements change; empty where either level has none."""
+    a, delta, _ = columns
+    ours, theirs = fine.slopes(a), coarse.slopes(a)
+    if ours is None or theirs is None:
+        return {}
+    changes = (caution / 2 * np.abs(other / own - 1) for own, other in zip(ours, theirs, strict=True))
+    return {name: _envelope(change, delta) for name, change in zip(("S", "dS"), changes, strict=True)}
+
+
+def truncation_of(model: Model, coarse: Model, contact: SurfaceContact, events: Events, deepest: float) -> Estimate:
+    """Relative error of P at the depth ``deepest`` [m]. Half-spaces: Betti's theorem, to first order in contact radius
+    over size, which a completed body contains. Stacks on a rigid base: a free against a roller side, on the coarse
+    mesh with its ``contact``."""
     body = model.body
     if body.cut_below:
         last = min(int(np.searchsorted(events.delta, deepest * (1 - 1e-9))), events.S.size - 1)
@@ -113,7 +124,6 @@ def _truncation(
         return lacking**2 if body.completed else lacking
     if not body.cut_beside:
         return 0.0
-    other = replace(coarse, side="roller").build(StageClock()).contact(problem.indenter)
+    other = SurfaceContact(coarse.with_roller().surface, contact.f)
     depth = np.array([deepest])
-    free = load_at(contact, depth)[0]
-    return float(abs(load_at(other, depth)[0] / free - 1))
+    return float(abs(load_at(other, depth)[0] / load_at(contact, depth)[0] - 1))

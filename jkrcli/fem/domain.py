@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..errors import Refusal
-from ..materials import Elastic
+from ..materials import Elastic, Material, TransverselyIsotropic
 from ..problem import HalfSpace, Problem, Rigid, Side, Specimen
 
 FAR = 500.0  # size of the cut-out of a half-space, in lengths over which its field changes
@@ -24,7 +24,7 @@ class Body:
     """
 
     thicknesses: tuple[float, ...]
-    materials: tuple[Elastic, ...]
+    materials: tuple[Material, ...]
     width: float
     bonded: bool
     side: Side
@@ -87,8 +87,10 @@ def cut_out(problem: Problem, reach: float, depth: float | None, width: float | 
 
 
 def half_space_like(body: Body, size: float) -> Body:
-    """A homogeneous half-space of the uppermost material, cut at depth and width ``size`` [m]."""
-    return Body((size,), body.materials[:1], size, True, "free", True, True, completed=True)
+    """A homogeneous half-space of the uppermost material at the surface, cut at depth and width ``size`` [m]."""
+    top = body.materials[0]
+    material = top if isinstance(top, TransverselyIsotropic) else top.surface
+    return Body((size,), (material,), size, True, "free", True, True, completed=True)
 
 
 def _width(specimen: Specimen, reach: float, width: float | None, automatic: float) -> float:
@@ -105,10 +107,11 @@ def _width(specimen: Specimen, reach: float, width: float | None, automatic: flo
 
 def _decay_length(specimen: Specimen, reach: float) -> float:
     """Length over which the field changes far from the contact: layers' thickness, longer under a stiff plate."""
-    moduli = [layer.material.E for layer in specimen.layers]
+    moduli = [modulus for layer in specimen.layers for modulus in layer.moduli]
     total = sum(layer.thickness for layer in specimen.layers)
     if isinstance(specimen.base, HalfSpace):
-        contrast = max([*moduli, specimen.base.material.E]) / specimen.base.material.E
+        E = specimen.base.material.surface.E
+        contrast = max([*moduli, E]) / E
         return max(reach, total * contrast ** (1 / 3))
     return total * (max(moduli) / min(moduli)) ** (1 / 4)
 

@@ -1,8 +1,10 @@
 """Axisymmetric linear elasticity on a grid (the door to scikit-fem).
 
 With one scalar basis for both components, u = (u_r, u_z), strains rr: du_r/dr, tt: u_r/r, zz: du_z/dz,
-rz: du_r/dz + du_z/dr, the stiffness has three blocks, each a scalar form with the weight 2 pi r. Layers that are
-nearly or exactly incompressible carry a pressure p = -lambda div u of their own (Taylor and Hood 1973).
+rz: du_r/dz + du_z/dr, the stiffness has three blocks, each a scalar form with the weight 2 pi r, for the five constants
+C11, C12, C13, C33, C44 of a transversely isotropic material; an isotropic one is the case C33 = C11 = lambda + 2 G,
+C13 = C12 = lambda, C44 = G. Graded moduli are taken at the quadrature points. Layers that are nearly or exactly
+incompressible carry a pressure p = -lambda div u of their own (Taylor and Hood 1973).
 """
 
 from __future__ import annotations
@@ -27,7 +29,7 @@ from skfem import (
 )
 
 from ..errors import Refusal
-from ..materials import Elastic
+from ..materials import Elastic, Graded, Material, TransverselyIsotropic
 from .grid import Grid
 
 Array = np.ndarray
@@ -38,30 +40,30 @@ ELEMENTS = {
     ("quadrilateral", 1): ElementQuad1,
     ("quadrilateral", 2): ElementQuad2,
 }
+GRADED_DEGREE = 2  # what the moduli of a graded layer add to the degree of the integrands
 PRESSURE = {"triangle": ElementTriP1, "quadrilateral": ElementQuad1}
 
 
 @BilinearForm
 def stiffness_rr(u: Any, v: Any, w: Any) -> Array:
-    """Energy of u_r with v_r: lambda div u div v + 2 mu (rr and hoop) + mu shear."""
-    r, lam, mu = w.x[0], w["lam"], w["mu"]
-    div_u, div_v = u.grad[0] + u / r, v.grad[0] + v / r
-    normal = u.grad[0] * v.grad[0] + u * v / r**2
-    return (lam * div_u * div_v + mu * (2 * normal + u.grad[1] * v.grad[1])) * 2 * np.pi * r
+    """Energy of u_r with v_r: C11 (rr rr + tt tt) + C12 (rr tt + tt rr) + C44 rz rz."""
+    r = w.x[0]
+    same = u.grad[0] * v.grad[0] + u * v / r**2
+    cross = (u.grad[0] * v + u * v.grad[0]) / r
+    return (w["C11"] * same + w["C12"] * cross + w["C44"] * u.grad[1] * v.grad[1]) * 2 * np.pi * r
 
 
 @BilinearForm
 def stiffness_rz(u: Any, v: Any, w: Any) -> Array:
-    """Energy of trial u_z with test v_r: lambda du_z/dz div v + mu du_z/dr dv_r/dz."""
-    r, lam, mu = w.x[0], w["lam"], w["mu"]
-    return (lam * u.grad[1] * (v.grad[0] + v / r) + mu * u.grad[0] * v.grad[1]) * 2 * np.pi * r
+    """Energy of trial u_z with test v_r: C13 zz (rr + tt) + C44 rz rz."""
+    r = w.x[0]
+    return (w["C13"] * u.grad[1] * (v.grad[0] + v / r) + w["C44"] * u.grad[0] * v.grad[1]) * 2 * np.pi * r
 
 
 @BilinearForm
 def stiffness_zz(u: Any, v: Any, w: Any) -> Array:
-    """Energy of u_z with v_z: (lambda + 2 mu) zz + mu shear."""
-    r, lam, mu = w.x[0], w["lam"], w["mu"]
-    return ((lam + 2 * mu) * u.grad[1] * v.grad[1] + mu * u.grad[0] * v.grad[0]) * 2 * np.pi * r
+    """Energy of u_z with v_z: C33 zz zz + C44 rz rz."""
+    return (w["C33"] * u.grad[1] * v.grad[1] + w["C44"] * u.grad[0] * v.grad[0]) * 2 * np.pi * w.x[0]
 
 
 @BilinearForm
@@ -78,7 +80,8 @@ def pressure_z(u: Any, q: Any, w: Any) -> Array:
 
 @BilinearForm
 def pressure_mass(p: Any, q: Any, w: Any) -> Array:
-    return p * q * 2 * np.pi * w.x[0]
+    """p q/lambda."""
+    return w["compressibility"] * p * q * 2 * np.pi * w.x[0]
 
 
 @LinearForm
@@ -153,7 +156,7 @@ class ElasticSystem:
 
 def assemble(
     grid: Grid,
-    materials: Sequence[Elastic],
+    materials: Sequence[Material],
     order: int,
     *,
     bonded: bool = True,
@@ -164,8 +167,8 @@ def assemble(
 
     The base is held (``bonded``) or slides (normal displacement held); the axis holds u_r.
     """
-    basis = _basis(grid, order)
-    K, pressure_nodes = _stiffness(basis, grid, materials, tuple(mixed), order)
+    basis = _basis(grid, order, 2 * order + (GRADED_DEGREE if any(isinstance(m, Graded) for m in materials) else 0))
+    K, pressure_nodes = _stiffness(basis, grid, materials, tuple(mixed))
     N = basis.N
     held = _held(basis, bonded, side)
     surface = basis.get_dofs("surface").all()
@@ -186,8 +189,8 @@ def assemble(
     )
 
 
-def _basis(grid: Grid, order: int) -> Basis:
-    """Scalar basis on the grid with its boundaries named."""
+def _basis(grid: Grid, order: int, degree: int) -> Basis:
+    """Scalar basis on the grid with its boundaries named; quadrature exact for polynomials of ``degree``."""
     kind = MeshTri if grid.element == "triangle" else MeshQuad
     mesh = kind(np.ascontiguousarray(grid.points.T), np.ascontiguousarray(grid.cells.T))
     n = len(grid.points)
@@ -199,41 +202,75 @@ def _basis(grid: Grid, order: int) -> Basis:
         return by_code[np.searchsorted(codes, wanted, sorter=by_code)]
 
     mesh = mesh.with_boundaries({name: numbers(pairs) for name, pairs in grid.boundaries.items()})
-    return Basis(mesh, ELEMENTS[grid.element, order](), intorder=2 * order)
+    return Basis(mesh, ELEMENTS[grid.element, order](), intorder=degree)
 
 
 def _stiffness(
-    basis: Basis, grid: Grid, materials: Sequence[Elastic], mixed: tuple[int, ...], order: int
+    basis: Basis, grid: Grid, materials: Sequence[Material], mixed: tuple[int, ...]
 ) -> tuple[csr_matrix, Array]:
     """All blocks, and the nodes that the pressure unknowns sit on."""
-    soft = [0.0 if i in mixed else material.lame for i, material in enumerate(materials)]
-    if not np.isfinite(soft).all():
-        raise Refusal("nu: 0.5 needs the mixed form (second-order elements), got the displacement form")
-    lam = np.array(soft)[grid.materials][:, None]
-    mu = np.array([material.G for material in materials])[grid.materials][:, None]
-    rr, rz, zz = (form.assemble(basis, lam=lam, mu=mu) for form in (stiffness_rr, stiffness_rz, stiffness_zz))
+    C = dict(zip(("C11", "C12", "C13", "C33", "C44"), _constants(basis, grid, materials, mixed), strict=True))
+    rr, rz, zz = (form.assemble(basis, **C) for form in (stiffness_rr, stiffness_rz, stiffness_zz))
     blocks = [[rr, rz], [rz.T, zz]]
     nodes: list[Array] = []
     for layer in mixed:
-        B_r, B_z, M, at = _pressure_blocks(basis, grid, layer, order)
-        inverse_lame = 1 / materials[layer].lame  # zero at nu = 1/2
+        material = materials[layer]
+        assert not isinstance(material, TransverselyIsotropic)  # always compressible
+        B_r, B_z, M, at = _pressure_blocks(basis, grid, layer, material)
         blocks[0].append(B_r.T)
         blocks[1].append(B_z.T)
-        blocks.append([B_r, B_z, *([None] * len(nodes)), -inverse_lame * M])
+        blocks.append([B_r, B_z, *([None] * len(nodes)), -M])
         nodes.append(at)
     size = len(blocks)
     square = [row + [None] * (size - len(row)) for row in blocks]
     return bmat(square, format="csr"), np.concatenate([np.zeros(0, dtype=int), *nodes])
 
 
-def _pressure_blocks(basis: Basis, grid: Grid, layer: int, order: int) -> tuple[Any, Any, Any, Array]:
-    """Divergence blocks, mass and nodes of a linear pressure in one layer only: it may jump at interfaces."""
+def _constants(basis: Basis, grid: Grid, materials: Sequence[Material], mixed: tuple[int, ...]) -> Array:
+    """C11, C12, C13, C33, C44 [Pa] at the quadrature points of every cell, or one value per cell if none is graded;
+    of a mixed layer the part without lambda."""
+    points = basis.X.shape[1] if any(isinstance(material, Graded) for material in materials) else 1
+    C = np.empty((5, len(grid.cells), points))
+    for i, material in enumerate(materials):
+        inside = np.flatnonzero(grid.materials == i)
+        if isinstance(material, TransverselyIsotropic):
+            C[:, inside] = np.array(material.stiffness)[:, None, None]
+            continue
+        unit = isotropic_constants(material.nu, i in mixed)
+        C[:, inside] = unit[:, None, None] * _moduli(basis, grid, i, material)
+    return C
+
+
+def isotropic_constants(nu: float, mixed: bool) -> Array:
+    """C11, C12, C13, C33, C44 of an isotropic material over its Young's modulus; ``mixed``: the part without lambda."""
+    material = Elastic(1.0, nu)
+    lame, G = 0.0 if mixed else material.lame, material.G
+    if np.isinf(lame):
+        raise Refusal("nu: 0.5 needs the mixed form (second-order elements), got the displacement form")
+    return np.array([lame + 2 * G, lame, lame, lame + 2 * G, G])
+
+
+def _moduli(basis: Basis, grid: Grid, layer: int, material: Elastic | Graded) -> Array:
+    """Young's modulus [Pa] in the cells of a layer, at quadrature points (cells, points), or (1, 1) throughout."""
+    if isinstance(material, Elastic):
+        return np.full((1, 1), material.E)
     inside = np.flatnonzero(grid.materials == layer)
-    displacement = Basis(basis.mesh, basis.elem, elements=inside, intorder=2 * order)
-    linear = Basis(basis.mesh, PRESSURE[grid.element](), elements=inside, intorder=2 * order)
+    top = grid.points[grid.cells[inside], 1].max()
+    z = basis.mapping.F(basis.X, tind=inside)[1]
+    return material.at(np.maximum(top - z, 0.0))
+
+
+def _pressure_blocks(basis: Basis, grid: Grid, layer: int, material: Elastic | Graded) -> tuple[Any, Any, Any, Array]:
+    """Divergence blocks, compressibility and nodes of a linear pressure in one layer: it may jump at interfaces."""
+    inside = np.flatnonzero(grid.materials == layer)
+    displacement, linear = (
+        Basis(basis.mesh, element, elements=inside, quadrature=(basis.X, basis.W))
+        for element in (basis.elem, PRESSURE[grid.element]())
+    )
     used = np.unique(linear.element_dofs)
     B_r, B_z = (form.assemble(displacement, linear)[used] for form in (pressure_r, pressure_z))
-    M = pressure_mass.assemble(linear)[used][:, used]
+    compressibility = 1 / (Elastic(1.0, material.nu).lame * _moduli(basis, grid, layer, material))  # zero at nu = 1/2
+    M = pressure_mass.assemble(linear, compressibility=compressibility)[used][:, used]
     return B_r, B_z, M, basis.nodal_dofs[0][used]
 
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from ..errors import InputError, SolveError
 from .grid import Grid, make_grid
+from .strip import Strip
 
 Array = np.ndarray
 SYSTEM_PACKAGES = "libgl1 libglu1-mesa libxcursor1 libxft2 libxinerama1 libgomp1"
@@ -59,31 +60,46 @@ def _gmsh() -> Iterator[ModuleType]:
         gmsh.finalize()
 
 
-def triangles(surface: Array, depth: float, interfaces: Array, size: str) -> Grid:
+def triangles(surface: Array, depth: float, interfaces: Array, size: str, strip: Strip | None = None) -> Grid:
     """Free triangles of the rectangle below ``surface``, the radii of the surface's vertices (0 to the body's width).
 
-    ``interfaces``: depths of the lines that no triangle crosses; ``size``: the size law as a formula in x = r, y = z.
+    ``interfaces``: depths of the lines that no triangle crosses; ``size``: the size law as a formula in x = r, y = z;
+    ``strip``: triangles below the first surface vertices, taken as they are.
     Lengths should be of order one where the mesh is fine: gmsh has absolute tolerances.
     """
+    top = np.column_stack([surface, np.zeros_like(surface)])
+    if strip is not None:
+        top = np.concatenate([strip.outline(surface[-1]), top[strip.width :]])
     with _gmsh() as gmsh:
-        _rectangle(gmsh, surface, [*interfaces, depth])
+        _rectangle(gmsh, top, [*interfaces, depth])
         field = gmsh.model.mesh.field.add("MathEval")
         gmsh.model.mesh.field.setString(field, "F", size)
         gmsh.model.mesh.field.setAsBackgroundMesh(field)
         gmsh.model.mesh.generate(2)
-        points, cells = _arrays(gmsh)
+        points, cells, first = _arrays(gmsh, len(top))
     _snap(points, surface[-1], [0.0, *interfaces, depth])
+    if strip is not None:
+        points, cells = _joined(points, cells, first, strip, surface[-1])
     return make_grid(points, cells, np.asarray(interfaces))
 
 
-def _rectangle(gmsh: ModuleType, surface: Array, depths: list[float]) -> None:
-    """Stacked rectangles; the top side has exactly the given vertices."""
+def _joined(points: Array, cells: Array, top: Array, strip: Strip, width: float) -> tuple[Array, Array]:
+    """One mesh of the strip and what is below and beside it; ``top``: the vertices along the top, from the axis on."""
+    own = strip.points.reshape(-1, 2)
+    shared = strip.outline_numbers(width)
+    numbers = np.arange(len(points)) + len(own)
+    numbers[top[: shared.size]] = shared
+    return np.concatenate([own, points]), np.concatenate([strip.cells, numbers[cells]])
+
+
+def _rectangle(gmsh: ModuleType, top_points: Array, depths: list[float]) -> None:
+    """Stacked rectangles; the top side has exactly the given vertices, from the axis outwards."""
     geo = gmsh.model.geo
-    width = surface[-1]
-    top_points = [geo.addPoint(r, 0, 0) for r in surface]
-    top = [geo.addLine(p, q) for p, q in itertools.pairwise(top_points)]
+    width = top_points[-1, 0]
+    tags = [geo.addPoint(r, z, 0) for r, z in top_points]
+    top = [geo.addLine(p, q) for p, q in itertools.pairwise(tags)]
     fixed = list(top)
-    left, right = top_points[0], top_points[-1]
+    left, right = tags[0], tags[-1]
     for depth in depths:
         low_left, low_right = geo.addPoint(0, -depth, 0), geo.addPoint(width, -depth, 0)
         side, bottom, axis = (
@@ -98,14 +114,17 @@ def _rectangle(gmsh: ModuleType, surface: Array, depths: list[float]) -> None:
         gmsh.model.mesh.setTransfiniteCurve(line, 2)
 
 
-def _arrays(gmsh: ModuleType) -> tuple[Array, Array]:
+def _arrays(gmsh: ModuleType, top: int) -> tuple[Array, Array, Array]:
+    """Points, cells, and the numbers of the first ``top`` points of the geometry."""
     tags, coordinates, _ = gmsh.model.mesh.getNodes()
     kinds, _, node_tags = gmsh.model.mesh.getElements(2)
     if list(kinds) != [2]:
         raise SolveError(f"mesh: expected triangles only, gmsh gave element types {list(kinds)}")
     number = np.zeros(int(tags.max()) + 1, dtype=int)
     number[tags.astype(int)] = np.arange(tags.size)
-    return coordinates.reshape(-1, 3)[:, :2].copy(), number[node_tags[0].astype(int)].reshape(-1, 3)
+    first = [int(gmsh.model.mesh.getNodes(0, tag)[0][0]) for tag in range(1, top + 1)]
+    cells = number[node_tags[0].astype(int)].reshape(-1, 3)
+    return coordinates.reshape(-1, 3)[:, :2].copy(), cells, number[first]
 
 
 def _snap(points: Array, width: float, depths: list[float]) -> None:

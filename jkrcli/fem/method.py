@@ -6,27 +6,27 @@ import math
 from dataclasses import dataclass, replace
 from typing import Literal
 
-import numpy as np
-
 from ..clock import StageClock
 from ..errors import InputError, Refusal
 from ..methods import Forecast
 from ..problem import HalfSpace, Problem
-from ..series import ErrorBudget, Series, Solution, filter_plateaus
-from .budget import Assessment, estimate
+from ..series import ErrorBudget, Solution
+from .budget import Assessment
 from .contact import Events, Increment, SurfaceContact, nested_events, solve_depths, solve_loads
 from .domain import cut_out, half_space_like
-from .edge import CUT, radius_factors
+from .edge import CUT
 from .ending import nested_columns
+from .factor import Solver, one_thread
 from .grid import Grid
-from .increments import depths_of, needed_radius, nodal_forces, pressures, raw_series
+from .increments import depths_of, needed_radius
 from .layout import MAX_CELLS, Layout, scaled_layout, zones_layout
+from .level import Level
 from .model import Model, Recipe
-from .report import facts, warnings
+from .run import Run, finished
 
-Array = np.ndarray
 NEARLY_INCOMPRESSIBLE = 0.49
 ATTEMPTS = 5
+DOUBLED = 2.0  # element sizes of the mesh for the error estimate
 SPARE = 2  # events beyond the end of the loading, which lies between two
 FINEST = 1e-7  # of ``smallest``: the mesh generator and the graded lines resolve no more
 GROWTH = {"scaled": {1: 0.05, 2: 0.15}, "zones": {1: 0.08, 2: 0.25}}  # chosen for equal errors by either order
@@ -58,6 +58,8 @@ class FEM:
     ``formulation``: "auto": a pressure unknown for layers with nu > 0.49 (second order); "displacement"; "mixed".
     ``edge_correction``: contact radii of "nested" calibrated on a half-space with the same surface mesh (``fem.edge``).
     ``estimate_error``: solve a mesh with doubled sizes too, for the error budget.
+    ``tolerance``: of the series; spacing and growth then follow from it, mesh after mesh (layout "scaled").
+    ``solver``: of the sparse factor: "auto" takes CHOLMOD for large meshes where the package cvxopt is installed.
     """
 
     layout: Literal["scaled", "zones"] = "scaled"
@@ -76,6 +78,8 @@ class FEM:
     formulation: Literal["auto", "displacement", "mixed"] = "auto"
     edge_correction: bool = True
     estimate_error: bool = True
+    tolerance: float | None = None
+    solver: Solver = "auto"
 
     def __post_init__(self) -> None:
         for name, low, high in (
@@ -87,12 +91,15 @@ class FEM:
             ("smallest", FINEST, 1.0),
             ("growth", 0.0, 0.6),
             ("margin", 1.0, 10.0),
+            ("tolerance", 0.0, 0.1),
         ):
             value = getattr(self, name)
             if value is not None and not low < value < high:
                 raise InputError(f"mesh.{name}: must be > {low:g}" + f" and < {high:g}, got {value:g}")
         if self.element_size is not None and self.layout == "scaled":
             raise InputError('mesh.element_size: belongs to layout "zones"; the layout "scaled" takes spacing')
+        if self.tolerance is not None and (self.layout == "zones" or not self.estimate_error):
+            raise InputError('mesh.tolerance: needs the layout "scaled" and estimate_error = true')
 
     # ------------------------------------------------------------------ what it can do
     def refusal(self, problem: Problem) -> str | None:
@@ -130,7 +137,9 @@ class FEM:
         )
 
     def forecast(self, problem: Problem) -> Forecast:
-        """From the expected number of elements and the measured cost per unknown."""
+        """From the expected number of elements and the measured cost per unknown; of the first mesh to a tolerance."""
+        if self.tolerance is not None:
+            return replace(self._first(problem).forecast(problem), error=self.tolerance)
         layout = self._layout(problem, self.reach(problem))
         cells = layout.expected_cells()
         unknowns = cells * self._unknowns_per_cell(problem)
@@ -153,22 +162,30 @@ class FEM:
         return self.edge_correction and self.contact == "nested" and not problem.specimen.is_half_space
 
     def _error_expected(self, problem: Problem, layout: Layout) -> float:
-        """Of loads and radii together; graded bodies leave no less than the default's, however small the elements."""
+        """Of loads and radii together, as measured; zones leave no less than the default's, however small."""
         spacing = layout.law.slope or layout.law.floor / layout.law.reach
         coarseness = spacing / 0.04 if self.layout == "scaled" else max(spacing / 0.04, 1.0)
-        load = 4e-4 * coarseness**1.5 if self.order == 2 else 1e-2 * coarseness**2
+        load = 3e-4 * coarseness**2.3 if self.order == 2 else 1e-2 * coarseness**2
         if self.contact == "incremental" or not self.edge_correction:
             return load + spacing
-        return load + (5.9e-4 * coarseness if self._calibrated_elsewhere(problem) else 0.0)
+        return load + (6e-4 * coarseness if self._calibrated_elsewhere(problem) else 0.0)
 
     # ------------------------------------------------------------------ meshes
     def mesh(self, problem: Problem) -> Grid:
         """The mesh that a solve would begin with."""
         self._refuse(problem)
+        if self.tolerance is not None:
+            return self._first(problem).mesh(problem)
         return self._layout(problem, self.reach(problem)).grid()
 
+    def _first(self, problem: Problem) -> FEM:
+        """With the sizes that the tolerance begins with."""
+        from .adapt import first
+
+        return replace(first(self, problem), tolerance=None)
+
     @property
-    def _growth(self) -> float:
+    def growth_of_sizes(self) -> float:
         return self.growth if self.growth is not None else GROWTH[self.layout][self.order]
 
     def reach(self, problem: Problem) -> float:
@@ -188,18 +205,16 @@ class FEM:
         a0 = problem.indenter.a0
         if self.layout == "scaled":
             smallest = self.smallest * (reach - a0)
-            layout = scaled_layout(body, self.element, reach, a0, smallest, self.spacing, self._growth)
+            layout = scaled_layout(body, self.element, reach, a0, smallest, self.spacing, self.growth_of_sizes)
             return self._refuse_too_many(layout)
         R = problem.indenter.tip_radius or 6 * reach
         halves = 2 if self.order == 2 and self.element == "triangle" else 1
         sizes = tuple(halves * size for size in self.zone_sizes)
-        layout = zones_layout(body, self.element, reach, a0, self.element_size, R, sizes, self._growth)
+        layout = zones_layout(body, self.element, reach, a0, self.element_size, R, sizes, self.growth_of_sizes)
         return self._refuse_too_many(layout)
 
     def _poisson(self, problem: Problem) -> list[float]:
-        specimen = problem.specimen
-        base = [specimen.base.material.nu] if isinstance(specimen.base, HalfSpace) else []
-        return [layer.material.nu for layer in specimen.layers] + base
+        return [material.surface.nu for material in problem.specimen.materials]
 
     def _mixed(self, problem: Problem) -> tuple[int, ...]:
         """Layers that get a pressure unknown."""
@@ -214,45 +229,44 @@ class FEM:
 
     # ------------------------------------------------------------------ solve
     def __call__(self, problem: Problem) -> Solution:
-        """Solve; errors: Refusal (contact leaves the candidates, body not representable), SolveError."""
+        """Solve; errors: Refusal (contact leaves the candidates, body not representable, tolerance not reached),
+        SolveError."""
+        if self.tolerance is None:
+            return self.solve(problem)[1]
+        from .adapt import adapted
+
+        self._refuse(problem)
+        with one_thread():
+            return adapted(self, problem, StageClock())
+
+    def solve(self, problem: Problem) -> tuple[Run, Solution]:
+        """Solve on the mesh of the given sizes; the run holds mesh, factor and contact problem."""
         self._refuse(problem)
         clock = StageClock()
-        model, contact, events = self._solve_large_enough(problem, clock)
-        by_increments = self.contact == "incremental" or not events.valid
-        raw, increments, dropped = None, [], 0
+        with one_thread():
+            run = self.run(problem, clock)
+            return run, finished(self, run, self._assessed(run, clock), clock)
+
+    def run(self, problem: Problem, clock: StageClock, reach: float | None = None) -> Run:
+        """Solve on one mesh; ``reach``: radius to mesh finely, where it is known [m]."""
+        model, contact, touches = self._solve_large_enough(problem, clock, reach or self.reach(problem))
+        by_increments = self.contact == "incremental" or not touches.valid
+        level = Level(model, problem.indenter, contact, touches, self.edge_correction and not by_increments)
         if by_increments:
             with clock("contact"):
-                increments = self._increments(problem, contact, events)
-                raw = raw_series(model, increments)
-                kept, dropped = filter_plateaus(raw)
-                columns = (kept.a, kept.delta, kept.P)
-                forces = np.array([step.p for step in increments])
-        else:
-            with clock("edge correction"):
-                if self.edge_correction:
-                    events = _corrected(model, problem, events)
-            columns = nested_columns(problem.loading, events, problem.indenter.a0)
-            with clock("contact"):
-                forces = nodal_forces(contact, events, columns[1])
-        with clock("error estimate"):
-            judged = self._assessed(problem, model, events, columns)
-        return Solution(
-            series=_series(problem, contact, columns, judged),
-            raw=raw,
-            budget=judged.budget,
-            method="fem",
-            pressure=pressures(model, forces),
-            facts=facts(self, problem, model, events, increments, dropped, judged.judged_from),
-            timings=clock.seconds,
-            warnings=tuple(warnings(self, problem, events, len(increments), dropped)),
-        )
+                return Run.of_increments(problem, level, self._increments(problem, contact, touches))
+        with clock("edge correction"):
+            events = level.events
+        return Run(problem, level, nested_columns(problem.loading, events, problem.indenter.a0))
 
-    def _solve_large_enough(self, problem: Problem, clock: StageClock) -> tuple[Model, SurfaceContact, Events]:
+    def _solve_large_enough(
+        self, problem: Problem, clock: StageClock, reach: float
+    ) -> tuple[Model, SurfaceContact, Events]:
         """Solve on meshes for growing contact radii until the loading's end lies within the candidates."""
-        reach = self.reach(problem)
         loading = problem.loading
         for _ in range(ATTEMPTS):
-            model = Recipe(self._layout(problem, reach), self.order, self._mixed(problem), reach).build(clock)
+            recipe = Recipe(self._layout(problem, reach), self.order, self._mixed(problem), reach, self.solver)
+            model = recipe.build(clock)
             with clock("contact"):
                 contact = model.contact(problem.indenter)
                 events = nested_events(contact, problem.indenter.a0, loading.to, loading.maximum, SPARE)
@@ -279,33 +293,15 @@ class FEM:
             return solve_loads(contact, loading.values)
         return solve_depths(contact, depths_of(problem, events))
 
-    def _assessed(
-        self, problem: Problem, model: Model, events: Events, columns: tuple[Array, Array, Array]
-    ) -> Assessment:
+    def _assessed(self, run: Run, clock: StageClock) -> Assessment:
         if not self.estimate_error:
             reason = "not estimated: estimate_error is off"
             return Assessment(ErrorBudget(reason, reason, reason))
-        return estimate(model, problem, events, *columns)
+        with clock("error estimate"):
+            coarse = Level.of(run.level.model.recipe.coarser(DOUBLED), run.problem.indenter, run.level.correct)
+            return run.assessed(coarse, DOUBLED, run.truncation(coarse))
 
 
 def _seconds(unknowns: float) -> float:
     """CPU seconds to mesh, assemble, factorise and condense a model, as measured."""
-    return 0.1 + 2.5e-5 * unknowns * (1 + (unknowns / 1e5) ** 0.5)
-
-
-def _corrected(model: Model, problem: Problem, events: Events) -> Events:
-    """The events with edge-corrected radii."""
-    return replace(events, a=events.a * radius_factors(model, problem.indenter)[: events.a.size])
-
-
-def _series(
-    problem: Problem, contact: SurfaceContact, columns: tuple[Array, Array, Array], judged: Assessment
-) -> Series:
-    a, delta, P = columns
-    a0 = problem.indenter.a0
-    errors = {}
-    if judged.a is not None and judged.P is not None:
-        errors = {"a": judged.a * a, "P": judged.P * P}
-    flat = int(np.count_nonzero(contact.surface.radii <= a0 * (1 + 1e-9)))
-    S0 = float(contact.S[flat - 1]) if a0 > 0 else 0.0
-    return Series(a, delta, P, errors=errors, a0=a0, S0=S0)
+    return 0.03 + 2.5e-5 * unknowns * (1 + (unknowns / 1e5) ** 0.5)

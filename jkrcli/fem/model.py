@@ -8,9 +8,11 @@ import numpy as np
 
 from ..clock import StageClock
 from ..indenters import Indenter
+from ..materials import Graded
 from .contact import SurfaceContact
 from .domain import Body
-from .elasticity import ElasticSystem, Side, assemble
+from .elasticity import ElasticSystem, assemble
+from .factor import Solver
 from .grid import Grid
 from .layout import Layout
 from .surface import Factor, Surface, condense, factorise
@@ -22,13 +24,13 @@ Array = np.ndarray
 @dataclass(frozen=True)
 class Recipe:
     """What a model is made from: ``layout`` on its body, element ``order``, ``mixed``: layers with a pressure unknown,
-    ``reach``: radius out to which surface nodes are candidates [m]; ``side``: instead of the body's own support."""
+    ``reach``: radius out to which surface nodes are candidates [m]; ``solver``: of the sparse factor."""
 
     layout: Layout
     order: int
     mixed: tuple[int, ...]
     reach: float
-    side: Side | None = None
+    solver: Solver = "auto"
 
     @property
     def body(self) -> Body:
@@ -39,7 +41,7 @@ class Recipe:
 
     def on_half_space(self, body: Body) -> Recipe:
         """The same surface vertices on a homogeneous ``body``."""
-        return replace(self, layout=self.layout.on(body), mixed=tuple(i for i in self.mixed if i == 0), side=None)
+        return replace(self, layout=self.layout.on(body), mixed=tuple(i for i in self.mixed if i == 0))
 
     def build(self, clock: StageClock) -> Model:
         """Mesh, assemble, factorise and condense."""
@@ -47,15 +49,17 @@ class Recipe:
         with clock("mesh"):
             grid = self.layout.grid()
         with clock("assembly"):
-            side = self.side or body.side
-            system = assemble(grid, body.materials, self.order, bonded=body.bonded, side=side, mixed=self.mixed)
+            system = assemble(grid, body.materials, self.order, bonded=body.bonded, side=body.side, mixed=self.mixed)
+        return self._condensed(grid, system, clock)
+
+    def _condensed(self, grid: Grid, system: ElasticSystem, clock: StageClock) -> Model:
         candidates = int(np.searchsorted(system.radii, self.reach * (1 + 1e-9)))
         with clock("factorisation"):
-            factor = factorise(system, candidates)
+            factor = factorise(system, candidates, self.solver)
         with clock("surface solves"):
             surface = condense(system, factor)
-            w = self._missing_displacement(system, factor, surface) if body.cut_below else 0.0
-        if body.completed:
+            w = self._missing_displacement(system, factor, surface) if self.body.cut_below else 0.0
+        if self.body.completed:
             surface = replace(surface, C=surface.C + w)
         return Model(self, grid, system, factor, surface, w)
 
@@ -63,7 +67,9 @@ class Recipe:
         """Of the cut-out half-space, under a uniform pressure on the candidates' disc [m/N]."""
         loads = np.zeros(system.K.shape[0])
         loads[system.normal[: factor.tail]] = -surface.areas / surface.areas.sum()
-        return missing_displacement(system, self.body.materials[-1], factor.solve(loads), 1.0)
+        below = self.body.materials[-1]
+        assert not isinstance(below, Graded)  # it stands for a half-space, which is homogeneous
+        return missing_displacement(system, below, factor.solve(loads), 1.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,6 +91,12 @@ class Model:
     def contact(self, indenter: Indenter) -> SurfaceContact:
         """The contact problem with ``indenter``."""
         return SurfaceContact(self.surface, indenter.f(self.surface.radii))
+
+    def with_roller(self) -> Model:
+        """The same body with its side held in radial direction; the mesh and the stiffness stay."""
+        rim = self.system.basis.get_dofs("side").all()
+        system = replace(self.system, free=np.setdiff1d(self.system.free, rim))
+        return self.recipe._condensed(self.grid, system, StageClock())
 
     def completed(self) -> Surface:
         """The surface of the whole half-space, whether or not the model is completed itself."""

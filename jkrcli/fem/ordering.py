@@ -1,7 +1,7 @@
 """Elimination order for a sparse Cholesky factor: nested dissection of the mesh (George 1973).
 
-Every group of cells is split at its median radius or depth, whichever cuts fewer facets, until the groups are
-small; all groups of a level at once. The nodes between two halves are eliminated after both.
+Every group of cells is split at its median along one of a few directions, whichever cuts the fewest facets, until
+the groups are small; all groups of a level at once. The nodes between two halves are eliminated after both.
 """
 
 from __future__ import annotations
@@ -35,13 +35,20 @@ def nested_dissection(cell_nodes: Array, centres: Array, neighbours: Array) -> A
 def _cell_codes(centres: Array, neighbours: Array) -> Array:
     """Path of every cell in the tree of halves, as a binary number with one digit per level."""
     m = len(centres)
-    by_axis = [np.argsort(centres[:, axis], kind="stable") for axis in (0, 1)]
+    by_axis = [np.argsort(values, kind="stable") for values in _directions(centres)]
     code = np.zeros(m, dtype=np.int64)
     groups = 1
     while m > LEAF * groups:
         code = 2 * code + _halves(code, groups, by_axis, neighbours)
         groups *= 2
     return code
+
+
+def _directions(centres: Array) -> list[Array]:
+    """What the cells may be split by: radius, depth, both diagonals, and the two polar coordinates of meshes that are
+    graded towards the origin."""
+    r, z = centres.T
+    return [r, z, r + z, r - z, np.hypot(r, z), np.arctan2(z, r)]
 
 
 def _halves(group: Array, groups: int, by_axis: list[Array], neighbours: Array) -> Array:
@@ -57,4 +64,5 @@ def _halves(group: Array, groups: int, by_axis: list[Array], neighbours: Array) 
         halves.append(half)
         crossing = half[together[0]] != half[together[1]]
         cuts.append(np.bincount(group[together[0, crossing]], minlength=groups))
-    return np.where((cuts[0] <= cuts[1])[group], *halves)
+    best = np.argmin(cuts, axis=0)
+    return np.array(halves)[best[group], np.arange(group.size)]

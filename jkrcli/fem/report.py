@@ -49,8 +49,8 @@ def facts(
         "contact": "nested" if last is None else "incremental",
         "contact_reason": _contact_reason(method, events, bool(increments)),
         "edge_correction": not increments and method.edge_correction,
-        "solver": "SuperLU, nested dissection, contact nodes last",
-        "factor_entries": int(model.factor.lu.nnz),
+        "solver": f"{model.factor.factor.name}, nested dissection, contact nodes last",
+        "factor_entries": model.factor.factor.entries,
         "residual": surface.residual,
         "asymmetry": surface.asymmetry,
         "balance": abs(system.vertical_reaction(solution) / P - 1),
@@ -75,7 +75,7 @@ def _formulation(model: Model) -> str:
     mixed = model.recipe.mixed
     if not mixed:
         return "displacement"
-    nu = max(model.body.materials[i].nu for i in mixed)
+    nu = max(model.body.materials[i].surface.nu for i in mixed)
     return f"displacement and pressure in layers {', '.join(str(i + 1) for i in mixed)} (nu = {nu:g})"
 
 
@@ -87,8 +87,7 @@ def _contact_reason(method: FEM, events: Events, incremental: bool) -> str:
 
 def warnings(method: FEM, problem: Problem, events: Events, increments: int, dropped: int) -> Iterator[str]:
     """Sentences on what may spoil the result; ``dropped``: of the ``increments``, those without an own radius."""
-    specimen = problem.specimen
-    nu = max([layer.material.nu for layer in specimen.layers] + ([] if specimen.layers else [specimen.surface.nu]))
+    nu = max(material.surface.nu for material in problem.specimen.materials)
     if method.order == 1 and nu > LOCKING:
         yield (
             f"first-order elements lock near incompressibility: nu = {nu:g} > {LOCKING:g}, the load may be several per "

@@ -69,6 +69,7 @@ class SizeLaw:
     Along the contact the size is ``slope * max(|r - a0|, inner)``, or ``floor`` where that is larger.
     ``zones``: (extent, size) of squares around the origin, inside which the size stays below ``size`` [m].
     ``layers``: (top depth, thickness, size, largest size far from the contact) of layers with their own limit.
+    ``corners``: (r, depth, size) of points where the field is singular: the size grows from there by ``growth``.
     """
 
     reach: float
@@ -80,6 +81,7 @@ class SizeLaw:
     floor: float = 0.0
     zones: tuple[tuple[float, float], ...] = ()
     layers: tuple[tuple[float, float, float, float], ...] = ()
+    corners: tuple[tuple[float, float, float], ...] = ()
 
     def __call__(self, r: Any, z: Any) -> Any:
         """Size at radius ``r`` and height ``z <= 0`` (numbers, arrays, or formulas)."""
@@ -93,6 +95,8 @@ class SizeLaw:
             size = _smallest(size, limit)
         for layer in self.layers:
             size = _smallest(size, self._layer_limit(layer, r, z))
+        for radius, depth, least in self.corners:
+            size = _smallest(size, least + self.growth * _length(r - radius, z + depth))
         return size
 
     def _zone_limits(self, r: Any, z: Any) -> list[Any]:
@@ -146,9 +150,10 @@ def expected_triangles(law: SizeLaw, width: float, depth: float) -> float:
     """About how many triangles of the sizes of ``law`` fill the rectangle 0 <= r <= width, -depth <= z <= 0
     (the generator makes an eighth more than equilateral ones)."""
     near = np.geomspace(1e-9, 1, 150) * max(width, depth)
-    knots = [0.0, law.a0, law.reach]
+    knots = [0.0, law.a0, law.reach, *(radius for radius, *_ in law.corners)]
     r = np.unique(np.clip(np.concatenate([k + sign * near for k in knots for sign in (-1, 1)] + [knots]), 0, width))
-    tops = [top for top, *_ in law.layers]
-    z = np.unique(np.clip(np.concatenate([top + near for top in (0.0, *tops)] + [[0.0, depth]]), 0, depth))
+    downwards = [top + near for top in (0.0, *(top for top, *_ in law.layers))]
+    upwards = [corner - near for _, corner, _ in law.corners]
+    z = np.unique(np.clip(np.concatenate([*downwards, *upwards, [0.0, depth]]), 0, depth))
     density = 1 / law(r[:, None], -z[None, :]) ** 2
     return float(1.12 * 4 / np.sqrt(3) * np.trapezoid(np.trapezoid(density, z, axis=1), r))

@@ -11,12 +11,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import cho_solve
-from scipy.sparse import csc_matrix, csr_matrix
-from scipy.sparse.linalg import SuperLU, splu
-from threadpoolctl import threadpool_limits
+from scipy.sparse import csr_matrix
 
 from ..errors import SolveError
 from .elasticity import ElasticSystem
+from .factor import Solver, SparseFactor, sparse_factor
 from .ordering import nested_dissection
 
 Array = np.ndarray
@@ -28,7 +27,7 @@ PROBES = 2
 class Factor:
     """Factorised stiffness of the free unknowns; the last ``tail`` of ``order`` are the candidates' normal ones."""
 
-    lu: SuperLU
+    factor: SparseFactor
     order: Array
     tail: int
     stiffness: csr_matrix
@@ -36,8 +35,7 @@ class Factor:
     def solve(self, loads: Array) -> Array:
         """Displacements (and pressures) of all unknowns for nodal ``loads`` (n,); zero where held."""
         solution = np.zeros_like(loads)
-        with threadpool_limits(limits=1):
-            solution[self.order] = self.lu.solve(loads[self.order])
+        solution[self.order] = self.factor.solve(loads[self.order])
         return solution
 
     def residual(self, solution: Array, loads: Array) -> float:
@@ -65,16 +63,14 @@ class Surface:
     asymmetry: float
 
 
-def factorise(system: ElasticSystem, candidates: int) -> Factor:
+def factorise(system: ElasticSystem, candidates: int, solver: Solver = "auto") -> Factor:
     """Factorise with the normal unknowns of the innermost ``candidates`` surface nodes last."""
     last = system.normal[:candidates]
     rank = nested_dissection(system.cell_nodes, system.cell_centres, system.neighbours)
     inner = np.setdiff1d(system.free, last)
     order = np.concatenate([inner[np.argsort(_unknown_ranks(system, rank)[inner], kind="stable")], last])
     matrix = system.K[order][:, order].tocsc()
-    with threadpool_limits(limits=1):
-        lu = splu(matrix, permc_spec="NATURAL", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
-    return Factor(lu, order, candidates, system.K)
+    return Factor(sparse_factor(matrix, candidates, not system.mixed, solver), order, candidates, system.K)
 
 
 def _unknown_ranks(system: ElasticSystem, rank: Array) -> Array:
@@ -92,37 +88,12 @@ def _unknown_ranks(system: ElasticSystem, rank: Array) -> Array:
 def condense(system: ElasticSystem, factor: Factor) -> Surface:
     """Surface compliance of the candidates, checked by full solves."""
     n = factor.tail
-    C = _trailing_compliance(factor.lu, n)
+    inverse = cho_solve((factor.factor.root, True), np.eye(n))
+    C = (inverse + inverse.T) / 2
     residual, asymmetry = _check(system, factor, C)
     radii, areas = system.radii[:n], system.areas[:n]
     exempt = int(radii[0] == 0 and abs(areas[0]) < 1e-6 * abs(areas[1]))
     return Surface(C, radii, system.is_vertex[:n], areas, exempt, residual, asymmetry)
-
-
-def _trailing_compliance(lu: SuperLU, n: int) -> Array:
-    """Inverse of the Schur complement whose factor is the last n rows and columns of L and U."""
-    size = lu.shape[0]
-    last = np.arange(size - n, size)
-    if not (np.array_equal(lu.perm_c[-n:], last) and np.array_equal(lu.perm_r[-n:], last)):
-        raise SolveError("factorisation: the solver did not keep the contact nodes last")
-    pivots = _last_block(lu.U, n).diagonal()
-    if not (pivots > 0).all():
-        raise SolveError(f"factorisation: the condensed stiffness is not positive (pivot {pivots.min():.3g} N/m)")
-    root = np.tril(_last_block(lu.L, n)) * np.sqrt(pivots)
-    C = cho_solve((root, True), np.eye(n))
-    return (C + C.T) / 2
-
-
-def _last_block(matrix: csc_matrix, n: int) -> Array:
-    """The last n rows and columns as a dense array."""
-    size = matrix.shape[0]
-    start = matrix.indptr[size - n]
-    rows = matrix.indices[start:] - (size - n)
-    columns = np.repeat(np.arange(n), np.diff(matrix.indptr[size - n :]))
-    block = np.zeros((n, n))
-    inside = rows >= 0
-    block[rows[inside], columns[inside]] = matrix.data[start:][inside]
-    return block
 
 
 def _check(system: ElasticSystem, factor: Factor, C: Array) -> tuple[float, float]:

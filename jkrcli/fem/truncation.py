@@ -11,13 +11,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..materials import Elastic
+from ..materials import Elastic, TransverselyIsotropic
 from .elasticity import ElasticSystem
+from .point_force import PointForce
 
 Array = np.ndarray
+HalfSpaceMaterial = Elastic | TransverselyIsotropic
 
 
-def missing_displacement(system: ElasticSystem, material: Elastic, solution: Array, load: float) -> float:
+def missing_displacement(system: ElasticSystem, material: HalfSpaceMaterial, solution: Array, load: float) -> float:
     """Displacement of the contact that the cut body lacks, per unit load [m/N]; ``solution``: its field under ``load``
     [N] near the origin, pressing down."""
     N = len(system.nodes)
@@ -34,8 +36,10 @@ def missing_displacement(system: ElasticSystem, material: Elastic, solution: Arr
     return float((-at_base + _side_work(system, material, solution)) / load)
 
 
-def boussinesq_displacement(r: Array, z: Array, material: Elastic) -> tuple[Array, Array]:
+def boussinesq_displacement(r: Array, z: Array, material: HalfSpaceMaterial) -> tuple[Array, Array]:
     """u_r, u_z [m/N] of a half-space z <= 0 under a unit force pressing down at the origin."""
+    if isinstance(material, TransverselyIsotropic):
+        return PointForce(material).displacement(r, z)
     nu, depth = material.nu, -z
     rho = np.hypot(r, depth)
     factor = 1 / (4 * np.pi * material.G * rho)
@@ -43,15 +47,17 @@ def boussinesq_displacement(r: Array, z: Array, material: Elastic) -> tuple[Arra
     return u_r, -factor * (depth**2 / rho**2 + 2 * (1 - nu))
 
 
-def boussinesq_side_traction(r: Array, z: Array, material: Elastic) -> tuple[Array, Array]:
+def boussinesq_side_traction(r: Array, z: Array, material: HalfSpaceMaterial) -> tuple[Array, Array]:
     """sigma_rr, sigma_rz [1/m^2] of the same field: the traction on a cylinder r = const, outward normal."""
+    if isinstance(material, TransverselyIsotropic):
+        return PointForce(material).side_traction(r, z)
     nu, depth = material.nu, -z
     rho = np.hypot(r, depth)
     s_rr = ((1 - 2 * nu) / (rho * (rho + depth)) - 3 * r**2 * depth / rho**5) / (2 * np.pi)
     return s_rr, 3 * r * depth**2 / rho**5 / (2 * np.pi)
 
 
-def _side_work(system: ElasticSystem, material: Elastic, solution: Array) -> float:
+def _side_work(system: ElasticSystem, material: HalfSpaceMaterial, solution: Array) -> float:
     """Work of the point force's traction on the side in the displacement of ``solution``."""
     N = len(system.nodes)
     along_r = system.side_load(lambda r, z: boussinesq_side_traction(r, z, material)[0])

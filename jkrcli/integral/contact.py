@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -12,12 +13,17 @@ from ..errors import Refusal, SolveError
 from ..indenters import Indenter
 from ..materials import contact_modulus
 from ..problem import Specimen
-from .kernel import FLOOR, LayeredSpectrum, phase_allowed
-from .solver import AbelImage, Nested, Panels, solve
+from .kernel import Kernel, LayeredSpectrum, Sum, phase_allowed
+from .product import product_matrix
+from .solver import SHRINK, AbelImage, Nested, Panels, solve
 
 Array = np.ndarray
 
 ORDERS = range(1, 11)  # Gauss nodes per panel
+UNSMOOTH = 4  # the least order where the solution is not smooth at the edge
+EDGE = 0.03  # its error there: the square of this times the panel's width times the strength of the logarithm
+CROWDING = 8
+LOGARITHM = 400  # operations that an entry of the kernel's logarithmic part costs
 FREQUENCY = 5.0  # highest wave number that the solution contains noticeably, times the kernel's scale
 MAX_NODES = 4000
 MAX_FLOPS = 4e11
@@ -31,16 +37,38 @@ REFINEMENTS = 4
 
 @dataclass(frozen=True)
 class Plan:
-    """A quadrature: ``order`` Gauss nodes on panels no wider than ``widest`` [m], ``nodes`` in all."""
+    """A quadrature: ``order`` Gauss nodes on panels no wider than ``widest`` [m], ``nodes`` in all; ``crowding``: cuts
+    of the last panel before each radius."""
 
     order: int
     widest: float
     nodes: int
+    crowding: int = 0
 
     def finer(self) -> Plan:
         """One or two more nodes on the same panels: at least one order of magnitude more accurate."""
         step = 1 if self.order <= 4 else 2
-        return Plan(self.order + step, self.widest, self.nodes // self.order * (self.order + step))
+        crowding = self.crowding + 1 if self.crowding else 0
+        return Plan(self.order + step, self.widest, self.nodes // self.order * (self.order + step), crowding)
+
+    def crowded(self, radii: Array, strength: float, tolerance: float) -> Plan:
+        """The same with panels that crowd before each radius, for a kernel -``strength`` ln |x - t| [1/m]."""
+        wide = min(float(np.max(np.diff(radii, prepend=0.0))), self.widest)
+        excess = EDGE * strength * wide / math.sqrt(tolerance)
+        cuts = min(math.ceil(math.log(max(excess, 1.0)) / -math.log(SHRINK)), CROWDING)
+        return Plan(self.order, self.widest, self.nodes + self.order * cuts * radii.size, cuts)
+
+
+def cheapest(radii: Array, a0: float, scale: float, tolerance: float, orders: Iterable[int] = ORDERS) -> Plan:
+    """The cheapest quadrature expected to be accurate to ``tolerance`` at the increasing ``radii`` [m], for a flat end
+    of the radius ``a0`` and a kernel that varies over the length ``scale`` [m]."""
+    widths = np.diff(np.unique(np.concatenate([[0.0, a0], radii])))
+    plans = []
+    for order in orders:
+        widest = float(phase_allowed(order, tolerance)) * scale / FREQUENCY
+        pieces = np.ceil(widths / widest) if math.isfinite(widest) else np.ones(widths.size)
+        plans.append(Plan(order, widest, int(order * np.maximum(pieces, 1).sum())))
+    return min(plans, key=lambda plan: plan.nodes)
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,6 +81,16 @@ class LayeredContact:
     @property
     def E_star(self) -> float:
         return contact_modulus(self.specimen.surface, self.indenter.material)
+
+    @property
+    def scale(self) -> float:
+        """The length over which the kernel varies [m]; infinite for a homogeneous half-space."""
+        return self.spectrum.scale
+
+    @property
+    def limit(self) -> float:
+        """The kernel is known at every radius."""
+        return math.inf
 
     @cached_property
     def spectrum(self) -> LayeredSpectrum:
@@ -73,17 +111,17 @@ class LayeredContact:
 
     def plan(self, radii: Array, tolerance: float) -> Plan:
         """The cheapest quadrature expected to be accurate to ``tolerance`` at the increasing ``radii`` [m]."""
-        widths = np.diff(np.unique(np.concatenate([[0.0, self.indenter.a0], radii])))
-        plans = []
-        for order in ORDERS:
-            widest = float(phase_allowed(order, tolerance)) * self.spectrum.scale / FREQUENCY
-            pieces = np.ceil(widths / widest) if math.isfinite(widest) else np.ones(widths.size)
-            plans.append(Plan(order, widest, int(order * np.maximum(pieces, 1).sum())))
-        return min(plans, key=lambda plan: plan.nodes)
+        tail = self.spectrum.tail
+        if tail is None:
+            return cheapest(radii, self.indenter.a0, self.scale, tolerance)
+        plan = cheapest(radii, self.indenter.a0, self.scale, tolerance, [n for n in ORDERS if n >= UNSMOOTH])
+        return plan.crowded(radii, abs(float(tail.coefficients[0])), tolerance)
 
     def flops(self, radii: Array, plan: Plan) -> float:
         """Floating-point operations of one nested solve, about."""
-        waves = 200 + 0.7 * self.spectrum.bandwidth(FLOOR) * 2 * radii[-1]
+        spectrum = self.spectrum
+        waves = 200 + 0.7 * spectrum.bandwidth(spectrum.floor) * 2 * radii[-1]
+        waves += 0 if spectrum.tail is None else LOGARITHM
         return float((plan.nodes + radii.size) ** 2 * waves + plan.nodes**3 / 3 + plan.nodes**2 * radii.size)
 
     def guard(self, radii: Array, plan: Plan) -> None:
@@ -95,14 +133,19 @@ class LayeredContact:
                 f"(limit {MAX_NODES}); ask for a smaller contact, fewer points or a larger tolerance"
             )
 
-    def nested(self, radii: Array, plan: Plan, order: int = 24, inner: int = 20) -> Nested:
+    def nested(
+        self, radii: Array, plan: Plan, order: int = 24, inner: int = 20, added: Kernel | None = None
+    ) -> Nested:
         """Solve at the increasing ``radii`` [m] with the quadrature ``plan``; ``order``: Gauss nodes per panel in k,
-        ``inner``: per panel in the integrals of F."""
+        ``inner``: per panel in the integrals of F; ``added``: what the sides of a finite body add to K."""
         self.guard(radii, plan)
         image = AbelImage.of(self.indenter, inner)
         breaks = (self.indenter.a0,) if self.indenter.a0 > 0 else ()
-        panels = Panels.through(radii, plan.order, plan.widest, breaks)
-        return solve(self.spectrum.kernel(2 * radii[-1], order), panels, image, self.E_star)
+        panels = Panels.through(radii, plan.order, plan.widest, breaks, plan.crowding)
+        tail = self.spectrum.tail
+        singular = None if tail is None else product_matrix(tail.transform, panels)
+        kernel: Kernel = self.spectrum.kernel(2 * radii[-1], order)
+        return solve(kernel if added is None else Sum(kernel, added), panels, image, self.E_star, singular)
 
     def refined(self, radii: Array, tolerance: float) -> tuple[Nested, Array]:
         """The result at ``radii`` and its estimated relative error at each, below ``tolerance``.

@@ -19,6 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..errors import InputError, Refusal
+from ..materials import Graded
 from ..problem import Problem
 from .contact import LayeredContact
 from .density import Density
@@ -61,7 +62,7 @@ def profile(problem: Problem, a: float, w: float, r: Array | None = None, r_surf
     ``r`` [m]: radii 0 < r < a for the pressure, by default 100 that crowd at the edge; ``r_surface`` [m]: any radii for
     the surface, by default up to 3 a. The loading of ``problem`` is not used. Errors: InputError, Refusal.
     """
-    reason = Layered().refusal(problem)
+    reason = Layered().refusal(problem) or _unsmooth(problem)
     if reason is not None:
         raise Refusal(reason)
     r, r_surface = _sample(problem, a, w, r, r_surface)
@@ -87,6 +88,15 @@ def profile(problem: Problem, a: float, w: float, r: Array | None = None, r_surf
         gap=gap,
         stress_intensity=-contact.E_star / 2 * edge * math.sqrt(math.pi / a) if w > 0 else 0.0,
     )
+
+
+def _unsmooth(problem: Problem) -> str | None:
+    if problem.specimen.layers and isinstance(problem.specimen.layers[0].material, Graded):
+        return (
+            "profile: under a modulus that varies right below the contact phi is not smooth at the edge, and its "
+            "pressures are not implemented; cut the top layer into a few homogeneous ones"
+        )
+    return None
 
 
 def _sample(problem: Problem, a: float, w: float, r: Array | None, surface: Array | None) -> tuple[Array, Array]:

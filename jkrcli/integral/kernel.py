@@ -3,7 +3,8 @@
 K depends on x - t and x + t only, but a matrix of it is a product C D C^T of cosines at the quadrature nodes in k: it
 costs less than a table of that one function, is symmetric and free of interpolation. Panels in k are refined until g is
 a polynomial on each (it has features far below 1/h for stiff coatings), then until cos(k (x + t)) turns by no more on
-each than the nodes can follow.
+each than the nodes can follow. Under a graded top layer g - 1 has a slowly decaying ``tail``, whose part of K is known
+in closed form and left to ``product``; all here then means the rest, g - 1 - t(k).
 """
 
 from __future__ import annotations
@@ -15,11 +16,14 @@ from functools import cache, cached_property
 from typing import Protocol
 
 import numpy as np
+from numpy.polynomial import legendre
 
 from ..errors import SolveError
-from ..materials import Elastic
+from ..materials import Elastic, TransverselyIsotropic
 from ..problem import Specimen
 from .spectrum import deviation
+from .tail import Tail
+from .transverse import Medium
 
 Array = np.ndarray
 
@@ -27,12 +31,13 @@ SAMPLES = 16  # Gauss nodes per panel on which the resolution of g is judged
 TAIL = 1e-10  # last Legendre coefficients of g on a panel; Gauss quadrature squares this
 NOISE = 1e-14  # rounding of g - 1 and of its coefficients
 FLOOR = 1e-12  # |g - 1| beyond k_max; an error of g relative to g
+GRADED_FLOOR = 1e-9  # the same where g is accurate to 1e-10
 PHASE = 1e-14  # error of the quadrature of (g - 1) cos(k s), relative to its panel
 HALVINGS = 45
 CHUNK = 2048  # nodes in k per matrix product, a bound on the memory
 SCAN = 2.0 ** np.arange(5.5, -60.0, -0.5)  # k h_top in which the end of g - 1 is looked for
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(SAMPLES)
-_TAIL = (np.polynomial.legendre.legvander(_NODES, SAMPLES - 1) * _WEIGHTS[:, None])[:, -2:] * (SAMPLES - 1)
+_LEGENDRE = legendre.legvander(_NODES, SAMPLES - 1) * _WEIGHTS[:, None] * (np.arange(SAMPLES) + 0.5)
 
 
 class Kernel(Protocol):
@@ -75,6 +80,24 @@ class CosineKernel:
 
 
 @dataclass(frozen=True, eq=False)
+class Sum:
+    """The sum of two kernels."""
+
+    first: Kernel
+    second: Kernel
+
+    @property
+    def scale(self) -> float:
+        return min(self.first.scale, self.second.scale)
+
+    def __call__(self, x: Array, t: Array) -> Array:
+        return self.first(x, t) + self.second(x, t)
+
+    def square(self, x: Array) -> Array:
+        return self.first.square(x) + self.second.square(x)
+
+
+@dataclass(frozen=True, eq=False)
 class LayeredSpectrum:
     """g(k) - 1 of one pair of bodies, with the panels in k on which it is resolved; makes kernels of any reach."""
 
@@ -82,16 +105,35 @@ class LayeredSpectrum:
     indenter: Elastic | None = None
 
     def __call__(self, k: Array) -> Array:
-        return deviation(self.specimen, k, self.indenter)
+        rest = deviation(self.specimen, k, self.indenter)
+        return rest if self.tail is None else rest - self.tail(k)
+
+    @cached_property
+    def tail(self) -> Tail | None:
+        """The slowly decaying part of g - 1."""
+        return Tail.of(self.specimen, self.indenter)
+
+    @property
+    def floor(self) -> float:
+        """The rest beyond k_max."""
+        return FLOOR if self.tail is None else GRADED_FLOOR
 
     @cached_property
     def scan(self) -> tuple[Array, Array]:
-        """Wave numbers [1/m], decreasing, and g - 1 there."""
-        k = SCAN / self.specimen.top_thickness
+        """Wave numbers [1/m], decreasing, and the rest there."""
+        k = SCAN / self._finest
         return k, self(k)
 
+    @property
+    def _finest(self) -> float:
+        """The length [m] over which the specimen changes below the surface, as far as the contact feels it."""
+        top = self.specimen.layers[0]
+        if isinstance(top.material, TransverselyIsotropic):
+            return top.thickness * min(Medium.of(top.material).slowest, 1.0)
+        return top.thickness if self.tail is None else self.tail.finest
+
     def bandwidth(self, level: float) -> float:
-        """The k [1/m] beyond which |g - 1| < ``level``; 0 for a homogeneous half-space."""
+        """The k [1/m] beyond which the rest is below ``level``; 0 for a homogeneous half-space."""
         if not self.specimen.layers:
             return 0.0
         k, size = self.scan[0], np.abs(self.scan[1])
@@ -105,26 +147,37 @@ class LayeredSpectrum:
     @cached_property
     def scale(self) -> float:
         """The length over which the kernel varies [m]: h for one layer, whose |g - 1| is 1e-6 at k h of 8 to 9."""
-        if self.bandwidth(FLOOR) == 0:
+        if self.bandwidth(self.floor) == 0:
             return np.inf
+        if self.tail is not None:  # less accuracy is asked for
+            return 5 / self.bandwidth(min(1e-3, 0.01 * float(np.max(np.abs(self.scan[1])))))
         return 9 / self.bandwidth(min(1e-6, 0.01 * float(np.max(np.abs(self.scan[1])))))
 
     @cached_property
     def panels(self) -> tuple[Array, Array, Array]:
-        """Ends lo, hi [1/m] of panels that resolve g, down to k = 0, and the largest |g - 1| on each."""
-        k_max = self.bandwidth(FLOOR)
+        """Ends lo, hi [1/m] of panels that resolve g, down to k = 0, and the rest at the ``SAMPLES`` nodes of each."""
+        k_max = self.bandwidth(self.floor)
         edges = np.concatenate([[0.0], k_max * 2.0 ** np.arange(-6, 1)])
-        return resolved(self, edges[:-1], edges[1:])
+        return resolved(self, edges[:-1], edges[1:], self.tail)
 
     def kernel(self, reach: float, order: int = 24) -> CosineKernel:
         """K for all x, t with x + t <= ``reach`` [m], from ``order`` Gauss nodes in k on every panel."""
-        if self.bandwidth(FLOOR) == 0:
+        if self.bandwidth(self.floor) == 0:
             return CosineKernel(np.zeros(0), np.zeros(0), np.inf)
-        lo, hi, size = self.panels
+        lo, hi, values = self.panels
+        size = np.max(np.abs(values), axis=1)
         turn = 0.0 if reach == 0 else reach / phase_allowed(order - 5, PHASE / np.clip(size, 1e-12, 1.0))
         pieces = np.maximum(np.ceil((hi - lo) * turn), 1).astype(int)
         k, w = gauss(*split(lo, hi, pieces), *rule(order))
-        return CosineKernel(k, w * self(k), self.scale)
+        panel = np.repeat(np.arange(lo.size), order * pieces)
+        rest = self._interpolated(k, panel) if self.specimen.is_graded else self(k)
+        return CosineKernel(k, w * rest, self.scale)
+
+    def _interpolated(self, k: Array, panel: Array) -> Array:
+        """The rest at ``k``, each on the panel of the given index: cheaper than g itself through graded layers."""
+        lo, hi, values = self.panels
+        local = (2 * k - lo[panel] - hi[panel]) / (hi - lo)[panel]
+        return legendre.legval(local, (values @ _LEGENDRE).T[:, panel], tensor=False)
 
 
 def gauss_constant(order: int) -> float:
@@ -160,19 +213,23 @@ def split(lo: Array, hi: Array, pieces: Array) -> tuple[Array, Array]:
     return start + index * step, start + (index + 1) * step
 
 
-def resolved(function: Callable[[Array], Array], lo: Array, hi: Array) -> tuple[Array, Array, Array]:
-    """Halve panels until ``function`` = g - 1 is a polynomial on each, to ``TAIL`` of the largest g there.
+def resolved(
+    function: Callable[[Array], Array], lo: Array, hi: Array, tail: Callable[[Array], Array] | None = None
+) -> tuple[Array, Array, Array]:
+    """Halve panels until ``function`` = g - 1, less its ``tail``, is a polynomial on each, to ``TAIL`` of its g.
 
-    Returns the ends and the largest |g - 1|. An error of g relative to g itself is what counts: S is the minimum of a
-    quadratic form with the symbol g > 0.
+    Returns the ends and the values at the ``SAMPLES`` nodes of each. An error of g relative to g itself is what counts:
+    S is the minimum of a quadratic form with the symbol g > 0.
     """
     done: list[tuple[Array, Array, Array]] = []
     for _ in range(HALVINGS):
         k, _ = gauss(lo, hi, _NODES, _WEIGHTS)
         values = function(k).reshape(lo.size, SAMPLES)
         size = np.max(np.abs(values), axis=1)
-        good = np.max(np.abs(values @ _TAIL), axis=1) <= TAIL * np.max(values + 1, axis=1) + NOISE * size
-        done.append((lo[good], hi[good], size[good]))
+        g = 1 + values if tail is None else 1 + values + tail(k).reshape(values.shape)
+        last = np.max(np.abs(values @ _LEGENDRE[:, -2:]), axis=1)
+        good = last <= TAIL * np.max(g, axis=1) + NOISE * size
+        done.append((lo[good], hi[good], values[good]))
         if good.all():
             return tuple(np.concatenate(parts) for parts in zip(*done, strict=True))  # type: ignore[return-value]
         lo, hi = split(lo[~good], hi[~good], np.full(int((~good).sum()), 2))

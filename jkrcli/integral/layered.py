@@ -9,26 +9,28 @@ import numpy as np
 from ..clock import StageClock
 from ..errors import InputError, Refusal
 from ..methods import Forecast
-from ..problem import Loading, Problem, Specimen
-from ..radii import Response, Responses, half_space_guess, largest_of_loading, radii_of_loading
+from ..problem import Problem, Specimen
 from ..series import ErrorBudget, Series, Solution
-from .contact import COLUMNS, MARGIN, LayeredContact, Plan
+from .contact import COLUMNS, MARGIN, LayeredContact
+from .search import largest_for_contact, radii_for_contact
 from .solver import Nested
 
 Array = np.ndarray
 
-ROUGH = 1e-5  # accuracy of the first part of every search
 SEARCH = 1e-10  # relative accuracy to which a prescribed depth or load is met
 FLOPS_PER_SECOND = 5e9
+GRADED = 1e-5  # the least tolerance under a modulus that varies over depth
+GRADED_SECONDS = 0.3  # to resolve the spectrum then
 
 
 @dataclass(frozen=True)
 class Layered:
     """Fredholm equation of the contact problem, all radii from one Cholesky factor; no mesh, S and S' exact.
 
-    Valid for any stack of bonded isotropic layers (-1 < nu <= 1/2) on a rigid base, bonded or frictionless, or on an
-    elastic half-space, wider than the contact by so much that its sides do not matter; any convex indenter, rigid or
-    elastic. ``tolerance``: relative error of delta, P, S and S' at every radius, estimated by a second quadrature.
+    Valid for any stack of bonded layers, isotropic (-1 < nu <= 1/2), graded over depth or transversely isotropic, on a
+    rigid base, bonded or frictionless, or on an elastic half-space, wider than the contact by so much that its sides do
+    not matter; any convex indenter, rigid or elastic. ``tolerance``: relative error of delta, P, S and S' at every
+    radius, estimated by a second quadrature; no smaller than ``GRADED`` where any layer is graded.
     """
 
     tolerance: float = 1e-8
@@ -43,39 +45,52 @@ class Layered:
         if radius is not None:
             return (
                 f"the specimen has a finite radius of {radius:g} m, this method knows only laterally "
-                "unbounded ones; use the method fem, or leave the radius out"
+                "unbounded ones; use the method hybrid, or leave the radius out"
             )
         return None
+
+    def attainable(self, specimen: Specimen) -> float:
+        """The tolerance that holds for ``specimen``."""
+        return max(self.tolerance, GRADED) if specimen.is_graded else self.tolerance
 
     def forecast(self, problem: Problem) -> Forecast:
         """Seconds and memory of the solve, from its node counts; finding the largest radius is part of the forecast."""
         contact = _contact(problem)
         radii = np.linspace(problem.indenter.a0, largest_radius(problem), max(problem.loading.points, 1) + 1)[1:]
-        plan = contact.plan(radii, self.tolerance / MARGIN)
+        tolerance = self.attainable(problem.specimen)
+        plan = contact.plan(radii, tolerance / MARGIN)
         rounds = 5 if problem.loading.to != "radius" or problem.loading.spacing == "depth" else 2
-        seconds = 0.02 + rounds * contact.flops(radii, plan) / FLOPS_PER_SECOND
+        start = GRADED_SECONDS if problem.specimen.is_graded else 0.02
+        seconds = start + rounds * contact.flops(radii, plan) / FLOPS_PER_SECOND
         memory = 8 * 6 * (plan.nodes + radii.size) ** 2 / 2**20
-        return Forecast(seconds, 5 + memory, self.tolerance, f"{plan.nodes} nodes, no mesh")
+        return Forecast(seconds, 5 + memory, tolerance, f"{plan.nodes} nodes, no mesh")
 
     def __call__(self, problem: Problem) -> Solution:
         """Solve; errors: Refusal outside the validity, SolveError where the tolerance is not reached."""
         reason = self.refusal(problem)
         if reason is not None:
             raise Refusal(reason)
+        from .disc import disc_warnings, refuse_shrinking  # they solve by this very method
+
         clock = StageClock()
         contact = _contact(problem)
         with clock("spectrum"):
             contact.prepare()
+        tolerance = self.attainable(problem.specimen)
         with clock("radii"):
-            radii = _radii(contact, problem.loading, max(SEARCH, 0.01 * self.tolerance))
+            radii = radii_for_contact(contact, problem.loading, max(SEARCH, 0.01 * tolerance))
         with clock("solve"):
-            nested, errors = contact.refined(radii, self.tolerance)
+            nested, errors = contact.refined(radii, tolerance)
+        with clock("full disc"):
+            refuse_shrinking(radii, nested.delta)
+            warnings = disc_warnings(problem, float(radii[-1]))
         return Solution(
             _series(contact, nested, errors),
             ErrorBudget(discretisation=float(errors.max()), truncation=0.0, radius=0.0),
             "layered",
             facts=_facts(contact, nested),
             timings=clock.seconds,
+            warnings=warnings,
         )
 
 
@@ -84,7 +99,7 @@ def largest_radius(problem: Problem) -> float:
 
     For a finite body this is the forecast that a mesh needs: its sides change it little unless the contact is near.
     """
-    return _largest(_contact(unbounded(problem)), problem.loading, SEARCH)
+    return largest_for_contact(_contact(unbounded(problem)), problem.loading, SEARCH)
 
 
 def unbounded(problem: Problem) -> Problem:
@@ -94,36 +109,6 @@ def unbounded(problem: Problem) -> Problem:
 
 def _contact(problem: Problem) -> LayeredContact:
     return LayeredContact(problem.indenter, problem.specimen)
-
-
-def _radii(contact: LayeredContact, loading: Loading, tolerance: float) -> Array:
-    return radii_of_loading(
-        loading, contact.indenter, _responses(contact), _guess(contact, loading), (ROUGH, tolerance)
-    )
-
-
-def _largest(contact: LayeredContact, loading: Loading, tolerance: float) -> float:
-    start = _guess(contact, loading)
-    return largest_of_loading(loading, contact.indenter, _responses(contact), start, (ROUGH, tolerance))
-
-
-def _guess(contact: LayeredContact, loading: Loading) -> float:
-    return half_space_guess(loading, contact.indenter, contact.E_star, contact.spectrum.scale)
-
-
-def _responses(contact: LayeredContact) -> Responses:
-    return lambda quantity, accuracy: _response(contact, quantity, accuracy)
-
-
-def _response(contact: LayeredContact, to: str, accuracy: float) -> Response:
-    """delta_H or P_H at given radii, with a quadrature planned for ``accuracy``."""
-    name = {"depth": "delta", "load": "P"}[to]
-
-    def response(radii: Array) -> Array:
-        plan: Plan = contact.plan(radii, accuracy / 4)
-        return getattr(contact.nested(radii, plan), name)
-
-    return response
 
 
 def _series(contact: LayeredContact, nested: Nested, errors: Array) -> Series:

@@ -26,6 +26,7 @@ from ..indenters import Indenter, TableProfile
 from .kernel import Kernel, gauss, rule, split
 
 Array = np.ndarray
+SHRINK = 0.2
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,16 +44,25 @@ class Panels:
     stops: Array
 
     @classmethod
-    def through(cls, radii: Array, order: int, widest: float, breaks: tuple[float, ...] = ()) -> Panels:
-        """Panels with edges at all ``radii`` (increasing, > 0) and ``breaks``, none wider than ``widest`` [m]."""
+    def through(
+        cls, radii: Array, order: int, widest: float, breaks: tuple[float, ...] = (), crowding: int = 0
+    ) -> Panels:
+        """Panels with edges at all ``radii`` (increasing, > 0) and ``breaks``, none wider than ``widest`` [m].
+
+        ``crowding``: so many times the last panel before each radius is cut at ``SHRINK`` of its width from the radius,
+        for a solution that is not smooth at the edge of its contact.
+        """
         radii = np.asarray(radii, dtype=float)
         inner = [b for b in breaks if 0 < b < radii[-1]]
         edges = np.unique(np.concatenate([[0.0], inner, radii]))
         pieces = np.maximum(np.ceil(np.diff(edges) / widest * (1 - 1e-12)), 1).astype(int)
-        lo, hi = split(edges[:-1], edges[1:], pieces)
-        last = np.cumsum(pieces)[np.searchsorted(edges, radii) - 1]
-        x, w = gauss(lo, hi, *rule(order))
-        return cls(np.append(lo, radii[-1]), order, radii, x, w, order * last)
+        lo, _ = split(edges[:-1], edges[1:], pieces)
+        edges = np.append(lo, radii[-1])
+        before = edges[np.searchsorted(edges, radii) - 1]
+        cuts = radii[:, None] - (radii - before)[:, None] * SHRINK ** np.arange(1, crowding + 1)
+        edges = np.sort(np.concatenate([edges, np.ravel(cuts)]))
+        x, w = gauss(edges[:-1], edges[1:], *rule(order))
+        return cls(edges, order, radii, x, w, order * np.searchsorted(edges, radii))
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,21 +107,22 @@ class AbelImage:
         return cls(indenter.abel, tuple(float(b) for b in knots if b > 0), inner)
 
 
-def solve(kernel: Kernel, panels: Panels, image: AbelImage, E_star: float) -> Nested:
+def solve(kernel: Kernel, panels: Panels, image: AbelImage, E_star: float, singular: Array | None = None) -> Nested:
     """Nonadhesive contact of an indenter with the Abel image ``image`` at all radii of ``panels``.
 
-    Raises SolveError where the matrix is not positive definite, which
-    means that the panels do not resolve the kernel.
+    ``singular``: what is to be added to the smooth ``kernel`` at the nodes and radii (``product_matrix``).
+    Raises SolveError where the matrix is not positive definite, which means that the panels do not resolve the kernel.
     """
     n, root = panels.x.size, np.sqrt(panels.w)
     F = panel_means(image, panels)
-    K = 2 / math.pi * kernel.square(np.concatenate([panels.x, panels.radii]))
+    K = kernel.square(np.concatenate([panels.x, panels.radii]))
+    K = 2 / math.pi * (K if singular is None else K + singular)
     A = root[:, None] * K[:n, :n] * root + np.eye(n)
     try:
         factor = np.linalg.cholesky(A)
     except np.linalg.LinAlgError:
         raise SolveError(
-            f"layered: {n} nodes up to a = {panels.radii[-1]:g} m do not resolve the layers "
+            f"contact equation: {n} nodes up to a = {panels.radii[-1]:g} m do not resolve the kernel "
             "(matrix not positive definite)"
         ) from None
     right = np.column_stack([root, root * F, root[:, None] * K[:n, n:]])
@@ -128,7 +139,9 @@ def _running_sums(panels: Panels, forward: Array, F_edge: Array) -> tuple[Array,
     y_edge = 1 - np.cumsum(y[:, None] * columns, axis=0)[last, each]
     z_edge = F_edge - np.cumsum(z[:, None] * columns, axis=0)[last, each]
     if not (y_edge > 0).all():
-        raise SolveError(f"layered: S' is not positive at a = {panels.radii[np.argmin(y_edge)]:g} m: nodes too coarse")
+        raise SolveError(
+            f"contact equation: S' is not positive at a = {panels.radii[np.argmin(y_edge)]:g} m: nodes too coarse"
+        )
     delta = z_edge / y_edge
     S, products = np.cumsum(y**2)[last], np.cumsum(y * z)[last]
     return delta, delta * S - products, S, y_edge**2

@@ -19,6 +19,8 @@ SLOPES = {
     "gcv": "jkrcli.slopes.loocv:gcv",
     "integral": "jkrcli.slopes.integral:integral",
 }
+NEGLIGIBLE = 1e-4  # stated error of S' below which the slopes of a series count as exact
+FEW = 0.05  # of the radii
 __all__ = ["SLOPES", "Slopes", "slopes", "slopes_function", "smoothed"]
 
 
@@ -31,15 +33,35 @@ def slopes_function(name: str) -> Callable[[Series], Slopes]:
 
 
 def slopes(series: Series, name: str = "auto") -> Slopes:
-    """S and S' of ``series``; "auto" takes the exact ones where the series carries them, else the surer estimate."""
+    """S and S' of ``series``; "auto" takes those that the series carries, unless they are no better than a smooth fit
+    that agrees with them; else the surer estimate."""
     if name in ("loocv", "gcv"):
         paper = slopes_function(name)(series)
         return replace(_measured_against(paper, _integral_or_none(series)), reason="asked for")
     if name != "auto":
         return replace(slopes_function(name)(series), reason="asked for")
     if series.S is not None and series.dS is not None:
-        return replace(slopes_function("exact")(series), reason="the series carries exact slopes")
+        return _carried(series)
     return _surer(series)
+
+
+def _carried(series: Series) -> Slopes:
+    """The slopes that the series carries; or, where their stated error is noticeable and the fit "integral" stays
+    within it, that fit: it smooths the scatter of differences. At a flat end, where S' jumps, it errs more."""
+    exact = slopes_function("exact")(series)
+    if not isinstance(exact.error, float) or exact.error <= NEGLIGIBLE or "dS" not in series.errors:
+        return replace(exact, reason="the series carries exact slopes")
+    if series.a0 > 0:
+        return replace(exact, reason="the series carries slopes, and a smooth fit errs at the edge of the flat end")
+    fitted = _integral_or_none(series)
+    if fitted is None:
+        return replace(exact, reason="the series carries slopes, and 'integral' finds none")
+    beyond = float(np.mean(np.abs(fitted.dS - exact.dS) > series.errors["dS"]))
+    if beyond > FEW:
+        reason = f"the series carries slopes, and 'integral' leaves their stated error at {beyond:.0%} of the radii"
+        return replace(exact, reason=reason)
+    reason = f"smoother than the slopes that the series carries, within their stated error ({exact.error:.1g})"
+    return replace(fitted, reason=reason)
 
 
 def smoothed(

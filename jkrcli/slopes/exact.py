@@ -1,10 +1,10 @@
-"""Slopes that the series carries itself: nothing is differentiated."""
+"""Slopes that the series carries itself: nothing is smoothed."""
 
 from __future__ import annotations
 
 from ..errors import Refusal
 from ..series import Series
-from .result import Slopes, covariance_from_errors
+from .result import TWO_SIDED_90, Slopes, covariance_from_errors, shift_error
 
 
 def exact(series: Series) -> Slopes:
@@ -12,7 +12,8 @@ def exact(series: Series) -> Slopes:
     if series.S is None or series.dS is None:
         raise Refusal(
             "slopes: this series carries no exact S and dS/da; use the slopes 'integral' or 'loocv', or a method that "
-            "gives them (closed-form, layered)"
+            "gives them (closed-form, layered, hybrid; fem with edge correction and error estimate)"
         )
     covariance = covariance_from_errors(series, series.S, series.dS)
-    return Slopes(series.S, series.dS, "exact", error="no smoothing was done", covariance=covariance)
+    error = "no error is stated" if covariance is None else shift_error(series.dS, covariance, TWO_SIDED_90)
+    return Slopes(series.S, series.dS, "exact", error=error, covariance=covariance)

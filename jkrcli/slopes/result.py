@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from statistics import NormalDist
 
 import numpy as np
@@ -34,6 +34,13 @@ class Slopes:
     P: Array | None = None
     covariance: Array | None = None
     quantile: float = TWO_SIDED_90
+
+    def scaled(self, factor: float) -> Slopes:
+        """The slopes of the same bodies with all moduli multiplied by ``factor``; ``delta`` does not change."""
+        P = None if self.P is None else self.P * factor
+        by = np.array([1.0, factor, factor, factor])
+        covariance = None if self.covariance is None else self.covariance * np.outer(by, by)
+        return replace(self, S=self.S * factor, dS=self.dS * factor, P=P, covariance=covariance)
 
     @property
     def S_err(self) -> Array | None:

@@ -88,6 +88,12 @@ class Convergence:
         sizes, errors = np.log(np.array(pairs)).T
         return float(np.polyfit(sizes, errors, 1)[0])
 
+    @property
+    def time_exponent(self) -> float:
+        """Slope of CPU seconds over unknowns in logarithms."""
+        unknowns, seconds = np.log([(level.unknowns, level.seconds) for level in self.levels]).T
+        return float(np.polyfit(unknowns, seconds, 1)[0])
+
     def errors(self, quantity: str) -> list[float | None]:
         """Relative differences of each mesh to the exact value, or else to the extrapolated one, or to the finest."""
         reference = self.reference(quantity)
@@ -106,18 +112,33 @@ def converge(problem: Problem, method: FEM, w: float, count: int, slopes_name: s
     """Solve ``problem`` on ``count`` meshes, the finest being that of ``method``, and transform for ``w`` [J/m^2]."""
     if count < 2:
         raise InputError(f"levels: must be >= 2 meshes, got {count}")
-    method = replace(method, estimate_error=False)
+    method = replace(method, estimate_error=False, tolerance=None)
     factors = [RATIO**k for k in reversed(range(count))]
-    runs = [_timed(coarser(method, problem, factor), problem) for factor in factors]
-    depth = min(float(_increments(solution)[1][-1]) for solution, _ in runs)
+    meshes = [_timed(coarser(method, problem, factor), problem) for factor in factors]
+    depth = min(float(_increments(mesh.solution)[1][-1]) for mesh in meshes)
+    largest = float(meshes[-1].solution.series.a[-1])
     levels = []
-    for (solution, seconds), factor in zip(runs, factors, strict=True):
-        size = edge_size(coarser(method, problem, factor), problem, float(runs[-1][0].series.a[-1]))
+    for mesh in meshes:
+        solution, facts = mesh.solution, mesh.solution.facts
         state = _state(*_increments(solution), _adhesive(solution.series, w, slopes_name), depth)
-        facts = solution.facts
-        levels.append(Level(size, state, facts["elements"], facts["unknowns"], len(solution.series), facts["dropped"],
-                            seconds))  # fmt: skip
+        levels.append(Level(spacing_at(mesh.radii, largest), state, facts["elements"], facts["unknowns"],
+                            len(solution.series), facts["dropped"], mesh.seconds))  # fmt: skip
     return Convergence(problem, w, depth, tuple(levels), _exact(problem, w, depth))
+
+
+@dataclass(frozen=True, eq=False)
+class Timed:
+    """A solution, its mesh's surface ``radii`` [m] and the CPU ``seconds`` it took."""
+
+    solution: Solution
+    radii: Array
+    seconds: float
+
+
+def _timed(method: FEM, problem: Problem) -> Timed:
+    start = time.process_time()
+    run, solution = method.solve(problem)
+    return Timed(solution, run.level.model.grid.surface_radii(), time.process_time() - start)
 
 
 def coarser(method: FEM, problem: Problem, factor: float) -> FEM:
@@ -151,16 +172,13 @@ def richardson(values: Sequence[float | None]) -> tuple[float, float] | str:
     return order, last[-1] + second / (RATIO**order - 1)  # type: ignore[operator]
 
 
-def _timed(method: FEM, problem: Problem) -> tuple[Solution, float]:
-    start = time.process_time()
-    solution = method(problem)
-    return solution, time.process_time() - start
-
-
 def edge_size(method: FEM, problem: Problem, a: float) -> float:
     """Distance between the surface vertices on either side of the radius ``a`` [m] in the method's mesh."""
-    points = method.mesh(problem).points
-    radii = np.sort(points[points[:, 1] == 0, 0])
+    return spacing_at(method.mesh(problem).surface_radii(), a)
+
+
+def spacing_at(radii: Array, a: float) -> float:
+    """Distance between the neighbours of ``a`` among ``radii`` [m]."""
     k = int(np.clip(np.searchsorted(radii, a), 1, radii.size - 1))
     return float(radii[k] - radii[k - 1])
 

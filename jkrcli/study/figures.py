@@ -15,6 +15,7 @@ from ..case.numerics import method_of
 from ..errors import InputError
 from ..fem.method import FEM
 from ..integral.layered import Layered
+from ..materials import Elastic
 from ..plots import BLACK, BLUE, GREEN, ORANGE, pretty
 from ..plots_study import UNNAMED, Figure, Line, Panel, panels_figure
 from ..problem import Loading, Problem
@@ -79,10 +80,10 @@ def thin_layer_figure(case: Path) -> Figure:
     """Fig. 7: the same in the units of Eq. 19, against the leading order (Eqs. 20, 21) and the exact layer."""
     solved = Solved.of(case)
     problem, w, R = solved.problem, solved.works[0], _tip_radius(solved.problem, case)
-    if not problem.specimen.layers or problem.specimen.surface.nu >= 0.5:
-        raise InputError(f"{case}: specimen: Fig. 7 needs a layer with nu < 0.5 (Eq. 22)")
-    top = problem.specimen.layers[0]
-    K = closed_form.foundation_modulus(top.material.E, top.material.nu, top.thickness)
+    material = problem.specimen.materials[0]
+    if not problem.specimen.layers or not isinstance(material, Elastic) or material.nu >= 0.5:
+        raise InputError(f"{case}: specimen: Fig. 7 needs a homogeneous layer with nu < 0.5 (Eq. 22)")
+    K = closed_form.foundation_modulus(material.E, material.nu, problem.specimen.top_thickness)
     P_unit, delta_unit, a_unit = scales_thin_layer(R, K, w)
     a_bar = np.linspace(0, solved.series.a[-1] / a_unit, 400)
     leading = (

@@ -1,0 +1,136 @@
+"""The sweep file as models: a base case, axes over its keys, samples of uncertain keys, the quantities wanted."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import BeforeValidator, Field, model_validator
+
+from ..files import read_bytes
+from . import parse_toml, validated
+from .fields import Length, Table, as_tuple, one_or_more, quantity, wrong
+from .models import RootTable
+
+MOST = 100_000_000  # values of one axis
+LIST, RANGE = {"key", "values"}, {"key", "from", "to", "count", "spacing"}
+DISTRIBUTIONS = {  # the keys that each needs, and those that it may have
+    "uniform": ({"from", "to"}, set()),
+    "loguniform": ({"from", "to"}, set()),
+    "normal": ({"mean", "sd"}, {"least", "most"}),
+    "lognormal": ({"median", "factor"}, {"least", "most"}),
+    "integer": ({"from", "to"}, set()),
+    "choice": ({"values"}, set()),
+}
+Values = Annotated[tuple[Any, ...], BeforeValidator(as_tuple)]
+Count = Annotated[int, Field(ge=1, le=MOST)]
+
+
+def _given(table: Table) -> set[str]:
+    """The keys that stand in the file."""
+    fields = type(table).model_fields
+    return {fields[name].alias or name for name in table.model_fields_set}
+
+
+class AxisTable(Table):
+    """One of: ``key`` with ``values``; ``key`` with ``from``, ``to``, ``count``; ``zip``: lists that go together."""
+
+    key: str | None = None
+    values: Values | None = None
+    start: Any = Field(None, alias="from")
+    end: Any = Field(None, alias="to")
+    count: Annotated[int, Field(ge=2, le=MOST)] | None = None
+    spacing: Literal["linear", "log"] = "linear"
+    zip: dict[str, Values] | None = None
+
+    @model_validator(mode="after")
+    def _one_form(self) -> Self:
+        given = _given(self)
+        if not (given in (LIST, {"zip"}) or given in (RANGE, RANGE - {"spacing"})):
+            raise wrong(
+                "must hold key and values, or key, from, to, count (and spacing), or zip alone, got "
+                f"{', '.join(sorted(given)) or 'nothing'}"
+            )
+        if self.values == () or self.zip == {}:
+            raise wrong("is empty")
+        if self.zip is not None:
+            lengths = {key: len(values) for key, values in self.zip.items()}
+            if len(set(lengths.values())) > 1 or 0 in lengths.values():
+                raise wrong(f"the lists of zip must have one length, got {lengths}")
+        return self
+
+
+class DistributionTable(Table):
+    """How an uncertain key is distributed; parameters in the key's own unit, ``factor`` = exp of the log's sd."""
+
+    distribution: Literal["uniform", "loguniform", "normal", "lognormal", "integer", "choice"]
+    start: Any = Field(None, alias="from")
+    end: Any = Field(None, alias="to")
+    mean: Any = None
+    sd: Any = None
+    median: Any = None
+    factor: quantity("number", above=1) | None = None
+    least: Any = None
+    most: Any = None
+    values: Values | None = None
+
+    @model_validator(mode="after")
+    def _its_own_keys(self) -> Self:
+        needed, allowed = DISTRIBUTIONS[self.distribution]
+        given = _given(self) - {"distribution"}
+        if not needed <= given <= needed | allowed:
+            optional = f" (and {', '.join(sorted(allowed))})" if allowed else ""
+            raise wrong(
+                f"{self.distribution} takes {', '.join(sorted(needed))}{optional}, got "
+                f"{', '.join(sorted(given)) or 'nothing'}"
+            )
+        if self.values == ():
+            raise wrong("values is empty")
+        return self
+
+
+class SamplesTable(Table):
+    """``count`` draws of all keys in ``of``; those of a smaller count are the first (but for latin-hypercube)."""
+
+    count: Count
+    method: Literal["sobol", "random", "latin-hypercube"] = "sobol"
+    seed: Annotated[int, Field(ge=0)] = 0
+    of: Annotated[dict[str, DistributionTable], Field(min_length=1)]
+
+
+class OutputsTable(Table):
+    """``quantities``: names or groups; ``radii``: the curve there too; ``stiffness``: pull-off by such devices too."""
+
+    quantities: one_or_more(str) = ("pull_off", "validity", "errors")
+    radii: one_or_more(Length) = ()
+    stiffness: one_or_more(quantity("stiffness", above=0)) = ()
+    slopes: Literal["auto", "exact", "integral", "loocv", "gcv"] = "auto"
+
+
+class SweepModel(RootTable):
+    """A whole sweep file; ``base``: name of a case file, or a case in place."""
+
+    title: str = ""
+    base: str | dict[str, Any]
+    axes: Annotated[tuple[AxisTable, ...], BeforeValidator(as_tuple)] = ()
+    samples: SamplesTable | None = None
+    outputs: OutputsTable = OutputsTable()
+
+    @classmethod
+    def keys_at(cls, path: tuple[str, ...]) -> list[str]:
+        """The keys allowed in the table at ``path``."""
+        tables: dict[str, type[Table]] = {"axes": AxisTable, "outputs": OutputsTable, "samples": SamplesTable}
+        table = tables.get(path[0], cls) if path else cls
+        if path[:2] == ("samples", "of"):
+            table = DistributionTable
+        return [field.alias or name for name, field in table.model_fields.items()]
+
+
+def load_sweep(path: Path) -> tuple[SweepModel, dict[str, Any], Path]:
+    """The sweep file at ``path``, the tables of its base case as they stand, and the folder for names in them."""
+    source = str(path)
+    model = validated(SweepModel, parse_toml(read_bytes(path, "sweep file"), source), source)
+    if isinstance(model.base, dict):
+        return model, model.base, path.parent
+    base = path.parent / model.base
+    return model, parse_toml(read_bytes(base, "base case"), str(base)), base.parent

@@ -1,0 +1,67 @@
+"""``jkr explore``: one page with sliders."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from .. import measured, store, tables
+from ..analysis import analyse, specification
+from ..errors import InputError
+from ..explorer import page, payload, start_work
+from ..files import check_target, write_text
+from .measured import reading_of, reading_options
+from .options import WorkOfAdhesion, slopes_option
+
+
+@click.command()
+@click.argument("file", type=click.Path(path_type=Path))
+@click.argument("data", nargs=-1, type=click.Path(path_type=Path))
+@click.option("-o", "--output", type=click.Path(path_type=Path), help="The page [default: <file>-explore.html].")
+@click.option("--w", "work", type=WorkOfAdhesion(), help="To begin with [default: the case's first].")
+@slopes_option
+@reading_options
+@click.option("--force", is_flag=True, help="Replace an existing file that jkr did not write.")
+@click.option("--json", "as_json", is_flag=True, help="Print what was written as JSON.")
+def explore(
+    file: Path,
+    data: tuple[Path, ...],
+    output: Path | None,
+    work: float | None,
+    slopes: str,
+    force: bool,
+    as_json: bool,
+    **reading: Any,
+) -> None:
+    """Make one self-contained page with sliders from a series FILE, with measured DATA (CSV) drawn over the curve.
+
+    It works from disk without a network: sliders and number fields for the work of adhesion, a factor to all moduli,
+    the machine's stiffness and the data's zero point; stable and unstable branches, pull-off, the commands that give
+    the same numbers, a button that saves the curve as CSV.
+
+    \b
+    jkr explore data.h5
+    jkr explore gel.h5 measured.csv -o gel.html
+    """
+    if work == 0:
+        raise InputError("explore: --w must be > 0 J/m^2 to begin with, got 0")
+    target = output if output is not None else file.with_name(f"{file.stem}-explore.html")
+    check_target(target, force, [file, *data])
+    stored = store.read(file)
+    curves = [curve for path in data for curve in measured.read(path, reading_of(dict(reading)))]
+    works = (work,) if work is not None else tuple(w for w in specification(stored).w if w > 0)[:1]
+    result = analyse(stored, works or (1.0,), slopes)[0]
+    if not works:
+        result = analyse(stored, (start_work(result.curve.series, result.curve.slopes),), slopes)[0]
+    text = page(payload(result, curves, slopes))
+    write_text(target, text)
+    size, points = len(text.encode()), sum(map(len, curves))
+    if as_json:
+        summary = {"file": str(file), "page": str(target), "bytes": size, "w_J_per_m2": result.w}
+        click.echo(tables.as_json(summary | {"measured_curves": len(curves), "measured_points": points}).rstrip())
+        return
+    overlaid = f", {points} measured points in {len(curves)} curves" if curves else ""
+    click.echo(f"{file}: {len(result.curve.series)} points{overlaid}")
+    click.echo(f"  written {target} ({size / 1e6:.1f} MB): open it in a browser")

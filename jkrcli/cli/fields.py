@@ -1,0 +1,157 @@
+"""``jkr fields``: displacement and stress in the body at one state."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+import numpy as np
+
+from .. import store, tables
+from ..analysis import analyse, specification
+from ..errors import InputError
+from ..files import atomic, check_target, make_folder, write_text
+from ..states import stable_radius
+from ..units import show
+from .mesh import MARKS
+from .options import Length, Load, WorkOfAdhesion
+
+if TYPE_CHECKING:
+    from ..fem.state import ContactState
+
+ENDINGS = (".vtu", ".csv", ".png", ".svg")
+
+
+@click.command()
+@click.argument("file", type=click.Path(path_type=Path))
+@click.option("--a", "radius", type=Length(), help='Contact radius, "2 um".')
+@click.option("--load", type=Load(), help='Load, "-3 mN" (stable branch), compression positive.')
+@click.option(
+    "--w", "work", type=WorkOfAdhesion(), help="Work of adhesion; 0: nonadhesive [default: the case's first]."
+)
+@click.option("--component", type=click.Choice(["zz", "rr", "tt", "rz", "mises"]), default="zz", show_default=True,
+              help="Stress in the picture; the .vtu holds all.")  # fmt: skip
+@click.option("-o", "--output", type=click.Path(path_type=Path, file_okay=False), help="Folder [default: the file's].")
+@click.option("--no-plots", is_flag=True, help="Write .vtu and .csv only.")
+@click.option("--force", is_flag=True, help="Replace existing files that jkr did not write.")
+@click.option("--json", "as_json", is_flag=True, help="Print the summary as JSON.")
+def fields(
+    file: Path,
+    radius: float | None,
+    load: float | None,
+    work: float | None,
+    component: str,
+    output: Path | None,
+    no_plots: bool,
+    force: bool,
+    as_json: bool,
+) -> None:
+    """Displacement and stress in the body of a series FILE at one state of adhesive contact, by finite elements.
+
+    The field of the nonadhesive contact and of the flat punch of the same radius, superposed, on a mesh graded towards
+    the contact's edge, whatever method wrote the series. Writes <stem>-fields.vtu (ParaView), .csv (tractions on the
+    surface, every interface and the base, with their estimated error), .png and .svg.
+
+    \b
+    jkr fields data.h5 --a "5 um"
+    jkr fields coating.h5 --load "-10 uN" --w "40 mJ/m^2" --component rr
+    """
+    if (radius is None) == (load is None):
+        raise InputError("fields: give exactly one of --a and --load")
+    stored = store.read(file)
+    works = specification(stored).w
+    w = work if work is not None else (works or (0.0,))[0]
+    folder = output if output is not None else file.parent
+    make_folder(folder)
+    targets = {ending: folder / f"{file.stem}-fields{ending}" for ending in ENDINGS[: 2 if no_plots else 4]}
+    for target in targets.values():
+        check_target(target, force, [file])
+    from ..case import parse_case
+    from ..case.numerics import fem_of
+    from ..fem.state import contact_state
+
+    result = analyse(stored, [w])[0]
+    if radius is None:
+        assert load is not None
+        radius = stable_radius(result.curve, load)
+    delta, P = (float(value) for value in result.curve.at(np.array(radius)))
+    P = P if load is None else load  # but for round-off
+    method = fem_of(parse_case(stored.case.encode(), f"{file}: case").model)
+    problem = result.case.problem
+    state = contact_state(method, problem, radius, delta)
+    figure = None
+    if not no_plots:
+        from ..plots_contact_zone import contact_zone_figure
+
+        figure = contact_zone_figure(state, problem.indenter, w, component)
+    _write(state, targets)
+    if figure is not None:
+        from .. import plots
+
+        for ending in ENDINGS[2:]:
+            plots.save(figure, targets[ending])
+    summary = _summary(file, w, P, state)
+    if as_json:
+        click.echo(tables.as_json(summary).rstrip())
+        return
+    _print(file, w, state, summary, folder / f"{file.stem}-fields{{{','.join(targets)}}}")
+
+
+def _write(state: ContactState, targets: dict[str, Path]) -> None:
+    from ..fem.export import write_vtu
+
+    flat = np.zeros(len(state.displacement))
+    data = {"displacement_m": np.column_stack([state.displacement, flat])}
+    data |= {f"sigma_{name}_Pa": values for name, values in zip(("rr", "tt", "zz", "rz"), state.stress, strict=True)}
+    with atomic(targets[".vtu"]) as temporary:
+        write_vtu(state.grid, temporary, data | {"von_mises_Pa": state.mises})
+        with temporary.open("a") as file:
+            file.write(MARKS[".vtu"])
+    write_text(targets[".csv"], tables.csv(tractions(state)))
+
+
+def tractions(state: ContactState) -> dict[str, np.ndarray]:
+    """Columns of the CSV file: one row for each point of each line."""
+    lines = state.lines.items()
+    columns = {
+        "line": np.concatenate([np.full(line.r.size, name) for name, line in lines]),
+        "depth_m": np.concatenate([np.full(line.r.size, line.depth) for _, line in lines]),
+    }
+    names = {"r": "r_m", "zz": "sigma_zz_Pa", "rz": "sigma_rz_Pa"}
+    names |= {"zz_error": "sigma_zz_err_Pa", "rz_error": "sigma_rz_err_Pa", "area": "ring_area_m2"}
+    return columns | {
+        column: np.concatenate([getattr(line, key) for _, line in lines]) for key, column in names.items()
+    }
+
+
+def _summary(file: Path, w: float, P: float, state: ContactState) -> dict[str, Any]:
+    return {
+        "file": str(file),
+        "a_m": state.a,
+        "w_J_per_m2": w,
+        "delta_m": state.delta,
+        "P_N": state.P,
+        "P_series_N": P,
+        "difference": abs(state.P - P) / state.lines["surface"].size,
+        "elements": len(state.grid.cells),
+        "lines": {
+            name: {"depth_m": line.depth, "load_N": line.load, "imbalance": state.imbalance[name],
+                   "error": state.error[name]}
+            for name, line in state.lines.items()
+        },
+    }  # fmt: skip
+
+
+def _print(file: Path, w: float, state: ContactState, summary: dict[str, Any], written: str | Path) -> None:
+    click.echo(f"{file}: a = {show(state.a, 'length')}, w = {show(w, 'work')}, delta = {show(state.delta, 'length')}")
+    click.echo(
+        f"  load         {show(state.P, 'load')}, of the series {show(summary['P_series_N'], 'load')}: "
+        f"{summary['difference']:.0e} of the forces in the contact apart; {summary['elements']} elements"
+    )
+    for name, line in summary["lines"].items():
+        click.echo(
+            f"  {name:<12} carries {show(line['load_N'], 'load'):<10} (balance within {abs(line['imbalance']):.0e}); "
+            f"tractions good to {line['error']:.0e} on average"
+        )
+    click.echo(f"  written      {written}")

@@ -1,0 +1,235 @@
+"""``jkr fit``: E*, w and the zero points from measured curves."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from ..errors import InputError
+from .measured import reading_of, reading_options
+from .options import Scale, slopes_option
+
+if TYPE_CHECKING:
+    from ..fit import Body, Fit, Settings
+    from ..fit.many import Failure
+    from ..measured import Curve
+
+ENDINGS = (".csv", ".json", ".h5")
+PICTURES = (".png", ".svg")
+SHOWN = 10  # curves that are told line by line, and drawn
+IN_PARALLEL = 60  # curves from which on starting processes pays
+
+
+class Named(click.ParamType):
+    """NAME=TEXT, told apart by the name alone: what the text may be depends on it."""
+
+    name = "NAME=VALUE"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[str, str]:
+        if isinstance(value, tuple):
+            return value
+        name, mark, text = (part.strip() for part in str(value).partition("="))
+        if not (name and mark and text):
+            self.fail(f'must be NAME=VALUE, such as w="50 mJ/m^2", got "{value}"', param, ctx)
+        return name, text
+
+
+class Names(click.ParamType):
+    """One or several names, separated by commas."""
+
+    name = "NAME,..."
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[str, ...]:
+        return (
+            value if isinstance(value, tuple) else tuple(part.strip() for part in str(value).split(",") if part.strip())
+        )
+
+
+@click.command()
+@click.argument("body_file", metavar="BODY", type=click.Path(path_type=Path))
+@click.argument("measured", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.option("--free", multiple=True, type=Names(), help="Also free: P0, compliance, E:LAYER, h:LAYER (thickness).")
+@click.option("--fix", multiple=True, type=Named(), help='Known: w="50 mJ/m^2", delta0=0, modulus=1, E_star="1 MPa".')
+@click.option("--start", multiple=True, type=Named(), help="Starting value, beside those found in the data.")
+@click.option("--bound", multiple=True, type=Named(), help='Bounds, w="10 mJ/m^2..1 J/m^2"; one may be left out.')
+@click.option("--segment", type=click.Choice(["approach", "retract", "both"]),
+              help="Rows to fit [default: retract where the file names segments, else all].")  # fmt: skip
+@click.option("--branch", type=click.Choice(["all", "compressive"]), default="all", show_default=True,
+              help="compressive: rows under compression only.")  # fmt: skip
+@click.option("--noise", multiple=True, type=Scale(),
+              help='Standard deviation of the readings, P="2 nN" [default: from the record].')  # fmt: skip
+@click.option("--loss", type=click.Choice(["linear", "soft_l1", "huber", "cauchy"]), default="linear",
+              show_default=True, help="Anything but linear is robust against outliers.")  # fmt: skip
+@click.option("--confidence", type=click.Choice(["covariance", "profile", "bootstrap"]), default="covariance",
+              show_default=True, help="How the intervals are found.")  # fmt: skip
+@click.option("--level", type=float, default=0.95, show_default=True, help="Of the intervals.")
+@click.option("--samples", type=click.IntRange(20, 100_000), default=200, show_default=True, help="Of the bootstrap.")
+@click.option("--seed", type=int, default=0, show_default=True, help="Of the bootstrap.")
+@click.option("--uncertain", multiple=True, type=Named(),
+              help="Standard deviation of an input, carried through: nu=0.02, thickness=5%, E:LAYER=10%.")  # fmt: skip
+@slopes_option
+@reading_options
+@click.option("--workers", type=click.IntRange(min=1), help="Local processes [default: one per core, if they pay].")
+@click.option("--scheduler", metavar="ADDRESS", help="Dask scheduler that you run, such as tcp://node1:8786.")
+@click.option("-o", "--output", type=click.Path(path_type=Path, file_okay=False), help="Folder [default: BODY's].")
+@click.option("--no-plots", is_flag=True, help=f"Draw nothing (else up to {SHOWN} curves are drawn).")
+@click.option("--force", is_flag=True, help="Replace existing files that jkr did not write.")
+@click.option("--json", "as_json", is_flag=True, help="Print the summary as JSON.")
+def fit(
+    body_file: Path,
+    measured: tuple[Path, ...],
+    free: tuple[tuple[str, ...], ...],
+    fix: tuple[tuple[str, str], ...],
+    start: tuple[tuple[str, str], ...],
+    bound: tuple[tuple[str, str], ...],
+    uncertain: tuple[tuple[str, str], ...],
+    slopes: str,
+    workers: int | None,
+    scheduler: str | None,
+    output: Path | None,
+    no_plots: bool,
+    force: bool,
+    as_json: bool,
+    **options: Any,
+) -> None:
+    """Find E*, w and the zero points that bring the adhesive curves of BODY nearest to each MEASURED curve.
+
+    BODY: a series file, or a case file that is solved on the way, to the radii that the data ask for. Measured are
+    two or three of a, delta, P; a and P need no zero of the displacement. Free are the common factor of all moduli
+    (told as E*), w and delta0; a layer's own E:LAYER or h:LAYER in their place (LAYER: its name, its number from 1 at
+    the contact, or base). A reading is delta0 + delta + compliance P, and P0 + P. Orthogonal distances are minimised,
+    in units of the noise. Writes <BODY>-fit.csv (a row per curve), .json, .h5 and <BODY>-fit-<curve>.png, .svg.
+
+    \b
+    jkr fit sphere.toml probe.csv
+    jkr fit gel.h5 probe.csv --unit P=mN --confidence profile --uncertain nu=0.005
+    jkr fit coating.toml probe.csv --free E:skin --bound E:skin="1 MPa..1 GPa"
+    jkr fit data.h5 map.jpk-force-map --contact estimate --free P0 --workers 2
+    """
+    from .. import tables
+    from ..files import check_target, make_folder, write_text
+    from ..fit import archive, report
+    from ..fit.request import settings_of, uncertain_of
+
+    folder = body_file.parent if output is None else output
+    stem = folder / f"{body_file.stem}-fit"
+    if output is not None:
+        make_folder(output)
+    inputs = (body_file, *measured)
+    targets = {ending: stem.with_name(stem.name + ending) for ending in ENDINGS}
+    for target in targets.values():
+        check_target(target, force, inputs)
+    reading = reading_of(options)
+    options["noise"] = dict(options["noise"])
+    body = _body(body_file, slopes)
+    names = [name for group in free for name in group]
+    settings = settings_of(body, names, fix, start, bound, **options)
+    if uncertain:
+        settings = settings_of(
+            body, names, fix, start, bound, uncertain=uncertain_of(body, uncertain, settings), **options
+        )
+    found = _fits(body, measured, reading, settings, workers, scheduler)
+    drawn = [] if no_plots else _pictures(found, stem)
+    for _, target in drawn:
+        for ending in PICTURES:
+            check_target(target.with_name(target.name + ending), force, inputs)
+    write_text(targets[".csv"], report.table(found))
+    write_text(targets[".json"], tables.as_json(report.summary(found, str(body_file))))
+    archive.write(targets[".h5"], found, str(body_file))
+    _draw(drawn)
+    _tell(found, as_json, str(body_file))
+    if not as_json:
+        pictures = f", {len(drawn)} picture{'s' if len(drawn) > 1 else ''}" if drawn else ""
+        click.echo(f"written {stem}{{{','.join(ENDINGS)}}}{pictures}")
+
+
+def _body(path: Path, slopes: str) -> Body:
+    """The body of a series file, or of a case file, which is solved."""
+    from ..fit import Body
+
+    if path.suffix == ".toml":
+        from ..case import load_case
+        from ..slopes import slopes as slopes_of
+        from .run import solve
+
+        case = load_case(path)
+        problem = case.model.problem()
+        _, solution = solve(case)
+        found = slopes_of(solution.series, slopes)
+        return Body.of(problem, solution.series, found, problem.specimen.radius is None)
+    from .. import store
+    from ..analysis import Fitted, specification
+
+    stored = store.read(path)
+    fitted = Fitted.of(stored, specification(stored), slopes)
+    return Body.of(fitted.case.problem, fitted.series, fitted.slopes)
+
+
+def _fits(
+    body: Body, paths: tuple[Path, ...], reading: Any, settings: Settings, workers: int | None, scheduler: str | None
+) -> list[Fit | Failure]:
+    """Fits of all curves in all files; InputError where there is none at all."""
+    from ..executors import executor
+    from ..fit.many import Failure, fit_all
+    from ..measured import each
+    from ..text_table import some
+
+    curves: list[Curve] = []
+    unread: list[str] = []
+    for path in paths:
+        for item in each(path, reading):
+            if isinstance(item, InputError):
+                unread += item.lines
+            else:
+                curves.append(item)
+    if workers is None and scheduler is None and len(curves) < IN_PARALLEL:
+        workers = 1
+    with executor(workers, scheduler) as pool:
+        found = fit_all(body, curves, settings, pool)
+    failed = [line for item in found if isinstance(item, Failure) for line in item.lines]
+    if len(unread) + len(failed) and all(isinstance(item, Failure) for item in found):
+        raise InputError(some([*unread, *failed]))
+    for line in [*unread, *failed]:
+        click.echo(f"jkr: warning: skipped: {line}", err=True)
+    return found
+
+
+def _pictures(found: list[Fit | Failure], stem: Path) -> list[tuple[Fit, Path]]:
+    """Fits to draw, with the names of their pictures without ending."""
+    from ..fit import Fit
+
+    fits = [item for item in found if isinstance(item, Fit)]
+    if len(fits) > SHOWN:
+        return []
+    names = [Path(item.file).stem if len(fits) == 1 else f"{Path(item.file).stem}-{item.name}" for item in fits]
+    return [(item, stem.with_name(f"{stem.name}-{re.sub(r'[^-_.a-zA-Z0-9]+', '-', name)}"))
+            for item, name in zip(fits, names, strict=True)]  # fmt: skip
+
+
+def _draw(drawn: list[tuple[Fit, Path]]) -> None:
+    if drawn:
+        from .. import plots, plots_fit
+    for item, target in drawn:
+        figure = plots_fit.fit_figure(item)
+        for ending in PICTURES:
+            plots.save(figure, target.with_name(target.name + ending))
+
+
+def _tell(found: list[Fit | Failure], as_json: bool, body: str) -> None:
+    from .. import tables
+    from ..fit import Fit, report
+
+    fits = [item for item in found if isinstance(item, Fit)]
+    if as_json:
+        click.echo(tables.as_json(report.summary(found, body)).rstrip())
+    else:
+        for item in fits[:SHOWN]:
+            click.echo("\n".join(report.words(item)))
+        if len(fits) > SHOWN:
+            click.echo(f"... and {len(fits) - SHOWN} more curves")
+    for item in fits[:SHOWN]:
+        for warning in item.warnings:
+            click.echo(f"jkr: warning: {item.where}: {warning}", err=True)

@@ -1,0 +1,58 @@
+"""The options by which verbs read measured curves: one set for all of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+import click
+
+from ..measured import KEYS, Reading
+from ..text_table import SEPARATORS
+from .options import Factor, KeyValue, Scale
+
+Command = TypeVar("Command", bound=Callable[..., Any])
+FIELDS = ("columns", "units", "flip", "stiffness", "sensitivity", "zero", "contact", "format", "separator", "decimal")
+
+
+class Stiffness(Factor):
+    """A stiffness > 0."""
+
+    name = "STIFFNESS"
+    dimension = "stiffness"
+
+
+OPTIONS = (
+    click.option("--column", "columns", multiple=True, type=KeyValue("NAME", KEYS),
+                 help=f"Column name or number where the header does not tell; keys {', '.join(KEYS)}."),
+    click.option("--unit", "units", multiple=True, type=KeyValue("UNIT", KEYS[:5]),
+                 help="Unit where the header has none, P=nN."),
+    click.option("--flip", multiple=True, type=click.Choice(["delta", "P"]),
+                 help="Turn the sign: of a height or separation, of loads that count adhesion positive."),
+    click.option("--zero", multiple=True, type=Scale(("delta", "P")),
+                 help='Reading at the zero point, subtracted after the flip: delta="1.2 um".'),
+    click.option("--contact", type=click.Choice(["as-is", "estimate"]), default="as-is", show_default=True,
+                 help="estimate: baseline with tilt and first touch from the free part of the approach."),
+    click.option("--stiffness", type=Stiffness(),
+                 help="The displacement is that of a device (piezo) of this stiffness: P/stiffness is subtracted."),
+    click.option("--sensitivity", type=float, help="Of a force microscope [m/V], where its file lacks it."),
+    click.option("--format", type=click.Choice(["auto", "text", "afm"]), default="auto", show_default=True,
+                 help="auto: by the file's ending; afm: .csv and .txt of microscopes (needs afmformats)."),
+    click.option("--separator", type=click.Choice(list(SEPARATORS)), help="Between the columns [default: found out]."),
+    click.option("--decimal", type=click.Choice([".", ","]), help="Decimal mark [default: found out]."),
+)  # fmt: skip
+
+
+def reading_options(command: Command) -> Command:
+    """Add the options to a verb; their values are among its keyword arguments by the names in ``FIELDS``."""
+    for option in reversed(OPTIONS):
+        command = option(command)
+    return command
+
+
+def reading_of(values: dict[str, Any]) -> Reading:
+    """The reading that the options ask for; takes their values out of ``values``."""
+    told: dict[str, Any] = {name: values.pop(name) for name in FIELDS}
+    for name in ("columns", "units", "zero"):
+        told[name] = dict(told[name])
+    return Reading(**told | {"flip": frozenset(told["flip"])})

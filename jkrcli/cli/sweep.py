@@ -1,0 +1,101 @@
+"""``jkr sweep``: many cases from one file, to one table."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from .. import tables
+from ..errors import InputError
+from ..sweep.plan import Plan, load_plan
+from ..sweep.running import Means, alone, rerun
+from ..sweep.running import sweep as carry_out
+from ..sweep.solving import FAILED
+from ..sweep.table import Table
+
+
+@click.command()
+@click.argument("sweep_file", metavar="SWEEP", type=click.Path(path_type=Path))
+@click.option(
+    "-o", "--output", type=click.Path(path_type=Path, file_okay=False), help="Folder [default: <sweep>-results here]."
+)
+@click.option("--workers", type=click.IntRange(min=1), help="Local processes [default: one per core, if they pay].")
+@click.option("--scheduler", metavar="ADDRESS", help="Dask scheduler that you run, such as tcp://node1:8786.")
+@click.option(
+    "--hours", type=click.FloatRange(min=0), default=10.0, show_default=True, help="Most core hours to begin."
+)
+@click.option("--retry-failed", is_flag=True, help="Try the failed cases of an earlier run again.")
+@click.option("--only", type=click.IntRange(min=0), metavar="CASE", help="Solve this case alone and print its row.")
+@click.option("--show-case", type=click.IntRange(min=0), metavar="CASE", help="Print this case as a case file.")
+@click.option("--force", is_flag=True, help="Replace existing tables that jkr did not write.")
+@click.option("--json", "as_json", is_flag=True, help="Print the summary (or the row) as JSON.")
+def sweep(
+    sweep_file: Path,
+    output: Path | None,
+    workers: int | None,
+    scheduler: str | None,
+    hours: float,
+    retry_failed: bool,
+    only: int | None,
+    show_case: int | None,
+    force: bool,
+    as_json: bool,
+) -> None:
+    """Solve all cases that SWEEP (TOML) makes of a base case; a table with a row per case: CSV, HDF5, Parquet.
+
+    Run again after an interruption it goes on where it stopped; cases that share a solve are solved once.
+
+    \b
+    jkr sweep cases/sweep-gel.toml -o results
+    jkr sweep my-sweep.toml -o results --scheduler tcp://node1:8786
+    jkr sweep my-sweep.toml --only 17
+    jkr sweep my-sweep.toml --show-case 17 > case-17.toml
+    """
+    plan = load_plan(sweep_file)
+    if show_case is not None:
+        click.echo(plan.case(_number(plan, show_case, "--show-case")).to_toml(), nl=False)
+    elif only is not None:
+        _print_row(plan, _number(plan, only, "--only"), as_json)
+    else:
+        folder = output if output is not None else Path(f"{sweep_file.stem}-results")
+        means = Means(workers, scheduler, hours, retry_failed)
+        table, paths = carry_out(plan, folder, means, force, lambda text: click.echo(f"jkr: {text}", err=True))
+        _print_summary(plan, table, paths, as_json)
+
+
+def _number(plan: Plan, number: int, option: str) -> int:
+    if number >= plan.count:
+        raise InputError(f"{option}: the cases of {plan.source} are numbered 0 to {plan.count - 1}, got {number}")
+    return number
+
+
+def _print_row(plan: Plan, number: int, as_json: bool) -> None:
+    row = alone(plan, number)
+    inputs = dict(zip(plan.key_columns, plan.values(number).values(), strict=True))
+    outputs = dict(zip(plan.recipe.wanted.columns, row.values, strict=True))
+    whole = {"case": number, "status": row.status, "reason": row.reason, **inputs, **outputs}
+    if as_json:
+        click.echo(tables.as_json(whole).rstrip())
+        return
+    for name, value in whole.items():
+        click.echo(f"{name:<40} {'' if value is None else value}".rstrip())
+
+
+def _print_summary(plan: Plan, table: Table, paths: list[Path], as_json: bool) -> None:
+    failed = table.failed
+    if as_json:
+        summary = {
+            "format": "jkr-sweep-summary",
+            "cases": plan.count,
+            FAILED: len(failed),
+            "columns": list(table.columns),
+            "files": [str(path) for path in paths],
+        }
+        click.echo(tables.as_json(summary).rstrip())
+    else:
+        click.echo(f"{plan.title or plan.source}: {plan.count:,} cases, {len(failed):,} of them failed")
+        click.echo(f"  written   {', '.join(str(path) for path in paths)}")
+        click.echo(f"  one case  {rerun(plan, failed[0][0] if failed else 0)}")
+    if failed:
+        click.echo(f"jkr: warning: {len(failed):,} cases failed, the first because: {failed[0][1]}", err=True)

@@ -1,0 +1,63 @@
+"""How loud a verb is: results to stdout unless quiet, details to stderr when verbose, warnings to stderr always."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import click
+
+LEVEL = "jkr.level"
+QUIET, USUAL, VERBOSE = range(3)
+
+
+def level_options() -> list[click.Option]:
+    """``-q`` and ``-v``, which every verb has."""
+    return [
+        click.Option(
+            ["-q", "--quiet"],
+            is_flag=True,
+            expose_value=False,
+            callback=_set(QUIET),
+            help="Print warnings and errors only (results asked for as JSON are printed all the same).",
+        ),
+        click.Option(
+            ["-v", "--verbose"],
+            is_flag=True,
+            expose_value=False,
+            callback=_set(VERBOSE),
+            help="Say more on stderr: stages, costs, versions.",
+        ),
+    ]
+
+
+def _set(level: int) -> Any:
+    def callback(ctx: click.Context, param: click.Parameter, value: bool) -> None:
+        if not value:
+            return
+        if ctx.meta.get(LEVEL, level) != level:
+            raise click.UsageError("-q and -v exclude each other", ctx)
+        ctx.meta[LEVEL] = level
+
+    return callback
+
+
+def _level() -> int:
+    ctx = click.get_current_context(silent=True)
+    return USUAL if ctx is None else ctx.meta.get(LEVEL, USUAL)
+
+
+def say(text: str) -> None:
+    """A line of the summary."""
+    if _level() != QUIET:
+        click.echo(text)
+
+
+def detail(text: str) -> None:
+    """A line for those who want to know more."""
+    if _level() == VERBOSE:
+        click.echo(f"jkr: {text}", err=True)
+
+
+def warn(text: str) -> None:
+    """A sentence that a reader of the numbers should know."""
+    click.echo(f"jkr: warning: {text}", err=True)

@@ -1,0 +1,166 @@
+"""``jkr work``: the work of adhesion along measured curves."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from ..errors import InputError
+from .measured import reading_of, reading_options
+from .options import Scale, modulus_factor_option, slopes_option
+
+if TYPE_CHECKING:
+    from ..measured import Reading
+    from ..work import Evaluation, WorkAlong
+
+ENDINGS = (".csv", ".json", ".png", ".svg")
+CHUNK = 20  # curves in one task
+SHOWN = 10  # curves of a file that are told line by line
+
+
+@click.command()
+@click.argument("series", type=click.Path(path_type=Path))
+@click.argument("measured", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.option("--use", type=click.Choice(["a,P", "a,delta", "delta,P"]),
+              help="What w follows from [default: the first of these that was measured].")  # fmt: skip
+@click.option("--segment", help='Rows of this segment only, "retract".')
+@click.option("--noise", multiple=True, type=Scale(), help='Standard deviation of a measured quantity, P="2 nN".')
+@click.option("--window", type=int, default=11, show_default=True, help="Rows for the speed da/dt: an odd number.")
+@modulus_factor_option
+@slopes_option
+@reading_options
+@click.option("-o", "--output", type=click.Path(path_type=Path, file_okay=False), help="Folder [default: the file's].")
+@click.option("--workers", type=click.IntRange(min=1), default=1, show_default=True, help="Local processes.")
+@click.option("--no-plots", is_flag=True, help="Write CSV and JSON only.")
+@click.option("--force", is_flag=True, help="Replace existing files that jkr did not write.")
+@click.option("--json", "as_json", is_flag=True, help="Print the summaries as JSON.")
+def work(
+    series: Path,
+    measured: tuple[Path, ...],
+    modulus_factor: float,
+    slopes: str,
+    output: Path | None,
+    workers: int,
+    no_plots: bool,
+    force: bool,
+    as_json: bool,
+    **options: Any,
+) -> None:
+    """The work of adhesion along each MEASURED file, on the body of the SERIES file.
+
+    At each measured point w = S' (delta_H - delta)^2/(4 pi a), the energy release rate of the contact's edge: from a
+    and P (needs no zero of the displacement), a and delta, or delta and P. With a time column also the speed da/dt of
+    the edge: rate-dependent adhesion. Tables name their columns and units, "a_um, P_mN, t_s"; files of force
+    microscopes (.jpk-force, .jpk-force-map, .ibw, .h5, .tab) are read by the optional package afmformats.
+    Writes <stem>-work.csv, .json, .png and .svg.
+
+    \b
+    jkr work gel.h5 microscope.csv --noise a="2 um" --noise P="5 uN"
+    jkr work gel.h5 probe.csv --unit P=mN --flip delta --stiffness "2 kN/m" --zero delta="-310 um"
+    jkr work data.h5 map.jpk-force-map --contact estimate --segment retract
+    """
+    from .. import store, tables
+    from ..analysis import Fitted, adhesive, specification
+    from ..files import check_target, make_folder
+    from ..measured.speed import check_window
+    from ..work import Body, Evaluation, typical
+    from ..work.report import summary
+
+    check_window(options["window"])
+    targets = _targets(measured, output)
+    if output is not None:
+        make_folder(output)
+    endings = ENDINGS[:2] if no_plots else ENDINGS
+    for target in targets:
+        for ending in endings:
+            check_target(target.with_name(target.name + ending), force, (series, *measured))
+    stored = store.read(series)
+    fitted = Fitted.of(stored, specification(stored), slopes).scaled(modulus_factor)
+    reading = reading_of(options)
+    use = None if options["use"] is None else tuple(options["use"].split(","))
+    evaluation = Evaluation(
+        Body(fitted.series, fitted.slopes), use, dict(options["noise"]), options["window"], options["segment"]
+    )
+    summaries = []
+    for path, target in zip(measured, targets, strict=True):
+        found, skipped = _curves(path, reading, evaluation, workers)
+        body = adhesive(fitted, typical(found), modulus_factor)
+        summaries.append(summary(found, body, path, skipped))
+        _write(target, found, summaries[-1], not no_plots)
+        if not as_json:
+            _print(found)
+            click.echo(f"  written {target}{{{','.join(endings)}}}")
+        _warn(path, found, skipped, summaries[-1]["warnings"])
+    if as_json:
+        click.echo(tables.as_json({"results": summaries}).rstrip())
+
+
+def _targets(measured: tuple[Path, ...], output: Path | None) -> list[Path]:
+    """The names, without ending, of what is written."""
+    targets = [(path.parent if output is None else output) / f"{path.stem}-work" for path in measured]
+    for i, target in enumerate(targets):
+        if target.resolve() in {other.resolve() for other in targets[:i]}:
+            raise InputError(f"{target}.csv: would be written twice; rename a file, or give each its own -o")
+    return targets
+
+
+def _curves(path: Path, reading: Reading, evaluation: Evaluation, workers: int) -> tuple[list[WorkAlong], list[str]]:
+    """The curves of a file that have a work of adhesion, in its order, and why the others have none."""
+    from ..executors import completed, executor
+    from ..measured import each
+    from ..text_table import some
+
+    outcomes: list[Any] = list(each(path, reading))
+    rows = [i for i, item in enumerate(outcomes) if not isinstance(item, InputError)]
+    with executor(workers) as pool:
+        for i, outcome in completed(pool, evaluation, [outcomes[row] for row in rows], path.name, CHUNK):
+            outcomes[rows[i]] = outcome
+    skipped: list[str] = []
+    for outcome in outcomes:
+        if isinstance(outcome, InputError):
+            skipped += outcome.lines
+        elif isinstance(outcome, Exception):
+            raise outcome
+    found = [outcome for outcome in outcomes if not isinstance(outcome, Exception)]
+    if not found:
+        raise InputError(some(skipped))
+    return found, skipped
+
+
+def _write(target: Path, found: list[WorkAlong], summary: dict[str, Any], with_plots: bool) -> None:
+    """Table, summary and plots of one file; the figure is drawn before anything is written."""
+    from .. import tables
+    from ..files import write_text
+    from ..work.report import table
+
+    figure = None
+    if with_plots:
+        from .. import plots, plots_work
+
+        figure = plots_work.work_figure(found)
+    write_text(target.with_name(target.name + ".csv"), table(found))
+    write_text(target.with_name(target.name + ".json"), tables.as_json(summary))
+    if figure is not None:
+        for ending in ENDINGS[2:]:
+            plots.save(figure, target.with_name(target.name + ending))
+
+
+def _print(found: list[WorkAlong]) -> None:
+    from ..work.report import words
+
+    for item in found[:SHOWN]:
+        click.echo("\n    ".join([words(item), *item.curve.flags]))
+    if len(found) > SHOWN:
+        click.echo(f"  ... and {len(found) - SHOWN} more curves")
+
+
+def _warn(path: Path, found: list[WorkAlong], skipped: list[str], warnings: list[str]) -> None:
+    from ..text_table import some
+    from ..work.report import flags
+
+    said = [f"skipped: {line}" for line in some(skipped)]
+    said += [f"{item.curve.where}: {flag}" for item in found[:SHOWN] for flag in flags(item)]
+    for line in [*said, *(f"{path}: {warning}" for warning in warnings)]:
+        click.echo(f"jkr: warning: {line}", err=True)

@@ -1,0 +1,6 @@
+"""One self-contained page to look at the adhesive curve of a series under any w, modulus, device and zero point."""
+
+from .page import page
+from .payload import payload, start_work
+
+__all__ = ["page", "payload", "start_work"]

@@ -1,0 +1,187 @@
+"use strict";
+/* The adhesive curve, evaluated from the knots that jkr wrote, by the rule of its own: cubic Hermite splines in the
+   logarithm of the radius. Nothing is solved here. SI units. */
+
+const SAMPLES = 8; // per interval, where critical points are looked for
+const STABLE = "stable", GRIPPED = "displacement-control", UNSTABLE = "unstable";
+
+/* Value of a Hermite spline {value, slope} in interval i of the knots x. */
+function hermite(spline, x, i, at) {
+  const h = x[i + 1] - x[i], s = (at - x[i]) / h, { value, slope } = spline;
+  const rise = value[i + 1] - value[i];
+  const b = h * slope[i] - rise, c = rise - h * slope[i + 1];
+  return value[i] + s * rise + s * (1 - s) * (b * (1 - s) + c * s);
+}
+
+/* Its derivative. */
+function hermiteSlope(spline, x, i, at) {
+  const h = x[i + 1] - x[i], s = (at - x[i]) / h, { value, slope } = spline;
+  const rise = (value[i + 1] - value[i]) / h;
+  return slope[i] * (1 - s) * (1 - 3 * s) + slope[i + 1] * s * (3 * s - 2) + 6 * rise * s * (1 - s);
+}
+
+/* Nonadhesive series at unit modulus, with the shift t = sqrt(4 pi a/S') of w = 1. */
+class Table {
+  constructor({ knots, columns, band }) {
+    Object.assign(this, { knots, columns, band });
+    this.first = columns.a[0];
+    this.last = columns.a[columns.a.length - 1];
+    this.samples = this.sampled().map((x) => this.at(x));
+  }
+
+  /* Logarithms of the radii at which the curve is looked at. */
+  sampled() {
+    const { x } = this.knots, found = [];
+    for (let i = 0; i + 1 < x.length; i++) {
+      for (let j = 0; j < SAMPLES; j++) found.push(x[i] + ((x[i + 1] - x[i]) * j) / SAMPLES);
+    }
+    return [...found, x[x.length - 1]];
+  }
+
+  /* Everything at the radius whose logarithm is x: values and derivatives by the radius. */
+  at(x) {
+    const { knots } = this, a = Math.min(Math.max(Math.exp(x), this.first), this.last), beyond = a - knots.a0;
+    const i = interval(knots.x, Math.log(a)), y = Math.log(a), z = Math.log(beyond);
+    const delta = Math.exp(hermite(knots.delta, knots.z, i, z)), P = Math.exp(hermite(knots.P, knots.z, i, z));
+    const S = Math.exp(hermite(knots.S, knots.x, i, y)), t = Math.exp(hermite(knots.t, knots.x, i, y));
+    return {
+      x, a, delta, P, S, t,
+      ddelta: (delta * hermiteSlope(knots.delta, knots.z, i, z)) / beyond,
+      dP: (P * hermiteSlope(knots.P, knots.z, i, z)) / beyond,
+      dS: (S * hermiteSlope(knots.S, knots.x, i, y)) / a,
+      dt: (t * hermiteSlope(knots.t, knots.x, i, y)) / a,
+    };
+  }
+}
+
+function interval(x, at) {
+  let low = 0, high = x.length - 1;
+  while (high - low > 1) {
+    const middle = (low + high) >> 1;
+    if (x[middle] <= at) low = middle; else high = middle;
+  }
+  return low;
+}
+
+/* What a device of a stiffness [N/m] controls: P itself (0), else delta + P/stiffness (infinite: delta). */
+function control(stiffness, delta, P) {
+  return stiffness === 0 ? P : delta + P / stiffness;
+}
+
+/* The curve for a work of adhesion w [J/m^2] and moduli that are factor times those of the table. */
+class AdhesiveCurve {
+  constructor(table, w, factor) {
+    Object.assign(this, { table, w, factor, q: Math.sqrt(w / factor) });
+  }
+
+  point({ a, delta, P, S, t }) {
+    return { a, delta: delta - this.q * t, P: this.factor * (P - this.q * S * t) };
+  }
+
+  rates({ ddelta, dP, S, t, dS, dt }) {
+    return { delta: ddelta - this.q * dt, P: this.factor * (dP - this.q * (S * dt + dS * t)) };
+  }
+
+  /* The rate of what the device controls: stable where positive. */
+  rate(at, stiffness) {
+    const { delta, P } = this.rates(at);
+    return control(stiffness, delta, P);
+  }
+
+  position(at, stiffness) {
+    const { delta, P } = this.point(at);
+    return control(stiffness, delta, P);
+  }
+
+  /* Entries of the table where the function vanishes, and whether it rises there. */
+  zeros(f) {
+    const { samples } = this.table, signs = samples.map((at) => Math.sign(f(at))), found = [];
+    for (let i = 0; i + 1 < samples.length; i++) {
+      const last = i + 2 >= samples.length;
+      if (signs[i] * signs[i + 1] > 0 || (signs[i + 1] === 0 && !last)) continue;
+      found.push({ at: this.bisect(f, samples[i].x, samples[i + 1].x, signs[i]), rising: signs[i + 1] > signs[i] });
+    }
+    return found;
+  }
+
+  bisect(f, low, high, sign) {
+    if (sign === 0) return this.table.at(low);
+    for (let step = 0; step < 200; step++) {
+      const middle = (low + high) / 2;
+      if (middle <= low || middle >= high) break;
+      if (Math.sign(f(this.table.at(middle))) === sign) low = middle; else high = middle;
+    }
+    return this.table.at(high);
+  }
+
+  /* The last stable point on retraction, or {reason}. */
+  pullOff(stiffness) {
+    if (this.w === 0) return { reason: "there is no adhesion at w = 0" };
+    const { samples } = this.table, ends = [samples[0], samples[samples.length - 1]];
+    const held = (at) => this.position(at, stiffness);
+    const minima = this.zeros((at) => this.rate(at, stiffness)).filter(({ rising }) => rising).map(({ at }) => at);
+    const best = minima.reduce((low, at) => (low === null || held(at) < held(low) ? at : low), null);
+    const end = held(ends[1]) < held(ends[0]) ? ends[1] : ends[0];
+    if (best === null || held(best) > held(end)) {
+      return { reason: end === ends[0]
+        ? "below the smallest radius of the series: solve to smaller radii (loading.spacing = \"log\")"
+        : "beyond the largest radius of the series: load further" };
+    }
+    if (held(best) > 0) return { reason: "some contact remains below the smallest radius of the series" };
+    return this.point(best);
+  }
+
+  /* The curve in parts of one stability under the device; neighbours share a point. */
+  parts(stiffness) {
+    const turns = this.zeros((at) => this.rate(at, stiffness)).map(({ at }) => at), { samples } = this.table;
+    const all = [...samples, ...turns].sort((one, other) => one.x - other.x), parts = [];
+    let part = [];
+    for (const at of all) {
+      part.push(at);
+      if (turns.includes(at)) { parts.push(part); part = [at]; }
+    }
+    parts.push(part);
+    return parts.filter((points) => points.length > 1).map((points) => ({
+      stable: this.w === 0 || this.rate(points[points.length >> 1], stiffness) > 0,
+      points: points.map((at) => this.point(at)),
+    }));
+  }
+
+  /* 90 % half-widths {delta, P} at the series' radii, or null where no error is known. */
+  errors() {
+    const { band } = this.table;
+    if (band === null) return null;
+    const width = ([one, linear, square], by) =>
+      one.map((c, i) => by * Math.sqrt(Math.max(c + this.q * linear[i] + this.q ** 2 * square[i], 0)));
+    return { delta: width(band.delta, 1), P: width(band.P, this.factor) };
+  }
+
+  /* The columns of jkr transform's CSV file. */
+  columns() {
+    const c = this.table.columns, { factor, q } = this, errors = this.errors();
+    const shift = c.a.map((a, i) => q * Math.sqrt((4 * Math.PI * a) / c.dS[i]));
+    const [delta, P] = this.w === 0 ? [c.delta_H, c.P_H] : [c.delta, c.P];
+    return {
+      a_m: c.a,
+      delta_m: delta.map((value, i) => value - shift[i]),
+      P_N: P.map((value, i) => factor * (value - c.S[i] * shift[i])),
+      delta_H_m: c.delta_H,
+      P_H_N: c.P_H.map((value) => factor * value),
+      S_N_per_m: c.S.map((value) => factor * value),
+      dS_da_N_per_m2: c.dS.map((value) => factor * value),
+      ...(errors && { P_err_N: errors.P, delta_err_m: errors.delta }),
+      branch: this.table.knots.x.map((x) => this.branch(this.table.at(x))),
+    };
+  }
+
+  branch(at) {
+    const { delta, P } = this.rates(at);
+    return this.w === 0 || P > 0 ? STABLE : delta > 0 ? GRIPPED : UNSTABLE;
+  }
+
+  csv() {
+    const columns = this.columns(), names = Object.keys(columns);
+    const rows = columns.a_m.map((_, i) => names.map((name) => columns[name][i]).join(","));
+    return [names.join(","), ...rows].join("\n") + "\n";
+  }
+}

@@ -1,0 +1,200 @@
+"use strict";
+/* Controls to curve to pictures, numbers, commands and files. */
+
+const content = JSON.parse(document.getElementById("content").textContent);
+const table = new Table(content), units = new Units(content.units);
+const byId = (id) => document.getElementById(id);
+const NAMES = { load: "load control", displacement: "displacement control", machine: "machine" };
+const QUANTITIES = [["P", "load"], ["delta", "length"], ["a", "length"]];
+let waiting = false;
+
+const controls = Object.fromEntries(
+  Object.entries(content.controls).map(([name, spec]) => [name, new Control(name, spec, changed)]));
+
+function changed(name) {
+  if (name === "stiffness") document.querySelector("input[name=control][value=machine]").checked = true;
+  if (waiting) return;
+  waiting = true;
+  requestAnimationFrame(() => { waiting = false; update(); });
+}
+
+const picked = (name) => document.querySelector(`input[name=${name}]:checked`).value;
+const stiffnessOf = (name) => ({ load: 0, displacement: Infinity, machine: controls.stiffness.value })[name];
+
+function update() {
+  const curve = new AdhesiveCurve(table, controls.w.value, controls.factor.value);
+  const chosen = picked("control"), pulls = {};
+  for (const name of Object.keys(NAMES)) pulls[name] = curve.pullOff(stiffnessOf(name));
+  window.explorer = { curve, pulls, chosen };
+  if (window.Plotly) pictures(curve, pulls, chosen);
+  numbers(pulls, chosen);
+  judge(curve, pulls[chosen]);
+  byId("commands").textContent = commands();
+}
+
+/* ---------------------------------------------------------------- pictures */
+function pictures(curve, pulls, chosen) {
+  const k = controls.stiffness.value, machine = byId("position").checked;
+  const X = machine ? (point) => point.delta + point.P / k : (point) => point.delta;
+  const unit = new AdhesiveCurve(table, 0, curve.factor);
+  const shown = {
+    pulls, chosen, parts: curve.parts(stiffnessOf(chosen)), nonadhesive: table.samples.map((at) => unit.point(at)),
+    band: band(curve), measured: measured(k),
+  };
+  const view = picked("view"), data = shown.measured.flatMap((one) => one.points), origin = { a: 0, delta: 0, P: 0 };
+  const points = [...shown.parts.flatMap((part) => part.points), ...data, origin];
+  const seen = { near: near(points, pulls), whole: points, data: [...data, origin] }[view];
+  const load = { of: (point) => point.P, name: "load", symbol: "P", dimension: "load" };
+  const across = machine
+    ? { of: X, name: "machine position", symbol: "δ + P/k", dimension: "length" }
+    : { of: X, name: "displacement", symbol: "δ", dimension: "length" };
+  const radius = { of: (point) => point.a, name: "contact radius", symbol: "a", dimension: "length" };
+  for (const one of [across, load, radius]) one.window = seen.map(one.of).filter(Number.isFinite);
+  draw(byId("load-plot"), linesOf({ ...shown, measured: kept(shown.measured, across, load) }), across, load, units, view);
+  draw(byId("radius-plot"), linesOf({ ...shown, band: null, measured: kept(shown.measured, load, radius) }), load, radius, units, view);
+  byId("load-plot").setAttribute("aria-label", `Load over ${across.name}, ${seen.length} points; ${said(pulls[chosen], chosen)}`);
+}
+
+/* The measured curves that hold both quantities. */
+function kept(curves, x, y) {
+  const whole = (point) => Number.isFinite(x.of(point)) && Number.isFinite(y.of(point));
+  return curves.map(({ name, points }) => ({ name, points: points.filter(whole) })).filter(({ points }) => points.length);
+}
+
+/* What lies around pull-off: loads up to three times its force, or all where there is none. */
+function near(points, pulls) {
+  const force = -(pulls.load.P ?? pulls.displacement.P ?? 0);
+  return force > 0 ? points.filter(({ P }) => P <= 3 * force) : points;
+}
+
+/* The outline of the band of P over the curve's displacements. */
+function band(curve) {
+  const errors = curve.errors();
+  if (errors === null || curve.w === 0) return null;
+  const { a_m, delta_m, P_N } = curve.columns(), rows = a_m.map((a, i) => i);
+  const edge = (sign) => (i) => ({ a: a_m[i], delta: delta_m[i], P: P_N[i] + sign * errors.P[i] });
+  return [...rows.map(edge(1)), ...rows.reverse().map(edge(-1))];
+}
+
+/* Measured points with the zero points added; without the machine's own give where that is in them. */
+function measured(k) {
+  const delta0 = controls.delta0.value, P0 = controls.P0.value, give = byId("recorded").checked ? 1 / k : 0;
+  return content.measured.map(({ name, a, delta, P }) => ({
+    name,
+    points: (a ?? delta ?? P).map((_, i) => {
+      const force = P ? P[i] + P0 : NaN;
+      return { a: a ? a[i] : NaN, P: force, delta: delta ? delta[i] + delta0 - (give && give * force) : NaN };
+    }),
+  }));
+}
+
+/* ---------------------------------------------------------------- numbers */
+function said(point, name) {
+  if (point.reason) return `no pull-off under ${NAMES[name]}: ${point.reason}`;
+  return `pull-off at ${units.show(point.P, "load")}`;
+}
+
+function numbers(pulls, chosen) {
+  const body = byId("pull-offs");
+  body.replaceChildren(...Object.entries(pulls).map(([name, point]) => {
+    const row = document.createElement("tr"), head = document.createElement("th");
+    head.scope = "row";
+    head.textContent = { load: "● ", displacement: "■ ", machine: "◆ " }[name] + NAMES[name];
+    if (name === "machine") head.textContent += ` k = ${controls.stiffness.text} ${pretty(controls.stiffness.spec.unit)}`;
+    row.id = `pull-off-${name}`;
+    row.classList.toggle("chosen", name === chosen);
+    row.append(head, ...cells(point));
+    return row;
+  }));
+  byId("headline").textContent = said(pulls[chosen], chosen).replace("pull-off at", `Pull-off, ${NAMES[chosen]}:`);
+}
+
+function cells(point) {
+  const make = (text, value) => {
+    const cell = document.createElement("td");
+    cell.textContent = text;
+    if (value !== undefined) Object.assign(cell.dataset, { value });
+    return cell;
+  };
+  if (!point.reason) return QUANTITIES.map(([name, dimension]) => make(units.show(point[name], dimension), point[name]));
+  const cell = make(`none in the series: ${point.reason}`);
+  cell.colSpan = QUANTITIES.length;
+  return [cell];
+}
+
+/* Where JKR holds, and how well the numbers are known. */
+function judge(curve, point) {
+  const lines = [], { tabor, R, error } = content;
+  if (tabor && curve.w > 0) {
+    const number = tabor.number * (curve.w / tabor.w / curve.factor) ** (2 / 3);
+    lines.push(`Tabor number ${plain(number, 3)}: ${tabor.limits.find(([limit]) => number > limit)[1]}.`);
+  }
+  if (R && !point.reason) lines.push(`a/R at pull-off: ${plain(point.a / R, 3)}.`);
+  lines.push(`Estimated relative error: ${typeof error === "number" ? error.toExponential(1) : error}.`);
+  byId("judged").textContent = lines.join(" ");
+}
+
+/* ---------------------------------------------------------------- commands and files */
+function commands() {
+  const factor = controls.factor.value === 1 ? "" : ` --modulus-factor ${controls.factor.text}`;
+  const common = `${content.file} --w ${controls.w.quantity}${factor}${content.options}`;
+  const held = ` --stiffness load --stiffness rigid --stiffness ${controls.stiffness.quantity}`;
+  return `jkr transform ${common}\njkr pull-off ${common}${held}`;
+}
+
+function save(name, type, text) {
+  const link = document.createElement("a");
+  link.href = URL.createObjectURL(new Blob([text], { type }));
+  link.download = name;
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+}
+
+byId("save-csv").addEventListener("click", () => {
+  const { curve } = window.explorer, factor = curve.factor === 1 ? "" : `-modulus${plain(curve.factor, 6)}`;
+  save(`${content.stem}-w${plain(curve.w, 6)}${factor}.csv`, "text/csv", curve.csv());
+});
+byId("save-picture").addEventListener("click", () => {
+  const [width, height] = [720, 480];
+  Plotly.downloadImage(byId("load-plot"), { format: "svg", width, height, filename: `${content.stem}-curve` });
+});
+byId("copy").addEventListener("click", async () => {
+  const area = byId("commands");
+  try {
+    await navigator.clipboard.writeText(area.textContent);
+  } catch {
+    getSelection().selectAllChildren(area);
+    document.execCommand("copy");
+  }
+  byId("copied").textContent = "copied";
+  setTimeout(() => { byId("copied").textContent = ""; }, 1500);
+});
+byId("reset").addEventListener("click", () => {
+  Object.values(controls).forEach((control) => control.reset());
+  update();
+});
+for (const input of document.querySelectorAll("input[type=radio], input[type=checkbox]")) {
+  input.addEventListener("change", () => changed(input.name));
+}
+
+/* ---------------------------------------------------------------- what does not change */
+byId("title").textContent = content.title || content.stem;
+byId("body").textContent = pretty(content.body);
+byId("origin").textContent = `${content.file}: series by ${content.method}, slopes ${content.slopes}, jkr ${content.version}`;
+byId("notes").replaceChildren(...content.notes.map((note) => Object.assign(document.createElement("li"), { textContent: note })));
+byId("legend").append(...content.measured.map(({ name }, i) => {
+  const item = document.createElement("li"), mark = document.createElement("span");
+  mark.className = "mark";
+  mark.style.color = DATA[i % DATA.length][0];
+  mark.textContent = { "circle-open": "○", "triangle-up-open": "△", "square-open": "□" }[DATA[i % DATA.length][1]] ?? "+";
+  item.append(mark, name);
+  return item;
+}));
+if (content.measured.length) {
+  const drawn = content.measured.reduce((sum, { a, delta, P }) => sum + (a ?? delta ?? P).length, 0);
+  byId("thinned").textContent = drawn < content.measured_points ? `${drawn} of ${content.measured_points} measured points are drawn.` : "";
+} else {
+  document.body.classList.add("no-data");
+}
+update();
+addEventListener("DOMContentLoaded", update); // the pictures, when their library has been read

@@ -1,0 +1,1 @@
+"""The method ``hybrid``: exact half-space, finite elements for the smooth rest."""

@@ -1,0 +1,183 @@
+"""The method ``hybrid``: the contact equation with a kernel that finite elements compute."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from ..clock import StageClock
+from ..errors import InputError, Refusal
+from ..integral.contact import COLUMNS
+from ..integral.layered import largest_radius
+from ..integral.search import largest_for_contact, radii_for_contact
+from ..integral.solver import Nested
+from ..materials import Graded, TransverselyIsotropic
+from ..methods import Forecast
+from ..problem import HalfSpace, Problem
+from ..series import ErrorBudget, Series, Solution
+from ..units import show
+from .contact import EDGE, LOWEST, STEP, Body, KernelContact
+from .kernel import Levels
+
+Array = np.ndarray
+ATTEMPTS = 8
+ROOM = 1.2  # reach of the first kernel over the radius expected on the unbounded body
+SPARE = 1.01  # of the last one over the largest radius found
+GRADED_SECONDS = 0.8  # for the kernel of the wide body
+ROUGH = 1e-3  # accuracy to which the largest depth or load is met at first
+SEARCH = 1e-3  # of the tolerance: accuracy to which a depth or load is met
+
+
+@dataclass(frozen=True)
+class Hybrid:
+    """The half-space of the material at the contact exactly, and finite elements for what the rest of the body changes.
+
+    Valid for stacks of isotropic layers (-1 < nu <= 1/2) on a rigid base, bonded or frictionless, or a half-space, wide
+    or cylinders with free, roller or clamped sides; layers below the uppermost may be graded or transversely isotropic.
+    Any convex indenter, rigid or elastic. S and S' exact, as in ``layered``. ``tolerance``: relative error of delta, P,
+    S and S' at every radius, estimated from coarser elements, fewer parameters and a nearer cut.
+    """
+
+    tolerance: float = 1e-5
+
+    def __post_init__(self) -> None:
+        if not 1e-8 <= self.tolerance <= 1e-2:
+            raise InputError(f"hybrid.tolerance: must be between 1e-8 and 1e-2, got {self.tolerance:g}")
+
+    def refusal(self, problem: Problem) -> str | None:
+        """Why the correction cannot be computed, with the remedy; None where it can."""
+        if reason := _unable(problem):
+            return reason
+        loading, limit = problem.loading, self._body(problem).limit
+        if loading.to == "radius" and loading.maximum > limit:
+            return _too_much(problem)
+        return None
+
+    def forecast(self, problem: Problem) -> Forecast:
+        """From the number of unknowns of the level that the tolerance will need."""
+        body = self._body(problem)
+        levels = body.levels(min(largest_radius(problem), body.limit))
+        degree = LOWEST + STEP * max(1, round(-np.log10(self.tolerance) - 3))
+        unknowns = levels.unknowns(degree)
+        seconds = 0.03 + 6e-5 * unknowns + (GRADED_SECONDS if levels.wide is not None else 0.0)
+        return Forecast(
+            seconds, 20 + 0.02 * unknowns, body.attainable, f"about {float(f'{unknowns:.2g}'):.0f} unknowns"
+        )
+
+    def __call__(self, problem: Problem) -> Solution:
+        """Solve; errors: Refusal outside the validity or the tolerance, SolveError."""
+        if reason := self.refusal(problem):
+            raise Refusal(reason)
+        with threadpool_limits(limits=1):  # the matrices are small
+            return self._solution(problem)
+
+    def _solution(self, problem: Problem) -> Solution:
+        clock = StageClock()
+        body = self._body(problem)
+        with clock("largest radius"):
+            reach = self._reach(problem, body)
+        with clock("kernel"):
+            contact, judged, levels, degree = body.accurate(reach)
+        with clock("radii"):
+            radii = radii_for_contact(contact, problem.loading, max(SEARCH * self.tolerance, 1e-12))
+        with clock("solve"):
+            nested = contact.nested(radii, contact.plan(radii, SEARCH * self.tolerance))
+            S0 = _first_stiffness(contact, self.tolerance)
+        return Solution(
+            _series(nested, judged.at(radii), problem.indenter.a0, S0),
+            ErrorBudget(
+                discretisation=float((judged.elements + judged.parameters).max()),
+                truncation=float(judged.cut.max()),
+                radius=0.0,
+            ),
+            "hybrid",
+            facts=_facts(levels, degree, nested),
+            timings=clock.seconds,
+        )
+
+    def _body(self, problem: Problem) -> Body:
+        return Body(problem.indenter, problem.specimen, self.tolerance)
+
+    def _reach(self, problem: Problem, body: Body) -> float:
+        """The largest radius [m] that the loading asks for, with some room where it had to be found."""
+        loading = problem.loading
+        expected = largest_radius(problem)
+        if loading.to == "radius":
+            return expected
+        end = min(body.limit, problem.indenter.r_max * (1 - 1e-9))
+        reach = min(ROOM * expected, end)
+        for _ in range(ATTEMPTS):
+            largest = largest_for_contact(body.rough(reach), loading, ROUGH)
+            if largest <= reach and (SPARE * largest <= reach or reach == end):
+                return min(SPARE * largest, end)
+            if reach == end:
+                raise Refusal(_too_much(problem))
+            reach = min(ROOM * largest, end)
+        raise Refusal(
+            f"hybrid: no largest contact radius was found within {ATTEMPTS} kernels, the last up to {reach:g} m"
+        )
+
+
+def _unable(problem: Problem) -> str | None:
+    specimen = problem.specimen
+    if specimen.is_half_space:
+        return "a homogeneous half-space needs no correction: use method closed-form or layered"
+    if specimen.radius is not None and isinstance(specimen.base, HalfSpace):
+        return "a body of finite radius needs a rigid base: give the depth as a layer's thickness"
+    if isinstance(specimen.base, HalfSpace) and isinstance(specimen.base.material, TransverselyIsotropic):
+        return "the far field of a transversely isotropic half-space is not known here: use method layered or fem"
+    if isinstance(specimen.materials[0], Graded) and specimen.radius is None:
+        return "the correction is not smooth where the modulus changes from the contact on: use method layered"
+    if isinstance(specimen.materials[0], TransverselyIsotropic):
+        return "the exact part needs an isotropic material at the contact: use method fem"
+    return None
+
+
+def _too_much(problem: Problem) -> str:
+    """The contact would come too near to the side, or to the end of the profile."""
+    loading, radius = problem.loading, problem.specimen.radius
+    goal = show(loading.maximum, "load" if loading.to == "load" else "length")
+    if radius is None:
+        return (
+            f"loading: a {loading.to} of {goal} needs a contact beyond the profile: load less, or give a larger profile"
+        )
+    word = {"depth": "depth", "load": "load", "radius": "contact radius"}[loading.to]
+    return (
+        f"loading: before a {word} of {goal} the contact comes too near to the side (a at most {EDGE:g} of the body's "
+        f"radius, {show(radius, 'length')}): load less, or use method fem"
+    )
+
+
+def _first_stiffness(contact: KernelContact, tolerance: float) -> float:
+    """S at first touch [N/m]: of a flat punch of the radius a0, 0 for round and pointed indenters."""
+    a0 = contact.indenter.a0
+    return float(contact.columns(np.array([a0]), SEARCH * tolerance)[2, 0]) if a0 > 0 else 0.0
+
+
+def _series(nested: Nested, errors: Array, a0: float, S0: float) -> Series:
+    columns = {name: getattr(nested, name) for name in COLUMNS}
+    absolute = {name: row * columns[name] for name, row in zip(COLUMNS, errors, strict=True)}
+    radii = nested.panels.radii
+    return Series(radii, **columns, errors=absolute | {"a": 0 * radii}, a0=a0, S0=S0)
+
+
+def _facts(levels: Levels, degree: int, nested: Nested) -> dict[str, Any]:
+    found = levels.correction(degree)
+    region = levels.region
+    facts: dict[str, Any] = {
+        "exact_part": "half-space" if levels.wide is None else "laterally unbounded layers",
+        "degree": degree,
+        "elements": found.elements,
+        "unknowns": found.unknowns,
+        "parameters": levels.count,
+        "asymmetry": found.asymmetry,
+        "formulation": "displacement and pressure" if any(region.mixed) else "displacement",
+        "nodes": nested.panels.x.size,
+        "a_over_h": float(nested.panels.radii[-1]) / (region.unit * region.thicknesses[0]),
+    }
+    if region.cut_beside:
+        facts["cut_m"] = region.width * region.unit
+    return facts

@@ -1,0 +1,30 @@
+"""A validated case to a solution, by the method that it names or needs."""
+
+from __future__ import annotations
+
+from .case import Case
+from .case.numerics import method_of
+from .choose import Choice, choose
+from .errors import JkrError
+from .methods import Method
+from .series import Solution
+from .threads import one_thread
+
+
+@one_thread
+def solve(case: Case, method: str | None = None) -> tuple[Choice, Solution]:
+    """Solve ``case`` by ``method`` (None: the case's own); under "auto" the next one where the first fails."""
+
+    def build(name: str) -> Method:
+        return method_of(case.model, name)
+
+    problem = case.model.problem()
+    choice: Choice | None = choose(problem, method or case.model.method, build)
+    while True:
+        assert choice is not None
+        try:
+            return choice, choice.method(problem)
+        except JkrError as error:
+            choice = choice.after_failure(error, build)
+            if choice is None:
+                raise

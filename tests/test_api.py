@@ -1,0 +1,99 @@
+"""The Python interface gives the command line's numbers."""
+
+from __future__ import annotations
+
+import doctest
+import json
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import jkrcli as jkr_python
+from jkrcli import api
+from jkrcli.tables import read_curve
+
+CASES = Path(__file__).parent.parent / "cases"
+EXAMPLES = Path(__file__).parent.parent / "docs" / "examples"
+
+
+def test_the_documented_examples_run() -> None:
+    assert doctest.testmod(api).failed == 0
+
+
+def test_every_name_of_the_interface_is_documented() -> None:
+    for name in jkr_python.__all__:
+        assert getattr(jkr_python, name).__doc__, name
+        assert name in dir(jkr_python)
+
+
+def test_an_unknown_name_is_an_attribute_error() -> None:
+    with pytest.raises(AttributeError, match="module jkrcli has no attribute no_such_name"):
+        _ = jkr_python.no_such_name
+
+
+def test_importing_the_package_costs_nothing() -> None:
+    code = "import sys, jkrcli; print(sorted({'numpy', 'scipy', 'gmsh', 'h5py', 'pydantic'} & set(sys.modules)))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
+
+
+def test_python_and_command_line_agree_to_the_last_bit(jkr: Callable, tmp_path: Path) -> None:
+    assert jkr("run", CASES / "coating.toml", "-o", "coating.h5").code == 0
+    assert jkr("transform", "coating.h5", "--w", "0.05").code == 0
+    solved = jkr_python.solve(CASES / "coating.toml")
+    curve = jkr_python.transform(solved, w=0.05)
+    written = read_curve(next(tmp_path.glob("coating-w*.csv")))
+    for name, values in jkr_python.columns(curve).items():
+        if name in written:
+            np.testing.assert_array_equal(values, written[name], err_msg=name)
+    summary = json.loads(next(tmp_path.glob("coating-w*.json")).read_text())
+    assert summary["pull_off"]["load"]["P_N"] == curve.pull_off["load"].P
+    again = jkr_python.read(jkr_python.save(solved, "again.h5"))
+    np.testing.assert_array_equal(again.raw.P, solved.raw.P)
+    assert (again.key, again.case, again.method) == (solved.key, solved.case, solved.method)
+
+
+def test_save_replaces_nothing_that_jkr_did_not_write(tmp_path: Path) -> None:
+    solved = jkr_python.solve(CASES / "coating.toml", method="layered")
+    target = tmp_path / "notes.h5"
+    target.write_text("mine")
+    with pytest.raises(jkr_python.InputError, match="exists and was not written by jkr"):
+        jkr_python.save(solved, target)
+    assert target.read_text() == "mine"
+
+
+def test_a_data_frame_has_the_columns_of_the_csv() -> None:
+    pytest.importorskip("pandas")
+    curve = jkr_python.transform(jkr_python.solve(CASES / "coating.toml"), w=0.05)
+    frame = jkr_python.to_pandas(curve)
+    assert list(frame.columns) == list(jkr_python.columns(curve))
+    assert (frame["a_m"].diff().dropna() > 0).all()
+
+
+def test_linear_algebra_runs_on_one_thread_whatever_the_environment_says(tmp_path: Path) -> None:
+    code = (
+        "import jkrcli as jkr, hashlib, sys\n"
+        f"solved = jkr.solve({str(CASES / 'three-layers.toml')!r})\n"
+        "curve = jkr.transform(solved, w=0.05)\n"
+        "numbers = [column for column in jkr.columns(curve).values() if column.dtype == float]\n"
+        "print(hashlib.sha256(b''.join(column.tobytes() for column in numbers)).hexdigest())"
+    )
+    found = set()
+    for threads in ("1", "2"):
+        environment = {"OPENBLAS_NUM_THREADS": threads, "OMP_NUM_THREADS": threads, "PATH": "/usr/bin:/bin"}
+        done = subprocess.run(
+            [sys.executable, "-c", code], capture_output=True, text=True, check=True, env=environment, cwd=tmp_path
+        )
+        found.add(done.stdout.strip())
+    assert len(found) == 1
+
+
+@pytest.mark.parametrize("script", sorted(EXAMPLES.glob("*.py")), ids=lambda path: path.stem)
+def test_the_example_scripts_run(script: Path, tmp_path: Path) -> None:
+    done = subprocess.run([sys.executable, script], capture_output=True, text=True, cwd=tmp_path, timeout=120)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.strip()

@@ -1,0 +1,232 @@
+"""The failure map: no cell is silently wrong, refusals name a remedy, and the remedy works."""
+
+from __future__ import annotations
+
+import datetime
+import json
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from jkrcli.errors import JkrError, Refusal
+from jkrcli.indenters import PowerLaw
+from jkrcli.integral.disc import disc_warnings
+from jkrcli.integral.fields import profile
+from jkrcli.integral.layered import Layered
+from jkrcli.materials import Elastic
+from jkrcli.methods import Forecast, method_class
+from jkrcli.problem import HalfSpace, Layer, Loading, Problem, Specimen
+from jkrcli.series import ErrorBudget, Series, Solution
+from jkrcli.study import failures as study
+from jkrcli.study.failures import BUGS, CRASHED, REFUSED, RIGHT, SAID, SILENT, judge
+from jkrcli.study.failures_cells import AXES, Cell, draw
+
+PLAIN = Cell("layered", "paraboloid", "bonded", 0.4, 2.0, 1.0, 0.1, 30, 0, 20, 0.0, 1.0, 1.0, 0)
+# Open: the band of the slopes "integral" does not hold the bias of smoothing where the tabulated profile has steps in
+# its curvature: up to seven half-widths at hundreds of points with noise below 1e-3.
+STEPS = ("slopes", "table")
+TODAY = int(f"{datetime.date.today():%Y%m%d}")
+
+
+# ---------------------------------------------------------------------- the study's own judgement
+class Wrong:
+    """A method that is off by ``factor`` and claims ``stated``."""
+
+    def __init__(self, factor: float, stated: float, warnings: tuple[str, ...] = ()):
+        self.factor, self.stated, self.warnings = factor, stated, warnings
+
+    def refusal(self, problem: Problem) -> None:
+        return None
+
+    def forecast(self, problem: Problem) -> Forecast:
+        return Forecast(0.01, 1.0, self.stated)
+
+    def __call__(self, problem: Problem) -> Solution:
+        exact = Layered()(problem).series
+        P = exact.P * self.factor
+        series = Series(exact.a, exact.delta, P, exact.S, exact.dS, errors={"P": P * self.stated})
+        return Solution(series, ErrorBudget(self.stated, 0.0, 0.0), "wrong", warnings=self.warnings)
+
+
+@pytest.mark.parametrize(
+    ("factor", "stated", "warnings", "outcome"),
+    [
+        (1.0, 1e-8, (), RIGHT),
+        (1.001, 1e-2, (), RIGHT),  # within what it states
+        (1.001, 1e-4, (), SILENT),  # ten times what it states
+        (1.001, 1e-4, ("mind the gap",), SAID),
+    ],
+)
+def test_a_wrong_method_is_found_out(monkeypatch, factor: float, stated: float, warnings, outcome: str) -> None:
+    monkeypatch.setattr(study, "method_of", lambda cell: Wrong(factor, stated, warnings))
+    verdict = judge(PLAIN)
+    assert verdict.outcome == outcome
+    assert verdict.error == pytest.approx(factor - 1, abs=1e-6)
+
+
+def test_an_exception_that_is_not_ours_is_a_crash(monkeypatch) -> None:
+    def broken(cell: Cell) -> None:
+        raise ZeroDivisionError("by zero")
+
+    monkeypatch.setattr(study, "method_of", broken)
+    verdict = judge(PLAIN)
+    assert (verdict.outcome, verdict.words) == (CRASHED, "ZeroDivisionError: by zero")
+
+
+def test_cells_fill_the_axes_and_follow_the_seed() -> None:
+    cells = [draw(np.random.default_rng(seed), "layered") for seed in range(300)]
+    for name, (least, largest, _) in AXES.items():
+        values = np.array([getattr(cell, name) for cell in cells if getattr(cell, name) > 0])
+        if values.size:  # noise is drawn for slopes only
+            decades = np.log(largest / least)
+            assert np.log(values.min() / least) < 0.1 * decades
+            assert np.log(largest / values.max()) < 0.1 * decades
+    assert draw(np.random.default_rng(3), "fem") == draw(np.random.default_rng(3), "fem")
+    assert any(cell.nu == 0.5 for cell in cells)
+
+
+# ---------------------------------------------------------------------- a sample of cells
+@pytest.mark.parametrize("seed", [1, TODAY], ids=["seed 1", f"seed of today, {TODAY}"])
+def test_no_cell_is_silently_wrong(seed: int) -> None:
+    """On a failure: ``jkr study failures --seed SEED --methods ...`` shows the same cells."""
+    verdicts = list(study.failures(8, seed, ("closed-form", "layered", "slopes")))
+    assert [v for v in verdicts if v.outcome in BUGS and (v.cell.method, v.cell.shape) != STEPS] == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [1, TODAY], ids=["seed 1", f"seed of today, {TODAY}"])
+def test_no_cell_of_any_method_is_silently_wrong_and_at_most_half_are_refused(seed: int) -> None:
+    verdicts = list(study.failures(150, seed))
+    assert [v for v in verdicts if v.outcome in BUGS and (v.cell.method, v.cell.shape) != STEPS] == []
+    assert sum(verdict.outcome == REFUSED for verdict in verdicts) <= len(verdicts) / 2
+
+
+# ---------------------------------------------------------------------- contact that is no disc
+def lifting(largest: float) -> Problem:
+    """f = B r^4, flat at its tip, on a coating ten times stiffer than the half-space below it (h = 1 um)."""
+    specimen = Specimen((Layer(Elastic(1e9, 0.3), 1e-6),), HalfSpace(Elastic(1e8, 0.3)))
+    return Problem(PowerLaw(2.5e15, 4.0), specimen, Loading("radius", largest, 10))
+
+
+def test_a_contact_that_lifts_off_in_the_middle_is_said_so() -> None:
+    """The pressure in the middle is positive at a = h/2 and negative at 2 h: read from the pressure itself."""
+    for a, pulls in ((0.5e-6, False), (2e-6, True)):
+        middle = profile(lifting(a), a, 0.0, np.array([0.03 * a])).pressure[0]
+        assert (middle < 0) == pulls
+        warnings = Layered()(lifting(a)).warnings
+        assert len(warnings) == pulls
+    assert "the middle pulls with" in warnings[0]
+    assert "not a full disc" in warnings[0]
+
+
+def test_a_displacement_that_falls_is_refused_with_the_radius_that_works() -> None:
+    """A cone on a coating 700 times stiffer than its substrate."""
+    specimen = Specimen((Layer(Elastic(1.0, 0.141), 1.0),), HalfSpace(Elastic(0.0013937, 0.3)))
+    problem = Problem(PowerLaw(0.1, 1.0), specimen, Loading("radius", 2.0, 60))
+    with pytest.raises(Refusal, match=r"falls beyond the contact radius 1 m: .*; ask for a smaller radius"):
+        Layered()(problem)
+    assert len(Layered()(replace(problem, loading=Loading("radius", 0.99, 60))).series) == 60
+
+
+def test_bodies_that_grow_stiffer_with_depth_are_not_searched() -> None:
+    """Nothing bends like a plate there, and the pressure is positive."""
+    problem = lifting(2e-6)
+    stiffer = replace(problem, specimen=Specimen(problem.specimen.layers, HalfSpace(Elastic(1e10, 0.3))))
+    assert disc_warnings(stiffer, 2e-6) == ()
+    assert profile(stiffer, 2e-6, 0.0).pressure.min() > 0
+
+
+# ---------------------------------------------------------------------- every refusal names a remedy that works
+def refused_by(method: str, cell: Cell) -> str:
+    verdict = judge(replace(cell, method=method))
+    assert verdict.outcome == REFUSED
+    return verdict.words
+
+
+@pytest.mark.parametrize(
+    ("method", "cell", "words", "remedy"),
+    [
+        ("closed-form", replace(PLAIN, body="coating"), "use method layered", "layered"),
+        ("closed-form", replace(PLAIN, shape="cone"), "use method layered", "layered"),
+        ("closed-form", PLAIN, "use method layered", "layered"),
+        ("closed-form", replace(PLAIN, body="half-space", shape="table"), "use method layered", "layered"),
+    ],
+)
+def test_another_method_is_the_remedy(method: str, cell: Cell, words: str, remedy: str) -> None:
+    assert words in refused_by(method, cell)
+    assert judge(replace(cell, method=remedy)).outcome == RIGHT
+
+
+@pytest.mark.parametrize(
+    ("cell", "words", "remedy"),
+    [
+        (
+            replace(PLAIN, method="slopes", points=4),
+            "give more increments",
+            lambda cell: replace(cell, points=40),
+        ),
+    ],
+)
+def test_the_remedy_for_slopes_works(cell: Cell, words: str, remedy: Callable[[Cell], Cell]) -> None:
+    verdict = judge(cell)
+    assert verdict.outcome == REFUSED
+    assert words in verdict.words
+    assert judge(remedy(cell)).outcome == RIGHT
+
+
+def test_a_finite_body_is_refused_by_layered_and_solved_without_its_sides() -> None:
+    cell = replace(PLAIN, a_over_h=0.5)
+    problem = replace(cell.problem, specimen=replace(cell.problem.specimen, radius=20.0, side="free"))
+    reason = Layered().refusal(problem)
+    assert reason is not None
+    assert "leave the radius out" in reason
+    wide = replace(problem, specimen=replace(problem.specimen, radius=None, side=None))
+    by_layers = Layered()(wide).series
+    by_elements = method_class("fem")(contact="incremental")(problem).series  # the other remedy
+    load = np.interp(by_layers.delta[-1] * 0.9, by_elements.delta, by_elements.P)
+    # twenty thicknesses of the layer are wide: both remedies agree to the linear interpolation between increments
+    assert load == pytest.approx(np.interp(by_layers.delta[-1] * 0.9, by_layers.delta, by_layers.P), rel=0.01)
+
+
+def test_layered_names_the_tolerance_that_double_precision_allows_and_it_works() -> None:
+    """nu = 1/2 at a/h = 100 is beyond 1e-8."""
+    cell = replace(PLAIN, nu=0.5, a_over_h=100.0)
+    try:
+        Layered(1e-10)(cell.problem)
+    except JkrError as error:
+        words = str(error)
+    else:
+        pytest.fail("a/h = 100 at nu = 1/2 was solved to 1e-10")
+    assert "tolerance" in words
+    solved = Layered(1e-5)(cell.problem).series
+    assert np.isfinite(solved.P).all()
+
+
+# ---------------------------------------------------------------------- the verb
+def test_the_verb_writes_table_and_counts(jkr) -> None:
+    words = ("study", "failures", "--cells", 5, "--seed", 3, "--methods", "closed-form", "--no-plots", "--json")
+    outcome = jkr(*words, "-o", "out")
+    data = json.loads(outcome.out)
+    assert data["format"] == "jkr-failures"
+    assert sum(data["counts"]["closed-form"].values()) == 5
+    header, *rows = Path("out/failures.csv").read_text().splitlines()
+    assert header.startswith("method,outcome,nu,a_over_h,")
+    assert len(rows) == 5
+    assert all(len(row.split(",")) == len(header.split(",")) for row in rows)
+    assert jkr(*words, "-o", "out").out == outcome.out  # ours are replaced, and a seed gives the same cells
+
+
+@pytest.mark.slow
+def test_the_verb_draws_every_pair_of_axes(jkr) -> None:
+    assert jkr("study", "failures", "--cells", 3, "--seed", 3, "--methods", "closed-form").code == 0
+    assert Path("failures-closed-form.png").read_bytes()[:4] == b"\x89PNG"
+
+
+def test_the_verb_exits_with_one_where_a_cell_is_silently_wrong(jkr, monkeypatch) -> None:
+    monkeypatch.setattr(study, "method_of", lambda cell: Wrong(1.1, 1e-6))
+    outcome = jkr("study", "failures", "--cells", 3, "--seed", 3, "--methods", "closed-form", "--no-plots")
+    assert outcome.code == 1
+    assert "  silent: P errs by 0.1, stated 1.1e-06: Cell(" in outcome.out

@@ -1,0 +1,168 @@
+"""``jkr fit``: what is written, what is printed, what is refused in one line."""
+
+from __future__ import annotations
+
+import csv
+import json
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+from fit_data import A_C, A_END, DELTA_C, E_STAR, P_C, W, adhesive, coating, measured, sphere
+
+CASE = (
+    '[indenter]\nshape="paraboloid"\nradius="10 um"\n[specimen.half_space]\nE="1.5 MPa"\nnu=0.5\n'
+    '[loading]\nradius="10 um"\n'
+)
+COATING = (
+    '[indenter]\nshape="paraboloid"\nradius="50 um"\n[[specimen.layers]]\nname="skin"\nthickness="0.5 um"\n'
+    'E="5 MPa"\nnu=0.45\n[specimen.half_space]\nE="1.5 MPa"\nnu=0.49\n[loading]\nradius="12 um"\n'
+)
+NO_GEOMETRY = "a/R = "  # the identification of the literature goes to a/R = 0.68, and the tool says so
+
+
+def write(path: Path, curve, names: str = "delta_nm,P_uN") -> Path:
+    rows = zip((curve.delta * 1e9).tolist(), (curve.P * 1e6).tolist(), strict=True)
+    path.write_text("\n".join([names, *(f"{delta!r},{P!r}" for delta, P in rows)]) + "\n")
+    return path
+
+
+@pytest.fixture(name="folder")
+def _folder(tmp_path: Path) -> Path:
+    (tmp_path / "sphere.toml").write_text(CASE)
+    write(tmp_path / "probe.csv", sphere(noise=0.01, seed=5, shift=0.3))
+    return tmp_path
+
+
+def test_a_case_and_a_curve_give_table_summary_archive_and_picture(jkr, folder: Path) -> None:
+    outcome = jkr("fit", "sphere.toml", "probe.csv")
+    assert outcome.code == 0
+    lines = outcome.out.splitlines()
+    assert lines[0] == "probe.csv: 200 rows"
+    assert lines[1].startswith("  w            99.799 mJ/m^2  ± ")
+    assert lines[-1] == "written sphere-fit{.csv,.json,.h5}, 1 picture"
+    assert outcome.err.startswith("jkr: warning: probe.csv: a/R = 0.68")
+    assert len(outcome.err.splitlines()) == 1
+    assert sorted(path.name for path in folder.glob("sphere-fit*")) == [
+        "sphere-fit-probe.png", "sphere-fit-probe.svg", "sphere-fit.csv", "sphere-fit.h5", "sphere-fit.json",
+    ]  # fmt: skip
+    (row,) = csv.DictReader((folder / "sphere-fit.csv").open())
+    assert (row["file"], row["curve"], row["status"], row["points"]) == ("probe.csv", "probe", "fitted", "200")
+    assert float(row["E_star_low_Pa"]) < E_STAR < float(row["E_star_high_Pa"])
+    (curve,) = json.loads((folder / "sphere-fit.json").read_text())["curves"]
+    assert curve["estimates"]["w"]["value"] == float(row["w_J_per_m2"])
+    assert curve["estimates"]["w"]["unit"] == "J/m^2"
+    assert np.array(curve["correlation"])[0, 1] == pytest.approx(-0.66, abs=0.02)
+    with h5py.File(folder / "sphere-fit.h5") as file:
+        group = file["curves/000000"]
+        assert json.loads(group.attrs["summary"]) == curve
+        assert group["data/delta"].shape == group["foot_a"].shape == (200,)
+        assert group["data/P"].attrs["unit"] == "N"
+
+
+def test_a_series_file_gives_what_its_case_gives(jkr, folder: Path) -> None:
+    assert jkr("run", "sphere.toml", "-o", "series.h5").code == 0
+    told = [
+        json.loads(jkr("fit", name, "probe.csv", "--json", "--no-plots").out)["curves"][0]["estimates"]
+        for name in ("sphere.toml", "series.h5")
+    ]
+    assert told[1]["w"]["value"] == pytest.approx(told[0]["w"]["value"], rel=1e-9)
+    assert jkr("fit", "series.h5", "probe.csv").code == 0  # over its own files, without --force
+
+
+@pytest.mark.slow
+def test_layer_free_by_name_and_values_with_units(jkr, tmp_path: Path) -> None:
+    (tmp_path / "coating.toml").write_text(COATING)
+    write(tmp_path / "probe.csv", measured(coating(), 0.05, delta0=2e-8))
+    words = ("fit", "coating.toml", "probe.csv", "--json", "--no-plots")
+    found = json.loads(jkr(*words, "--free", "E:skin", "--fix", "delta0=20 nm", "--bound", "E:skin=1 MPa..1 GPa").out)
+    estimates = found["curves"][0]["estimates"]
+    assert estimates["E:skin"]["value"] == pytest.approx(20e6, rel=1e-6)
+    assert estimates["delta0"] == {"value": 20e-9, "unit": "m", "free": False}
+    assert estimates["modulus"]["free"] is False
+
+
+def test_a_layer_that_is_not_there_is_refused_with_the_names_there_are(jkr, tmp_path: Path) -> None:
+    (tmp_path / "coating.toml").write_text(COATING)
+    write(tmp_path / "probe.csv", sphere())
+    outcome = jkr("fit", "coating.toml", "probe.csv", "--free", "E:skim")
+    assert outcome.code == 2
+    assert outcome.err == (
+        'jkr: error: fit: unknown parameter "E:skim", did you mean "E:skin"? (allowed: modulus, w, delta0, P0, '
+        "compliance, E_star, E:skin, E:base, h:skin)\n"
+    )
+
+
+@pytest.mark.parametrize(
+    ("words", "line"),
+    [
+        (("--fix", "w=5 nm"), 'fit: w: must be a work of adhesion, got "5 nm": unknown unit "nm"'),
+        (("--free", "w", "--fix", "w=1"), "fit: w is both free and fixed"),
+        (("--fix", "w=1", "--start", "w=2"), "fit: w is not free: a start or a bound has no meaning"),
+        (("--bound", "w=1"), 'fit: the bounds of w must be LOW..HIGH, one may be left out, got "1"'),
+        (("--bound", "w=2..1"), "w: bounds must increase and leave room, got 2 to 1"),
+        (("--fix", "E_star=-1 MPa"), "modulus: must be > 0, got -0.5"),
+        (("--fix", "w"), 'invalid value for \'--fix\': must be NAME=VALUE, such as w="50 mJ/m^2", got "w"'),
+        (("--level", "1"), "fit: the confidence level must be between 0.5 and 1, got 1"),
+        (("--segment", "retract"), 'probe.csv: names no segments, cannot take "retract" alone'),
+        (("--flip", "P"), "probe.csv: P falls as delta rises (correlation -1.00): one of them has the wrong"),
+        (("--column", "P=force"), 'probe.csv: no single column "force" for P'),
+        (("--uncertain", "thickness=5%"), 'fit: unknown parameter "h:base"'),
+        (("--uncertain", "nu=0"), "fit: the uncertainty of nu must be > 0, got 0"),
+    ],
+)  # fmt: skip
+def test_wrong_words_are_refused_in_one_line(jkr, folder: Path, words: tuple[str, ...], line: str) -> None:
+    outcome = jkr("fit", "sphere.toml", "probe.csv", *words)
+    assert outcome.code == 2
+    assert outcome.err.startswith(f"jkr: error: {line}")
+    assert len(outcome.err.splitlines()) == 1
+    assert not list(folder.glob("sphere-fit*"))
+
+
+def test_one_bad_curve_among_many_is_told_and_skipped(jkr, folder: Path) -> None:
+    write(folder / "few.csv", sphere(5))
+    outcome = jkr("fit", "sphere.toml", "probe.csv", "few.csv", "--no-plots")
+    assert outcome.code == 0
+    assert "jkr: warning: skipped: few.csv: 5 rows to fit, at least 8 are needed\n" in outcome.err
+    rows = list(csv.DictReader((folder / "sphere-fit.csv").open()))
+    assert [row["status"] for row in rows] == ["fitted", "failed"]
+    assert rows[1]["reason"] == "few.csv: 5 rows to fit, at least 8 are needed"
+    outcome = jkr("fit", "sphere.toml", "few.csv")
+    assert (outcome.code, outcome.err) == (2, "jkr: error: few.csv: 5 rows to fit, at least 8 are needed\n")
+
+
+def test_a_map_of_curves_in_one_file_by_two_processes_gives_the_same_table(jkr, folder: Path) -> None:
+    lines = ["curve,delta_nm,P_uN"]
+    for seed in range(4):
+        curve = sphere(60, 0.01, seed)
+        pairs = zip(curve.delta.tolist(), curve.P.tolist(), strict=True)
+        lines += [f"{seed},{delta * 1e9},{P * 1e6}" for delta, P in pairs]
+    (folder / "map.csv").write_text("\n".join(lines) + "\n")
+    tables = []
+    for workers in (1, 2):
+        assert jkr("fit", "sphere.toml", "map.csv", "--no-plots", "--workers", workers, "-o", "out").code == 0
+        tables.append((folder / "out/sphere-fit.csv").read_text())
+    assert tables[0] == tables[1]
+    assert len(tables[0].splitlines()) == 5
+
+
+def test_foreign_files_are_not_replaced(jkr, folder: Path) -> None:
+    (folder / "sphere-fit.csv").write_text("mine\n")
+    outcome = jkr("fit", "sphere.toml", "probe.csv")
+    assert outcome.code == 2
+    assert "sphere-fit.csv: exists and was not written by jkr" in outcome.err
+
+
+def test_radius_and_load_from_a_microscope(jkr, folder: Path) -> None:
+    a = np.linspace(A_C, A_END, 40)
+    rows = "\n".join(f"{x * 1e6!r};{P * 1e6!r}" for x, P in zip(a.tolist(), adhesive(a)[1].tolist(), strict=True))
+    (folder / "scope.csv").write_text("a_um;P_uN\n" + rows + "\n")
+    found = json.loads(jkr("fit", "sphere.toml", "scope.csv", "--json", "--no-plots").out)["curves"][0]
+    assert found["free"] == ["modulus", "w"]
+    assert found["estimates"]["w"]["value"] == pytest.approx(W, rel=1e-6)
+
+
+def test_sizes_of_the_data_are_those_of_the_literature() -> None:
+    assert pytest.approx(4.712e-6, rel=1e-3) == P_C
+    assert pytest.approx(3.6e-7, rel=0.02) == DELTA_C

@@ -1,0 +1,136 @@
+"""Sweeps by many processes: killed and restarted, and by a Dask scheduler with workers of its own on loopback."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+JKR = (sys.executable, "-m", "jkrcli")
+DEADLINE = 120.0  # seconds to wait for processes on a machine that others use too
+CASES = 300
+STACKS = f"""
+[base]
+method = "layered"
+indenter = {{ shape = "sphere", radius = "1 mm" }}
+specimen.layers = [
+    {{ E = "10 kPa", nu = 0.3, thickness = "0.1 mm" }},
+    {{ E = "20 kPa", nu = 0.4, thickness = "0.1 mm" }},
+    {{ E = "30 kPa", nu = 0.45, thickness = "0.1 mm" }},
+]
+loading = {{ radius = "0.3 mm", points = 40 }}
+adhesion = {{ w = "5 mJ/m^2" }}
+
+[samples]
+count = {CASES}
+[samples.of]
+"specimen.layers.count" = {{ distribution = "integer", from = 1, to = 3 }}
+"specimen.layers[0].E" = {{ distribution = "loguniform", from = "1 kPa", to = "1 MPa" }}
+"specimen.layers[0].nu" = {{ distribution = "normal", mean = 0.4, sd = 0.06 }}
+"specimen.layers[1].thickness" = {{ distribution = "loguniform", from = "30 um", to = "300 um" }}
+"""
+
+
+def wait(condition: Callable[[], bool], what: str) -> None:
+    end = time.monotonic() + DEADLINE
+    while not condition():
+        assert time.monotonic() < end, f"waited {DEADLINE:g} s for {what}"
+        time.sleep(0.01)
+
+
+def lines(journal: Path) -> int:
+    return journal.read_bytes().count(b"\n") - 1 if journal.exists() else 0
+
+
+def children(pid: int) -> list[int]:
+    """Processes that ``pid`` started, of /proc."""
+    found = []
+    for stat in Path("/proc").glob("[0-9]*/stat"):
+        with contextlib.suppress(OSError):
+            if int(stat.read_text().rsplit(")", 1)[1].split()[1]) == pid:
+                found.append(int(stat.parent.name))
+    return found
+
+
+def runs(pid: int) -> bool:
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+def sweep(folder: Path, name: str, *words: str) -> list[str]:
+    return [*JKR, "sweep", str(folder / "s.toml"), "-o", str(folder / name), *words]
+
+
+@pytest.fixture(name="folder")
+def _folder(tmp_path: Path) -> Path:
+    (tmp_path / "s.toml").write_text(STACKS)
+    subprocess.run(sweep(tmp_path, "whole", "--workers", "1"), check=True, capture_output=True, timeout=DEADLINE)
+    return tmp_path
+
+
+def tables_agree(folder: Path, name: str) -> bool:
+    """To the last bit."""
+    return (folder / name / "table.csv").read_bytes() == (folder / "whole" / "table.csv").read_bytes()
+
+
+@pytest.mark.slow
+def test_killed_three_times_no_case_is_solved_twice_and_none_is_lost(folder: Path) -> None:
+    """SIGKILL, SIGKILL, Ctrl-C at a quarter, a half and three quarters; no worker stays behind."""
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # not ignored by what is started here
+    journal = folder / "cut" / "journal.jsonl"
+    for quarter, how in ((1, signal.SIGKILL), (2, signal.SIGKILL), (3, signal.SIGINT)):
+        run = subprocess.Popen(sweep(folder, "cut", "--workers", "2"), stderr=subprocess.DEVNULL)
+        wait(lambda quarter=quarter: lines(journal) >= quarter * CASES // 4, "the journal to grow")
+        workers = children(run.pid)
+        assert len(workers) >= 2
+        run.send_signal(how)
+        run.wait(DEADLINE)
+        assert lines(journal) < CASES
+        wait(lambda workers=workers: not any(map(runs, workers)), "the workers to end")
+    subprocess.run(sweep(folder, "cut", "--workers", "2"), check=True, capture_output=True, timeout=DEADLINE)
+    entries = [json.loads(line)[0] for line in journal.read_text().splitlines()[1:]]
+    assert len(entries) == len(set(entries)) == CASES
+    assert tables_agree(folder, "cut")
+
+
+@contextlib.contextmanager
+def process(*words: str) -> Iterator[subprocess.Popen[bytes]]:
+    """A process that is ended with the block."""
+    env = os.environ | {"DASK_DISTRIBUTED__ADMIN__LOG_LENGTH": "0"}
+    running = subprocess.Popen(words, env=env, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    try:
+        yield running
+    finally:
+        running.terminate()
+        running.wait(DEADLINE)
+
+
+@pytest.mark.slow
+def test_a_scheduler_with_two_workers_gives_the_same_table(folder: Path) -> None:
+    pytest.importorskip("distributed")
+    told = folder / "scheduler.json"
+    dask = (sys.executable, "-m", "dask")
+    loopback = ("--host", "127.0.0.1", "--scheduler-file", str(told))
+    with contextlib.ExitStack() as stack:
+        stack.enter_context(process(*dask, "scheduler", *loopback, "--port", "0", "--no-dashboard"))
+        wait(lambda: told.exists() and told.read_text().rstrip().endswith("}"), "the scheduler")
+        for _ in range(2):
+            stack.enter_context(process(*dask, "worker", *loopback, "--nthreads", "1", "--no-dashboard"))
+        address = json.loads(told.read_text())["address"]
+        assert address.startswith("tcp://127.0.0.1:")
+        done = subprocess.run(
+            sweep(folder, "dask", "--scheduler", address), check=True, capture_output=True, text=True, timeout=DEADLINE
+        )
+    assert "jkr: dashboard http://127.0.0.1:" in done.stderr
+    assert tables_agree(folder, "dask")
+    assert (folder / "dask" / "table.h5").stat().st_size == (folder / "whole" / "table.h5").stat().st_size

@@ -14,7 +14,7 @@ CASES   := $(notdir $(basename $(wildcard cases/*.toml)))
 SOURCES := $(shell find jkrcli -name '*.py')
 
 .DEFAULT_GOAL := help
-.PHONY: help setup run test test-all test-minimal lint cases bench figures noise-study audit clean requirements
+.PHONY: help setup run test test-all test-minimal lint cases bench figures noise-study chart chart-peers failures sweep audit clean requirements
 .DELETE_ON_ERROR:
 
 help: ## list the targets
@@ -71,6 +71,22 @@ figures: $(READY) ## the paper's figures 5, 7, 8 and 10
 
 noise-study: $(READY) ## what noise in the data does to the adhesive curve, 200 seeds (twenty minutes)
 	$(JKR) study noise -o $(RESULTS)/noise
+
+chart: $(READY) ## speed against accuracy on four bodies: pictures and tables
+	@mkdir -p $(RESULTS)/chart
+	for name in halfspace thin-layer gel coating; do \
+	  $(JKR) study chart cases/$$name.toml --peers docs/peers/timings.json -o $(RESULTS)/chart || exit 1; done
+
+chart-peers: $(READY) ## run other programs on the same work, in an environment of their own (half an hour; needs ccx)
+	$(PYTHON) -m venv --clear $(VENV)-peers
+	$(VENV)-peers/bin/python -m pip install --quiet ContactMechanics==1.8.3 tamaas==2.9.0 scikit-fem==12.0.2 scipy
+	$(VENV)/bin/python docs/peers/run.py --python $(VENV)-peers/bin/python
+
+failures: $(READY) ## where each method is right, refuses, or errs (an hour)
+	$(JKR) study failures -o $(RESULTS)/failures
+
+sweep: $(READY) ## a small map over thickness and Poisson's ratio
+	$(JKR) sweep cases/sweeps/gel.toml -o $(RESULTS)/sweep-gel
 
 audit: $(READY) ## look the pinned packages up among known vulnerabilities (needs the network)
 	$(PYTHON) -m venv --clear $(VENV)-audit

@@ -13,7 +13,20 @@ from typing import TYPE_CHECKING, Any
 from .errors import InputError, JkrError, Refusal
 
 if TYPE_CHECKING:
-    from .api import columns, load_case, parse_case, plot, read, save, solve, summary, to_pandas, transform
+    from .api import (
+        columns,
+        identify,
+        load_case,
+        measured_curves,
+        parse_case,
+        plot,
+        read,
+        save,
+        solve,
+        summary,
+        to_pandas,
+        transform,
+    )
 
 __version__ = "0.1.0"
 __all__ = [
@@ -21,7 +34,9 @@ __all__ = [
     "JkrError",
     "Refusal",
     "columns",
+    "identify",
     "load_case",
+    "measured_curves",
     "parse_case",
     "plot",
     "read",

@@ -25,6 +25,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -34,6 +35,9 @@ from .case import Case, load_case
 from .case import parse_case as _parse_case
 from .errors import InputError
 from .files import check_target
+from .guards import Limits
+from .measured import Curve, Reading
+from .measured import read as read_curves
 from .series import Array
 from .solving import solve as _solve
 from .store import Kept, Stored
@@ -42,9 +46,23 @@ from .threads import one_thread
 if TYPE_CHECKING:
     from pandas import DataFrame
 
+    from .fit import Fit
     from .plots import Figure
 
-__all__ = ["columns", "load_case", "parse_case", "plot", "read", "save", "solve", "summary", "to_pandas", "transform"]
+__all__ = [
+    "columns",
+    "identify",
+    "load_case",
+    "measured_curves",
+    "parse_case",
+    "plot",
+    "read",
+    "save",
+    "solve",
+    "summary",
+    "to_pandas",
+    "transform",
+]
 
 
 def parse_case(text: str, folder: str | Path = ".") -> Case:
@@ -55,13 +73,14 @@ def parse_case(text: str, folder: str | Path = ".") -> Case:
     return _parse_case(text.encode(), "case", Path(folder))
 
 
-def solve(problem: Case | str | Path, method: str | None = None) -> Kept:
+def solve(problem: Case | str | Path, method: str | None = None, limits: Limits | None = None) -> Kept:
     """The nonadhesive series of a case (or of the case file at a path), as a series file would hold it.
 
-    ``method``: instead of the case's own. Raises InputError where the case is wrong or no method can represent it.
+    ``method``: instead of the case's own; ``limits``: most memory and time to begin with, Limits(memory=8, hours=2).
+    Raises InputError where the case is wrong, no method can represent it, or it would cost too much.
     """
     loaded = problem if isinstance(problem, Case) else load_case(problem)
-    _, solution = _solve(loaded, method)
+    _, solution = _solve(loaded, method, limits)
     return store.kept(solution, loaded.to_toml(), loaded.model.problem().key)
 
 
@@ -88,6 +107,41 @@ def transform(solved: Stored | str | Path, w: float, slopes: str = "auto", modul
     return analyse(stored, [w], slopes, modulus_factor)[0]
 
 
+def identify(
+    body: Case | Stored | str | Path,
+    measured: Curve | str | Path,
+    free: Iterable[str] = (),
+    fix: Mapping[str, str] | None = None,
+    slopes: str = "auto",
+    **options: Any,
+) -> Fit:
+    """E*, w and the zero points that bring the adhesive curve of ``body`` nearest to one ``measured`` curve.
+
+    ``body``: a case (solved to the radii that the data ask for), a solved series, or the file of either. ``free``: more
+    parameters ("P0", "E:film"); ``fix``: known ones, {"w": "50 mJ/m^2"}; ``options``: see jkrcli.fit.Settings. Raises
+    InputError where the data cannot be fitted.
+    """
+    from .fit import fit
+    from .fit.request import settings_of
+    from .fit.source import body_of
+
+    source = body_of(Path(body) if isinstance(body, str) else body, slopes)
+    curve = measured if isinstance(measured, Curve) else _only_curve(Path(measured))
+    return one_thread(fit)(source, curve, settings_of(source, free, (fix or {}).items(), **options))
+
+
+def _only_curve(path: Path) -> Curve:
+    curves = measured_curves(path)
+    if len(curves) > 1:
+        raise InputError(f"{path}: holds {len(curves)} curves, one is wanted: give one of measured_curves(path)")
+    return curves[0]
+
+
+def measured_curves(path: str | Path, **reading: Any) -> list[Curve]:
+    """The measured curves in a file; ``reading``: how to read it, see jkrcli.measured.Reading."""
+    return read_curves(Path(path), Reading(**reading))
+
+
 def columns(curve: Analysis) -> dict[str, Array]:
     """The columns of the curve's CSV file: names with units, one value per contact radius."""
     return tables.curve_columns(curve.curve)
@@ -104,9 +158,9 @@ def to_pandas(curve: Analysis) -> DataFrame:
 
 def plot(curve: Analysis, path: str | Path | None = None) -> Figure:
     """Load over displacement and contact radius over load; also written to ``path`` (.png, .svg, .pdf) where given."""
-    from . import plots
+    from . import plots, plots_curve
 
-    figure = plots.curve_figure(curve, plots.physical_units(curve.curve))
+    figure = plots_curve.curve_figure(curve, plots_curve.physical_units(curve.curve))
     if path is not None:
         plots.save(figure, Path(path))
     return figure

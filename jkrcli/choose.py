@@ -40,6 +40,11 @@ class Choice:
     reason: str
     options: tuple[Option, ...] = ()
 
+    def forecast(self, problem: Problem) -> Forecast:
+        """What the chosen method will cost."""
+        known = next((option.forecast for option in self.options if option.name == self.name), None)
+        return known or self.method.forecast(problem)
+
     def after_failure(self, error: Exception, build: Callable[[str], Method]) -> Choice | None:
         """What "auto" turns to when the chosen method fails: the next possible one; None where none is left."""
         names = [option.name for option in self.options if option.forecast is not None]

@@ -46,7 +46,7 @@ def admit(what: str, forecast: Forecast, limits: Limits) -> str | None:
 
 
 def _raised(value: float) -> str:
-    return f"{math.ceil(HEADROOM * value)}" if math.isfinite(value) else "inf"
+    return f"{float(f'{HEADROOM * value:.1e}'):g}"
 
 
 def duration(seconds: float) -> str:

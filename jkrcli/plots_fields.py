@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping, Sequence
 
 import matplotlib as mpl
@@ -12,41 +13,45 @@ from matplotlib.figure import Figure
 
 from .differences import Difference
 from .fem.grid import Grid
-from .plots import BLACK, BLUE, GREEN, ORANGE, STYLE, pretty
+from .plots import BLACK, BLUE, COLORS, NARROW, ORANGE, STYLE, WIDE, legend_below, pretty
 from .series import Array
 from .units import scale, show
+
+WITHOUT_EDGE = 0.98  # of the radius: pressures up to there set the axis
 
 
 def differences_figure(found: Sequence[Difference], rtol: float) -> Figure:
     """Relative differences over what they are compared at, in logs, with the limit."""
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(4.5, 3.2), layout="constrained")
+        figure = Figure(figsize=(NARROW, 3.2), layout="constrained")
         axes = figure.subplots()
-        for difference, color in zip(found, (ORANGE, BLUE, GREEN, BLACK, "#CC79A7", "#56B4E9"), strict=False):
+        for difference, color in zip(found, itertools.cycle(COLORS), strict=False):
             size = np.maximum(np.abs(difference.relative), 1e-17)
             axes.loglog(
                 difference.x, size, ".-", color=color, ms=4, lw=0.8, label=f"{difference.column}({difference.over})"
             )
         axes.axhline(rtol, color="0.4", lw=0.8, ls=":", label=f"rtol {rtol:g}")
-        axes.set_xlabel("displacement δ (m) or contact radius a (m)")
+        axes.set_xlabel("δ (m) or a (m)")
         axes.set_ylabel("relative difference")
-        axes.legend()
+        legend_below(figure, [axes], 3)
         return figure
 
 
 def mesh_figure(grid: Grid, reach: float) -> Figure:
     """The whole body and its contact zone; ``reach`` [m]: radius out to which contact is expected."""
     with mpl.rc_context(STYLE | {"axes.grid": False}):
-        figure = Figure(figsize=(7.2, 4.0), layout="constrained")
+        zone = min(1.5 * reach, grid.width), min(1.5 * reach, grid.depth)
+        tallest = max(grid.depth / grid.width, zone[1] / zone[0])
+        figure = Figure(figsize=(WIDE, 1.0 + float(np.clip(0.42 * WIDE * tallest, 0.6, 5.0))), layout="constrained")
         left, right = figure.subplots(1, 2)
         _cells(left, grid, grid.width, grid.depth)
         left.set_title(f"whole body, {len(grid.cells):,} {grid.element}s")
-        _cells(right, grid, min(1.5 * reach, grid.width), min(1.5 * reach, grid.depth))
+        _cells(right, grid, *zone)
         right.set_title(f"contact zone, quality {np.min(grid.quality()):.2f} to {np.max(grid.quality()):.2f}")
-        factor = scale(min(1.5 * reach, grid.width), "length")[0]
+        factor = scale(zone[0], "length")[0]
         right.plot([0, reach / factor], [0, 0], color=ORANGE, lw=2.5, solid_capstyle="butt", clip_on=False,
                    label="contact expected")  # fmt: skip
-        right.legend(loc="lower right", frameon=True)
+        legend_below(figure, [right], 1)
         return figure
 
 
@@ -68,27 +73,44 @@ def _cells(axes: Axes, grid: Grid, width: float, depth: float) -> None:
 def profile_figure(columns: Mapping[str, Array], a: float, w: float) -> Figure:
     """Pressure inside, and the surfaces of specimen and indenter around a contact of radius ``a`` [m]."""
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(7.2, 3.2), layout="constrained")
+        figure = Figure(figsize=(WIDE, 3.2), layout="constrained")
         left, right = figure.subplots(1, 2)
-        r, p = columns["r_m"], columns["pressure_Pa"]
         length, unit = scale(a, "length")
-        inside = r < a
-        stress, stress_unit = scale(float(np.max(np.abs(np.median(p[inside])))) or 1.0, "modulus")
-        left.axhline(0, color="0.7", lw=0.6)
-        left.plot(r[inside] / length, p[inside] / stress, color=ORANGE)
-        left.axvline(a / length, color="0.5", lw=0.8, ls=":")
-        low, high = np.percentile(p[inside] / stress, [4, 100])
-        left.set_ylim(low - 0.15 * (high - low), high + 0.1 * (high - low))
-        left.set_xlabel(f"r ({pretty(unit)})")
-        left.set_ylabel(f"contact pressure ({pretty(stress_unit)})")
-        height, height_unit = scale(float(np.max(np.abs(columns["displacement_m"]))), "length")
-        right.plot(r / length, -columns["displacement_m"] / height, color=BLUE, label="specimen")
-        right.plot(
-            r / length, (columns["gap_m"] - columns["displacement_m"]) / height, "--", color=BLACK, label="indenter"
-        )
-        right.axvline(a / length, color="0.5", lw=0.8, ls=":")
-        right.set_xlabel(f"r ({pretty(unit)})")
-        right.set_ylabel(f"height ({pretty(height_unit)})")
-        right.legend()
+        _pressure(left, columns, a / length, length)
+        _surfaces(right, columns, a / length, length)
+        for axes in (left, right):
+            axes.set_xlabel(f"r ({pretty(unit)})")
+        legend_below(figure, [right], 3)
         figure.suptitle(f"a = {pretty(show(a, 'length'))}, w = {pretty(show(w, 'work'))}")
         return figure
+
+
+def _pressure(axes: Axes, columns: Mapping[str, Array], a: float, length: float) -> None:
+    """The pressure, its axis without what lies close to the edge: there it grows without bound under adhesion."""
+    r = columns["r_m"] / length
+    seen = r <= WITHOUT_EDGE * a
+    factor, unit = scale(float(np.max(np.abs(columns["pressure_Pa"][seen]))), "modulus")
+    p = columns["pressure_Pa"] / factor
+    axes.axhline(0, color="0.7", lw=0.6)
+    axes.plot(r[r < a], p[r < a], color=ORANGE)
+    _edge(axes, a)
+    low, high = min(0.0, float(np.min(p[seen]))), max(0.0, float(np.max(p[seen])))
+    axes.set_ylim(low - 0.1 * (high - low), high + 0.1 * (high - low))
+    axes.set_ylabel(f"contact pressure ({pretty(unit)})")
+
+
+def _surfaces(axes: Axes, columns: Mapping[str, Array], a: float, length: float) -> None:
+    """Both surfaces, the axis of heights as high as the specimen asks for: the indenter leaves it."""
+    r = columns["r_m"] / length
+    factor, unit = scale(float(np.max(np.abs(columns["displacement_m"]))), "length")
+    height = -columns["displacement_m"] / factor
+    axes.plot(r, height, color=BLUE, label="specimen")
+    axes.plot(r, height + columns["gap_m"] / factor, "--", color=BLACK, label="indenter")
+    _edge(axes, a)
+    low, high = float(np.min(height)), float(np.max(height))
+    axes.set_ylim(low - 0.1 * (high - low), high + 0.8 * (high - low))
+    axes.set_ylabel(f"height ({pretty(unit)})")
+
+
+def _edge(axes: Axes, a: float) -> None:
+    axes.axvline(a, color="0.5", lw=0.8, ls=":", label="edge of the contact")

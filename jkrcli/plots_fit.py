@@ -6,10 +6,11 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from .fit.result import Fit
 from .fit.statistics import rise
-from .plots import BLUE, GREEN, ORANGE, STYLE, pretty
+from .plots import BLACK, BLUE, GREEN, MIDDLE, ORANGE, SKY, STYLE, WIDE, legend_below, pretty
 from .series import Array
 from .units import scale
 
@@ -23,25 +24,27 @@ def fit_figure(found: Fit) -> Figure:
     """Three panels, or two where the data tell no joint region of E* and w."""
     region = found.covariance is not None and {"modulus", "w"} <= set(found.free)
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(9.6 if region else 6.6, 3.2), layout="constrained")
+        figure = Figure(figsize=(WIDE if region else MIDDLE, 2.8), layout="constrained")
         panels = figure.subplots(1, 3 if region else 2)
         _curve(panels[0], found)
         _residuals(panels[1], found)
         if region:
             _region(panels[2], found)
+        legend_below(figure, panels, 5)
         return figure
 
 
 def _curve(axes: Axes, found: Fit) -> None:
     x, y = AXES[",".join(found.data)]
     units = {name: scale(float(np.max(np.abs(found.data[name]))), DIMENSIONS[name]) for name in (x, y)}
-    axes.plot(found.data[x] / units[x][0], found.data[y] / units[y][0], ".", color=BLUE, ms=3, label="measured")
+    axes.plot(
+        found.data[x] / units[x][0], found.data[y] / units[y][0], "o", color=SKY, ms=3, mfc="none", label="measured"
+    )
     near = found.line["a"] <= 1.02 * found.a.max()
     line = {name: found.line[name][near] / units[name][0] for name in (x, y)}
-    axes.plot(line[x], line[y], "-", color=ORANGE, label="fitted")
+    axes.plot(line[x], line[y], "-", color=BLACK, lw=1.0, label="fitted")
     axes.set_xlabel(f"{LABELS[x]} ({pretty(units[x][1])})")
     axes.set_ylabel(f"{LABELS[y]} ({pretty(units[y][1])})")
-    axes.legend()
 
 
 def _residuals(axes: Axes, found: Fit) -> None:
@@ -53,8 +56,6 @@ def _residuals(axes: Axes, found: Fit) -> None:
     axes.axhline(0, color="0.6", lw=0.8)
     axes.set_xlabel(f"contact radius a ({pretty(unit)})")
     axes.set_ylabel("residual / standard deviation")
-    if len(names) > 1:
-        axes.legend()
 
 
 def _region(axes: Axes, found: Fit) -> None:
@@ -70,12 +71,12 @@ def _region(axes: Axes, found: Fit) -> None:
     radius = np.sqrt(found.dof * rise(found.settings.level, found.dof, 2))
     E, w = _ellipse(covariance, radius)
     E, w = (found.value("modulus") + E) * factor / E_unit[0], (found.value("w") + w) / w_unit[0]
-    axes.plot(E, w, "-", color=ORANGE, label=f"{found.settings.level:.0%} region")
+    axes.plot(E, w, "-", color=ORANGE, label=f"{found.settings.level * 100:g} % region")
     axes.plot(found.value("E_star") / E_unit[0], found.value("w") / w_unit[0], "+", color=BLUE, ms=8)
     axes.set_xlabel(f"E* ({pretty(E_unit[1])})")
     axes.set_ylabel(f"work of adhesion w ({pretty(w_unit[1])})")
     axes.ticklabel_format(useOffset=False)
-    axes.legend()
+    axes.xaxis.set_major_locator(MaxNLocator(4))
 
 
 def _ellipse(covariance: Array, radius: float) -> tuple[Array, Array]:

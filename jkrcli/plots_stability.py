@@ -9,12 +9,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from .plots import BLACK, BLUE, GREEN, ORANGE, STYLE
+from .plots import BLACK, BLUE, COLORS, GREEN, MIDDLE, ORANGE, STYLE, WIDE, legend_below, scaled
 from .series import Array
-from .units import scale
 
-PHASES = {"approach": BLUE, "turn": GREEN, "retraction": ORANGE}
-COLORS = (BLUE, ORANGE, GREEN, "#CC79A7", "#56B4E9", BLACK)
+PHASES = {"approach": (BLUE, 3.0), "turn": (GREEN, 2.0), "retraction": (ORANGE, 1.2)}  # the last drawn the thinnest
 LIMITS = {1.5: "thick: 3/2", 2.0: "thin, compressible: 2", 3.0: "thin, incompressible: 3"}
 
 
@@ -24,21 +22,22 @@ def cycle_figure(columns: Mapping[str, Array], title: str) -> Figure:
     ``columns``: as ``stability.trace`` gives them, with "phase" and "part".
     """
     over = "device_m" if "device_m" in columns else "delta_m"
-    names = {"device_m": "device position δ + P/k", "delta_m": "displacement δ"}
+    soft = not np.array_equal(columns[over], columns["delta_m"])
+    name = "device position δ + P/k" if soft else "displacement δ"
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(7.2, 3.4), layout="constrained")
-        left, right = figure.subplots(1, 2)
-        x, x_unit = _scaled(columns[over], "length")
-        for axes, name, dimension, label in (
-            (left, "P_N", "load", "load P"),
-            (right, "a_m", "length", "contact radius a"),
+        figure = Figure(figsize=(WIDE, 3.4), layout="constrained")
+        panels = figure.subplots(1, 2)
+        x, x_unit = scaled(columns[over], "length")
+        for axes, column, dimension, label in (
+            (panels[0], "P_N", "load", "load P"),
+            (panels[1], "a_m", "length", "contact radius a"),
         ):
-            y, y_unit = _scaled(columns[name], dimension)
+            y, y_unit = scaled(columns[column], dimension)
             _phases(axes, x, y, columns)
             axes.axhline(0, color="0.7", lw=0.6)
-            axes.set_xlabel(f"{names[over]} ({x_unit})")
+            axes.set_xlabel(f"{name} ({x_unit})")
             axes.set_ylabel(f"{label} ({y_unit})")
-        figure.legend(*left.get_legend_handles_labels(), loc="outside lower center", ncols=4)
+        legend_below(figure, panels, 4)
         figure.suptitle(title)
         return figure
 
@@ -46,12 +45,12 @@ def cycle_figure(columns: Mapping[str, Array], title: str) -> Figure:
 def map_figure(columns: Mapping[str, Array]) -> Figure:
     """The pull-off map: -P_min/(pi w R) over w R^2/(E* h^3), one line per Poisson's ratio, with its limits."""
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(4.8, 3.4), layout="constrained")
+        figure = Figure(figsize=(MIDDLE, 3.4), layout="constrained")
         axes = figure.subplots()
         q, force = columns["w_R2_over_Estar_h3"], columns["minus_P_over_pi_w_R"]
         for value, words in LIMITS.items():
             axes.axhline(value, color="0.6", lw=0.8, ls="--")
-            axes.annotate(words, (0.99, value), xycoords=("axes fraction", "data"), ha="right", va="bottom", size=7,
+            axes.annotate(words, (0.99, value), xycoords=("axes fraction", "data"), ha="right", va="bottom", size=8,
                           color="0.4")  # fmt: skip
         for i, nu in enumerate(dict.fromkeys(columns["nu"].tolist())):
             rows = columns["nu"] == nu
@@ -59,21 +58,16 @@ def map_figure(columns: Mapping[str, Array]) -> Figure:
         axes.set_xlabel("w R² / (E* h³)")
         axes.set_ylabel("pull-off force / (π w R)")
         axes.set_ylim(1.4, 3.15)
-        axes.legend(loc="center left", title=f"rigid base, {columns['base'][0]}")
+        axes.set_title(f"layer on a rigid base, {columns['base'][0]}")
+        legend_below(figure, [axes], 4)
         return figure
-
-
-def _scaled(values: Array, dimension: str) -> tuple[Array, str]:
-    factor, unit = scale(float(np.max(np.abs(values))), dimension)
-    return values / factor, unit.replace("u", "µ")
 
 
 def _phases(axes: Axes, x: Array, y: Array, columns: Mapping[str, Array]) -> None:
     """One line per part, in the colour of its phase, over a dotted line that shows where the jumps between them lie."""
     axes.plot(x, y, ":", color=BLACK, lw=0.9, label="jump")
-    seen = set()
     for part in range(1, int(columns["part"][-1]) + 1):
         rows = columns["part"] == part
         label = str(columns["phase"][rows][0]).removeprefix("free ")
-        axes.plot(x[rows], y[rows], color=PHASES[label], label=None if label in seen else label)
-        seen.add(label)
+        colour, width = PHASES[label]
+        axes.plot(x[rows], y[rows], color=colour, lw=width, label=label)

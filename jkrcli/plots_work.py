@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from .plots import BLUE, GREEN, ORANGE, STYLE, pretty
+from .plots import BLUE, GREEN, NARROW, ORANGE, STYLE, WIDE, legend_below, pretty
 from .series import Array
 from .units import scale
 from .work import WorkAlong, typical
@@ -29,7 +29,7 @@ def work_figure(found: Sequence[WorkAlong]) -> Figure:
     groups = _groups(found)
     timed = "measured" not in groups
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(7.2, 3.4) if timed else (4.2, 3.4), layout="constrained")
+        figure = Figure(figsize=(WIDE if timed else NARROW, 3.0), layout="constrained")
         axes = figure.subplots(1, 2 if timed else 1, squeeze=False)[0]
         w, unit = scale(typical(found), "work")
         _over_radius(axes[0], groups, w)
@@ -37,7 +37,8 @@ def work_figure(found: Sequence[WorkAlong]) -> Figure:
             _over_speed(axes[1], groups, w)
         for panel in axes:
             panel.set_ylabel(f"work of adhesion w ({pretty(unit)})")
-        figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
+        if timed:
+            legend_below(figure, axes[:1], 2)
         return figure
 
 

@@ -2,18 +2,28 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from .case import Case
 from .case.numerics import method_of
 from .choose import Choice, choose
 from .errors import JkrError
+from .guards import Limits, admit
 from .methods import Method
 from .series import Solution
 from .threads import one_thread
 
+Announce = Callable[[str], None]
+
 
 @one_thread
-def solve(case: Case, method: str | None = None) -> tuple[Choice, Solution]:
-    """Solve ``case`` by ``method`` (None: the case's own); under "auto" the next one where the first fails."""
+def solve(
+    case: Case, method: str | None = None, limits: Limits | None = None, announce: Announce | None = None
+) -> tuple[Choice, Solution]:
+    """Solve ``case`` by ``method`` (None: the case's own); under "auto" the next one where the first fails.
+
+    Refusal where it would cost more than ``limits``; ``announce`` is told what it will cost where that is much.
+    """
 
     def build(name: str) -> Method:
         return method_of(case.model, name)
@@ -22,6 +32,9 @@ def solve(case: Case, method: str | None = None) -> tuple[Choice, Solution]:
     choice: Choice | None = choose(problem, method or case.model.method, build)
     while True:
         assert choice is not None
+        cost = admit(f"method {choice.name}", choice.forecast(problem), limits or Limits())
+        if cost and announce:
+            announce(cost)
         try:
             return choice, choice.method(problem)
         except JkrError as error:

@@ -17,10 +17,12 @@ DOORS = {
     "h5py": {"store.py", "files.py", "sweep/table.py", "fit/archive.py"},
     "matplotlib": {
         "plots.py",
+        "plots_curve.py",
         "plots_study.py",
         "plots_stability.py",
-        "plots_noise.py", "plots_chart.py",
-                   "plots_failures.py",
+        "plots_noise.py",
+        "plots_chart.py",
+        "plots_failures.py",
         "plots_fields.py",
         "plots_work.py",
         "plots_fit.py",
@@ -43,12 +45,13 @@ DOORS = {
 }
 # Each part may import from itself and from those before it.
 ORDER = [
-    "errors", "doctor", "grading", "materials", "units", "files", "clock", "threads", "progress", "executors", "indenters", "problem", "words", "series",
-    "closed_form",
-    "methods", "radii", "integral", "formulas", "fem", "hybrid", "choose", "case", "solving", "store", "cache", "text_table", "columns", "foreign", "measured", "slopes",
-    "adhesion", "validity", "states", "stability_path", "stability", "stability_inverse", "comparison", "differences",
-    "expectation", "analysis", "scaling", "tables", "fit", "work", "sweep", "plots", "plots_fields", "plots_study", "plots_contact_zone", "plots_stability", "plots_work", "plots_fit", "study",
-    "plots_noise", "plots_chart", "plots_failures", "explorer", "api", "cli", "__main__",
+    "errors", "doctor", "grading", "materials", "units", "files", "clock", "threads", "progress", "executors",
+    "indenters", "problem", "words", "series", "closed_form", "methods", "guards", "radii", "integral", "formulas",
+    "fem", "hybrid", "choose", "case", "solving", "store", "cache", "text_table", "columns", "foreign", "measured",
+    "slopes", "adhesion", "validity", "states", "stability_path", "stability", "stability_inverse", "comparison",
+    "differences", "expectation", "analysis", "scaling", "tables", "fit", "work", "sweep", "plots", "plots_curve", "plots_fields",
+    "plots_study", "plots_contact_zone", "plots_stability", "plots_work", "plots_fit", "study", "plots_noise",
+    "plots_chart", "plots_failures", "explorer", "api", "cli", "__main__",
 ]  # fmt: skip
 
 

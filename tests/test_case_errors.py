@@ -120,7 +120,7 @@ def test_all_mistakes_are_reported_at_once() -> None:
     assert caught.value.lines == (
         "my.toml: indenter.half_angle: must be > 0 and < 1.5708, got 100 deg",
         'my.toml: metod: unknown key, did you mean "method"? (allowed: title, method, indenter, specimen, loading, '
-        "adhesion, mesh, contact, layered)",
+        "adhesion, mesh, contact, layered, hybrid)",
         'my.toml: specimen.base: must be one of bonded, frictionless, got "bondd", did you mean "bonded"?',
         "my.toml: specimen.layers[1].E: must be > 0, got -3 Pa",
         "my.toml: specimen.layers[1].thickness: must be > 0, got -1 um",

@@ -165,7 +165,10 @@ REFUSALS = [
     (("transform", "x.h5", "--w", "5 kg"), "invalid value for '--w': must be a work of adhesion, got \"5 kg\""),
     (("transform", "x.h5", "x.h5"), "x-w50.csv: would be written twice"),
     (("transform", "x.h5", "--w", "1", "--w", "1 N/m"), "x-w1.csv: would be written twice"),
-    (("transform", "x.h5", "--dimensionless", "thin-layer"), "thin-layer: needs one homogeneous isotropic layer"),
+    (
+        ("transform", "x.h5", "--dimensionless", "thin-layer"),
+        "--dimensionless thin-layer: needs one homogeneous isotropic layer",
+    ),
     (("compare", "x.h5", "no.h5"), "no.h5: series file not found"),
     (("compare", "x.csv", "x.csv"), "x.csv: curve not found"),
 ]

@@ -27,6 +27,7 @@ from fit_data import (
 
 from jkrcli.errors import InputError
 from jkrcli.fit import Parameter, Settings, fit
+from jkrcli.fit.points import points_of
 from jkrcli.measured import Curve
 
 EXACT = 1e-6  # the accuracy asked for without noise; the series' own points and tolerance leave about 2e-7
@@ -302,3 +303,15 @@ def test_a_scaling_fit_is_quick() -> None:
         fit(body, curve, usual())
         seconds.append(time.process_time() - begin)
     assert min(seconds) < 0.2  # 0.05 s measured
+
+
+def test_the_end_of_a_curve_on_a_thin_layer_is_no_base_line() -> None:
+    """A stiff device follows the contact to loads near zero there; with radii read, rows with a > 0 are in contact."""
+    a, delta = np.linspace(5.0, 0.5, 60), np.linspace(20.0, -8.0, 60)
+    P = np.concatenate([np.linspace(4, -1, 30), np.linspace(-1, -0.05, 30)])
+    for radii in (a, None):
+        curve = Curve("c", radii, delta, P, None, None)
+        found = points_of(curve, None, "all", 3, None)
+        assert len(found) >= 59
+    line = np.concatenate([np.linspace(4, -1, 30), np.zeros(30)])
+    assert len(points_of(Curve("c", None, delta, line, None, None), None, "all", 3, None)) == 30

@@ -47,11 +47,10 @@ def test_other_bodies_are_refused_with_the_remedy() -> None:
     ground = Specimen((), HalfSpace(Elastic(1.0, 0.3)))
     loading = Loading("radius", 2.0)
     table = TableProfile((0.0, 2.0, 4.0), (0.0, 1.0, 4.0))
+    layered = "solves homogeneous half-spaces and thin single isotropic layers only: use method"
     for problem, words in {
-        Problem(Paraboloid(R), two, loading): "solves homogeneous half-spaces and thin single isotropic layers only: use method",
-        Problem(
-            Paraboloid(R), coated, loading
-        ): "solves homogeneous half-spaces and thin single isotropic layers only: use method",
+        Problem(Paraboloid(R), two, loading): layered,
+        Problem(Paraboloid(R), coated, loading): layered,
         Problem(table, ground, loading): "there is no closed form for a tabulated profile: use method layered",
         Problem(PowerLaw(1.0, 1.0), layer(0.3, (1.0,)).specimen, loading): "the thin-layer formulae are for a rigid",
     }.items():

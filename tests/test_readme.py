@@ -48,7 +48,7 @@ def test_every_unmarked_block_runs(tmp_path: Path) -> None:
                              env={**os.environ, "PATH": path})  # fmt: skip
         assert run.returncode == 0, f"{block.text}\n{run.stderr}"
         done += 1
-    assert done >= 5
+    assert done >= 3
 
 
 def test_toml_blocks_are_whole_and_valid_cases() -> None:

@@ -113,6 +113,7 @@ def fit(
     from ..files import check_target, make_folder, write_text
     from ..fit import archive, report
     from ..fit.request import settings_of, uncertain_of
+    from ..fit.source import body_of
 
     folder = body_file.parent if output is None else output
     stem = folder / f"{body_file.stem}-fit"
@@ -124,7 +125,7 @@ def fit(
         check_target(target, force, inputs)
     reading = reading_of(options)
     options["noise"] = dict(options["noise"])
-    body = _body(body_file, slopes)
+    body = body_of(body_file, slopes)
     names = [name for group in free for name in group]
     settings = settings_of(body, names, fix, start, bound, **options)
     if uncertain:
@@ -144,28 +145,6 @@ def fit(
     if not as_json:
         pictures = f", {len(drawn)} picture{'s' if len(drawn) > 1 else ''}" if drawn else ""
         click.echo(f"written {stem}{{{','.join(ENDINGS)}}}{pictures}")
-
-
-def _body(path: Path, slopes: str) -> Body:
-    """The body of a series file, or of a case file, which is solved."""
-    from ..fit import Body
-
-    if path.suffix == ".toml":
-        from ..case import load_case
-        from ..slopes import slopes as slopes_of
-        from .run import solve
-
-        case = load_case(path)
-        problem = case.model.problem()
-        _, solution = solve(case)
-        found = slopes_of(solution.series, slopes)
-        return Body.of(problem, solution.series, found, problem.specimen.radius is None)
-    from .. import store
-    from ..analysis import Fitted, specification
-
-    stored = store.read(path)
-    fitted = Fitted.of(stored, specification(stored), slopes)
-    return Body.of(fitted.case.problem, fitted.series, fitted.slopes)
 
 
 def _fits(

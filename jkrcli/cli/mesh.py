@@ -13,7 +13,10 @@ from ..case.numerics import fem_of
 from ..fem.export import write_vtu
 from ..fem.mesh import write_msh
 from ..files import atomic, check_target, make_folder
+from ..guards import Limits, admit
 from ..units import show
+from .options import limit_memory_option, limit_time_option
+from .voice import note
 
 # What tells jkr that it wrote a file, where the format keeps comments.
 MARKS = {".msh": f"$Comments\njkr {__version__}\n$EndComments\n", ".vtu": f"\n<!-- jkr {__version__} -->\n"}
@@ -24,8 +27,10 @@ MARKS = {".msh": f"$Comments\njkr {__version__}\n$EndComments\n", ".vtu": f"\n<!
 @click.option(
     "-o", "--output", type=click.Path(path_type=Path, file_okay=False), default=".", show_default=True, help="Folder."
 )
+@limit_memory_option
+@limit_time_option
 @click.option("--force", is_flag=True, help="Replace existing files that jkr did not write.")
-def mesh(case: Path, output: Path, force: bool) -> None:
+def mesh(case: Path, output: Path, limit_memory: float | None, limit_time: float, force: bool) -> None:
     """Mesh CASE as method fem would and write <stem>-mesh.msh (gmsh), .vtu (ParaView) and .png.
 
     \b
@@ -38,6 +43,8 @@ def mesh(case: Path, output: Path, force: bool) -> None:
     for target in targets.values():
         check_target(target, force, [case])
     method = fem_of(model)
+    if cost := admit("method fem on this mesh", method.forecast(problem), Limits(limit_memory, limit_time)):
+        note(cost)
     grid, reach = method.mesh(problem), method.reach(problem)
     for ending, write in ((".msh", write_msh), (".vtu", write_vtu)):
         with atomic(targets[ending]) as temporary:

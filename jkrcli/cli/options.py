@@ -9,6 +9,22 @@ from typing import Any
 import click
 
 from .. import units
+from ..guards import Limits
+
+limit_memory_option = click.option(
+    "--limit-memory",
+    type=click.FloatRange(min=0, min_open=True),
+    metavar="GIB",
+    help="Most memory to begin with [default: 80 % of what is free].",
+)
+limit_time_option = click.option(
+    "--limit-time",
+    type=click.FloatRange(min=0, min_open=True),
+    default=Limits().hours,
+    show_default=True,
+    metavar="HOURS",
+    help="Most CPU time to begin with.",
+)
 
 slopes_option = click.option(
     "--slopes",

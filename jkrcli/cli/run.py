@@ -13,6 +13,7 @@ from .. import store
 from ..case import Case, load_case
 from ..choose import Choice
 from ..files import check_target
+from ..guards import Limits
 from ..methods import METHODS
 from ..problem import Problem
 from ..series import Solution
@@ -20,7 +21,8 @@ from ..solving import solve
 from ..units import show
 from ..validity import check, end_of_body, judge
 from ..words import describe
-from .voice import detail, say, warn
+from .options import limit_memory_option, limit_time_option
+from .voice import detail, note, say, warn
 
 
 @click.command()
@@ -28,6 +30,8 @@ from .voice import detail, say, warn
 @click.option("-o", "--output", type=click.Path(path_type=Path), help="Series file [default: <case>.h5 here].")
 @click.option("--method", type=click.Choice(["auto", *METHODS]), help="Method, instead of the case's.")
 @click.option("--tolerance", type=float, help="Of finite elements, instead of the case's mesh.tolerance, e.g. 1e-3.")
+@limit_memory_option
+@limit_time_option
 @click.option("--force", is_flag=True, help="Replace an existing file that jkr did not write.")
 @click.option("--json", "as_json", is_flag=True, help="Print the summary as JSON.")
 @click.pass_context
@@ -37,6 +41,8 @@ def run(
     output: Path | None,
     method: str | None,
     tolerance: float | None,
+    limit_memory: float | None,
+    limit_time: float,
     force: bool,
     as_json: bool,
 ) -> None:
@@ -55,7 +61,7 @@ def run(
         loaded = loaded.with_mesh(tolerance=tolerance)
     target = output if output is not None else Path(f"{case.stem}.h5")
     check_target(target, force, [case])
-    choice, solution = solve(loaded, method)
+    choice, solution = solve(loaded, method, Limits(limit_memory, limit_time), note)
     for stage, used in solution.timings.items():
         detail(f"{stage}: {used:.3f} s CPU")
     problem = loaded.model.problem()

@@ -47,7 +47,7 @@ def sweep(
     Run again after an interruption it goes on where it stopped; cases that share a solve are solved once.
 
     \b
-    jkr sweep cases/sweep-gel.toml -o results
+    jkr sweep cases/sweeps/gel.toml -o results
     jkr sweep my-sweep.toml -o results --scheduler tcp://node1:8786
     jkr sweep my-sweep.toml --only 17
     jkr sweep my-sweep.toml --show-case 17 > case-17.toml

@@ -110,10 +110,10 @@ def _write(result: Analysis, target: Path, scales: Scales | None, with_plots: bo
         summary["scales"] = {"name": scales.name, "P_N": scales.P, "delta_m": scales.delta, "a_m": scales.a}
     figure = None
     if with_plots:
-        from .. import plots
+        from .. import plots, plots_curve
 
-        units = plots.physical_units(result.curve) if scales is None else plots.units_of(scales)
-        figure = plots.curve_figure(result, units)
+        units = plots_curve.physical_units(result.curve) if scales is None else plots_curve.units_of(scales)
+        figure = plots_curve.curve_figure(result, units)
     write_text(target.with_name(target.name + ".csv"), tables.csv(columns))
     write_text(target.with_name(target.name + ".json"), tables.as_json(summary))
     if figure is not None:

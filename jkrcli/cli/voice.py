@@ -6,6 +6,8 @@ from typing import Any
 
 import click
 
+from ..errors import printable
+
 LEVEL = "jkr.level"
 QUIET, USUAL, VERBOSE = range(3)
 
@@ -52,6 +54,12 @@ def say(text: str) -> None:
         click.echo(text)
 
 
+def note(text: str) -> None:
+    """A line on stderr on what goes on, for who waits."""
+    if _level() != QUIET:
+        click.echo(f"jkr: {text}", err=True)
+
+
 def detail(text: str) -> None:
     """A line for those who want to know more."""
     if _level() == VERBOSE:
@@ -60,4 +68,4 @@ def detail(text: str) -> None:
 
 def warn(text: str) -> None:
     """A sentence that a reader of the numbers should know."""
-    click.echo(f"jkr: warning: {text}", err=True)
+    click.echo(f"jkr: warning: {printable(text)}", err=True)

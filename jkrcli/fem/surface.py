@@ -25,12 +25,16 @@ PROBES = 2
 
 @dataclass(frozen=True, eq=False)
 class Factor:
-    """Factorised stiffness of the free unknowns; the last ``tail`` of ``order`` are the candidates' normal ones."""
+    """Factorised stiffness of the free unknowns; the last ``tail`` of ``order`` are the candidates' normal ones.
+
+    The first ``displacements`` of all unknowns are displacements [m], the others pressures [Pa].
+    """
 
     factor: SparseFactor
     order: Array
     tail: int
     stiffness: csr_matrix
+    displacements: int
 
     def solve(self, loads: Array) -> Array:
         """Displacements (and pressures) of all unknowns for nodal ``loads`` (n,); zero where held."""
@@ -39,9 +43,17 @@ class Factor:
         return solution
 
     def residual(self, solution: Array, loads: Array) -> float:
-        """Largest relative imbalance of the free unknowns."""
-        left = (self.stiffness @ solution - loads)[self.order]
-        return float(np.abs(left).max() / np.abs(loads).max())
+        """Largest relative imbalance of the free unknowns: of the forces against the ``loads``, of the volumes that
+        belong to pressures against the largest of their terms (they do not share a unit)."""
+        left = np.abs(self.stiffness @ solution - loads)
+        forces, volumes = (
+            self.order[part] for part in (self.order < self.displacements, self.order >= self.displacements)
+        )
+        imbalance = float(left[forces].max() / np.abs(loads).max())
+        if not volumes.size:
+            return imbalance
+        terms = abs(self.stiffness[volumes]) @ np.abs(solution)
+        return max(imbalance, float(left[volumes].max() / terms.max()))
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,7 +82,8 @@ def factorise(system: ElasticSystem, candidates: int, solver: Solver = "auto") -
     inner = np.setdiff1d(system.free, last)
     order = np.concatenate([inner[np.argsort(_unknown_ranks(system, rank)[inner], kind="stable")], last])
     matrix = system.K[order][:, order].tocsc()
-    return Factor(sparse_factor(matrix, candidates, not system.mixed, solver), order, candidates, system.K)
+    factor = sparse_factor(matrix, candidates, not system.mixed, solver)
+    return Factor(factor, order, candidates, system.K, 2 * len(system.nodes))
 
 
 def _unknown_ranks(system: ElasticSystem, rank: Array) -> Array:

@@ -17,7 +17,8 @@ from .model import COLUMNS
 Branch = Literal["all", "compressive"]
 Segment = Literal["approach", "retract", "both"]
 LEAST = 8  # points, and at least twice as many as free parameters
-LOST = 0.3  # of the pull-off force: readings above -LOST F left of the pull-off are out of contact
+LOST, LEVEL = 0.3, 0.02  # of the pull-off force: readings above -LOST F beyond a jump, and on the base line
+SEVERAL = 5  # readings on the way of a jump would be too many
 FLAT = 0.2  # of the pull-off force: readings that vary less stand still
 ADHESION, NOISE = 6.0, 3.0  # standard deviations: adhesion that stands out, readings that do not
 LONG = 10  # rows of a base line
@@ -106,21 +107,34 @@ def _of_segment(curve: Curve, segment: Segment | None) -> Array:
 
 
 def _in_contact(values: Mapping[str, Array], level: float) -> Array:
-    """All rows but those of a base line at the load reading ``level`` [N], or of radius zero.
+    """All rows but those of a base line at the load reading ``level`` [N]; where radii were read, those above zero.
 
-    The base line lies at displacements below that of the least load, and above that load by most of its size; where no
-    adhesion stands out of the noise, below the displacement from which on all loads do.
+    The base line lies at displacements below that of the least load (see ``_lost``); where no adhesion stands out of
+    the noise, below the displacement from which on all loads do.
     """
     size = next(iter(values.values())).size
-    touching = values["a"] > 0 if "a" in values else np.ones(size, dtype=bool)
+    if "a" in values:
+        return values["a"] > 0
+    touching = np.ones(size, dtype=bool)
     if not {"delta", "P"} <= set(values):
         return touching
     P, delta, noise = values["P"], values["delta"], _third(values["P"])
     lowest = int(np.argmin(P))
     if level - P[lowest] > ADHESION * noise or noise > LARGEST_NOISE * np.ptp(P):
-        return touching & ~((delta < delta[lowest]) & (P - level > LOST * (P[lowest] - level)))
+        return ~_lost(delta < delta[lowest], (P - level) / (level - P[lowest]), NOISE * noise / (level - P[lowest]))
     quiet = np.abs(P - level) < NOISE * noise
     return touching & ((delta > delta[quiet].max()) if quiet.sum() > LONG else True)
+
+
+def _lost(beyond: Array, P: Array, near: float) -> Array:
+    """Which of the rows ``beyond`` the least load have lost contact; ``P`` in units of the pull-off force.
+
+    Contact is lost in a jump, on whose way lie few readings. Many of them there are a curve that a stiff device follows
+    further, as on thin layers: then only what stands ``near`` the base line is out of contact.
+    """
+    risen, standing = P > -LOST, P > -max(near, LEVEL)
+    jump = (beyond & risen & ~standing).sum() < SEVERAL
+    return beyond & (risen if jump else standing)
 
 
 def _level(values: Mapping[str, Array]) -> float:

@@ -15,7 +15,7 @@ import numpy as np
 from ..errors import InputError
 from ..series import Array
 from .family import Family
-from .points import Points
+from .points import LEAST, Points
 
 NODES = 200  # of the family
 BEYOND, SLIGHTLY = 1.2, 0.05  # of log a: how far beyond the series curves are tried, continued by power laws
@@ -57,8 +57,7 @@ def starts(family: Family, points: Points, known: Known, beyond: bool) -> list[S
     """
     if "a" in points.columns:
         return [_with_radii(family, points, known)]
-    some = np.unique(np.linspace(0, len(points) - 1, TRIED).astype(int))
-    delta, P = points.values["delta"][some], points.values["P"][some]
+    delta, P = _stable_rows(points.values["delta"], points.values["P"])
     u = np.linspace(family.low, family.high + (BEYOND if beyond else SLIGHTLY), NODES)
     (D, T, H, V), (dD, dT, dH, dV), _ = family.at(u)
     found = []
@@ -71,6 +70,14 @@ def starts(family: Family, points: Points, known: Known, beyond: bool) -> list[S
     if not found:
         raise InputError("no curve of the series resembles the data: check signs, units and the indenter")
     return found[:ALTERNATIVES]
+
+
+def _stable_rows(delta: Array, P: Array) -> tuple[Array, Array]:
+    """A few readings spread over those that are stable under load control: not beyond the least load, if enough."""
+    rows = np.flatnonzero(delta >= delta[int(np.argmin(P))])
+    rows = rows if rows.size >= LEAST else np.arange(P.size)
+    some = rows[np.unique(np.linspace(0, rows.size - 1, TRIED).astype(int))]
+    return delta[some], P[some]
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,28 +2,30 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
 from ..errors import Refusal, SolveError
+from ..guards import duration
 from ..indenters import Indenter
 from ..integral.contact import COLUMNS, LayeredContact, Plan, cheapest
 from ..integral.layered import GRADED
 from ..integral.solver import AbelImage, Nested, Panels, solve
 from ..materials import Graded, contact_modulus
-from ..problem import Specimen
+from ..problem import HalfSpace, Specimen
+from ..units import show
 from .kernel import STEP, Levels, PolynomialKernel, convergence, count_for
+from .refinement import HIGHEST, LOWEST, Judged, Step
 from .region import Region, nearest
 
 Array = np.ndarray
 
-LOWEST, HIGHEST = 4, 16  # degrees
 EDGE = 0.98  # largest contact radius over the radius of the body
 QUADRATURE = 1e-3  # of the tolerance: error of the quadrature of the contact equation
 PARAMETERS = 1e-2  # of the tolerance, planned for the number of parameters t; conditioning takes the rest
-MORE = 3  # parameters, if they are too few
 CUT = 0.1  # of the tolerance, for cutting an unbounded body
 SAMPLES = 6  # radii at which errors are judged
 SAFETY = 2.5  # on the error that the last step of the degree leaves
@@ -32,8 +34,11 @@ CORNERED = 8.0  # at most, with singular corners
 UNSEEN, LEAST = 3.0, 0.5  # of the last polynomial's change times 1/(convergence - 1): the error left; at least
 EXTRAPOLATED = 0.5  # at most, of what extrapolating the cut changes: the error left
 DECAYED = 0.05  # of what the second cut changes where the field decays exponentially: more than the first one does
+ROUGH = 1e-3  # relative accuracy of the kernel with which radii are looked for
+LOOSEST = 1e-2  # of the tolerances
+DECADES = 1.5  # of moduli, for which elements of one more step of the degree are expected
 FINEST = 1e-7  # relative accuracy of K where the modulus changes from the contact on
-MAX_UNKNOWNS = 100_000
+MAX_SECONDS, MAX_MIB = 60.0, 4096.0  # CPU time and memory of one level
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,25 +89,6 @@ class SideContact(KernelContact):
 
 
 @dataclass(frozen=True, eq=False)
-class Judged:
-    """Estimated relative errors (columns, radii) at ``radii`` [m]: of elements, of the parameters t, of the cut."""
-
-    radii: Array
-    elements: Array
-    parameters: Array
-    cut: Array
-
-    @property
-    def total(self) -> Array:
-        return self.elements + self.parameters + self.cut
-
-    def at(self, radii: Array) -> Array:
-        """The total (columns, radii) at any radii: never less than at a smaller one."""
-        rising = np.maximum.accumulate(self.total, axis=1)
-        return np.array([np.interp(radii, self.radii, row) for row in rising])
-
-
-@dataclass(frozen=True, eq=False)
 class Body:
     """An indenter on a ``specimen``; ``tolerance``: relative error of delta, P, S and S' to reach."""
 
@@ -132,31 +118,47 @@ class Body:
     def _layered(self) -> LayeredContact:
         return LayeredContact(self.indenter, self._wide)
 
-    def levels(self, reach: float, more: int = 0) -> Levels:
-        """For contact radii up to ``reach`` [m], with ``more`` parameters t than planned."""
-        region = Region.of(self.specimen, reach, CUT * self.tolerance)
-        count = count_for(region, PARAMETERS * self.tolerance) + more
-        wide = Region.of(self._wide, reach, CUT * self.tolerance) if region.changing else None
+    def levels(self, reach: float, step: Step | None = None) -> Levels:
+        """For contact radii up to ``reach`` [m], as far as ``step`` has refined what was planned."""
+        step = step or Step()
+        cut = CUT * self.tolerance / step.sharper
+        region = Region.of(self.specimen, reach, cut)
+        count = count_for(region, PARAMETERS * self.tolerance) + step.more
+        wide = Region.of(self._wide, reach, cut) if region.changing else None
         return Levels(region, count, self.E_star / self.specimen.surface.E_star, wide)
 
     def guard(self, levels: Levels, degree: int) -> None:
-        """Refuse what would take minutes."""
-        unknowns = levels.unknowns(degree)
-        if unknowns > MAX_UNKNOWNS:
+        """Refuse what would take minutes or gigabytes."""
+        cost, unit = levels.cost(degree), levels.region.unit
+        if cost.seconds > MAX_SECONDS or cost.memory_mib > MAX_MIB:
             raise Refusal(
-                f"hybrid: contact radii up to {levels.region.unit:g} m need about {unknowns} unknowns (limit "
-                f"{MAX_UNKNOWNS}): the contact is large against the nearest interface or side "
-                f"({nearest(levels.region) * levels.region.unit:.3g} m away); ask for a smaller contact or a larger "
-                "hybrid.tolerance, or use method fem"
+                f"hybrid: contact radii up to {show(unit, 'length')} need elements of degree {degree} with about "
+                f"{cost.unknowns} unknowns for {levels.count} right-hand sides, {duration(cost.seconds)} and "
+                f"{cost.memory_mib:.0f} MiB (limits {MAX_SECONDS:g} s, {MAX_MIB:g} MiB): the contact is large against "
+                f"the nearest interface or side ({show(nearest(levels.region) * unit, 'length')} away); ask for a "
+                f"smaller contact or a larger hybrid.tolerance, or use method {self._instead}"
             )
+
+    @property
+    def _instead(self) -> str:
+        return "layered" if self.specimen.radius is None else "fem"
+
+    def expected_degree(self) -> int:
+        """The degree of elements that the tolerance will need."""
+        moduli = [modulus for layer in self.specimen.layers for modulus in layer.moduli]
+        if isinstance(self.specimen.base, HalfSpace):
+            moduli.append(self.specimen.base.material.surface.E)
+        contrast = float(np.log10(max(moduli) / min(moduli)))
+        steps = -np.log10(self.tolerance) - 3 + contrast / DECADES
+        return min(LOWEST + STEP * max(1, math.ceil(steps)), HIGHEST)
 
     def rough(self, reach: float) -> KernelContact:
         """For finding radii: the first level from the second on that gives a positive definite equation."""
-        levels = self.levels(reach)
+        levels = replace(self, tolerance=max(self.tolerance, ROUGH)).levels(reach)
         for degree in range(LOWEST + STEP, HIGHEST, STEP):
             contact = self._contact(levels, degree)
             try:
-                contact.columns(np.array([reach]), 1e-3)
+                contact.columns(np.array([reach]), ROUGH)
             except SolveError:
                 continue
             return contact
@@ -169,30 +171,29 @@ class Body:
 
     def accurate(self, reach: float) -> tuple[KernelContact, Judged, Levels, int]:
         """The contact for radii up to ``reach`` [m] that meets the tolerance, how it was judged, and its degree."""
-        more, degree = 0, LOWEST + STEP
+        step: Step | None = Step()
         levels = self.levels(reach)
-        while True:
-            contact = self._contact(levels, degree)
+        while step is not None:
+            tried = step
+            contact = self._contact(levels, step.degree)
             try:
-                judged = self._judge(contact, levels, degree)
+                judged = self._judge(contact, levels, step.degree)
             except SolveError:  # not positive definite: too coarse for a great contrast of moduli
-                if degree == HIGHEST:
+                if step.degree == HIGHEST:
                     raise
-                degree += STEP
+                step = replace(step, degree=step.degree + STEP)
                 continue
             if judged.total.max() <= self.attainable:
-                return contact, judged, levels, degree
-            if judged.parameters.max() > self.tolerance / 4 and more < 4 * MORE:
-                more += MORE
-                levels = self.levels(reach, more)
-            elif degree < HIGHEST:
-                degree += STEP
-            else:
-                break
+                return contact, judged, levels, step.degree
+            step = step.after(judged, self.attainable, levels.region)
+            if step is not None and step.degree == tried.degree:
+                levels = self.levels(reach, step)
+        enough = 2 * float(judged.total.max())
+        remedy = f"set hybrid.tolerance to {enough:.0e}, or " if enough <= LOOSEST else ""
         raise Refusal(
-            f"hybrid: the estimated relative error is {judged.total.max():.1e} with elements of degree {degree}, above "
-            f"the tolerance {self.tolerance:.1e}; set hybrid.tolerance to {2 * judged.total.max():.0e}, or ask for a "
-            "smaller contact radius"
+            f"hybrid: the estimated relative error is {judged.total.max():.1e} with elements of degree {tried.degree}, "
+            f"above the tolerance {self.tolerance:.1e}; {remedy}ask for a smaller contact radius or use method "
+            f"{self._instead}"
         )
 
     def _judge(self, contact: KernelContact, levels: Levels, degree: int) -> Judged:

@@ -160,13 +160,16 @@ class _Loads:
         """The stress of the half-space's strains in other materials; of a modulus that changes from the contact on,
         inside ``inner``, its loads only: its work there is singular and in the kernel of the wide body."""
         mesh = self.mesh
-        *loads, work = Patch.regular(mesh, self.inner).integrals(self.t, self.nu)
-        self._add_volume(np.arange(self.t.size), loads)
+        total = np.zeros((self.t.size, self.t.size))
+        for slab in Patch.regular(mesh, self.inner).slabs(self.t.size):
+            *loads, work = slab.integrals(self.t, self.nu)
+            self._add_volume(np.arange(self.t.size), loads)
+            total -= work
         if self.inner:
             for j in range(self.t.size):
                 *loads, _ = Patch.around(mesh, self.inner, float(self.t[j])).integrals(self.t[j : j + 1], self.nu)
                 self._add_volume(np.array([j]), loads)
-        return -work
+        return total
 
     def _add_volume(self, columns: Array, loads: list[Array]) -> None:
         self.vector[:, columns] += np.concatenate([part.reshape(columns.size, -1).T for part in loads])

@@ -11,8 +11,9 @@ from numpy.polynomial import legendre
 
 from ..integral.kernel import rule
 from .correction import Correction, correction, side_correction
+from .cost import Cost, cost_of
 from .region import SHRINK, Region, nearest
-from .sizes import Resolution, lines
+from .sizes import Resolution
 
 Array = np.ndarray
 STEP = 2  # in the degree, from one level to the next
@@ -93,11 +94,15 @@ class Levels:
                 self._found[key] = side_correction(region, self.wide, t, Resolution(degree))
         return self._found[key]
 
-    def unknowns(self, degree: int) -> int:
-        """About the number of unknowns of that level."""
-        r, z = lines(self.region, Resolution(degree))
-        pressures = 1 + any(self.region.mixed) / 3
-        return int(2 * pressures * (r.degrees.sum() + 1) * (z.degrees.sum() + 1))
+    def cost(self, degree: int) -> Cost:
+        """Of that level with its estimates of the error, the coarser levels left out."""
+        once = cost_of(self.region, self.count, Resolution(degree))
+        if self.wide is not None:
+            once += cost_of(self.wide, self.count, Resolution(degree))
+        if self.region.cut_beside:
+            below = degree - STEP if self.region.algebraic else degree
+            once += cost_of(self.region.nearer(), self.count, Resolution(below))
+        return once
 
     def plain(self, degree: int) -> PolynomialKernel:
         """K of the body as it was cut."""

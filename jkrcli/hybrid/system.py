@@ -19,6 +19,7 @@ from .lines import Line
 from .region import Moduli, Region
 
 Array = np.ndarray
+PIVOT = 1e-3  # of the column's largest entry, what a diagonal entry must be: with pressures some are zero
 RESIDUAL_LIMIT = 1e-7  # relative; great contrasts of moduli and distances leave 2e-8
 
 
@@ -116,11 +117,9 @@ class Mesh:
         known[free] = 0.0
         right = (loads - K @ known)[free]
         matrix = K[free][:, free].tocsc()
-        definite = not self.pressure[1].shape[1]
-        if definite:
-            lu = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
-        else:
-            lu = splu(matrix, permc_spec="COLAMD")
+        threshold = PIVOT if self.pressure[1].shape[1] else 0.0
+        options = {"SymmetricMode": True}
+        lu = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=threshold, options=options)
         known[free] = lu.solve(right)
         known[free] += lu.solve(right - matrix @ known[free])
         residual = np.abs(matrix @ known[free] - right).max() / np.abs(right).max()

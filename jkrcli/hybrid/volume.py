@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +14,7 @@ from .system import Mesh
 
 Array = np.ndarray
 TOWARDS, TIMES, POINTS = 0.15, 7, 8  # panels towards a singularity: ratio, number, Gauss points on each
+AT_ONCE = 1_000_000  # points times parameters t whose fields are held at a time: about 200 MB
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,6 +50,16 @@ class Patch:
         weights = 2 * np.pi * w_z[:, None] * (w_r * r)
         (V, D, Q), (V_z, D_z, Q_z) = mesh.r.at(r, mesh.joined[0]), mesh.z.at(z, mesh.joined[1])
         return cls(r, z, weights, (V, D, Q), (V_z, D_z, Q_z[:, mesh.used]), mesh.region.moduli(z))
+
+    def slabs(self, count: int) -> Iterator[Patch]:
+        """The same in slices of z, for ``count`` parameters t at a time within ``AT_ONCE``."""
+        rows = max(1, AT_ONCE // (count * self.r.size))
+        for start in range(0, self.z.size, rows):
+            part = slice(start, start + rows)
+            V_z, D_z, Q_z = self.along_z
+            moduli = Moduli(self.moduli.C[:, part], self.moduli.inverse_lame[part], self.moduli.mixed[part])
+            along_z = (V_z[part], D_z[part], Q_z[part])
+            yield Patch(self.r, self.z[part], self.weights[part], self.along_r, along_z, moduli)
 
     def integrals(self, t: Array, nu: float) -> tuple[Array, Array, Array, Array]:
         """Loads (t, z, r) of u_r, u_z and of the pressures, and the stresses' work (t, t) in one another's strains."""

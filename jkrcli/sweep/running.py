@@ -14,6 +14,7 @@ from ..cache import at_unit_modulus
 from ..errors import InputError, JkrError
 from ..executors import available_cores, completed, dashboard, executor
 from ..files import check_target, make_folder, write_text
+from ..guards import duration
 from .journal import Journal, opened
 from .plan import Group, Plan
 from .solving import Row, failed, least, solve_group
@@ -186,10 +187,3 @@ def alone(plan: Plan, number: int) -> Row:
     """The row of one case, solved here and now; nothing is read or written."""
     groups, wrong = plan.groups([number])
     return failed(plan.recipe, number, wrong[0][1]) if wrong else solve_group(plan.recipe, None, groups[0])[0]
-
-
-def duration(seconds: float) -> str:
-    """``40 s``, ``12 min``, ``3.4 h``."""
-    if seconds < 90:
-        return f"{seconds:.2g} s" if seconds < 10 else f"{seconds:.0f} s"
-    return f"{seconds / 60:.0f} min" if seconds < 5400 else f"{seconds / 3600:.3g} h"

@@ -9,8 +9,10 @@ from typing import Any
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from . import __version__
 from .files import atomic
@@ -40,6 +42,7 @@ STYLE: dict[Any, Any] = {
 # Okabe and Ito's palette: told apart by colour-blind readers, and by line style or marker in grey.
 BLUE, ORANGE, GREEN, BLACK = "#0072B2", "#D55E00", "#009E73", "#000000"
 PURPLE, SKY = "#CC79A7", "#56B4E9"
+FEW = 100.0  # ends of a logarithmic axis less far apart have ticks within the decades
 COLORS = (BLUE, ORANGE, GREEN, PURPLE, SKY, BLACK)
 
 
@@ -62,6 +65,22 @@ def legend_below(figure: Figure, axes: Iterable[Axes], ncols: int) -> None:
             handles.setdefault(label, handle)
     if handles:
         figure.legend(list(handles.values()), list(handles), loc="outside lower center", ncols=ncols)
+
+
+def log_ends(values: Array, least: float = 3.0, margin: float = 1.1) -> tuple[float, float]:
+    """Ends of a logarithmic axis around ``values`` > 0, at least a factor of ``least`` apart."""
+    low, high = float(np.min(values)), float(np.max(values))
+    margin = max(margin, (least * low / high) ** 0.5)
+    return low / margin, high * margin
+
+
+def log_ticks(axis: Axis) -> None:
+    """Plain numbers at 1, 2 and 5 of each decade where a logarithmic axis has few, powers of ten where it has many."""
+    low, high = axis.get_view_interval()
+    if high / low < FEW:
+        axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axis.set_minor_formatter(NullFormatter())
 
 
 def save(figure: Figure, path: Path) -> None:

@@ -4,19 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import matplotlib as mpl
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from .plots import BLACK, BLUE, GREEN, ORANGE, STYLE
+from .plots import BLACK, BLUE, GREEN, ORANGE, PURPLE, STYLE, WIDE, legend_below, log_ends, log_ticks, pretty
 from .study.chart import Measured, front
 from .study.chart_peers import Peer
 
-PURPLE, GREY = "#CC79A7", "0.45"
+GREY = "0.45"
 LOOKS = {"closed-form": (BLACK, "D"), "layered": (GREEN, "s"), "hybrid": (ORANGE, "P"), "fem": (BLUE, "o")}
 PEER_MARKERS = "^v<>"
+WANTED = 1e-3  # what auto asks for
 NOT_ZERO = 1e-16  # errors below are drawn here
 
 
@@ -44,7 +45,7 @@ PANELS = (
           lambda q: (q.whole.cpu_s, q.errors.load)),
     Panel("after imports", "error of P(δ)", lambda p: (p.after_imports.cpu_s, p.errors.load),
           lambda q: (q.after_imports_cpu_s, q.errors.load)),
-    Panel("whole process and slopes", "error of the pull-off force",
+    Panel("whole process, with slopes", "error of the pull-off force",
           lambda p: (p.whole.cpu_s + p.slopes_cpu_s, p.errors.pull_off), lambda q: (q.whole.cpu_s, q.errors.pull_off)),
     Panel("after imports, with slopes", "error of the pull-off force",
           lambda p: (p.after_imports.cpu_s + p.slopes_cpu_s, p.errors.pull_off),
@@ -55,17 +56,14 @@ PANELS = (
 def chart_figure(points: Sequence[Measured], peers: Sequence[Peer], title: str) -> Figure:
     """Four panels, P(delta) above and the pull-off force below; the line is the Pareto front of this program."""
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(7.6, 6.4), layout="constrained")
+        figure = Figure(figsize=(WIDE, 6.0), layout="constrained")
         axes = figure.subplots(2, 2, sharey="row")
         for place, panel in zip(axes.ravel(), PANELS, strict=True):
             _draw(place, panel, points, peers)
         for place, panel in zip(axes[:, 0], PANELS[::2], strict=True):
             place.set_ylabel(panel.ylabel)
-        handles: dict[str, Any] = {}
-        for place in axes.ravel():
-            handles |= dict(zip(*reversed(place.get_legend_handles_labels()), strict=True))
-        figure.legend(list(handles.values()), list(handles), loc="outside lower center", ncols=4, fontsize=8)
-        figure.suptitle(title, fontsize=10)
+        legend_below(figure, axes.ravel(), 4)
+        figure.suptitle(pretty(title))
         return figure
 
 
@@ -79,7 +77,10 @@ def _draw(axes: Axes, panel: Panel, points: Sequence[Measured], peers: Sequence[
         _scatter(axes, [spot for spot in ours if spot.family == name], name, color, marker)
     for name, marker in zip(dict.fromkeys(spot.family for spot in theirs), PEER_MARKERS, strict=False):
         _scatter(axes, [spot for spot in theirs if spot.family == name], name, GREY, marker)
-    axes.axhline(1e-3, color=PURPLE, lw=0.8, ls="--", zorder=0)
+    axes.axhline(WANTED, color=PURPLE, lw=1.0, ls="--", zorder=1, label=f"error of {WANTED:g}")
+    if ours or theirs:
+        axes.set_xlim(*log_ends(np.array([spot.x for spot in (*ours, *theirs)]), least=10.0, margin=1.3))
+        log_ticks(axes.xaxis)
 
 
 def _scatter(axes: Axes, spots: Sequence[Spot], name: str, color: str, marker: str) -> None:

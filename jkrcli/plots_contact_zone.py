@@ -15,12 +15,13 @@ from matplotlib.tri import Triangulation
 
 from .fem.state import ContactState
 from .indenters import Indenter
-from .plots import BLACK, STYLE, pretty
+from .plots import BLACK, STYLE, WIDE, pretty
 from .series import Array
 from .units import scale, show
 
-WIDE, DEEP, HIGH = 2.0, 1.6, 0.75  # window in contact radii
+ASIDE, DEEP, HIGH = 2.0, 1.6, 0.75  # window in contact radii
 DRAWN = 0.3  # largest displacement as it is drawn, in contact radii
+SCALE = 1.4  # one contact radius as it is drawn [inch]
 LEVELS = 16
 COVERED = 0.98  # share of the window's area whose stresses the colours tell apart
 BELOW = 0.15  # what is shown below a body that ends in the window, in contact radii
@@ -34,13 +35,13 @@ def contact_zone_figure(state: ContactState, indenter: Indenter, w: float, compo
     """``component``: rr, tt, zz, rz or mises; left of the axis the mirror image, displacements drawn larger."""
     with mpl.rc_context(STYLE | {"axes.grid": False}):
         depth = min(DEEP * state.a, state.grid.depth + BELOW * state.a)
-        figure = Figure(figsize=(6.4, 1.2 + 1.3 * (depth / state.a + HIGH)), layout="constrained")
+        figure = Figure(figsize=(WIDE, 0.8 + SCALE * (depth / state.a + HIGH)), layout="constrained")
         axes = figure.subplots()
         length, unit = scale(state.a, "length")
         factor = magnification(state)
         _stress(figure, axes, state, component, factor, length)
         _outlines(axes, state, indenter, factor, length)
-        axes.set_xlim(-WIDE * state.a / length, WIDE * state.a / length)
+        axes.set_xlim(-ASIDE * state.a / length, ASIDE * state.a / length)
         axes.set_ylim(-depth / length, HIGH * state.a / length)
         axes.set_aspect("equal")
         axes.set_xlabel(f"r ({pretty(unit)})")
@@ -48,7 +49,7 @@ def contact_zone_figure(state: ContactState, indenter: Indenter, w: float, compo
         drawn = "" if factor == 1 else f", displacements × {factor:g}"
         words = [show(state.a, "length"), show(w, "work"), show(state.P, "load")]
         a, work, P = (pretty(word).replace("-", "\N{MINUS SIGN}") for word in words)
-        axes.set_title(f"a = {a}, w = {work}, P = {P}{drawn}", fontsize=9)
+        axes.set_title(f"a = {a}, w = {work}, P = {P}{drawn}")
         return figure
 
 
@@ -63,7 +64,7 @@ def magnification(state: ContactState) -> float:
 
 
 def _within(points: Array, a: float) -> Array:
-    return (points[:, 0] <= 1.1 * WIDE * a) & (points[:, 1] >= -1.2 * DEEP * a)
+    return (points[:, 0] <= 1.1 * ASIDE * a) & (points[:, 1] >= -1.2 * DEEP * a)
 
 
 def _stress(figure: Figure, axes: Axes, state: ContactState, component: str, factor: float, length: float) -> None:
@@ -84,7 +85,8 @@ def _stress(figure: Figure, axes: Axes, state: ContactState, component: str, fac
             drawn = axes.tricontourf(body, values / stress, levels=levels, cmap=colors, norm=norm, extend=extend)
     zero = int(np.argmin(np.abs(levels)))
     every = max(1, levels.size // 7)
-    bar = figure.colorbar(drawn, ax=axes, pad=0.02, shrink=0.9, ticks=levels[zero % every :: every])
+    beside = axes.inset_axes((1.02, 0, 0.03, 1))  # as high as the body is drawn
+    bar = figure.colorbar(drawn, cax=beside, ticks=levels[zero % every :: every])
     bar.set_label(f"{SYMBOLS[component]} ({pretty(unit)})")
 
 
@@ -111,7 +113,7 @@ def _outlines(axes: Axes, state: ContactState, indenter: Indenter, factor: float
     """Indenter, deformed lines of the body, undeformed surface, and the base where the specimen ends there."""
     depths = np.unique(np.round(-state.grid.points[_interface_vertices(state), 1], 15))
     surface = _moved_line(state, 0.0, factor)
-    r = np.linspace(0, min(1.2 * WIDE * state.a, indenter.r_max * (1 - 1e-9)), 400)
+    r = np.linspace(0, min(1.2 * ASIDE * state.a, indenter.r_max * (1 - 1e-9)), 400)
     # drawn displacements are larger than they are: the indenter is drawn where they take the points it touches
     across = r + factor * np.interp(np.minimum(r, state.a), *_radial(state))
     height = factor * (indenter.f(r) - state.delta)
@@ -122,7 +124,7 @@ def _outlines(axes: Axes, state: ContactState, indenter: Indenter, factor: float
     for line in (surface, *(_moved_line(state, depth, factor) for depth in depths)):
         for side in (1, -1):
             axes.plot(side * line[:, 0] / length, line[:, 1] / length, color=BLACK, lw=1.0, zorder=4)
-    edge = WIDE * state.a / length
+    edge = ASIDE * state.a / length
     axes.plot([-edge, edge], [0, 0], color="0.4", lw=0.8, ls="--", zorder=5)
     if "base" in state.lines:
         base = -state.grid.depth / length

@@ -1,4 +1,4 @@
-"""The figure of an adhesive curve: load over displacement and contact radius over load, the part in tension enlarged."""
+"""The figure of an adhesive curve: load over displacement and contact radius over load, the tension enlarged."""
 
 from __future__ import annotations
 
@@ -24,10 +24,11 @@ BRANCHES = {STABLE: ("o-", ""), GRIPPED: ("--", "stable under displacement contr
 SPACING = 0.06  # between markers, of the diagonal of the axes
 DWARFED = 0.2  # tension that takes less than this share of the loads is drawn again, larger
 VISIBLE = 0.01  # half-width of a band that can be seen, of the height of the axes
-PANELS = (
+Box = tuple[float, float, float, float]  # left, bottom, width, height, of the axes
+PANELS: tuple[tuple[str, str, Box], ...] = (  # x, y, and where no curve passes: P(delta) is convex, a(P) concave
     ("delta", "P", (0.13, 0.53, 0.42, 0.45)),
     ("P", "a", (0.55, 0.13, 0.43, 0.45)),
-)  # x, y, where nothing is drawn
+)
 
 
 @dataclass(frozen=True)
@@ -131,7 +132,7 @@ def _dwarfed(curve: AdhesiveCurve) -> bool:
     return least < 0 and -least < DWARFED * (most - least)
 
 
-def _enlarge(axes: Axes, result: Analysis, units: Units, x: str, y: str, place: tuple[float, ...]) -> None:
+def _enlarge(axes: Axes, result: Analysis, units: Units, x: str, y: str, place: Box) -> None:
     """An inset with the loads between the largest tension and as much compression."""
     curve = result.curve
     near = np.abs(curve.P) <= -np.min(curve.P)

@@ -10,8 +10,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from .plots import BLACK, BLUE, GREEN, ORANGE, STYLE
-from .study.failures import CRASHED, REFUSED, RIGHT, SAID, SILENT, UNJUDGED, Verdict
+from .plots import BLACK, BLUE, GREEN, ORANGE, PURPLE, STYLE
+from .study.failures import CRASHED, REFUSED, RIGHT, SAID, SILENT, TOO_SLOW, UNJUDGED, Verdict
 from .study.failures_cells import AXES, BODIES, SHAPES
 
 LOOKS = {  # colour, marker, size: the rarer and worse the larger
@@ -19,6 +19,7 @@ LOOKS = {  # colour, marker, size: the rarer and worse the larger
     SAID: (BLUE, "+", 4),
     REFUSED: (ORANGE, "x", 3.5),
     UNJUDGED: ("0.7", ".", 3),
+    TOO_SLOW: (PURPLE, "v", 4),
     SILENT: (BLACK, "s", 5),
     CRASHED: (BLACK, "D", 5),
 }
@@ -40,7 +41,7 @@ def failures_figure(verdicts: Sequence[Verdict], method: str) -> Figure:
     mine = [verdict for verdict in verdicts if verdict.cell.method == method]
     names = RELEVANT.get(method, COMMON)
     n = len(names) - 1
-    with mpl.rc_context({**STYLE, "font.size": 6, "axes.grid": False}):
+    with mpl.rc_context({**STYLE, "font.size": 7, "xtick.labelsize": 6, "ytick.labelsize": 6, "axes.grid": False}):
         figure = Figure(figsize=(PANEL * n + 0.8, PANEL * n + 0.8))
         axes = figure.subplots(n, n, squeeze=False, gridspec_kw=SPACING)
         for (row, below), (column, beside) in itertools.product(enumerate(names[1:]), enumerate(names[:-1])):
@@ -49,8 +50,11 @@ def failures_figure(verdicts: Sequence[Verdict], method: str) -> Figure:
                 continue
             _draw(axes[row, column], mine, beside, below)
             axes[row, column].label_outer()
+        figure.align_labels()
         handles, labels = axes[0, 0].get_legend_handles_labels()
-        figure.legend(handles, labels, loc="upper right", fontsize=9, title=f"{method}, {len(mine)} cells")
+        figure.legend(
+            handles, labels, loc="upper right", fontsize=9, title_fontsize=9, title=f"{method}, {len(mine)} cells"
+        )
         return figure
 
 
@@ -67,8 +71,7 @@ def _draw(axes: Axes, verdicts: Sequence[Verdict], x: str, y: str) -> None:
             axis.set_ticks(np.arange(len(CATEGORIES[name])), CATEGORIES[name])
         elif name in AXES:
             scale("log")
-    if x in CATEGORIES:
-        axes.tick_params(axis="x", rotation=90)
+    axes.tick_params(axis="x", rotation=90)
 
 
 def _place(cell: object, name: str) -> float:

@@ -10,6 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from .differences import Difference
 from .fem.grid import Grid
@@ -17,6 +18,7 @@ from .plots import BLACK, BLUE, COLORS, NARROW, ORANGE, STYLE, WIDE, legend_belo
 from .series import Array
 from .units import scale, show
 
+THIN = 0.1  # depth over width of what is drawn
 WITHOUT_EDGE = 0.98  # of the radius: pressures up to there set the axis
 
 
@@ -27,14 +29,18 @@ def differences_figure(found: Sequence[Difference], rtol: float) -> Figure:
         axes = figure.subplots()
         for difference, color in zip(found, itertools.cycle(COLORS), strict=False):
             size = np.maximum(np.abs(difference.relative), 1e-17)
-            axes.loglog(
-                difference.x, size, ".-", color=color, ms=4, lw=0.8, label=f"{difference.column}({difference.over})"
-            )
+            label = f"{difference.column}({_symbol(difference.over)})"
+            axes.loglog(difference.x, size, ".-", color=color, ms=4, lw=0.8, label=label)
         axes.axhline(rtol, color="0.4", lw=0.8, ls=":", label=f"rtol {rtol:g}")
-        axes.set_xlabel("δ (m) or a (m)")
+        axes.set_xlabel(" or ".join(f"{_symbol(over)} (m)" for over in dict.fromkeys(item.over for item in found)))
         axes.set_ylabel("relative difference")
         legend_below(figure, [axes], 3)
         return figure
+
+
+def _symbol(column: str) -> str:
+    """The symbol of a column: "delta_m" is δ."""
+    return column.removesuffix("_m").replace("delta", "δ")
 
 
 def mesh_figure(grid: Grid, reach: float) -> Figure:
@@ -66,6 +72,10 @@ def _cells(axes: Axes, grid: Grid, width: float, depth: float) -> None:
     axes.set_xlim(0, width / factor)
     axes.set_ylim(-depth / factor, 0)
     axes.set_aspect("equal")
+    if depth < THIN * width:  # no room for two labels
+        axes.set_yticks([-depth / factor], [f"\N{MINUS SIGN}{depth / factor:.3g}"])
+    else:
+        axes.yaxis.set_major_locator(MaxNLocator(int(np.clip(12 * depth / width, 2, 8))))
     axes.set_xlabel(f"r ({pretty(unit)})")
     axes.set_ylabel(f"z ({pretty(unit)})")
 

@@ -37,9 +37,8 @@ def fit_figure(found: Fit) -> Figure:
 def _curve(axes: Axes, found: Fit) -> None:
     x, y = AXES[",".join(found.data)]
     units = {name: scale(float(np.max(np.abs(found.data[name]))), DIMENSIONS[name]) for name in (x, y)}
-    axes.plot(
-        found.data[x] / units[x][0], found.data[y] / units[y][0], "o", color=SKY, ms=3, mfc="none", label="measured"
-    )
+    measured = (found.data[name] / units[name][0] for name in (x, y))
+    axes.plot(*measured, "o", color=SKY, ms=3, mfc="none", label="measured")
     near = found.line["a"] <= 1.02 * found.a.max()
     line = {name: found.line[name][near] / units[name][0] for name in (x, y)}
     axes.plot(line[x], line[y], "-", color=BLACK, lw=1.0, label="fitted")
@@ -53,7 +52,7 @@ def _residuals(axes: Axes, found: Fit) -> None:
     marks = [MARKS["delta"]] if len(names) == 1 else [MARKS[name] for name in found.data]
     for values, name, (colour, mark) in zip(found.residuals, names, marks, strict=True):
         axes.plot(found.a / factor, values / (found.scatter or 1.0), mark, color=colour, ms=3, mfc="none", label=name)
-    axes.axhline(0, color="0.6", lw=0.8)
+    axes.axhline(0, color="0.6", lw=0.8, zorder=0)
     axes.set_xlabel(f"contact radius a ({pretty(unit)})")
     axes.set_ylabel("residual / standard deviation")
 

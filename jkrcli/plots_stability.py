@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from .plots import BLACK, BLUE, COLORS, GREEN, MIDDLE, ORANGE, STYLE, WIDE, legend_below, scaled
 from .series import Array
 
-PHASES = {"approach": (BLUE, 3.0), "turn": (GREEN, 2.0), "retraction": (ORANGE, 1.2)}  # the last drawn the thinnest
+PHASES = {"approach": (BLUE, 2.4), "turn": (GREEN, 1.8), "retraction": (ORANGE, 1.1)}  # the last drawn the thinnest
 LIMITS = {1.5: "thick: 3/2", 2.0: "thin, compressible: 2", 3.0: "thin, incompressible: 3"}
 
 
@@ -34,7 +34,7 @@ def cycle_figure(columns: Mapping[str, Array], title: str) -> Figure:
         ):
             y, y_unit = scaled(columns[column], dimension)
             _phases(axes, x, y, columns)
-            axes.axhline(0, color="0.7", lw=0.6)
+            axes.axhline(0, color="0.7", lw=0.6, zorder=0)
             axes.set_xlabel(f"{name} ({x_unit})")
             axes.set_ylabel(f"{label} ({y_unit})")
         legend_below(figure, panels, 4)

@@ -9,10 +9,10 @@ import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from .plots import STYLE
+from .plots import MIDDLE, STYLE, WIDE, legend_below
 from .series import Array
 
-WIDTH, HEIGHT = 7.2, 3.0  # of the figure, and of a row of panels [inch]
+HEIGHT = 3.0  # of a row of panels [inch]
 UNNAMED = "_nolegend_"  # label of a line that the legend leaves out
 MARKERS = 30  # at most, on a line
 
@@ -45,15 +45,21 @@ class Panel:
 
 
 def panels_figure(panels: Sequence[Panel], title: str = "") -> Figure:
-    """The panels two by two, lettered, each with its legend."""
+    """The panels two by two, lettered, each with its legend, or with one for all where it is the same."""
     rows = (len(panels) + 1) // 2
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(WIDTH if len(panels) > 1 else WIDTH / 1.5, HEIGHT * rows), layout="constrained")
+        figure = Figure(figsize=(WIDE if len(panels) > 1 else MIDDLE, HEIGHT * rows), layout="constrained")
         axes = figure.subplots(rows, min(2, len(panels)), squeeze=False).ravel()
         for place, panel, letter in zip(axes, panels, "abcdefgh", strict=False):
             _draw(place, panel, f"({letter}) " if len(panels) > 1 else "")
         for place in axes[len(panels) :]:
             place.set_axis_off()
+        named = [place for place in axes if place.get_legend_handles_labels()[1]]
+        if len({tuple(place.get_legend_handles_labels()[1]) for place in named}) == 1:
+            legend_below(figure, named[:1], 4)
+        else:
+            for place in named:
+                place.legend()
         if title:
             figure.suptitle(title)
         return figure
@@ -74,5 +80,3 @@ def _draw(axes: Axes, panel: Panel, letter: str) -> None:
         axes.plot(line.x, line.y, line.style, color=line.color, label=line.label, ms=3.5, mfc="none", lw=1.0,
                   markevery=every)  # fmt: skip
     axes.set(xlabel=panel.xlabel, ylabel=panel.ylabel, title=letter + panel.title, xlim=panel.xlim, ylim=panel.ylim)
-    if not all(line.label == UNNAMED for line in panel.lines):
-        axes.legend(fontsize=7)

@@ -8,15 +8,13 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from .plots import BLUE, GREEN, NARROW, ORANGE, STYLE, WIDE, legend_below, pretty
+from .plots import BLUE, GREEN, NARROW, ORANGE, STYLE, WIDE, legend_below, log_ends, log_ticks, pretty
 from .series import Array
 from .units import scale
 from .work import WorkAlong, typical
 
 GROUPS = {"measured": (GREEN, "o"), "advancing": (BLUE, "^"), "receding": (ORANGE, "v")}  # told apart in grey too
-LEAST_RATIO = 3.0
 MOST = 3000  # points of a group that are drawn; of more every n-th
 SHOWN, MARGIN = 0.99, 1.3  # the axis of w ends above this share of the points
 
@@ -77,22 +75,14 @@ def _over_radius(axes: Axes, groups: Mapping[str, Mapping[str, Array]], w: float
     axes.set_ylim(0, MARGIN * max(float(np.quantile(held["w"], SHOWN)) for held in groups.values()) / w)
 
 
-def _ends(values: Sequence[Array]) -> tuple[float, float]:
-    """Ends of a logarithmic axis, at least a factor of ``LEAST_RATIO`` apart."""
-    low, high = (float(pick(np.concatenate(values))) for pick in (np.min, np.max))
-    margin = max(1.1, (LEAST_RATIO * low / high) ** 0.5)
-    return low / margin, high * margin
-
-
 def _over_speed(axes: Axes, groups: Mapping[str, Mapping[str, Array]], w: float) -> None:
     speed, unit = scale(max(float(np.abs(held["speed"]).max()) for held in groups.values()), "length")
     for name, held in groups.items():
         colour, marker = GROUPS[name]
         axes.loglog(np.abs(held["speed"]) / speed, held["w"] / w, marker, color=colour, ms=3, mfc="none")
-    axes.set_xlim(*_ends([np.abs(held["speed"]) / speed for held in groups.values()]))
-    axes.set_ylim(*_ends([held["w"] / w for held in groups.values()]))
+    columns = list(groups.values())
+    axes.set_xlim(*log_ends(np.concatenate([np.abs(held["speed"]) / speed for held in columns])))
+    axes.set_ylim(*log_ends(np.concatenate([held["w"] / w for held in columns])))
     for axis in (axes.xaxis, axes.yaxis):
-        axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
-        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-        axis.set_minor_formatter(NullFormatter())
+        log_ticks(axis)
     axes.set_xlabel(f"speed of the contact's edge |da/dt| ({pretty(unit)}/s)")

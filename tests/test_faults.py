@@ -23,6 +23,7 @@ from jkrcli import files, store
 from jkrcli.cli import call
 
 LAYER = """
+method = "layered"
 [indenter]
 shape = "paraboloid"
 radius = "6 mm"
@@ -48,16 +49,6 @@ values = [0.01, 0.02]
 MOMENTS = 20
 
 
-def measured() -> str:
-    """An exact JKR curve on a half-space like the layer's material: a fit has something to do."""
-    a = np.linspace(2e-4, 1e-3, 30)
-    E, R, w = 15e3 / (1 - 0.45**2), 6e-3, 0.02
-    delta = a**2 / R - np.sqrt(2 * np.pi * w * a / E)
-    P = 4 * E * a**3 / (3 * R) - np.sqrt(8 * np.pi * w * E * a**3)
-    rows = np.column_stack([a, delta, P]).tolist()
-    return "a_m,delta_m,P_N\n" + "".join(",".join(map(repr, row)) + "\n" for row in rows)
-
-
 @dataclass(frozen=True)
 class Job:
     """A command that writes ``target`` among others, and the one that left what was there before."""
@@ -73,7 +64,9 @@ JOBS = {
         ("transform", "old/y.h5", "--w", "0.02", "-o", "."), ("transform", "y.h5", "--w", "0.02"), "y-w0.02.csv"
     ),
     "fit": Job(("fit", "old/y.h5", "m.csv", "-o", "."), ("fit", "y.h5", "m.csv"), "y-fit.h5"),
-    "sweep": Job(("sweep", "old.toml.sweep", "-o", "t"), ("sweep", "s.toml", "-o", "t", "--workers", "1"), "t/table.csv"),
+    "sweep": Job(
+        ("sweep", "old.toml.sweep", "-o", "t"), ("sweep", "s.toml", "-o", "t", "--workers", "1"), "t/table.csv"
+    ),
 }
 
 
@@ -85,11 +78,20 @@ def prepare(folder: Path) -> Path:
     (folder / "new.toml").write_text(LAYER.format(points=60), encoding="utf-8")
     (folder / "s.toml").write_text(SWEEP, encoding="utf-8")
     (folder / "old.toml.sweep").write_text(SWEEP.replace("count = 12", "count = 2"), encoding="utf-8")
-    (folder / "m.csv").write_text(measured(), encoding="utf-8")
     with contextlib.chdir(folder):
         assert call(["run", "old.toml", "-o", "old/y.h5", "-q"]) == 0
         assert call(["run", "new.toml", "-o", "y.h5", "-q"]) == 0
+        assert call(["transform", "y.h5", "--w", "0.02", "-o", "old", "--no-plots", "-q"]) == 0
+        measured("old/y-w0.02.csv")
     return folder
+
+
+def measured(curve: str) -> None:
+    """Readings along an adhesive curve of the body, with some noise, beyond the first radii of the coarse series."""
+    a, delta, P = np.loadtxt(curve, delimiter=",", skiprows=1, usecols=(0, 1, 2)).T
+    noise = 1e-3 * np.random.default_rng(1).standard_normal((2, a.size))
+    columns = np.column_stack([a, delta + noise[0] * np.ptp(delta), P + noise[1] * np.ptp(P)])
+    np.savetxt("m.csv", columns[a > 3e-4], delimiter=",", header="a_m,delta_m,P_N", comments="")
 
 
 def contents(folder: Path) -> dict[str, bytes]:
@@ -334,8 +336,13 @@ def test_temporary_files_of_the_living_stay(tmp_path: Path) -> None:
     mark = files._mark()
     gone = subprocess.Popen([sys.executable, "-c", ""])
     gone.wait()
-    names = {f"{mark}{gone.pid}-a.h5": False, f"{mark}{os.getpid()}-a.h5": True, f".jkr-elsewhere-{gone.pid}-a.h5": True,
-             f"{mark}x-a.h5": True, ".x.h5": True}  # fmt: skip
+    names = {
+        f"{mark}{gone.pid}-a.h5": False,
+        f"{mark}{os.getpid()}-a.h5": True,
+        f".jkr-elsewhere-{gone.pid}-a.h5": True,
+        f"{mark}x-a.h5": True,
+        ".x.h5": True,
+    }
     for name in names:
         (tmp_path / name).touch()
     files.check_target(tmp_path / "x.h5")

@@ -160,11 +160,23 @@ def structure_changed(path: Path, chance: random.Random) -> None:
 
 
 def _value(chance: random.Random) -> Any:
-    return chance.choice(
-        (0, -1, np.nan, np.inf, 1e308, True, "", "m", b"\xff\xfe", "a\nb", np.zeros(3), np.zeros((2, 2)),
-         h5py.Empty("f8"), np.array([b"x", b"y"]), np.array(["x"], dtype=h5py.string_dtype()), np.zeros(2, dtype=[("a", "f8")]), 1 + 2j,
-         np.arange(30), -np.arange(30.0), "[indenter]\nshape = 1", np.void(b"12"))
-    )  # fmt: skip
+    records = np.zeros(2, dtype=[("a", "f8")])
+    words = np.array(["x"], dtype=h5py.string_dtype())
+    numbers = (
+        0,
+        -1,
+        np.nan,
+        np.inf,
+        1e308,
+        True,
+        1 + 2j,
+        np.zeros(3),
+        np.zeros((2, 2)),
+        np.arange(30),
+        -np.arange(30.0),
+    )
+    texts = ("", "m", b"\xff\xfe", "a\nb", "[indenter]\nshape = 1", np.array([b"x", b"y"]), words)
+    return chance.choice((*numbers, *texts, h5py.Empty("f8"), records, np.void(b"12")))
 
 
 @pytest.fixture(name="judge_series")

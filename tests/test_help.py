@@ -15,7 +15,7 @@ import click
 import pytest
 
 from jkrcli import doctor as doctor_part
-from jkrcli.cli import GROUPS, VERBS
+from jkrcli.cli import GROUPS, VERBS, VOICED
 from jkrcli.cli import jkr as root
 from jkrcli.cli.study import STUDIES
 
@@ -53,6 +53,35 @@ def test_every_option_says_what_it_does() -> None:
         for parameter in command.params:
             if isinstance(parameter, click.Option):
                 assert parameter.help, f"jkr {verb} {parameter.opts[0]}"
+
+
+@pytest.mark.parametrize("verb", VERBS)
+def test_what_prints_its_result_cannot_be_told_to_be_quiet(jkr: Callable, verb: str) -> None:
+    assert ("-q, --quiet" in jkr(verb, "--help").out) == (verb in VOICED)
+    assert set(VERBS) - VOICED == {"check", "pull-off", "study", "bench", "show", "doctor", "completion"}
+
+
+def test_quiet_verbs_leave_their_files_and_warnings_alone(jkr: Callable) -> None:
+    """-q: nothing on stdout; the files are the same, the warnings stay, compare speaks by its exit code."""
+    gel = Path(__file__).parent.parent / "cases" / "gel.toml"
+    words = (
+        ("new", "my.toml"), ("run", gel, "--method", "layered", "-o", "g.h5"), ("transform", "g.h5", "--no-plots"),
+        ("cycle", "g.h5", "--no-plots"), ("profile", "g.h5", "--load", "1 mN"), ("explore", "g.h5"),
+        ("import", "table.csv", "--case", gel),
+        ("mesh", gel), ("compare", "g.h5", "g.h5"),
+    )  # fmt: skip
+    rows = [f"{a},{a**2 / 6e-3},{1e4 * a**3}" for a in (2e-4, 3e-4, 4e-4, 5e-4, 6e-4, 7e-4)]
+    Path("table.csv").write_text("\n".join(["a_m,delta_m,P_N", *rows]))
+    for line in words:
+        done = jkr(*line, "-q")
+        assert (done.code, done.out) == (0, ""), line
+        assert all(text.startswith("jkr: warning: ") for text in done.err.splitlines()), done.err
+        if line[0] == "transform":
+            assert "delta/h = 0.269" in done.err
+    assert Path("g-cycle.csv").exists()
+    assert jkr("transform", "g.h5", "--w", "0.04", "--no-plots", "-q").code == 0
+    done = jkr("compare", "g-w0.035.csv", "g-w0.04.csv", "-q")
+    assert (done.code, done.out, done.err) == (1, "", "")
 
 
 def test_doctor_finds_this_machine_sound(jkr: Callable) -> None:

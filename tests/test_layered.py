@@ -293,7 +293,7 @@ def test_solution_says_what_was_done() -> None:
     assert solution.facts["a_over_h"] == pytest.approx(5.0)
     assert solution.facts["nodes"] >= 200
     assert f"{solution.facts['nodes']} nodes" in forecast.note
-    assert set(solution.timings) == {"spectrum", "radii", "solve"}
+    assert set(solution.timings) == {"spectrum", "radii", "solve", "full disc"}
     assert 0 < float(solution.budget.total) <= 1e-8
     assert 0.003 < forecast.seconds < 1
     relative = solution.series.errors["P"] / solution.series.P

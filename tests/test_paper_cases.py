@@ -237,14 +237,14 @@ def test_wrong_cylinders_in_case_files(old: str, new: str, line: str) -> None:
     assert list(caught.value.lines) == [f"c.toml: {line}"]
 
 
-def test_a_cylinder_in_a_case_file_reads_back_and_goes_to_finite_elements(jkr, tmp_path: Path) -> None:
+def test_a_cylinder_in_a_case_file_reads_back_and_goes_to_the_hybrid(jkr, tmp_path: Path) -> None:
     case = parse_case(CYLINDER.encode(), "c.toml")
     specimen = case.model.problem().specimen
     assert (specimen.radius, specimen.side, specimen.base) == (2.5, "roller", Rigid(bonded=False))
     assert parse_case(case.to_toml().encode(), "again").model == case.model
     (tmp_path / "c.toml").write_text(CYLINDER)
     outcome = jkr("run", "c.toml", "--json")
-    assert (outcome.code, json.loads(outcome.out)["method"]) == (0, "fem")
+    assert (outcome.code, json.loads(outcome.out)["method"]) == (0, "hybrid")
 
 
 def excess_load(indenter: Indenter, nu: float, radius: float, side: Side) -> float:

@@ -10,12 +10,17 @@ import pytest
 from jkrcli.adhesion import transform
 from jkrcli.closed_form import hertz, jkr, power_law, rounded_flat, thin_incompressible_layer, thin_layer
 from jkrcli.errors import InputError, Refusal
+from jkrcli.integral.layered import Layered
+from jkrcli.materials import Elastic
+from jkrcli.problem import HalfSpace, Loading, Problem, Specimen
 from jkrcli.series import RawSeries, Series
 from jkrcli.slopes import slopes, smoothed
 from jkrcli.slopes.events import has_plateaus, touch_events
 from jkrcli.slopes.integral import integral
 from jkrcli.slopes.loocv import loocv
 from jkrcli.slopes.model import LogSplineModel
+from jkrcli.slopes.scatter import correlation_length
+from jkrcli.study.failures_cells import indenter_of
 from jkrcli.study.noise import BODIES, cell, noise_study, noisy
 from jkrcli.study.quantised import node_based, quantised_study
 
@@ -105,6 +110,31 @@ def test_band_holds_the_exact_curve_as_often_as_it_says() -> None:
         ours = transform(fitted, found, W)
         inside.append(np.abs(ours.P - jkr(fitted.a, E_STAR, R, W)[1]) <= ours.errors["P"])
     assert 0.8 <= np.mean(inside) <= 0.99  # 0.89 over 200 seeds; 12 seeds of few degrees of freedom scatter by 0.05
+
+
+@pytest.mark.parametrize("noise", [1e-5, 1e-4])
+def test_band_holds_where_the_curvature_of_the_profile_has_steps(noise: float) -> None:
+    """A table of 15 points on a half-space: some twenty steps, which the first knots cannot follow."""
+    problem = Problem(indenter_of("table", 1e-6, 0.05), Specimen((), HalfSpace(Elastic(1e9, 0.3))),
+                      Loading("radius", 1e-6, 500))  # fmt: skip
+    exact = Layered()(problem).series
+    w = 2e-3
+    truth = transform(exact, slopes(exact, "exact"), w)
+    ours = transform(*smoothed(noisy(exact, noise, 0)), w)
+    inside = (ours.a >= truth.a[0]) & (ours.a <= truth.a[-1])
+    distance = np.abs(ours.P[inside] - truth.at(ours.a[inside])[1]) / ours.errors["P"][inside]
+    assert np.quantile(distance, 0.9) < 2.5  # half-widths: 1.2 to 1.5; with the first knots and no allowance 5 and 9
+
+
+def test_correlation_length_of_residuals() -> None:
+    white = np.random.default_rng(0).standard_normal((2, 2000))
+    assert correlation_length(white) == 1
+    assert correlation_length(-white) == 1
+    averaged = np.array([np.convolve(row, np.ones(10) / 10, "valid") for row in white])
+    # the sum of a triangle of ten: 10; its estimate from 2000 values scatters by a fifth
+    assert 7 < correlation_length(averaged) < 14
+    alternating = white[:, 1:] - white[:, :-1]
+    assert correlation_length(alternating) == 1  # negative correlations do not narrow the band
 
 
 @pytest.mark.slow

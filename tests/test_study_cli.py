@@ -5,6 +5,8 @@ from __future__ import annotations
 import csv
 from pathlib import Path
 
+import pytest
+
 from jkrcli.cli.study import STUDIES
 
 
@@ -19,6 +21,25 @@ def test_unknown_study_is_named(jkr) -> None:
     outcome = jkr("study", "nois")
     assert outcome.code == 2
     assert outcome.err.startswith('jkr: error: unknown study "nois" (studies: ')
+
+
+@pytest.mark.slow
+def test_studies_do_not_depend_on_the_number_of_workers(jkr) -> None:
+    words = ("study", "noise", "--seeds", 2, "--body", "layer-0.4", "--points", 30)
+    maps = ("study", "pull-off-map", "--nu", 0.3, "--nu", 0.45, "--q", 0.1, "--q", 1, "--no-plots")
+    for workers in (1, 2):
+        assert jkr(*words, "--workers", workers, "-o", f"by-{workers}").code == 0
+        assert jkr(*maps, "--workers", workers, "-o", f"by-{workers}").code == 0
+    for name in ("noise-study.csv", "pull-off-map.csv"):
+        assert Path("by-1", name).read_text() == Path("by-2", name).read_text()
+
+
+def test_workers_and_scheduler_exclude_each_other(jkr) -> None:
+    outcome = jkr("study", "failures", "--cells", 1, "--workers", 2, "--scheduler", "tcp://node:8786")
+    assert outcome.code == 2
+    assert outcome.err == (
+        "jkr: error: --workers: the scheduler knows its own workers; give either --workers or --scheduler\n"
+    )
 
 
 def test_noise_study_writes_its_table_and_picture(jkr, tmp_path: Path) -> None:

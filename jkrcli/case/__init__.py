@@ -67,8 +67,10 @@ def parse_toml(content: bytes, source: str) -> dict[str, Any]:
         raise InputError(f"{source}: is not a text file (byte {error.start} is not UTF-8)") from None
     except RecursionError:
         raise InputError(f"{source}: is not valid TOML: brackets are nested too deeply") from None
-    except ValueError as error:  # besides TOMLDecodeError that of a number with thousands of digits
+    except tomllib.TOMLDecodeError as error:
         raise InputError(f"{source}: is not valid TOML: {str(error)[0].lower()}{str(error)[1:]}") from None
+    except ValueError:
+        raise InputError(f"{source}: is not valid TOML: a number has thousands of digits") from None
 
 
 def validated(kind: type[Root], tree: dict[str, Any], source: str, folder: Path | None = None) -> Root:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
@@ -12,7 +13,7 @@ from . import parse_toml, validated
 from .fields import Length, Table, as_tuple, one_or_more, quantity, wrong
 from .models import RootTable
 
-MOST = 100_000_000  # values of one axis
+MOST_CASES = 2_000_000  # of one sweep, about 2 kB of memory each in the process that collects their rows
 LIST, RANGE = {"key", "values"}, {"key", "from", "to", "count", "spacing"}
 DISTRIBUTIONS = {  # the keys that each needs, and those that it may have
     "uniform": ({"from", "to"}, set()),
@@ -23,7 +24,7 @@ DISTRIBUTIONS = {  # the keys that each needs, and those that it may have
     "choice": ({"values"}, set()),
 }
 Values = Annotated[tuple[Any, ...], BeforeValidator(as_tuple)]
-Count = Annotated[int, Field(ge=1, le=MOST)]
+Count = Annotated[int, Field(ge=1)]
 
 
 def _given(table: Table) -> set[str]:
@@ -39,7 +40,7 @@ class AxisTable(Table):
     values: Values | None = None
     start: Any = Field(None, alias="from")
     end: Any = Field(None, alias="to")
-    count: Annotated[int, Field(ge=2, le=MOST)] | None = None
+    count: Annotated[int, Field(ge=2)] | None = None
     spacing: Literal["linear", "log"] = "linear"
     zip: dict[str, Values] | None = None
 
@@ -58,6 +59,13 @@ class AxisTable(Table):
             if len(set(lengths.values())) > 1 or 0 in lengths.values():
                 raise wrong(f"the lists of zip must have one length, got {lengths}")
         return self
+
+    @property
+    def size(self) -> int:
+        """How many values there are."""
+        if self.zip is not None:
+            return len(next(iter(self.zip.values())))
+        return len(self.values) if self.values is not None else self.count or 0
 
 
 class DistributionTable(Table):
@@ -115,6 +123,14 @@ class SweepModel(RootTable):
     axes: Annotated[tuple[AxisTable, ...], BeforeValidator(as_tuple)] = ()
     samples: SamplesTable | None = None
     outputs: OutputsTable = OutputsTable()
+
+    @model_validator(mode="after")
+    def _not_too_many(self) -> Self:
+        """Counted before any value is looked at."""
+        count = math.prod(axis.size for axis in self.axes) * (1 if self.samples is None else self.samples.count)
+        if count > MOST_CASES:
+            raise wrong(f"makes {count:,} cases, at most {MOST_CASES:,} are allowed in one sweep")
+        return self
 
     @classmethod
     def keys_at(cls, path: tuple[str, ...]) -> list[str]:

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import difflib
 import importlib
+import io
 import keyword
 import os
 import sys
+import warnings
 from collections.abc import Sequence
 
 import click
@@ -17,6 +19,9 @@ from .voice import level_options
 
 # One BLAS thread, set before numpy is first imported: the same numbers everywhere, and faster at these sizes.
 os.environ.update(dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "1"))
+
+# What numpy warns of where a result would be no number: an error here, because nothing good can follow.
+ARITHMETIC = "(overflow|divide by zero|invalid value) encountered"
 
 GROUPS = {
     "A case": {
@@ -51,6 +56,11 @@ GROUPS = {
     },
 }
 VERBS = {verb: text for group in GROUPS.values() for verb, text in group.items()}
+# Verbs whose result is a file, or an exit code: what they print can be left out. What the others print is the result.
+VOICED = frozenset({
+    "new", "run", "import", "mesh", "transform", "cycle", "profile", "fields", "explore", "fit", "work", "compare",
+    "sweep",
+})  # fmt: skip
 
 
 class Verbs(click.Group):
@@ -64,7 +74,7 @@ class Verbs(click.Group):
             return None
         attribute = name.replace("-", "_") + "_" * keyword.iskeyword(name)
         command: click.Command = getattr(importlib.import_module(f"{__name__}.{attribute}"), attribute)
-        if not any("--quiet" in parameter.opts for parameter in command.params):
+        if name in VOICED and not any("--quiet" in parameter.opts for parameter in command.params):
             command.params += level_options()
         return command
 
@@ -100,6 +110,8 @@ def jkr() -> None:
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Entry point of ``jkr``: one line per mistake on stderr, never a traceback for what the user can mend."""
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="backslashreplace")  # a name that the terminal's encoding lacks is no mistake
     sys.exit(call(arguments))
 
 
@@ -107,7 +119,9 @@ def call(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and return its exit code."""
     try:
         words = list(sys.argv[1:] if arguments is None else arguments)
-        code = jkr.main(args=words, prog_name="jkr", standalone_mode=False, obj=["jkr", *words])
+        with warnings.catch_warnings():
+            warnings.filterwarnings("error", ARITHMETIC, RuntimeWarning)
+            code = jkr.main(args=words, prog_name="jkr", standalone_mode=False, obj=["jkr", *words])
         return code if isinstance(code, int) else 0
     except InputError as error:
         return _fail(error.lines, error.exit_code)
@@ -120,6 +134,8 @@ def call(arguments: Sequence[str] | None = None) -> int:
         return _fail([_one_line(error)], 2)
     except (KeyboardInterrupt, click.Abort):
         return _fail(["interrupted; nothing half-written was left"], 130)
+    except RuntimeWarning as error:
+        return _fail([f"the numbers leave the range of arithmetic ({error}); are all sizes and units right?"], 1)
     except MemoryError:
         return _fail(["out of memory: ask for fewer points, larger elements or a cheaper method"], 1)
     except BrokenPipeError:

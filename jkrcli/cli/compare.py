@@ -11,6 +11,7 @@ from ..analysis import specification
 from ..differences import Difference, curve_differences, series_differences
 from ..errors import InputError
 from ..files import check_target
+from .voice import say
 
 COLUMNS = ("P", "a", "S", "dS")
 
@@ -106,8 +107,8 @@ def _as_dict(first: Path, second: Path, rtol: float, found: list[Difference], ju
 def _print(
     first: Path, second: Path, rtol: float, found: list[Difference], judged: list[Difference], agree: bool
 ) -> None:
-    click.echo(f"{first} against {second}: {'agree' if agree else 'DIFFER'} at rtol {rtol:g}")
+    say(f"{first} against {second}: {'agree' if agree else 'DIFFER'} at rtol {rtol:g}")
     for d in found:
         counts = "" if d in judged else "  (not counted)"
         where = f"at {d.over} = {d.x[d.worst_row]:.6g}, {d.x.size} rows of {first.name}"
-        click.echo(f"  {d.column:<16} worst {d.worst:.3e} {where}{counts}")
+        say(f"  {d.column:<16} worst {d.worst:.3e} {where}{counts}")

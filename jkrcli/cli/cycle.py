@@ -18,6 +18,7 @@ from ..store import Stored
 from ..units import show
 from .options import Length, Load, WorkOfAdhesion, modulus_factor_option, slopes_option
 from .pull_off import Stiffness
+from .voice import say
 
 ENDINGS = (".csv", ".png", ".svg")
 
@@ -88,7 +89,7 @@ def cycle(
         click.echo(tables.as_json(_as_dict(file, found)).rstrip())
     else:
         _print(file, found)
-        click.echo(f"  written {folder / file.stem}-cycle{{{','.join(targets)}}}")
+        say(f"  written {folder / file.stem}-cycle{{{','.join(targets)}}}")
 
 
 def _works(stored: Stored, approach: float | None, retract: float | None) -> tuple[float, float]:
@@ -120,18 +121,18 @@ def _as_dict(file: Path, found: Cycle) -> dict[str, Any]:
 def _print(file: Path, found: Cycle) -> None:
     works = [show(path.curve.w, "work") for path in (found.approach, found.retraction)]
     begin = found.begin
-    click.echo(f"{file}: {control(found.stiffness)}, w = {works[0]} on approach, {works[1]} on retraction")
+    say(f"{file}: {control(found.stiffness)}, w = {works[0]} on approach, {works[1]} on retraction")
     start = (
         "jump-in at delta = 0 to" if found.approach.curve.w > 0 else "contact grows from a point; first of the series:"
     )
-    click.echo(f"  {start} P = {show(begin.P, 'load')}, a = {show(begin.a, 'length')}")
-    click.echo(f"  turn at a = {show(found.turn, 'length')}")
+    say(f"  {start} P = {show(begin.P, 'load')}, a = {show(begin.a, 'length')}")
+    say(f"  turn at a = {show(found.turn, 'length')}")
     for jump in (*found.jumps_in, *found.jumps_out):
-        click.echo(f"  {_jump(jump)}")
+        say(f"  {_jump(jump)}")
     if found.retraction.ends != "lost":
-        click.echo("  contact is not lost within the series: the trace ends at its smallest radius")
+        say("  contact is not lost within the series: the trace ends at its smallest radius")
     for name, value in (("energy lost per cycle", found.energy_lost), ("work of separation", found.separation)):
-        click.echo(f"  {name}: {value if isinstance(value, str) else f'{value:.4g} J'}")
+        say(f"  {name}: {value if isinstance(value, str) else f'{value:.4g} J'}")
 
 
 def _jump(jump: Jump) -> str:

@@ -14,6 +14,7 @@ from ..explorer import page, payload, start_work
 from ..files import check_target, write_text
 from .measured import reading_of, reading_options
 from .options import WorkOfAdhesion, slopes_option
+from .voice import say
 
 
 @click.command()
@@ -63,5 +64,5 @@ def explore(
         click.echo(tables.as_json(summary | {"measured_curves": len(curves), "measured_points": points}).rstrip())
         return
     overlaid = f", {points} measured points in {len(curves)} curves" if curves else ""
-    click.echo(f"{file}: {len(result.curve.series)} points{overlaid}")
-    click.echo(f"  written {target} ({size / 1e6:.1f} MB): open it in a browser")
+    say(f"{file}: {len(result.curve.series)} points{overlaid}")
+    say(f"  written {target} ({size / 1e6:.1f} MB): open it in a browser")

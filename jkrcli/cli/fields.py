@@ -16,6 +16,7 @@ from ..states import stable_radius
 from ..units import show
 from .mesh import MARKS
 from .options import Length, Load, WorkOfAdhesion
+from .voice import say
 
 if TYPE_CHECKING:
     from ..fem.state import ContactState
@@ -144,14 +145,14 @@ def _summary(file: Path, w: float, P: float, state: ContactState) -> dict[str, A
 
 
 def _print(file: Path, w: float, state: ContactState, summary: dict[str, Any], written: str | Path) -> None:
-    click.echo(f"{file}: a = {show(state.a, 'length')}, w = {show(w, 'work')}, delta = {show(state.delta, 'length')}")
-    click.echo(
+    say(f"{file}: a = {show(state.a, 'length')}, w = {show(w, 'work')}, delta = {show(state.delta, 'length')}")
+    say(
         f"  load         {show(state.P, 'load')}, of the series {show(summary['P_series_N'], 'load')}: "
         f"{summary['difference']:.0e} of the forces in the contact apart; {summary['elements']} elements"
     )
     for name, line in summary["lines"].items():
-        click.echo(
+        say(
             f"  {name:<12} carries {show(line['load_N'], 'load'):<10} (balance within {abs(line['imbalance']):.0e}); "
             f"tractions good to {line['error']:.0e} on average"
         )
-    click.echo(f"  written      {written}")
+    say(f"  written      {written}")

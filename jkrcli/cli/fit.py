@@ -11,6 +11,7 @@ import click
 from ..errors import InputError
 from .measured import reading_of, reading_options
 from .options import Scale, slopes_option
+from .voice import say, warn
 
 if TYPE_CHECKING:
     from ..fit import Body, Fit, Settings
@@ -144,7 +145,7 @@ def fit(
     _tell(found, as_json, str(body_file))
     if not as_json:
         pictures = f", {len(drawn)} picture{'s' if len(drawn) > 1 else ''}" if drawn else ""
-        click.echo(f"written {stem}{{{','.join(ENDINGS)}}}{pictures}")
+        say(f"written {stem}{{{','.join(ENDINGS)}}}{pictures}")
 
 
 def _fits(
@@ -172,7 +173,7 @@ def _fits(
     if len(unread) + len(failed) and all(isinstance(item, Failure) for item in found):
         raise InputError(some([*unread, *failed]))
     for line in [*unread, *failed]:
-        click.echo(f"jkr: warning: skipped: {line}", err=True)
+        warn(f"skipped: {line}")
     return found
 
 
@@ -206,9 +207,9 @@ def _tell(found: list[Fit | Failure], as_json: bool, body: str) -> None:
         click.echo(tables.as_json(report.summary(found, body)).rstrip())
     else:
         for item in fits[:SHOWN]:
-            click.echo("\n".join(report.words(item)))
+            say("\n".join(report.words(item)))
         if len(fits) > SHOWN:
-            click.echo(f"... and {len(fits) - SHOWN} more curves")
+            say(f"... and {len(fits) - SHOWN} more curves")
     for item in fits[:SHOWN]:
         for warning in item.warnings:
-            click.echo(f"jkr: warning: {item.where}: {warning}", err=True)
+            warn(f"{item.where}: {warning}")

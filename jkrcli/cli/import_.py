@@ -24,6 +24,7 @@ from ..text_table import SEPARATORS
 from ..units import show
 from ..words import describe
 from .options import KeyValue, Length
+from .voice import say
 
 KEYS = tuple(DIMENSIONS)
 SOME_LOADING = b"\n[loading]\ndepth = 1.0\n"  # stands in where a case has none: the table says how far it went
@@ -106,12 +107,12 @@ def import_(
         click.echo(tables.as_json(_as_dict(target, solution)).rstrip())
         return
     series = solution.series
-    click.echo(describe(problem))
-    click.echo(f"  columns   {solution.facts['columns']}; separated by: {solution.facts['separator']}")
-    click.echo(f"  read      {solution.facts['rows']} rows, {len(series)} different contact radii")
-    click.echo(f"  reached   a = {show(series.a[-1], 'length')}, delta = {show(series.delta[-1], 'length')}, "
+    say(describe(problem))
+    say(f"  columns   {solution.facts['columns']}; separated by: {solution.facts['separator']}")
+    say(f"  read      {solution.facts['rows']} rows, {len(series)} different contact radii")
+    say(f"  reached   a = {show(series.a[-1], 'length')}, delta = {show(series.delta[-1], 'length')}, "
                f"P = {show(series.P[-1], 'load')}")  # fmt: skip
-    click.echo(f"  written   {target}")
+    say(f"  written   {target}")
 
 
 def _case(path: Path | None, body: dict[str, str | None]) -> Case:

@@ -16,7 +16,7 @@ from ..files import atomic, check_target, make_folder
 from ..guards import Limits, admit
 from ..units import show
 from .options import limit_memory_option, limit_time_option
-from .voice import note
+from .voice import note, say
 
 # What tells jkr that it wrote a file, where the format keeps comments.
 MARKS = {".msh": f"$Comments\njkr {__version__}\n$EndComments\n", ".vtu": f"\n<!-- jkr {__version__} -->\n"}
@@ -54,10 +54,10 @@ def mesh(case: Path, output: Path, limit_memory: float | None, limit_time: float
     plots.save(plots_fields.mesh_figure(grid, reach), targets[".png"])
     quality = grid.quality()
     touched = int(np.sum(grid.surface_radii() <= reach))
-    click.echo(f"{case}: {len(grid.cells)} {grid.element}s, {len(grid.points)} vertices")
-    click.echo(
+    say(f"{case}: {len(grid.cells)} {grid.element}s, {len(grid.points)} vertices")
+    say(
         f"  body      r <= {show(grid.width, 'length')}, depth {show(grid.depth, 'length')}; "
         f"{touched} surface vertices within the expected contact of {show(reach, 'length')}"
     )
-    click.echo(f"  quality   {quality.min():.3f} to {quality.max():.3f}, median {np.median(quality):.3f} (1 is best)")
-    click.echo(f"  written   {output / case.stem}-mesh{{.msh,.vtu,.png}}")
+    say(f"  quality   {quality.min():.3f} to {quality.max():.3f}, median {np.median(quality):.3f} (1 is best)")
+    say(f"  written   {output / case.stem}-mesh{{.msh,.vtu,.png}}")

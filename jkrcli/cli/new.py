@@ -8,6 +8,7 @@ import click
 
 from ..errors import InputError
 from ..files import check_target, write_text
+from .voice import say
 
 TEMPLATE = """\
 # A case for jkr. Numbers are SI (m, N, Pa, J/m^2); text may carry a unit: "100 um", "5 GPa", "50 mJ/m^2".
@@ -75,4 +76,4 @@ def new(file: Path, force: bool) -> None:
         raise InputError(f"{file}: exists; give --force to replace it, or another name")
     check_target(file, force=True)
     write_text(file, TEMPLATE)
-    click.echo(f"written {file}; next: jkr run {file}")
+    say(f"written {file}; next: jkr run {file}")

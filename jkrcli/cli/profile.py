@@ -17,6 +17,7 @@ from ..problem import Problem
 from ..states import stable_radius
 from ..units import show
 from .options import Length, Load, WorkOfAdhesion
+from .voice import say
 
 
 @click.command()
@@ -58,8 +59,8 @@ def profile(
     figure = plots_fields.profile_figure(columns, radius, w)
     for ending in (".png", ".svg"):
         plots.save(figure, targets[ending])
-    click.echo(f"{file}: a = {show(radius, 'length')}, w = {show(w, 'work')}")
-    click.echo(f"  written {folder / file.stem}-profile{{.csv,.png,.svg}}")
+    say(f"{file}: a = {show(radius, 'length')}, w = {show(w, 'work')}")
+    say(f"  written {folder / file.stem}-profile{{.csv,.png,.svg}}")
 
 
 def _columns(problem: Problem, a: float, w: float, points: int = 200) -> dict[str, np.ndarray]:

@@ -20,6 +20,7 @@ from ..study.converge import QUANTITIES, Convergence, converge
 from ..units import show
 from ..words import describe
 from .options import WorkOfAdhesion
+from .parallel import parallel_options, pool_for
 
 ENDINGS = (".csv", ".json", ".png", ".svg")
 WORDS = {"a": "contact radius", "P": "load", "pull_off": "pull-off force"}
@@ -30,6 +31,7 @@ WORDS = {"a": "contact radius", "P": "load", "pull_off": "pull-off force"}
 @click.option("--levels", type=click.IntRange(2, 8), default=4, show_default=True, help="Meshes; the last: the case's.")
 @click.option("--contact", type=click.Choice(["nested", "incremental"]), help="Instead of the case's.")
 @click.option("--w", "work", type=WorkOfAdhesion(), help="Work of adhesion [default: the case's first].")
+@parallel_options
 @click.option("-o", "--output", type=click.Path(path_type=Path, file_okay=False), default=Path(), help="Folder.")
 @click.option("--no-plots", is_flag=True, help="Write CSV and JSON only.")
 @click.option("--force", is_flag=True, help="Replace existing files that jkr did not write.")
@@ -39,6 +41,8 @@ def study_converge(
     levels: int,
     contact: str | None,
     work: float | None,
+    workers: int | None,
+    scheduler: str | None,
     output: Path,
     no_plots: bool,
     force: bool,
@@ -65,7 +69,9 @@ def study_converge(
     assert isinstance(method, FEM)
     if contact is not None:
         method = replace(method, contact=contact)  # type: ignore[arg-type]
-    found = converge(loaded.model.problem(), method, w, levels)
+    problem = loaded.model.problem()
+    with pool_for(method.forecast(problem).seconds, workers, scheduler) as pool:
+        found = converge(problem, method, w, levels, executor=pool)
     data = as_dict(found)
     write_text(targets[".csv"], tables.csv(_columns(found)))
     write_text(targets[".json"], tables.as_json(data))

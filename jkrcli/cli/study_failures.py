@@ -14,9 +14,11 @@ import click
 from .. import tables
 from ..files import check_target, make_folder, write_text
 from ..methods import METHODS
-from ..study.failures import BUGS, OUTCOMES, Verdict, counts, failures
+from ..study.failures import BUGS, OUTCOMES, TOO_SLOW, Verdict, counts, failures, random_cells
 from ..study.failures_cells import Cell
+from .parallel import parallel_options, pool_for
 
+PER_CELL = 1.0  # CPU seconds, on average
 FIRST = ("method", "outcome", "nu", "a_over_h")
 
 
@@ -24,6 +26,7 @@ FIRST = ("method", "outcome", "nu", "a_over_h")
 @click.option("--cells", type=click.IntRange(1, 1_000_000), default=2000, show_default=True, help="Random cells.")
 @click.option("--seed", type=click.IntRange(0), help="Of the cells [default: today's date as a number].")
 @click.option("--methods", multiple=True, type=click.Choice([*METHODS, "slopes"]), help="Only these [default: all].")
+@parallel_options
 @click.option("-o", "--output", type=click.Path(path_type=Path, file_okay=False), default=Path(), help="Folder.")
 @click.option("--no-plots", is_flag=True, help="Write CSV and JSON only.")
 @click.option("--force", is_flag=True, help="Replace existing files that jkr did not write.")
@@ -34,6 +37,8 @@ def study_failures(
     cells: int,
     seed: int | None,
     methods: tuple[str, ...],
+    workers: int | None,
+    scheduler: str | None,
     output: Path,
     no_plots: bool,
     force: bool,
@@ -43,7 +48,7 @@ def study_failures(
 
     Poisson's ratio to 1/2, contact from a thousandth to a hundred layer thicknesses, contrasts, indenters, few and many
     points, nodes and increments, noise, any units. A cell is right within its stated error, wrong and said so (refused,
-    warned, error unknown), or silently wrong: that is a bug, and the exit code is then 1.
+    warned, error unknown), too slow (60 CPU s), or silently wrong: that is a bug, and the exit code is then 1.
     Writes failures.csv, .json and per method failures-<method>.png; 2,000 cells take about half an hour.
 
     \b
@@ -57,8 +62,8 @@ def study_failures(
     for target in (*targets.values(), *pictures.values()):
         check_target(target, force)
     seed = int(f"{datetime.date.today():%Y%m%d}") if seed is None else seed
-    with click.progressbar(failures(cells, seed, methods), length=cells, label="failures", hidden=as_json) as running:
-        verdicts = list(running)
+    with pool_for(PER_CELL * cells, workers, scheduler) as pool:
+        verdicts = failures(random_cells(cells, seed, methods), pool)
     data = as_dict(verdicts, seed)
     write_text(targets[".csv"], _csv(verdicts))
     write_text(targets[".json"], tables.as_json(data))
@@ -91,6 +96,7 @@ def as_dict(verdicts: Sequence[Verdict], seed: int) -> dict[str, Any]:
         "version": 1,
         "seed": seed,
         "counts": counts(verdicts),
+        "too_slow": [vars(v.cell) for v in verdicts if v.outcome == TOO_SLOW],
         "bugs": [{"outcome": v.outcome, "words": v.words, "cell": vars(v.cell)} for v in verdicts if v.outcome in BUGS],
     }
 
@@ -117,5 +123,5 @@ def _print(verdicts: Sequence[Verdict], seed: int) -> None:
     for method, found in counts(verdicts).items():
         click.echo(f"  {method:<13}" + "".join(f"{found[outcome]:>10}" for outcome in OUTCOMES))
     for verdict in verdicts:
-        if verdict.outcome in BUGS:
+        if verdict.outcome in (*BUGS, TOO_SLOW):
             click.echo(f"  {verdict.outcome}: {verdict.words}: {verdict.cell}")

@@ -12,7 +12,9 @@ import click
 from .. import plots
 from ..files import check_target, make_folder, write_text
 from ..study.noise import BODIES, METHODS, NOISE, POINTS, Cell, noise_study
+from .parallel import parallel_options, pool_for
 
+PER_RUN = 0.1  # CPU seconds of one fit
 HEADER = "body,points,noise,method,median,worst,coverage,band,failures"
 
 
@@ -22,9 +24,18 @@ HEADER = "body,points,noise,method,median,worst,coverage,band,failures"
     "--body", "bodies", multiple=True, type=click.Choice([body.name for body in BODIES]), help="[default: all]"
 )
 @click.option("--points", "points", multiple=True, type=click.IntRange(5, 10_000), help=f"[default: {POINTS}]")
+@parallel_options
 @click.option("-o", "--output", type=click.Path(path_type=Path, file_okay=False), default=Path(), help="Folder.")
 @click.option("--force", is_flag=True, help="Replace existing files that jkr did not write.")
-def study_noise(seeds: int, bodies: tuple[str, ...], points: tuple[int, ...], output: Path, force: bool) -> None:
+def study_noise(
+    seeds: int,
+    bodies: tuple[str, ...],
+    points: tuple[int, ...],
+    workers: int | None,
+    scheduler: str | None,
+    output: Path,
+    force: bool,
+) -> None:
     """Error of the pull-off force, and coverage of the 90 % band, over noise, points, bodies and slopes.
 
     Independent relative Gaussian noise on contact radius, displacement and load of exact series.
@@ -38,12 +49,9 @@ def study_noise(seeds: int, bodies: tuple[str, ...], points: tuple[int, ...], ou
     for target in targets.values():
         check_target(target, force)
     chosen = [body for body in BODIES if not bodies or body.name in bodies]
-    cells: list[Cell] = []
-    count = len(chosen) * len(points or POINTS) * len(NOISE) * len(METHODS)
-    with click.progressbar(
-        noise_study(chosen, points or POINTS, NOISE, METHODS, seeds), length=count, label="noise study"
-    ) as running:
-        cells.extend(running)
+    runs = seeds * len(chosen) * len(points or POINTS) * len(NOISE) * len(METHODS)
+    with pool_for(PER_RUN * runs, workers, scheduler) as pool:
+        cells = noise_study(chosen, points or POINTS, NOISE, METHODS, seeds, pool)
     write_text(targets[".csv"], _csv(cells))
     from ..plots_noise import noise_figure
 

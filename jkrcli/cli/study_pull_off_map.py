@@ -11,8 +11,10 @@ from .. import tables
 from ..errors import InputError
 from ..files import check_target, make_folder, write_text
 from ..study.pull_off_map import map_columns, pull_off_map
+from .parallel import parallel_options, pool_for
 
 STEM = "pull-off-map"
+PER_RATIO = 1.0  # CPU seconds of one Poisson's ratio
 SHOWN = ("nu", "w_R2_over_Estar_h3", "minus_P_over_pi_w_R", "a_over_h")
 
 
@@ -20,6 +22,7 @@ SHOWN = ("nu", "w_R2_over_Estar_h3", "minus_P_over_pi_w_R", "a_over_h")
 @click.option("--nu", "nus", type=float, multiple=True, default=(0.3, 0.499), show_default=True, help="Repeatable.")
 @click.option("--base", type=click.Choice(["bonded", "frictionless"]), default="bonded", show_default=True)
 @click.option("--q", "qs", type=float, multiple=True, help="Values of w R^2/(E* h^3) [default: 1e-3 to 1e4].")
+@parallel_options
 @click.option(
     "-o", "--output", type=click.Path(path_type=Path, file_okay=False), default=".", help="Folder [default: .]."
 )
@@ -30,6 +33,8 @@ def study_pull_off_map(
     nus: tuple[float, ...],
     base: str,
     qs: tuple[float, ...],
+    workers: int | None,
+    scheduler: str | None,
     output: Path,
     no_plots: bool,
     force: bool,
@@ -51,7 +56,8 @@ def study_pull_off_map(
     for target in targets.values():
         check_target(target, force)
     wanted = qs or tuple(10.0 ** (np.arange(-12, 17) / 4))
-    columns = map_columns(pull_off_map(nus, base == "bonded", wanted))
+    with pool_for(PER_RATIO * len(nus), workers, scheduler) as pool:
+        columns = map_columns(pull_off_map(nus, base == "bonded", wanted, pool))
     write_text(targets[".csv"], tables.csv(columns))
     if not no_plots:
         from .. import plots, plots_stability

@@ -13,6 +13,7 @@ from ..sweep.running import Means, alone, rerun
 from ..sweep.running import sweep as carry_out
 from ..sweep.solving import FAILED
 from ..sweep.table import Table
+from .voice import note, say, warn
 
 
 @click.command()
@@ -60,7 +61,7 @@ def sweep(
     else:
         folder = output if output is not None else Path(f"{sweep_file.stem}-results")
         means = Means(workers, scheduler, hours, retry_failed)
-        table, paths = carry_out(plan, folder, means, force, lambda text: click.echo(f"jkr: {text}", err=True))
+        table, paths = carry_out(plan, folder, means, force, note)
         _print_summary(plan, table, paths, as_json)
 
 
@@ -94,8 +95,8 @@ def _print_summary(plan: Plan, table: Table, paths: list[Path], as_json: bool) -
         }
         click.echo(tables.as_json(summary).rstrip())
     else:
-        click.echo(f"{plan.title or plan.source}: {plan.count:,} cases, {len(failed):,} of them failed")
-        click.echo(f"  written   {', '.join(str(path) for path in paths)}")
-        click.echo(f"  one case  {rerun(plan, failed[0][0] if failed else 0)}")
+        say(f"{plan.title or plan.source}: {plan.count:,} cases, {len(failed):,} of them failed")
+        say(f"  written   {', '.join(str(path) for path in paths)}")
+        say(f"  one case  {rerun(plan, failed[0][0] if failed else 0)}")
     if failed:
-        click.echo(f"jkr: warning: {len(failed):,} cases failed, the first because: {failed[0][1]}", err=True)
+        warn(f"{len(failed):,} cases failed, the first because: {failed[0][1]}")

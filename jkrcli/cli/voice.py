@@ -13,7 +13,7 @@ QUIET, USUAL, VERBOSE = range(3)
 
 
 def level_options() -> list[click.Option]:
-    """``-q`` and ``-v``, which every verb has."""
+    """``-q`` and ``-v``, of every verb whose result is a file."""
     return [
         click.Option(
             ["-q", "--quiet"],

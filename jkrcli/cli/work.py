@@ -10,6 +10,7 @@ import click
 from ..errors import InputError
 from .measured import reading_of, reading_options
 from .options import Scale, modulus_factor_option, slopes_option
+from .voice import say, warn
 
 if TYPE_CHECKING:
     from ..measured import Reading
@@ -91,7 +92,7 @@ def work(
         _write(target, found, summaries[-1], not no_plots)
         if not as_json:
             _print(found)
-            click.echo(f"  written {target}{{{','.join(endings)}}}")
+            say(f"  written {target}{{{','.join(endings)}}}")
         _warn(path, found, skipped, summaries[-1]["warnings"])
     if as_json:
         click.echo(tables.as_json({"results": summaries}).rstrip())
@@ -151,9 +152,9 @@ def _print(found: list[WorkAlong]) -> None:
     from ..work.report import words
 
     for item in found[:SHOWN]:
-        click.echo("\n    ".join([words(item), *item.curve.flags]))
+        say("\n    ".join([words(item), *item.curve.flags]))
     if len(found) > SHOWN:
-        click.echo(f"  ... and {len(found) - SHOWN} more curves")
+        say(f"  ... and {len(found) - SHOWN} more curves")
 
 
 def _warn(path: Path, found: list[WorkAlong], skipped: list[str], warnings: list[str]) -> None:
@@ -163,4 +164,4 @@ def _warn(path: Path, found: list[WorkAlong], skipped: list[str], warnings: list
     said = [f"skipped: {line}" for line in some(skipped)]
     said += [f"{item.curve.where}: {flag}" for item in found[:SHOWN] for flag in flags(item)]
     for line in [*said, *(f"{path}: {warning}" for warning in warnings)]:
-        click.echo(f"jkr: warning: {line}", err=True)
+        warn(line)

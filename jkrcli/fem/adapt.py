@@ -38,7 +38,10 @@ def adapted(method: FEM, problem: Problem, clock: StageClock) -> Solution:
     spacing = method.spacing
     run = method.run(problem, clock)
     with clock("error estimate"):
-        coarse, ratio = Level.of(run.level.model.recipe.coarser(2.0), problem.indenter, run.level.correct), 2.0
+        coarse, ratio = (
+            Level.of(run.level.model.recipe.coarser(2.0), problem.indenter, run.level.correct, run.deepest),
+            2.0,
+        )
         truncation = run.truncation(coarse)
     for _ in range(MESHES):
         with clock("error estimate"):

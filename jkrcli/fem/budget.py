@@ -8,14 +8,15 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..series import ErrorBudget, Estimate
-from .contact import Events, SurfaceContact
+from .contact import Events, SurfaceContact, solve_depths
 from .ending import Columns, power_interpolated
+from .increments import raw_series
 from .level import Level
 from .model import Model
 
 Array = np.ndarray
 JUDGED_DEPTH = 0.01  # of the largest: below it few nodes are in contact, and the budget leaves the rows out
-SAFETY = 1.5  # on what doubling the sizes changes: half of it for loads (at least first order), all of it for radii
+LOADS, RADII = 1.4, 2.0  # errors in what doubling the sizes changes: first order leaves 1, and meshes differ by luck
 ROUND_OFF = 1e-12  # radii come from a search
 TOO_FEW = "fewer than four vertices in contact"
 
@@ -40,13 +41,16 @@ def estimate(
     if coarse.touches.a.size < 4 or fine.touches.a.size < 4:
         return Assessment(ErrorBudget(TOO_FEW, truncation, TOO_FEW))
     judged = delta >= JUDGED_DEPTH * delta[-1]
-    caution = SAFETY / (ratio - 1)
-    there = load_at(coarse.contact, delta)
-    if not by_increments:
-        there = np.where(delta < coarse.touches.delta[0], there, _between_touches(coarse.touches, delta))
-    change = caution / 2 * np.abs(there / P - 1)
+    loads, radii = LOADS / (ratio - 1), RADII / (ratio - 1)
+    if fine.touches.valid and coarse.touches.valid:
+        there = load_at(coarse.contact, delta)
+        if not by_increments:
+            there = np.where(delta < coarse.touches.delta[0], there, _between_touches(coarse.touches, delta))
+        radius = _radius(coarse.events, fine.events, a, delta, radii)
+    else:
+        there, radius = _without_disc(coarse, fine, a, delta, radii)
+    change = loads * np.abs(there / P - 1)
     load = _envelope(_at_least_decaying(change, a - fine.indenter.a0), delta)
-    radius = _radius(coarse.events, fine.events, a, delta, caution)
     budget = ErrorBudget(
         discretisation=float(load[judged].max()),
         truncation=truncation,
@@ -55,7 +59,7 @@ def estimate(
     judged_from = float(delta[judged][0])
     if isinstance(radius, str) or isinstance(truncation, str):
         return Assessment(budget, judged_from)
-    errors = {"P": load + truncation, "a": radius} | _slopes(fine, coarse, columns, caution)
+    errors = {"P": load + truncation, "a": radius} | _slopes(fine, coarse, columns, loads)
     return Assessment(budget, judged_from, errors)
 
 
@@ -70,6 +74,17 @@ def _envelope(errors: Array, delta: Array) -> Array:
     changes between two meshes pass through zero here and there, the errors need not."""
     deepest = float(np.max(errors[delta >= 0.1 * delta[-1]]))
     return np.maximum(np.maximum.accumulate(errors[::-1])[::-1], deepest)
+
+
+def _without_disc(coarse: Level, fine: Level, a: Array, delta: Array, caution: float) -> tuple[Array, Array]:
+    """P [N] of the coarser mesh at depths ``delta`` [m], and the error of the radius, where the contact is no disc that
+    only grows: what larger elements change, at least the distance to the next vertex."""
+    there = raw_series(coarse.model, solve_depths(coarse.contact, delta))
+    surface = fine.contact.surface
+    vertices = surface.radii[surface.is_vertex]
+    k = np.clip(np.searchsorted(vertices, a * (1 - 1e-9)), 0, vertices.size - 2)
+    change = np.maximum(caution * np.abs(there.a / a - 1), (vertices[k + 1] - vertices[k]) / a)
+    return there.P, _envelope(change, delta)
 
 
 def _between_touches(touches: Events, delta: Array) -> Array:
@@ -109,7 +124,7 @@ def _slopes(fine: Level, coarse: Level, columns: Columns, caution: float) -> dic
     ours, theirs = fine.slopes(a), coarse.slopes(a)
     if ours is None or theirs is None:
         return {}
-    changes = (caution / 2 * np.abs(other / own - 1) for own, other in zip(ours, theirs, strict=True))
+    changes = (caution * np.abs(other / own - 1) for own, other in zip(ours, theirs, strict=True))
     return {name: _envelope(change, delta) for name, change in zip(("S", "dS"), changes, strict=True)}
 
 
@@ -119,11 +134,15 @@ def truncation_of(model: Model, coarse: Model, contact: SurfaceContact, events: 
     mesh with its ``contact``."""
     body = model.body
     if body.cut_below:
-        last = min(int(np.searchsorted(events.delta, deepest * (1 - 1e-9))), events.S.size - 1)
+        reached = events.delta >= deepest * (1 - 1e-9)
+        last = int(np.argmax(reached)) if events.valid and reached.any() else events.S.size - 1
         lacking = abs(model.missing) * float(events.S[last])
         return lacking**2 if body.completed else lacking
     if not body.cut_beside:
         return 0.0
     other = SurfaceContact(coarse.with_roller().surface, contact.f)
     depth = np.array([deepest])
-    return float(abs(load_at(other, depth)[0] / load_at(contact, depth)[0] - 1))
+    if events.valid:
+        return float(abs(load_at(other, depth)[0] / load_at(contact, depth)[0] - 1))
+    roller, free = (solve_depths(each, depth)[0].P for each in (other, contact))
+    return abs(roller / free - 1)

@@ -80,6 +80,15 @@ class Events:
         """Whether the contact is a disc that only grows, so that these are solutions of the contact problem."""
         return self.violation <= ROUND_OFF and bool((np.diff(self.delta) > 0).all())
 
+    @property
+    def rising(self) -> Events:
+        """Those at a larger depth and load than all before: all, where the contact is a disc that only grows."""
+        first = np.zeros(1)
+        rises = [x > np.maximum.accumulate(np.append(first, x[:-1])) for x in (self.delta, self.P)]
+        kept = np.flatnonzero(np.logical_and(*rises))
+        a, delta, P, S, p = (x[kept] for x in (self.a, self.delta, self.P, self.S, self.p))
+        return Events(a, delta, P, S, p, self.violation)
+
 
 def nested_events(contact: SurfaceContact, a0: float, to: str, maximum: float, spare: int = 0) -> Events:
     """Events at the vertices beyond the flat radius ``a0`` up to the first one at which the quantity ``to``
@@ -118,6 +127,11 @@ class Increment:
     p: Array
     active: Array
     violation: float
+
+    @property
+    def is_disc(self) -> bool:
+        """Whether the nodes in contact are the innermost ones."""
+        return bool(self.active[: int(self.active.sum())].all())
 
 
 def solve_depths(contact: SurfaceContact, depths: Sequence[float] | Array) -> list[Increment]:

@@ -38,7 +38,7 @@ def needed_radius(problem: Problem, events: Events, reach: float) -> float | Non
 
 def depths_of(problem: Problem, events: Events) -> Array:
     """Displacements of the increments [m]; other quantities are interpolated in the table of events."""
-    loading, a0 = problem.loading, problem.indenter.a0
+    loading, a0, events = problem.loading, problem.indenter.a0, events.rising
     if loading.to == "depth" and loading.spacing == "given":
         return np.array(loading.values)
     steps = np.arange(1, loading.points + 1) / loading.points

@@ -16,6 +16,7 @@ from .model import Model, Recipe
 
 Array = np.ndarray
 FEWEST = 4  # touches for slopes
+SPARE = 2  # events beyond the end of the loading, which lies between two
 GAUSS_X, GAUSS_W = np.polynomial.legendre.leggauss(3)
 
 
@@ -31,11 +32,11 @@ class Level:
     correct: bool
 
     @classmethod
-    def of(cls, recipe: Recipe, indenter: Indenter, correct: bool) -> Level:
-        """Mesh and solve ``recipe`` out to its last candidate."""
+    def of(cls, recipe: Recipe, indenter: Indenter, correct: bool, deepest: float) -> Level:
+        """Mesh and solve ``recipe`` out to the depth ``deepest`` [m], or its last candidate."""
         model = recipe.build(StageClock())
         contact = model.contact(indenter)
-        return cls(model, indenter, contact, nested_events(contact, indenter.a0, "radius", np.inf), correct)
+        return cls(model, indenter, contact, nested_events(contact, indenter.a0, "depth", deepest, SPARE), correct)
 
     @cached_property
     def events(self) -> Events:
@@ -52,7 +53,7 @@ class Level:
         the mean of those sets' stiffness, and belong to the mean radius on the way; dS/da are their differences.
         """
         events = self.events
-        if not self.correct or events.a.size < FEWEST:
+        if not (self.correct and events.valid) or events.a.size < FEWEST:
             return None
         S, at = np.diff(events.P) / np.diff(events.delta), self._mean_radii()
         dS, middle = np.diff(S) / np.diff(at), (at[1:] + at[:-1]) / 2

@@ -13,21 +13,20 @@ from ..problem import HalfSpace, Problem
 from ..series import ErrorBudget, Solution
 from .budget import Assessment
 from .contact import Events, Increment, SurfaceContact, nested_events, solve_depths, solve_loads
-from .domain import cut_out, half_space_like
-from .edge import CUT
+from .domain import cut_out
 from .ending import nested_columns
 from .factor import Solver, one_thread
+from .forecast import forecast
 from .grid import Grid
 from .increments import depths_of, needed_radius
 from .layout import MAX_CELLS, Layout, scaled_layout, zones_layout
-from .level import Level
+from .level import SPARE, Level
 from .model import Model, Recipe
 from .run import Run, finished
 
 NEARLY_INCOMPRESSIBLE = 0.49
 ATTEMPTS = 5
 DOUBLED = 2.0  # element sizes of the mesh for the error estimate
-SPARE = 2  # events beyond the end of the loading, which lies between two
 FINEST = 1e-7  # of ``smallest``: the mesh generator and the graded lines resolve no more
 GROWTH = {"scaled": {1: 0.05, 2: 0.15}, "zones": {1: 0.08, 2: 0.25}}  # chosen for equal errors by either order
 
@@ -141,34 +140,7 @@ class FEM:
         if self.tolerance is not None:
             return replace(self._first(problem).forecast(problem), error=self.tolerance)
         layout = self._layout(problem, self.reach(problem))
-        cells = layout.expected_cells()
-        unknowns = cells * self._unknowns_per_cell(problem)
-        seconds = _seconds(unknowns)
-        if self.estimate_error:
-            seconds += _seconds(unknowns / 4)
-        if self._calibrated_elsewhere(problem):
-            half_space = half_space_like(layout.body, CUT * layout.law.reach * layout.unit)
-            other = layout.on(half_space).expected_cells() * self._unknowns_per_cell(problem)
-            seconds += _seconds(other) + (_seconds(other / 4) if self.estimate_error else 0.0)
-        note = f"about {float(f'{cells:.2g}'):.0f} elements"
-        return Forecast(seconds, 100 + unknowns * 5e-3, self._error_expected(problem, layout), note)
-
-    def _unknowns_per_cell(self, problem: Problem) -> float:
-        first = 1.0 if self.element == "triangle" else 2.0
-        return first * (1.0 if self.order == 1 else 4.2) * (1.1 if self._mixed(problem) else 1.0)
-
-    def _calibrated_elsewhere(self, problem: Problem) -> bool:
-        """Whether the edge correction needs a mesh of its own."""
-        return self.edge_correction and self.contact == "nested" and not problem.specimen.is_half_space
-
-    def _error_expected(self, problem: Problem, layout: Layout) -> float:
-        """Of loads and radii together, as measured; zones leave no less than the default's, however small."""
-        spacing = layout.law.slope or layout.law.floor / layout.law.reach
-        coarseness = spacing / 0.04 if self.layout == "scaled" else max(spacing / 0.04, 1.0)
-        load = 3e-4 * coarseness**2.3 if self.order == 2 else 1e-2 * coarseness**2
-        if self.contact == "incremental" or not self.edge_correction:
-            return load + spacing
-        return load + (6e-4 * coarseness if self._calibrated_elsewhere(problem) else 0.0)
+        return forecast(self, problem, layout, bool(self._mixed(problem)))
 
     # ------------------------------------------------------------------ meshes
     def mesh(self, problem: Problem) -> Grid:
@@ -298,10 +270,6 @@ class FEM:
             reason = "not estimated: estimate_error is off"
             return Assessment(ErrorBudget(reason, reason, reason))
         with clock("error estimate"):
-            coarse = Level.of(run.level.model.recipe.coarser(DOUBLED), run.problem.indenter, run.level.correct)
+            recipe = run.level.model.recipe.coarser(DOUBLED)
+            coarse = Level.of(recipe, run.problem.indenter, run.level.correct, run.deepest)
             return run.assessed(coarse, DOUBLED, run.truncation(coarse))
-
-
-def _seconds(unknowns: float) -> float:
-    """CPU seconds to mesh, assemble, factorise and condense a model, as measured."""
-    return 0.03 + 2.5e-5 * unknowns * (1 + (unknowns / 1e5) ** 0.5)

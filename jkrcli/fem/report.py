@@ -85,7 +85,9 @@ def _contact_reason(method: FEM, events: Events, incremental: bool) -> str:
     return "as asked"
 
 
-def warnings(method: FEM, problem: Problem, events: Events, increments: int, dropped: int) -> Iterator[str]:
+def warnings(
+    method: FEM, problem: Problem, events: Events, increments: Sequence[Increment], dropped: int
+) -> Iterator[str]:
     """Sentences on what may spoil the result; ``dropped``: of the ``increments``, those without an own radius."""
     nu = max(material.surface.nu for material in problem.specimen.materials)
     if method.order == 1 and nu > LOCKING:
@@ -98,8 +100,16 @@ def warnings(method: FEM, problem: Problem, events: Events, increments: int, dro
             "nested contact does not hold here (a force or gap is negative by "
             f"{events.violation:.1e}, relative): increments were solved instead"
         )
-    if dropped and (problem.loading.spacing in ("given", "log") or 2 * dropped > increments):
+    broken = sum(not step.is_disc for step in increments)
+    if broken:
         yield (
-            f"{dropped} of {increments} requested values share a node with another or lie below the first node and are "
-            "not in the series: take a finer mesh (mesh.spacing, mesh.smallest, mesh.element_size), or fewer values"
+            f"in {broken} of {len(increments)} increments the contact is no full disc: its middle lifts off, or the "
+            "surfaces touch again beyond the edge; the radius is that of the outermost vertex, and the adhesive curve "
+            "is right only where adhesion holds the disc together: load less"
+        )
+    if dropped and (problem.loading.spacing in ("given", "log") or 2 * dropped > len(increments)):
+        yield (
+            f"{dropped} of {len(increments)} requested values share a node with another or lie below the first node "
+            "and are not in the series: take a finer mesh (mesh.spacing, mesh.smallest, mesh.element_size), or fewer "
+            "values"
         )

@@ -42,10 +42,14 @@ class Run:
         kept, dropped = filter_plateaus(raw)
         return cls(problem, level, (kept.a, kept.delta, kept.P), tuple(increments), raw, dropped)
 
+    @property
+    def deepest(self) -> float:
+        """Depth of the last point [m]."""
+        return float(self.columns[1][-1])
+
     def truncation(self, coarse: Level) -> Estimate:
         """Relative error of P at the deepest point from where the body is cut, on the mesh ``coarse``."""
-        deepest = float(self.columns[1][-1])
-        return truncation_of(self.level.model, coarse.model, coarse.contact, self.level.touches, deepest)
+        return truncation_of(self.level.model, coarse.model, coarse.contact, self.level.touches, self.deepest)
 
     def assessed(self, coarse: Level, ratio: float, truncation: Estimate) -> Assessment:
         """The errors by comparison with a level whose elements are ``ratio`` times as large."""
@@ -81,5 +85,5 @@ def finished(method: FEM, run: Run, judged: Assessment, clock: StageClock) -> So
         pressure=pressures(level.model, forces),
         facts=facts(method, problem, level.model, level.touches, run.increments, run.dropped, judged.judged_from),
         timings=clock.seconds,
-        warnings=tuple(warnings(method, problem, level.touches, len(run.increments), run.dropped)),
+        warnings=tuple(warnings(method, problem, level.touches, run.increments, run.dropped)),
     )

@@ -36,7 +36,8 @@ EXTRAPOLATED = 0.5  # at most, of what extrapolating the cut changes: the error 
 DECAYED = 0.05  # of what the second cut changes where the field decays exponentially: more than the first one does
 ROUGH = 1e-3  # relative accuracy of the kernel with which radii are looked for
 LOOSEST = 1e-2  # of the tolerances
-DECADES = 1.5  # of moduli, for which elements of one more step of the degree are expected
+PER_DECADE, PER_DECADE_WIDE = 0.5, 0.6  # steps of the degree per decade of moduli, and of contact radius over depth
+AT_SIDES = 1.0  # more of them for nearly incompressible layers with sides
 FINEST = 1e-7  # relative accuracy of K where the modulus changes from the contact on
 MAX_SECONDS, MAX_MIB = 60.0, 4096.0  # CPU time and memory of one level
 
@@ -143,14 +144,17 @@ class Body:
     def _instead(self) -> str:
         return "layered" if self.specimen.radius is None else "fem"
 
-    def expected_degree(self) -> int:
-        """The degree of elements that the tolerance will need."""
+    def expected_steps(self, levels: Levels) -> float:
+        """How many steps of the degree from ``LOWEST`` on the tolerance will need."""
         moduli = [modulus for layer in self.specimen.layers for modulus in layer.moduli]
         if isinstance(self.specimen.base, HalfSpace):
             moduli.append(self.specimen.base.material.surface.E)
-        contrast = float(np.log10(max(moduli) / min(moduli)))
-        steps = -np.log10(self.tolerance) - 3 + contrast / DECADES
-        return min(LOWEST + STEP * max(1, math.ceil(steps)), HIGHEST)
+        contrast = math.log10(max(moduli) / min(moduli))
+        wide = math.log10(max(1 / levels.region.first, 1.0))
+        steps = -math.log10(self.tolerance) - 3 + PER_DECADE * contrast + PER_DECADE_WIDE * wide
+        if any(levels.region.mixed) and not levels.region.cut_beside:
+            steps += AT_SIDES
+        return min(max(steps, 1.0), (HIGHEST - LOWEST) / STEP)
 
     def rough(self, reach: float) -> KernelContact:
         """For finding radii: the first level from the second on that gives a positive definite equation."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,9 +10,10 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from ..clock import StageClock
-from ..errors import InputError, Refusal
-from ..integral.contact import COLUMNS
-from ..integral.layered import largest_radius
+from ..errors import InputError, JkrError, Refusal
+from ..integral.contact import COLUMNS, LayeredContact
+from ..integral.disc import disc_warnings, refuse_shrinking
+from ..integral.layered import FLOPS_PER_SECOND, unbounded
 from ..integral.search import largest_for_contact, radii_for_contact
 from ..integral.solver import Nested
 from ..materials import Graded, TransverselyIsotropic
@@ -19,15 +21,19 @@ from ..methods import Forecast
 from ..problem import HalfSpace, Problem
 from ..series import ErrorBudget, Series, Solution
 from ..units import show
-from .contact import EDGE, LOWEST, STEP, Body, KernelContact
-from .kernel import Levels
+from .contact import EDGE, ROUGH, Body, KernelContact
+from .kernel import STEP, Levels
+from .refinement import LOWEST
 
 Array = np.ndarray
 ATTEMPTS = 8
 ROOM = 1.2  # reach of the first kernel over the radius expected on the unbounded body
 SPARE = 1.01  # of the last one over the largest radius found
 GRADED_SECONDS = 0.8  # for the kernel of the wide body
-ROUGH = 1e-3  # accuracy to which the largest depth or load is met at first
+ROUND_OFF = 1 + 1e-9
+BEGIN = 0.02  # s
+SEARCHES = 2  # kernels for finding the largest radius
+NODES_PER_RADIUS, MATRICES = 2, 6  # of the contact equation, at least
 SEARCH = 1e-3  # of the tolerance: accuracy to which a depth or load is met
 
 
@@ -51,21 +57,33 @@ class Hybrid:
         """Why the correction cannot be computed, with the remedy; None where it can."""
         if reason := _unable(problem):
             return reason
-        loading, limit = problem.loading, self._body(problem).limit
-        if loading.to == "radius" and loading.maximum > limit:
+        loading, body = problem.loading, self._body(problem)
+        if loading.to == "radius" and loading.maximum > body.limit:
             return _too_much(problem)
+        try:
+            levels = body.levels(_expected_radius(problem, body))
+            body.guard(levels, LOWEST + STEP * int(body.expected_steps(levels)))
+        except JkrError as error:
+            return str(error)
         return None
 
     def forecast(self, problem: Problem) -> Forecast:
-        """From the number of unknowns of the level that the tolerance will need."""
+        """The levels up to the one that the tolerance is expected to need, those of the search, and the solves."""
         body = self._body(problem)
-        levels = body.levels(min(largest_radius(problem), body.limit))
-        degree = LOWEST + STEP * max(1, round(-np.log10(self.tolerance) - 3))
-        unknowns = levels.unknowns(degree)
-        seconds = 0.03 + 6e-5 * unknowns + (GRADED_SECONDS if levels.wide is not None else 0.0)
-        return Forecast(
-            seconds, 20 + 0.02 * unknowns, body.attainable, f"about {float(f'{unknowns:.2g}'):.0f} unknowns"
-        )
+        levels = body.levels(_expected_radius(problem, body))
+        steps = body.expected_steps(levels)
+        costs = [levels.cost(degree) for degree in range(LOWEST, LOWEST + STEP * math.ceil(steps) + 1, STEP)]
+        shares = np.clip(steps - np.arange(len(costs)) + 1, 0, 1)  # the last level is needed in some of such bodies
+        seconds = BEGIN + float(shares @ [cost.seconds for cost in costs])
+        if problem.loading.to != "radius":
+            seconds += SEARCHES * levels.cost(LOWEST + STEP).seconds
+        if levels.wide is not None:
+            seconds += GRADED_SECONDS
+        last = costs[-1]
+        nodes = NODES_PER_RADIUS * problem.loading.points
+        seconds += nodes**3 / 3 / FLOPS_PER_SECOND
+        memory = 20 + last.memory_mib + 8 * MATRICES * nodes**2 / 2**20
+        return Forecast(seconds, memory, body.attainable, f"about {float(f'{last.unknowns:.2g}'):.0f} unknowns")
 
     def __call__(self, problem: Problem) -> Solution:
         """Solve; errors: Refusal outside the validity or the tolerance, SolveError."""
@@ -79,13 +97,22 @@ class Hybrid:
         body = self._body(problem)
         with clock("largest radius"):
             reach = self._reach(problem, body)
-        with clock("kernel"):
-            contact, judged, levels, degree = body.accurate(reach)
-        with clock("radii"):
-            radii = radii_for_contact(contact, problem.loading, max(SEARCH * self.tolerance, 1e-12))
+        for _ in range(ATTEMPTS):
+            with clock("kernel"):
+                contact, judged, levels, degree = body.accurate(reach)
+            with clock("radii"):
+                radii = radii_for_contact(contact, problem.loading, max(SEARCH * self.tolerance, 1e-12))
+            if radii[-1] <= contact.limit * ROUND_OFF:
+                break
+            reach = self._further(problem, body, reach, float(radii[-1]))  # the first kernels had been too rough
+        else:
+            raise Refusal(_not_found(reach))
         with clock("solve"):
             nested = contact.nested(radii, contact.plan(radii, SEARCH * self.tolerance))
             S0 = _first_stiffness(contact, self.tolerance)
+        with clock("full disc"):
+            refuse_shrinking(radii, nested.delta)
+            warnings = disc_warnings(contact, problem.specimen, float(radii[-1]), lambda _: contact.kernel)
         return Solution(
             _series(nested, judged.at(radii), problem.indenter.a0, S0),
             ErrorBudget(
@@ -96,6 +123,7 @@ class Hybrid:
             "hybrid",
             facts=_facts(levels, degree, nested),
             timings=clock.seconds,
+            warnings=warnings,
         )
 
     def _body(self, problem: Problem) -> Body:
@@ -104,21 +132,42 @@ class Hybrid:
     def _reach(self, problem: Problem, body: Body) -> float:
         """The largest radius [m] that the loading asks for, with some room where it had to be found."""
         loading = problem.loading
-        expected = largest_radius(problem)
+        expected = _expected_radius(problem, body)
         if loading.to == "radius":
             return expected
-        end = min(body.limit, problem.indenter.r_max * (1 - 1e-9))
-        reach = min(ROOM * expected, end)
+        reach = min(ROOM * expected, _end(problem, body))
         for _ in range(ATTEMPTS):
             largest = largest_for_contact(body.rough(reach), loading, ROUGH)
-            if largest <= reach and (SPARE * largest <= reach or reach == end):
-                return min(SPARE * largest, end)
-            if reach == end:
-                raise Refusal(_too_much(problem))
-            reach = min(ROOM * largest, end)
-        raise Refusal(
-            f"hybrid: no largest contact radius was found within {ATTEMPTS} kernels, the last up to {reach:g} m"
-        )
+            if largest <= reach and (SPARE * largest <= reach or reach == _end(problem, body)):
+                return min(SPARE * largest, _end(problem, body))
+            reach = self._further(problem, body, reach, largest)
+        raise Refusal(_not_found(reach))
+
+    def _further(self, problem: Problem, body: Body, reach: float, largest: float) -> float:
+        """The next reach [m] after one that proved too short for the radius ``largest`` [m]."""
+        end = _end(problem, body)
+        if reach == end:
+            raise Refusal(_too_much(problem))
+        return min(ROOM * largest, end)
+
+
+def _end(problem: Problem, body: Body) -> float:
+    """The largest contact radius [m] that body and profile allow."""
+    return min(body.limit, problem.indenter.r_max * (1 - 1e-9))
+
+
+def _expected_radius(problem: Problem, body: Body) -> float:
+    """The largest contact radius [m] as on the laterally unbounded body, about."""
+    if problem.loading.to == "radius":
+        return problem.loading.maximum
+    wide = LayeredContact(problem.indenter, unbounded(problem).specimen)
+    return min(largest_for_contact(wide, problem.loading, ROUGH), _end(problem, body))
+
+
+def _not_found(reach: float) -> str:
+    return (
+        f"hybrid: no largest contact radius was found within {ATTEMPTS} kernels, the last up to {show(reach, 'length')}"
+    )
 
 
 def _unable(problem: Problem) -> str | None:

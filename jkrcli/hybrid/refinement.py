@@ -15,7 +15,8 @@ Array = np.ndarray
 LOWEST, HIGHEST = 4, 16  # degrees
 SHARE = 0.25  # of the tolerance, to which parameters and cut are brought
 MORE, WIDENED = 2, 2  # times that parameters are added and that the cut is moved outwards
-STALLED = 2  # times that elements of a higher degree may bring nothing
+STALLS = 1  # times that a step may bring next to nothing
+HOPELESS = 30.0  # times the tolerance: no such step is forgiven
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +42,7 @@ class Judged:
 class Step:
     """Where a refinement stands: elements of ``degree``, ``more`` parameters t than planned, and the cut planned for an
     error that is ``sharper`` times as small; how often parameters were ``added``, the cut was ``widened``, and a higher
-    degree ``stalled`` above the least error ``elements`` so far."""
+    degree ``stalled``: left more than half of the ``least`` error so far, last seen ``at`` a lower degree."""
 
     degree: int = LOWEST + STEP
     more: int = 0
@@ -49,23 +50,22 @@ class Step:
     added: int = 0
     widened: int = 0
     stalled: int = 0
-    elements: float = math.inf
+    least: float = math.inf
+    at: int = HIGHEST
 
     def after(self, judged: Judged, tolerance: float, region: Region) -> Step | None:
         """What lessens the largest of the errors; None where nothing does."""
+        total = float(judged.total.max())
+        stalled = self.stalled + (self.degree > self.at and total > self.least / 2)
+        if stalled > (self.stalled if total > HOPELESS * tolerance else STALLS):
+            return None
+        here = replace(self, stalled=stalled, least=min(self.least, total), at=self.degree)
         elements, parameters, cut = (float(e.max()) for e in (judged.elements, judged.parameters, judged.cut))
         goal = SHARE * tolerance
-        if parameters >= max(elements, cut, goal) and self.added < MORE:
+        if math.inf > parameters > max(elements, cut, goal) and self.added < MORE:
             missing = math.ceil(math.log(parameters / goal) / math.log(convergence(region)))
-            return replace(self, more=self.more + max(missing, 1), added=self.added + 1)
-        if cut >= max(elements, parameters, goal) and region.algebraic:
-            if self.widened == WIDENED:
-                return None
-            return replace(self, sharper=self.sharper * cut / goal, widened=self.widened + 1)
-        if self.degree == HIGHEST:
-            return None
-        stalled = self.stalled + (self.elements < math.inf and max(elements, parameters) > self.elements / 2)
-        if stalled == STALLED:
-            return None
-        least = min(self.elements, max(elements, parameters))
-        return replace(self, degree=self.degree + STEP, stalled=stalled, elements=least)
+            return replace(here, more=self.more + max(missing, 1), added=self.added + 1)
+        if math.inf > cut > max(elements, parameters, goal) and region.algebraic:
+            wider = replace(here, sharper=self.sharper * cut / goal, widened=self.widened + 1)
+            return wider if wider.widened <= WIDENED else None
+        return replace(here, degree=self.degree + STEP) if self.degree < HIGHEST else None

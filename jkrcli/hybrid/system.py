@@ -20,7 +20,7 @@ from .region import Moduli, Region
 
 Array = np.ndarray
 PIVOT = 1e-3  # of the column's largest entry, what a diagonal entry must be: with pressures some are zero
-RESIDUAL_LIMIT = 1e-7  # relative; great contrasts of moduli and distances leave 2e-8
+RESIDUAL_LIMIT = 1e-6  # relative; great contrasts and distances leave 1e-7, and K errs by its square only
 
 
 @dataclass(frozen=True, eq=False)

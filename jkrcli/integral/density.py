@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -17,7 +17,7 @@ from .solver import AbelImage, Nested
 Array = np.ndarray
 
 PIECE = 18  # Gauss nodes on each piece of the smooth part, one kernel scale wide
-ORDER = 24  # Gauss nodes on each panel of an integral over phi
+MORE = 6  # Gauss nodes than that on each panel of an integral over phi
 WIDEST = 1.5  # largest panel in an angle
 
 
@@ -38,16 +38,33 @@ class Density:
     @classmethod
     def of(cls, kernel: Kernel, indenter: Indenter, nested: Nested, shift: float, reach: float) -> Density:
         """phi at the last radius of ``nested`` for the displacement delta_H - ``shift`` [m], up to ``reach`` [m]."""
-        last = nested.panels.radii.size - 1
-        t, weights, phi = nested.density(last, shift)
+        return next(cls.each(kernel, indenter, nested, [nested.panels.radii.size - 1], shift, reach))
+
+    @classmethod
+    def each(
+        cls,
+        kernel: Kernel,
+        indenter: Indenter,
+        nested: Nested,
+        which: Iterable[int],
+        shift: float,
+        reach: float,
+        order: int = PIECE,
+    ) -> Iterator[Density]:
+        """The same at the radii of the numbers ``which``, from one evaluation of the kernel; ``order``: nodes on each
+        piece."""
         pieces = max(math.ceil(reach / kernel.scale), 1)
         edges = np.linspace(0, reach, pieces + 1)
-        nodes, node_weights = rule(PIECE)
+        nodes, node_weights = rule(order)
         x, _ = gauss(edges[:-1], edges[1:], nodes, node_weights)
-        smooth = 2 / math.pi * (kernel(x, t) @ (weights * phi)).reshape(pieces, PIECE)
-        project = legendre.legvander(nodes, PIECE - 1) * node_weights[:, None] * (np.arange(PIECE) + 0.5)
-        a, delta = float(nested.panels.radii[last]), float(nested.delta[last]) - shift
-        return cls(indenter, a, delta, edges, (smooth @ project).T, AbelImage.of(indenter).breaks)
+        K = 2 / math.pi * kernel(x, nested.panels.x)
+        project = legendre.legvander(nodes, order - 1) * node_weights[:, None] * (np.arange(order) + 0.5)
+        breaks = AbelImage.of(indenter).breaks
+        for n in which:
+            t, weights, phi = nested.density(n, shift)
+            smooth = (K[:, : t.size] @ (weights * phi)).reshape(pieces, order)
+            a, delta = float(nested.panels.radii[n]), float(nested.delta[n]) - shift
+            yield cls(indenter, a, delta, edges, (smooth @ project).T, breaks)
 
     def anchored(self) -> Density:
         """The same with phi(a) = 0 not only to rounding: that is what decides on the gap next to a nonadhesive edge."""
@@ -77,7 +94,7 @@ class Density:
         theta = angle(np.unique(np.concatenate([[lo], inner, [hi]])))
         pieces = np.maximum(np.ceil(np.diff(theta) / WIDEST), 1).astype(int)
         left, right = split(theta[:-1], theta[1:], pieces)
-        u, v = rule(ORDER)
+        u, v = rule(len(self.coefficients) + MORE)
         u, v = (u + 1) / 2, v / 2
         width = (right - left)[:, None]
         return np.ravel(left[:, None] + width * u**2), np.ravel(width * (2 * u * v))

@@ -8,20 +8,25 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Callable
 
 import numpy as np
 
 from ..errors import JkrError, Refusal
-from ..problem import Problem
+from ..problem import Specimen
 from ..units import show
-from .fields import profile
+from .density import Density
+from .fields import gaps, pressures, unsmooth
+from .kernel import Kernel
+from .search import Contact
 
 Array = np.ndarray
-FRACTIONS = (0.1, 0.25, 0.5, 1.0)  # of the largest contact radius, where it is looked at
+FRACTIONS = np.array([0.1, 0.25, 0.5, 1.0])  # of the largest contact radius, where it is looked at
 INSIDE = np.array([0.03, 0.1, 0.2, 0.35, 0.5, 0.7, 0.85, 0.95])  # of the contact radius
 OUTSIDE = np.array([1.02, 1.1, 1.3, 2.0])
 PULL = 1e-3  # of the mean pressure: less tension than that is round-off
 OVERLAP = 1e-5  # of the displacement
+TOLERANCE, ORDER = 1e-6, 9  # of the quadrature; nodes on each piece of phi
 
 
 def refuse_shrinking(a: Array, delta: Array) -> None:
@@ -34,31 +39,46 @@ def refuse_shrinking(a: Array, delta: Array) -> None:
         )
 
 
-def disc_warnings(problem: Problem, largest: float) -> tuple[str, ...]:
-    """What is wrong with a disc up to ``largest`` [m] as the contact of ``problem``; () where nothing is."""
-    E = [material.surface.E_star for material in problem.specimen.materials]
-    if all(below >= above for above, below in itertools.pairwise(E)):
-        return ()  # nothing bends over something softer
-    a0 = problem.indenter.a0
-    for fraction in FRACTIONS:
-        a = a0 + fraction * (largest - a0)
-        try:
-            if words := _broken(problem, a):
-                return (
-                    f"at the contact radius {show(a, 'length')} {words}: the contact without adhesion is not a full "
-                    "disc there, the adhesive curve is right only where adhesion holds it together; load less, or see "
-                    "jkr profile",
-                )
-        except JkrError as error:
-            return (f"it was not checked whether the contact is a full disc at {show(a, 'length')} ({error})",)
+def disc_warnings(
+    contact: Contact, specimen: Specimen, largest: float, kernel: Callable[[float], Kernel]
+) -> tuple[str, ...]:
+    """What is wrong with discs up to ``largest`` [m] as the ``contact`` with ``specimen``; () where nothing is.
+
+    ``kernel(reach)``: K for x + t <= ``reach`` [m]; outside, the surface is looked at no farther than it is known.
+    """
+    if not _bends(specimen):
+        return ()
+    a0 = contact.indenter.a0
+    radii = a0 + FRACTIONS * (largest - a0)
+    try:
+        if reason := unsmooth(specimen):
+            raise Refusal(reason)
+        nested = contact.nested(radii, contact.plan(radii, TOLERANCE))
+    except JkrError as error:
+        return (f"it was not checked whether the contact is a full disc ({error})",)
+    end = min(OUTSIDE[-1] * largest, contact.indenter.r_max, contact.limit)
+    known, each = kernel(largest + end), range(radii.size)
+    for n, phi in enumerate(Density.each(known, contact.indenter, nested, each, 0.0, end, ORDER)):
+        if words := _broken(phi.anchored(), contact.E_star / 2, float(nested.P[n]), end):
+            return (
+                f"at the contact radius {show(phi.a, 'length')} {words}: the contact without adhesion is not a full "
+                "disc there, the adhesive curve is right only where adhesion holds it together; load less, or see "
+                "jkr profile",
+            )
     return ()
 
 
-def _broken(problem: Problem, a: float) -> str | None:
-    outside = a * OUTSIDE
-    found = profile(problem, a, 0.0, a * INSIDE, outside[outside <= problem.indenter.r_max])
-    pull = float(found.pressure.min()) / (found.P / (math.pi * a**2))
+def _bends(specimen: Specimen) -> bool:
+    """Whether something lies on something softer, or a side is near."""
+    E = [material.surface.E_star for material in specimen.materials]
+    return specimen.radius is not None or any(below < above for above, below in itertools.pairwise(E))
+
+
+def _broken(phi: Density, factor: float, P: float, end: float) -> str | None:
+    """Where the pressure, ``factor`` [Pa] times that of ``phi``, or the gap up to ``end`` [m] is negative."""
+    pull = factor * float(pressures(phi, 0.0, phi.a * INSIDE).min()) / (P / (math.pi * phi.a**2))
     if pull < -PULL:
         return f"the middle pulls with {-pull:.2g} of the mean pressure"
-    overlap = -float(found.gap.min(initial=0.0)) / found.delta
+    outside = phi.a * OUTSIDE
+    overlap = -float(gaps(phi, outside[outside <= end]).min(initial=0.0)) / phi.delta
     return f"the surfaces overlap by {overlap:.2g} of the displacement beyond the edge" if overlap > OVERLAP else None

@@ -15,12 +15,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from ..errors import InputError, Refusal
 from ..materials import Graded
-from ..problem import Problem
+from ..problem import Problem, Specimen
 from .contact import LayeredContact
 from .density import Density
 from .layered import Layered
@@ -62,7 +63,7 @@ def profile(problem: Problem, a: float, w: float, r: Array | None = None, r_surf
     ``r`` [m]: radii 0 < r < a for the pressure, by default 100 that crowd at the edge; ``r_surface`` [m]: any radii for
     the surface, by default up to 3 a. The loading of ``problem`` is not used. Errors: InputError, Refusal.
     """
-    reason = Layered().refusal(problem) or _unsmooth(problem)
+    reason = Layered().refusal(problem) or unsmooth(problem.specimen)
     if reason is not None:
         raise Refusal(reason)
     r, r_surface = _sample(problem, a, w, r, r_surface)
@@ -75,14 +76,14 @@ def profile(problem: Problem, a: float, w: float, r: Array | None = None, r_surf
     if w == 0:
         phi = phi.anchored()
     edge = float(phi(np.array([a]))[0]) if w > 0 else 0.0
-    gap = _gap(phi, r_surface)
+    gap = gaps(phi, r_surface)
     return Profile(
         a=a,
         w=w,
         delta=phi.delta,
         P=float(nested.P[0]) - shift * float(nested.S[0]),
         r=r,
-        pressure=contact.E_star / 2 * np.array([_pressure(phi, edge, float(x)) for x in r]),
+        pressure=contact.E_star / 2 * pressures(phi, edge, r),
         r_surface=r_surface,
         displacement=_specimen_surface(phi, problem, r_surface, gap),
         gap=gap,
@@ -90,8 +91,9 @@ def profile(problem: Problem, a: float, w: float, r: Array | None = None, r_surf
     )
 
 
-def _unsmooth(problem: Problem) -> str | None:
-    if problem.specimen.layers and isinstance(problem.specimen.layers[0].material, Graded):
+def unsmooth(specimen: Specimen) -> str | None:
+    """Why fields on the ``specimen`` cannot be found by this module; None where they can."""
+    if isinstance(specimen.materials[0], Graded):
         return (
             "profile: under a modulus that varies right below the contact phi is not smooth at the edge, and its "
             "pressures are not implemented; cut the top layer into a few homogeneous ones"
@@ -114,14 +116,23 @@ def _sample(problem: Problem, a: float, w: float, r: Array | None, surface: Arra
     return inside, outside
 
 
-def _pressure(phi: Density, edge: float, r: float) -> float:
-    """2 p/E* [-] at 0 < r < a, by t = r cosh(theta)."""
-    theta, weights = phi.nodes(r, phi.a, lambda t: np.arccosh(np.maximum(t / r, 1.0)))
-    slopes = phi.slope(np.minimum(r * np.cosh(theta), phi.a))
-    return edge / math.sqrt((phi.a - r) * (phi.a + r)) - float(weights @ slopes)
+def pressures(phi: Density, edge: float, r: Array) -> Array:
+    """2 p/E* [-] at the radii 0 < r < a [m], for the value phi(a) = ``edge`` [m], by t = r cosh(theta)."""
+    if not r.size:
+        return r
+    parts = [phi.nodes(x, phi.a, partial(_angle, x)) for x in r.tolist()]
+    sizes = [theta.size for theta, _ in parts]
+    theta, weights = np.concatenate(parts, axis=1)
+    slopes = phi.slope(np.minimum(np.repeat(r, sizes) * np.cosh(theta), phi.a))
+    starts = np.cumsum([0, *sizes[:-1]])
+    return edge / np.sqrt((phi.a - r) * (phi.a + r)) - np.add.reduceat(weights * slopes, starts)
 
 
-def _gap(phi: Density, r: Array) -> Array:
+def _angle(r: float, t: Array) -> Array:
+    return np.arccosh(np.maximum(t / r, 1.0))
+
+
+def gaps(phi: Density, r: Array) -> Array:
     """Distance of the surfaces [m] at any r, 0 inside, by x = r sin(theta)."""
     return np.array([-_arc(phi, phi.a, float(x), float(x)) if x > phi.a else 0.0 for x in r])
 

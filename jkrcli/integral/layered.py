@@ -70,7 +70,7 @@ class Layered:
         reason = self.refusal(problem)
         if reason is not None:
             raise Refusal(reason)
-        from .disc import disc_warnings, refuse_shrinking  # they solve by this very method
+        from .disc import disc_warnings, refuse_shrinking  # fields rest on this very method
 
         clock = StageClock()
         contact = _contact(problem)
@@ -83,7 +83,7 @@ class Layered:
             nested, errors = contact.refined(radii, tolerance)
         with clock("full disc"):
             refuse_shrinking(radii, nested.delta)
-            warnings = disc_warnings(problem, float(radii[-1]))
+            warnings = disc_warnings(contact, problem.specimen, float(radii[-1]), contact.spectrum.kernel)
         return Solution(
             _series(contact, nested, errors),
             ErrorBudget(discretisation=float(errors.max()), truncation=0.0, radius=0.0),

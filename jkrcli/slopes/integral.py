@@ -3,13 +3,14 @@
 The data meet the model of ``model.py`` in the logs of delta_H and P_H, weighted by their own errors; an error of the
 radius counts through the slopes of both columns and correlates them (effective variance). The roughness of
 log S' and log d(delta_H)/da over log a is penalised, each by a weight found from the data (``penalised.py``).
-Nothing is differentiated, S' > 0 holds by construction, and the fit's covariance gives the band.
+Nothing is differentiated, S' > 0 holds by construction, and the fit's covariance gives the band. Residuals that
+follow their neighbours show what the splines cannot bend to: they get more knots, and what remains widens the band.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.special import stdtrit
@@ -20,10 +21,11 @@ from .events import has_plateaus, touch_events
 from .model import Columns, Grid, LogSplineModel, interpolate
 from .penalised import FREEZE, Fit, minimise
 from .result import TWO_SIDED_90, Slopes, covariance_from_errors, shift_error
-from .scatter import estimate, floored, whitener
+from .scatter import correlation_length, estimate, floored, whitener
 
 MIN_POINTS = 5
-MIN_INTERVALS, MAX_INTERVALS = 3, 24  # of the splines, within the data
+MIN_INTERVALS = 3  # of the splines, within the data
+MAX_INTERVALS = (24, 48)  # the second where the residuals of the first are correlated
 FREE_SCATTER_FROM = 20  # points, from which the errors of a, delta and P are told apart
 MAX_BINS = 400
 UNSETTLED = "the fit did not settle: a, delta and P contradict each other somewhere; look for points out of place"
@@ -71,9 +73,7 @@ def _slopes(
     data = _prepare(a, delta, P, errors, a0)
     y_scale, delta_scale, P_scale = float(np.max(a) - a0), float(np.max(delta)), float(np.max(P))
     S_scale = P_scale / delta_scale
-    intervals = min(MAX_INTERVALS, max(MIN_INTERVALS, data.x.size // 2))
-    model = LogSplineModel(data.x, intervals, None if S0 is None else S0 / S_scale)
-    fit = _fit(_Task(model, data), data)
+    model, fit = _fine_enough(data, None if S0 is None else S0 / S_scale)
     x = np.log((wanted - a0) / y_scale)
     scales = np.array([delta_scale, P_scale, S_scale, S_scale / y_scale])
     values, covariance = _evaluate(model.columns(fit.c, model.interpolation(x), model.design(x)), fit, scales)
@@ -163,6 +163,19 @@ class _Task:
         columns = self.model.columns(fit.c, self.at, self.basis, grid)
         k, m = self.bins.spread(columns.rate_delta), self.bins.spread(columns.rate_P)
         return estimate(self.bins.sorted_x, self.difference(grid), k, m, fit.spent, RELATIVE_FLOOR**2)
+
+
+def _fine_enough(data: _Data, S0: float | None) -> tuple[LogSplineModel, Fit]:
+    """The fit with the knots that the data need; residuals still correlated count as that many fewer data."""
+    most = max(MIN_INTERVALS, data.x.size // 2)
+    for largest in MAX_INTERVALS:
+        model = LogSplineModel(data.x, min(largest, most), S0)
+        fit = _fit(_Task(model, data), data)
+        explained = fit.floored or (data.given is not None and fit.phi <= 1)  # by round-off, or by the stated errors
+        length = 1.0 if explained else correlation_length(fit.residuals.reshape(2, -1))
+        if length == 1 or most <= largest:
+            break
+    return model, replace(fit, V=length * fit.V)
 
 
 def _fit(task: _Task, data: _Data) -> Fit:

@@ -41,7 +41,7 @@ STUCK = 0.5  # standard deviations of a step that is still open at the end: not 
 class Fit:
     """Coefficients ``c`` (p,), their covariance ``V`` (p, p) over the variance ``phi``, residuals (m,), ``lambdas`` in
     units of the mean diagonal of J^T J, ``spent``: the effective number of parameters, ``settled``: whether the steps
-    became small."""
+    became small, ``floored``: whether the residuals show less than the least ``phi``."""
 
     c: Array
     V: Array
@@ -50,6 +50,7 @@ class Fit:
     lambdas: Array
     spent: float
     settled: bool
+    floored: bool
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,7 +85,7 @@ def minimise(
         damping = max(10 * damping, LEAST_DAMPING) if taken < POOR_STEP else damping / 3 * (damping > LEAST_DAMPING)
     settled = moved < STUCK and (taken > 0 or linear.deviations < STUCK)
     V = linear.V - (1 - BIAS_SHARE) * linear.V @ (linear.penalty[:, None] * linear.V)
-    return Fit(c, V, now[0], linear.phi, lambdas, linear.spent, settled)
+    return Fit(c, V, now[0], linear.phi, lambdas, linear.spent, settled, linear.phi <= phi_floor)
 
 
 def _linear(

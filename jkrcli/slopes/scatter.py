@@ -16,6 +16,7 @@ from ..series import Array
 TRACE = 1e-3  # the smallest share of the scatter that a column is taken to carry
 MAX_TREND = 4.0  # exponent of the variance over the radius
 OUTLIER = 3.0  # standard deviations, beyond which a point counts less (Huber)
+CHANCE = 2.5  # standard deviations of the correlation of neighbours that chance may bring
 
 
 def floored(variances: Array, share: float, floor: float) -> Array:
@@ -75,3 +76,17 @@ def _trend(x: Array, squares: Array) -> float:
         method="bounded",
     )
     return float(found.x)
+
+
+def correlation_length(residuals: Array) -> float:
+    """How many neighbours in each row of ``residuals`` (rows, n), in order, carry what one independent value would:
+    1 + 2 sum of the autocorrelations up to the first that is not positive, of the worst row; 1 where neighbours
+    correlate by no more than chance brings, 1/sqrt(n). (Geyer, Statist. Sci. 7 (1992) 473, Sec. 3.3.)"""
+    n = residuals.shape[1]
+    lengths = [1.0]
+    for row in residuals:
+        correlations = np.correlate(row, row, "full")[n:] / max(float(row @ row), 1e-300)
+        if correlations[0] * np.sqrt(n) > CHANCE:
+            positive = np.logical_and.accumulate(correlations > 0)
+            lengths.append(1 + 2 * float(correlations[positive].sum()))
+    return max(lengths)

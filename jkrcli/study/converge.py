@@ -6,8 +6,9 @@ import itertools
 import math
 import time
 from collections.abc import Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -18,6 +19,7 @@ from ..integral.layered import Layered
 from ..problem import Problem
 from ..series import Array, Series, Solution
 from ..slopes import slopes
+from .ordered import in_order
 
 RATIO = 2.0  # between the element sizes of neighbouring meshes
 COARSEST_SPACING, STEEPEST_GROWTH = 0.49, 0.59
@@ -108,13 +110,19 @@ class Convergence:
         return self.values(quantity)[-1] if isinstance(limit, str) else limit[1]
 
 
-def converge(problem: Problem, method: FEM, w: float, count: int, slopes_name: str = "auto") -> Convergence:
-    """Solve ``problem`` on ``count`` meshes, the finest being that of ``method``, and transform for ``w`` [J/m^2]."""
+def converge(
+    problem: Problem, method: FEM, w: float, count: int, slopes_name: str = "auto", executor: Executor | None = None
+) -> Convergence:
+    """Solve ``problem`` on ``count`` meshes, the finest being that of ``method``, and transform for ``w`` [J/m^2].
+
+    ``executor``: works on the meshes (default: this process).
+    """
     if count < 2:
         raise InputError(f"levels: must be >= 2 meshes, got {count}")
     method = replace(method, estimate_error=False, tolerance=None)
     factors = [RATIO**k for k in reversed(range(count))]
-    meshes = [_timed(coarser(method, problem, factor), problem) for factor in factors]
+    methods = [coarser(method, problem, factor) for factor in factors]
+    meshes = in_order(executor, partial(_timed, problem), methods, "meshes")
     depth = min(float(_increments(mesh.solution)[1][-1]) for mesh in meshes)
     largest = float(meshes[-1].solution.series.a[-1])
     levels = []
@@ -135,10 +143,10 @@ class Timed:
     seconds: float
 
 
-def _timed(method: FEM, problem: Problem) -> Timed:
-    start = time.process_time()
+def _timed(problem: Problem, method: FEM) -> Timed:
+    start = time.thread_time()  # of this mesh alone, whatever else the process works on
     run, solution = method.solve(problem)
-    return Timed(solution, run.level.model.grid.surface_radii(), time.process_time() - start)
+    return Timed(solution, run.level.model.grid.surface_radii(), time.thread_time() - start)
 
 
 def coarser(method: FEM, problem: Problem, factor: float) -> FEM:

@@ -6,8 +6,11 @@ the study is one body, number of points, noise and method; its figures are over 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+import itertools
+from collections.abc import Callable, Iterable
+from concurrent.futures import Executor
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -19,6 +22,7 @@ from ..methods import method_class
 from ..problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from ..series import Array, RawSeries, Series
 from ..slopes import slopes, slopes_function, smoothed
+from .ordered import in_order
 
 POINTS = (30, 60, 200)
 NOISE = (0.0, 1e-4, 1e-3, 1e-2, 3e-2)
@@ -59,12 +63,9 @@ class Cell:
     failures: float
 
 
-def _layered(nu: float, h: float, R: float, a_max: float, base: Rigid | HalfSpace) -> Callable[[int], Problem]:
-    def problem(points: int) -> Problem:
-        specimen = Specimen((Layer(Elastic(1e6, nu), h),), base)
-        return Problem(Paraboloid(R), specimen, Loading("radius", a_max, points))
-
-    return problem
+def _layered(nu: float, h: float, R: float, a_max: float, base: Rigid | HalfSpace, points: int) -> Problem:
+    specimen = Specimen((Layer(Elastic(1e6, nu), h),), base)
+    return Problem(Paraboloid(R), specimen, Loading("radius", a_max, points))
 
 
 def _half_space(points: int) -> Problem:
@@ -74,9 +75,14 @@ def _half_space(points: int) -> Problem:
 
 BODIES = (
     Body("hertz", "closed-form", _half_space, w=50.0),
-    Body("layer-0.4", "layered", _layered(0.4, 1e-6, 1e-3, 1e-5, Rigid()), w=2e-4),
-    Body("layer-0.499", "layered", _layered(0.499, 1e-6, 1e-3, 1e-5, Rigid()), w=1e-3),
-    Body("stiff-coating", "layered", _layered(0.4, 1e-6, 1e-4, 3e-6, HalfSpace(Elastic(1e5, 0.4))), w=4e-5),
+    Body("layer-0.4", "layered", partial(_layered, 0.4, 1e-6, 1e-3, 1e-5, Rigid()), w=2e-4),
+    Body("layer-0.499", "layered", partial(_layered, 0.499, 1e-6, 1e-3, 1e-5, Rigid()), w=1e-3),
+    Body(
+        "stiff-coating",
+        "layered",
+        partial(_layered, 0.4, 1e-6, 1e-4, 3e-6, HalfSpace(Elastic(1e5, 0.4))),
+        w=4e-5,
+    ),
 )
 
 
@@ -86,16 +92,18 @@ def noise_study(
     noise: Iterable[float] = NOISE,
     methods: Iterable[str] = METHODS,
     seeds: int = SEEDS,
-) -> Iterator[Cell]:
-    """Yield the cells one by one; a noise-free cell needs one run only."""
-    points, noise, methods = tuple(points), tuple(noise), tuple(methods)
-    for body in bodies:
-        for n in points:
-            exact = body.series(n)
-            truth = transform(exact, slopes(exact, "exact"), body.w)
-            for size in noise:
-                for method in methods:
-                    yield cell(body, truth, size, method, seeds if size > 0 else 1)
+    executor: Executor | None = None,
+) -> list[Cell]:
+    """All cells, worked on by ``executor`` (default: this process); a noise-free cell needs one run only."""
+    asked = list(itertools.product(bodies, points, noise, methods))
+    return in_order(executor, partial(_figures, seeds), asked, "noise study")
+
+
+def _figures(seeds: int, asked: tuple[Body, int, float, str]) -> Cell:
+    body, points, noise, method = asked
+    exact = body.series(points)
+    truth = transform(exact, slopes(exact, "exact"), body.w)
+    return cell(body, truth, noise, method, seeds if noise > 0 else 1)
 
 
 def cell(body: Body, truth: AdhesiveCurve, noise: float, method: str, seeds: int) -> Cell:

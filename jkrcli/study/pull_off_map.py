@@ -9,7 +9,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -23,6 +25,7 @@ from ..problem import Layer, Loading, Problem, Rigid, Specimen
 from ..series import Array, Series
 from ..slopes import slopes
 from ..states import LOAD_CONTROL
+from .ordered import in_order
 
 POINTS_PER_DECADE = 40  # of the contact radius: twice as many change the pull-off force by 4e-8
 TOLERANCE = 1e-6  # relative, of the series: a/h near 100 at nu = 1/2 leaves 1e-7
@@ -41,15 +44,19 @@ class MapPoint:
     delta_R_over_h2: float
 
 
-def pull_off_map(nus: Iterable[float], bonded: bool, qs: Sequence[float]) -> list[MapPoint]:
+def pull_off_map(
+    nus: Iterable[float], bonded: bool, qs: Sequence[float], executor: Executor | None = None
+) -> list[MapPoint]:
     """The points of the map for each Poisson's ratio and each q (any order, repeated ones once), by exact slopes.
 
-    One unit series per Poisson's ratio serves every q. Errors: InputError for q outside the range or nu not allowed.
+    One unit series per Poisson's ratio serves every q; ``executor`` works on them (default: this process).
+    Errors: InputError for q outside the range or nu not allowed.
     """
     wanted = sorted(set(qs))
     if not wanted or not (wanted[0] >= MIN_Q and wanted[-1] <= MAX_Q):
         raise InputError(f"q: must be between {MIN_Q:g} and {MAX_Q:g}, got {', '.join(f'{q:g}' for q in qs)}")
-    return [point for nu in dict.fromkeys(nus) for point in _column(nu, bonded, wanted)]
+    columns = in_order(executor, partial(_column, bonded, wanted), list(dict.fromkeys(nus)), "pull-off map")
+    return [point for column in columns for point in column]
 
 
 def map_columns(points: Sequence[MapPoint]) -> dict[str, Array]:
@@ -65,7 +72,7 @@ def map_columns(points: Sequence[MapPoint]) -> dict[str, Array]:
     }
 
 
-def _column(nu: float, bonded: bool, qs: Sequence[float]) -> list[MapPoint]:
+def _column(bonded: bool, qs: Sequence[float], nu: float) -> list[MapPoint]:
     """Units: h = R = 1 m, E* = 1 Pa; the paraboloid's problem is linear in R, so that no small strain is needed."""
     series = _unit_series(nu, bonded, qs)
     found = slopes(series, "exact")

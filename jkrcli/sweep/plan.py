@@ -14,14 +14,13 @@ from typing import Any
 from .. import __version__
 from ..cache import at_unit_modulus
 from ..case import Case, CaseModel
-from ..case.sweep import SweepModel, load_sweep
+from ..case.sweep import MOST_CASES, SweepModel, load_sweep
 from ..errors import InputError
 from ..problem import Problem
 from .axes import Axis, W, resolve
 from .paths import Tables, model_of, unit_of, with_values
 from .quantities import Wanted, names_of
 
-MOST_CASES = 2_000_000  # about 2 kB of memory each, in the process that collects their rows
 CURVES_PER_GROUP = 1000  # cases of one solve that make one piece of work
 PHYSICS = {"title", "indenter", "specimen", "loading", "adhesion"}
 

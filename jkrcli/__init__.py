@@ -14,7 +14,6 @@ from .errors import InputError, JkrError, Refusal
 
 if TYPE_CHECKING:
     from .api import (
-        columns,
         identify,
         load_case,
         measured_curves,
@@ -24,6 +23,7 @@ if TYPE_CHECKING:
         save,
         solve,
         summary,
+        table,
         to_pandas,
         transform,
     )
@@ -33,7 +33,6 @@ __all__ = [
     "InputError",
     "JkrError",
     "Refusal",
-    "columns",
     "identify",
     "load_case",
     "measured_curves",
@@ -43,6 +42,7 @@ __all__ = [
     "save",
     "solve",
     "summary",
+    "table",
     "to_pandas",
     "transform",
 ]

@@ -19,7 +19,7 @@
 >>> point = curve.pull_off["load"]
 >>> f"{point.P * 1e6:.4f} uN at a = {point.a * 1e6:.3f} um"
 '-2.4906 uN at a = 2.418 um'
->>> list(jkr.columns(curve))[:3]
+>>> list(jkr.table(curve))[:3]
 ['a_m', 'delta_m', 'P_N']
 """
 
@@ -50,7 +50,6 @@ if TYPE_CHECKING:
     from .plots import Figure
 
 __all__ = [
-    "columns",
     "identify",
     "load_case",
     "measured_curves",
@@ -60,6 +59,7 @@ __all__ = [
     "save",
     "solve",
     "summary",
+    "table",
     "to_pandas",
     "transform",
 ]
@@ -142,7 +142,7 @@ def measured_curves(path: str | Path, **reading: Any) -> list[Curve]:
     return read_curves(Path(path), Reading(**reading))
 
 
-def columns(curve: Analysis) -> dict[str, Array]:
+def table(curve: Analysis) -> dict[str, Array]:
     """The columns of the curve's CSV file: names with units, one value per contact radius."""
     return tables.curve_columns(curve.curve)
 
@@ -153,7 +153,7 @@ def to_pandas(curve: Analysis) -> DataFrame:
         from pandas import DataFrame
     except ModuleNotFoundError:
         raise InputError('to_pandas needs the optional package pandas: pip install "jkrcli[pandas]"') from None
-    return DataFrame(columns(curve))
+    return DataFrame(table(curve))
 
 
 def plot(curve: Analysis, path: str | Path | None = None) -> Figure:

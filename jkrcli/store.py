@@ -305,10 +305,10 @@ def _first(path: Path, series: h5py.Group, name: str) -> float | None:
 
 
 def _estimate(value: Any) -> float | str:
-    if value is None:
-        return "not stated in the file"
-    if isinstance(value, str | bytes):
+    if isinstance(value, str | bytes) and value:
         return _text(value)
+    if value is None or isinstance(value, str | bytes):
+        return "not stated in the file"
     return float(value) if np.isfinite(float(value)) else f"stated as {float(value)} in the file"
 
 

@@ -17,6 +17,7 @@ from jkrcli import api
 from jkrcli.tables import read_curve
 
 CASES = Path(__file__).parent.parent / "cases"
+PACKAGE = Path(jkr_python.__file__).parent
 EXAMPLES = Path(__file__).parent.parent / "docs" / "examples"
 
 
@@ -28,6 +29,8 @@ def test_every_name_of_the_interface_is_documented() -> None:
     for name in jkr_python.__all__:
         assert getattr(jkr_python, name).__doc__, name
         assert name in dir(jkr_python)
+        assert not (PACKAGE / name).exists(), "a part of that name would take its place once it is imported"
+        assert not (PACKAGE / f"{name}.py").exists()
 
 
 def test_an_unknown_name_is_an_attribute_error() -> None:
@@ -47,7 +50,7 @@ def test_python_and_command_line_agree_to_the_last_bit(jkr: Callable, tmp_path: 
     solved = jkr_python.solve(CASES / "coating.toml")
     curve = jkr_python.transform(solved, w=0.05)
     written = read_curve(next(tmp_path.glob("coating-w*.csv")))
-    for name, values in jkr_python.columns(curve).items():
+    for name, values in jkr_python.table(curve).items():
         if name in written:
             np.testing.assert_array_equal(values, written[name], err_msg=name)
     summary = json.loads(next(tmp_path.glob("coating-w*.json")).read_text())
@@ -70,7 +73,7 @@ def test_a_data_frame_has_the_columns_of_the_csv() -> None:
     pytest.importorskip("pandas")
     curve = jkr_python.transform(jkr_python.solve(CASES / "coating.toml"), w=0.05)
     frame = jkr_python.to_pandas(curve)
-    assert list(frame.columns) == list(jkr_python.columns(curve))
+    assert list(frame.columns) == list(jkr_python.table(curve))
     assert (frame["a_m"].diff().dropna() > 0).all()
 
 
@@ -79,7 +82,7 @@ def test_linear_algebra_runs_on_one_thread_whatever_the_environment_says(tmp_pat
         "import jkrcli as jkr, hashlib, sys\n"
         f"solved = jkr.solve({str(CASES / 'three-layers.toml')!r})\n"
         "curve = jkr.transform(solved, w=0.05)\n"
-        "numbers = [column for column in jkr.columns(curve).values() if column.dtype == float]\n"
+        "numbers = [column for column in jkr.table(curve).values() if column.dtype == float]\n"
         "print(hashlib.sha256(b''.join(column.tobytes() for column in numbers)).hexdigest())"
     )
     found = set()

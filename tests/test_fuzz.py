@@ -148,7 +148,7 @@ def structure_changed(path: Path, chance: random.Random) -> None:
                     del file[name]
                     elsewhere = (h5py.ExternalLink("/etc/passwd", "/x"), h5py.SoftLink("/series"), h5py.SoftLink("/no"))
                     file[name] = chance.choice(elsewhere)
-                case 5 if isinstance(file[name], h5py.Dataset) and file[name].ndim and file[name].dtype.kind == "f":
+                case 5 if _is_small(file[name]):
                     values = file[name][()]
                     odd = (np.nan, -np.inf, 0.0, -1.0, 1e308, 5e-324, 1e30, 1e-30)
                     values.flat[chance.randrange(values.size)] = chance.choice(odd)
@@ -157,6 +157,10 @@ def structure_changed(path: Path, chance: random.Random) -> None:
                     item = chance.choice((file, file[name]))
                     key = chance.choice([*item.attrs, "x", "unit", "a0_m", "S0_N_per_m", "format"])
                     item.attrs[key] = _value(chance)
+
+
+def _is_small(item: Any) -> bool:
+    return isinstance(item, h5py.Dataset) and item.ndim > 0 and 0 < item.size < 1000 and item.dtype.kind == "f"
 
 
 def _value(chance: random.Random) -> Any:

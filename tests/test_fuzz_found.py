@@ -283,6 +283,13 @@ def test_output_in_a_poor_encoding(tmp_path: Path, path: Path) -> None:
     assert done.stdout.startswith("\\u03b4.h5: 100 rows")
 
 
+def test_estimate_without_words(jkr: Callable, path: Path) -> None:
+    with h5py.File(path, "r+") as file:
+        file["errors"].attrs["truncation"] = ""
+    assert store.read(path).budget.truncation == "not stated in the file"
+    assert jkr("show", path, "--json").code == 0
+
+
 def test_names_that_the_terminal_cannot_show(jkr: Callable, path: Path) -> None:
     Path("a\nb.h5").write_bytes(path.read_bytes()[:1000])
     done = jkr("show", "a\nb.h5")

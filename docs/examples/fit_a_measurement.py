@@ -22,7 +22,7 @@ radius = "6 um"
 """)
 true = jkr.transform(jkr.solve(case), w=0.05, modulus_factor=0.7)
 rows = slice(20, None)  # from near pull-off on
-delta, P = (jkr.columns(true)[name][rows] for name in ("delta_m", "P_N"))
+delta, P = (jkr.table(true)[name][rows] for name in ("delta_m", "P_N"))
 noise = np.random.default_rng(1)
 delta_scale, P_scale = abs(true.pull_off["displacement"].delta), abs(true.pull_off["load"].P)
 delta = delta + 30e-9 + 0.01 * delta_scale * noise.standard_normal(delta.size)

@@ -23,7 +23,7 @@ def lobatto(degree: int) -> Array:
     """Gauss-Lobatto points on [-1, 1], ends included; of degree 0 the centre."""
     if degree == 0:
         return np.zeros(1)
-    inner = legendre.legroots(legendre.legder([0.0] * degree + [1.0])) if degree > 1 else np.zeros(0)
+    inner = legendre.legroots(legendre.legder([0.0] * degree + [1.0])).real if degree > 1 else np.zeros(0)
     return np.concatenate([[-1.0], inner, [1.0]])
 
 

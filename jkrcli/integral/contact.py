@@ -133,9 +133,7 @@ class LayeredContact:
                 f"(limit {MAX_NODES}); ask for a smaller contact, fewer points or a larger tolerance"
             )
 
-    def nested(
-        self, radii: Array, plan: Plan, order: int = 24, inner: int = 20, added: Kernel | None = None
-    ) -> Nested:
+    def nested(self, radii: Array, plan: Plan, order: int = 24, inner: int = 20, added: Kernel | None = None) -> Nested:
         """Solve at the increasing ``radii`` [m] with the quadrature ``plan``; ``order``: Gauss nodes per panel in k,
         ``inner``: per panel in the integrals of F; ``added``: what the sides of a finite body add to K."""
         self.guard(radii, plan)

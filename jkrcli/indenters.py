@@ -246,7 +246,8 @@ class TableProfile:
         alpha = self.slopes[:-1] - beta * self.knots[:-1]
         safe = np.where(x > 0, x, 1.0)[..., None]
         r = np.minimum(self.knots, safe)
-        angle, root = np.arcsin(r / safe), np.sqrt((safe - r) * (safe + r))
+        root = np.sqrt((safe - r) * (safe + r))
+        angle = np.arctan2(r, root)  # arcsin(r/x), also to rounding where x lies just beyond a knot
         return x * np.sum(alpha * np.diff(angle, axis=-1) - beta * np.diff(root, axis=-1), axis=-1)
 
 

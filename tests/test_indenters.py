@@ -117,7 +117,7 @@ def test_any_convex_table_keeps_its_points_and_stays_convex(growth: list[float],
     r = np.concatenate([[0], np.cumsum(widths[: slopes.size])])
     f = np.concatenate([[0], np.cumsum(slopes * np.diff(r))])
     table = TableProfile(tuple(r), tuple(f))
-    np.testing.assert_allclose(table.f(r), f, rtol=1e-9, atol=1e-10 * f[-1])  # a forced kink is rounded
+    np.testing.assert_allclose(table.f(r), f, rtol=1e-9, atol=2e-10 * f[-1])  # a forced kink is rounded
     fine = np.linspace(0, r[-1], 500)
     assert (np.diff(table.slope(fine)) >= -1e-12 * slopes[-1]).all()
     assert (np.diff(table.abel(fine)) >= -1e-12 * slopes[-1]).all()
@@ -148,3 +148,12 @@ def test_a0_and_tip_radius() -> None:
     assert PowerLaw(1.0, 1.0).tip_radius is None
     assert PowerLaw(1 / (2 * R), 2.0).tip_radius == pytest.approx(R)
     assert RoundedFlat(R, R).tip_radius is None
+
+
+def test_the_abel_image_of_a_table_is_smooth_at_its_knots() -> None:
+    """F begins there like (x - knot)^(3/2): the next number after a knot has the knot's own value, to rounding."""
+    r = np.linspace(0.0, 2.0, 12)
+    profile = TableProfile(tuple(r), tuple(r**2 + 0.3 * r**3))
+    inner = profile.knots[1:-1]
+    at, after = profile.abel(inner), profile.abel(np.nextafter(inner, np.inf))
+    np.testing.assert_allclose(after, at, rtol=1e-14)

@@ -10,6 +10,7 @@ import pytest
 
 from jkrcli import store
 from jkrcli.errors import InputError, Refusal
+from jkrcli.fem.adapt import COMPANION
 from jkrcli.fem.method import FEM
 from jkrcli.fem.model import Recipe
 from jkrcli.indenters import Indenter, Paraboloid, PowerLaw, RoundedFlat, Sphere
@@ -94,7 +95,7 @@ def test_a_finer_mesh_is_judged_against_the_one_before(monkeypatch: pytest.Monke
     monkeypatch.setattr("jkrcli.fem.adapt.USUAL", 1e-5)  # a guess that is much too coarse
     solution = FEM(tolerance=5e-4)(PROBLEMS["half-space"])
     assert len(sizes) >= 3  # a first mesh, its companion, and at least one finer
-    assert sizes[1] == pytest.approx(2 * sizes[0])
+    assert sizes[1] == pytest.approx(COMPANION * sizes[0])
     assert sizes[2:] == sorted(sizes[2:], reverse=True)
     assert sizes[-1] < sizes[0]
     assert len(set(sizes)) == len(sizes)

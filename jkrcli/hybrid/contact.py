@@ -28,6 +28,7 @@ QUADRATURE = 1e-3  # of the tolerance: error of the quadrature of the contact eq
 PARAMETERS = 1e-2  # of the tolerance, planned for the number of parameters t; conditioning takes the rest
 CUT = 0.1  # of the tolerance, for cutting an unbounded body
 SAMPLES = 6  # radii at which errors are judged
+NO_CLAIM = 0.03  # errors below this part of the tolerance are not told apart: quadratures, rounding
 SAFETY = 2.5  # on the error that the last step of the degree leaves
 SLOWEST, FASTEST = 3.0, 15.0  # what a step divides it by
 CORNERED = 8.0  # at most, with singular corners
@@ -225,5 +226,6 @@ class Body:
         else:
             cut = DECAYED * change(levels.nearer(degree))
         parameters = max(left, LEAST) * change(contact.kernel.shorter())
-        elements = SAFETY / fall * last + (GRADED if levels.wide is not None else 0.0)
+        least = NO_CLAIM * self.tolerance + (GRADED if levels.wide is not None else 0.0)
+        elements = SAFETY / fall * last + least
         return Judged(radii, elements, parameters, cut)

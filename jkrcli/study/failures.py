@@ -177,10 +177,10 @@ def _distances(cell: Cell, series: Series) -> list[Off]:
     judged = np.flatnonzero(series.delta >= JUDGED * series.delta[-1])
     rows = judged[np.unique(np.linspace(0, judged.size - 1, ROWS).round().astype(int))]
     names: tuple[str, ...]
-    if series.S is not None:
+    if not np.any(series.errors.get("a", 0.0)):
         exact, tolerance = _exact(cell, Loading.given("radius", tuple(series.a[rows] / cell.length_unit)))
         names = ("delta", "P", "S", "dS")
-    else:  # radii are less sure than displacements
+    else:  # radii are less sure than displacements: errors of loads are stated at given depth
         exact, tolerance = _exact(cell, Loading.given("depth", tuple(series.delta[rows] / cell.length_unit)))
         names = ("a", "P")
     return [_off(name, series, exact, rows, tolerance) for name in names if name in series.errors]

@@ -34,7 +34,7 @@ from .analysis import Analysis, analyse
 from .case import Case, load_case
 from .case import parse_case as _parse_case
 from .errors import InputError
-from .files import check_target
+from .files import check_series_target
 from .guards import Limits
 from .measured import Curve, Reading
 from .measured import read as read_curves
@@ -42,6 +42,7 @@ from .series import Array
 from .solving import solve as _solve
 from .store import Kept, Stored
 from .threads import one_thread
+from .units import parse
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -92,19 +93,28 @@ def read(path: str | Path) -> Stored:
 def save(solved: Kept, path: str | Path, force: bool = False) -> Path:
     """Write a series file, whole or not at all; a file that jkr did not write is replaced only with ``force``."""
     target = Path(path)
-    check_target(target, force)
+    check_series_target(target, force)
     store.write(target, solved.solution, solved.case, solved.key, "import jkrcli")
     return target
 
 
 @one_thread
-def transform(solved: Stored | str | Path, w: float, slopes: str = "auto", modulus_factor: float = 1.0) -> Analysis:
+def transform(
+    solved: Stored | str | Path, w: float | str, slopes: str = "auto", modulus_factor: float = 1.0
+) -> Analysis:
     """The adhesive curve for the work of adhesion ``w`` [J/m^2], with pull-off, errors, validity and warnings.
 
-    ``slopes``: "auto", "exact", "integral", "loocv" or "gcv"; ``modulus_factor``: all moduli times this.
+    ``w``: a number, or text with a unit, "40 mJ/m^2"; ``slopes``: "auto", "exact", "integral", "loocv" or "gcv"; ``modulus_factor``: all moduli times this.
     """
     stored = solved if isinstance(solved, Stored) else read(solved)
-    return analyse(stored, [w], slopes, modulus_factor)[0]
+    return analyse(stored, [_work(w) if isinstance(w, str) else w], slopes, modulus_factor)[0]
+
+
+def _work(text: str) -> float:
+    try:
+        return parse(text, "work")
+    except ValueError as error:
+        raise InputError(f"w: {error}") from None
 
 
 def identify(

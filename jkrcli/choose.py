@@ -40,6 +40,11 @@ class Choice:
     reason: str
     options: tuple[Option, ...] = ()
 
+    @property
+    def brief(self) -> str:
+        """The reason without what it says of other methods."""
+        return self.reason.partition("; ")[0]
+
     def forecast(self, problem: Problem) -> Forecast:
         """What the chosen method will cost."""
         known = next((option.forecast for option in self.options if option.name == self.name), None)
@@ -97,13 +102,18 @@ def _why(chosen: Option, options: Sequence[Option]) -> str:
     for option in options:
         if option.refusal:
             parts.append(f"{option.name} cannot ({option.refusal})")
-        elif option is not chosen and not _quick(option) and _before(option, chosen):
-            parts.append(f"{option.name} would take longer than {PATIENCE:g} s ({cost(option)})")
-        elif option is not chosen and not _accurate(option) and _before(option, chosen):
-            parts.append(f"{option.name} would err by more than {NOTICEABLE:g} ({cost(option)})")
+        elif option is not chosen and _before(option, chosen) and (against := objection(option)):
+            parts.append(f"{option.name} {against} ({cost(option)})")
         elif option is not chosen:
             parts.append(f"{option.name} would take about {cost(option)}")
     return "; ".join(parts)
+
+
+def objection(option: Option) -> str | None:
+    """What speaks against a possible method, so that "auto" passes over it where another is better; None: nothing."""
+    if not _quick(option):
+        return f"would take longer than {PATIENCE:g} s"
+    return None if _accurate(option) else f"would err by more than {NOTICEABLE:g}"
 
 
 def _before(option: Option, chosen: Option) -> bool:

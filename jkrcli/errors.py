@@ -12,6 +12,11 @@ def printable(text: str) -> str:
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in text)
 
 
+def first_line(error: BaseException) -> str:
+    """What a foreign exception says, in one line; its type where it says nothing."""
+    return str(error).split("\n", 1)[0] or type(error).__name__
+
+
 class JkrError(Exception):
     """Root of all errors that carry a message for the user."""
 

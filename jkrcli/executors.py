@@ -26,7 +26,7 @@ from multiprocessing.connection import Connection
 from typing import Any, TypeVar
 
 from . import __version__
-from .errors import InputError, JkrError, SolveError
+from .errors import InputError, JkrError, SolveError, first_line
 from .progress import Progress
 
 Item = TypeVar("Item")
@@ -238,7 +238,7 @@ class _Cluster(Executor):
         try:
             self._client = Client(address, timeout=CONNECT, set_as_default=False)
         except (OSError, ValueError) as error:
-            raise InputError(f'--scheduler: no Dask scheduler answers at "{address}" ({_first_line(error)})') from None
+            raise InputError(f'--scheduler: no Dask scheduler answers at "{address}" ({first_line(error)})') from None
         self._pool = self._client.get_executor(pure=False)
 
     @property
@@ -261,10 +261,6 @@ class _Cluster(Executor):
     def abandon(self) -> None:
         """Cancel what is in hand; the workers are the user's and stay."""
         self.shutdown(wait=False)
-
-
-def _first_line(error: Exception) -> str:
-    return str(error).split("\n", 1)[0] or type(error).__name__
 
 
 def dashboard(executor: Executor) -> str | None:

@@ -35,6 +35,7 @@ HEADS = {  # how a file begins, and what then stands near its head
 }
 TAILS = (b"$Comments\njkr ", b"<!-- jkr ")  # of meshes
 HDF5 = b"\x89HDF\r\n\x1a\n"
+SERIES_ENDINGS = (".h5", ".hdf5")
 
 
 def read_bytes(path: Path, what: str, limit: int = 1 << 30) -> bytes:
@@ -116,6 +117,13 @@ def check_target(path: Path, force: bool = False, inputs: Iterable[Path] = ()) -
         raise InputError(f"{path}: is read by this command, cannot be written too; give another name")
     if not force and not is_ours(path):
         raise InputError(f"{path}: exists and was not written by jkr; give --force to replace it, or another name")
+
+
+def check_series_target(path: Path, force: bool = False, inputs: Iterable[Path] = ()) -> None:
+    """As ``check_target``, of a series: its name must not promise another format."""
+    check_target(path, force, inputs)
+    if path.suffix.lower() not in SERIES_ENDINGS:
+        raise InputError(f"{path}: a series is written as HDF5, its name must end in .h5")
 
 
 def make_folder(path: Path) -> None:

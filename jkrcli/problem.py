@@ -103,11 +103,6 @@ class Specimen:
         return any(isinstance(layer.material, Graded) for layer in self.layers)
 
     @property
-    def is_isotropic(self) -> bool:
-        """False where any material is transversely isotropic."""
-        return not any(isinstance(material, TransverselyIsotropic) for material in self.materials)
-
-    @property
     def thickness(self) -> float:
         """Total thickness of the layers [m]; infinite on an elastic half-space."""
         if isinstance(self.base, HalfSpace):

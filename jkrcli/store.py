@@ -186,7 +186,8 @@ def read_pressure(path: str | Path) -> PressureTable | None:
 def _opened(path: Path) -> Iterator[h5py.File]:
     """An HDF5 file to read from; what the library says of a damaged one becomes an InputError."""
     if not is_hdf5(path, "series file"):
-        raise InputError(f"{path}: is not an HDF5 file")
+        remedy = ", jkr run makes one from a case" if path.suffix == ".toml" else ""
+        raise InputError(f"{path}: is not an HDF5 file{remedy}")
     try:
         with h5py.File(path, "r") as file:
             yield file

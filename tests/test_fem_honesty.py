@@ -33,7 +33,9 @@ def stack(nu: float, base: Rigid | HalfSpace, thickness: float = 1.0) -> Specime
 
 SLIDING = Rigid(bonded=False)
 HARD = [  # indenter, specimen, contact radius, surface spacing
-    pytest.param(table(30.8), stack(0.5, Rigid()), 30.8, 0.22, id="table on an incompressible layer"),
+    pytest.param(
+        table(30.8), stack(0.5, Rigid()), 30.8, 0.22, id="table on an incompressible layer", marks=pytest.mark.slow
+    ),
     pytest.param(PowerLaw(0.1 / (4 * 14.6**3), 4.0), stack(0.124, SLIDING), 14.6, 0.1, id="power on a sliding layer"),
     pytest.param(Paraboloid(3.46), stack(0.25, Rigid(), 3.0), 1.0, 0.1, id="paraboloid on a layer"),
     pytest.param(Paraboloid(0.52), stack(0.5, HalfSpace(Elastic(0.78, 0.3))), 0.107, 0.06, id="soft below, once 1.8"),
@@ -61,6 +63,7 @@ def test_loads_and_radii_lie_within_the_stated_errors(
 PLATE = Problem(PowerLaw(0.1, 1.0), stack(0.3, HalfSpace(Elastic(0.007, 0.3))), Loading("radius", 13.0, 12, "depth"))
 
 
+@pytest.mark.slow
 def test_a_contact_that_is_no_disc_is_solved_estimated_and_said() -> None:
     """A cone bends the stiff coating like a plate, and lifts off in the middle: increments, with an honest radius."""
     coarse, fine = (FEM(contact="incremental", spacing=spacing)(PLATE) for spacing in (0.1, 0.04))

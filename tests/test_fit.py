@@ -76,6 +76,16 @@ def test_coating_of_unknown_modulus_without_noise_from_random_starts(seed: int) 
     assert found.value("E:base") == 1.5e6
 
 
+def test_radii_far_beyond_the_case_are_solved_for() -> None:
+    """A case that ends at a twentieth of the radii measured, and the same as a series that cannot go on."""
+    problem = thin_layer()
+    small = replace(problem, loading=replace(problem.loading, maximum=0.05 * problem.loading.maximum))
+    curve = measured(problem, 0.04)
+    check(fit(replace(body_of(small), extensible=True), curve, usual()), w=0.04)
+    with pytest.raises(InputError, match=r"the data reach contact radii of .*, the series ends at .*: load further"):
+        fit(body_of(small), curve, usual())
+
+
 @pytest.mark.slow
 def test_thickness_of_a_layer_is_found() -> None:
     problem = thin_layer(0.4)

@@ -39,7 +39,7 @@ def test_a_case_and_a_curve_give_table_summary_archive_and_picture(jkr, folder: 
     outcome = jkr("fit", "sphere.toml", "probe.csv")
     assert outcome.code == 0
     lines = outcome.out.splitlines()
-    assert lines[0] == "probe.csv: 200 rows"
+    assert lines[0] == "probe.csv: 200 rows of delta, P"
     assert lines[1].startswith("  w            99.799 mJ/m^2  ± ")
     assert lines[-1] == "written sphere-fit{.csv,.json,.h5}, 1 picture"
     assert outcome.err.startswith("jkr: warning: probe.csv: a/R = 0.68")

@@ -296,3 +296,12 @@ def test_names_that_the_terminal_cannot_show(jkr: Callable, path: Path) -> None:
     assert done.code == 2
     assert done.err.startswith("jkr: error: a\\nb.h5: the HDF5 file is ")
     assert done.err.count("\n") == 1
+
+
+def test_a_long_stretch_of_equal_elements_does_not_overflow() -> None:
+    """Found by many_cases: more than 709 points of one size on a line."""
+    from jkrcli.fem.sizes import graded_points
+
+    points = graded_points(0.0, 1.0, lambda x: np.full_like(x, 1e-3))
+    assert points.size == 1001
+    np.testing.assert_allclose(np.diff(points), 1e-3, rtol=1e-9)

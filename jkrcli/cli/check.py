@@ -12,7 +12,7 @@ from .. import tables, validity
 from ..adhesion import CriticalPoint, Outside
 from ..case import CaseModel, load_case
 from ..case.numerics import method_of
-from ..choose import Option, choose, cost, survey
+from ..choose import Option, choose, cost, objection, survey
 from ..errors import Refusal
 from ..expectation import Expectation, expect
 from ..units import show
@@ -40,7 +40,7 @@ def check(case: Path, as_json: bool) -> None:
         click.echo(tables.as_json(data | {"options": [asdict(o) for o in options]} | _as_dict(expected)).rstrip())
         return
     click.echo(describe(problem))
-    click.echo(f"  method    {choice.name}: {choice.reason}")
+    click.echo(f"  method    {choice.name}: {choice.brief}")
     for option in options:
         click.echo(f"            {option.name:<12} {_option(option)}")
     _print(expected)
@@ -58,7 +58,8 @@ def _option(option: Option) -> str:
     if option.forecast is None:
         return f"cannot: {option.refusal}"
     note = f" ({option.forecast.note})" if option.forecast.note else ""
-    return f"about {cost(option)}, {option.forecast.memory_mib:.0f} MiB{note}"
+    against = f"; {words}" if (words := objection(option)) else ""
+    return f"about {cost(option)}, {option.forecast.memory_mib:.0f} MiB{note}{against}"
 
 
 def _as_dict(expected: Expectation | str) -> dict[str, Any]:

@@ -17,7 +17,7 @@ from .. import store, tables
 from ..case import Case, load_case, parse_case
 from ..case.models import CaseModel, LoadingTable
 from ..errors import InputError
-from ..files import check_target, read_bytes
+from ..files import check_series_target, read_bytes
 from ..foreign import DIMENSIONS, Reading, read_series
 from ..series import Solution
 from ..text_table import SEPARATORS
@@ -96,7 +96,7 @@ def import_(
     """
     body = {key: options.pop(key) for key in ("shape", "radius", "modulus", "nu", "thickness", "base")}
     target = output if output is not None else Path(f"{table.stem}.h5")
-    check_target(target, force, [table, *([case] if case else [])])
+    check_series_target(target, force, [table, *([case] if case else [])])
     held = _case(case, body)
     reading = Reading(dict(columns), dict(units), dict(factors), **options)
     solution = read_series(table, held.model.indenter.build(), reading)

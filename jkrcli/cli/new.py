@@ -44,7 +44,7 @@ nu = 0.45
 [loading]                       # exactly one of depth, load, radius: the largest value, or a list of values
 depth = "1 um"
 points = 100
-spacing = "radius"              # radius | depth
+spacing = "radius"              # radius | depth | log (graded towards first contact: cones, flat ends)
 
 [adhesion]                      # used by jkr transform, not by jkr run
 w = "50 mJ/m^2"                 # or a list

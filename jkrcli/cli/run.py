@@ -12,7 +12,7 @@ import click
 from .. import store
 from ..case import Case, load_case
 from ..choose import Choice
-from ..files import check_target
+from ..files import check_series_target
 from ..guards import Limits
 from ..methods import METHODS
 from ..problem import Problem
@@ -60,7 +60,7 @@ def run(
     if tolerance is not None:
         loaded = loaded.with_mesh(tolerance=tolerance)
     target = output if output is not None else Path(f"{case.stem}.h5")
-    check_target(target, force, [case])
+    check_series_target(target, force, [case])
     choice, solution = solve(loaded, method, Limits(limit_memory, limit_time), note)
     for stage, used in solution.timings.items():
         detail(f"{stage}: {used:.3f} s CPU")

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from ..methods import Forecast
 from ..problem import Problem
+from .adapt import COMPANION
 from .domain import half_space_like
 from .edge import CUT
 from .layout import Layout
@@ -29,8 +30,8 @@ def forecast(method: FEM, problem: Problem, layout: Layout, mixed: bool) -> Fore
 
 
 def _with_companion(method: FEM, unknowns: float) -> float:
-    """CPU seconds of a model, and of one with doubled sizes for the error estimate."""
-    return _seconds(unknowns) + (_seconds(unknowns / 4) if method.estimate_error else 0.0)
+    """CPU seconds of a model, and of its coarser companion for the error estimate (under a tolerance it is finer)."""
+    return _seconds(unknowns) + (_seconds(unknowns / (4 if method.tolerance is None else COMPANION**2)) if method.estimate_error else 0.0)
 
 
 def _seconds(unknowns: float) -> float:

@@ -135,7 +135,8 @@ def graded_points(start: float, stop: float, size: Callable[[Array], Array]) -> 
     wanted = np.arange(1, n) * (total[-1] / n)
     i = np.clip(np.searchsorted(total, wanted, side="right") - 1, 0, step.size - 1)
     ahead = wanted - total[i]
-    inner = x[i] + h[i] * np.where(flat[i], ahead, np.expm1(safe[i] * ahead) / safe[i])
+    growth = np.where(flat[i], 0.0, safe[i] * ahead)  # a long flat stretch would overflow the other branch
+    inner = x[i] + h[i] * np.where(flat[i], ahead, np.expm1(growth) / safe[i])
     return np.concatenate([[start], inner, [stop]])
 
 

@@ -14,13 +14,6 @@ Kind = Literal["log", "positive", "linear"]
 DIMENSIONS = {"modulus": "number", "w": "work", "delta0": "length", "P0": "load", "compliance": "number"}
 KINDS: dict[str, Kind] = {"modulus": "log", "w": "positive", "delta0": "linear", "P0": "linear", "compliance": "linear"}
 OF_A_LAYER = {"E": "modulus", "h": "length", "nu": "number"}
-MEANING = {
-    "modulus": "factor of all moduli of the case",
-    "w": "work of adhesion",
-    "delta0": "reading of the displacement at its true zero",
-    "P0": "reading of the load at its true zero",
-    "compliance": "of the machine: displacement read per load",
-}
 
 
 @dataclass(frozen=True)

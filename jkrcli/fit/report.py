@@ -109,7 +109,7 @@ def _estimate(item: Estimate) -> dict[str, Any]:
 def words(item: Fit) -> list[str]:
     """A fit as lines of text: what was free, and what follows from it."""
     out = f" ({', '.join(item.left_out)} left out)" if item.left_out else ""
-    lines = [f"{item.where}: {item.a.size} rows{out}"]
+    lines = [f"{item.where}: {item.a.size} rows of {', '.join(item.scales)}{out}"]
     for estimate in item.estimates:
         if estimate.free and estimate.name != "modulus":
             lines.append(f"  {SYMBOLS.get(estimate.name, estimate.name):<12} {_words(estimate, item.settings.level)}")

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from ..errors import InputError
 from ..series import Array
 from .settings import Settings
 from .statistics import Structure
@@ -68,7 +69,10 @@ class Fit:
 
     def estimate(self, name: str) -> Estimate:
         """The estimate called ``name``."""
-        return next(item for item in self.estimates if item.name == name)
+        known = {item.name: item for item in self.estimates}
+        if name not in known:
+            raise InputError(f'no estimate is called "{name}" (there are: {", ".join(known)})')
+        return known[name]
 
     def value(self, name: str) -> float:
         """The value called ``name``, SI."""

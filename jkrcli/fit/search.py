@@ -38,6 +38,7 @@ def search(body: Body, points: Points, settings: Settings) -> Minimum:
 
     InputError where no curve of the body comes near the data, or where they leave the radii of its series.
     """
+    body = _among_radii(body, points)
     for _ in range(SOLVES):
         tried = _starts(body, points, settings)
         high = float(body.series.a[-1])
@@ -51,14 +52,31 @@ def search(body: Body, points: Points, settings: Settings) -> Minimum:
         body = body.to_radius(ROOM * reach)
     else:
         minimum = _best(body, points, settings, _starts(body, points, settings))
-    _check_reach(minimum)
+    u = minimum.found.u
+    _check_reach(minimum.objective.body, float(np.exp(u.min())), float(np.exp(u.max())))
     return minimum
 
 
-def _check_reach(minimum: Minimum) -> None:
-    """The data lie within the radii of the series, but for noise."""
-    least, reach = (float(np.exp(u)) for u in (minimum.found.u.min(), minimum.found.u.max()))
-    low, high = (float(a) for a in minimum.objective.body.series.a[[0, -1]])
+def _among_radii(body: Body, points: Points) -> Body:
+    """The body with a series that reaches the measured radii, where most of them lie far outside it.
+
+    InputError where it may not be solved anew: starts would be sought where the series says nothing.
+    """
+    if "a" not in points.columns:
+        return body
+    least, middle, most = (float(a) for a in np.quantile(points.values["a"], (0.0, 0.5, 1.0)))
+    low, high = (float(a) for a in body.series.a[[0, -1]])
+    if low / FAR_BEYOND <= middle <= high * FAR_BEYOND:
+        return body
+    if body.extensible:
+        return body.to_radius(ROOM * most)
+    _check_reach(body, least, most)
+    return body
+
+
+def _check_reach(body: Body, least: float, reach: float) -> None:
+    """The contact radii of the data lie within those of the series, but for noise."""
+    low, high = (float(a) for a in body.series.a[[0, -1]])
     if low / BEYOND <= least and reach <= high * BEYOND:
         return
     end, remedy = (high, "load further") if reach > high * BEYOND else (low, "begin at smaller radii")

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import InputError
+from ..errors import InputError, first_line
 from ..files import read_bytes
 from ..series import Array
 from .curve import APPROACH, RETRACT, Curve
@@ -68,7 +68,7 @@ def _load(path: Path, reading: Reading) -> list[Any]:
         known = ", ".join(afmformats.supported_extensions)
         raise InputError(f"{path}: is no file of force curves that afmformats reads ({known})") from None
     except (errors.AFMFileFormatError, Exception) as error:  # readers of damaged files raise anything
-        raise InputError(f"{path}: afmformats cannot read this file ({_first_line(error)})") from None
+        raise InputError(f"{path}: afmformats cannot read this file ({first_line(error)})") from None
 
 
 def _curve(path: Path, name: str, data: Any) -> Curve:
@@ -117,7 +117,3 @@ def _stiffness(curve: Curve, data: Any, reading: Reading) -> float:
     found = told if held is None else held
     assert found is not None
     return float(found)
-
-
-def _first_line(error: BaseException) -> str:
-    return str(error).split("\n", 1)[0] or type(error).__name__

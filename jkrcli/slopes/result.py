@@ -43,19 +43,9 @@ class Slopes:
         return replace(self, S=self.S * factor, dS=self.dS * factor, P=P, covariance=covariance)
 
     @property
-    def S_err(self) -> Array | None:
-        """90 % half-width of S [N/m]."""
-        return self._half_width(2)
-
-    @property
     def dS_err(self) -> Array | None:
         """90 % half-width of S' [N/m^2]."""
-        return self._half_width(3)
-
-    def _half_width(self, column: int) -> Array | None:
-        if self.covariance is None:
-            return None
-        return self.quantile * np.sqrt(self.covariance[:, column, column])
+        return None if self.covariance is None else self.quantile * np.sqrt(self.covariance[:, 3, 3])
 
 
 def covariance_from_errors(series: Series, S: Array, dS: Array) -> Array | None:

@@ -34,10 +34,10 @@ def test_every_name_of_the_interface_is_documented() -> None:
 
 
 def test_a_work_of_adhesion_may_carry_its_unit() -> None:
-    solved = jkr.solve(CASES / "gel.toml")
-    assert jkr.transform(solved, "40 mJ/m^2").w == jkr.transform(solved, 0.04).w == 0.04
-    with pytest.raises(InputError, match=r'^w: must be a work of adhesion, got "40 mN": unknown unit "mN"'):
-        jkr.transform(solved, "40 mN")
+    solved = api.solve(CASES / "gel.toml")
+    assert api.transform(solved, "40 mJ/m^2").w == api.transform(solved, 0.04).w == 0.04
+    with pytest.raises(jkr_python.InputError, match=r'^w: must be a work of adhesion, got "40 mN": unknown unit "mN"'):
+        api.transform(solved, "40 mN")
 
 
 def test_an_unknown_name_is_an_attribute_error() -> None:

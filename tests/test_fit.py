@@ -25,6 +25,7 @@ from fit_data import (
     usual,
 )  # fmt: skip
 
+from jkrcli.adhesion import transform
 from jkrcli.errors import InputError
 from jkrcli.fit import Parameter, Settings, fit
 from jkrcli.fit.points import points_of
@@ -80,7 +81,9 @@ def test_radii_far_beyond_the_case_are_solved_for() -> None:
     """A case that ends at a twentieth of the radii measured, and the same as a series that cannot go on."""
     problem = thin_layer()
     small = replace(problem, loading=replace(problem.loading, maximum=0.05 * problem.loading.maximum))
-    curve = measured(problem, 0.04)
+    body = body_of(problem)
+    made = transform(body.series, body.slopes, 0.04)
+    curve = Curve("optical", a=made.a[20:], delta=made.delta[20:], P=made.P[20:])
     check(fit(replace(body_of(small), extensible=True), curve, usual()), w=0.04)
     with pytest.raises(InputError, match=r"the data reach contact radii of .*, the series ends at .*: load further"):
         fit(body_of(small), curve, usual())

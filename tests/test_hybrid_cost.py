@@ -17,7 +17,7 @@ from jkrcli.hybrid.region import Region
 from jkrcli.indenters import Paraboloid, PowerLaw
 from jkrcli.integral.layered import Layered
 from jkrcli.materials import Elastic
-from jkrcli.problem import HalfSpace, Loading, Problem, Rigid, Specimen
+from jkrcli.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 
 PARABOLOID = Paraboloid(1000.0)
 BODIES = {
@@ -119,3 +119,12 @@ def test_levels_say_what_they_cost() -> None:
     for specimen in FINITE.values():
         levels = Body(PARABOLOID, specimen, 1e-5).levels(1.0)
         assert levels.cost(8).unknowns == pytest.approx(levels.correction(8).unknowns, rel=0.35)
+
+
+def test_a_contact_of_a_billion_thicknesses_is_refused_without_its_elements() -> None:
+    """Found by fuzzing: the lines alone would have taken 14 GiB."""
+    specimen = Specimen((Layer(Elastic(1e6, 0.4), 1e-9),), Rigid(), 10.0)
+    problem = Problem(Paraboloid(1e3), specimen, Loading("radius", 1.0))
+    reason = Hybrid().refusal(problem)
+    assert reason is not None
+    assert "ask for a smaller contact" in reason

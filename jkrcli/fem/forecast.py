@@ -31,7 +31,8 @@ def forecast(method: FEM, problem: Problem, layout: Layout, mixed: bool) -> Fore
 
 def _with_companion(method: FEM, unknowns: float) -> float:
     """CPU seconds of a model, and of its coarser companion for the error estimate (under a tolerance it is finer)."""
-    return _seconds(unknowns) + (_seconds(unknowns / (4 if method.tolerance is None else COMPANION**2)) if method.estimate_error else 0.0)
+    fewer = 4 if method.tolerance is None else COMPANION**2
+    return _seconds(unknowns) + (_seconds(unknowns / fewer) if method.estimate_error else 0.0)
 
 
 def _seconds(unknowns: float) -> float:

@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ..errors import Refusal
 from .lines import Line
 from .region import Region
 
@@ -20,6 +21,7 @@ GROWTH, FAR_GROWTH = 0.67, 1.0  # of the lengths, with the distance from the con
 FAR = 10.0  # in contact radii or depths of the first interface
 CORNER = 0.15  # ratio of successive intervals towards a singular corner
 CORNER_DEGREE = 2  # on the smallest of them, growing by one per interval
+MOST = 10_000  # intervals between two stops: no solve of the cost that is allowed has as many
 SAMPLES = np.unique(np.concatenate([np.linspace(0, 1, 65), np.geomspace(1e-5, 1, 65), 1 - np.geomspace(1e-5, 1, 65)]))
 
 
@@ -89,6 +91,11 @@ def _partition(stops: Iterable[float], size: Callable[[Array], Array]) -> Array:
         x = lo + (hi - lo) * SAMPLES
         density = 1 / size(x)
         count = np.concatenate([[0.0], np.cumsum(np.diff(x) * (density[1:] + density[:-1]) / 2)])
+        if count[-1] > MOST:
+            raise Refusal(
+                f"hybrid: the contact or body is so large against the nearest interface that elements would lie in "
+                f"{count[-1]:.2g} rows (limit {MOST}); ask for a smaller contact, or use the method layered or fem"
+            )
         pieces = max(1, round(float(count[-1]) + 0.2))
         edges += [np.interp(np.arange(1, pieces) * count[-1] / pieces, count, x), np.array([hi])]
     return np.concatenate(edges)

@@ -42,6 +42,9 @@ class Analysis:
     budget: ErrorBudget
     modulus_factor: float = 1.0
 
+    def __repr__(self) -> str:
+        return f"<Analysis of {self.stored.path}: w = {self.w:g} J/m^2, {len(self.curve.series)} points>"
+
     @property
     def w(self) -> float:
         return self.curve.w

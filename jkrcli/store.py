@@ -55,6 +55,10 @@ class Stored:
     versions: Mapping[str, str] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
 
+    def __repr__(self) -> str:
+        a = self.raw.a
+        return f"<{type(self).__name__} {self.path}: {a.size} rows by method {self.method}, a to {a[-1]:.4g} m>"
+
     def series(self, with_slopes: bool = True) -> tuple[Series, int]:
         """The series at increasing radii (first increment of every plateau) and the number of dropped increments.
 
@@ -73,7 +77,7 @@ class Stored:
         return series, int(keep.size - keep.sum())
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
 class Kept(Stored):
     """A solution in memory, as its series file would hold it; ``solution``: what ``write`` takes."""
 

@@ -107,3 +107,10 @@ def test_the_example_scripts_run(script: Path, tmp_path: Path) -> None:
     done = subprocess.run([sys.executable, script], capture_output=True, text=True, cwd=tmp_path, timeout=120)
     assert done.returncode == 0, done.stderr
     assert done.stdout.strip()
+
+
+def test_what_is_printed_is_one_line() -> None:
+    solved = jkr_python.solve(CASES / "coating.toml")
+    curve = jkr_python.transform(solved, w=0.05)
+    assert repr(solved) == "<Kept solved: 100 rows by method layered, a to 8e-06 m>"
+    assert repr(curve) == "<Analysis of solved: w = 0.05 J/m^2, 100 points>"

@@ -328,3 +328,12 @@ def test_the_end_of_a_curve_on_a_thin_layer_is_no_base_line() -> None:
         assert len(found) >= 59
     line = np.concatenate([np.linspace(4, -1, 30), np.zeros(30)])
     assert len(points_of(Curve("c", None, delta, line, None, None), None, "all", 3, None)) == 30
+
+
+def test_moduli_far_from_the_case_ask_for_the_units() -> None:
+    """Loads a thousand times too large fit perfectly: everything but the units is right."""
+    curve = sphere(noise=0.0)
+    assert curve.P is not None
+    found = fit(half_space(), replace(curve, P=1000 * curve.P), usual())
+    assert any("check the units of the data" in text for text in found.warnings)
+    assert not any("check the units" in text for text in fit(half_space(), curve, usual()).warnings)

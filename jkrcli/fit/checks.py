@@ -16,6 +16,7 @@ VAGUE = 0.3  # relative standard error beyond which a value is little more than 
 RESOLVED = 1e-5  # residuals below this part of the curve are those of the series and its interpolation
 EXPECTED_SCATTER = (0.5, 2.0)  # of the residuals in units of the user's noise
 REACHED = 1.1  # in contact radius: how near to pull-off the data must come
+FAR_FROM_CASE = 30.0  # factor of the case's moduli beyond which units are more likely wrong than the case
 Z0 = 0.3e-9  # m, equilibrium distance for the Tabor number
 
 
@@ -25,6 +26,7 @@ def warnings_of(found: Fit, minimum: Minimum) -> list[str]:
         *_told_apart(found, minimum),
         *_structured(found),
         *_scatter(found),
+        *_far_from_case(found),
         *_bounds(found, minimum),
         *_pull_off(found),
         *_elastic_indenter(found, minimum),
@@ -53,6 +55,12 @@ def _told_apart(found: Fit, minimum: Minimum) -> Iterator[str]:
             yield f"{_word(name)} is not told from 0: it is at most {show(item.high, item.dimension)}"
         elif positive and item.error is not None and item.error > VAGUE * item.value > 0:
             yield f"{_word(name)} is uncertain by {item.error / item.value:.0%} (standard error)"
+
+
+def _far_from_case(found: Fit) -> Iterator[str]:
+    factor = found.value("modulus")
+    if "modulus" in found.free and not 1 / FAR_FROM_CASE <= factor <= FAR_FROM_CASE:
+        yield f"the moduli are {factor:.3g} times those of the case: check the units of the data and of the case"
 
 
 def _word(name: str) -> str:

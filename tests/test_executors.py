@@ -57,6 +57,7 @@ def test_every_item_once_and_failures_as_results(workers: int) -> None:
     assert str(results[5]).startswith("UnpicklableError: ")
 
 
+@pytest.mark.slow
 def test_an_item_that_kills_its_process_is_found_and_the_rest_is_done() -> None:
     with executor(2) as pool:
         results = dict(completed(pool, die_at_seven, list(range(20)), "deaths", chunk=4))

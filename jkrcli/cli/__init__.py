@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import difflib
 import importlib
 import io
@@ -139,10 +140,18 @@ def call(arguments: Sequence[str] | None = None) -> int:
     except MemoryError:
         return _fail(["out of memory: ask for fewer points, larger elements or a cheaper method"], 1)
     except BrokenPipeError:
-        sys.stdout = open(os.devnull, "w")  # noqa: SIM115, PTH123 - lets the interpreter close quietly
+        _give_up_output()
         return 1
     except OSError as error:
+        if error.filename is None:
+            _give_up_output()
         return _fail([f"{error.filename or 'output'}: {error.strerror or error}"], 1)
+
+
+def _give_up_output() -> None:
+    """What stdout still holds cannot be written: let the interpreter close it quietly, with our exit code."""
+    with contextlib.suppress(OSError, ValueError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.__stdout__.fileno() if sys.__stdout__ else 1)
 
 
 def _one_line(error: click.ClickException) -> str:

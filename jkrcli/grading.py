@@ -48,8 +48,8 @@ def _positive(**values: float) -> None:
 
 
 @dataclass(frozen=True)
-class Linear:
-    """E = top + (bottom - top) z/depth."""
+class _Between:
+    """A smooth law from ``top`` to ``bottom`` [Pa] over ``depth`` [m]."""
 
     top: float
     bottom: float
@@ -65,6 +65,13 @@ class Linear:
     @property
     def kinks(self) -> tuple[float, ...]:
         return ()
+
+    def scaled(self, factor: float) -> Self:
+        return replace(self, top=self.top * factor, bottom=self.bottom * factor)
+
+
+class Linear(_Between):
+    """E = top + (bottom - top) z/depth."""
 
     def at(self, depth: Array) -> Array:
         return self.top + (self.bottom - self.top) * np.asarray(depth, dtype=float) / self.depth
@@ -72,28 +79,9 @@ class Linear:
     def taylor(self, count: int) -> Array:
         return _padded([1.0, (self.bottom / self.top - 1) / self.depth], count)
 
-    def scaled(self, factor: float) -> Linear:
-        return replace(self, top=self.top * factor, bottom=self.bottom * factor)
 
-
-@dataclass(frozen=True)
-class Exponential:
+class Exponential(_Between):
     """E = top (bottom/top)^(z/depth)."""
-
-    top: float
-    bottom: float
-    depth: float
-
-    def __post_init__(self) -> None:
-        _positive(top=self.top, bottom=self.bottom, depth=self.depth)
-
-    @property
-    def reach(self) -> float:
-        return self.depth
-
-    @property
-    def kinks(self) -> tuple[float, ...]:
-        return ()
 
     @property
     def rate(self) -> float:
@@ -105,9 +93,6 @@ class Exponential:
 
     def taylor(self, count: int) -> Array:
         return np.array([self.rate**n / math.factorial(n) for n in range(count)])
-
-    def scaled(self, factor: float) -> Exponential:
-        return replace(self, top=self.top * factor, bottom=self.bottom * factor)
 
 
 @dataclass(frozen=True)

@@ -31,6 +31,7 @@ from ..study.chart_peers import Peer, read_peers
 from ..study.chart_reference import reference_of
 from ..words import describe
 from .options import WorkOfAdhesion
+from .voice import warn
 
 ENDINGS = (".csv", ".json", ".png", ".svg")
 
@@ -133,7 +134,7 @@ def study_chart(
         _print(found)
         click.echo(f"  written   {targets['.csv'].with_suffix('')}{{{','.join(targets)}}}")
     if found.auto_beside_front is False:
-        click.echo(f'jkr: warning: "auto" takes {found.auto}, which is not on or next to the Pareto front', err=True)
+        warn(f'"auto" takes {found.auto}, which is not on or next to the Pareto front')
 
 
 def _draw(found: Found, targets: dict[str, Path]) -> None:

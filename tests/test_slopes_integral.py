@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from jkrcli.adhesion import transform
-from jkrcli.closed_form import hertz, jkr, power_law, rounded_flat, thin_incompressible_layer, thin_layer
+from jkrcli.closed_form import hertz, power_law, rounded_flat, thin_incompressible_layer, thin_layer
 from jkrcli.errors import InputError, Refusal
 from jkrcli.integral.layered import Layered
 from jkrcli.materials import Elastic
@@ -20,7 +20,7 @@ from jkrcli.slopes.integral import integral
 from jkrcli.slopes.loocv import loocv
 from jkrcli.slopes.model import LogSplineModel
 from jkrcli.slopes.scatter import correlation_length
-from jkrcli.study.failures_cells import indenter_of
+from jkrcli.study.failures_cells import indenter_of, specimen_of
 from jkrcli.study.noise import BODIES, cell, noise_study, noisy
 from jkrcli.study.quantised import node_based, quantised_study
 
@@ -103,13 +103,39 @@ def test_noise_hardly_moves_the_pull_off_of_hertz(noise: float, bound: float) ->
     assert np.median(errors) < bound / 2  # 200 seeds: medians 2.9e-4, 2.9e-3, 8.3e-3
 
 
-def test_band_holds_the_exact_curve_as_often_as_it_says() -> None:
-    inside = []
+def covered(exact: Series, noise: float, w: float) -> tuple[float, float]:
+    """Share of the curve's points within the stated 90 % error, and stated over true error (medians), of 12 seeds."""
+    truth = transform(exact, slopes(exact, "exact"), w)
+    inside, stated, true = [], [], []
     for seed in range(12):
-        fitted, found = smoothed(noisy(half_space(60), 1e-2, seed))
-        ours = transform(fitted, found, W)
-        inside.append(np.abs(ours.P - jkr(fitted.a, E_STAR, R, W)[1]) <= ours.errors["P"])
-    assert 0.8 <= np.mean(inside) <= 0.99  # 0.89 over 200 seeds; 12 seeds of few degrees of freedom scatter by 0.05
+        ours = transform(*smoothed(noisy(exact, noise, seed)), w)
+        common = (ours.a >= truth.a[0]) & (ours.a <= truth.a[-1])
+        distance = np.abs(ours.P[common] - truth.at(ours.a[common])[1])
+        inside.append(np.mean(distance <= ours.errors["P"][common]))
+        stated.append(np.median(ours.errors["P"]))
+        true.append(np.median(distance))
+    return float(np.mean(inside)), float(np.median(stated) / np.median(true))
+
+
+def test_band_is_generous_where_nothing_bends() -> None:
+    """A power law: that nothing bends between the points is not known beforehand, and has its place in the band."""
+    problem = Problem(indenter_of("sphere", 1e-6, 0.1), Specimen((), HalfSpace(Elastic(1e9, 0.3))),
+                      Loading("radius", 1e-6, 60))  # fmt: skip
+    inside, ratio = covered(Layered()(problem).series, 1e-2, 0.5)
+    assert inside >= 0.9
+    assert 2.4 < ratio < 8  # measured 5.8; of a Gaussian error known to be one 2.4
+
+
+@pytest.mark.parametrize(
+    ("contrast", "points", "noise"), [(434.0, 77, 1.6e-2), (434.0, 400, 1e-3), (0.16, 158, 1e-3), (0.16, 400, 1e-4)]
+)
+def test_band_holds_where_a_layer_bends_the_curve_at_its_end(contrast: float, points: int, noise: float) -> None:
+    """A cone on a layer whose substrate is felt at the last radii only; the prior spreads curvature evenly."""
+    problem = Problem(indenter_of("cone", 0.29, 0.1), specimen_of("coating", 0.11, contrast, 1.0, 1.0),
+                      Loading("radius", 0.29, points))  # fmt: skip
+    inside, ratio = covered(Layered()(problem).series, noise, 1e-4)
+    assert inside >= 0.75  # measured 0.80, 0.82, 0.89, 0.98; with the likeliest lambdas alone 0.61 on the first
+    assert ratio < 6
 
 
 @pytest.mark.parametrize("noise", [1e-5, 1e-4])

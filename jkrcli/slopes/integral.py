@@ -24,8 +24,7 @@ from .result import TWO_SIDED_90, Slopes, covariance_from_errors, shift_error
 from .scatter import correlation_length, estimate, floored, whitener
 
 MIN_POINTS = 5
-MIN_INTERVALS = 3  # of the splines, within the data
-MAX_INTERVALS = (24, 48)  # the second where the residuals of the first are correlated
+INTERVALS = (24, 48)  # of the splines, within the data; the second where the residuals of the first are correlated
 FREE_SCATTER_FROM = 20  # points, from which the errors of a, delta and P are told apart
 MAX_BINS = 400
 UNSETTLED = "the fit did not settle: a, delta and P contradict each other somewhere; look for points out of place"
@@ -36,9 +35,11 @@ SMALLEST_SHARES = (1.0, 1e-2, 1e-2)  # of the variances of a, delta and P, round
 
 @dataclass(frozen=True, eq=False)
 class _Data:
-    """Scaled logs of the data, in any order; ``given``: relative variances of (a, delta, P), (3, n), or None."""
+    """Scaled logs of the data, in any order; ``lever``: dx/dlog(a) = a/(a - a0), (n,), which grows without bound at the
+    edge of a flat end; ``given``: relative variances of (a, delta, P), (3, n), or None."""
 
     x: Array
+    lever: Array
     log_delta: Array
     log_P: Array
     given: Array | None
@@ -124,9 +125,10 @@ def _prepare(a: Array, delta: Array, P: Array, errors: Mapping[str, Array], a0: 
         )
     given = None
     if any(np.any(np.asarray(errors[name]) > 0) for name in errors if name in ("a", "delta", "P")):
-        columns = (("a", a - a0), ("delta", delta), ("P", P))
+        columns = (("a", a), ("delta", delta), ("P", P))
         given = np.stack([(np.asarray(errors.get(name, 0 * v)) / v / TWO_SIDED_90) ** 2 for name, v in columns])
-    return _Data(np.log((a - a0) / np.max(a - a0)), np.log(delta / np.max(delta)), np.log(P / np.max(P)), given)
+    y = a - a0
+    return _Data(np.log(y / np.max(y)), a / y, np.log(delta / np.max(delta)), np.log(P / np.max(P)), given)
 
 
 class _Task:
@@ -138,6 +140,7 @@ class _Task:
         self.at, self.basis = model.interpolation(self.bins.x), model.design(self.bins.x)
         self.everywhere = model.interpolation(self.bins.sorted_x)
         self.measured = np.stack([data.log_delta, data.log_P])[:, self.bins.order]
+        self.lever = data.lever[self.bins.order]
 
     def difference(self, grid: Grid) -> Array:
         """Model minus data at every point, shape (2, n)."""
@@ -147,7 +150,9 @@ class _Task:
     def minimise(self, start: Array, variances: Array, lambdas: Array, floor: float, freeze: int = FREEZE) -> Fit:
         """Fit with given relative variances of (a, delta, P), shape (3, n), the radius' slopes taken at ``start``."""
         columns = self.model.columns(start, self.at, self.basis)
-        whiten = whitener(self.bins.mean(variances), columns.rate_delta, columns.rate_P) * np.sqrt(self.bins.counts)
+        lever = self.bins.mean(self.lever)
+        k, m = columns.rate_delta * lever, columns.rate_P * lever
+        whiten = whitener(self.bins.mean(variances), k, m) * np.sqrt(self.bins.counts)
 
         def residuals(c: Array) -> tuple[Array, Array]:
             grid = self.model.on_grid(c)
@@ -161,19 +166,18 @@ class _Task:
         """Relative variances of (a, delta, P), shape (3, n), as the residuals of ``fit`` show them."""
         grid = self.model.on_grid(fit.c)
         columns = self.model.columns(fit.c, self.at, self.basis, grid)
-        k, m = self.bins.spread(columns.rate_delta), self.bins.spread(columns.rate_P)
+        k, m = (self.lever * self.bins.spread(rate) for rate in (columns.rate_delta, columns.rate_P))
         return estimate(self.bins.sorted_x, self.difference(grid), k, m, fit.spent, RELATIVE_FLOOR**2)
 
 
 def _fine_enough(data: _Data, S0: float | None) -> tuple[LogSplineModel, Fit]:
     """The fit with the knots that the data need; residuals still correlated count as that many fewer data."""
-    most = max(MIN_INTERVALS, data.x.size // 2)
-    for largest in MAX_INTERVALS:
-        model = LogSplineModel(data.x, min(largest, most), S0)
+    for intervals in INTERVALS:
+        model = LogSplineModel(data.x, intervals, S0)
         fit = _fit(_Task(model, data), data)
         explained = fit.floored or (data.given is not None and fit.phi <= 1)  # by round-off, or by the stated errors
         length = 1.0 if explained else correlation_length(fit.residuals.reshape(2, -1))
-        if length == 1 or most <= largest:
+        if length == 1:
             break
     return model, replace(fit, V=length * fit.V)
 

@@ -8,10 +8,13 @@ its block), by the fixed point of Wood and Fasiolo (Biometrics 73 (2017) 1071):
 
 phi V is the covariance of the coefficients seen as a posterior (Nychka 1988: intervals from it hold on average over
 the curve). It is the scatter that noise causes, phi V J^T J V, and an allowance for smoothing bias, phi V Lambda V.
+The lambdas are known the less the fewer the data: the covariance is the mean over all that the data leave possible.
 """
 
 from __future__ import annotations
 
+import itertools
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -21,8 +24,9 @@ from scipy.linalg import cho_factor, cho_solve
 from ..series import Array
 
 Residuals = Callable[[Array], tuple[Array, Array]]
-LAMBDA_RANGE = (1e-15, 1e6)  # in units of the mean diagonal of J^T J over the block
-BIAS_SHARE = 0.5  # of that allowance; with all of it the 90 % bands of layers hold 97 to 100 %
+LAMBDA_RANGE = (1e-15, 100.0)  # in units of the mean diagonal of J^T J over the block; the second leaves none of it
+SPREAD = 4.0 ** np.arange(-7, 3)  # of a lambda about the best one, over which the covariance is averaged
+NEGLIGIBLE = 1e-4  # weight of a lambda
 LARGEST_PRIOR = 10.0  # variance of a coefficient before data are seen: bodies do not bend more
 MAX_STEPS = 50
 LEAST_DAMPING = 1e-8  # of the diagonal of the linearised problem
@@ -84,8 +88,39 @@ def minimise(
             break
         damping = max(10 * damping, LEAST_DAMPING) if taken < POOR_STEP else damping / 3 * (damping > LEAST_DAMPING)
     settled = moved < STUCK and (taken > 0 or linear.deviations < STUCK)
-    V = linear.V - (1 - BIAS_SHARE) * linear.V @ (linear.penalty[:, None] * linear.V)
+    V = _averaged(linear, *now, c, blocks, phi_floor)
     return Fit(c, V, now[0], linear.phi, lambdas, linear.spent, settled, linear.phi <= phi_floor)
+
+
+def _averaged(linear: _Linear, r: Array, J: Array, c: Array, blocks: Sequence[slice], phi_floor: float) -> Array:
+    """Covariance over ``linear.phi`` of the coefficients, the lambdas being as uncertain as the data leave them.
+
+    The mean over lambdas about the best ones, weighted by their restricted likelihood and a prior even in the size of a
+    block's coefficients, 1/sqrt(lambda) (Gelman 2006): what the fit would be with other lambdas is part of its error.
+    """
+    normal, gradient = J.T @ J, J.T @ r
+    ridge = 1e-15 * np.diag(normal).max()
+    best = [lam * np.diag(normal)[block].mean() for lam, block in zip(linear.lambdas, blocks, strict=True)]
+    free = r.size - c.size + sum(c[block].size for block in blocks)
+    likelihoods, covariances = [], []
+    for factors in itertools.product(SPREAD, repeat=len(blocks)):
+        penalty, log_prior = np.zeros(c.size), 0.0
+        for block, lam, factor in zip(blocks, best, factors, strict=True):
+            penalty[block] = lam * factor
+            log_prior += (c[block].size - 1) / 2 * math.log(factor)
+        system = cho_factor(normal + np.diag(penalty + ridge))
+        step = -cho_solve(system, gradient + penalty * c)
+        objective = float(r @ r + 2 * gradient @ step + step @ normal @ step + penalty @ (c + step) ** 2)
+        phi = max(objective / free, phi_floor)
+        log_det = 2 * float(np.log(np.diag(system[0])).sum())
+        likelihoods.append(log_prior - (log_det + free * math.log(phi)) / 2)
+        covariances.append((system, phi / linear.phi, step))
+    weights = np.exp(np.array(likelihoods) - max(likelihoods))
+    V = np.zeros_like(normal)
+    for weight, (system, ratio, step) in zip(weights / weights.sum(), covariances, strict=True):
+        if weight > NEGLIGIBLE:
+            V += weight * (ratio * cho_solve(system, np.eye(c.size)) + np.outer(step, step) / linear.phi)
+    return V
 
 
 def _linear(

@@ -91,7 +91,8 @@ def _formula(problem: Problem) -> Formula | str:
     match problem.specimen.layers, problem.specimen.base, problem.specimen.radius:
         case (Layer(material=Elastic()) as layer,), Rigid() as base, None:
             return _thin_layer(problem, layer, base)
-    return "solves homogeneous half-spaces and thin single isotropic layers only: use method layered (or fem)"
+    other = "layered" if problem.specimen.radius is None else "hybrid"
+    return f"solves homogeneous half-spaces and thin single isotropic layers only: use method {other} (or fem)"
 
 
 def _half_space(problem: Problem) -> Formula | str:
@@ -117,7 +118,7 @@ def _thin_layer(problem: Problem, layer: Layer, base: Rigid) -> Formula | str:
         radii = _radii(problem, formula)
         error = _leading_order_error(problem, formula, radii[[0, -1]] if radii.size > 1 else radii)
     except (InputError, SolveError) as reason:
-        return f"the thin-layer formula could not be checked ({reason}): use method layered"
+        return f"the thin-layer formula could not be checked: {reason}"
     if error > WORST:
         return (
             f"the thin-layer formula errs by {error:.2g} between a/h = {radii[0] / layer.thickness:.3g} and "

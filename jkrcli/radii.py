@@ -35,7 +35,7 @@ def radii_of_loading(
     """
     if loading.spacing == "given" and loading.to == "radius":
         for a in loading.values:
-            _check_radius(indenter, a)
+            check_radius(indenter, a)
         return np.array(loading.values)
     largest = largest_of_loading(loading, indenter, responses, start, accuracies)
     if loading.spacing == "radius":
@@ -64,7 +64,7 @@ def largest_of_loading(
 ) -> float:
     """The contact radius [m] at which ``loading`` ends: a rough search first, then ever more accurate ones."""
     if loading.to == "radius":
-        _check_radius(indenter, loading.maximum)
+        check_radius(indenter, loading.maximum)
         return loading.maximum
     try:
         for accuracy in accuracies:
@@ -93,7 +93,8 @@ def half_space_guess(loading: Loading, indenter: Indenter, E_star: float, scale:
     return min(guess, max(2 * scale, 1.1 * indenter.a0))
 
 
-def _check_radius(indenter: Indenter, a: float) -> None:
+def check_radius(indenter: Indenter, a: float) -> None:
+    """Refuse a contact radius ``a`` [m] that lies within the flat end or beyond the profile."""
     a0, end = indenter.a0, indenter.r_max
     if a <= a0:
         raise InputError(f"loading: contact radius {a:g} m must be larger than the flat end of the indenter ({a0:g} m)")

@@ -257,7 +257,7 @@ def test_an_elastic_indenter_acts_through_the_reduced_modulus():
         (
             Problem(Sphere(1.0), Specimen((), HalfSpace(Elastic(1, 0.3))), Loading("radius", 0.1)),
             {"width": 0.1},
-            "mesh.width: 0.1 m, needs more than 1.5 contact radii, 0.165 m",
+            "mesh.width: 0.1 m, needs more than 1.5 times the refined zone, 0.165 m, or leave it out",
         ),
     ],
 )

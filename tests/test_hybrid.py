@@ -238,7 +238,7 @@ def test_refusals() -> None:
     )
     across = Layer(TransverselyIsotropic(2.0, 1.0, 0.3, 0.2, 0.5), 1.0)
     assert reason(Specimen((across,), Rigid(), 2.0, "free")) == (
-        "the exact part needs an isotropic material at the contact: use method fem"
+        "the exact part needs an isotropic material at the contact: use method fem (with a rigid indenter)"
     )
     assert reason(cylinder(1.0, 1.0, "free"), Loading("radius", 0.99)) == (
         "loading: before a contact radius of 990 mm the contact comes too near to the side (a at most 0.98 of the "

@@ -52,7 +52,7 @@ def test_a_contact_beyond_the_limits_is_refused_before_it_is_begun() -> None:
     reason = Hybrid().refusal(problem)
     assert time.process_time() - start < 0.5
     assert reason is not None
-    assert reason.startswith("hybrid: contact radii up to 1 km need elements of degree ")
+    assert reason.startswith("contact radii up to 1 km need elements of degree ")
     assert reason.endswith(
         "(limits 60 s, 4096 MiB): the contact is large against the nearest interface or side (1 m away); ask for a "
         "smaller contact or a larger hybrid.tolerance, or use method fem"

@@ -9,8 +9,10 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..errors import InputError
+from ..guards import Limits
 from .measured import reading_of, reading_options
-from .options import Scale, slopes_option
+from .options import Scale, limit_memory_option, limit_time_option, slopes_option
+from .parallel import parallel_options, pool_for
 from .voice import say, warn
 
 if TYPE_CHECKING:
@@ -21,7 +23,7 @@ if TYPE_CHECKING:
 ENDINGS = (".csv", ".json", ".h5")
 PICTURES = (".png", ".svg")
 SHOWN = 10  # curves that are told line by line, and drawn
-IN_PARALLEL = 60  # curves from which on starting processes pays
+SECONDS = 0.1  # CPU seconds of a curve, about
 
 
 class Named(click.ParamType):
@@ -73,8 +75,9 @@ class Names(click.ParamType):
               help="Standard deviation of an input, carried through: nu=0.02, thickness=5%, E:LAYER=10%.")  # fmt: skip
 @slopes_option
 @reading_options
-@click.option("--workers", type=click.IntRange(min=1), help="Local processes [default: one per core, if they pay].")
-@click.option("--scheduler", metavar="ADDRESS", help="Dask scheduler that you run, such as tcp://node1:8786.")
+@limit_memory_option
+@limit_time_option
+@parallel_options
 @click.option("-o", "--output", type=click.Path(path_type=Path, file_okay=False), help="Folder [default: BODY's].")
 @click.option("--no-plots", is_flag=True, help=f"Draw nothing (else up to {SHOWN} curves are drawn).")
 @click.option("--force", is_flag=True, help="Replace existing files that jkr did not write.")
@@ -93,6 +96,8 @@ def fit(
     output: Path | None,
     no_plots: bool,
     force: bool,
+    limit_memory: float | None,
+    limit_time: float,
     as_json: bool,
     **options: Any,
 ) -> None:
@@ -126,7 +131,7 @@ def fit(
         check_target(target, force, inputs)
     reading = reading_of(options)
     options["noise"] = dict(options["noise"])
-    body = body_of(body_file, slopes)
+    body = body_of(body_file, slopes, Limits(limit_memory, limit_time))
     names = [name for group in free for name in group]
     settings = settings_of(body, names, fix, start, bound, **options)
     if uncertain:
@@ -152,7 +157,6 @@ def _fits(
     body: Body, paths: tuple[Path, ...], reading: Any, settings: Settings, workers: int | None, scheduler: str | None
 ) -> list[Fit | Failure]:
     """Fits of all curves in all files; InputError where there is none at all."""
-    from ..executors import executor
     from ..fit.many import Failure, fit_all
     from ..measured import each
     from ..text_table import some
@@ -165,9 +169,7 @@ def _fits(
                 unread += item.lines
             else:
                 curves.append(item)
-    if workers is None and scheduler is None and len(curves) < IN_PARALLEL:
-        workers = 1
-    with executor(workers, scheduler) as pool:
+    with pool_for(SECONDS * len(curves), workers, scheduler) as pool:
         found = fit_all(body, curves, settings, pool)
     failed = [line for item in found if isinstance(item, Failure) for line in item.lines]
     if len(unread) + len(failed) and all(isinstance(item, Failure) for item in found):

@@ -13,6 +13,7 @@ from ..sweep.running import Means, alone, rerun
 from ..sweep.running import sweep as carry_out
 from ..sweep.solving import FAILED
 from ..sweep.table import Table
+from .parallel import parallel_options
 from .voice import note, say, warn
 
 
@@ -21,8 +22,7 @@ from .voice import note, say, warn
 @click.option(
     "-o", "--output", type=click.Path(path_type=Path, file_okay=False), help="Folder [default: <sweep>-results here]."
 )
-@click.option("--workers", type=click.IntRange(min=1), help="Local processes [default: one per core, if they pay].")
-@click.option("--scheduler", metavar="ADDRESS", help="Dask scheduler that you run, such as tcp://node1:8786.")
+@parallel_options
 @click.option(
     "--hours", type=click.FloatRange(min=0), default=10.0, show_default=True, help="Most core hours to begin."
 )

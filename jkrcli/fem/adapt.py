@@ -99,6 +99,6 @@ def _unreached(tolerance: float, reached: Estimate, run: Run) -> Refusal:
     error = reached if isinstance(reached, str) else f"the estimated error is {reached:.1e}"
     unknowns = run.level.model.system.free.size
     return Refusal(
-        f"mesh.tolerance: {tolerance:g} is not reached: with {unknowns} unknowns {error}; ask for more, leave out "
-        "mesh.depth and mesh.width, or use the method layered where it represents the body"
+        f"mesh.tolerance: {tolerance:g} is not reached: with {unknowns} unknowns {error}; ask for a larger one, leave "
+        "out mesh.depth and mesh.width, or use the method layered where it represents the body"
     )

@@ -101,7 +101,9 @@ def _width(specimen: Specimen, reach: float, width: float | None, automatic: flo
     if width is None:
         return automatic
     if width <= 1.5 * reach:
-        raise Refusal(f"mesh.width: {width:g} m, needs more than 1.5 contact radii, {1.5 * reach:.3g} m")
+        raise Refusal(
+            f"mesh.width: {width:g} m, needs more than 1.5 times the refined zone, {1.5 * reach:.4g} m, or leave it out"
+        )
     return width
 
 

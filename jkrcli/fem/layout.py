@@ -180,7 +180,7 @@ def _limited(surface: Array, lines: Array) -> Array:
     if surface.size * lines.size > MAX_CELLS:
         raise Refusal(
             f"mesh: {surface.size} x {lines.size} lines make too many quadrilaterals (at most {MAX_CELLS}): "
-            "take a larger mesh.element_size, or triangles"
+            "take larger elements, or triangles"
         )
     return lines
 

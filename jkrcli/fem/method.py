@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 from ..clock import StageClock
-from ..errors import InputError, Refusal
+from ..errors import InputError, JkrError, Refusal
 from ..methods import Forecast
 from ..problem import HalfSpace, Problem
 from ..series import ErrorBudget, Solution
@@ -27,6 +27,7 @@ from .run import Run, finished
 NEARLY_INCOMPRESSIBLE = 0.49
 ATTEMPTS = 5
 DOUBLED = 2.0  # element sizes of the mesh for the error estimate
+ROOM = 1.05  # for what a finite body or a coarse mesh changes
 FINEST = 1e-7  # of ``smallest``: the mesh generator and the graded lines resolve no more
 GROWTH = {"scaled": {1: 0.05, 2: 0.15}, "zones": {1: 0.08, 2: 0.25}}  # chosen for equal errors by either order
 
@@ -105,7 +106,8 @@ class FEM:
         if reason := self._unable(problem):
             return reason
         try:
-            self._layout(problem, self.reach(problem))
+            begun = self if self.tolerance is None else self._first(problem)
+            begun._layout(problem, begun.reach(problem))
         except Refusal as refusal:
             return "; ".join(refusal.lines)
         return None
@@ -114,14 +116,24 @@ class FEM:
         """Why no mesh can represent the problem."""
         specimen = problem.specimen
         if problem.indenter.material is not None and not specimen.is_half_space:
+            other = "layered" if specimen.radius is None else "hybrid"
             return (
                 "an elastic indenter on a layered or finite body is not represented by a rigid profile: "
-                "use method layered, or a rigid indenter"
+                f"use method {other}, or a rigid indenter"
             )
         if specimen.radius is not None and isinstance(specimen.base, HalfSpace):
             return "a body of finite radius needs a rigid base: give the depth as a layer's thickness"
-        if self.order == 1 and any(nu == 0.5 for nu in self._poisson(problem)):
-            return "nu = 0.5 needs second-order elements: set mesh.order = 2"
+        if any(nu == 0.5 for nu in self._poisson(problem)):
+            if self.order == 1:
+                return "nu = 0.5 needs second-order elements: set mesh.order = 2"
+            if self.formulation == "displacement":
+                return 'nu = 0.5 needs a pressure unknown: set mesh.formulation = "mixed", or leave it out'
+        a0 = problem.indenter.a0
+        if self.contact_radius is not None and self.contact_radius <= a0:
+            return (
+                f"mesh.contact_radius: {self.contact_radius:g} m must be larger than the flat end of the indenter "
+                f"({a0:g} m): give more or leave it out"
+            )
         return None
 
     def _refuse_too_many(self, layout: Layout) -> Layout:
@@ -129,16 +141,20 @@ class FEM:
         cells = layout.expected_cells()
         if cells <= MAX_CELLS:
             return layout
-        size = "mesh.element_size" if self.layout == "zones" else "mesh.spacing or mesh.smallest"
+        if self.tolerance is not None:
+            remedy = "ask for a larger mesh.tolerance, or use the method layered where it represents the body"
+        else:
+            size = "mesh.element_size" if self.layout == "zones" else "mesh.spacing or mesh.smallest"
+            fewer = self.element == "quadrilateral" and replace(layout, element="triangle").expected_cells() < cells
+            remedy = f"take a larger {size}, or {'triangles' if fewer else 'a larger mesh.growth'}"
         raise Refusal(
-            f"mesh: about {cells:.1e} elements expected, too many {self.element}s (at most {MAX_CELLS}): "
-            f"take a larger {size}, or {'triangles' if self.element == 'quadrilateral' else 'a larger mesh.growth'}"
+            f"mesh: about {cells:.1e} elements expected, too many {self.element}s (at most {MAX_CELLS}): {remedy}"
         )
 
     def forecast(self, problem: Problem) -> Forecast:
         """From the expected number of elements and the measured cost per unknown; of the first mesh to a tolerance."""
         if self.tolerance is not None:
-            return replace(self._first(problem).forecast(problem), error=self.tolerance)
+            return replace(self._without_tolerance(problem).forecast(problem), error=self.tolerance)
         layout = self._layout(problem, self.reach(problem))
         return forecast(self, problem, layout, bool(self._mixed(problem)))
 
@@ -147,14 +163,17 @@ class FEM:
         """The mesh that a solve would begin with."""
         self._refuse(problem)
         if self.tolerance is not None:
-            return self._first(problem).mesh(problem)
+            return self._without_tolerance(problem).mesh(problem)
         return self._layout(problem, self.reach(problem)).grid()
 
     def _first(self, problem: Problem) -> FEM:
         """With the sizes that the tolerance begins with."""
         from .adapt import first
 
-        return replace(first(self, problem), tolerance=None)
+        return first(self, problem)
+
+    def _without_tolerance(self, problem: Problem) -> FEM:
+        return replace(self._first(problem), tolerance=None)
 
     @property
     def growth_of_sizes(self) -> float:
@@ -248,7 +267,7 @@ class FEM:
             if self.contact_radius is not None:
                 raise Refusal(
                     f"contact leaves the refined zone: mesh.contact_radius is {self.contact_radius:g} m, "
-                    f"this loading needs about {needed:.2g} m: give that or leave it out"
+                    f"this loading needs about {_enough(problem, needed):.2g} m: give that or leave it out"
                 )
             wider = self._bounded(problem, self.margin * needed)
             if wider <= reach:
@@ -273,3 +292,14 @@ class FEM:
             recipe = run.level.model.recipe.coarser(DOUBLED)
             coarse = Level.of(recipe, run.problem.indenter, run.level.correct, run.deepest)
             return run.assessed(coarse, DOUBLED, run.truncation(coarse))
+
+
+def _enough(problem: Problem, needed: float) -> float:
+    """A contact radius [m] to provide for: ``needed``, which a mesh too small has shown, or that of the wide body."""
+    from ..integral.layered import largest_radius
+
+    try:
+        expected = largest_radius(problem)
+    except JkrError:
+        expected = 0.0
+    return ROOM * max(needed, expected)

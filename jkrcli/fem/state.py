@@ -70,6 +70,8 @@ def contact_state(method: FEM, problem: Problem, a: float, delta: float) -> Cont
     ``method`` gives where an unbounded body is cut (``depth``, ``width``) and the ``solver``; the mesh is made for
     ``a``. Errors: Refusal, InputError.
     """
+    if problem.indenter.material is not None and not problem.specimen.is_half_space:
+        raise Refusal("fields: an elastic indenter on a layered or finite body is not represented: take a rigid one")
     reason = replace(method, contact_radius=a, layout="scaled", element_size=None, order=2).refusal(problem)
     if reason is not None:
         raise Refusal(reason)

@@ -7,20 +7,21 @@ from pathlib import Path
 from .. import store
 from ..analysis import Fitted, specification
 from ..case import Case, load_case
+from ..guards import Limits
 from ..slopes import slopes as slopes_of
 from ..solving import solve
 from ..store import Stored
 from .body import Body
 
 
-def body_of(source: Case | Stored | Path, slopes: str = "auto") -> Body:
+def body_of(source: Case | Stored | Path, slopes: str = "auto", limits: Limits | None = None) -> Body:
     """The body of a case, of what a series file holds, or of either's file. A case may be solved anew to the radii that
     the data ask for, a series ends where it ends."""
     if isinstance(source, Path):
         source = load_case(source) if source.suffix == ".toml" else store.read(source)
     if isinstance(source, Case):
         problem = source.model.problem()
-        _, solution = solve(source)
+        _, solution = solve(source, limits=limits)
         found = slopes_of(solution.series, slopes)
         return Body.of(problem, solution.series, found, problem.specimen.radius is None)
     fitted = Fitted.of(source, specification(source), slopes)

@@ -19,6 +19,7 @@ from ..integral.solver import Nested
 from ..materials import Graded, TransverselyIsotropic
 from ..methods import Forecast
 from ..problem import HalfSpace, Problem
+from ..radii import check_radius
 from ..series import ErrorBudget, Series, Solution
 from ..units import show
 from .contact import EDGE, ROUGH, Body, KernelContact
@@ -61,10 +62,12 @@ class Hybrid:
         if loading.to == "radius" and loading.maximum > body.limit:
             return _too_much(problem)
         try:
+            if loading.to == "radius":
+                check_radius(problem.indenter, loading.maximum)
             levels = body.levels(_expected_radius(problem, body))
             body.guard(levels, LOWEST + STEP * int(body.expected_steps(levels)))
         except JkrError as error:
-            return str(error)
+            return str(error).removeprefix("hybrid: ")
         return None
 
     def forecast(self, problem: Problem) -> Forecast:
@@ -166,7 +169,8 @@ def _expected_radius(problem: Problem, body: Body) -> float:
 
 def _not_found(reach: float) -> str:
     return (
-        f"hybrid: no largest contact radius was found within {ATTEMPTS} kernels, the last up to {show(reach, 'length')}"
+        f"hybrid: no largest contact radius was found within {ATTEMPTS} kernels, the last up to "
+        f"{show(reach, 'length')}: prescribe loading.radius, or use method fem"
     )
 
 
@@ -181,7 +185,8 @@ def _unable(problem: Problem) -> str | None:
     if isinstance(specimen.materials[0], Graded) and specimen.radius is None:
         return "the correction is not smooth where the modulus changes from the contact on: use method layered"
     if isinstance(specimen.materials[0], TransverselyIsotropic):
-        return "the exact part needs an isotropic material at the contact: use method fem"
+        other = "layered" if specimen.radius is None else "fem (with a rigid indenter)"
+        return f"the exact part needs an isotropic material at the contact: use method {other}"
     return None
 
 

@@ -60,8 +60,10 @@ def lines(region: Region, resolution: Resolution) -> tuple[Line, Line]:
 
     corners = [(z, resolution.corners) for z in region.corners] + [(z, resolution.edges) for z in region.free_edges]
     at_side = max((count for _, count in corners), default=0)
-    r = _partition([0.0, *region.cuts, region.width], radial)
-    z = _partition([*region.tops, *region.kinks, *(region.cuts if region.far else ()), region.depth], vertical)
+    r = _partition([0.0, *region.cuts, region.width], radial, region.cut_beside)
+    z = _partition(
+        [*region.tops, *region.kinks, *(region.cuts if region.far else ()), region.depth], vertical, region.cut_beside
+    )
     return _graded(r, [(region.width, at_side)], resolution.degree), _graded(z, corners, resolution.degree)
 
 
@@ -72,7 +74,7 @@ def extended(r: Line, region: Region, resolution: Resolution) -> Line:
     def beyond(x: Array) -> Array:
         return resolution.length * (region.first + _grown(x - region.reach, region.first))
 
-    more = _partition([end, region.width], beyond)[1:]
+    more = _partition([end, region.width], beyond, region.cut_beside)[1:]
     degrees = np.full(more.size, resolution.degree)
     return Line(np.concatenate([r.edges, more]), np.concatenate([r.degrees, degrees]))
 
@@ -83,7 +85,7 @@ def _grown(beyond: Array, first: float) -> Array:
     return GROWTH * np.maximum(beyond, 0.0) + faster
 
 
-def _partition(stops: Iterable[float], size: Callable[[Array], Array]) -> Array:
+def _partition(stops: Iterable[float], size: Callable[[Array], Array], wide: bool) -> Array:
     """Edges between the ``stops``, the intervals about as long as ``size`` says in them."""
     ends = np.unique(list(stops))
     edges: list[Array] = [ends[:1]]
@@ -92,9 +94,10 @@ def _partition(stops: Iterable[float], size: Callable[[Array], Array]) -> Array:
         density = 1 / size(x)
         count = np.concatenate([[0.0], np.cumsum(np.diff(x) * (density[1:] + density[:-1]) / 2)])
         if count[-1] > MOST:
+            instead = "layered or fem" if wide else "fem"
             raise Refusal(
                 f"hybrid: the contact or body is so large against the nearest interface that elements would lie in "
-                f"{count[-1]:.2g} rows (limit {MOST}); ask for a smaller contact, or use the method layered or fem"
+                f"{count[-1]:.2g} rows (limit {MOST}); ask for a smaller contact, or use the method {instead}"
             )
         pieces = max(1, round(float(count[-1]) + 0.2))
         edges += [np.interp(np.arange(1, pieces) * count[-1] / pieces, count, x), np.array([hi])]

@@ -22,7 +22,7 @@ import numpy as np
 from ..errors import InputError, Refusal
 from ..materials import Graded
 from ..problem import Problem, Specimen
-from .contact import LayeredContact
+from .contact import InaccurateError, LayeredContact
 from .density import Density
 from .layered import Layered
 
@@ -68,7 +68,10 @@ def profile(problem: Problem, a: float, w: float, r: Array | None = None, r_surf
         raise Refusal(reason)
     r, r_surface = _sample(problem, a, w, r, r_surface)
     contact = LayeredContact(problem.indenter, problem.specimen)
-    nested, _ = contact.refined(np.array([a]), TOLERANCE)
+    try:
+        nested, _ = contact.refined(np.array([a]), TOLERANCE)
+    except InaccurateError as error:
+        raise Refusal(error.fixed) from None
     shift = math.sqrt(4 * math.pi * w * a / float(nested.dS[0]))
     reach = max(a, float(r_surface.max(initial=a)))
     kernel = contact.spectrum.kernel(a + reach)

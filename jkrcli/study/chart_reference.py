@@ -10,6 +10,7 @@ from scipy.interpolate import CubicHermiteSpline
 from ..adhesion import AdhesiveCurve, CriticalPoint, transform
 from ..comparison import curve_distance
 from ..errors import JkrError, Refusal
+from ..integral.contact import InaccurateError
 from ..integral.layered import Layered, largest_radius
 from ..methods import Method, method_class
 from ..problem import Loading, Problem
@@ -95,5 +96,5 @@ def _exact(problem: Problem) -> tuple[str, Series]:
         try:
             return name, method(problem).series
         except JkrError as error:
-            reasons.append(f"{name}: {error}")
+            reasons.append(f"{name}: {error.fixed if isinstance(error, InaccurateError) else error}")
     raise Refusal([f"chart: no exact solution to measure against: {reason}" for reason in reasons])

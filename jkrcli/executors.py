@@ -63,7 +63,7 @@ def executor(workers: int | None = None, scheduler: str | None = None) -> Iterat
 
 def available_cores() -> int:
     """Cores that this process may use."""
-    return len(os.sched_getaffinity(0))
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def completed(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import math
-import resource
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -76,7 +75,11 @@ def _of_container() -> float:
 
 
 def _of_shell() -> float:
-    """What ``ulimit -v`` leaves."""
+    """What ``ulimit -v`` leaves; systems without it have no such module."""
+    try:
+        import resource
+    except ImportError:
+        return math.inf
     most, _ = resource.getrlimit(resource.RLIMIT_AS)
     if most == resource.RLIM_INFINITY:
         return math.inf

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+import os
 import resource
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -12,6 +14,7 @@ import pytest
 from jkrcli import guards
 from jkrcli.case import load_case
 from jkrcli.errors import Refusal
+from jkrcli.executors import available_cores
 from jkrcli.guards import Limits, admit, duration, free_memory
 from jkrcli.methods import Forecast
 from jkrcli.solving import solve
@@ -139,3 +142,15 @@ def test_library_tells_and_refuses_alike() -> None:
     assert told == []
     with pytest.raises(Refusal, match=r"method layered would need about .* the limit is 1e-06 GiB"):
         solve(case, "layered", Limits(memory=1e-6))
+
+
+def test_systems_without_limits_and_affinity(jkr, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Python has them on Linux only, or nearly so: what is missing limits nothing."""
+    monkeypatch.setitem(sys.modules, "resource", None)
+    monkeypatch.delattr(os, "sched_getaffinity")
+    monkeypatch.setattr(guards, "CGROUP", Path("none"))
+    assert guards.free_memory() > 0
+    assert available_cores() == (os.cpu_count() or 1)
+    Path("x.toml").write_text(CASE.format(method="layered", points=20, spacing=0.1))
+    assert jkr("run", "x.toml").code == 0
+    assert jkr("transform", "x.h5", "--w", "0.1", "--no-plots").code == 0

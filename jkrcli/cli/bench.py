@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-import resource
+import os
 import subprocess
 import sys
 import tempfile
@@ -75,10 +75,10 @@ def _import_seconds(module: str) -> float:
 
 def _process_seconds(case: Path, name: str) -> float:
     """CPU seconds of ``jkr run`` as a whole process."""
-    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    before = os.times()
     with tempfile.TemporaryDirectory() as folder:
         target = str(Path(folder) / "series.h5")
         command = [sys.executable, "-m", "jkrcli", "run", str(case), "--method", name, "-o", target]
         subprocess.run(command, capture_output=True, check=True)
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    after = os.times()
+    return after.children_user + after.children_system - before.children_user - before.children_system

@@ -146,7 +146,7 @@ class PowerLaw:
         return self.B * self.d * np.asarray(r, dtype=float) ** (self.d - 1)
 
     def abel(self, x: Array) -> Array:
-        return self.c_d * self.B * np.asarray(x, dtype=float) ** self.d
+        return self.B * (self.c_d * np.asarray(x, dtype=float) ** self.d)
 
 
 @dataclass(frozen=True)

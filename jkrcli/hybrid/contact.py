@@ -30,6 +30,7 @@ CUT = 0.1  # of the tolerance, for cutting an unbounded body
 SAMPLES = 6  # radii at which errors are judged
 NO_CLAIM = 0.03  # errors below this part of the tolerance are not told apart: quadratures, rounding
 SAFETY = 2.5  # on the error that the last step of the degree leaves
+STEEPER = 2.0  # S' errs so many times as much as the others, whatever the last step happens to change
 SLOWEST, FASTEST = 3.0, 15.0  # what a step divides it by
 CORNERED = 8.0  # at most, with singular corners
 UNSEEN, LEAST = 3.0, 0.5  # of the last polynomial's change times 1/(convergence - 1): the error left; at least
@@ -128,6 +129,11 @@ class Body:
         count = count_for(region, PARAMETERS * self.tolerance) + step.more
         wide = Region.of(self._wide, reach, cut) if region.changing else None
         return Levels(region, count, self.E_star / self.specimen.surface.E_star, wide)
+
+    def expected_levels(self, reach: float) -> Levels:
+        """The same with as many parameters t as will be needed, about: more than planned where the body is stiff."""
+        levels = self.levels(reach)
+        return replace(levels, count=count_for(levels.region, PARAMETERS * self.tolerance / _stiffening(levels.region)))
 
     def guard(self, levels: Levels, degree: int) -> None:
         """Refuse what would take minutes or gigabytes."""
@@ -228,4 +234,26 @@ class Body:
         parameters = max(left, LEAST) * change(contact.kernel.shorter())
         least = NO_CLAIM * self.tolerance + (GRADED if levels.wide is not None else 0.0)
         elements = SAFETY / fall * last + least
+        elements[-1] = np.maximum(elements[-1], STEEPER * elements[:-1].max(axis=0))
         return Judged(radii, elements, parameters, cut)
+
+
+def _stiffening(region: Region) -> float:
+    """Contact stiffness of a wide contact over that of the half-space, about, at least 1: relative errors of K count so
+    many times in S.
+
+    Layers in series, each of the compliance h/(pi a^2 M) where it is compressed, M its oedometric modulus, and
+    2 h^3/(3 pi G a^4) where it is squeezed out between bonded surfaces; a sliding base does not hold it.
+    """
+    compliance = 0.0
+    layers = region.thicknesses[:-1] if region.far is not None else region.thicknesses
+    for h, material in zip(layers, region.materials, strict=False):
+        surface, nu = material.surface, material.surface.nu
+        if region.supports.base_r:
+            oedometric = surface.E_star * (1 - nu) ** 2 / (1 - 2 * nu) if nu < 0.5 else math.inf
+            compliance += h / (math.pi * oedometric) + 2 * h**3 / (3 * math.pi * surface.G)
+        else:
+            compliance += h / (math.pi * surface.E_star)
+    if region.far is not None:
+        compliance += 1 / (2 * region.far.E_star)
+    return max(1 / (2 * region.reference.E_star * compliance), 1.0)

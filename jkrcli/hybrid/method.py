@@ -73,7 +73,7 @@ class Hybrid:
     def forecast(self, problem: Problem) -> Forecast:
         """The levels up to the one that the tolerance is expected to need, those of the search, and the solves."""
         body = self._body(problem)
-        levels = body.levels(_expected_radius(problem, body))
+        levels = body.expected_levels(_expected_radius(problem, body))
         steps = body.expected_steps(levels)
         costs = [levels.cost(degree) for degree in range(LOWEST, LOWEST + STEP * math.ceil(steps) + 1, STEP)]
         shares = np.clip(steps - np.arange(len(costs)) + 1, 0, 1)  # the last level is needed in some of such bodies

@@ -35,6 +35,7 @@ class Region:
 
     ``far``: the half-space that begins with the lowest layer, where there is one; base and side then move as under a
     point force on it. ``length``: over which the field decays far away. ``reach``: the largest contact radius, about 1.
+    ``cut_again``: whether this is what the second cut of an unbounded body leaves.
     """
 
     thicknesses: tuple[float, ...]
@@ -46,6 +47,7 @@ class Region:
     cut_beside: bool
     length: float
     reach: float = 1.0
+    cut_again: bool = False
 
     @classmethod
     def of(cls, specimen: Specimen, reach: float, error: float) -> Region:
@@ -102,8 +104,12 @@ class Region:
 
     @property
     def cuts(self) -> tuple[float, ...]:
-        """Where the second cut of an unbounded body goes, along r, and along z if it is unbounded there too."""
-        if not self.cut_beside:
+        """Where the second cut of an unbounded body goes, along r, and along z if it is unbounded there too.
+
+        On a rigid base, what it leaves has no such line of its own: its elements are then those of the whole body up to
+        there, and their errors drop out of the difference.
+        """
+        if not self.cut_beside or (self.cut_again and self.far is None):
             return ()
         held = 0.0 if self.algebraic else self.reach
         return (held + (self.width - held) / SHRINK,)
@@ -126,7 +132,7 @@ class Region:
         """The same body after the second cut."""
         (width,) = self.cuts
         last = self.thicknesses[-1] - (self.width - width if self.far is not None else 0.0)
-        return replace(self, width=width, thicknesses=(*self.thicknesses[:-1], last))
+        return replace(self, width=width, thicknesses=(*self.thicknesses[:-1], last), cut_again=True)
 
     @property
     def kinks(self) -> list[float]:

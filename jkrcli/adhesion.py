@@ -244,8 +244,14 @@ def _at(columns: Columns, rows: Array) -> Columns:
     """The series or slopes at the points ``rows`` alone, without errors."""
     names = ("a", "delta", "P", "S", "dS")
     values = {name: getattr(columns, name)[rows] for name in names if getattr(columns, name, None) is not None}
-    blank: dict[str, Any] = {"errors": {}} if isinstance(columns, Series) else {"covariance": None}
+    blank: dict[str, Any] = {"errors": {}} if isinstance(columns, Series) else {"covariance": None, "joint": None}
     return replace(columns, **values, **blank)
+
+
+def thinned(curve: AdhesiveCurve, first: int) -> AdhesiveCurve:
+    """The curve through every second point of its series from ``first`` on."""
+    rows = np.arange(first, len(curve.series), 2)
+    return transform(_at(curve.series, rows), _at(curve.slopes, rows), curve.w)
 
 
 def transform(series: Series, slopes: Slopes, w: float) -> AdhesiveCurve:

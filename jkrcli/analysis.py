@@ -11,12 +11,13 @@ import numpy as np
 from .adhesion import AdhesiveCurve, CriticalPoint, Outside, transform
 from .case import parse_case
 from .comparison import Comparison, compare_half_space
+from .critical import Errors, point_error
 from .errors import InputError
 from .problem import Problem
 from .series import ErrorBudget, Series, first_of_plateaus
 from .slopes import Slopes, slopes, smoothed
 from .store import Stored
-from .validity import Validity, check, end_of_body, judge
+from .validity import Validity, check, end_of_body, judge, unresolved
 
 LOAD_CONTROL, DISPLACEMENT_CONTROL = 0.0, float("inf")
 
@@ -61,6 +62,16 @@ class Analysis:
         }
 
     @cached_property
+    def pull_off_errors(self) -> dict[str, Errors | str]:
+        """90 % half-widths of delta [m] and P [N] of each pull-off point that there is, or why they are unknown."""
+        controls = {"load": LOAD_CONTROL, "displacement": DISPLACEMENT_CONTROL}
+        return {
+            name: point_error(self.curve, found, controls[name])
+            for name, found in self.pull_off.items()
+            if isinstance(found, CriticalPoint)
+        }
+
+    @cached_property
     def validity(self) -> Validity:
         problem, series, point = self.case.problem, self.curve.series, self.pull_off["load"]
         return judge(
@@ -88,7 +99,10 @@ class Analysis:
         """Everything that a reader of the numbers should know, each with its number."""
         outside = [f"pull-off under {name} control: {point.reason}" for name, point in self.pull_off.items()
                    if isinstance(point, Outside) and self.w > 0]  # fmt: skip
-        found = [*self.stored.warnings, *self.curve.slopes.flags, *check(self.validity), *outside]
+        flags = self.curve.slopes.flags
+        if self.curve.slopes.method != "exact":
+            flags += unresolved(self.case.problem.indenter, self.curve.a)
+        found = [*self.stored.warnings, *flags, *check(self.validity), *outside]
         difference = self.comparison.pull_off if self.comparison is not None else None
         budget = self.budget
         parts = (budget.discretisation, budget.truncation, budget.radius, budget.smoothing)

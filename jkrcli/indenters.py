@@ -146,7 +146,8 @@ class PowerLaw:
         return self.B * self.d * np.asarray(r, dtype=float) ** (self.d - 1)
 
     def abel(self, x: Array) -> Array:
-        return self.B * (self.c_d * np.asarray(x, dtype=float) ** self.d)
+        with np.errstate(over="ignore"):  # infinite is what it is then, and what a search for a radius can tell
+            return self.B * (self.c_d * np.asarray(x, dtype=float) ** self.d)
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ import numpy as np
 
 from .adhesion import AdhesiveCurve, CriticalPoint, Outside
 from .analysis import Analysis
+from .critical import Errors
 from .errors import InputError
 from .files import read_bytes
 from .series import Array
@@ -89,7 +90,9 @@ def summary(result: Analysis) -> dict[str, Any]:
         "slopes_reason": slopes.reason,
         "smoothing_lambda": slopes.smoothing_lambda,
         "points": {"kept": len(result.curve.series), "dropped": result.dropped},
-        "pull_off": {name: point(found) for name, found in result.pull_off.items()},
+        "pull_off": {
+            name: point(found) | _errors(result.pull_off_errors.get(name)) for name, found in result.pull_off.items()
+        },
         "stability": stability(result),
         "tabor": judged["tabor"],
         "validity": judged,
@@ -110,6 +113,15 @@ def point(found: CriticalPoint | State | Outside) -> dict[str, Any]:
     if isinstance(found, Outside):
         return {"P_N": None, "delta_m": None, "a_m": None, "reason": found.reason}
     return {"P_N": found.P, "delta_m": found.delta, "a_m": found.a}
+
+
+def _errors(found: Errors | str | None) -> dict[str, Any]:
+    """The half-widths beside a point; None with the reason where they are unknown, nothing where there is no point."""
+    if found is None:
+        return {}
+    if isinstance(found, str):
+        return {"P_err_N": None, "delta_err_m": None, "error": found}
+    return {"P_err_N": found["P"], "delta_err_m": found["delta"]}
 
 
 def validity(result: Analysis) -> dict[str, Any]:

@@ -18,13 +18,17 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from .closed_form import foundation_modulus, tabor
 from .errors import InputError
+from .indenters import Indenter, TableProfile
 from .materials import Elastic, contact_modulus
 from .problem import HalfSpace, Layer, Problem
 
 TABOR_JKR = 5.0  # JKR within some per cent above it
 TABOR_DMT = 0.1  # rigid-body (DMT, Bradley) limit below it
+SEEN = 2  # points per bend of a tabulated profile, with which slopes fitted through them see it
 MAX_A_OVER_R = 0.3
 MAX_DELTA_OVER_H = 0.1
 MAX_A_OVER_L = 0.1
@@ -199,3 +203,16 @@ def _ratio(value: float, size: float | None, reason: str) -> Ratio:
     if size <= 0:
         raise InputError(f"validity: a size must be > 0 m, got {size:g}")
     return value / size
+
+
+def unresolved(indenter: Indenter, a: np.ndarray) -> tuple[str, ...]:
+    """A warning where slopes fitted through the radii ``a`` [m] cannot see every bend of a tabulated profile."""
+    if not isinstance(indenter, TableProfile):
+        return ()
+    bends = int(np.sum((indenter.knots > indenter.a0) & (indenter.knots < a[-1])))
+    if a.size >= SEEN * bends:
+        return ()
+    return (
+        f"the tabulated profile bends at {bends} radii within the contact and the series has {a.size} points: slopes "
+        "fitted through them miss what lies between; give more points, or take a method with exact slopes",
+    )

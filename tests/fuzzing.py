@@ -8,6 +8,7 @@ import datetime
 import io
 import json
 import random
+import re
 import resource
 import signal
 import sys
@@ -121,8 +122,11 @@ def mutate(tree: dict[str, Any], chance: random.Random) -> dict[str, Any]:
     return changed
 
 
+SIZE = re.compile(r"(\d[\d.]*(?:e[+-]?\d+)?) (.+)")  # a number and its unit
+
+
 def _is_size(value: Any) -> bool:
-    return isinstance(value, float) or (isinstance(value, str) and value[:1].isdigit() and " " in value)
+    return isinstance(value, float) or (isinstance(value, str) and SIZE.fullmatch(value) is not None)
 
 
 def _resize(holder: Any, key: Any, chance: random.Random) -> None:
@@ -132,7 +136,7 @@ def _resize(holder: Any, key: Any, chance: random.Random) -> None:
     if isinstance(value, float):
         holder[key] = value * factor
     else:
-        number, unit = value.split(maxsplit=1)
+        number, unit = SIZE.fullmatch(value).groups()
         holder[key] = f"{float(number) * factor:.6g} {unit}"
 
 

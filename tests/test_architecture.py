@@ -48,10 +48,10 @@ ORDER = [
     "errors", "doctor", "grading", "materials", "units", "files", "clock", "threads", "progress", "executors",
     "indenters", "problem", "words", "series", "closed_form", "methods", "guards", "radii", "integral", "formulas",
     "fem", "hybrid", "choose", "case", "solving", "store", "cache", "text_table", "columns", "foreign", "measured",
-    "slopes", "adhesion", "validity", "states", "stability_path", "stability", "stability_inverse", "comparison",
-    "differences", "expectation", "analysis", "scaling", "tables", "fit", "work", "sweep", "plots", "plots_curve",
-    "plots_fields", "plots_study", "plots_contact_zone", "plots_stability", "plots_work", "plots_fit", "study",
-    "plots_noise", "plots_chart", "plots_failures", "explorer", "api", "cli", "__main__",
+    "slopes", "adhesion", "critical", "validity", "states", "stability_path", "stability", "stability_inverse",
+    "comparison", "differences", "expectation", "analysis", "scaling", "tables", "fit", "work", "sweep", "plots",
+    "plots_curve", "plots_fields", "plots_study", "plots_contact_zone", "plots_stability", "plots_work", "plots_fit",
+    "study", "plots_noise", "plots_chart", "plots_failures", "explorer", "api", "cli", "__main__",
 ]  # fmt: skip
 
 

@@ -122,6 +122,14 @@ def _write(result: Analysis, target: Path, scales: Scales | None, with_plots: bo
     return summary
 
 
+def _known(result: Analysis, control: str) -> str:
+    """How well the pull-off force is known, relative to it."""
+    found, point = result.pull_off_errors[control], result.pull_off[control]
+    if isinstance(found, str) or not isinstance(point, CriticalPoint) or point.P == 0:
+        return ""
+    return f"({found['P'] / abs(point.P):.1e})"
+
+
 def _print(job: _Job, results: list[Analysis], endings: tuple[str, ...]) -> None:
     slopes = results[0].curve.slopes
     kept = len(results[0].curve.series)
@@ -133,7 +141,7 @@ def _print(job: _Job, results: list[Analysis], endings: tuple[str, ...]) -> None
         for name, point in result.pull_off.items():
             if isinstance(point, CriticalPoint):
                 say(
-                    f"    pull-off, {name + ' control:':<22} P = {show(point.P, 'load'):<12} "
+                    f"    pull-off, {name + ' control:':<22} P = {show(point.P, 'load')} {_known(result, name):<8} "
                     f"delta = {show(point.delta, 'length'):<12} a = {show(point.a, 'length')}"
                 )
             elif result.w > 0:

@@ -18,7 +18,7 @@ from scipy.special import stdtrit
 from ..errors import InputError, Refusal
 from ..series import Array, RawSeries, Series
 from .events import has_plateaus, touch_events
-from .model import Columns, Grid, LogSplineModel, interpolate
+from .model import Grid, LogSplineModel, interpolate
 from .penalised import FREEZE, Fit, minimise
 from .result import TWO_SIDED_90, Slopes, covariance_from_errors, shift_error
 from .scatter import correlation_length, estimate, floored, whitener
@@ -76,17 +76,18 @@ def _slopes(
     S_scale = P_scale / delta_scale
     model, fit = _fine_enough(data, None if S0 is None else S0 / S_scale)
     x = np.log((wanted - a0) / y_scale)
-    scales = np.array([delta_scale, P_scale, S_scale, S_scale / y_scale])
-    values, covariance = _evaluate(model.columns(fit.c, model.interpolation(x), model.design(x)), fit, scales)
+    scales = np.array([delta_scale, P_scale, S_scale, S_scale / y_scale, delta_scale / y_scale, S_scale / y_scale**2])
+    values, joint = _evaluate(model, fit, x, scales)
     delta_H, P_H, S, dS = values
     if errors:
         order = np.argsort(a)
         there = {name: np.interp(wanted, a[order], np.asarray(error)[order]) for name, error in errors.items()}
         given = covariance_from_errors(Series(wanted, delta_H, P_H, errors=there, a0=a0, S0=S0), S, dS)
         assert given is not None
-        covariance += max(0.0, 1 - fit.phi) * given  # what the scatter does not show is shared by all points
+        joint[:, :4, :4] += max(0.0, 1 - fit.phi) * given  # what the scatter does not show is shared by all points
     # an error of a radius is in both columns' residuals: only half of them are independent
     quantile = float(stdtrit(max((fit.residuals.size - fit.spent) / 2, 1.0), 0.95))
+    covariance = joint[:, :4, :4]
     return Slopes(
         S,
         dS,
@@ -97,15 +98,25 @@ def _slopes(
         delta=delta_H,
         P=P_H,
         covariance=covariance,
+        joint=joint,
         quantile=quantile,
     )
 
 
-def _evaluate(columns: Columns, fit: Fit, scales: Array) -> tuple[Array, Array]:
-    """delta_H, P_H, S, S' in SI, shape (4, m), and their covariance, (m, 4, 4), from that of the coefficients."""
-    values = np.exp(np.stack([columns.log_delta, columns.log_P, columns.log_S, columns.log_dS])) * scales[:, None]
-    relative = np.einsum("imp,pq,jmq->mij", columns.jacobian, fit.phi * fit.V, columns.jacobian, optimize=True)
-    return values, relative * values.T[:, :, None] * values.T[:, None, :]
+def _evaluate(model: LogSplineModel, fit: Fit, x: Array, scales: Array) -> tuple[Array, Array]:
+    """delta_H, P_H, S, S' in SI at the log radii ``x``, shape (4, m), and the covariance, (m, 6, 6), of these,
+    d(delta_H)/da and S'', from that of the coefficients."""
+    basis, y = model.design(x), np.exp(x)[:, None]
+    columns = model.columns(fit.c, model.interpolation(x), basis)
+    values = np.exp(np.stack([columns.log_delta, columns.log_P, columns.log_S, columns.log_dS]))
+    jacobian = np.zeros((6, *columns.jacobian.shape[1:]))
+    jacobian[:4] = columns.jacobian * values[:, :, None]
+    jacobian[4, :, model.v] = np.exp(basis @ fit.c[model.v])[:, None] * basis
+    bend = model.slope_design(x)  # S'' = S' u'(x)/y
+    jacobian[5, :, model.u] = values[3][:, None] / y * ((bend @ fit.c[model.u])[:, None] * basis + bend)
+    jacobian *= scales[:, None, None]
+    joint = np.einsum("imp,pq,jmq->mij", jacobian, fit.phi * fit.V, jacobian, optimize=True)
+    return values * scales[:4, None], joint
 
 
 def _prepare(a: Array, delta: Array, P: Array, errors: Mapping[str, Array], a0: float) -> _Data:

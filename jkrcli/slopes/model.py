@@ -156,6 +156,10 @@ class LogSplineModel:
         """Values at ``x`` of what the coefficients of v (and of u) multiply, shape (m, size)."""
         return self._splines(np.clip(x, self.x[0], self.x[-1])) @ self.shapes
 
+    def slope_design(self, x: Array) -> Array:
+        """The x-derivatives of ``design``."""
+        return self._splines(np.clip(x, self.x[0], self.x[-1]), 1) @ self.shapes
+
     def _splines(self, x: Array, order: int = 0) -> Array:
         """B-splines (or derivatives) at ``x``, shape (m, size)."""
         if order == 0:

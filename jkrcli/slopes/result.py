@@ -18,6 +18,7 @@ class Slopes:
 
     ``delta, P``: the nonadhesive columns as the same fit sees them, where the method smooths them too, else None.
     ``covariance``: shape (n, 4, 4), of (delta_H, P_H, S, S') at each radius, SI; None where no error is known.
+    ``joint``: shape (n, 6, 6), the same with d(delta_H)/da and S'' behind them, where the method knows their errors.
     ``quantile``: standard deviations in the half-width of a 90 % interval (more than 1.64 for few points).
     ``error``: relative 90 % half-width of sqrt(a/S'), the median over the points, or why it is unknown.
     ``flags``: sentences on where the slopes are to be trusted less; ``reason``: why this method was taken.
@@ -33,6 +34,7 @@ class Slopes:
     delta: Array | None = None
     P: Array | None = None
     covariance: Array | None = None
+    joint: Array | None = None
     quantile: float = TWO_SIDED_90
 
     def scaled(self, factor: float) -> Slopes:
@@ -40,7 +42,9 @@ class Slopes:
         P = None if self.P is None else self.P * factor
         by = np.array([1.0, factor, factor, factor])
         covariance = None if self.covariance is None else self.covariance * np.outer(by, by)
-        return replace(self, S=self.S * factor, dS=self.dS * factor, P=P, covariance=covariance)
+        by = np.append(by, [1.0, factor])
+        joint = None if self.joint is None else self.joint * np.outer(by, by)
+        return replace(self, S=self.S * factor, dS=self.dS * factor, P=P, covariance=covariance, joint=joint)
 
     @property
     def dS_err(self) -> Array | None:

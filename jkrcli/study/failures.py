@@ -23,6 +23,7 @@ from ..methods import METHODS, Method, method_class
 from ..problem import Loading, Problem
 from ..series import Array, RawSeries, Series, Solution, first_of_plateaus
 from ..slopes import Slopes, slopes, smoothed
+from ..validity import unresolved
 from .failures_cells import Cell, draw, noisy
 from .watchdog import TooSlowError, cpu_limit
 
@@ -217,7 +218,8 @@ def _judge_slopes(cell: Cell) -> Verdict:
     stated = _stated(curve, point)
     if stated is None:
         return Verdict(cell, SAID, f"error unknown: {found.error}", error)
-    return _verdict(cell, [Off("pull-off", error, stated), _band(curve, exact_curve, truth)], BANDS, found.flags)
+    flags = found.flags + unresolved(cell.problem.indenter, given.a)
+    return _verdict(cell, [Off("pull-off", error, stated), _band(curve, exact_curve, truth)], BANDS, flags)
 
 
 def _band(curve: AdhesiveCurve, exact: AdhesiveCurve, unit: CriticalPoint) -> Off:

@@ -138,7 +138,7 @@ def test_the_summary_and_the_printed_line_hold_it(jkr, points: int, known: bool)
     found = json.loads(Path("x-w0.01.json").read_text(encoding="utf-8"))["pull_off"]["load"]
     if known:
         assert 0 < found["P_err_N"] < 1e-3 * abs(found["P_N"])
-        assert f"({found['P_err_N'] / abs(found['P_N']):.1e})" in outcome.out
+        assert f"± {100 * found['P_err_N'] / abs(found['P_N']):.2g} % " in outcome.out
     else:
         assert found["P_err_N"] is None
         assert found["error"] == "unknown: fewer than 5 points"

@@ -123,11 +123,11 @@ def _write(result: Analysis, target: Path, scales: Scales | None, with_plots: bo
 
 
 def _known(result: Analysis, control: str) -> str:
-    """How well the pull-off force is known, relative to it."""
+    """The 90 % half-width of the pull-off force, relative to it."""
     found, point = result.pull_off_errors[control], result.pull_off[control]
     if isinstance(found, str) or not isinstance(point, CriticalPoint) or point.P == 0:
         return ""
-    return f"({found['P'] / abs(point.P):.1e})"
+    return f"± {100 * found['P'] / abs(point.P):.2g} %"
 
 
 def _print(job: _Job, results: list[Analysis], endings: tuple[str, ...]) -> None:
@@ -141,7 +141,7 @@ def _print(job: _Job, results: list[Analysis], endings: tuple[str, ...]) -> None
         for name, point in result.pull_off.items():
             if isinstance(point, CriticalPoint):
                 say(
-                    f"    pull-off, {name + ' control:':<22} P = {show(point.P, 'load')} {_known(result, name):<8} "
+                    f"    pull-off, {name + ' control:':<22} P = {show(point.P, 'load') + ' ' + _known(result, name):<22} "
                     f"delta = {show(point.delta, 'length'):<12} a = {show(point.a, 'length')}"
                 )
             elif result.w > 0:

@@ -166,7 +166,8 @@ class AdhesiveCurve:
         delta, P = (float(value) for value in self.at(np.array(a)))
         quantity = {0.0: "load", math.inf: "displacement"}.get(stiffness, "device position")
         remedy = (
-            'ask for smaller radii: loading.spacing = "log" (or contact shrinks to a point before it is lost)'
+            'ask for smaller radii: loading.spacing = "log", by fem a smaller mesh.smallest '
+            "(or contact shrinks to a point before it is lost)"
             if end == "smallest"
             else "the series would have to reach a larger radius: load further"
         )

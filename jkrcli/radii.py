@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -24,6 +25,7 @@ PROBE = 0.98  # a second radius beside each trial, for the slope
 STRIDE = 3.0  # largest factor from one trial to the next, as a larger contact costs more
 TABLE = 48
 NEAR = 30.0  # a step from this many times the accuracy leads well within it
+DOUBTFUL = 0.5  # part of a miss that may be left after a step along a tangent, above which none is taken
 
 
 def radii_of_loading(
@@ -159,19 +161,32 @@ def radii_for(stages: Sequence[tuple[Response, float]], targets: Array, indenter
 
 def _first_radii(response: Response, targets: Array, indenter: Indenter, largest: float) -> Array:
     """v at the targets from a table of the response between their ends."""
-    a0 = indenter.a0
+    a0, log_target = indenter.a0, np.log(targets)
     first = radius_for(response, float(targets[0]), indenter, math.hypot(a0, 0.3 * _v(largest, a0)), 0.1)
     v = np.geomspace(0.7 * _v(first, a0), _v(largest, a0), TABLE)
-    return np.exp(_inverse(np.log(v), np.log(response(np.hypot(a0, v))), np.log(targets)))
+    table = np.log(v), np.log(response(np.hypot(a0, v)))
+    bracket = _bracketed(table, log_target)
+    log_v = bracket.within(_inverse(*table, log_target), bracket.secant)
+    return np.append(np.exp(np.sort(log_v[:-1])), v[-1])
 
 
 def _followed(response: Response, log_v: Array, log_target: Array, a0: float, accuracy: float) -> Array:
-    """Newton steps for all targets at once."""
+    """Newton steps for all targets but the last at once; within brackets, or secants of them, where slopes jump."""
+    known: tuple[Array, Array] = np.empty(0), np.empty(0)
+    before = np.full(log_target.size, np.inf)
     for _ in range(STEPS):
         log_values = np.log(response(np.hypot(a0, np.exp(log_v))))
-        log_v = _inverse(log_v, log_values, log_target)
-        if np.max(np.abs(log_values - log_target)) <= NEAR * accuracy:
-            return log_v
+        miss, doubt = np.abs(log_values - log_target), _doubt(log_v, log_values)
+        tangent = _inverse(log_v, log_values, log_target)
+        near = miss * doubt <= accuracy
+        if near[:-1].all():
+            return np.append(np.sort(np.where(doubt < DOUBTFUL, tangent, log_v)[:-1]), log_v[-1])
+        known = _with(known, log_v, log_values)
+        bracket = _bracketed(known, log_target)
+        step = bracket.within(np.where(doubt < DOUBTFUL, tangent, bracket.secant), bracket.middle)
+        step = np.where(near | (miss < before / 2), step, bracket.middle)
+        log_v = np.append(np.sort(step[:-1]), log_v[-1])  # the response wants them increasing
+        before = miss
     raise SolveError(f"loading: the contact radii of {log_target.size} increments were not found in {STEPS} passes")
 
 
@@ -180,6 +195,47 @@ def _inverse(log_v: Array, log_values: Array, log_target: Array) -> Array:
     slopes = np.gradient(log_v, log_values)
     near = np.clip(np.searchsorted((log_values[1:] + log_values[:-1]) / 2, log_target), 0, log_values.size - 1)
     return log_v[near] + slopes[near] * (log_target - log_values[near])
+
+
+def _doubt(log_v: Array, log_values: Array) -> Array:
+    """Part of a miss that may be left after a step along the tangent: by how much the secants on both sides differ."""
+    secants = np.diff(log_v) / np.diff(log_values)
+    jumps = np.abs(np.diff(secants)) / np.minimum(np.abs(secants[1:]), np.abs(secants[:-1]))
+    inner = np.pad(jumps, 1, mode="edge") if jumps.size else np.zeros(log_v.size)
+    return np.clip(np.nan_to_num(inner, nan=1.0), 1 / NEAR, 1.0)
+
+
+@dataclass(frozen=True)
+class _Bracket:
+    """Known log v on both sides of each target, infinite where there is none; the ``secant`` between them, and a point
+    ``middle`` that narrows every bracket, half-way to the secant, so that it differs for each target."""
+
+    low: Array
+    high: Array
+    secant: Array
+    middle: Array
+
+    def within(self, proposal: Array, otherwise: Array) -> Array:
+        return np.where((self.low < proposal) & (proposal < self.high), proposal, otherwise)
+
+
+def _bracketed(known: tuple[Array, Array], log_target: Array) -> _Bracket:
+    """Brackets from points of which both coordinates increase."""
+    v, values = known
+    above = np.searchsorted(values, log_target)
+    low, high = np.append(-np.inf, v)[above], np.append(v, np.inf)[above]
+    left, right = np.clip([above - 1, above], 0, v.size - 1)
+    rise = np.maximum(values[right] - values[left], np.finfo(float).tiny)
+    part = np.clip((log_target - values[left]) / rise, 0, 1)
+    beyond = math.log(STRIDE) * np.isinf(low)
+    secant, middle = (v[left] + x * (v[right] - v[left]) - beyond for x in (part, 0.25 + 0.5 * part))
+    return _Bracket(low, high, secant, middle)
+
+
+def _with(known: tuple[Array, Array], log_v: Array, log_values: Array) -> tuple[Array, Array]:
+    """All known points, both coordinates increasing."""
+    all_v, first = np.unique(np.concatenate([known[0], log_v]), return_index=True)
+    return all_v, np.maximum.accumulate(np.concatenate([known[1], log_values])[first])
 
 
 def _v(a: float, a0: float) -> float:

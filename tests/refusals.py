@@ -121,6 +121,7 @@ REACH = (
     "loading: a {} of {} cannot be reached: it needs a contact radius beyond the profile, which ends at r = {}; ask "
     "for less, or give a larger profile"
 )
+FEM_RIGID = "fem (with a rigid indenter)"
 FALLS = (
     "the displacement falls beyond the contact radius {}: a coating so much stiffer than what lies below it is no "
     "longer touched in a disc that grows; ask for a smaller radius"
@@ -210,7 +211,7 @@ KINDS = {
     "hybrid: graded at the contact": kind("method hybrid: the correction is not smooth where the modulus changes from "
         "the contact on: use method layered", {**HYBRID, "specimen": {"layers": [GRADED]}}, LAYERED),
     "hybrid: axis at the contact": kind(
-        AXIS + "fem (with a rigid indenter)",
+        AXIS + FEM_RIGID,
         {**HYBRID, "specimen": cylinder("60 um", {"thickness": "10 um", **ACROSS}), "indenter": ELASTIC},
         fem(**RIGID)),
     "hybrid: axis at the contact of a wide layer": kind(AXIS + "layered",
@@ -221,14 +222,22 @@ KINDS = {
     "hybrid: side, by load": kind(SIDE,
         {**HYBRID, "specimen": cylinder("10 um"), "loading": {"radius": None, "load": "2.66 uN"}},
         {"loading": {"load": "1 uN"}}, fem(), near=None),
+    "hybrid: side, under an elastic indenter": kind("method hybrid: " + SIDE.removesuffix("fem") + FEM_RIGID,
+        {**HYBRID, "specimen": cylinder("10 um"), "loading": {"radius": "9.9 um"}, "indenter": ELASTIC},
+        {"loading": {"radius": "9 um"}}, fem(**RIGID), near=None),
     "hybrid: cost on a cylinder": kind(COST + "fem",
         {**HYBRID, "specimen": cylinder("200 um", layer("1 um", nu=0.3)), "loading": {"radius": "20 um"}},
         {"loading": {"radius": "5 um"}}, {"hybrid": {"tolerance": 1e-2}}, fem(),
         jkrcli__hybrid__contact__MAX_SECONDS=0.5),
+    "hybrid: cost under an elastic indenter": kind(COST + FEM_RIGID,
+        {**HYBRID, "specimen": cylinder("200 um", layer("1 um", nu=0.3)), "loading": {"radius": "20 um"},
+         "indenter": ELASTIC},
+        {"loading": {"radius": "5 um"}}, {"hybrid": {"tolerance": 1e-2}}, fem(**RIGID), near=None,
+        jkrcli__hybrid__contact__MAX_SECONDS=0.5),
     "hybrid: cost": kind(COST + "layered", {**HYBRID, "specimen": THIN, "loading": {"radius": "20 um"}},
         {"loading": {"radius": "5 um"}}, {"hybrid": {"tolerance": 1e-2}}, LAYERED,
         jkrcli__hybrid__contact__MAX_SECONDS=0.5),
-    "hybrid: rows on a cylinder": kind(ROWS + "fem",
+    "hybrid: rows on a cylinder": kind(ROWS + "fem (with a rigid indenter)",
         {**HYBRID, "specimen": cylinder("200 um", layer("1 um")), "loading": {"radius": "20 um"}},
         fem(), {"loading": {"radius": "2 um"}}, jkrcli__hybrid__sizes__MOST=15),
     "hybrid: rows": kind(ROWS + "layered or fem",
@@ -245,6 +254,11 @@ KINDS = {
         "prescribe loading.radius, or use method fem",
         {**HYBRID, "specimen": cylinder("11 um"), "loading": {"radius": None, "load": "2 uN"}},
         {"loading": {"load": None, "radius": "5 um"}}, fem(), near=None,
+        jkrcli__hybrid__method__ATTEMPTS=1, jkrcli__hybrid__method__ROOM=0.8),
+    "hybrid: no radius found under an elastic indenter": kind("hybrid: no largest contact radius was found within {} "
+        "kernels, the last up to {}: prescribe loading.radius, or use method " + FEM_RIGID,
+        {**HYBRID, "specimen": cylinder("11 um"), "loading": {"radius": None, "load": "2 uN"}, "indenter": ELASTIC},
+        {"loading": {"load": None, "radius": "5 um"}}, fem(**RIGID), near=None,
         jkrcli__hybrid__method__ATTEMPTS=1, jkrcli__hybrid__method__ROOM=0.8),
     "hybrid: beyond a sphere": kind("{}" + BEYOND, {**HYBRID, "indenter": SPHERE},
         {"loading": {"radius": "5 um"}}, {"indenter": {"radius": "1 mm"}}),
@@ -263,6 +277,15 @@ KINDS = {
         "layered.tolerance to {}, or ask for a smaller contact radius",
         {**LAYERED, "specimen": THIN, "loading": {"radius": "100 um"}},
         lambda said: {"layered": {"tolerance": float(said[3])}}, {"loading": {"radius": "10 um"}}),
+    "layered: no such tolerance": kind("layered: the estimated relative error is {} with {} nodes, above the tolerance "
+        "{}; ask for a smaller contact radius",
+        {**LAYERED, "specimen": RUBBER, "loading": {"radius": "50 um", "points": 1}},
+        {"loading": {"radius": "2 um"}}, jkrcli__integral__contact__FREQUENCY=0.1),
+    "layered: kernel not resolved": kind("layered: {} nodes do not resolve the kernel, the error is not known; ask for "
+        "more points or a smaller contact radius",
+        {**LAYERED, "specimen": RUBBER, "loading": {"radius": "200 um", "points": 1}},
+        {"loading": {"points": 100}}, {"loading": {"radius": "2 um"}}, near=None,
+        jkrcli__integral__contact__FREQUENCY=0.1),
     "layered: a plate on its rim": kind(FALLS, {**LAYERED, **STIFF}, {"loading": {"radius": 0.99}}),
     "layered: beyond the profile": kind(BEYOND, {**LAYERED, "indenter": TABLE},
         {"loading": {"radius": "5 um"}}, {"indenter": LARGER}),

@@ -118,7 +118,7 @@ def test_thin_layers(law: str, exponent: int, factor: float) -> None:
         outside = curve(series, w).pull_off(math.inf)  # delta falls down to a = 0
         assert isinstance(outside, Outside)
         assert f"smallest radius of the series, a = {a[0] / 1e-9:.4g} nm (P = " in outside.reason
-        assert 'ask for smaller radii: loading.spacing = "log"' in outside.reason
+        assert 'ask for smaller radii: loading.spacing = "log", by fem a smaller mesh.smallest (or' in outside.reason
 
 
 def test_several_or_no_critical_points_are_reported_as_such() -> None:

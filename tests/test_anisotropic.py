@@ -26,7 +26,8 @@ from jkrcli.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 ISOTROPIC, AS_FIVE = Elastic(2.6, 0.3), TransverselyIsotropic(2.6, 2.6, 0.3, 0.3, 1.0)
 REAL, CONJUGATE = TransverselyIsotropic(1.0, 3.0, 0.2, 0.3, 0.5), TransverselyIsotropic(5.0, 1.0, 0.2, 0.1, 3.0)
 FIBRES = TransverselyIsotropic(5.0, 1.0, 0.2, 0.1, 0.3)
-MATERIALS = [AS_FIVE, REAL, CONJUGATE, FIBRES]
+SHEAR_STIFF = TransverselyIsotropic(0.18251, 0.44968, 0.75576, 0.50840, 9.56748)  # D^2/A^2 = -18
+MATERIALS = [AS_FIVE, REAL, CONJUGATE, FIBRES, SHEAR_STIFF]
 PARABOLOID = Paraboloid(100.0)
 COLUMNS = ("delta", "P", "S", "dS")
 
@@ -132,6 +133,19 @@ def test_the_way_through_a_layer_is_a_matrix_exponential(material):
     assert medium.generator(still) == pytest.approx(medium.generator(still)[0] * still, rel=1e-13)
 
 
+@pytest.mark.parametrize("ratio", [-100.0, -18.0, -3.0, -0.1, 0.3, 0.9, 0.99])
+def test_the_way_through_a_layer_at_any_ratio_of_the_roots(ratio):
+    """D^2/A^2 far below -1: stiffness in shear far above the others."""
+    c = max(0.0, -0.5 - ratio)
+    e = 2 + 2 * ratio + 2 * c
+    medium = Medium(c, ((1 - ratio) ** 2 - c**2) / e, e)
+    assert medium.squares == pytest.approx((4, 4 * ratio), rel=1e-9)
+    B, m = medium.generator(np.eye(5)), np.array([1.0, 0.3, 0.2, -0.1, 0.05])[:, None]
+    for y in (1e-3, 0.05, 0.099, 0.101, 0.23, 0.5, 0.9, 0.99, 1.01, 1.5):
+        exact = expm(y * (B - 2 * np.eye(5))) @ m
+        assert medium.through(m, np.array([y])) == pytest.approx(exact, rel=1e-11, abs=1e-11 * np.abs(exact).max())
+
+
 @pytest.mark.parametrize("base", [Rigid(), Rigid(False), HalfSpace(Elastic(4.0, 0.3))])
 def test_isotropic_constants_give_the_isotropic_spectrum(base):
     k = np.geomspace(1e-3, 20, 20)
@@ -152,6 +166,7 @@ def test_a_layer_on_its_own_half_space_is_the_half_space():
     ("layers", "base"),
     [
         ((Layer(REAL, 1.0),), Rigid()),
+        ((Layer(SHEAR_STIFF, 1.0),), Rigid()),
         pytest.param((Layer(CONJUGATE, 1.0),), Rigid(False), marks=pytest.mark.slow),
         pytest.param((Layer(FIBRES, 1.0),), HalfSpace(REAL), marks=pytest.mark.slow),
         pytest.param((Layer(Elastic(1.0, 0.4), 0.5), Layer(FIBRES, 1.0)), Rigid(), marks=pytest.mark.slow),

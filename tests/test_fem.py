@@ -11,9 +11,13 @@ from jkrcli.closed_form import half_space, hertz
 from jkrcli.errors import InputError, Refusal
 from jkrcli.fem.contact import nested_events
 from jkrcli.fem.domain import Body
+from jkrcli.fem.elasticity import assemble
 from jkrcli.fem.layout import scaled_layout
+from jkrcli.fem.mesh import triangles
 from jkrcli.fem.method import FEM
 from jkrcli.fem.model import Recipe
+from jkrcli.fem.surface import factorise
+from jkrcli.hybrid.method import Hybrid
 from jkrcli.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere
 from jkrcli.integral.layered import Layered
 from jkrcli.materials import Elastic
@@ -422,3 +426,36 @@ def test_too_many_elements_are_refused_before_meshing(options, key):
 def test_a_contact_radius_too_small_to_mesh_is_refused():
     with pytest.raises(InputError, match=r"mesh.smallest: must be > 1e-07 and < 1, got 1e-09"):
         FEM(smallest=1e-9)
+
+
+def test_an_incompressible_layer_that_is_held_on_all_sides():
+    """It does not move at all: what its volumes lack is round-off, and no sign of a bad factor."""
+    layers = (Layer(Elastic(1.0, 0.3), 1.0), Layer(Elastic(0.0588, 0.3), 0.9), Layer(Elastic(0.0236, 0.5), 0.68))
+    specimen = Specimen(layers, Rigid(), 0.2, "roller")
+    problem = Problem(PowerLaw(1 / np.tan(np.radians(46)), 1.0), specimen, Loading("radius", 0.1096))
+    solution = FEM()(problem)
+    assert solution.facts["residual"] < 1e-10
+    series = solution.series
+    depths = series.delta[series.delta > 0.5 * series.delta[-1]][::10]
+    exact = Hybrid()(
+        Problem(PowerLaw(1 / np.tan(np.radians(46)), 1.0), specimen, Loading.given("depth", tuple(depths)))
+    )
+    P = np.interp(depths, series.delta, series.P)
+    assert np.max(np.abs(P / exact.series.P - 1)) < solution.budget.total
+
+
+def test_the_check_sees_a_layer_that_changes_its_volume():
+    """The layer of the one before, in a solution that is wrong there by a millionth of the largest displacement."""
+    body = Body((1.0, 0.5), (Elastic(1.0, 0.3), Elastic(1.0, 0.5)), 2.0, True, "free", False, False)
+    grid = triangles(np.linspace(0, 2.0, 9), body.depth, body.interfaces, "0.3")
+    system = assemble(grid, body.materials, 2, mixed=(1,))
+    factor = factorise(system, 5)
+    loads = np.zeros(system.K.shape[0])
+    loads[system.normal[2]] = -1.0
+    solution = factor.solve(loads)
+    assert factor.residual(solution, loads) < 1e-12
+    N = len(system.nodes)
+    inside = np.flatnonzero(system.nodes[:, 1] < 0.25)
+    wrong = solution.copy()
+    wrong[inside] += 1e-6 * np.abs(solution[: 2 * N]).max() * system.nodes[inside, 0]
+    assert factor.residual(wrong, loads + system.K @ (wrong - solution) * (np.arange(loads.size) < 2 * N)) > 1e-8

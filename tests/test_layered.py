@@ -8,13 +8,18 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
+import jkrcli.integral.contact as contact
+import jkrcli.integral.search as search
 from jkrcli.closed_form import adhesive_half_space, half_space, thin_incompressible_layer, thin_layer
 from jkrcli.errors import InputError, JkrError, Refusal
+from jkrcli.grading import Linear
 from jkrcli.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
 from jkrcli.integral.contact import LayeredContact, Plan
 from jkrcli.integral.layered import Layered, largest_radius, unbounded
-from jkrcli.materials import Elastic
-from jkrcli.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
+from jkrcli.integral.search import _response
+from jkrcli.materials import Elastic, Graded
+from jkrcli.problem import HalfSpace, Layer, Loading, Problem, Quantity, Rigid, Specimen
+from jkrcli.radii import Response
 from jkrcli.series import Solution
 
 SHAPES = [
@@ -236,6 +241,49 @@ def test_loading_reaches_what_it_asks_for(indenter: object, specimen: Specimen) 
     assert solve(Loading("depth", 0.2, 1)).series.a == pytest.approx(series.a[-1:], rel=1e-9)
 
 
+KINKED = TableProfile((0.0, 0.0158, 0.0176, 0.0233, 0.0678), (0.0, 0.000198, 0.000306, 0.00103, 0.00826))
+SHARPER = TableProfile((0.0, 0.0265, 0.03165, 0.04129), (0.0, 0.000116, 0.00208, 0.005774))
+
+
+@pytest.mark.parametrize(
+    ("indenter", "loading"),
+    [
+        (KINKED, Loading("depth", 0.0104, 20, "depth")),
+        (KINKED, Loading.given("depth", (1e-5, 1e-4, 2e-4, 3e-4, 1e-3, 2e-3, 5e-3, 0.0104))),
+        (KINKED, Loading.given("load", (1e-3, 0.1, 1.0, 3.0, 5.0, 10.0, 30.0, 100.0))),
+        (SHARPER, Loading.given("depth", tuple(np.geomspace(1.09e-6, 0.0109, 20)))),  # tangents out of order at first
+    ],
+    ids=["depth", "depths", "loads", "sharper"],
+)
+def test_targets_are_met_where_the_slope_of_a_profile_changes_at_once(indenter: TableProfile, loading: Loading) -> None:
+    """Plain Newton steps over all targets cycle at its kinks. On a half-space F(a) is the depth."""
+    series = Layered()(Problem(indenter, Specimen((), HalfSpace(Elastic(1e6, 0.3))), loading)).series
+    values = loading.values or tuple(0.0104 * np.arange(1, 21) / 20)
+    assert (series.P if loading.to == "load" else series.delta) == pytest.approx(values, rel=1e-9)
+    assert indenter.abel(series.a) == pytest.approx(series.delta, rel=1e-12)
+
+
+@pytest.mark.parametrize(("specimen", "most"), [(Specimen((), HalfSpace(Elastic(1.0, 0.3))), 3), (bonded(0.45), 4)])
+def test_radii_for_depths_are_found_with_few_responses(
+    monkeypatch: pytest.MonkeyPatch, specimen: Specimen, most: int
+) -> None:
+    """One table and two or three Newton steps for all depths at once, besides the search for the largest radius."""
+    sizes: list[int] = []
+
+    def counting(contact: object, to: Quantity, accuracy: float) -> Response:
+        response = _response(contact, to, accuracy)  # type: ignore[arg-type]
+
+        def counted(radii: np.ndarray) -> np.ndarray:
+            sizes.append(radii.size)
+            return response(radii)
+
+        return counted
+
+    monkeypatch.setattr(search, "_response", counting)
+    Layered()(Problem(Sphere(5.0), specimen, Loading("depth", 0.2, 20, "depth")))
+    assert sum(size >= 20 for size in sizes) <= most
+
+
 def test_largest_radius_ignores_the_sides() -> None:
     loading = Loading("depth", 0.01)
     free = Specimen(bonded(0.4).layers, Rigid(), radius=30.0, side="free")
@@ -365,3 +413,50 @@ def test_estimate_bounds_the_error_of_200_stacks() -> None:
     REFUSED.clear()
     settings(max_examples=200, deadline=None, suppress_health_check=quiet)(draw(estimate_bounds_the_error))()
     assert len(REFUSED) <= 4, REFUSED  # 2 %
+
+
+# -- refinement -----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("points", [1, 7])
+def test_few_radii_on_a_steeply_graded_layer(points: int) -> None:
+    """Refined by narrower panels: higher orders lose accuracy. Against 28 radii, whose panels are finer anyway."""
+    specimen = Specimen((Layer(Graded(Linear(1.6827, 20.3, 1.0), 0.23), 1.0),), Rigid())
+    few, many = (Layered()(Problem(Paraboloid(3.0), specimen, Loading("radius", 2.472, n))) for n in (points, 28))
+    stated = few.budget.discretisation + many.budget.discretisation
+    assert stated < 2e-5
+    for name in ("delta", "P", "S", "dS"):
+        found, exact = getattr(few.series, name), getattr(many.series, name)[28 // points - 1 :: 28 // points]
+        assert np.max(np.abs(found / exact - 1)) < stated
+
+
+@pytest.mark.parametrize(
+    ("frequency", "radius", "message"),
+    [
+        (0.1, 20.0, "13 nodes do not resolve the kernel, the error is not known; ask for more points or a smaller"),
+        (0.1, 5.0, "above the tolerance 1.0e-08; ask for a smaller contact radius"),
+        (0.5, 5.0, "above the tolerance 1.0e-08; set layered.tolerance to {}, or ask for a smaller contact radius"),
+    ],
+)
+def test_a_remedy_is_a_tolerance_above_the_one_missed_and_allowed(
+    monkeypatch: pytest.MonkeyPatch, frequency: float, radius: float, message: str
+) -> None:
+    monkeypatch.setattr(contact, "FREQUENCY", frequency)
+    with pytest.raises(Refusal) as caught:
+        at(bonded(0.5), Paraboloid(1000.0), radius)
+    found = str(caught.value)
+    before, _, after = message.partition("{}")
+    assert before in found
+    assert found.endswith(after) or not after
+    if after:
+        assert 1e-8 < float(found.partition(before)[2].removesuffix(after)) <= 1e-2
+
+
+def test_rounding_is_no_error_where_the_check_fails(monkeypatch: pytest.MonkeyPatch) -> None:
+    attempt = LayeredContact._attempt
+    monkeypatch.setattr(
+        LayeredContact, "_attempt", lambda *args, order, inner: attempt(*args, order, inner) if order == 24 else None
+    )
+    with pytest.raises(Refusal) as caught:
+        at(bonded(0.5), Paraboloid(1000.0), 1.0)
+    assert "do not resolve the kernel, the error is not known; ask for more points" in str(caught.value)

@@ -149,7 +149,7 @@ class Body:
 
     @property
     def _instead(self) -> str:
-        return "layered" if self.specimen.radius is None else "fem"
+        return "layered" if self.specimen.radius is None else fem_for(self.indenter)
 
     def expected_steps(self, levels: Levels) -> float:
         """How many steps of the degree from ``LOWEST`` on the tolerance will need."""
@@ -236,6 +236,11 @@ class Body:
         elements = SAFETY / fall * last + least
         elements[-1] = np.maximum(elements[-1], STEEPER * elements[:-1].max(axis=0))
         return Judged(radii, elements, parameters, cut)
+
+
+def fem_for(indenter: Indenter) -> str:
+    """The method ``fem`` as a remedy: it knows no elastic indenter on the bodies that belong here."""
+    return "fem" if indenter.material is None else "fem (with a rigid indenter)"
 
 
 def _stiffening(region: Region) -> float:

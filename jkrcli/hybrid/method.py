@@ -22,7 +22,7 @@ from ..problem import HalfSpace, Problem
 from ..radii import check_radius
 from ..series import ErrorBudget, Series, Solution
 from ..units import show
-from .contact import EDGE, ROUGH, Body, KernelContact
+from .contact import EDGE, ROUGH, Body, KernelContact, fem_for
 from .kernel import STEP, Levels
 from .refinement import LOWEST
 
@@ -109,7 +109,7 @@ class Hybrid:
                 break
             reach = self._further(problem, body, reach, float(radii[-1]))  # the first kernels had been too rough
         else:
-            raise Refusal(_not_found(reach))
+            raise Refusal(_not_found(problem, reach))
         with clock("solve"):
             nested = contact.nested(radii, contact.plan(radii, SEARCH * self.tolerance))
             S0 = _first_stiffness(contact, self.tolerance)
@@ -144,7 +144,7 @@ class Hybrid:
             if largest <= reach and (SPARE * largest <= reach or reach == _end(problem, body)):
                 return min(SPARE * largest, _end(problem, body))
             reach = self._further(problem, body, reach, largest)
-        raise Refusal(_not_found(reach))
+        raise Refusal(_not_found(problem, reach))
 
     def _further(self, problem: Problem, body: Body, reach: float, largest: float) -> float:
         """The next reach [m] after one that proved too short for the radius ``largest`` [m]."""
@@ -167,10 +167,10 @@ def _expected_radius(problem: Problem, body: Body) -> float:
     return min(largest_for_contact(wide, problem.loading, ROUGH), _end(problem, body))
 
 
-def _not_found(reach: float) -> str:
+def _not_found(problem: Problem, reach: float) -> str:
     return (
         f"hybrid: no largest contact radius was found within {ATTEMPTS} kernels, the last up to "
-        f"{show(reach, 'length')}: prescribe loading.radius, or use method fem"
+        f"{show(reach, 'length')}: prescribe loading.radius, or use method {fem_for(problem.indenter)}"
     )
 
 
@@ -185,7 +185,7 @@ def _unable(problem: Problem) -> str | None:
     if isinstance(specimen.materials[0], Graded) and specimen.radius is None:
         return "the correction is not smooth where the modulus changes from the contact on: use method layered"
     if isinstance(specimen.materials[0], TransverselyIsotropic):
-        other = "layered" if specimen.radius is None else "fem (with a rigid indenter)"
+        other = "layered" if specimen.radius is None else fem_for(problem.indenter)
         return f"the exact part needs an isotropic material at the contact: use method {other}"
     return None
 
@@ -201,7 +201,7 @@ def _too_much(problem: Problem) -> str:
     word = {"depth": "depth", "load": "load", "radius": "contact radius"}[loading.to]
     return (
         f"loading: before a {word} of {goal} the contact comes too near to the side (a at most {EDGE:g} of the body's "
-        f"radius, {show(radius, 'length')}): load less, or use method fem"
+        f"radius, {show(radius, 'length')}): load less, or use method {fem_for(problem.indenter)}"
     )
 
 

@@ -94,7 +94,7 @@ def _partition(stops: Iterable[float], size: Callable[[Array], Array], wide: boo
         density = 1 / size(x)
         count = np.concatenate([[0.0], np.cumsum(np.diff(x) * (density[1:] + density[:-1]) / 2)])
         if count[-1] > MOST:
-            instead = "layered or fem" if wide else "fem"
+            instead = "layered or fem" if wide else "fem (with a rigid indenter)"
             raise Refusal(
                 f"hybrid: the contact or body is so large against the nearest interface that elements would lie in "
                 f"{count[-1]:.2g} rows (limit {MOST}); ask for a smaller contact, or use the method {instead}"

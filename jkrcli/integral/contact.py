@@ -24,6 +24,7 @@ ORDERS = range(1, 11)  # Gauss nodes per panel
 UNSMOOTH = 4  # the least order where the solution is not smooth at the edge
 EDGE = 0.03  # its error there: the square of this times the panel's width times the strength of the logarithm
 CROWDING = 8
+NARROWER = 1.5
 LOGARITHM = 400  # operations that an entry of the kernel's logarithmic part costs
 FREQUENCY = 5.0  # highest wave number that the solution contains noticeably, times the kernel's scale
 CROWD = 8  # nodes per radius, below which it is the radii that make them many
@@ -35,6 +36,7 @@ SAFETY = 4.0
 NO_CLAIM = 1e-3  # errors below this part of the tolerance are not told apart
 COLUMNS = ("delta", "P", "S", "dS")
 REFINEMENTS = 4
+LOOSEST = 1e-2  # of the tolerances
 
 
 class InaccurateError(Refusal):
@@ -63,6 +65,10 @@ class Plan:
         step = 1 if self.order <= 4 else 2
         crowding = self.crowding + 1 if self.crowding else 0
         return Plan(self.order + step, self.widest, self.nodes // self.order * (self.order + step), crowding)
+
+    def narrower(self) -> Plan:
+        """Narrower panels of the same order, more crowded: product integration loses accuracy at higher orders."""
+        return Plan(self.order, self.widest / NARROWER, math.ceil(self.nodes * NARROWER), self.crowding + 1)
 
     def crowded(self, radii: Array, strength: float, tolerance: float) -> Plan:
         """The same with panels that crowd before each radius, for a kernel -``strength`` ln |x - t| [1/m]."""
@@ -169,28 +175,25 @@ class LayeredContact:
         plan = self.plan(radii, tolerance / MARGIN)
         some = checked(radii)
         check = self.plan(radii[some], tolerance / MARGIN**3).finer()
-        worst = math.inf
+        best = math.inf
         for step in range(REFINEMENTS):
-            main = self._attempt(radii, plan, order=24, inner=20 + 8 * step)
-            if main is not None and (worst := float(main.rounding.max())) > tolerance:
-                break
-            other = self._attempt(radii[some], check, order=20, inner=26 + 8 * step)
+            try:
+                main = self._attempt(radii, plan, order=24, inner=20 + 8 * step)
+                if main is not None and (rounding := float(main.rounding.max())) > tolerance:
+                    best = rounding
+                    break
+                other = self._attempt(radii[some], check, order=20, inner=26 + 8 * step)
+            except Refusal:
+                if math.isinf(best):
+                    raise
+                break  # refined beyond the limits of the cost
             if main is not None and other is not None:
                 errors = _errors(main, other, some) + tolerance * NO_CLAIM
-                worst = float(errors.max())
-                if worst <= tolerance:
+                best = min(best, float(errors.max()))
+                if best <= tolerance:
                     return main, errors
-            plan, check = plan.finer(), check.finer()
-        enough = (
-            f"set layered.tolerance to {2 * worst:.0e}" if math.isfinite(worst) else "set a larger layered.tolerance"
-        )
-        missed = (
-            f"layered: the estimated relative error is {worst:.1e} with {plan.nodes} nodes, above the tolerance "
-            f"{tolerance:.1e}; "
-        )
-        raise InaccurateError(
-            f"{missed}{enough}, or ask for a smaller contact radius", f"{missed}ask for a smaller contact radius"
-        )
+            plan, check = (p.finer() if self.spectrum.tail is None else p.narrower() for p in (plan, check))
+        raise _inaccurate(best, plan.nodes, tolerance)
 
     def _attempt(self, radii: Array, plan: Plan, order: int, inner: int) -> Nested | None:
         """As ``nested``; None where the quadrature is too coarse for a positive definite matrix."""
@@ -198,6 +201,18 @@ class LayeredContact:
             return self.nested(radii, plan, order, inner)
         except SolveError:
             return None
+
+
+def _inaccurate(error: float, nodes: int, tolerance: float) -> InaccurateError:
+    """The least ``error`` that was found, infinite where none was, and what may help."""
+    smaller = "ask for a smaller contact radius"
+    if math.isinf(error):
+        missed = f"layered: {nodes} nodes do not resolve the kernel, the error is not known; "
+        return InaccurateError(f"{missed}ask for more points or a smaller contact radius", f"{missed}{smaller}")
+    missed = f"layered: the estimated relative error is {error:.1e} with {nodes} nodes, above the tolerance "
+    missed += f"{tolerance:.1e}; "
+    enough = f"set layered.tolerance to {2 * error:.0e}, or " if 2 * error <= LOOSEST else ""
+    return InaccurateError(f"{missed}{enough}{smaller}", f"{missed}{smaller}")
 
 
 def _errors(main: Nested, other: Nested, some: Array) -> Array:

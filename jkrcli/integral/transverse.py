@@ -22,7 +22,7 @@ from ..materials import TransverselyIsotropic
 
 Array = np.ndarray
 
-SMALL = 2.0  # below this A y the differences are summed as power series
+SMALL = 2.0  # below this A y and |D| y the differences are summed as power series
 TERMS = 14
 
 
@@ -91,14 +91,15 @@ class Medium:
         A = math.sqrt(A2)
         o_A, q_A = _hyperbolic(A2, y, A)
         o, q = _hyperbolic(D2, y, A)
-        x = np.minimum(y, SMALL / A)
+        largest = math.sqrt(max(A2, -D2))  # |D| > A under a stiffness in shear far above the others
+        x = np.minimum(y, SMALL / largest)
         odd, even, power = np.zeros_like(y), np.zeros_like(y), 1.0
         difference = 0.0
         for n in range(1, TERMS + 1):
             difference, power = A2 * difference + power, power * D2
             odd += difference * x ** (2 * n + 1) / math.factorial(2 * n + 1)
             even += difference * x ** (2 * n + 2) / math.factorial(2 * n + 2)
-        small, decay = A * y < SMALL, np.exp(-A * x)
+        small, decay = largest * y < SMALL, np.exp(-A * x)
         o1 = np.where(small, odd * decay, (o_A - o) / (A2 - D2))
         q1 = np.where(small, even * decay, (q_A - q) / (A2 - D2))
         return o, q, o1, q1

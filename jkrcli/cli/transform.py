@@ -140,8 +140,9 @@ def _print(job: _Job, results: list[Analysis], endings: tuple[str, ...]) -> None
         say(f"  w = {show(result.w, 'work')}")
         for name, point in result.pull_off.items():
             if isinstance(point, CriticalPoint):
+                load = f"{show(point.P, 'load')} {_known(result, name)}"
                 say(
-                    f"    pull-off, {name + ' control:':<22} P = {show(point.P, 'load') + ' ' + _known(result, name):<22} "
+                    f"    pull-off, {name + ' control:':<22} P = {load:<22} "
                     f"delta = {show(point.delta, 'length'):<12} a = {show(point.a, 'length')}"
                 )
             elif result.w > 0:

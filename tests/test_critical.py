@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.integrate import cumulative_trapezoid
 
 from jkrcli.adhesion import AdhesiveCurve, CriticalPoint, transform
 from jkrcli.critical import point_error
@@ -40,9 +41,10 @@ def perturbed(series: Series, size: float) -> AdhesiveCurve:
     assert series.dS is not None
     f, df = 1 + size * (x**2 - x / 3), size * (2 * x - 1 / 3) / series.a[-1]
     S, dS = series.S * f, series.dS * f + series.S * df
-    rate = np.gradient(series.delta, series.a)
-    P = series.P + np.concatenate([[0.0], np.cumsum((series.S * (f - 1) * rate)[1:] * np.diff(series.a))])
-    changed = replace(series, P=P, S=S, dS=dS)
+    delta = series.delta * (1 + size * (x - x**2 / 2))
+    more = np.gradient(delta, series.a) * S - np.gradient(series.delta, series.a) * series.S
+    P = series.P + cumulative_trapezoid(more, series.a, initial=0.0)
+    changed = replace(series, delta=delta, P=P, S=S, dS=dS)
     return transform(changed, slopes(changed, "exact"), W)
 
 
@@ -138,7 +140,28 @@ def test_the_summary_and_the_printed_line_hold_it(jkr, points: int, known: bool)
     found = json.loads(Path("x-w0.01.json").read_text(encoding="utf-8"))["pull_off"]["load"]
     if known:
         assert 0 < found["P_err_N"] < 1e-3 * abs(found["P_N"])
-        assert f"± {100 * found['P_err_N'] / abs(found['P_N']):.2g} % " in outcome.out
+        percent = 100 * found["P_err_N"] / abs(found["P_N"])
+        assert f"± {float(f'{percent:.2g}'):g} % " in outcome.out
     else:
         assert found["P_err_N"] is None
+        assert " ± ? " in outcome.out
         assert found["error"] == "unknown: fewer than 5 points"
+
+
+def test_smoothing_splines_are_measured_against_the_other_slopes() -> None:
+    """What neighbouring rows have in common is not seen where every second one is left out."""
+    body = Specimen((Layer(Elastic(1.0, 0.499), 0.3),), Rigid())
+    exact = Layered()(Problem(Paraboloid(10.0), body, Loading("radius", 2.0, 150))).series
+    truth = transform(exact, slopes(exact, "exact"), 1e-5).pull_off(math.inf)
+    ours = transform(exact, slopes(exact, "loocv"), 1e-5)
+    point = ours.pull_off(math.inf)
+    assert isinstance(truth, CriticalPoint)
+    assert isinstance(point, CriticalPoint)
+    found = point_error(ours, point, math.inf)
+    assert not isinstance(found, str)
+    assert 0.05 * abs(truth.P) < abs(point.P - truth.P) <= found["P"]
+
+
+def test_no_adhesion_has_no_such_error(exact: Series) -> None:
+    nothing = transform(exact, slopes(exact, "integral"), 0.0)
+    assert point_error(nothing, CriticalPoint(1.0, 0.1, 0.1), 0.0) == "unknown: there is no adhesion at w = 0"

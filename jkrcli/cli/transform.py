@@ -126,8 +126,9 @@ def _known(result: Analysis, control: str) -> str:
     """The 90 % half-width of the pull-off force, relative to it."""
     found, point = result.pull_off_errors[control], result.pull_off[control]
     if isinstance(found, str) or not isinstance(point, CriticalPoint) or point.P == 0:
-        return ""
-    return f"± {100 * found['P'] / abs(point.P):.2g} %"
+        return "± ?"  # the JSON file says why
+    percent = 100 * found["P"] / abs(point.P)
+    return f"± {float(f'{percent:.2g}'):g} %"
 
 
 def _print(job: _Job, results: list[Analysis], endings: tuple[str, ...]) -> None:

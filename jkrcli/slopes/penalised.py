@@ -62,7 +62,6 @@ class _Linear:
     """The solution of one linearised problem."""
 
     step: Array
-    V: Array
     penalty: Array
     phi: float
     lambdas: Array
@@ -88,7 +87,8 @@ def minimise(
             break
         damping = max(10 * damping, LEAST_DAMPING) if taken < POOR_STEP else damping / 3 * (damping > LEAST_DAMPING)
     settled = moved < STUCK and (taken > 0 or linear.deviations < STUCK)
-    V = _averaged(linear, *now, c, blocks, phi_floor)
+    known = freeze > 0  # else only a place to start from
+    V = _averaged(linear, *now, c, blocks, phi_floor) if known else np.zeros((c.size, c.size))
     return Fit(c, V, now[0], linear.phi, lambdas, linear.spent, settled, linear.phi <= phi_floor)
 
 
@@ -113,7 +113,7 @@ def _averaged(linear: _Linear, r: Array, J: Array, c: Array, blocks: Sequence[sl
         objective = float(r @ r + 2 * gradient @ step + step @ normal @ step + penalty @ (c + step) ** 2)
         phi = max(objective / free, phi_floor)
         log_det = 2 * float(np.log(np.diag(system[0])).sum())
-        likelihoods.append(log_prior - (log_det + free * math.log(phi)) / 2)
+        likelihoods.append(log_prior - (log_det + free * math.log(phi) + objective / phi) / 2)
         covariances.append((system, phi / linear.phi, step))
     weights = np.exp(np.array(likelihoods) - max(likelihoods))
     V = np.zeros_like(normal)
@@ -157,7 +157,7 @@ def _linear(
     deviations = float(np.sqrt(max(step @ system @ step, 0.0) / phi))
     if damping > 0:
         step = -cho_solve(cho_factor(system + damping * np.diag(np.diag(system))), gradient + penalty * c)
-    return _Linear(step, V, penalty, phi, lambdas, spent, deviations)
+    return _Linear(step, penalty, phi, lambdas, spent, deviations)
 
 
 def _update(lam: float, scale: float, c: Array, V: Array, phi: float) -> float:

@@ -28,9 +28,10 @@ QUADRATURE = 1e-3  # of the tolerance: error of the quadrature of the contact eq
 PARAMETERS = 1e-2  # of the tolerance, planned for the number of parameters t; conditioning takes the rest
 CUT = 0.1  # of the tolerance, for cutting an unbounded body
 SAMPLES = 6  # radii at which errors are judged
-NO_CLAIM = 0.1  # errors below this part of the tolerance are not told apart: quadratures, rounding
+NO_CLAIM = 0.05  # errors below this part of the tolerance are not told apart: quadratures, rounding
 SAFETY = 2.5  # on the error that the last step of the degree leaves
-STEEPER = 2.0  # S' errs so many times as much as the others, whatever the last step happens to change
+STEEPER = 2.0  # S' errs so many times as much as the others, whatever the last step happens to change,
+ALLOWED = 0.5  # but that alone, up to this part of the tolerance, asks for no finer elements
 SLOWEST, FASTEST = 3.0, 15.0  # what a step divides it by
 CORNERED = 8.0  # at most, with singular corners
 UNSEEN, LEAST = 3.0, 0.5  # of the last polynomial's change times 1/(convergence - 1): the error left; at least
@@ -234,7 +235,8 @@ class Body:
         parameters = max(left, LEAST) * change(contact.kernel.shorter())
         least = NO_CLAIM * self.tolerance + (GRADED if levels.wide is not None else 0.0)
         elements = SAFETY / fall * last + least
-        elements[-1] = np.maximum(elements[-1], STEEPER * elements[:-1].max(axis=0))
+        steeper = np.minimum(STEEPER * elements[:-1].max(axis=0), ALLOWED * self.attainable)
+        elements[-1] = np.maximum(elements[-1], steeper)
         return Judged(radii, elements, parameters, cut)
 
 

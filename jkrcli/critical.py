@@ -51,13 +51,12 @@ def _propagated(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) ->
     covariance = (1 - share) * slopes.joint[i] + share * slopes.joint[i + 1]
     delta, P, delta_rate, P_rate = _gradients(curve, a)
     rates = [float(rate) for rate in curve.rates(np.array(a))]
-    if stiffness == 0:
-        F, bend = P_rate, 1
-    else:
-        F, bend = delta_rate + P_rate / stiffness, 0
     along = np.clip(a * (1 + STEP * np.array([-1.0, 1.0])), curve.a[0], curve.a[-1])
-    pair = curve.rates(along)
-    controlled = pair[1] if bend else pair[0] + pair[1] / stiffness
+    beside = curve.rates(along)
+    if stiffness == 0:
+        F, controlled = P_rate, beside[1]
+    else:
+        F, controlled = delta_rate + P_rate / stiffness, beside[0] + beside[1] / stiffness
     rise = float(controlled[1] - controlled[0])
     if rise == 0:
         return "unknown: the curve is flat there"

@@ -10,7 +10,7 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any
 
-from .errors import InputError, JkrError, Refusal
+from .base.errors import InputError, JkrError, Refusal
 
 if TYPE_CHECKING:
     from .api import (

@@ -29,26 +29,26 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from . import store, tables
-from .analysis import Analysis, analyse
-from .case import Case, load_case
+from .adhesion.analysis import Analysis, analyse
+from .base.errors import InputError
+from .base.files import check_series_target
+from .base.threads import one_thread
+from .base.units import parse
+from .case import Case, load_case, store
 from .case import parse_case as _parse_case
-from .errors import InputError
-from .files import check_series_target
-from .guards import Limits
-from .measured import Curve, Reading
-from .measured import read as read_curves
+from .case.solving import solve as _solve
+from .case.store import Kept, Stored
+from .data.measured import Curve, Reading
+from .data.measured import read as read_curves
+from .methods.guards import Limits
+from .report import tables
 from .series import Array
-from .solving import solve as _solve
-from .store import Kept, Stored
-from .threads import one_thread
-from .units import parse
 
 if TYPE_CHECKING:
     from pandas import DataFrame
 
-    from .fit import Fit
-    from .plots import Figure
+    from .identify.fit import Fit
+    from .report.plots import Figure
 
 __all__ = [
     "identify",
@@ -129,12 +129,12 @@ def identify(
     """E*, w and the zero points that bring the adhesive curve of ``body`` nearest to one ``measured`` curve.
 
     ``body``: a case (solved to the radii that the data ask for), a solved series, or the file of either. ``free``: more
-    parameters ("P0", "E:film"); ``fix``: known ones, {"w": "50 mJ/m^2"}; ``options``: see jkrcli.fit.Settings. Raises
-    InputError where the data cannot be fitted.
+    parameters ("P0", "E:film"); ``fix``: known ones, {"w": "50 mJ/m^2"}; ``options``: see
+    jkrcli.identify.fit.Settings. Raises InputError where the data cannot be fitted.
     """
-    from .fit import fit
-    from .fit.request import settings_of
-    from .fit.source import body_of
+    from .identify.fit import fit
+    from .identify.fit.request import settings_of
+    from .identify.fit.source import body_of
 
     source = body_of(Path(body) if isinstance(body, str) else body, slopes)
     curve = measured if isinstance(measured, Curve) else _only_curve(Path(measured))
@@ -149,7 +149,7 @@ def _only_curve(path: Path) -> Curve:
 
 
 def measured_curves(path: str | Path, **reading: Any) -> list[Curve]:
-    """The measured curves in a file; ``reading``: how to read it, see jkrcli.measured.Reading."""
+    """The measured curves in a file; ``reading``: how to read it, see jkrcli.data.measured.Reading."""
     return read_curves(Path(path), Reading(**reading))
 
 
@@ -169,7 +169,8 @@ def to_pandas(curve: Analysis) -> DataFrame:
 
 def plot(curve: Analysis, path: str | Path | None = None) -> Figure:
     """Load over displacement and contact radius over load; also written to ``path`` (.png, .svg, .pdf) where given."""
-    from . import plots, plots_curve
+    from .report import plots
+    from .report.plots import curve as plots_curve
 
     figure = plots_curve.curve_figure(curve, plots_curve.physical_units(curve.curve))
     if path is not None:

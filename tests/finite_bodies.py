@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from jkrcli.materials import Elastic
-from jkrcli.problem import HalfSpace, Layer, Rigid, Side, Specimen
+from jkrcli.bodies.materials import Elastic
+from jkrcli.bodies.problem import HalfSpace, Layer, Rigid, Side, Specimen
 
 
 def stack(*layers: tuple[float, float, float], base: Rigid | HalfSpace | None = None) -> Specimen:

@@ -8,15 +8,15 @@ from functools import cache
 import numpy as np
 from scipy.optimize import brentq
 
-from jkrcli.adhesion import transform
-from jkrcli.fit import Body, Parameter, Settings
-from jkrcli.formulas import ClosedForm
-from jkrcli.indenters import Paraboloid
-from jkrcli.integral.layered import Layered
-from jkrcli.materials import Elastic
-from jkrcli.measured import Curve
-from jkrcli.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
-from jkrcli.slopes import slopes
+from jkrcli.adhesion.curve import transform
+from jkrcli.adhesion.slopes import slopes
+from jkrcli.bodies.indenters import Paraboloid
+from jkrcli.bodies.materials import Elastic
+from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
+from jkrcli.data.measured import Curve
+from jkrcli.identify.fit import Body, Parameter, Settings
+from jkrcli.methods.closed_form import ClosedForm
+from jkrcli.methods.layered.layered import Layered
 
 R, E_STAR, W = 10e-6, 1e6, 0.1  # the identification of Perepelkin et al., Nanomaterials 10 (2020) 15
 P_C = 1.5 * np.pi * W * R

@@ -14,7 +14,7 @@ import pytest
 
 import jkrcli as jkr_python
 from jkrcli import api
-from jkrcli.tables import read_curve
+from jkrcli.report.tables import read_curve
 
 CASES = Path(__file__).parent.parent / "cases"
 PACKAGE = Path(jkr_python.__file__).parent

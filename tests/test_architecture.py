@@ -1,96 +1,150 @@
-"""Imports point one way, heavy libraries have one door each, and help costs nothing."""
+"""Imports go down from room to room and never in circles, heavy libraries have one door each, help costs nothing."""
 
 from __future__ import annotations
 
 import ast
 import subprocess
 import sys
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 import pytest
 
 PACKAGE = Path(__file__).parent.parent / "jkrcli"
+# The rooms, each above those that may import from it; what stands at the top of the package may import from all.
+ROOMS = (
+    "base", "bodies", "formulas", "series", "methods", "case", "adhesion", "data", "identify", "report", "many", "cli",
+)  # fmt: skip
+MOST_AT_TOP = 4
+# Libraries and the one folder or module that may import each.
 DOORS = {
-    "gmsh": {"fem/mesh.py", "fem/export.py"},
-    "cvxopt": {"fem/factor.py"},
-    "skfem": {"fem/elasticity.py", "fem/stress.py"},
-    "h5py": {"store.py", "files.py", "sweep/table.py", "fit/archive.py"},
-    "matplotlib": {
-        "plots.py",
-        "plots_curve.py",
-        "plots_study.py",
-        "plots_stability.py",
-        "plots_noise.py",
-        "plots_chart.py",
-        "plots_failures.py",
-        "plots_fields.py",
-        "plots_work.py",
-        "plots_fit.py",
-        "plots_contact_zone.py",
-    },
-    "meshio": {"fem/export.py"},
-    "pydantic": {
-        "case/__init__.py",
-        "case/fields.py",
-        "case/models.py",
-        "case/indenter.py",
-        "case/materials.py",
-        "case/sweep.py",
-    },
-    "plotly": {"explorer/page.py"},
-    "click": {"cli"},
-    "distributed": {"executors.py"},
-    "pyarrow": {"sweep/table.py"},
-    "afmformats": {"measured/afm.py"},
+    "afmformats": "data/measured/afm.py",
+    "click": "cli",
+    "cvxopt": "methods/fem/factor.py",
+    "distributed": "base/executors.py",
+    "gmsh": "methods/fem/mesh.py",
+    "matplotlib": "report/plots",
+    "meshio": "methods/fem/export.py",
+    "plotly": "report/explorer/page.py",
+    "pydantic": "case",
 }
-# Each part may import from itself and from those before it.
-ORDER = [
-    "errors", "doctor", "grading", "materials", "units", "files", "clock", "threads", "progress", "executors",
-    "indenters", "problem", "words", "series", "closed_form", "methods", "guards", "radii", "integral", "formulas",
-    "fem", "hybrid", "choose", "case", "solving", "store", "cache", "text_table", "columns", "foreign", "measured",
-    "slopes", "adhesion", "critical", "validity", "states", "stability_path", "stability", "stability_inverse",
-    "comparison", "differences", "expectation", "analysis", "scaling", "tables", "fit", "work", "sweep", "plots",
-    "plots_curve", "plots_fields", "plots_study", "plots_contact_zone", "plots_stability", "plots_work", "plots_fit",
-    "study", "plots_noise", "plots_chart", "plots_failures", "explorer", "api", "cli", "__main__",
-]  # fmt: skip
 
 
-def parts() -> list[Path]:
-    return sorted(PACKAGE.rglob("*.py"))
+def modules(package: Path) -> dict[str, Path]:
+    """Dotted name below the package of every module; a folder's ``__init__`` has the folder's name."""
+    found = {}
+    for path in sorted(package.rglob("*.py")):
+        parts = path.relative_to(package).with_suffix("").parts
+        found[".".join(parts[:-1] if parts[-1] == "__init__" else parts)] = path
+    return found
 
 
-def imports_of(path: Path) -> list[str]:
-    """Absolute names of all modules that ``path`` imports anywhere."""
-    names = []
-    here = ("jkrcli", *path.relative_to(PACKAGE).with_suffix("").parts)
+def imported(name: str, path: Path) -> Iterator[str]:
+    """Absolute names of everything that module ``name`` imports: at the top, in functions, for types alone."""
+    parent = ["jkrcli", *filter(None, name.split("."))]
+    if path.name != "__init__.py":
+        parent.pop()
     for node in ast.walk(ast.parse(path.read_text())):
         if isinstance(node, ast.Import):
-            names += [alias.name for alias in node.names]
+            yield from (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
-            base = ".".join(here[: len(here) - node.level]) if node.level else ""
-            module = ".".join(filter(None, [base, node.module]))
-            names += [f"{module}.{alias.name}" for alias in node.names]
-    return names
+            base = parent[: len(parent) - node.level + 1] if node.level else []
+            module = ".".join([*base, *([node.module] if node.module else [])])
+            yield from (f"{module}.{alias.name}" for alias in node.names)
 
 
-@pytest.mark.parametrize("path", parts(), ids=lambda path: str(path.relative_to(PACKAGE)))
-def test_imports_point_one_way(path: Path) -> None:
-    own = path.relative_to(PACKAGE).parts[0].removesuffix(".py")
-    if own == "__init__":
-        return
-    assert own in ORDER, f"place {own} in the order of imports"
-    for name in imports_of(path):
-        top, *rest = name.split(".")
-        if top == "jkrcli" and rest and rest[0] in ORDER:
-            assert ORDER.index(rest[0]) <= ORDER.index(own), f"{own} imports {rest[0]}, which comes after it"
+def arrows(package: Path) -> dict[str, set[str]]:
+    """For each module those of the package that it imports; a name taken from a folder counts as the folder."""
+    known = modules(package)
+    graph: dict[str, set[str]] = {name: set() for name in known}
+    for name, path in known.items():
+        for target in imported(name, path):
+            head, *rest = target.split(".")
+            if head != "jkrcli":
+                continue
+            while ".".join(rest) not in known:
+                rest.pop()
+            if rest and ".".join(rest) != name:
+                graph[name].add(".".join(rest))
+    return graph
 
 
-@pytest.mark.parametrize("path", parts(), ids=lambda path: str(path.relative_to(PACKAGE)))
-def test_each_heavy_library_has_one_door(path: Path) -> None:
-    relative = str(path.relative_to(PACKAGE))
-    for name in imports_of(path):
-        allowed = DOORS.get(name.split(".")[0])
-        assert allowed is None or relative in allowed or relative.split("/")[0] in allowed, f"{relative} imports {name}"
+def backward(graph: Mapping[str, set[str]]) -> list[str]:
+    """Arrows from a room to one that comes after it."""
+    room = {name: ROOMS.index(name.split(".")[0]) for name in graph if name.split(".")[0] in ROOMS}
+    return [
+        f"{name} imports {target}"
+        for name, targets in graph.items()
+        for target in sorted(targets)
+        if name in room and (target not in room or room[target] > room[name])
+    ]
+
+
+def circles(graph: Mapping[str, set[str]]) -> list[str]:
+    """Modules that import each other, directly or through others, one circle each."""
+    found, state = [], dict.fromkeys(graph, 0)
+
+    def visit(name: str, way: list[str]) -> None:
+        state[name] = 1
+        for target in sorted(graph[name]):
+            if state[target] == 1:
+                found.append(" -> ".join([*way[way.index(target) :], target]))
+            elif state[target] == 0:
+                visit(target, [*way, target])
+        state[name] = 2
+
+    for name in graph:
+        if state[name] == 0:
+            visit(name, [name])
+    return found
+
+
+def test_every_room_has_its_place() -> None:
+    assert {path.name for path in PACKAGE.iterdir() if path.is_dir() and path.name != "__pycache__"} == set(ROOMS)
+    at_top = sorted(path.name for path in PACKAGE.glob("*.py"))
+    assert len(at_top) <= MOST_AT_TOP, at_top
+
+
+def test_imports_go_down_from_room_to_room() -> None:
+    assert backward(arrows(PACKAGE)) == []
+
+
+def test_no_module_imports_itself_through_others() -> None:
+    assert circles(arrows(PACKAGE)) == []
+
+
+@pytest.mark.parametrize(
+    ("lines", "back", "circle"),
+    [
+        ({"base/a.py": "from ..cli import b", "cli/b.py": ""}, ["base.a imports cli.b"], []),
+        ({"base/a.py": "def f():\n    from ..case.b import c", "case/b.py": ""}, ["base.a imports case.b"], []),
+        (
+            {"base/a.py": "from . import b", "base/b.py": "if TYPE_CHECKING:\n    from .a import A"},
+            [],
+            ["base.a -> base.b -> base.a"],
+        ),
+        ({"base/a.py": "import jkrcli.many.b", "many/b.py": "from ..base import a"}, ["base.a imports many.b"], True),
+        ({"base/a.py": "", "case/b.py": "from ..base.a import f", "cli/c.py": "from ..case import b"}, [], []),
+    ],
+)
+def test_the_check_sees_what_points_back(
+    tmp_path: Path, lines: dict[str, str], back: list[str], circle: list[str] | bool
+) -> None:
+    for name, text in lines.items():
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text(text)
+        (tmp_path / name).with_name("__init__.py").touch()
+    graph = arrows(tmp_path)
+    assert backward(graph) == back
+    assert circles(graph) == circle if isinstance(circle, list) else circles(graph)
+
+
+def test_each_heavy_library_has_one_door() -> None:
+    for name, path in modules(PACKAGE).items():
+        relative = path.relative_to(PACKAGE)
+        for target in imported(name, path):
+            door = DOORS.get(target.split(".")[0])
+            assert door is None or relative.is_relative_to(door), f"{relative} imports {target}"
 
 
 def test_help_imports_no_heavy_module() -> None:

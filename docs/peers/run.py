@@ -26,17 +26,17 @@ import calculix
 import numpy as np
 from bodies import BODIES, Body
 
-from jkrcli import tables
-from jkrcli.adhesion import transform
-from jkrcli.errors import JkrError
-from jkrcli.files import check_target, write_text
-from jkrcli.indenters import Paraboloid
-from jkrcli.materials import Elastic
-from jkrcli.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
+from jkrcli.adhesion.curve import transform
+from jkrcli.adhesion.slopes import smoothed
+from jkrcli.base.errors import JkrError
+from jkrcli.base.files import check_target, write_text
+from jkrcli.bodies.indenters import Paraboloid
+from jkrcli.bodies.materials import Elastic
+from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
+from jkrcli.many.study.chart_measure import Cost, machine, process_cost, yardstick
+from jkrcli.many.study.chart_reference import Errors, reference_of
+from jkrcli.report import tables
 from jkrcli.series import RawSeries
-from jkrcli.slopes import smoothed
-from jkrcli.study.chart_measure import Cost, machine, process_cost, yardstick
-from jkrcli.study.chart_reference import Errors, reference_of
 
 HERE = Path(__file__).resolve().parent
 WORKS = {"halfspace": 50.0, "thin-layer": 10.0}  # J/m^2, of the pull-off force

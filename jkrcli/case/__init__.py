@@ -13,8 +13,8 @@ from typing import Any, TypeVar
 import tomli_w
 from pydantic import ValidationError
 
-from ..errors import InputError
-from ..files import read_bytes
+from ..base.errors import InputError
+from ..base.files import read_bytes
 from .indenter import SHAPES
 from .models import CaseModel, RootTable
 

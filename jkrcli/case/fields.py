@@ -8,7 +8,7 @@ from typing import Annotated, Any, ClassVar, get_args
 from pydantic import BaseModel, BeforeValidator, ConfigDict
 from pydantic_core import PydanticCustomError
 
-from .. import units
+from ..base import units
 
 
 def wrong(message: str) -> PydanticCustomError:

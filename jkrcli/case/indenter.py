@@ -8,10 +8,10 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, ValidationInfo, model_validator
 
-from ..errors import InputError
-from ..files import read_bytes
-from ..indenters import Indenter, Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
-from ..materials import Elastic
+from ..base.errors import InputError
+from ..base.files import read_bytes
+from ..bodies.indenters import Indenter, Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
+from ..bodies.materials import Elastic
 from .fields import AnyLength, Length, Modulus, Poisson, Table, as_tuple, quantity, wrong
 
 

@@ -7,10 +7,10 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import BeforeValidator, Discriminator, Tag, model_validator
 
-from .. import grading
-from ..errors import InputError
-from ..materials import Elastic, Graded, TransverselyIsotropic
-from ..problem import Layer
+from ..base.errors import InputError
+from ..bodies import grading
+from ..bodies.materials import Elastic, Graded, TransverselyIsotropic
+from ..bodies.problem import Layer
 from .fields import AnyLength, Length, Modulus, Poisson, Table, as_tuple, quantity, wrong
 
 CONSTANTS = ("E_p", "E_z", "nu_p", "nu_zp", "G_z")

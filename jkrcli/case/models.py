@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal, Self, get_args
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from ..problem import HalfSpace, Loading, Problem, Quantity, Rigid, Specimen
+from ..bodies.problem import HalfSpace, Loading, Problem, Quantity, Rigid, Specimen
 from .fields import Force, Length, Table, Work, as_tuple, one_or_more, quantity, wrong
 from .indenter import AnyIndenter
 from .materials import AnyHalfSpace, AnyLayer

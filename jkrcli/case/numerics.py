@@ -8,7 +8,7 @@ from ..methods import Method, method_class
 from .models import CaseModel
 
 if TYPE_CHECKING:
-    from ..fem.method import FEM
+    from ..methods.fem.method import FEM
 
 
 def method_of(model: CaseModel, name: str) -> Method:
@@ -25,6 +25,6 @@ def method_of(model: CaseModel, name: str) -> Method:
 
 def fem_of(model: CaseModel) -> FEM:
     """The finite-element method as the tables mesh and contact say."""
-    from ..fem.method import FEM
+    from ..methods.fem.method import FEM
 
     return FEM(contact=model.contact.algorithm, **model.mesh.model_dump(exclude_none=True))

@@ -15,7 +15,7 @@ from collections.abc import Sequence
 import click
 
 from .. import __version__
-from ..errors import InputError, JkrError, printable
+from ..base.errors import InputError, JkrError, printable
 from .voice import level_options
 
 # One BLAS thread, set before numpy is first imported: the same numbers everywhere, and faster at these sizes.

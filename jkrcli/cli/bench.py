@@ -12,10 +12,9 @@ from statistics import median
 
 import click
 
-from .. import store
-from ..case import Case, load_case
-from ..clock import StageClock
-from ..guards import Limits
+from ..base.clock import StageClock
+from ..case import Case, load_case, store
+from ..methods.guards import Limits
 from .options import limit_memory_option, limit_time_option
 from .run import METHODS, solve
 

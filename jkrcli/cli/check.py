@@ -8,15 +8,16 @@ from typing import Any
 
 import click
 
-from .. import tables, validity
-from ..adhesion import CriticalPoint, Outside
+from ..adhesion import validity
+from ..adhesion.curve import CriticalPoint, Outside
+from ..adhesion.expectation import Expectation, expect
+from ..base.errors import Refusal
+from ..base.units import show
+from ..bodies.words import describe
 from ..case import CaseModel, load_case
 from ..case.numerics import method_of
-from ..choose import Option, choose, cost, objection, survey
-from ..errors import Refusal
-from ..expectation import Expectation, expect
-from ..units import show
-from ..words import describe
+from ..methods.choose import Option, choose, cost, objection, survey
+from ..report import tables
 
 
 @click.command()

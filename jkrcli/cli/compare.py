@@ -6,11 +6,12 @@ from pathlib import Path
 
 import click
 
-from .. import store, tables
-from ..analysis import specification
-from ..differences import Difference, curve_differences, series_differences
-from ..errors import InputError
-from ..files import check_target
+from ..adhesion.analysis import specification
+from ..base.errors import InputError
+from ..base.files import check_target
+from ..case import store
+from ..report import tables
+from ..series.differences import Difference, curve_differences, series_differences
 from .voice import say
 
 COLUMNS = ("P", "a", "S", "dS")
@@ -66,7 +67,8 @@ def compare(
     else:
         _print(first, second, rtol, found, judged, agree)
     if plot is not None:
-        from .. import plots, plots_fields
+        from ..report import plots
+        from ..report.plots import fields as plots_fields
 
         plots.save(plots_fields.differences_figure(found, rtol), plot)
     ctx.exit(0 if agree else 1)

@@ -7,15 +7,16 @@ from typing import Any
 
 import click
 
-from .. import store, tables
-from ..adhesion import Outside
-from ..analysis import analyse, specification
-from ..errors import InputError
-from ..files import check_target, make_folder, write_text
-from ..stability import Cycle, Jump, control, trace, turning_radius
-from ..stability import cycle as run_cycle
-from ..store import Stored
-from ..units import show
+from ..adhesion.analysis import analyse, specification
+from ..adhesion.curve import Outside
+from ..adhesion.stability import Cycle, Jump, control, trace, turning_radius
+from ..adhesion.stability import cycle as run_cycle
+from ..base.errors import InputError
+from ..base.files import check_target, make_folder, write_text
+from ..base.units import show
+from ..case import store
+from ..case.store import Stored
+from ..report import tables
 from .options import Length, Load, WorkOfAdhesion, modulus_factor_option, slopes_option
 from .pull_off import Stiffness
 from .voice import say
@@ -80,7 +81,8 @@ def cycle(
     columns = trace(found, points)
     write_text(targets[".csv"], tables.csv(columns))
     if not no_plots:
-        from .. import plots, plots_stability
+        from ..report import plots
+        from ..report.plots import stability as plots_stability
 
         figure = plots_stability.cycle_figure(columns, control(stiffness))
         for end in ENDINGS[1:]:

@@ -8,7 +8,7 @@ from dataclasses import asdict
 import click
 
 from .. import __version__
-from ..doctor import examine
+from .machine import examine
 
 MARKS = {"ok": "ok      ", "optional": "optional", "missing": "MISSING "}
 

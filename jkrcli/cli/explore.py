@@ -7,11 +7,13 @@ from typing import Any
 
 import click
 
-from .. import measured, store, tables
-from ..analysis import analyse, specification
-from ..errors import InputError
-from ..explorer import page, payload, start_work
-from ..files import check_target, write_text
+from ..adhesion.analysis import analyse, specification
+from ..base.errors import InputError
+from ..base.files import check_target, write_text
+from ..case import store
+from ..data import measured
+from ..report import tables
+from ..report.explorer import page, payload, start_work
 from .measured import reading_of, reading_options
 from .options import WorkOfAdhesion, slopes_option
 from .voice import say

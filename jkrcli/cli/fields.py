@@ -8,18 +8,19 @@ from typing import TYPE_CHECKING, Any
 import click
 import numpy as np
 
-from .. import store, tables
-from ..analysis import analyse, specification
-from ..errors import InputError
-from ..files import atomic, check_target, make_folder, write_text
-from ..states import stable_radius
-from ..units import show
+from ..adhesion.analysis import analyse, specification
+from ..adhesion.states import stable_radius
+from ..base.errors import InputError
+from ..base.files import atomic, check_target, make_folder, write_text
+from ..base.units import show
+from ..case import store
+from ..report import tables
 from .mesh import MARKS
 from .options import Length, Load, WorkOfAdhesion
 from .voice import say
 
 if TYPE_CHECKING:
-    from ..fem.state import ContactState
+    from ..methods.fem.state import ContactState
 
 ENDINGS = (".vtu", ".csv", ".png", ".svg")
 
@@ -70,7 +71,7 @@ def fields(
         check_target(target, force, [file])
     from ..case import parse_case
     from ..case.numerics import fem_of
-    from ..fem.state import contact_state
+    from ..methods.fem.state import contact_state
 
     result = analyse(stored, [w])[0]
     if radius is None:
@@ -83,12 +84,12 @@ def fields(
     state = contact_state(method, problem, radius, delta)
     figure = None
     if not no_plots:
-        from ..plots_contact_zone import contact_zone_figure
+        from ..report.plots.contact_zone import contact_zone_figure
 
         figure = contact_zone_figure(state, problem.indenter, w, component)
     _write(state, targets)
     if figure is not None:
-        from .. import plots
+        from ..report import plots
 
         for ending in ENDINGS[2:]:
             plots.save(figure, targets[ending])
@@ -100,7 +101,7 @@ def fields(
 
 
 def _write(state: ContactState, targets: dict[str, Path]) -> None:
-    from ..fem.export import write_vtu
+    from ..methods.fem.export import write_vtu
 
     flat = np.zeros(len(state.displacement))
     data = {"displacement_m": np.column_stack([state.displacement, flat])}

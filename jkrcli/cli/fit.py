@@ -8,17 +8,17 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..errors import InputError
-from ..guards import Limits
+from ..base.errors import InputError
+from ..methods.guards import Limits
 from .measured import reading_of, reading_options
 from .options import Scale, limit_memory_option, limit_time_option, slopes_option
 from .parallel import parallel_options, pool_for
 from .voice import say, warn
 
 if TYPE_CHECKING:
-    from ..fit import Body, Fit, Settings
-    from ..fit.many import Failure
-    from ..measured import Curve
+    from ..data.measured import Curve
+    from ..identify.fit import Body, Fit, Settings
+    from ..identify.fit.many import Failure
 
 ENDINGS = (".csv", ".json", ".h5")
 PICTURES = (".png", ".svg")
@@ -115,11 +115,11 @@ def fit(
     jkr fit coating.toml probe.csv --free E:skin --bound E:skin="1 MPa..1 GPa"
     jkr fit data.h5 map.jpk-force-map --contact estimate --free P0 --workers 2
     """
-    from .. import tables
-    from ..files import check_target, make_folder, write_text
-    from ..fit import archive, report
-    from ..fit.request import settings_of, uncertain_of
-    from ..fit.source import body_of
+    from ..base.files import check_target, make_folder, write_text
+    from ..identify.fit import archive, report
+    from ..identify.fit.request import settings_of, uncertain_of
+    from ..identify.fit.source import body_of
+    from ..report import tables
 
     folder = body_file.parent if output is None else output
     stem = folder / f"{body_file.stem}-fit"
@@ -157,9 +157,9 @@ def _fits(
     body: Body, paths: tuple[Path, ...], reading: Any, settings: Settings, workers: int | None, scheduler: str | None
 ) -> list[Fit | Failure]:
     """Fits of all curves in all files; InputError where there is none at all."""
-    from ..fit.many import Failure, fit_all
-    from ..measured import each
-    from ..text_table import some
+    from ..data.measured import each
+    from ..data.text_table import some
+    from ..identify.fit.many import Failure, fit_all
 
     curves: list[Curve] = []
     unread: list[str] = []
@@ -181,7 +181,7 @@ def _fits(
 
 def _pictures(found: list[Fit | Failure], stem: Path) -> list[tuple[Fit, Path]]:
     """Fits to draw, with the names of their pictures without ending."""
-    from ..fit import Fit
+    from ..identify.fit import Fit
 
     fits = [item for item in found if isinstance(item, Fit)]
     if len(fits) > SHOWN:
@@ -193,7 +193,8 @@ def _pictures(found: list[Fit | Failure], stem: Path) -> list[tuple[Fit, Path]]:
 
 def _draw(drawn: list[tuple[Fit, Path]]) -> None:
     if drawn:
-        from .. import plots, plots_fit
+        from ..report import plots
+        from ..report.plots import fit as plots_fit
     for item, target in drawn:
         figure = plots_fit.fit_figure(item)
         for ending in PICTURES:
@@ -201,8 +202,8 @@ def _draw(drawn: list[tuple[Fit, Path]]) -> None:
 
 
 def _tell(found: list[Fit | Failure], as_json: bool, body: str) -> None:
-    from .. import tables
-    from ..fit import Fit, report
+    from ..identify.fit import Fit, report
+    from ..report import tables
 
     fits = [item for item in found if isinstance(item, Fit)]
     if as_json:

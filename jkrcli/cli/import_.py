@@ -13,16 +13,16 @@ from typing import Any
 import click
 import tomli_w
 
-from .. import store, tables
-from ..case import Case, load_case, parse_case
+from ..base.errors import InputError
+from ..base.files import check_series_target, read_bytes
+from ..base.units import show
+from ..bodies.words import describe
+from ..case import Case, load_case, parse_case, store
 from ..case.models import CaseModel, LoadingTable
-from ..errors import InputError
-from ..files import check_series_target, read_bytes
-from ..foreign import DIMENSIONS, Reading, read_series
+from ..data.foreign import DIMENSIONS, Reading, read_series
+from ..data.text_table import SEPARATORS
+from ..report import tables
 from ..series import Solution
-from ..text_table import SEPARATORS
-from ..units import show
-from ..words import describe
 from .options import KeyValue, Length
 from .voice import say
 

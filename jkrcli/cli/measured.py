@@ -7,8 +7,8 @@ from typing import Any, TypeVar
 
 import click
 
-from ..measured import KEYS, Reading
-from ..text_table import SEPARATORS
+from ..data.measured import KEYS, Reading
+from ..data.text_table import SEPARATORS
 from .options import Factor, KeyValue, Scale
 
 Command = TypeVar("Command", bound=Callable[..., Any])

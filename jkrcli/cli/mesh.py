@@ -7,14 +7,16 @@ from pathlib import Path
 import click
 import numpy as np
 
-from .. import __version__, plots, plots_fields
+from .. import __version__
+from ..base.files import atomic, check_target, make_folder
+from ..base.units import show
 from ..case import load_case
 from ..case.numerics import fem_of
-from ..fem.export import write_vtu
-from ..fem.mesh import write_msh
-from ..files import atomic, check_target, make_folder
-from ..guards import Limits, admit
-from ..units import show
+from ..methods.fem.export import write_vtu
+from ..methods.fem.mesh import write_msh
+from ..methods.guards import Limits, admit
+from ..report import plots
+from ..report.plots import fields as plots_fields
 from .options import limit_memory_option, limit_time_option
 from .voice import note, say
 

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import click
 
-from ..errors import InputError
-from ..files import check_target, write_text
+from ..base.errors import InputError
+from ..base.files import check_target, write_text
 from .voice import say
 
 TEMPLATE = """\

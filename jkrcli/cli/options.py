@@ -8,8 +8,8 @@ from typing import Any
 
 import click
 
-from .. import units
-from ..guards import Limits
+from ..base import units
+from ..methods.guards import Limits
 
 limit_memory_option = click.option(
     "--limit-memory",

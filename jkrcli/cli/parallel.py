@@ -9,7 +9,7 @@ from typing import Any
 
 import click
 
-from ..executors import executor
+from ..base.executors import executor
 
 PER_WORKER = 5.0  # CPU seconds of work that make it worth starting processes
 

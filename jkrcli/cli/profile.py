@@ -7,15 +7,17 @@ from pathlib import Path
 import click
 import numpy as np
 
-from .. import plots, plots_fields, store, tables
-from ..analysis import analyse, specification
-from ..errors import InputError
-from ..files import check_target, make_folder, write_text
-from ..integral.fields import profile as solve_profile
-from ..integral.layered import unbounded
-from ..problem import Problem
-from ..states import stable_radius
-from ..units import show
+from ..adhesion.analysis import analyse, specification
+from ..adhesion.states import stable_radius
+from ..base.errors import InputError
+from ..base.files import check_target, make_folder, write_text
+from ..base.units import show
+from ..bodies.problem import Problem
+from ..case import store
+from ..methods.layered.fields import profile as solve_profile
+from ..methods.layered.layered import unbounded
+from ..report import plots, tables
+from ..report.plots import fields as plots_fields
 from .options import Length, Load, WorkOfAdhesion
 from .voice import say
 

@@ -8,15 +8,16 @@ from typing import Any
 
 import click
 
-from .. import store, tables
-from ..adhesion import CriticalPoint, Outside
-from ..analysis import Analysis, analyse, specification
-from ..errors import InputError
-from ..stability import Behaviour, Energy, behaviour, control
-from ..stability_inverse import FoundWork, work_from_pull_off
-from ..states import DISPLACEMENT_CONTROL, LOAD_CONTROL, State
-from ..units import show
-from ..validity import check
+from ..adhesion.analysis import Analysis, analyse, specification
+from ..adhesion.curve import CriticalPoint, Outside
+from ..adhesion.stability import Behaviour, Energy, behaviour, control
+from ..adhesion.stability_inverse import FoundWork, work_from_pull_off
+from ..adhesion.states import DISPLACEMENT_CONTROL, LOAD_CONTROL, State
+from ..adhesion.validity import check
+from ..base.errors import InputError
+from ..base.units import show
+from ..case import store
+from ..report import tables
 from .options import Load, QuantityOption, WorkOfAdhesion, modulus_factor_option, slopes_option
 
 SIZES = {"a/R": "a_over_R", "a/R at pull-off": "a_over_R_pull_off", "a/h": "a_over_h", "a/L": "a_over_L"}

@@ -9,18 +9,17 @@ from pathlib import Path
 
 import click
 
-from .. import store
-from ..case import Case, load_case
-from ..choose import Choice
-from ..files import check_series_target
-from ..guards import Limits
+from ..adhesion.validity import check, end_of_body, judge
+from ..base.files import check_series_target
+from ..base.units import show
+from ..bodies.problem import Problem
+from ..bodies.words import describe
+from ..case import Case, load_case, store
+from ..case.solving import solve
 from ..methods import METHODS
-from ..problem import Problem
+from ..methods.choose import Choice
+from ..methods.guards import Limits
 from ..series import Solution
-from ..solving import solve
-from ..units import show
-from ..validity import check, end_of_body, judge
-from ..words import describe
 from .options import limit_memory_option, limit_time_option
 from .voice import detail, note, say, warn
 

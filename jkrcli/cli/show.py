@@ -7,9 +7,10 @@ from typing import Any
 
 import click
 
-from .. import store, tables
-from ..store import Stored
-from ..units import show as quantity
+from ..base.units import show as quantity
+from ..case import store
+from ..case.store import Stored
+from ..report import tables
 
 
 @click.command()

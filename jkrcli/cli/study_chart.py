@@ -10,12 +10,11 @@ from typing import Any
 import click
 import numpy as np
 
-from .. import tables
+from ..base.errors import InputError
+from ..base.files import check_target, make_folder, write_text
+from ..bodies.words import describe
 from ..case import Case, load_case
-from ..errors import InputError
-from ..files import check_target, make_folder, write_text
-from ..methods import METHODS
-from ..study.chart import (
+from ..many.study.chart import (
     PATIENCE,
     LeftOut,
     Measured,
@@ -26,10 +25,11 @@ from ..study.chart import (
     front,
     settings_of,
 )
-from ..study.chart_measure import machine, yardstick
-from ..study.chart_peers import Peer, read_peers
-from ..study.chart_reference import reference_of
-from ..words import describe
+from ..many.study.chart_measure import machine, yardstick
+from ..many.study.chart_peers import Peer, read_peers
+from ..many.study.chart_reference import reference_of
+from ..methods import METHODS
+from ..report import tables
 from .options import WorkOfAdhesion
 from .voice import warn
 
@@ -138,8 +138,8 @@ def study_chart(
 
 
 def _draw(found: Found, targets: dict[str, Path]) -> None:
-    from .. import plots
-    from ..plots_chart import chart_figure
+    from ..many.study.plots_chart import chart_figure
+    from ..report import plots
 
     figure = chart_figure(found.points, found.peers, describe(found.case.model.problem()))
     for ending in ENDINGS[2:]:

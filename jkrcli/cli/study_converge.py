@@ -9,16 +9,16 @@ from typing import Any
 import click
 import numpy as np
 
-from .. import tables
-from ..adhesion import Outside
+from ..adhesion.curve import Outside
+from ..base.errors import InputError
+from ..base.files import check_target, make_folder, write_text
+from ..base.units import show
+from ..bodies.words import describe
 from ..case import load_case
 from ..case.numerics import method_of
-from ..errors import InputError
-from ..fem.method import FEM
-from ..files import check_target, make_folder, write_text
-from ..study.converge import QUANTITIES, Convergence, converge
-from ..units import show
-from ..words import describe
+from ..many.study.converge import QUANTITIES, Convergence, converge
+from ..methods.fem.method import FEM
+from ..report import tables
 from .options import WorkOfAdhesion
 from .parallel import parallel_options, pool_for
 
@@ -85,8 +85,8 @@ def study_converge(
 
 
 def _draw(found: Convergence, targets: dict[str, Path]) -> None:
-    from .. import plots
-    from ..study.figures import convergence_figure
+    from ..many.study.figures import convergence_figure
+    from ..report import plots
 
     figure = convergence_figure(found)
     for ending in ENDINGS[2:]:

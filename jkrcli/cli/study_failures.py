@@ -11,11 +11,11 @@ from typing import Any
 
 import click
 
-from .. import tables
-from ..files import check_target, make_folder, write_text
+from ..base.files import check_target, make_folder, write_text
+from ..many.study.failures import BUGS, OUTCOMES, TOO_SLOW, Verdict, counts, failures, random_cells
+from ..many.study.failures_cells import Cell
 from ..methods import METHODS
-from ..study.failures import BUGS, OUTCOMES, TOO_SLOW, Verdict, counts, failures, random_cells
-from ..study.failures_cells import Cell
+from ..report import tables
 from .parallel import parallel_options, pool_for
 
 PER_CELL = 1.0  # CPU seconds, on average
@@ -80,8 +80,8 @@ def study_failures(
 def _draw(verdicts: Sequence[Verdict], pictures: dict[str, Path]) -> None:
     if not pictures:
         return
-    from .. import plots
-    from ..plots_failures import failures_figure
+    from ..many.study.plots_failures import failures_figure
+    from ..report import plots
 
     seen = {verdict.cell.method for verdict in verdicts}
     for method, target in pictures.items():

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import click
 
-from .. import plots
-from ..files import check_target, make_folder
-from ..foreign import read_measured
-from ..study.figures import FIGURES
+from ..base.files import check_target, make_folder
+from ..data.foreign import read_measured
+from ..many.study.figures import FIGURES
+from ..report import plots
 from .options import Length
 
 ENDINGS = (".png", ".svg")

@@ -9,9 +9,9 @@ from pathlib import Path
 
 import click
 
-from .. import plots
-from ..files import check_target, make_folder, write_text
-from ..study.noise import BODIES, METHODS, NOISE, POINTS, Cell, noise_study
+from ..base.files import check_target, make_folder, write_text
+from ..many.study.noise import BODIES, METHODS, NOISE, POINTS, Cell, noise_study
+from ..report import plots
 from .parallel import parallel_options, pool_for
 
 PER_RUN = 0.1  # CPU seconds of one fit
@@ -53,7 +53,7 @@ def study_noise(
     with pool_for(PER_RUN * runs, workers, scheduler) as pool:
         cells = noise_study(chosen, points or POINTS, NOISE, METHODS, seeds, pool)
     write_text(targets[".csv"], _csv(cells))
-    from ..plots_noise import noise_figure
+    from ..many.study.plots_noise import noise_figure
 
     figure = noise_figure(cells)
     for ending in (".png", ".svg"):

@@ -7,10 +7,10 @@ from pathlib import Path
 import click
 import numpy as np
 
-from .. import tables
-from ..errors import InputError
-from ..files import check_target, make_folder, write_text
-from ..study.pull_off_map import map_columns, pull_off_map
+from ..base.errors import InputError
+from ..base.files import check_target, make_folder, write_text
+from ..many.study.pull_off_map import map_columns, pull_off_map
+from ..report import tables
 from .parallel import parallel_options, pool_for
 
 STEM = "pull-off-map"
@@ -60,7 +60,8 @@ def study_pull_off_map(
         columns = map_columns(pull_off_map(nus, base == "bonded", wanted, pool))
     write_text(targets[".csv"], tables.csv(columns))
     if not no_plots:
-        from .. import plots, plots_stability
+        from ..report import plots
+        from ..report.plots import stability as plots_stability
 
         figure = plots_stability.map_figure(columns)
         for end in (".png", ".svg"):

@@ -6,13 +6,13 @@ from pathlib import Path
 
 import click
 
-from .. import tables
-from ..errors import InputError
-from ..sweep.plan import Plan, load_plan
-from ..sweep.running import Means, alone, rerun
-from ..sweep.running import sweep as carry_out
-from ..sweep.solving import FAILED
-from ..sweep.table import Table
+from ..base.errors import InputError
+from ..many.sweep.plan import Plan, load_plan
+from ..many.sweep.running import Means, alone, rerun
+from ..many.sweep.running import sweep as carry_out
+from ..many.sweep.solving import FAILED
+from ..many.sweep.table import Table
+from ..report import tables
 from .parallel import parallel_options
 from .voice import note, say, warn
 

@@ -7,14 +7,15 @@ from typing import Any
 
 import click
 
-from .. import store, tables
-from ..adhesion import CriticalPoint
-from ..analysis import Analysis, analyse, specification
-from ..errors import InputError
-from ..files import check_target, make_folder, write_text
-from ..scaling import Scales, own_scales, scales_of
-from ..store import Stored
-from ..units import show
+from ..adhesion.analysis import Analysis, analyse, specification
+from ..adhesion.curve import CriticalPoint
+from ..base.errors import InputError
+from ..base.files import check_target, make_folder, write_text
+from ..base.units import show
+from ..case import store
+from ..case.store import Stored
+from ..report import tables
+from ..report.scaling import Scales, own_scales, scales_of
 from .options import Scale, WorkOfAdhesion, modulus_factor_option, slopes_option
 from .voice import say, warn
 
@@ -110,7 +111,8 @@ def _write(result: Analysis, target: Path, scales: Scales | None, with_plots: bo
         summary["scales"] = {"name": scales.name, "P_N": scales.P, "delta_m": scales.delta, "a_m": scales.a}
     figure = None
     if with_plots:
-        from .. import plots, plots_curve
+        from ..report import plots
+        from ..report.plots import curve as plots_curve
 
         units = plots_curve.physical_units(result.curve) if scales is None else plots_curve.units_of(scales)
         figure = plots_curve.curve_figure(result, units)

@@ -6,7 +6,7 @@ from typing import Any
 
 import click
 
-from ..errors import printable
+from ..base.errors import printable
 
 LEVEL = "jkr.level"
 QUIET, USUAL, VERBOSE = range(3)

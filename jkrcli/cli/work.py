@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..errors import InputError
+from ..base.errors import InputError
 from .measured import reading_of, reading_options
 from .options import Scale, modulus_factor_option, slopes_option
 from .voice import say, warn
 
 if TYPE_CHECKING:
-    from ..measured import Reading
-    from ..work import Evaluation, WorkAlong
+    from ..data.measured import Reading
+    from ..identify.work import Evaluation, WorkAlong
 
 ENDINGS = (".csv", ".json", ".png", ".svg")
 CHUNK = 20  # curves in one task
@@ -62,12 +62,13 @@ def work(
     jkr work gel.h5 probe.csv --unit P=mN --flip delta --stiffness "2 kN/m" --zero delta="-310 um"
     jkr work data.h5 map.jpk-force-map --contact estimate --segment retract
     """
-    from .. import store, tables
-    from ..analysis import Fitted, adhesive, specification
-    from ..files import check_target, make_folder
-    from ..measured.speed import check_window
-    from ..work import Body, Evaluation, typical
-    from ..work.report import summary
+    from ..adhesion.analysis import Fitted, adhesive, specification
+    from ..base.files import check_target, make_folder
+    from ..case import store
+    from ..data.measured.speed import check_window
+    from ..identify.work import Body, Evaluation, typical
+    from ..report import tables
+    from ..report.work import summary
 
     check_window(options["window"])
     targets = _targets(measured, output)
@@ -109,9 +110,9 @@ def _targets(measured: tuple[Path, ...], output: Path | None) -> list[Path]:
 
 def _curves(path: Path, reading: Reading, evaluation: Evaluation, workers: int) -> tuple[list[WorkAlong], list[str]]:
     """The curves of a file that have a work of adhesion, in its order, and why the others have none."""
-    from ..executors import completed, executor
-    from ..measured import each
-    from ..text_table import some
+    from ..base.executors import completed, executor
+    from ..data.measured import each
+    from ..data.text_table import some
 
     outcomes: list[Any] = list(each(path, reading))
     rows = [i for i, item in enumerate(outcomes) if not isinstance(item, InputError)]
@@ -132,13 +133,14 @@ def _curves(path: Path, reading: Reading, evaluation: Evaluation, workers: int) 
 
 def _write(target: Path, found: list[WorkAlong], summary: dict[str, Any], with_plots: bool) -> None:
     """Table, summary and plots of one file; the figure is drawn before anything is written."""
-    from .. import tables
-    from ..files import write_text
-    from ..work.report import table
+    from ..base.files import write_text
+    from ..report import tables
+    from ..report.work import table
 
     figure = None
     if with_plots:
-        from .. import plots, plots_work
+        from ..report import plots
+        from ..report.plots import work as plots_work
 
         figure = plots_work.work_figure(found)
     write_text(target.with_name(target.name + ".csv"), table(found))
@@ -149,7 +151,7 @@ def _write(target: Path, found: list[WorkAlong], summary: dict[str, Any], with_p
 
 
 def _print(found: list[WorkAlong]) -> None:
-    from ..work.report import words
+    from ..report.work import words
 
     for item in found[:SHOWN]:
         say("\n    ".join([words(item), *item.curve.flags]))
@@ -158,8 +160,8 @@ def _print(found: list[WorkAlong]) -> None:
 
 
 def _warn(path: Path, found: list[WorkAlong], skipped: list[str], warnings: list[str]) -> None:
-    from ..text_table import some
-    from ..work.report import flags
+    from ..data.text_table import some
+    from ..report.work import flags
 
     said = [f"skipped: {line}" for line in some(skipped)]
     said += [f"{item.curve.where}: {flag}" for item in found[:SHOWN] for flag in flags(item)]

@@ -1,0 +1,1 @@
+"""From a nonadhesive series to the adhesive curve and what it means."""

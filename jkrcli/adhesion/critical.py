@@ -1,0 +1,111 @@
+"""The error of a critical point: that of the curve at its radius, and that of the place where the curve is stationary.
+
+At fixed radius a the curve errs by d(delta), dP. The stationary point of F(a) = d(delta)/da + (dP/da)/k moves by
+-dF/F'(a), and takes along what varies there: P under displacement control, delta under load control. F holds the rates
+d(delta_H)/da and S'', so that their errors count too (``Slopes.joint``).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+
+from ..base.errors import InputError
+from ..series import Array
+from .curve import ORDER_FACTOR, AdhesiveCurve, CriticalPoint, Outside, thinned, transform
+from .slopes import NEGLIGIBLE, slopes_function
+
+STEP = 1e-3  # of the radius, for the curvature of the controlled quantity
+Errors = Mapping[str, float]
+
+
+def point_error(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> Errors | str:
+    """90 % half-widths of "delta" [m] and "P" [N] at the lowest ``point`` under control by a device of ``stiffness``
+    [N/m] (0: load, inf: displacement), or why they are unknown."""
+    if curve.w == 0:
+        return "unknown: there is no adhesion at w = 0"
+    between = curve.interpolation_error
+    if isinstance(between, str):
+        return between
+    if not curve.errors:
+        return f"unknown: {curve.slopes.error}"
+    here = {name: between * abs(getattr(point, name)) for name in ("delta", "P")}
+    if curve.slopes.joint is None:
+        moved: Errors | str = _by_others(curve, point, stiffness)
+        at_radius = {name: float(value) for name, value in curve.error_at(np.array(point.a)).items()}
+    else:
+        moved, at_radius = _propagated(curve, point, stiffness), {"delta": 0.0, "P": 0.0}
+    if isinstance(moved, str):
+        return moved
+    return {name: here[name] + at_radius[name] + moved[name] for name in here}
+
+
+def _propagated(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> Errors | str:
+    """First-order propagation of the joint covariance of the columns and of their rates."""
+    slopes, a = curve.slopes, point.a
+    assert slopes.joint is not None
+    i = int(np.clip(np.searchsorted(curve.a, a) - 1, 0, curve.a.size - 2))
+    share = (a - curve.a[i]) / (curve.a[i + 1] - curve.a[i])
+    covariance = (1 - share) * slopes.joint[i] + share * slopes.joint[i + 1]
+    delta, P, delta_rate, P_rate = _gradients(curve, a)
+    rates = [float(rate) for rate in curve.rates(np.array(a))]
+    along = np.clip(a * (1 + STEP * np.array([-1.0, 1.0])), curve.a[0], curve.a[-1])
+    beside = curve.rates(along)
+    if stiffness == 0:
+        F, controlled = P_rate, beside[1]
+    else:
+        F, controlled = delta_rate + P_rate / stiffness, beside[0] + beside[1] / stiffness
+    rise = float(controlled[1] - controlled[0])
+    if rise == 0:
+        return "unknown: the curve is flat there"
+    place = -F * float(along[1] - along[0]) / rise
+    total = {"delta": delta + rates[0] * place, "P": P + rates[1] * place}
+    return {name: slopes.quantile * math.sqrt(max(g @ covariance @ g, 0.0)) for name, g in total.items()}
+
+
+def _gradients(curve: AdhesiveCurve, a: float) -> tuple[Array, Array, Array, Array]:
+    """Of delta, P, d(delta)/da and dP/da with respect to (delta_H, P_H, S, S', d(delta_H)/da, S''), each (6,)."""
+    rule, x = curve.rule, math.log(a)
+    t, S = rule.root_w * math.exp(float(rule.t(x))), math.exp(float(rule.S(x)))
+    dS = 4 * math.pi * curve.w * a / t**2
+    bend = 1 / a - 2 * float(rule.t(x, 1)) / a  # S''/S'
+    t_rate = t / 2 * (1 / a - bend)
+    delta_H_rate = float(curve.rates(np.array(a))[0]) + t_rate
+    t_by_dS = -t / (2 * dS)
+    rate_by_dS = -t / (4 * dS) * (1 / a - bend) + t * bend / (2 * dS)
+    rate_by_bend = -t / (2 * dS)
+    delta = np.array([1, 0, 0, -t_by_dS, 0, 0])
+    P = np.array([0, 1, -t, -S * t_by_dS, 0, 0])
+    delta_rate = np.array([0, 0, 0, -rate_by_dS, 1, -rate_by_bend])
+    P_rate = np.array([0, 0, delta_H_rate - t_rate, -t - dS * t_by_dS - S * rate_by_dS, S, -S * rate_by_bend])
+    return delta, P, delta_rate, P_rate
+
+
+def _by_others(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> Errors | str:
+    """How far the point moves where every second row is left out: scatter from row to row moves it as much, a smooth
+    rule ``ORDER_FACTOR`` times as much as it errs. Smoothing splines do not see what rows share: their point is also
+    compared with that of the slopes "integral"."""
+    slopes = curve.slopes
+    smooth = isinstance(slopes.error, float) and slopes.error <= NEGLIGIBLE
+    found = [
+        (other, ORDER_FACTOR if smooth else 1)
+        for other in (thinned(curve, first).pull_off(stiffness) for first in (0, 1))
+        if not isinstance(other, Outside)
+    ]
+    if slopes.method != "exact":
+        try:
+            integral = slopes_function("integral")(curve.series)
+        except InputError as error:
+            return f"unknown: {error}"
+        other = transform(curve.series, integral, curve.w).pull_off(stiffness)
+        if isinstance(other, Outside):
+            return "unknown: by the slopes 'integral' the point lies outside the series"
+        found.append((other, 1))
+    if not found:
+        return "unknown: with every second row left out the point lies outside the series"
+    return {
+        name: max(abs(getattr(other, name) - getattr(point, name)) / factor for other, factor in found)
+        for name in ("delta", "P")
+    }

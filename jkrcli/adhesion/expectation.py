@@ -1,0 +1,77 @@
+"""What a case will roughly show, from a coarse exact solution of the laterally unbounded body."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from ..base.errors import Refusal
+from ..bodies.problem import HalfSpace, Loading, Problem, Specimen
+from ..methods.layered.layered import Layered
+from .curve import CriticalPoint, Outside, transform
+from .slopes import slopes
+from .validity import Validity, judge
+
+COARSE = 1e-5
+LONGEST = 3.0  # CPU seconds that an expectation may take
+
+
+@dataclass(frozen=True)
+class Expectation:
+    """Largest radius ``a`` [m], displacement [m] and load [N], and per work of adhesion [J/m^2] pull-off and validity.
+
+    ``half_space_error``: by how much the layers change the load at that depth against a half-space of the top material;
+    None where there are no layers.
+    """
+
+    a: float
+    delta: float
+    P: float
+    half_space_error: float | None
+    adhesion: tuple[tuple[float, CriticalPoint | Outside, Validity], ...]
+
+
+def expect(problem: Problem, works: tuple[float, ...], z0: float) -> Expectation:
+    """Solve ``problem`` to 1e-5 with its sides left out, and transform it for each work of adhesion.
+
+    Refusal where that is no matter of a moment.
+    """
+    specimen = replace(problem.specimen, radius=None, side=None)
+    loading = problem.loading
+    if loading.spacing != "radius":
+        loading = Loading(loading.to, loading.maximum)
+    unbounded = replace(problem, specimen=specimen, loading=replace(loading, points=max(loading.points, 100)))
+    seconds = Layered(COARSE).forecast(unbounded).seconds
+    if seconds > LONGEST:
+        raise Refusal(f"the coarse solution would take about {seconds:.0f} s")
+    series = Layered(COARSE)(unbounded).series
+    found = slopes(series, "exact")
+    a, delta, P = (float(column[-1]) for column in (series.a, series.delta, series.P))
+    adhesion = []
+    for w in works:
+        point = transform(series, found, w).pull_off(0.0) if w > 0 else Outside("there is no adhesion at w = 0")
+        judged = judge(
+            a=a,
+            delta=delta,
+            E_star=problem.E_star,
+            w=w,
+            R=problem.indenter.tip_radius,
+            h=problem.specimen.top_thickness,
+            L=problem.specimen.radius,
+            end_is_cut=False,
+            z0=z0,
+            a_pull_off=point.a if isinstance(point, CriticalPoint) else None,
+        )
+        adhesion.append((w, point, judged))
+    return Expectation(a, delta, P, _layers_matter(problem, delta, P), tuple(adhesion))
+
+
+def _layers_matter(problem: Problem, delta: float, P: float) -> float | None:
+    """Relative difference of the load to that of a half-space of the top material at the same displacement."""
+    if not problem.specimen.layers:
+        return None
+    half_space = Specimen((), HalfSpace(problem.specimen.surface))
+    try:
+        reference = Layered(COARSE)(Problem(problem.indenter, half_space, Loading("depth", delta, 1))).series.P[-1]
+    except Refusal:  # a half-space would need more of the profile than there is
+        return None
+    return float(P / reference - 1)

@@ -1,0 +1,44 @@
+"""Contact radii finer than a node spacing, from increments whose radius is that of the outermost contact node.
+
+Between two increments the contact disc reached the next node: at a depth between theirs, with that node's radius.
+The increment with the new radius, taken alone (the paper's filter), is late by up to a whole increment; the middle of
+the two is late or early by at most half of one, and this is known, so that it can be weighed.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...series import Array, RawSeries, filter_plateaus
+
+MANY = 0.2  # share of increments with the radius of the one before
+HALF_WIDTH_90 = 0.45  # of an interval in which nothing is known about the place, as a 90 % half-width
+
+
+def has_plateaus(raw: RawSeries) -> bool:
+    """Whether radii repeat while depth and load go on, as node-based radii do: at one increment in five at least."""
+    touching = raw.a > 0
+    if np.sum(touching) < 2 or min(raw.delta[touching][0], raw.P[touching][0]) <= 0:
+        return False
+    a, delta, P = (np.diff(values[touching]) for values in (raw.a, raw.delta, raw.P))
+    return bool(np.mean(a == 0) > MANY and np.all(a >= 0) and np.all(delta > 0) and np.all(P > 0))
+
+
+def touch_events(raw: RawSeries) -> tuple[RawSeries, dict[str, Array]]:
+    """The events "the next node is reached" of a series with plateaus, and the 90 % half-width of their radii [m].
+
+    Depth: the middle of the two increments around the event; load: at this depth on the line through the increments
+    in log P over log delta (they lie on P(delta), whatever the radius). The half-width is that of the depth, read as
+    one of the radius by the local slope of log a over log delta.
+    """
+    kept, _ = filter_plateaus(raw)
+    touching = raw.a > 0
+    log_delta, log_P = np.log(raw.delta[touching]), np.log(raw.P[touching])
+    after = kept.delta
+    before = np.array([np.max(raw.delta[raw.delta < depth], initial=0.0) for depth in after])
+    middle = (before + after) / 2
+    slope = np.gradient(np.log(kept.a), np.log(middle)) if kept.a.size > 1 else np.ones(1)
+    half_width = HALF_WIDTH_90 * (after - before) / middle * np.abs(slope) * kept.a
+    first = (log_P[1] - log_P[0]) / (log_delta[1] - log_delta[0])
+    load = np.interp(np.log(middle), log_delta, log_P) + first * np.minimum(np.log(middle) - log_delta[0], 0)
+    return RawSeries(kept.a, middle, np.exp(load)), {"a": half_width}

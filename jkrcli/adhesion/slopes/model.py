@@ -1,0 +1,222 @@
+"""A smooth nonadhesive series given by log g and log s as B-splines in the log of the radius.
+
+With y = a - a0, x = log y, g = d(delta_H)/da = exp(v(x)) and s = S' = exp(u(x)), both positive by construction:
+
+    delta_H = int_0^y g dy        S = S0 + int_0^y s dy        P_H = int_0^y S g dy
+
+Well below the first radius v and u go on as straight lines, that is g and s as power laws, integrated in closed form.
+Power laws (Hertz, cones, thin layers) are straight lines throughout: the roughness int (v'')^2 dx does not see them.
+All quantities here are dimensionless, scaled by their largest values.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.interpolate import BSpline
+
+from ...series import Array
+
+DEGREE = 5
+BELOW = 2.5  # the splines reach this far in x below the first point, a factor 12 in radius
+INTERVALS_BELOW = 3
+STEP = 0.04  # of the integration grid in x: Hermite and Gauss errors stay below 1e-9
+SMALL_EXPONENT = 0.2  # of an integral towards zero radius, from where on it is kept positive
+Points = tuple[Array, Array, Array]
+Grid = tuple[tuple[tuple[Array, Array], tuple[Array, Array]], ...]
+GAUSS_X, GAUSS_W = np.polynomial.legendre.leggauss(3)
+
+
+@dataclass(frozen=True, eq=False)
+class Columns:
+    """Logs of the columns at some radii and their derivatives with respect to all coefficients.
+
+    ``log_delta, log_P, log_S, log_dS``: shape (m,); ``rate_delta, rate_P``: d log/dx, shape (m,);
+    ``jacobian``: shape (4, m, p), rows in the order of the logs.
+    """
+
+    log_delta: Array
+    log_P: Array
+    log_S: Array
+    log_dS: Array
+    rate_delta: Array
+    rate_P: Array
+    jacobian: Array
+
+
+class LogSplineModel:
+    """The integrals above on a fixed grid of x, for any coefficients.
+
+    ``x``: the data's log radii, shape (n,), any order. Coefficients are those of v, those of u, and log S0 where it is
+    free; in each of v and u the first two are value and slope of a straight line in x, and the sum of squares of the
+    others (``rough_v``, ``rough_u``) is the roughness int (v'')^2 dx.
+    """
+
+    def __init__(self, x: Array, intervals: int, S0: float | None):
+        low, high = float(np.min(x)) - BELOW, float(np.max(x))
+        self.knots = _knots(np.sort(x), intervals)
+        self.size = self.knots.size - DEGREE - 1
+        self.shapes = self._shapes()
+        self.S0 = S0
+        self.x = np.linspace(low, high, int(np.ceil((high - low) / STEP)) + 2)
+        self.step = self.x[1] - self.x[0]
+        inner = (self.x[:-1, None] + self.step * (1 + GAUSS_X) / 2).ravel()
+        self.inner_y = np.exp(inner)
+        self.y = np.exp(self.x)
+        self.inner = self._inner_points()
+        self.basis, self.inner_basis = self.design(self.x), self.design(inner)
+        self.first_slope = (self._splines(self.x[:1], 1) @ self.shapes)[0]
+        self.parameters = 2 * self.size + (S0 is None)
+        self.v, self.u = slice(0, self.size), slice(self.size, 2 * self.size)
+        self.rough_v, self.rough_u = slice(2, self.size), slice(self.size + 2, 2 * self.size)
+
+    def straight(self, v: tuple[float, float], u: tuple[float, float], log_S0: float) -> Array:
+        """Coefficients of v = v[0] + v[1] x and u = u[0] + u[1] x."""
+        coefficients = np.zeros(self.parameters)
+        coefficients[self.v][:2], coefficients[self.u][:2] = v, u
+        if self.S0 is None:
+            coefficients[-1] = log_S0
+        return coefficients
+
+    def exponents(self, coefficients: Array) -> tuple[float, float]:
+        """Exponents of g and s towards zero radius."""
+        return float(self.first_slope @ coefficients[self.v]), float(self.first_slope @ coefficients[self.u])
+
+    def interpolation(self, x: Array) -> Points:
+        """Grid index and the cubic Hermite weights (for values, for x-derivatives) of the points ``x``."""
+        i = np.clip(((x - self.x[0]) / self.step).astype(int), 0, self.x.size - 2)
+        return (i, *_hermite((x - self.x[i]) / self.step, self.step))
+
+    def columns(self, coefficients: Array, at: Points, basis: Array, grid: Grid | None = None) -> Columns:
+        """The columns at the points of ``at`` (from ``interpolation``), whose spline values are ``basis``."""
+        (log_delta, d_delta), (log_P, d_P), (log_S, d_S) = grid or self.on_grid(coefficients)
+        jacobian = np.zeros((4, basis.shape[0], self.parameters))
+        for row, derivatives in enumerate((d_delta, d_P, d_S)):
+            jacobian[row] = interpolate(at, *derivatives)
+        jacobian[3, :, self.u] = basis
+        delta, P, S = (interpolate(at, *pair) for pair in (log_delta, log_P, log_S))
+        v, u = basis @ coefficients[self.v], basis @ coefficients[self.u]
+        rate = np.exp(interpolate(at, self.x, np.ones_like(self.x)) + v)
+        return Columns(delta, P, S, u, rate / np.exp(delta), rate * np.exp(S - P), jacobian)
+
+    def on_grid(self, c: Array) -> Grid:
+        """For each of delta, P, S on the grid: (log, its d/dx) and the same two of the log's Jacobian."""
+        g, s = np.exp(self.basis @ c[self.v]), np.exp(self.basis @ c[self.u])
+        gy, sy = g * self.y, s * self.y
+        inner_gy = np.exp(self.inner_basis @ c[self.v]) * self.inner_y
+        inner_sy = np.exp(self.inner_basis @ c[self.u]) * self.inner_y
+        q, m = self.exponents(c)
+        (q1, dq1), (m1, dm1), (qm2, dqm2) = (_kept_positive(power) for power in (q + 1, m + 1, q + m + 2))
+        S_start = np.exp(c[-1]) if self.S0 is None else self.S0
+        first_delta, first_S = gy[0] / q1, sy[0] / m1
+        first_P = first_S * gy[0] / qm2
+        b, db = self.basis[0], self.first_slope
+
+        delta = first_delta + self._cumulate(inner_gy)
+        S = S_start + first_S + self._cumulate(inner_sy)
+        d_delta, d_gy = np.zeros((2, self.x.size, self.parameters))
+        d_delta[:, self.v] = first_delta * (b - db * dq1 / q1) + self._cumulate(inner_gy[:, None] * self.inner_basis)
+        d_gy[:, self.v] = gy[:, None] * self.basis
+        d_S = np.zeros((self.x.size, self.parameters))
+        d_S[:, self.u] = first_S * (b - db * dm1 / m1) + self._cumulate(inner_sy[:, None] * self.inner_basis)
+        d_sy = np.zeros_like(d_S)
+        d_sy[:, self.u] = sy[:, None] * self.basis
+        first_dP = np.zeros(self.parameters)
+        first_dP[self.v] = S_start * first_delta * (b - db * dq1 / q1) + first_P * (b - db * dqm2 / qm2)
+        first_dP[self.u] = first_P * (b - db * dm1 / m1 - db * dqm2 / qm2)
+        if self.S0 is None:
+            d_S[:, -1] = S_start
+            first_dP[-1] = S_start * first_delta
+
+        log_S = _logs(S, sy, d_S, d_sy)
+        inner = self.inner
+        inner_S = np.exp(interpolate(inner, *log_S[0]))
+        inner_rate = inner_S * inner_gy
+        integrand = inner_rate[:, None] * interpolate(inner, *log_S[1])
+        integrand[:, self.v] += inner_rate[:, None] * self.inner_basis
+        P = S_start * first_delta + first_P + self._cumulate(inner_rate)
+        d_P = first_dP + self._cumulate(integrand)
+        d_rate = d_S * gy[:, None] + S[:, None] * d_gy
+        return _logs(delta, gy, d_delta, d_gy), _logs(P, S * gy, d_P, d_rate), log_S
+
+    def _inner_points(self) -> Points:
+        panels = self.x.size - 1
+        i = np.repeat(np.arange(panels), GAUSS_X.size)
+        return (i, *_hermite(np.tile((1 + GAUSS_X) / 2, panels), self.step))
+
+    def _cumulate(self, integrand: Array) -> Array:
+        """Integral over x from the first grid point to each: (inner points, ...) -> (grid, ...)."""
+        out = np.zeros((self.x.size, *integrand.shape[1:]))
+        for j, weight in enumerate(GAUSS_W * self.step / 2):
+            out[1:] += weight * integrand[j :: GAUSS_W.size]
+        return np.cumsum(out, axis=0)
+
+    def design(self, x: Array) -> Array:
+        """Values at ``x`` of what the coefficients of v (and of u) multiply, shape (m, size)."""
+        return self._splines(np.clip(x, self.x[0], self.x[-1])) @ self.shapes
+
+    def slope_design(self, x: Array) -> Array:
+        """The x-derivatives of ``design``."""
+        return self._splines(np.clip(x, self.x[0], self.x[-1]), 1) @ self.shapes
+
+    def _splines(self, x: Array, order: int = 0) -> Array:
+        """B-splines (or derivatives) at ``x``, shape (m, size)."""
+        if order == 0:
+            return BSpline.design_matrix(np.clip(x, self.knots[0], self.knots[-1]), self.knots, DEGREE).toarray()
+        return BSpline(self.knots, np.eye(self.size), DEGREE)(x, order)
+
+    def _shapes(self) -> Array:
+        """B-spline coefficients, by columns, of 1, of x, and of shapes of unit roughness orthogonal in it."""
+        sites = np.array([self.knots[i + 1 : i + 1 + DEGREE].mean() for i in range(self.size)])  # Greville: they give x
+        rough, vectors = np.linalg.eigh(self._roughness())
+        return np.column_stack([np.ones(self.size), sites, vectors[:, 2:] / np.sqrt(rough[2:])])
+
+    def _roughness(self) -> Array:
+        """Gram matrix of second derivatives, int B_i'' B_j'' dx, exact by Gauss points in every interval."""
+        breaks = self.knots[DEGREE : self.size + 1]
+        nodes, weights = np.polynomial.legendre.leggauss(DEGREE - 1)
+        h = np.diff(breaks)[:, None]
+        x = (breaks[:-1, None] + h * (1 + nodes) / 2).ravel()
+        second = self._splines(x, 2)
+        return second.T @ (second * (h * weights / 2).ravel()[:, None])
+
+
+def _kept_positive(power: float) -> tuple[float, float]:
+    """``power`` and 1 (its derivative), continued smoothly to positive values below SMALL_EXPONENT."""
+    if power >= SMALL_EXPONENT:
+        return power, 1.0
+    slope = float(np.exp(max(power / SMALL_EXPONENT - 1, -50.0)))
+    return SMALL_EXPONENT * slope, slope
+
+
+def _hermite(t: Array, step: float) -> tuple[Array, Array]:
+    """Weights of the end values and of the end derivatives at the fraction ``t`` of an interval, (2, m) each."""
+    values = np.array([(1 + 2 * t) * (1 - t) ** 2, t**2 * (3 - 2 * t)])
+    slopes = np.array([t * (1 - t) ** 2, t**2 * (t - 1)]) * step
+    return values, slopes
+
+
+def _logs(value: Array, rate: Array, d_value: Array, d_rate: Array) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
+    """(log, its d/dx) of a column from its value and d/dx, and the same two of the log's Jacobian (grid, p)."""
+    log_rate = rate / value
+    d_log = d_value / value[:, None]
+    return (np.log(value), log_rate), (d_log, d_rate / value[:, None] - log_rate[:, None] * d_log)
+
+
+def interpolate(at: Points, values: Array, slopes: Array) -> Array:
+    """Hermite interpolation of grid values (grid, ...) with given x-derivatives."""
+    i, (h0, h1), (k0, k1) = at
+    shape = (i.size,) + (1,) * (values.ndim - 1)
+    h0, h1, k0, k1 = (weight.reshape(shape) for weight in (h0, h1, k0, k1))
+    return h0 * values[i] + h1 * values[i + 1] + k0 * slopes[i] + k1 * slopes[i + 1]
+
+
+def _knots(x: Array, intervals: int) -> Array:
+    """Clamped knots for sorted ``x``: breakpoints half after the data and half even in x, and few below the data."""
+    low, high = x[0], x[-1]
+    even = np.linspace(0, 1, x.size)
+    rank = (even + (x - low) / (high - low)) / 2
+    breaks = np.interp(np.linspace(0, 1, intervals + 1), rank, x)
+    below = np.linspace(low - BELOW, low, INTERVALS_BELOW, endpoint=False)
+    return np.concatenate([[below[0]] * DEGREE, below, breaks, [high] * DEGREE])

@@ -1,0 +1,79 @@
+"""The result type that every way of finding S and S' shares."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from statistics import NormalDist
+
+import numpy as np
+
+from ...series import Array, Estimate, Series
+
+TWO_SIDED_90 = NormalDist().inv_cdf(0.95)  # half-width of a 90 % interval in standard deviations
+
+
+@dataclass(frozen=True, eq=False)
+class Slopes:
+    """S = dP/d(delta) [N/m] and S' = dS/da [N/m^2] at the radii of a series, both arrays of shape (n,).
+
+    ``delta, P``: the nonadhesive columns as the same fit sees them, where the method smooths them too, else None.
+    ``covariance``: shape (n, 4, 4), of (delta_H, P_H, S, S') at each radius, SI; None where no error is known.
+    ``joint``: shape (n, 6, 6), the same with d(delta_H)/da and S'' behind them, where the method knows their errors.
+    ``quantile``: standard deviations in the half-width of a 90 % interval (more than 1.64 for few points).
+    ``error``: relative 90 % half-width of sqrt(a/S'), the median over the points, or why it is unknown.
+    ``flags``: sentences on where the slopes are to be trusted less; ``reason``: why this method was taken.
+    """
+
+    S: Array
+    dS: Array
+    method: str
+    error: Estimate
+    smoothing_lambda: float | None = None
+    flags: tuple[str, ...] = ()
+    reason: str = ""
+    delta: Array | None = None
+    P: Array | None = None
+    covariance: Array | None = None
+    joint: Array | None = None
+    quantile: float = TWO_SIDED_90
+
+    def scaled(self, factor: float) -> Slopes:
+        """The slopes of the same bodies with all moduli multiplied by ``factor``; ``delta`` does not change."""
+        P = None if self.P is None else self.P * factor
+        by = np.array([1.0, factor, factor, factor])
+        covariance = None if self.covariance is None else self.covariance * np.outer(by, by)
+        by = np.append(by, [1.0, factor])
+        joint = None if self.joint is None else self.joint * np.outer(by, by)
+        return replace(self, S=self.S * factor, dS=self.dS * factor, P=P, covariance=covariance, joint=joint)
+
+    @property
+    def dS_err(self) -> Array | None:
+        """90 % half-width of S' [N/m^2]."""
+        return None if self.covariance is None else self.quantile * np.sqrt(self.covariance[:, 3, 3])
+
+
+def covariance_from_errors(series: Series, S: Array, dS: Array) -> Array | None:
+    """Covariance (n, 4, 4) of (delta_H, P_H, S, S') from the series' own errors, read as 90 % half-widths.
+
+    An error of the radius acts on the curve through t = sqrt(4 pi w a/S'): a contact radius that is wrong by a
+    fraction e makes S' = dS/da wrong by -e too, so t by e. It is carried as an error 2 e of S', which does the same.
+    """
+    if not series.errors:
+        return None
+    n = len(series)
+    sigma = {name: np.asarray(error) / TWO_SIDED_90 for name, error in series.errors.items()}
+    variances = np.zeros((4, n))
+    for row, name in enumerate(("delta", "P", "S", "dS")):
+        if name in sigma:
+            variances[row] = sigma[name] ** 2
+    if "a" in sigma:
+        variances[3] += (2 * dS * sigma["a"] / series.a) ** 2
+    covariance = np.zeros((n, 4, 4))
+    for row in range(4):
+        covariance[:, row, row] = variances[row]
+    return covariance
+
+
+def shift_error(dS: Array, covariance: Array, quantile: float) -> float:
+    """Relative 90 % half-width of sqrt(a/S'), the median over the points."""
+    return float(np.median(quantile * np.sqrt(covariance[:, 3, 3]) / (2 * dS)))

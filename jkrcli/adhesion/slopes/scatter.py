@@ -1,0 +1,92 @@
+"""The scatter of the data about a fitted model: how much of it each column carries, and where.
+
+Relative variances of a, delta and P at every point. An error of the radius moves delta and P together, by the slopes
+k = dlog(delta)/dlog(a) and m = dlog(P)/dlog(a) (effective variance; Orear, Am. J. Phys. 50 (1982) 912):
+
+    cov(log delta, log P) = diag(var_delta, var_P) + var_a (k, m)^T (k, m)
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.optimize import minimize_scalar
+
+from ...series import Array
+
+TRACE = 1e-3  # the smallest share of the scatter that a column is taken to carry
+MAX_TREND = 4.0  # exponent of the variance over the radius
+OUTLIER = 3.0  # standard deviations, beyond which a point counts less (Huber)
+CHANCE = 2.5  # standard deviations of the correlation of neighbours that chance may bring
+
+
+def floored(variances: Array, share: float, floor: float) -> Array:
+    """Variances (3, n), each at least ``share`` of the largest of its point, and ``floor``."""
+    return np.maximum(variances, np.maximum(share * variances.max(axis=0), floor))
+
+
+def whitener(variances: Array, k: Array, m: Array) -> Array:
+    """Inverse Cholesky factors, shape (2, 2, n), of the covariance of (log delta, log P)."""
+    radius, delta, P = np.broadcast_to(variances, (3, k.size))
+    l11 = np.sqrt(delta + k**2 * radius)
+    l21 = k * m * radius / l11
+    l22 = np.sqrt(P + m**2 * radius * delta / (delta + k**2 * radius))
+    out = np.zeros((2, 2, k.size))
+    out[0, 0] = 1 / l11
+    out[1, 0], out[1, 1] = -l21 / (l11 * l22), 1 / l22
+    return out
+
+
+def estimate(x: Array, residuals: Array, k: Array, m: Array, spent: float, floor: float) -> Array:
+    """Relative variances (3, n), the largest share being 1, from ``residuals`` (2, n) of log delta and log P at ``x``.
+
+    Three shares by moments, a power law of the radius by maximum likelihood, and less weight for outliers.
+    ``spent``: effective number of parameters of the fit; ``floor``: variance below which nothing can be told.
+    """
+    shares = _shares(residuals, k, m, spent, floor)
+    white = np.einsum("ijn,jn->in", whitener(shares, k, m), residuals)
+    squares = np.mean(white**2, axis=0)
+    if not np.mean(squares) > floor:
+        return np.ones((3, x.size))
+    trend = _trend(x, squares)
+    size = np.exp(trend * x)
+    distance = np.sqrt(squares / size / np.mean(squares / size))
+    return shares * size * np.maximum(1.0, distance / OUTLIER) ** 2
+
+
+def _shares(residuals: Array, k: Array, m: Array, spent: float, floor: float) -> Array:
+    """Relative variances of a, delta and P, shape (3, 1), largest 1: the three second moments hold all three."""
+    r, s = residuals
+    n = r.size
+    freedom = max(n - spent / 2, 1.0) / n
+    radius = max(float(np.mean(r * s / (k * m))), 0.0) / freedom
+    delta = float(np.mean(r**2)) / freedom - radius * float(np.mean(k**2))
+    P = float(np.mean(s**2)) / freedom - radius * float(np.mean(m**2))
+    largest = max(radius, delta, P)
+    if largest <= floor:
+        return np.ones((3, 1))
+    return np.maximum(np.array([[radius], [delta], [P]]) / largest, TRACE)
+
+
+def _trend(x: Array, squares: Array) -> float:
+    """Exponent b of variance ~ a^b: the maximum of the Gaussian likelihood, one size parameter profiled out."""
+    centred = x - x.mean()
+    found = minimize_scalar(
+        lambda b: float(np.log(np.mean(squares * np.exp(-b * centred)))),
+        bounds=(-MAX_TREND, MAX_TREND),
+        method="bounded",
+    )
+    return float(found.x)
+
+
+def correlation_length(residuals: Array) -> float:
+    """How many neighbours in each row of ``residuals`` (rows, n), in order, carry what one independent value would:
+    1 + 2 sum of the autocorrelations up to the first that is not positive, of the worst row; 1 where neighbours
+    correlate by no more than chance brings, 1/sqrt(n). (Geyer, Statist. Sci. 7 (1992) 473, Sec. 3.3.)"""
+    n = residuals.shape[1]
+    lengths = [1.0]
+    for row in residuals:
+        correlations = np.correlate(row, row, "full")[n:] / max(float(row @ row), 1e-300)
+        if correlations[0] * np.sqrt(n) > CHANCE:
+            positive = np.logical_and.accumulate(correlations > 0)
+            lengths.append(1 + 2 * float(correlations[positive].sum()))
+    return max(lengths)

@@ -1,0 +1,290 @@
+"""Where the contact lets go under load control, displacement control and a device of given stiffness.
+
+The curve (a, delta, P) is what JKR theory gives; a device shows the part of it that is stable under its own control,
+with jumps in between. Energies are those of quasi-static cycles: what the device puts in and does not get back.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from ..base.errors import InputError
+from ..base.units import show
+from ..series import Array
+from .curve import AdhesiveCurve, CriticalPoint, Outside
+from .stability_path import Path, grow, largest_stable, shrink
+from .states import DISPLACEMENT_CONTROL, LOAD_CONTROL, State, position, radii_at_position, state
+
+Energy = float | str  # in J, or why there is none
+STABLE, GRIPPED, UNSTABLE = "stable", "displacement-control", "unstable"
+UNBOUNDED = "under load control the device goes on pulling after contact is lost: there is no bound"
+NO_ADHESION = "there is no adhesion at w = 0"
+
+
+def branch(curve: AdhesiveCurve) -> Array:
+    """The stability of each point of ``curve``, shape (n,): one of three words.
+
+    "stable": dP/da > 0, under load control and then under any other, since d(delta)/da = (dP/da + S' t)/S;
+    "displacement-control": d(delta)/da > 0 only, held by a device that is stiff enough; "unstable": held by none.
+    """
+    if curve.w == 0:
+        return np.full(len(curve.series), STABLE)
+    ddelta, dP = curve.rates(curve.a)
+    return np.where(dP > 0, STABLE, np.where(ddelta > 0, GRIPPED, UNSTABLE))
+
+
+@dataclass(frozen=True)
+class Jump:
+    """Contact jumps from ``start`` to ``end`` at standing device; ``end = None``: it is lost."""
+
+    start: State
+    end: State | None
+
+
+@dataclass(frozen=True, eq=False)
+class Cycle:
+    """Approach, turn at the contact radius ``turn`` [m], retraction, by a device of ``stiffness`` [N/m].
+
+    At the turn the contact keeps its radius, as a flat punch would, until the energy release rate has risen from the
+    work of adhesion of the approach to that of the retraction.
+    """
+
+    approach: Path
+    turn: float
+    retraction: Path
+
+    @property
+    def stiffness(self) -> float:
+        """Stiffness of the device [N/m]: 0 load control, infinite displacement control."""
+        return self.approach.stiffness
+
+    @property
+    def begin(self) -> State:
+        """The first state in contact: jumped into at delta = 0, or the first of the series at w = 0."""
+        return first_contact(self.approach)
+
+    @property
+    def jumps_in(self) -> tuple[Jump, ...]:
+        """Jumps between stable radii on approach, after first contact."""
+        return jumps(self.approach)
+
+    @property
+    def jumps_out(self) -> tuple[Jump, ...]:
+        """Jumps on retraction; the last is the loss of contact where it lies in the series."""
+        return jumps(self.retraction)
+
+    @cached_property
+    def energy_lost(self) -> Energy:
+        """Energy lost per cycle [J]: the area of the loop of P over the device's position, the same over delta.
+
+        At w = 0 on approach the unknown piece below the first radius is its chord.
+        """
+        missing = self._no_energy()
+        if missing:
+            return missing
+        return self.approach.work + self._first_chord() + self._straight(*self._held) + self.retraction.work
+
+    @cached_property
+    def separation(self) -> Energy:
+        """Work of separation [J]: done by the device on retraction, from the last zero load to loss of contact."""
+        missing = self._no_energy()
+        if missing:
+            return missing
+        free = [a for a in self.retraction.curve.radii(P=0.0) if self.retraction.holds(a)]
+        if free:
+            return self.retraction.beyond(free[0]).work
+        high, low = self._held
+        if not high.P > 0 >= low.P:
+            return "no state of zero load is passed on retraction: load further"
+        unloaded = State(self.turn, low.delta - low.P * (high.delta - low.delta) / (high.P - low.P), 0.0)
+        return self._straight(unloaded, low) + self.retraction.work
+
+    def _no_energy(self) -> str | None:
+        if self.stiffness == LOAD_CONTROL:
+            return UNBOUNDED
+        if self.retraction.ends != "lost":
+            return f"contact is not lost within the series, which begins at a = {show(self.retraction.last, 'length')}"
+        return None
+
+    def _first_chord(self) -> float:
+        return self._straight(State(0.0, 0.0, 0.0), self.begin) if self.approach.curve.w == 0 else 0.0
+
+    @property
+    def _held(self) -> tuple[State, State]:
+        """First and last state of the turn, at one radius."""
+        return state(self.approach.curve, self.turn), state(self.retraction.curve, self.turn)
+
+    def _straight(self, first: State, last: State) -> float:
+        """Work int P dD [J] of the device along a straight line of P over delta."""
+        work = (first.P + last.P) / 2 * (last.delta - first.delta)
+        return work if math.isinf(self.stiffness) else work + (last.P**2 - first.P**2) / (2 * self.stiffness)
+
+
+@dataclass(frozen=True, eq=False)
+class Behaviour:
+    """What an adhesive curve means under one control: all that is read off it for a device of ``stiffness`` [N/m].
+
+    ``critical``: all points of the series where the controlled quantity is stationary. ``pull_off``: where contact is
+    lost. ``jump_in``: the stable state after first contact at delta = 0. ``partial``: jumps to smaller stable radii on
+    the way from the end of the series to pull-off. Energies in J, or why there is none.
+    """
+
+    stiffness: float
+    critical: tuple[CriticalPoint, ...]
+    pull_off: CriticalPoint | Outside
+    jump_in: State | Outside
+    partial: tuple[Jump, ...]
+    energy_lost: Energy
+    separation: Energy
+
+    @property
+    def control(self) -> str:
+        """The control in words."""
+        return control(self.stiffness)
+
+
+def behaviour(curve: AdhesiveCurve, stiffness: float) -> Behaviour:
+    """What ``curve`` says about a device of ``stiffness`` [N/m] (0: load control, infinite: displacement)."""
+    if curve.w == 0:
+        nothing = Outside(NO_ADHESION)
+        return Behaviour(stiffness, (), nothing, nothing, (), NO_ADHESION, NO_ADHESION)
+    critical, pull_off = curve.critical(stiffness), _pull_off(curve, stiffness)
+    start = largest_stable(curve, stiffness)
+    partial = () if start is None else jumps(shrink(curve, stiffness, start))
+    whole = cycle(curve, curve, stiffness)
+    if isinstance(whole, Outside):
+        energies: tuple[Energy, Energy] = (whole.reason, whole.reason)
+        jump_in: State | Outside = whole
+    else:
+        energies, jump_in = (whole.energy_lost, whole.separation), whole.begin
+    if isinstance(pull_off, Outside) and stiffness != LOAD_CONTROL:
+        energies = (pull_off.reason, pull_off.reason)
+    between = tuple(jump for jump in partial if jump.end is not None)
+    return Behaviour(stiffness, critical, pull_off, jump_in, between, *energies)
+
+
+def _pull_off(curve: AdhesiveCurve, stiffness: float) -> CriticalPoint | Outside:
+    found = curve.pull_off(stiffness)
+    if isinstance(found, Outside) or position(found.delta, found.P, stiffness) <= 0:
+        return found
+    return Outside(
+        f"contact shrinks at P = {found.P:.4g} N, delta = {found.delta:.4g} m below the smallest radius of the series, "
+        f"a = {curve.a[0]:.4g} m, where some must remain: the series would have to begin at a smaller radius"
+    )
+
+
+def cycle(
+    approach: AdhesiveCurve, retraction: AdhesiveCurve, stiffness: float, turn: float | None = None
+) -> Cycle | Outside:
+    """The cycle of a device of ``stiffness`` [N/m] that turns at the contact radius ``turn`` [m], by default the last.
+
+    ``approach`` and ``retraction`` are curves of one series; w must not be smaller on retraction. Outside where the
+    first stable contact is not in the series.
+    """
+    if retraction.w < approach.w:
+        raise InputError(
+            f"cycle: the work of adhesion on retraction must be >= that on approach, got {show(retraction.w, 'work')} "
+            f"after {show(approach.w, 'work')}"
+        )
+    inwards = grow(approach, stiffness)
+    if isinstance(inwards, Outside):
+        return inwards
+    turn = inwards.last if turn is None else turn
+    return Cycle(inwards.up_to(turn), turn, shrink(retraction, stiffness, turn))
+
+
+def turning_radius(
+    curve: AdhesiveCurve, stiffness: float, *, load: float | None = None, depth: float | None = None
+) -> float:
+    """The contact radius [m] at which the approach first meets a ``load`` [N] or a ``depth`` delta [m]."""
+    inwards = grow(curve, stiffness)
+    if isinstance(inwards, Outside):
+        raise InputError(f"cycle: {inwards.reason}")
+    held, value = (LOAD_CONTROL, load) if depth is None else (DISPLACEMENT_CONTROL, depth)
+    if value is None:
+        raise InputError("cycle: give a load or a depth to turn at")
+    met = [a for a in radii_at_position(curve, held, value) if inwards.holds(a)]
+    if not met:
+        first, last = first_contact(inwards), state(curve, inwards.last)
+        name, unit = ("P", "load") if depth is None else ("delta", "length")
+        raise InputError(
+            f"cycle: the turn at {name} = {show(value, unit)} is not passed on approach, which in this series goes "
+            f"from {show(getattr(first, name), unit)} to {show(getattr(last, name), unit)}"
+        )
+    return met[0]
+
+
+def first_contact(approach: Path) -> State:
+    """The first state of an approach; what the device holds at 0 there is exactly 0."""
+    first = state(approach.curve, approach.stretches[0].first)
+    if approach.curve.w == 0:
+        return first
+    held = {LOAD_CONTROL: "P", DISPLACEMENT_CONTROL: "delta"}.get(approach.stiffness)
+    return replace(first, **{held: 0.0}) if held else first
+
+
+def jumps(path: Path) -> tuple[Jump, ...]:
+    """The jumps between the stretches of a path, and the loss of contact at its end."""
+    starts = [state(path.curve, stretch.last) for stretch in path.stretches]
+    ends: list[State | None] = [state(path.curve, stretch.first) for stretch in path.stretches[1:]]
+    if path.ends == "lost":
+        ends.append(None)
+    return tuple(Jump(start, end) for start, end in zip(starts, ends, strict=False))
+
+
+def control(stiffness: float) -> str:
+    """``load control``, ``displacement control`` or ``device of 0.2 N/m``."""
+    words = {LOAD_CONTROL: "load control", DISPLACEMENT_CONTROL: "displacement control"}
+    return words.get(stiffness) or f"device of {show(stiffness, 'stiffness')}"
+
+
+def trace(found: Cycle, points: int) -> dict[str, Array]:
+    """What the device records over the cycle, row by row, ``points`` (>= 2) to each stretch, even in radius.
+
+    Columns: "a_m" (0 out of contact), "delta_m" (minus the gap out of contact), "P_N", "device_m" (delta + P/stiffness;
+    left out under load control, where there is no such length), "phase" in words and "part", a number: jumps lie
+    between two parts.
+    """
+    inwards, outwards = found.approach, found.retraction
+    parts = [("approach", *part) for part in _along(inwards, points)]
+    if outwards.curve.w > inwards.curve.w:
+        parts.append(("turn", *_held(found, points)))
+    parts += [("retraction", *part) for part in _along(outwards, points)]
+    before, after = _out_of_contact(found, points)
+    parts.insert(0, ("free approach", np.zeros_like(before), before, np.zeros_like(before)))
+    if after.size:
+        parts.append(("free retraction", np.zeros_like(after), after, np.zeros_like(after)))
+    words, a, delta, P = zip(*parts, strict=True)
+    columns = {"a_m": np.concatenate(a), "delta_m": np.concatenate(delta), "P_N": np.concatenate(P)}
+    if found.stiffness != LOAD_CONTROL:
+        columns["device_m"] = position(columns["delta_m"], columns["P_N"], found.stiffness)
+    sizes = [radii.size for radii in a]
+    return columns | {"phase": np.repeat(words, sizes), "part": np.repeat(np.arange(len(words)) + 1, sizes)}
+
+
+def _along(path: Path, points: int) -> list[tuple[Array, Array, Array]]:
+    radii = [np.linspace(s.first, s.last, points if s.first != s.last else 1) for s in path.stretches]
+    return [(a, *path.curve.at(a)) for a in radii]
+
+
+def _held(found: Cycle, points: int) -> tuple[Array, Array, Array]:
+    """At the turn the contact is a flat punch of constant radius: a straight line."""
+    a = np.full(points, found.turn)
+    first, last = (np.array(path.curve.at(np.array(found.turn))) for path in (found.approach, found.retraction))
+    delta, P = first[:, None] + np.outer(last - first, np.linspace(0, 1, points))
+    return a, delta, P
+
+
+def _out_of_contact(found: Cycle, points: int) -> tuple[Array, Array]:
+    """Positions [m] before contact and after it is lost; they reach a quarter beyond where it is lost."""
+    last = state(found.retraction.curve, found.retraction.last)
+    D = last.delta if found.stiffness == LOAD_CONTROL else position(last.delta, last.P, found.stiffness)
+    furthest = -1.25 * abs(D)
+    before = np.linspace(furthest, 0, points)
+    if found.retraction.ends != "lost" or found.stiffness == LOAD_CONTROL:
+        return before, np.array([])
+    return before, np.linspace(D, furthest, points)

@@ -1,0 +1,111 @@
+"""The work of adhesion that a measured pull-off force means on a given body."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import brentq
+
+from ..base.errors import InputError, SolveError
+from ..base.units import show
+from ..series import Array, Series
+from .curve import AdhesiveCurve, CriticalPoint, Outside, transform
+from .slopes.result import Slopes
+from .states import LOAD_CONTROL
+
+INSIDE = 1e-6  # of a radius: how near to the ends of the series a pull-off may lie
+STEP = math.log(4.0)  # of w, where it is looked for beyond what the radii of the series give
+MET = 1e-9  # relative, of the pull-off force
+
+
+@dataclass(frozen=True, eq=False)
+class FoundWork:
+    """``w`` [J/m^2] whose pull-off force is the measured ``load`` [N, > 0] on this body.
+
+    ``curve``: the adhesive curve for it, ``point``: its pull-off. ``half_space``: load/(1.5 pi R), what classical JKR
+    would have given under load control, None where the indenter has no tip radius.
+    """
+
+    load: float
+    stiffness: float
+    w: float
+    curve: AdhesiveCurve
+    point: CriticalPoint
+    half_space: float | None
+
+
+def work_from_pull_off(
+    series: Series, slopes: Slopes, load: float, stiffness: float = LOAD_CONTROL, R: float | None = None
+) -> FoundWork:
+    """The w at which contact is lost at P = -``load`` [N] by a device of ``stiffness`` [N/m]; ``R``: tip radius [m].
+
+    At every radius of the series there is at most one w whose curve is stationary there; the pull-off force grows with
+    w, so the ends of the series bound the forces that it can tell. Refused outside them.
+    """
+    if not (math.isfinite(load) and load > 0):
+        raise InputError(f"load: the measured pull-off force must be > 0 N, got {load:g}")
+
+    def point(w: float) -> CriticalPoint | Outside:
+        return transform(series, slopes, w).pull_off(stiffness)
+
+    def excess(log_w: float) -> float:
+        found = point(math.exp(log_w))
+        if isinstance(found, Outside):
+            raise SolveError(f"load: the search for w left the series: {found.reason}")
+        return -found.P / load - 1
+
+    def inside(works: Array) -> float:
+        """The log of the first of ``works`` whose pull-off lies in the series."""
+        for w in works:
+            if isinstance(point(float(w)), CriticalPoint):
+                return math.log(w)
+        raise InputError("load: this series holds no pull-off for any work of adhesion: load further")
+
+    def widened(log_w: float, step: float) -> float:
+        """Beyond the last stationary radius the pull-off may lie between two points for any w: step by step there."""
+        while excess(log_w) * step < 0 and isinstance(point(math.exp(log_w + step)), CriticalPoint):
+            log_w += step
+        return log_w
+
+    works = _stationary(series, slopes, stiffness)
+    low, high = widened(inside(works), -STEP), widened(inside(works[::-1]), STEP)
+    if not excess(low) <= 0 <= excess(high):
+        raise InputError(_out_of_reach(load, (1 + excess(low)) * load, (1 + excess(high)) * load))
+    w = math.exp(brentq(excess, low, high, xtol=1e-14, rtol=1e-14)) if low < high else math.exp(low)
+    found = point(w)
+    if isinstance(found, Outside) or abs(-found.P / load - 1) > MET:
+        raise InputError(
+            f"load: no work of adhesion gives a pull-off force of {show(load, 'load')}: where the last stable branch "
+            f"changes, at w = {show(w, 'work')}, the force jumps past it"
+        )
+    half_space = None if R is None else load / (1.5 * math.pi * R)
+    return FoundWork(load, stiffness, float(w), transform(series, slopes, w), found, half_space)
+
+
+def _stationary(series: Series, slopes: Slopes, stiffness: float) -> Array:
+    """For radii across the series the w whose curve is stationary there, increasing; those > 0 only.
+
+    The rates are linear in sqrt(w): two curves give the nonadhesive part and the factor of sqrt(w).
+    """
+    unit = float(np.median(series.delta**2 * slopes.dS / series.a)) / (4 * math.pi)  # t = delta_H
+    a = series.a.copy()
+    a[0], a[-1] = a[0] * (1 + INSIDE), a[-1] * (1 - INSIDE)
+    one, two = (_control_rate(transform(series, slopes, factor * unit), a, stiffness) for factor in (1.0, 4.0))
+    nonadhesive, adhesive = 2 * one - two, one - two
+    root = np.divide(nonadhesive, adhesive, out=np.zeros_like(a), where=adhesive > 0)
+    return np.sort(root[root > 0] ** 2) * unit
+
+
+def _control_rate(curve: AdhesiveCurve, a: Array, stiffness: float) -> Array:
+    ddelta, dP = curve.rates(a)
+    return dP if stiffness == LOAD_CONTROL else ddelta + dP / stiffness
+
+
+def _out_of_reach(load: float, least: float, greatest: float) -> str:
+    remedy = "load further" if load > greatest else "begin the series at a smaller radius"
+    return (
+        f"load: a pull-off force of {show(load, 'load')} lies outside the series, which can tell forces from "
+        f"{show(least, 'load')} to {show(greatest, 'load')}: {remedy}"
+    )

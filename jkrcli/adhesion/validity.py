@@ -1,0 +1,218 @@
+"""Where the assumptions of JKR theory hold: plain functions of SI numbers, so that a stored file can be judged too.
+
+Limits: Johnson and Greenwood, J. Colloid Interface Sci. 192 (1997) 326 (the adhesion map over the Tabor number);
+geometrically linear kinematics and the half-space profile need small a/R and delta/h.
+
+A layer needs its own number. The Tabor number compares how far the surface is drawn out at the contact edge with the
+range z0 of the forces. On a thin compressible bonded layer that height is sqrt(2 w/K), K of Eq. 22 (Reedy, Thin-coating
+contact mechanics with adhesion, J. Mater. Res. (2006), and doi 10.1557/jmr.2007.0329: behaviour is JKR-like for large
+w over the coating's modulus and DMT-like for small). For nearly incompressible layers no such number was
+found in the literature. On coated half-spaces the transition has been solved with Maugis' forces but not condensed into
+one number (Stan and Adams, J. Mater. Res. (2016)); the half-spaces of the two materials bracket it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..base.errors import InputError
+from ..bodies.indenters import Indenter, TableProfile
+from ..bodies.materials import Elastic, contact_modulus
+from ..bodies.problem import HalfSpace, Layer, Problem
+from ..formulas.closed_form import foundation_modulus, tabor
+
+TABOR_JKR = 5.0  # JKR within some per cent above it
+TABOR_DMT = 0.1  # rigid-body (DMT, Bradley) limit below it
+SEEN = 2  # points per bend of a tabulated profile, with which slopes fitted through them see it
+MAX_A_OVER_R = 0.3
+MAX_DELTA_OVER_H = 0.1
+MAX_A_OVER_L = 0.1
+ROUND_OFF = 1e-6  # of the ratios: a limit that is just met gives no warning
+MAX_NU_COMPRESSIBLE = 0.45  # Reedy (2006): thin-layer theory agrees with finite elements below it
+Ratio = float | str  # a number, or why there is none
+NO_TIP_RADIUS = "the indenter has no tip radius (pointed, flat or blunter than a parabola)"
+
+
+@dataclass(frozen=True)
+class Validity:
+    """The numbers by which a result is judged; each a number or the reason why there is none.
+
+    ``a_over_R``, ``delta_over_h``, ``a_over_h``, ``a_over_L``: at the largest radius of the series, L being the lateral
+    or vertical size at which the body or its mesh ends. ``a_over_R_pull_off``: at pull-off under load control.
+    ``end_is_cut``: the specimen goes on where the model ends; the ends of a finite specimen are part of its solution.
+    """
+
+    tabor: Ratio
+    regime: str
+    a_over_R: Ratio
+    a_over_R_pull_off: Ratio
+    delta_over_h: Ratio
+    a_over_h: Ratio
+    a_over_L: Ratio
+    end_is_cut: bool = True
+
+
+def end_of_body(problem: Problem, facts: Mapping[str, Any]) -> float | None:
+    """Distance [m] at which the body or its mesh ends sideways, or below where that is a cut through a half-space.
+
+    ``facts``: those of the solution; finite elements give width_m and depth_m. None for an unbounded exact solution.
+    """
+    ends = [problem.specimen.radius, facts.get("width_m")]
+    if isinstance(problem.specimen.base, HalfSpace):
+        ends.append(facts.get("depth_m"))
+    return min((float(end) for end in ends if isinstance(end, int | float) and end > 0), default=None)
+
+
+def judge(
+    *,
+    a: float,
+    delta: float,
+    E_star: float,
+    w: float,
+    R: float | None,
+    h: float | None,
+    L: float | None,
+    z0: float | None,
+    a_pull_off: float | None = None,
+    end_is_cut: bool = True,
+) -> Validity:
+    """Judge a series that ends at contact radius ``a`` [m] and displacement ``delta`` [m].
+
+    ``R``: tip radius [m], None where the indenter has none. ``h``: thickness [m] of the layer that the contact feels,
+    None or infinite for a half-space. ``L``: size [m] of the body or mesh, None for an unbounded exact solution.
+    ``z0``: equilibrium distance of the adhesive forces [m]; ``w`` in J/m^2, ``E_star`` in Pa.
+    """
+    no_layer = "no layer: the specimen is a half-space"
+    thickness = None if h is None or math.isinf(h) else h
+    number = _tabor(R, w, E_star, z0)
+    return Validity(
+        number,
+        _words(number),
+        _ratio(a, R, NO_TIP_RADIUS),
+        "no pull-off radius given" if a_pull_off is None else _ratio(a_pull_off, R, NO_TIP_RADIUS),
+        _ratio(delta, thickness, no_layer),
+        _ratio(a, thickness, no_layer),
+        _ratio(a, L, "the body is unbounded in this method"),
+        end_is_cut,
+    )
+
+
+def regime(number: float) -> str:
+    """What a Tabor number means, in words, and which model to use instead of JKR."""
+    if number > TABOR_JKR:
+        return "JKR holds"
+    if number >= TABOR_DMT:
+        return "JKR is doubtful: use the Maugis-Dugdale transition model"
+    return "JKR does not hold: use DMT (the limit of stiff, small or weakly adhering bodies)"
+
+
+def layer_tabor(problem: Problem, w: float, z0: float | None) -> dict[str, Ratio]:
+    """Counterparts of the Tabor number on a layer and what they mean, under names for a summary; empty elsewhere.
+
+    One layer on a rigid base, "tabor_thin_layer": sqrt(2 w/K)/z0 where it is bonded and compressible; to be read where
+    a/h is well above 1. Its limits are those of the half-space, as orders of magnitude. Layers on a half-space:
+    "tabor_of_coating" and "tabor_of_substrate", the half-spaces of the top and of the lowest material that bracket it.
+    """
+    specimen = problem.specimen
+    if not specimen.layers:
+        return {}
+    if isinstance(specimen.base, HalfSpace):
+        return _coating_tabor(problem, specimen.base, w, z0)
+    if len(specimen.layers) > 1:
+        return {}
+    number = _thin_tabor(specimen.layers[0], specimen.base.bonded, w, z0)
+    return {"tabor_thin_layer": number, "regime_thin_layer": _words(number)}
+
+
+def _coating_tabor(problem: Problem, base: HalfSpace, w: float, z0: float | None) -> dict[str, Ratio]:
+    R, indenter = problem.indenter.tip_radius, problem.indenter.material
+    coating = _tabor(R, w, problem.E_star, z0)
+    substrate = _tabor(R, w, contact_modulus(base.material.surface, indenter), z0)
+    ends = list(dict.fromkeys([_words(coating), _words(substrate)]))
+    words = ends[0] if len(ends) == 1 else f"from the coating's to the substrate's: {ends[0]}; {ends[1]}"
+    return {"tabor_of_coating": coating, "tabor_of_substrate": substrate, "regime_coated": words}
+
+
+def _thin_tabor(layer: Layer, bonded: bool, w: float, z0: float | None) -> Ratio:
+    if not bonded:
+        return "the layer slides on its base: the literature has bonded layers only"
+    if not isinstance(layer.material, Elastic):
+        return "the layer is not homogeneous and isotropic: the literature has only such layers"
+    if layer.material.nu > MAX_NU_COMPRESSIBLE:
+        return f"nu = {layer.material.nu:g} is above {MAX_NU_COMPRESSIBLE:g}: the layer is not compressible (Eq. 22)"
+    if z0 is None or w == 0:
+        return "no equilibrium distance z0 given" if z0 is None else "no adhesion (w = 0)"
+    if min(w, z0) <= 0:
+        raise InputError(f"Tabor number: w and z0 must be > 0, got {w:g} and {z0:g}")
+    K = foundation_modulus(layer.material.E, layer.material.nu, layer.thickness)
+    return math.sqrt(2 * w / K) / z0
+
+
+def _words(number: Ratio) -> str:
+    return regime(number) if isinstance(number, float) else f"unknown: {number}"
+
+
+def check(judged: Validity) -> list[str]:
+    """Warnings, each with its number and limit; empty where all is well or nothing is known."""
+    return [
+        *_above(judged.a_over_R, MAX_A_OVER_R, "a/R", "the geometrically linear theory and the indenter's profile err"),
+        *_above(judged.delta_over_h, MAX_DELTA_OVER_H, "delta/h", "small strains no longer hold in the layer"),
+        *_cut_warning(judged),
+        *_tabor_warning(judged),
+    ]
+
+
+def _above(value: Ratio, limit: float, name: str, meaning: str) -> list[str]:
+    if isinstance(value, str) or value <= limit * (1 + ROUND_OFF):
+        return []
+    return [f"{name} = {value:.3g} at the largest contact radius is above {limit:g}: {meaning}"]
+
+
+def _cut_warning(judged: Validity) -> list[str]:
+    if not judged.end_is_cut:
+        return []
+    return _above(judged.a_over_L, MAX_A_OVER_L, "a/L", "the end of the mesh, where the body goes on, is felt")
+
+
+def _tabor_warning(judged: Validity) -> list[str]:
+    if isinstance(judged.tabor, str) or judged.tabor >= TABOR_JKR:
+        return []
+    return [f"Tabor number {judged.tabor:.3g} is below {TABOR_JKR:g}: {judged.regime}"]
+
+
+def _tabor(R: float | None, w: float, E_star: float, z0: float | None) -> Ratio:
+    if R is None:
+        return NO_TIP_RADIUS
+    if z0 is None:
+        return "no equilibrium distance z0 given"
+    if w == 0:
+        return "no adhesion (w = 0)"
+    if min(R, w, E_star, z0) <= 0:
+        raise InputError(f"Tabor number: R, w, E* and z0 must be > 0, got {R:g}, {w:g}, {E_star:g}, {z0:g}")
+    return tabor(R, w, E_star, z0)
+
+
+def _ratio(value: float, size: float | None, reason: str) -> Ratio:
+    if size is None or math.isinf(size):
+        return reason
+    if size <= 0:
+        raise InputError(f"validity: a size must be > 0 m, got {size:g}")
+    return value / size
+
+
+def unresolved(indenter: Indenter, a: np.ndarray) -> tuple[str, ...]:
+    """A warning where slopes fitted through the radii ``a`` [m] cannot see every bend of a tabulated profile."""
+    if not isinstance(indenter, TableProfile):
+        return ()
+    bends = int(np.sum((indenter.knots > indenter.a0) & (indenter.knots < a[-1])))
+    if a.size >= SEEN * bends:
+        return ()
+    return (
+        f"the tabulated profile bends at {bends} radii within the contact and the series has {a.size} points: slopes "
+        "fitted through them miss what lies between; give more points, or take a method with exact slopes",
+    )

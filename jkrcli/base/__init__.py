@@ -1,0 +1,1 @@
+"""Knows no mechanics: errors, units, files, clocks, work on many items."""

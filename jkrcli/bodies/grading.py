@@ -1,0 +1,170 @@
+"""Laws of Young's modulus over depth, measured from the top of the layer that has them."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import dataclass, replace
+from typing import Protocol, Self
+
+import numpy as np
+
+from ..base.errors import InputError
+
+Array = np.ndarray
+
+
+class Law(Protocol):
+    """E(z) > 0 [Pa] for 0 <= z <= ``reach`` [m], smooth between its ``kinks``; frozen, hashable."""
+
+    @property
+    def reach(self) -> float:
+        """The depth [m] down to which the law says something."""
+        ...
+
+    @property
+    def kinks(self) -> tuple[float, ...]:
+        """Depths [m] inside the reach at which the slope jumps."""
+        ...
+
+    def at(self, depth: Array) -> Array:
+        """E [Pa] at ``depth`` [m], same shape."""
+        ...
+
+    def taylor(self, count: int) -> Array:
+        """The first ``count`` coefficients of E(z)/E(0) in powers of z at the top [m^-n]."""
+        ...
+
+    def scaled(self, factor: float) -> Self:
+        """The same law with all moduli multiplied by ``factor``."""
+        ...
+
+
+def _positive(**values: float) -> None:
+    for name, value in values.items():
+        if not (math.isfinite(value) and value > 0):
+            unit = "Pa" if name in ("top", "bottom") else "m"
+            raise InputError(f"{name}: must be > 0 {unit}, got {value:g}")
+
+
+@dataclass(frozen=True)
+class _Between:
+    """A smooth law from ``top`` to ``bottom`` [Pa] over ``depth`` [m]."""
+
+    top: float
+    bottom: float
+    depth: float
+
+    def __post_init__(self) -> None:
+        _positive(top=self.top, bottom=self.bottom, depth=self.depth)
+
+    @property
+    def reach(self) -> float:
+        return self.depth
+
+    @property
+    def kinks(self) -> tuple[float, ...]:
+        return ()
+
+    def scaled(self, factor: float) -> Self:
+        return replace(self, top=self.top * factor, bottom=self.bottom * factor)
+
+
+class Linear(_Between):
+    """E = top + (bottom - top) z/depth."""
+
+    def at(self, depth: Array) -> Array:
+        return self.top + (self.bottom - self.top) * np.asarray(depth, dtype=float) / self.depth
+
+    def taylor(self, count: int) -> Array:
+        return _padded([1.0, (self.bottom / self.top - 1) / self.depth], count)
+
+
+class Exponential(_Between):
+    """E = top (bottom/top)^(z/depth)."""
+
+    @property
+    def rate(self) -> float:
+        """d(ln E)/dz [1/m]."""
+        return math.log(self.bottom / self.top) / self.depth
+
+    def at(self, depth: Array) -> Array:
+        return self.top * np.exp(self.rate * np.asarray(depth, dtype=float))
+
+    def taylor(self, count: int) -> Array:
+        return np.array([self.rate**n / math.factorial(n) for n in range(count)])
+
+
+@dataclass(frozen=True)
+class Power:
+    """E = top (1 + z/length)^exponent; any real ``exponent``."""
+
+    top: float
+    length: float
+    exponent: float
+
+    def __post_init__(self) -> None:
+        _positive(top=self.top, length=self.length)
+        if not math.isfinite(self.exponent):
+            raise InputError(f"exponent: must be a finite number, got {self.exponent:g}")
+
+    @property
+    def reach(self) -> float:
+        return math.inf
+
+    @property
+    def kinks(self) -> tuple[float, ...]:
+        return ()
+
+    def at(self, depth: Array) -> Array:
+        return self.top * (1 + np.asarray(depth, dtype=float) / self.length) ** self.exponent
+
+    def taylor(self, count: int) -> Array:
+        ratios = [(self.exponent - n + 1) / (n * self.length) for n in range(1, count)]
+        return np.array(list(itertools.accumulate(ratios, lambda c, ratio: c * ratio, initial=1.0)))
+
+    def scaled(self, factor: float) -> Power:
+        return replace(self, top=self.top * factor)
+
+
+@dataclass(frozen=True)
+class Tabulated:
+    """``moduli`` [Pa] at increasing ``depths`` [m] from 0 on, straight lines between them."""
+
+    depths: tuple[float, ...]
+    moduli: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        if len(self.depths) != len(self.moduli) or len(self.depths) < 2:
+            raise InputError(
+                "a table needs as many moduli as depths, at least two of each, "
+                f"got {len(self.moduli)} and {len(self.depths)}"
+            )
+        if self.depths[0] != 0 or any(not b > a for a, b in itertools.pairwise(self.depths)):
+            raise InputError(f"depth: must start at 0 m and increase, got {list(self.depths)}")
+        if not math.isfinite(self.depths[-1]):
+            raise InputError(f"depth: must be finite, got {self.depths[-1]:g} m")
+        wrong = [modulus for modulus in self.moduli if not (math.isfinite(modulus) and modulus > 0)]
+        if wrong:
+            raise InputError(f"E: every modulus must be > 0 Pa, got {wrong[0]:g}")
+
+    @property
+    def reach(self) -> float:
+        return self.depths[-1]
+
+    @property
+    def kinks(self) -> tuple[float, ...]:
+        return self.depths[1:-1]
+
+    def at(self, depth: Array) -> Array:
+        return np.interp(np.asarray(depth, dtype=float), self.depths, self.moduli)
+
+    def taylor(self, count: int) -> Array:
+        return _padded([1.0, (self.moduli[1] / self.moduli[0] - 1) / self.depths[1]], count)
+
+    def scaled(self, factor: float) -> Tabulated:
+        return replace(self, moduli=tuple(modulus * factor for modulus in self.moduli))
+
+
+def _padded(coefficients: list[float], count: int) -> Array:
+    return np.array((coefficients + [0.0] * count)[:count])

@@ -1,0 +1,183 @@
+"""The contact problem: indenter, specimen and loading. Physics only, SI, no mesh and no work of adhesion."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from dataclasses import dataclass, field, replace
+from typing import Any, Literal, cast
+
+import numpy as np
+
+from ..base.errors import InputError
+from .indenters import Indenter
+from .materials import Elastic, Graded, Material, TransverselyIsotropic, contact_modulus
+
+Quantity = Literal["depth", "load", "radius"]
+Spacing = Literal["radius", "depth", "log", "given"]
+Side = Literal["free", "roller", "clamped"]
+ROUND_OFF = 1e-9  # relative, of a thickness against the depths of its material's law
+
+
+@dataclass(frozen=True)
+class Layer:
+    """One layer of a stack, perfectly bonded to what lies below; ``thickness`` in m."""
+
+    material: Material
+    thickness: float
+    name: str = field(default="", compare=False, repr=False)
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.thickness) and self.thickness > 0):
+            raise InputError(f"thickness: must be > 0 m, got {self.thickness:g}")
+        if isinstance(self.material, Graded) and self.material.law.reach < self.thickness * (1 - ROUND_OFF):
+            raise InputError(
+                f"the law of E ends at a depth of {self.material.law.reach:g} m, above the bottom of the layer "
+                f"(thickness {self.thickness:g} m)"
+            )
+
+    @property
+    def moduli(self) -> tuple[float, float]:
+        """The least and the largest Young's modulus in the layer [Pa] (every law is monotone between its kinks)."""
+        match self.material:
+            case Elastic(E=E):
+                return E, E
+            case Graded(law=law):
+                values = law.at(np.array([0.0, *(z for z in law.kinks if z < self.thickness), self.thickness]))
+                return float(values.min()), float(values.max())
+            case TransverselyIsotropic(E_p=E_p, E_z=E_z):
+                return min(E_p, E_z), max(E_p, E_z)
+
+
+@dataclass(frozen=True)
+class Rigid:
+    """A rigid base, to which the lowest layer is bonded or on which it slides without friction."""
+
+    bonded: bool = True
+
+
+@dataclass(frozen=True)
+class HalfSpace:
+    """A homogeneous elastic half-space below the layers; with no layers it is the whole specimen."""
+
+    material: Elastic | TransverselyIsotropic
+
+
+@dataclass(frozen=True)
+class Specimen:
+    """Layers from the contact surface down, and a base; ``radius`` [m] and ``side`` for a really finite body only."""
+
+    layers: tuple[Layer, ...]
+    base: Rigid | HalfSpace
+    radius: float | None = None
+    side: Side | None = None
+
+    def __post_init__(self) -> None:
+        if not self.layers and isinstance(self.base, Rigid):
+            raise InputError("specimen: a rigid base needs at least one layer on it")
+        if self.radius is not None and not (math.isfinite(self.radius) and self.radius > 0):
+            raise InputError(f"specimen.radius: must be > 0 m, got {self.radius:g}")
+
+    @property
+    def is_half_space(self) -> bool:
+        """True for a homogeneous, laterally unbounded half-space."""
+        return not self.layers and self.radius is None
+
+    @property
+    def surface(self) -> Elastic:
+        """What first touch feels: the material at the contact, or the isotropic one of the same E*."""
+        if self.layers:
+            return self.layers[0].material.surface
+        assert isinstance(self.base, HalfSpace)
+        return self.base.material.surface
+
+    @property
+    def materials(self) -> tuple[Material, ...]:
+        """All materials from the surface down."""
+        layers = tuple(layer.material for layer in self.layers)
+        return (*layers, self.base.material) if isinstance(self.base, HalfSpace) else layers
+
+    @property
+    def is_graded(self) -> bool:
+        """True where the modulus of any layer varies over depth."""
+        return any(isinstance(layer.material, Graded) for layer in self.layers)
+
+    @property
+    def thickness(self) -> float:
+        """Total thickness of the layers [m]; infinite on an elastic half-space."""
+        if isinstance(self.base, HalfSpace):
+            return math.inf
+        return sum(layer.thickness for layer in self.layers)
+
+    @property
+    def top_thickness(self) -> float:
+        """Thickness of the uppermost layer [m], the h of a/h; infinite for a half-space."""
+        return self.layers[0].thickness if self.layers else math.inf
+
+    def scaled(self, factor: float) -> Specimen:
+        """The same specimen with every modulus multiplied by ``factor``."""
+        layers = tuple(replace(layer, material=layer.material.scaled(factor)) for layer in self.layers)
+        base = self.base
+        if isinstance(base, HalfSpace):
+            base = HalfSpace(base.material.scaled(factor))
+        return replace(self, layers=layers, base=base)
+
+
+@dataclass(frozen=True)
+class Loading:
+    """What is prescribed: increments up to ``maximum`` of a quantity [m or N], or the ``values`` themselves.
+
+    ``spacing = "radius"``: ``points`` contact radii, evenly spaced between first touch and the largest one;
+    ``"depth"``: evenly spaced displacements (the paper); ``"log"``: radii graded towards first
+    contact, sqrt(a^2 - a0^2) in a geometric sequence over four decades; ``"given"``: increasing ``values``.
+    """
+
+    to: Quantity
+    maximum: float
+    points: int = 100
+    spacing: Spacing = "radius"
+    values: tuple[float, ...] = ()
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.maximum) and self.maximum > 0):
+            raise InputError(f"loading: the largest {self.to} must be > 0, got {self.maximum:g}")
+        if self.points < 1:
+            raise InputError(f"loading.points: must be >= 1, got {self.points}")
+        if self.spacing == "given":
+            steps = [b - a for a, b in zip((0.0, *self.values), self.values, strict=False)]
+            if not self.values or min(steps) <= 0:
+                raise InputError(f"loading.values: must be positive and increase, got {list(self.values)}")
+
+    @classmethod
+    def given(cls, to: Quantity, values: tuple[float, ...]) -> Loading:
+        """Loading to the given, increasing values of ``to``."""
+        return cls(to, max(values, default=0.0), len(values), "given", tuple(values))
+
+
+@dataclass(frozen=True)
+class Problem:
+    """A frictionless axisymmetric contact problem, geometrically linear (method: any)."""
+
+    indenter: Indenter
+    specimen: Specimen
+    loading: Loading
+
+    @property
+    def E_star(self) -> float:
+        """Reduced modulus of the two materials that touch [Pa] (Eq. 4)."""
+        return contact_modulus(self.specimen.surface, self.indenter.material)
+
+    def scaled(self, factor: float) -> Problem:
+        """The same problem with every modulus multiplied by ``factor``, and with it what is prescribed as a load."""
+        indenter, loading = self.indenter, self.loading
+        if indenter.material is not None:
+            indenter = replace(cast(Any, indenter), material=indenter.material.scaled(factor))
+        if loading.to == "load":
+            values = tuple(value * factor for value in loading.values)
+            loading = replace(loading, maximum=loading.maximum * factor, values=values)
+        return Problem(indenter, self.specimen.scaled(factor), loading)
+
+    @property
+    def key(self) -> str:
+        """A hash of the physics: equal for equal problems, whatever method solves them."""
+        return hashlib.sha256(repr(self).encode()).hexdigest()[:16]

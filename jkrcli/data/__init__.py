@@ -1,0 +1,1 @@
+"""What others measured or computed, read into SI."""

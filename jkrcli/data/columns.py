@@ -1,0 +1,118 @@
+"""Which column of a text table is which quantity, in which unit: by its name in the header, or as the user says."""
+
+from __future__ import annotations
+
+import difflib
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..base.errors import InputError
+from ..base.units import MOST
+from ..series import Array
+from .text_table import TextTable, unit_power
+
+EXAMPLES = {"length": "um", "area": "um^2", "load": "mN", "time": "s"}
+
+
+@dataclass(frozen=True)
+class Vocabulary:
+    """The quantities of a kind of table by their keys: what columns are called (lower case, without unit), the
+    dimension of those that have one, and their meaning in messages. A capital A alone is an area."""
+
+    aliases: Mapping[str, tuple[str, ...]]
+    dimensions: Mapping[str, str]
+    meanings: Mapping[str, str]
+
+    def key_of(self, title: str) -> str | None:
+        """The key of a header cell, None where its name is none of the aliases."""
+        name = split_name(title)[0]
+        if name == "A":
+            return "area"
+        plain = name.lower().strip()
+        words = {plain, re.split(r"[:\s]", plain)[0], plain.rsplit(":", 1)[-1].strip(), *_history(plain)}
+        return next((key for key, aliases in self.aliases.items() if words & set(aliases)), None)
+
+    def named(self, table: TextTable, key: str) -> list[int]:
+        """Columns whose name is one of the aliases of ``key``."""
+        return [i for i, title in enumerate(table.names) if self.key_of(title) == key]
+
+    def guess(self, table: TextTable, key: str) -> int:
+        """The one column that is named like ``key``."""
+        matches = self.named(table, key)
+        if len(matches) == 1:
+            return matches[0]
+        reason = "no column is" if not matches else f"{len(matches)} columns are"
+        raise InputError(
+            f"{table.path}: {reason} recognised as the {self.meanings[key]}: say which, --column {key}=NAME "
+            f"({choice(table)})"
+        )
+
+    def in_si(self, table: TextTable, key: str, index: int, unit: str | None = None) -> Array:
+        """The values of a column in SI, by ``unit`` or that of its header: 100 um is exactly 1e-4 m."""
+        values, power = table.values[:, index], self._power(table, key, index, unit)
+        beyond = np.abs(values) > MOST
+        if beyond.any():
+            line, found = table.lines[beyond][0], values[beyond][0]
+            raise InputError(f"{table.path}: line {line}: {self.meanings[key]} must be up to {MOST:g}, got {found:g}")
+        return values * 10.0**power if power > 0 else values / 10.0**-power
+
+    def _power(self, table: TextTable, key: str, index: int, told: str | None) -> int:
+        dimension = self.dimensions[key]
+        unit = told or split_name(table.names[index])[1]
+        where = f'{table.path}: column {index + 1} "{table.names[index]}" ({self.meanings[key]})'
+        example = EXAMPLES[dimension]
+        if not unit:
+            raise InputError(f"{where} names no unit: give --unit {key}={example}, or write it into the header")
+        found = unit_power(unit)
+        if found is None or found[0] != dimension:
+            raise InputError(f'{where}: the unit must be one of {dimension}, such as {example}, got "{unit}"')
+        return found[1]
+
+
+def asked(table: TextTable, key: str, name: str) -> int:
+    """The column that the user named or numbered (from 1)."""
+    titles = [split_name(title)[0] for title in table.names]
+    matches = [i for i, title in enumerate(table.names) if name in (title, titles[i])]
+    if len(matches) == 1:
+        return matches[0]
+    if name.isdigit() and 1 <= int(name) <= len(table.names):
+        return int(name) - 1
+    close = difflib.get_close_matches(name, titles, 1, 0.5)
+    hint = f', did you mean "{close[0]}"?' if close else ""
+    raise InputError(f'{table.path}: no single column "{name}" for {key}{hint} ({choice(table)})')
+
+
+def check_different(table: TextTable, chosen: Mapping[str, int]) -> None:
+    """Refuse one column for two quantities."""
+    if len(set(chosen.values())) < len(chosen):
+        raise InputError(f"{table.path}: one column cannot be two quantities, got {words(table, chosen)}")
+
+
+def choice(table: TextTable) -> str:
+    """All columns by number and name, for messages."""
+    listed = ", ".join(f'{i} "{name}"' if name else str(i) for i, name in enumerate(table.names, start=1))
+    return f"columns: {listed}"
+
+
+def words(table: TextTable, chosen: Mapping[str, int]) -> str:
+    """The chosen columns, for messages and records."""
+    return ", ".join(f"{key} = column {i + 1}" + (f' "{table.names[i]}"' if table.names[i] else "")
+                     for key, i in sorted(chosen.items()))  # fmt: skip
+
+
+def split_name(title: str) -> tuple[str, str]:
+    """Name and unit of a header cell: "P (mN)", "P [mN]", "P / mN", "P, mN", "P_mN"; "" where no unit is."""
+    title = title.strip()
+    if match := re.match(r"(.*?)\s*(?:\[([^\]]*)\]|\(([^)]*)\))\Z", title):
+        return match[1], (match[2] or match[3] or "").strip()
+    if (match := re.match(r"(.+?)\s*[/,_]\s*([^/,_]+)\Z", title)) and unit_power(match[2]):
+        return match[1], match[2]
+    return title, ""
+
+
+def _history(name: str) -> list[str]:
+    """The variable in the name of an Abaqus history, "RF:RF2 PI: TOOL-1 N: 1" or "_temp_1 RF2"."""
+    return re.findall(r"(?:\A|:)\s*([a-z]+\d?)(?=\s|\Z)", name)

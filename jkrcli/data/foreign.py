@@ -1,0 +1,217 @@
+"""Series that other programs computed: from their tables to the columns a, delta, P in SI with compression positive."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+
+from ..base.errors import InputError
+from ..bodies.indenters import Indenter, Sphere
+from ..series import Array, ErrorBudget, RawSeries, Series, Solution, filter_plateaus
+from .columns import Vocabulary, asked, check_different, words
+from .text_table import TextTable, read_table, some
+
+LEAST_ROWS = 5
+UNKNOWN = "unknown: made by another program"
+# What the columns are called elsewhere, lower case, without unit; Abaqus histories and CalculiX results among them.
+ALIASES = {
+    "a": ("a", "a_h", "radius", "contact radius", "contact_radius", "contactradius", "r_c", "rc"),
+    "area": ("area", "contact area", "contact_area", "carea", "contactarea"),
+    "delta": ("delta", "delta_h", "displacement", "disp", "depth", "indentation", "u2", "uy", "uz", "u3", "vy", "d"),
+    "P": ("p", "p_h", "load", "force", "rf2", "rf3", "cfn2", "cfnm", "cfn", "fy", "fz", "reaction", "f"),
+}
+DIMENSIONS = {"a": "length", "area": "area", "delta": "length", "P": "load"}
+MEANINGS = {"a": "contact radius", "area": "contact area", "delta": "displacement", "P": "load"}
+NAMES = Vocabulary(ALIASES, DIMENSIONS, MEANINGS)
+
+
+@dataclass(frozen=True)
+class Reading:
+    """How to read a foreign table; keys of the mappings are "a", "area", "delta" and "P".
+
+    ``columns``: names or numbers (from 1), where the header does not tell; ``units``: where the header names none;
+    ``factors``: on top of the units (P = 180 for CalculiX, which prints the force on its wedge of 2 degrees).
+    ``zero``: displacement at first touch [m, after the sign], subtracted. ``sign``: "auto" turns a displacement or load
+    that is negative throughout, "as-is" leaves them. ``sort``: order the rows by displacement first.
+    ``area``: "surface" of the indenter in contact (Abaqus; Eq. A3), or its "projected" area pi a^2.
+    """
+
+    columns: Mapping[str, str] = field(default_factory=dict)
+    units: Mapping[str, str] = field(default_factory=dict)
+    factors: Mapping[str, float] = field(default_factory=dict)
+    zero: float = 0.0
+    sign: Literal["auto", "as-is"] = "auto"
+    sort: bool = False
+    area: Literal["surface", "projected"] = "surface"
+    separator: str | None = None
+    decimal: str | None = None
+
+
+def read_series(path: Path, indenter: Indenter, reading: Reading) -> Solution:
+    """The series in the table at ``path``, made by a contact with ``indenter``; InputError names lines and columns."""
+    table = read_table(path, reading.separator, reading.decimal)
+    chosen = _columns(table, reading)
+    values = {key: _values(table, key, index, reading) for key, index in chosen.items()}
+    lines = table.lines
+    if reading.sort:
+        order = np.argsort(values["delta"], kind="stable")
+        values, lines = {key: column[order] for key, column in values.items()}, lines[order]
+    touching = values["a" if "a" in values else "area"] > 0
+    _check(table.path, values, lines, touching)
+    if "area" in values:
+        values["a"] = _radii(table.path, values.pop("area"), lines, indenter, reading.area)
+    raw = RawSeries(values["a"], values["delta"], values["P"], lines)
+    kept, dropped = filter_plateaus(raw)
+    _check_kept(table.path, kept, dropped, indenter)
+    return Solution(
+        series=Series(kept.a, kept.delta, kept.P, a0=indenter.a0, S0=None if indenter.a0 > 0 else 0.0),
+        raw=raw,
+        budget=ErrorBudget(UNKNOWN, UNKNOWN, UNKNOWN),
+        method="import",
+        facts=_facts(table, chosen, reading, dropped),
+    )
+
+
+def read_measured(path: Path, shift: float = 0.0) -> tuple[Array, Array]:
+    """Displacement [m], ``shift`` [m] added, and load [N] of measured points; units in the header, signs kept."""
+    table = read_table(path, least=2)
+    delta, P = (_values(table, key, NAMES.guess(table, key), Reading(sign="as-is")) for key in ("delta", "P"))
+    return delta + shift, P
+
+
+# ---------------------------------------------------------------------- columns and units
+def _columns(table: TextTable, reading: Reading) -> dict[str, int]:
+    """Index of the column for each key: as told, else by its name; the radius goes before the area."""
+    told = {key: asked(table, key, name) for key, name in reading.columns.items()}
+    found = {key: told[key] if key in told else NAMES.guess(table, key) for key in ("delta", "P")}
+    if "area" in told and "a" in told:
+        raise InputError(f"{table.path}: give a column for the contact radius or for the contact area, not for both")
+    size = next(iter(told.keys() & {"a", "area"}), None)
+    if size is None:
+        size = "a" if NAMES.named(table, "a") or not NAMES.named(table, "area") else "area"
+    chosen = found | {size: told[size] if size in told else NAMES.guess(table, size)}
+    check_different(table, chosen)
+    return chosen
+
+
+def _values(table: TextTable, key: str, index: int, reading: Reading) -> Array:
+    """A column in SI: unit, factor, sign and zero applied."""
+    values = NAMES.in_si(table, key, index, reading.units.get(key)) * reading.factors.get(key, 1.0)
+    if key in ("delta", "P") and reading.sign == "auto" and values.min() < 0 and -values.min() > values.max():
+        values = -values
+    return values - reading.zero if key == "delta" else values
+
+
+# ---------------------------------------------------------------------- rows
+def _check(path: Path, values: Mapping[str, Array], lines: Array, touching: Array) -> None:
+    """Rows in contact are in the order of loading: displacement and load rise, radius or area does not fall."""
+    if touching.sum() < LEAST_ROWS:
+        there = f" (lines {', '.join(map(str, lines[touching]))})" if touching.any() else ""
+        raise InputError(f"{path}: holds {touching.sum()} rows in contact{there}, at least {LEAST_ROWS} are needed")
+    wrong = []
+    size = "a" if "a" in values else "area"
+    for key, rule in (("delta", "rise"), ("P", "rise"), (size, "not fall")):
+        column, rows = values[key][touching], lines[touching]
+        if column[0] <= 0:
+            wrong.append((rows[0], f"{MEANINGS[key]} must be positive in contact, got {column[0]:.6g} (SI)"))
+        steps = np.diff(column)
+        for i in np.flatnonzero(steps <= 0 if rule == "rise" else steps < 0):
+            change = "stays at" if steps[i] == 0 else f"falls from {column[i]:.6g} to"
+            wrong.append(
+                (rows[i + 1], f"{MEANINGS[key]} must {rule} from row to row, it {change} {column[i + 1]:.6g} (SI)")
+            )
+    if wrong:
+        messages = [f"{path}: line {line}: {message}" for line, message in sorted(wrong)]
+        raise InputError([*some(messages), f"{path}: {_remedy(values['delta'][touching])}"])
+
+
+def _remedy(delta: Array) -> str:
+    steps = np.diff(delta)
+    peak = int(np.argmax(delta))
+    if (steps > 0).all():
+        return "remove or mend those rows; repeated contact radii are normal, falling ones are not a growing contact"
+    if (steps >= 0).all():
+        return "remove the rows that repeat a displacement"
+    if peak > 0 and (steps[:peak] > 0).all() and (steps[peak:] < 0).all():
+        return "the rows after the largest displacement are unloading: remove them"
+    return "the rows are not in the order of loading: --sort orders them by displacement"
+
+
+def _check_kept(path: Path, kept: RawSeries, dropped: int, indenter: Indenter) -> None:
+    assert kept.rows is not None
+    if kept.a.size < LEAST_ROWS:
+        lines = ", ".join(map(str, kept.rows))
+        raise InputError(
+            f"{path}: holds {kept.a.size} different contact radii (lines {lines}; {dropped} rows repeat them), "
+            f"at least {LEAST_ROWS} are needed: refine the mesh or load further"
+        )
+    for line, a in zip(kept.rows, kept.a, strict=True):
+        if a >= indenter.r_max:
+            raise InputError(f"{path}: line {line}: contact radius {a:.6g} m lies beyond the end of the indenter's "
+                             f"profile, {indenter.r_max:.6g} m; is the unit right?")  # fmt: skip
+        if a <= indenter.a0:
+            raise InputError(f"{path}: line {line}: contact radius {a:.6g} m must be > {indenter.a0:.6g} m, where "
+                             "contact with this indenter begins")  # fmt: skip
+
+
+def _facts(table: TextTable, chosen: Mapping[str, int], reading: Reading, dropped: int) -> dict[str, Any]:
+    return {
+        "source": table.path.name,
+        "columns": words(table, chosen),
+        "factors": ", ".join(f"{key} = {value:g}" for key, value in reading.factors.items()) or "none",
+        "zero_m": reading.zero,
+        "radius_from": "column" if "a" in chosen else f"contact area ({reading.area})",
+        "separator": table.dialect.separator,
+        "rows": int(table.lines.size),
+        "dropped": dropped,
+    }
+
+
+# ---------------------------------------------------------------------- contact area
+def _radii(path: Path, area: Array, lines: Array, indenter: Indenter, kind: str) -> Array:
+    """Contact radii [m] from contact areas [m^2]; InputError with the line where the indenter has no such area."""
+    if kind == "projected":
+        return np.sqrt(np.maximum(area, 0) / math.pi)
+    limit = (
+        float(surface_area(np.array([indenter.r_max * (1 - 1e-12)]), indenter)[0])
+        if math.isfinite(indenter.r_max)
+        else math.inf
+    )
+    beyond = area > limit
+    if beyond.any():
+        raise InputError(f"{path}: line {lines[beyond][0]}: contact area {area[beyond][0]:.6g} m^2 is larger than the "
+                         f"indenter's surface, {limit:.6g} m^2; is the unit right?")  # fmt: skip
+    return radius_from_area(np.maximum(area, 0), indenter)
+
+
+def surface_area(a: Array, indenter: Indenter) -> Array:
+    """Area [m^2] of the indenter's surface within radius ``a`` [m]: 2 pi int_0^a r sqrt(1 + f'^2) dr.
+
+    Closed for the sphere (Eq. A2); else Gauss quadrature over r^2, in which the integrand is smooth.
+    """
+    a = np.asarray(a, dtype=float)
+    if isinstance(indenter, Sphere):
+        return 2 * math.pi * a**2 / (1 + np.sqrt(1 - (a / indenter.R) ** 2))
+    x, weights = np.polynomial.legendre.leggauss(64)
+    square = a[..., None] ** 2 * (x + 1) / 2
+    return math.pi * a**2 / 2 * np.sum(weights * np.sqrt(1 + indenter.slope(np.sqrt(square)) ** 2), axis=-1)
+
+
+def radius_from_area(area: Array, indenter: Indenter) -> Array:
+    """Contact radius [m] within which the indenter's surface has the ``area`` [m^2] (sphere: Eq. A3)."""
+    area = np.asarray(area, dtype=float)
+    if isinstance(indenter, Sphere):
+        return np.sqrt((4 * math.pi * indenter.R**2 - area) * area) / (2 * math.pi * indenter.R)
+    square = area / math.pi
+    for _ in range(100):
+        a = np.sqrt(np.minimum(square, indenter.r_max**2))
+        change = (surface_area(a, indenter) - area) / (math.pi * np.sqrt(1 + indenter.slope(a) ** 2))
+        square = np.maximum(a**2 - change, 0)
+        if (np.abs(change) <= 1e-14 * a**2).all():
+            break
+    return np.sqrt(square)

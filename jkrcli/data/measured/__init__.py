@@ -1,0 +1,62 @@
+"""Measured curves, from text tables and from the files of force microscopes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+from ...base.errors import InputError
+from .contact import with_zero_points
+from .curve import Curve
+from .reading import KEYS, Reading
+
+__all__ = ["KEYS", "Curve", "Reading", "each", "read"]
+# Endings of force microscopes' files. Of .csv and .txt only the user knows: --format afm.
+AFM_ENDINGS = (".jpk-force", ".jpk-force-map", ".jpk-qi-data", ".jpk-qi-series", ".ibw", ".h5", ".tab")
+
+
+def read(path: Path, reading: Reading | None = None) -> list[Curve]:
+    """All curves in the file at ``path``; InputError, a line per curve, where any of them cannot be used."""
+    found = list(each(path, reading))
+    if errors := [item for item in found if isinstance(item, InputError)]:
+        raise InputError([line for error in errors for line in error.lines])
+    return [item for item in found if isinstance(item, Curve)]
+
+
+def each(path: Path, reading: Reading | None = None) -> Iterator[Curve | InputError]:
+    """The curves in the file at ``path`` one by one, of a microscope's file only the one at hand in memory.
+
+    A curve that cannot be used comes as its error and the others follow; a file that cannot be read raises InputError.
+    """
+    path, reading = Path(path), reading or Reading()
+    if reading.format == "afm" or (reading.format == "auto" and path.name.endswith(AFM_ENDINGS)):
+        from .afm import curves
+    else:
+        from .text import curves
+    for found, stiffness in curves(path, reading):
+        if isinstance(found, InputError):
+            yield found
+            continue
+        try:
+            yield _by_convention(found, reading, stiffness)
+        except InputError as error:
+            yield error
+
+
+def _by_convention(curve: Curve, reading: Reading, stiffness: float | None) -> Curve:
+    """The curve with signs, zero points and deflection (of a device of ``stiffness`` [N/m]) as ``reading`` tells."""
+    columns = {name: getattr(curve, name) for name in ("delta", "P")}
+    for name in {*reading.flip, *reading.zero}:
+        if columns[name] is None:
+            raise InputError(f"{curve.where}: holds no {name} to flip or to set to zero (it holds "
+                             f"{', '.join(curve.measured)})")  # fmt: skip
+        columns[name] = (-1.0 if name in reading.flip else 1.0) * columns[name] - reading.zero.get(name, 0.0)
+    found = replace(curve, **columns)
+    if reading.contact == "estimate":
+        found = with_zero_points(found)
+    if stiffness is None or found.delta is None:
+        return found
+    if found.P is None:
+        raise InputError(f"{curve.where}: holds no load: the device's deflection P/stiffness cannot be subtracted")
+    return replace(found, delta=found.delta - found.P / stiffness)

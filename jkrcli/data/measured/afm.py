@@ -1,0 +1,119 @@
+"""Force curves of force microscopes, read by the optional package afmformats: the one door to it."""
+
+from __future__ import annotations
+
+import logging
+import math
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...base.errors import InputError, first_line
+from ...base.files import read_bytes
+from ...series import Array
+from .curve import APPROACH, RETRACT, Curve
+from .reading import Reading
+
+LEAST_ROWS = 3
+HEIGHTS = ("height (measured)", "height (piezo)")  # the better first
+SEGMENTS = {0: APPROACH, 1: RETRACT}
+
+
+def curves(path: Path, reading: Reading) -> Iterator[tuple[Curve | InputError, float | None]]:
+    """The force-distance curves of a file with their spring constants [N/m]; each is loaded when it is asked for.
+
+    ``delta`` is minus the height, which grows away from the specimen, the deflection not yet subtracted; of files that
+    hold the position of the tip itself it is minus that, and None stands for the spring constant.
+    """
+    if reading.columns or reading.units:
+        raise InputError(f"{path}: the columns of a microscope's file and their units are known: leave out --column "
+                         "and --unit, or read it as text, --format text")  # fmt: skip
+    held = _load(path, reading)
+    for data in held:
+        name = path.stem if len(held) == 1 else str(data.enum)
+        try:
+            curve = _curve(path, name, data)
+            yield curve, None if _holds(data, "tip position") else _stiffness(curve, data, reading)
+        except InputError as error:
+            yield error, None
+
+
+def _load(path: Path, reading: Reading) -> list[Any]:
+    """The data sets of a file; their columns are read when they are asked for."""
+    try:
+        import afmformats
+        from afmformats import errors, meta
+    except ModuleNotFoundError:
+        raise InputError(f'{path}: needs the optional package afmformats: pip install "jkrcli[afm]"') from None
+    if not path.is_file():
+        read_bytes(path, "file of force curves")  # says what is wrong with it
+    logger = logging.getLogger("afmformats")
+    if not logger.handlers:
+        logger.addHandler(logging.NullHandler())  # its tracebacks are told here in one line
+    told = {"spring constant": reading.stiffness, "sensitivity": reading.sensitivity}
+    override = {key: value for key, value in told.items() if value is not None}
+    try:
+        try:
+            return afmformats.load_data(path, modality="force-distance")
+        except (errors.MissingMetaDataError, meta.MetaDataMissingError):
+            if not override:
+                raise
+            return afmformats.load_data(path, modality="force-distance", meta_override=override)
+    except (errors.MissingMetaDataError, meta.MetaDataMissingError) as error:
+        missing = ", ".join(getattr(error, "meta_keys", ())) or str(error)
+        raise InputError(f"{path}: lacks {missing}: give --stiffness and, if asked for, --sensitivity") from None
+    except errors.FileFormatNotSupportedError:
+        known = ", ".join(afmformats.supported_extensions)
+        raise InputError(f"{path}: is no file of force curves that afmformats reads ({known})") from None
+    except (errors.AFMFileFormatError, Exception) as error:  # readers of damaged files raise anything
+        raise InputError(f"{path}: afmformats cannot read this file ({first_line(error)})") from None
+
+
+def _curve(path: Path, name: str, data: Any) -> Curve:
+    """Minus the height of the tip, else of the piezo, the force, time and segments of one data set."""
+    where = str(path) if name == path.stem else f'{path}: curve "{name}"'
+    height = next((name for name in ("tip position", *HEIGHTS) if _holds(data, name)), None)
+    if height is None or not _holds(data, "force"):
+        raise InputError(f"{where}: holds no height or no force (columns: {', '.join(data.columns)})")
+    delta, P = -_column(where, data, height), _column(where, data, "force")
+    if P.size < LEAST_ROWS:
+        raise InputError(f"{where}: holds {P.size} rows, at least {LEAST_ROWS} are needed")
+    t = _column(where, data, "time") if _holds(data, "time") else None
+    flags: tuple[str, ...] = (f"displacement from the {height}",)
+    if t is not None and (np.diff(t) < 0).any():
+        t, flags = None, (*flags, "its time runs back and was left out")
+    segment = None
+    if _holds(data, "segment"):
+        segment = np.array([SEGMENTS.get(int(word), f"segment {word}") for word in data["segment"]])
+    return Curve(name, delta=delta, P=P, t=t, segment=segment, origin=path, flags=flags)
+
+
+def _holds(data: Any, name: str) -> bool:
+    """Whether a data set has the column: some readers announce columns that their files lack."""
+    try:
+        return name in data and data[name] is not None
+    except Exception:
+        return False
+
+
+def _column(where: str, data: Any, name: str) -> Array:
+    values = np.asarray(data[name], dtype=float)
+    if not np.isfinite(values).all():
+        raise InputError(f"{where}: row {int(np.argmin(np.isfinite(values))) + 1} of its {name} is not finite")
+    return values
+
+
+def _stiffness(curve: Curve, data: Any, reading: Reading) -> float:
+    """The spring constant [N/m] of the file, or the user's where it has none: loads were computed with it."""
+    held = data.metadata.get("spring constant")
+    told = reading.stiffness
+    if held is None and told is None:
+        raise InputError(f"{curve.where}: names no spring constant: give --stiffness")
+    if held is not None and told is not None and not math.isclose(held, told, rel_tol=1e-6):
+        raise InputError(f"{curve.where}: names a spring constant of {held:g} N/m, with which its loads were computed: "
+                         f"leave out --stiffness {told:g}")  # fmt: skip
+    found = told if held is None else held
+    assert found is not None
+    return float(found)

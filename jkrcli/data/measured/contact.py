@@ -1,0 +1,115 @@
+"""Zero points of a recorded approach, estimated from its free part; a detector at its limit."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from ...base.errors import InputError
+from ...base.units import show
+from ...series import Array
+from .curve import APPROACH, Curve
+
+FREE = 0.1  # of the approach, by displacement: the part that must be free of contact
+FEWEST = 10  # rows in it
+SIGMAS = 5.0  # standard deviations of the free part at which a load is no noise any more
+LEAST_RISE = 1e-6  # of the range of the load: the same without noise
+NORMAL = 1.4826  # standard deviation over median deviation of normal noise
+RUN = 3  # rows in succession that must agree
+GIVE = "give --zero P=... and --zero delta=..."
+SATURATED = 5  # rows in succession at the very same largest load
+
+
+def with_zero_points(curve: Curve) -> Curve:
+    """The curve with the load's straight baseline subtracted (tilt too) and displacement 0 at first touch.
+
+    The displacement is the device's, its deflection not yet subtracted.
+
+    First touch is where the load of the approach leaves the baseline for good: in JKR contact forces have no range,
+    so that is delta = 0, with a jump into contact or without. Between two rows: half a step of uncertainty. An
+    estimate to start from, not a measurement. InputError where the approach holds no free part.
+    """
+    if curve.delta is None or curve.P is None:
+        raise InputError(f"{curve.where}: zero points are estimated from displacement and load, it holds "
+                         f"{', '.join(curve.measured)}")  # fmt: skip
+    rows = _approach(curve)
+    z, P = curve.delta[rows], curve.P[rows]
+    end = free = _end_of_free_part(curve, z)
+    line = np.polynomial.Polynomial.fit(z[:end], P[:end], 1)
+    _refuse_contact(curve, (P - line(z))[:end], float(np.ptp(P)))
+    for _ in range(2):  # once more with the whole free part
+        first = _first_touch(z, P, line, end)
+        if first is None:
+            raise InputError(f"{curve.where}: the load of the approach never leaves its baseline: no contact was made")
+        if first < free:
+            raise InputError(f"{curve.where}: row {first + 1} of the approach lies off the baseline of its first "
+                             f"{FREE:.0%}: no zero points without a free part; {GIVE}")  # fmt: skip
+        end = max(first - RUN, end)
+        line = np.polynomial.Polynomial.fit(z[:end], P[:end], 1)
+    assert first is not None
+    touch = float(z[first - 1] + z[first]) / 2
+    rate = float(line.deriv()(touch))
+    said = (
+        f"zero points estimated from {end} free rows: first touch at {show(touch, 'length')} "
+        f"(within {show(abs(float(z[first] - z[first - 1])) / 2, 'length')}), baseline "
+        f"{show(float(line(touch)), 'load')} with a tilt of {rate:.3g} N/m"
+    )
+    return replace(curve, delta=curve.delta - touch, P=curve.P - line(curve.delta), flags=(*curve.flags, said))
+
+
+def saturation(curve: Curve) -> tuple[str, ...]:
+    """A sentence where the load stands still at its largest value, as it does at a detector's limit."""
+    if curve.P is None:
+        return ()
+    largest = np.flatnonzero(curve.P == curve.P.max())
+    if largest.size < SATURATED or largest[-1] - largest[0] + 1 != largest.size or largest.size == len(curve):
+        return ()
+    return (f"{largest.size} rows in succession hold the same largest load, {show(float(curve.P.max()), 'load')}: "
+            "is the detector at its limit?",)  # fmt: skip
+
+
+def _approach(curve: Curve) -> Array:
+    """Rows of the approach, in order: as told, else those before the largest displacement."""
+    assert curve.delta is not None
+    if curve.segment is None:
+        return np.arange(int(np.argmax(curve.delta)) + 1)
+    rows = np.flatnonzero(curve.segment == APPROACH)
+    if not rows.size:
+        raise InputError(f'{curve.where}: has no rows of segment "{APPROACH}" (segments: {", ".join(curve.segments())}'
+                         "): zero points cannot be estimated")  # fmt: skip
+    return rows
+
+
+def _end_of_free_part(curve: Curve, z: Array) -> int:
+    """How many rows at the beginning of the approach are taken to be free."""
+    beyond = z > z.min() + FREE * np.ptp(z)
+    end = int(np.argmax(beyond))
+    if end < FEWEST:
+        raise InputError(
+            f"{curve.where}: the first {FREE:.0%} of the approach hold {end} rows, at least {FEWEST} are needed to "
+            f"estimate zero points; {GIVE}, or --flip delta if it begins in contact"
+        )
+    return end
+
+
+def _refuse_contact(curve: Curve, off: Array, span: float) -> None:
+    """Refuse a beginning that is no straight line: its deviations ``off`` [N] are not those from row to row."""
+    noise = float(np.median(np.abs(np.diff(off, 2)))) * NORMAL / math.sqrt(6)
+    scatter = float(np.sqrt(np.mean(off**2)))
+    if scatter > max(SIGMAS * noise, LEAST_RISE * span):
+        raise InputError(
+            f"{curve.where}: the first {FREE:.0%} of the approach are no straight baseline: loads scatter by "
+            f"{show(scatter, 'load')} about it, by {show(noise, 'load')} from row to row; if contact begins there, "
+            f"{GIVE}"
+        )
+
+
+def _first_touch(z: Array, P: Array, line: np.polynomial.Polynomial, end: int) -> int | None:
+    """The first of ``RUN`` rows in succession whose load lies off the baseline."""
+    off = np.abs(P - line(z))
+    noise = NORMAL * float(np.median(off[:end]))
+    away = off > max(SIGMAS * noise, LEAST_RISE * float(np.ptp(P)))
+    runs = np.convolve(away, np.ones(RUN, dtype=int), "valid") == RUN
+    return int(np.argmax(runs)) if runs.any() else None

@@ -1,0 +1,99 @@
+"""One measured curve: what was measured of contact radius, displacement, load and time, in SI, as recorded."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...base.errors import InputError
+from ...series import Array
+
+QUANTITIES = ("a", "delta", "P", "t")
+APPROACH, RETRACT = "approach", "retract"
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """Contact radius ``a`` [m], displacement ``delta`` [m], load ``P`` [N], time ``t`` [s]; None: not measured.
+
+    One-dimensional read-only arrays of equal length; rows are neither ordered nor, in ``delta`` and ``P``, of known
+    zero: signs are those of the project (indentation and compression positive). ``segment``: a word per row
+    ("approach", "retract" or another), None where not told. ``name``: unique in its file; ``origin``: that file;
+    ``flags``: sentences on how the rows were read.
+    """
+
+    name: str
+    a: Array | None = None
+    delta: Array | None = None
+    P: Array | None = None
+    t: Array | None = None
+    segment: Array | None = None
+    origin: Path | None = None
+    flags: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        sizes = {}
+        for name in QUANTITIES:
+            values = getattr(self, name)
+            if values is not None:
+                object.__setattr__(self, name, array := self._checked(name, values))
+                sizes[name] = array.size
+        if not set(sizes) - {"t"}:
+            raise InputError(f"{self.where}: holds none of a, delta, P")
+        if self.segment is not None:
+            words = np.array(self.segment, dtype=str)
+            words.setflags(write=False)
+            object.__setattr__(self, "segment", words)
+            sizes["segment"] = words.size
+        if len(set(sizes.values())) != 1:
+            raise InputError(f"{self.where}: all columns must have the same length, got {sizes}")
+
+    def _checked(self, name: str, values: Array) -> Array:
+        array = np.array(values, dtype=float)
+        if array.ndim != 1:
+            raise InputError(f"{self.where}: {name} must be one-dimensional, got shape {array.shape}")
+        if not np.isfinite(array).all():
+            raise InputError(f"{self.where}: {name}[{int(np.argmin(np.isfinite(array)))}] is not finite")
+        array.setflags(write=False)
+        return array
+
+    def __len__(self) -> int:
+        return next(len(values) for name in QUANTITIES if (values := getattr(self, name)) is not None)
+
+    @property
+    def where(self) -> str:
+        """File and name, for messages; a file of one curve gives it its name."""
+        if self.origin is None:
+            return self.name
+        return str(self.origin) if self.name == self.origin.stem else f'{self.origin}: curve "{self.name}"'
+
+    @property
+    def measured(self) -> tuple[str, ...]:
+        """The names of the quantities that were measured, of a, delta, P, t."""
+        return tuple(name for name in QUANTITIES if getattr(self, name) is not None)
+
+    def rows(self, chosen: Array) -> Curve:
+        """The curve at ``chosen`` rows alone (a mask or numbers)."""
+        columns: dict[str, Any] = {
+            name: None if getattr(self, name) is None else getattr(self, name)[chosen]
+            for name in (*QUANTITIES, "segment")
+        }
+        return replace(self, **columns)
+
+    def only(self, segment: str) -> Curve:
+        """The rows of one segment; InputError names the segments there are, where this is none of them."""
+        if self.segment is None:
+            raise InputError(f'{self.where}: names no segments, cannot take "{segment}" alone')
+        chosen = self.segment == segment
+        if not chosen.any():
+            found = ", ".join(dict.fromkeys(self.segment.tolist()))
+            raise InputError(f'{self.where}: has no rows of segment "{segment}" (segments: {found})')
+        return self.rows(chosen)
+
+    def segments(self) -> Iterator[str]:
+        """The different words of ``segment``, in order of appearance."""
+        yield from dict.fromkeys([] if self.segment is None else self.segment.tolist())

@@ -1,0 +1,246 @@
+"""Tables of numbers in text, as other programs write them: separators, decimal marks, headers and units found out."""
+
+from __future__ import annotations
+
+import contextlib
+import csv
+import re
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+
+from ..base.errors import InputError
+from ..base.files import read_bytes
+from ..base.units import UNITS
+from ..series import Array
+
+BLANK = "blank"
+SEPARATORS = {"tab": "\t", "semicolon": ";", "comma": ",", BLANK: None}
+TIMES = {"s": 0, "ms": -3, "us": -6, "ns": -9}
+COMMENTS = ("#", "%", "//", "**", "!")
+WRONG_LINES_SHOWN = 5
+SAMPLE = 2000  # lines from which the dialect is found out
+_NUMBER = re.compile(r"[+-]?(\d+[.]?\d*|[.]\d+)([eEdD][+-]?\d+)?\Z|[+-]?(nan|inf|infinity)\Z", re.IGNORECASE)
+
+
+@dataclass(frozen=True)
+class Dialect:
+    """How a table is written: the ``separator`` (a key of ``SEPARATORS``), the ``decimal`` mark, and which columns
+    (from 0) hold ``text``: their cells count as the number 0."""
+
+    separator: str
+    decimal: str
+    text: frozenset[int] = frozenset()
+
+    def cells(self, line: str) -> list[str]:
+        """The cells of a line, without surrounding blanks; a separator at the end of the line ends no empty cell."""
+        mark = SEPARATORS[self.separator]
+        parts = line.split(mark)
+        if '"' in line and mark is not None:
+            with contextlib.suppress(csv.Error):
+                parts = next(csv.reader([line], delimiter=mark, skipinitialspace=True))
+        cells = [cell.strip() for cell in parts]
+        return cells[:-1] if len(cells) > 1 and not cells[-1] else cells
+
+    def numbers(self, line: str) -> list[float] | None:
+        """The numbers of a line, or None where one of its cells is none."""
+        cells = self.cells(line)
+        if self.text:
+            cells = ["0" if i in self.text else cell for i, cell in enumerate(cells)]
+        if self.decimal == ",":
+            if any("." in cell for cell in cells):
+                return None
+            cells = [cell.replace(",", ".") for cell in cells]
+        if not all(map(_NUMBER.match, cells)):
+            return None
+        return [float(re.sub("[dD]", "e", cell) if "n" not in cell.lower() else cell) for cell in cells]
+
+
+@dataclass(frozen=True, eq=False)
+class TextTable:
+    """``values`` (rows, columns) with the ``lines`` they stand in (from 1), and the ``names`` of the columns.
+
+    ``text``: the cells of the columns (from 0) that hold words.
+    """
+
+    path: Path
+    names: tuple[str, ...]
+    values: Array
+    lines: Array
+    dialect: Dialect
+    text: Mapping[int, tuple[str, ...]] = field(default_factory=dict)
+
+
+def read_table(
+    path: Path,
+    separator: str | None = None,
+    decimal: str | None = None,
+    least: int = 3,
+    is_text: Callable[[int, str], bool] = lambda index, title: False,
+    finite: bool = True,
+) -> TextTable:
+    """The table of at least ``least`` columns of numbers in a text file; what is None is found out.
+
+    ``is_text``: whether a column, of its index (from 0) and header cell, holds words, not numbers. ``finite``: refuse
+    rows with nan or inf.
+    Raises InputError, a line per mistake, where there is no table or a row differs in its number of cells.
+    """
+    content_of_file = read_bytes(path, "table").decode("utf-8-sig", errors="replace")
+    content = [(n, line) for n, line in enumerate(content_of_file.splitlines(), start=1) if line.strip()]
+    dialect = _dialect(content[:SAMPLE], separator, decimal, least, is_text)
+    if dialect is None and len(content) > SAMPLE:
+        dialect = _dialect(content, separator, decimal, least, is_text)
+    if dialect is None:
+        raise InputError(
+            f"{path}: holds no row of at least {least} numbers; "
+            "give the separator and the decimal mark if they are unusual"
+        )
+    lines, values = _rows(content, dialect, least)
+    _check_rows(path, content, dialect, lines, values, finite)
+    header = [line for n, line in content if n < lines[0]]
+    names = _names(header, dialect, values.shape[1])
+    return TextTable(path, names, values, lines, dialect, _texts(content, dialect, set(lines.tolist())))
+
+
+def _rows(content: list[tuple[int, str]], dialect: Dialect, least: int) -> tuple[Array, Array]:
+    """Lines and values of all rows of numbers."""
+    first, row = next(_data(content, dialect, least))
+    body = [(n, line) for n, line in content if n >= first]
+    values = _regular(body, dialect, len(row))
+    if values is not None:
+        return np.array([n for n, _ in body]), values
+    rows = list(_data(body, dialect, least))
+    return np.array([n for n, _ in rows]), np.array([row for _, row in rows])
+
+
+def _regular(body: list[tuple[int, str]], dialect: Dialect, width: int) -> Array | None:
+    """The values by numpy's reader, ten times as fast; None where any line needs a closer look."""
+    mark = SEPARATORS[dialect.separator]
+    if dialect.decimal != "." or any(len(line.split(mark)) != width or '"' in line for _, line in body):
+        return None
+    numbers = [i for i in range(width) if i not in dialect.text]
+    values = np.zeros((len(body), width))
+    try:
+        values[:, numbers] = np.loadtxt(
+            (line for _, line in body), delimiter=mark, comments=None, usecols=numbers, ndmin=2
+        )
+    except ValueError:
+        return None
+    return values
+
+
+def _texts(content: list[tuple[int, str]], dialect: Dialect, lines: set[int]) -> dict[int, tuple[str, ...]]:
+    """The cells of the columns of text, at the lines that hold rows."""
+    if not dialect.text:
+        return {}
+    rows = [dialect.cells(line) for n, line in content if n in lines]
+    return {index: tuple(row[index] for row in rows) for index in dialect.text}
+
+
+def _with_text(content: list[tuple[int, str]], dialect: Dialect, is_text: Callable[[int, str], bool]) -> Dialect:
+    """The dialect with the columns of text, by the first line that names one: before any row of numbers."""
+    for _, line in content:
+        cells = _header_cells(line, dialect, 0)
+        if found := {i for i, cell in enumerate(cells) if is_text(i, cell)}:
+            return replace(dialect, text=frozenset(found))
+        if dialect.numbers(line) is not None:
+            break
+    return dialect
+
+
+def _dialect(
+    content: list[tuple[int, str]],
+    separator: str | None,
+    decimal: str | None,
+    least: int,
+    is_text: Callable[[int, str], bool],
+) -> Dialect | None:
+    """Of all ways to read the lines the one that gives most rows of numbers."""
+    found = [Dialect(s, d) for s in SEPARATORS for d in (".", ",") if (s, d) != ("comma", ",")]
+    allowed = [d for d in found if separator in (None, d.separator) and decimal in (None, d.decimal)]
+    if not allowed:
+        raise InputError('separator "comma" and decimal "," exclude each other: say which one the comma is')
+    allowed = [_with_text(content, dialect, is_text) for dialect in allowed]
+    counts = [(sum(1 for _ in _data(content, dialect, least)), dialect) for dialect in allowed]
+    best = max(counts, key=lambda pair: pair[0])
+    return best[1] if best[0] else None
+
+
+def _data(content: list[tuple[int, str]], dialect: Dialect, least: int) -> Iterator[tuple[int, list[float]]]:
+    """The rows of numbers, all as wide as the first."""
+    width = 0
+    for n, line in content:
+        row = None if _is_comment(line) else dialect.numbers(line)
+        if row is not None and len(row) >= least and len(row) == (width or len(row)):
+            width = len(row)
+            yield n, row
+
+
+def _check_rows(
+    path: Path, content: list[tuple[int, str]], dialect: Dialect, lines: Array, values: Array, finite: bool
+) -> None:
+    """Every line from the first row on is a row of (finite) numbers or a comment."""
+    rows = set(lines.tolist())
+    width = values.shape[1]
+    words = f" and {len(dialect.text)} words" if dialect.text else ""
+    bad = set(lines[~np.isfinite(values).all(axis=1)].tolist()) if finite else set()
+    wrong = []
+    for n, line in content:
+        if n in bad:
+            wrong.append(f'{path}: line {n} must hold finite numbers, got "{line.strip()[:60]}"')
+        elif n > lines[0] and n not in rows and not _is_comment(line):
+            expected = f"{width - len(dialect.text)} numbers{words}"
+            wrong.append(f'{path}: line {n} must hold {expected}, got "{line.strip()[:60]}"')
+    if wrong:
+        raise InputError(some(wrong))
+
+
+def some(lines: list[str]) -> list[str]:
+    """The first of many messages, and how many more there are."""
+    more = len(lines) - WRONG_LINES_SHOWN
+    return lines if more <= 0 else [*lines[:WRONG_LINES_SHOWN], f"... and {more} more like these"]
+
+
+def _is_comment(line: str) -> bool:
+    return line.lstrip().startswith(COMMENTS)
+
+
+def _names(header: list[str], dialect: Dialect, width: int) -> tuple[str, ...]:
+    """Column names from the last lines before the numbers, a line of units under them taken in; else empty names."""
+    lines = [_header_cells(line, dialect, width) for line in header]
+    titles = [cells for cells in lines if len(cells) == width]
+    if not titles:
+        return ("",) * width
+    last = titles[-1]
+    if len(titles) > 1 and all(map(_is_unit, last)):
+        return tuple(f"{name} [{unit.strip('[]()')}]" for name, unit in zip(titles[-2], last, strict=True))
+    return tuple(last)
+
+
+def _header_cells(line: str, dialect: Dialect, width: int) -> list[str]:
+    """Cells of a header line; names may contain single blanks where the columns are separated by several."""
+    line = line.strip().lstrip("#%!*/ ")
+    if dialect.separator != BLANK:
+        return dialect.cells(line)
+    wide = re.split(r"\s{2,}|\t", line)
+    return wide if len(wide) == width else re.findall(r"\S+(?:\s+[\[(]\S+[\])])?", line)
+
+
+def _is_unit(cell: str) -> bool:
+    return cell.strip("[]()") in ("", "-", "1") or unit_power(cell.strip("[]()")) is not None
+
+
+def unit_power(unit: str) -> tuple[str, int] | None:
+    """Dimension ("length", "area", "load" or "time") and power of ten of a unit; None where it is none of these."""
+    unit = unit.strip().replace("µ", "u").replace("μ", "u").replace("²", "^2").replace("**", "^")
+    for dimension in ("length", "load"):
+        if unit in UNITS[dimension]:
+            return dimension, UNITS[dimension][unit]
+    if unit in TIMES:
+        return "time", TIMES[unit]
+    base = re.sub(r"\^?2\Z", "", unit)
+    if base != unit and base in UNITS["length"]:
+        return "area", 2 * UNITS["length"][base]
+    return None

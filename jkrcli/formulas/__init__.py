@@ -1,0 +1,1 @@
+"""Closed forms: one equation, one function, all parameters required."""

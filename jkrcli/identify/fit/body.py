@@ -1,0 +1,163 @@
+"""The body whose curves are fitted: one family, or a family for every modulus and thickness of its layers."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Any
+
+from ...adhesion.slopes import Slopes, slopes
+from ...base.errors import InputError, JkrError, SolveError
+from ...bodies.materials import Elastic
+from ...bodies.problem import HalfSpace, Layer, Loading, Problem
+from ...methods.layered.layered import Layered, unbounded
+from ...series import Series
+from .family import Family
+from .parameters import checked_names
+
+STEP, ROUNDED = 1e-4, 0.01  # of the logs of body parameters, for their derivatives; and where these are taken
+COARSER, COARSEST = 100, 1e-3  # tolerances, on the way to the solution
+BASE = "base"  # name of an elastic half-space below the layers
+REMEMBERED = 256  # families
+PER_DECADE = 20  # radii to which a body is solved anew
+
+
+@dataclass(frozen=True, eq=False)
+class Body:
+    """``problem``: bodies and nominal values; ``series``, ``slopes``: its nonadhesive solution, by any method.
+
+    Only bodies that the method ``layered`` represents can be solved anew: ``with_values``. ``extensible``: may also be
+    solved to other radii than those of the series.
+    """
+
+    problem: Problem
+    series: Series
+    slopes: Slopes
+    family: Family
+    extensible: bool = False
+    tolerance: float = 1e-8
+
+    @classmethod
+    def of(cls, problem: Problem, series: Series, found: Slopes, extensible: bool = False) -> Body:
+        return cls(problem, series, found, Family.of(series, found), extensible)
+
+    @property
+    def layer_names(self) -> tuple[str, ...]:
+        """How the layers are called: their names, or their numbers from 1 at the contact; "base": the half-space."""
+        layers = self.problem.specimen.layers
+        names = [layer.name or str(i) for i, layer in enumerate(layers, start=1)]
+        below = [BASE] if isinstance(self.problem.specimen.base, HalfSpace) else []
+        return (*names, *below)
+
+    @property
+    def own_parameters(self) -> tuple[str, ...]:
+        """Names of the parameters that need the body solved anew; none for a finite cylinder."""
+        if self.problem.specimen.radius is not None:
+            return ()
+        layers = self.layer_names[: len(self.problem.specimen.layers)]
+        return (*(f"E:{name}" for name in self.layer_names), *(f"h:{name}" for name in layers))
+
+    def nominal(self, name: str) -> float:
+        """The value of "E:layer" [Pa], "h:layer" [m] or "nu:layer" in the problem."""
+        quantity, _, layer = name.partition(":")
+        checked_names([layer], self.layer_names)
+        part = self._part(layer)
+        if quantity == "h":
+            if not isinstance(part, Layer):
+                raise InputError(f"{name}: a half-space has no thickness")
+            return part.thickness
+        return part.material.surface.E if quantity == "E" else part.material.surface.nu
+
+    def with_values(self, values: dict[str, float]) -> Body:
+        """The body solved anew by ``layered`` at the same radii with other ``values`` ("E:film": 2e6, ...)."""
+        problem = changed(self, values)
+        return replace(self, problem=problem, family=self._solved(problem))
+
+    def rated(self, values: dict[str, float], varied: Sequence[str]) -> Body:
+        """As ``with_values``, with the family's derivatives by the logs of the values of ``varied``.
+
+        They are taken at rounded values, so that steps near the solution need no more solves for them.
+        """
+        body, near = self.with_values(values), {name: _rounded(value) for name, value in values.items()}
+        base = self._solved(changed(self, near))
+        others = [self._solved(changed(self, near | {name: near[name] * math.exp(STEP)})) for name in varied]
+        return replace(body, family=body.family.with_rates([other.rate_from(base, STEP) for other in others]))
+
+    def to_radius(self, a: float) -> Body:
+        """The same problem solved by ``layered`` up to contact radius ``a`` [m] or little more, with as many points."""
+        points = max(len(self.series), 100)
+        a = 10 ** (math.ceil(math.log10(a) * PER_DECADE) / PER_DECADE)  # so that many curves share one solve
+        problem = replace(unbounded(self.problem), loading=Loading("radius", a, points, "radius"))
+        return _reaching(problem, self.tolerance)
+
+    def _part(self, layer: str) -> Layer | HalfSpace:
+        specimen = self.problem.specimen
+        if layer == BASE and isinstance(specimen.base, HalfSpace):
+            return specimen.base
+        return specimen.layers[self.layer_names.index(layer)]
+
+    def _solved(self, problem: Problem) -> Family:
+        return solved(
+            replace(unbounded(problem), loading=Loading.given("radius", tuple(self.series.a))), self.tolerance
+        )
+
+
+@lru_cache(maxsize=REMEMBERED)
+def _reaching(problem: Problem, tolerance: float) -> Body:
+    series = Layered(tolerance)(problem).series
+    return Body.of(problem, series, slopes(series, "exact"), True)
+
+
+def _rounded(value: float) -> float:
+    return math.exp(ROUNDED * round(math.log(value) / ROUNDED))
+
+
+@lru_cache(maxsize=REMEMBERED)
+def solved(problem: Problem, tolerance: float) -> Family:
+    """The family of a problem by ``layered``, where need be to a hundred or ten thousand times the tolerance.
+
+    SolveError where it cannot be solved, with the reason.
+    """
+    try:
+        series = Layered(tolerance)(problem).series
+    except JkrError as error:
+        if tolerance * COARSER < COARSEST:
+            return solved(problem, tolerance * COARSER)
+        raise SolveError(f"the body could not be solved anew: {error}") from None
+    return Family.of(series, slopes(series, "exact"))
+
+
+def changed(body: Body, values: dict[str, float]) -> Problem:
+    """The problem of ``body`` with other moduli [Pa], thicknesses [m] and Poisson's ratios."""
+    specimen = body.problem.specimen
+    layers, base = list(specimen.layers), specimen.base
+    for name, value in values.items():
+        quantity, _, layer = name.partition(":")
+        if layer == BASE and isinstance(base, HalfSpace):
+            base = HalfSpace(_with(base.material, quantity, value))
+            continue
+        i = body.layer_names.index(layer)
+        if quantity == "h":
+            layers[i] = replace(layers[i], thickness=value)
+        else:
+            layers[i] = replace(layers[i], material=_with(layers[i].material, quantity, value))
+    return replace(body.problem, specimen=replace(specimen, layers=tuple(layers), base=base))
+
+
+def _with(material: Any, quantity: str, value: float) -> Any:
+    """The material with another modulus [Pa] (that of its top, all moduli in proportion) or Poisson's ratio."""
+    if quantity == "E":
+        return (
+            replace(material, E=value) if isinstance(material, Elastic) else material.scaled(value / material.surface.E)
+        )
+    return replace(material, nu=value)
+
+
+def check_parameters(body: Body, names: Sequence[str]) -> None:
+    """Refuse parameters of layers that the body does not have or that cannot be solved anew."""
+    own = [name for name in names if ":" in name]
+    if own and not body.own_parameters:
+        raise InputError(f"fit: {own[0]}: a finite cylinder is not solved anew; fit its modulus, or leave radius out")
+    checked_names(own, body.own_parameters)

@@ -1,0 +1,136 @@
+"""What a reader of a fit should know: each sentence with its numbers, and what to do."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from ...adhesion.validity import check, judge
+from ...base.units import show
+from .result import Fit
+from .solve import Minimum
+
+APART = 0.99  # correlation beyond which two parameters can hardly be told apart
+VAGUE = 0.3  # relative standard error beyond which a value is little more than its order
+RESOLVED = 1e-5  # residuals below this part of the curve are those of the series and its interpolation
+EXPECTED_SCATTER = (0.5, 2.0)  # of the residuals in units of the user's noise
+REACHED = 1.1  # in contact radius: how near to pull-off the data must come
+FAR_FROM_CASE = 30.0  # factor of the case's moduli beyond which units are more likely wrong than the case
+Z0 = 0.3e-9  # m, equilibrium distance for the Tabor number
+
+
+def warnings_of(found: Fit, minimum: Minimum) -> list[str]:
+    """All that stands against the fit or limits it."""
+    return [
+        *_told_apart(found, minimum),
+        *_structured(found),
+        *_scatter(found),
+        *_far_from_case(found),
+        *_bounds(found, minimum),
+        *_pull_off(found),
+        *_elastic_indenter(found, minimum),
+        *_validity(found, minimum),
+    ]
+
+
+def _told_apart(found: Fit, minimum: Minimum) -> Iterator[str]:
+    matrix = found.correlation
+    if matrix is None:
+        if len(found.free) > 1 and not minimum.at_bound:
+            yield f"the data do not tell {', '.join(found.free)} apart: fix one of them, or measure what tells them"
+        return
+    for i, j in zip(*np.triu_indices(len(found.free), 1), strict=True):
+        one, two = found.free[i], found.free[j]
+        pair = {one, two}
+        if abs(matrix[i, j]) > APART and (pair <= {"modulus", "w"} or any(":" in name for name in pair)):
+            yield (
+                f"the data can hardly tell {_word(one)} and {_word(two)} apart (correlation {matrix[i, j]:.4f}): "
+                "fix one, or measure up to pull-off and to larger loads"
+            )
+    for name in found.free:
+        item = found.estimate(name)
+        positive = item.dimension in ("work", "modulus") or name == "modulus"
+        if item.low == 0 and item.high is not None:
+            yield f"{_word(name)} is not told from 0: it is at most {show(item.high, item.dimension)}"
+        elif positive and item.error is not None and item.error > VAGUE * item.value > 0:
+            yield f"{_word(name)} is uncertain by {item.error / item.value:.0%} (standard error)"
+
+
+def _far_from_case(found: Fit) -> Iterator[str]:
+    factor = found.value("modulus")
+    if "modulus" in found.free and not 1 / FAR_FROM_CASE <= factor <= FAR_FROM_CASE:
+        yield f"the moduli are {factor:.3g} times those of the case: check the units of the data and of the case"
+
+
+def _word(name: str) -> str:
+    return "E*" if name == "modulus" else name
+
+
+def _structured(found: Fit) -> Iterator[str]:
+    told = found.structure
+    if told.suspicious and _relative_residual(found) > RESOLVED:
+        yield (
+            f"the residuals are structured (lag-1 autocorrelation {told.lag1:.2f}, {told.runs} runs where "
+            f"{told.expected:.0f} are expected): the body, the indenter or the rows are not what the data show; "
+            "intervals are too narrow"
+        )
+
+
+def _relative_residual(found: Fit) -> float:
+    """Root mean square of the residuals in units of the curve's own size."""
+    size = min(np.ptp(found.line[name]) / scale for name, scale in found.scales.items())
+    return float(np.sqrt(np.mean(found.residuals**2)) / size)
+
+
+def _scatter(found: Fit) -> Iterator[str]:
+    low, high = EXPECTED_SCATTER
+    if found.settings.noise and not low <= found.scatter <= high:
+        more = "more" if found.scatter > high else "less"
+        yield f"the data scatter {found.scatter:.2g} times as far as the noise given, {more} than it explains"
+
+
+def _bounds(found: Fit, minimum: Minimum) -> Iterator[str]:
+    for name in minimum.at_bound:
+        item = found.estimate(name)
+        if item.low != 0:  # else said already
+            yield f"{_word(name)} ends on its bound {show(item.value, item.dimension)}"
+
+
+def _pull_off(found: Fit) -> Iterator[str]:
+    """Whether the data reach the least load of their curve."""
+    if "P" not in found.scales or not _adhesion(found):
+        return
+    radius = float(found.line["a"][int(np.argmin(found.line["P"]))])
+    least = float(np.min(found.a))
+    if least > REACHED * radius:
+        yield (
+            f"no pull-off in the data: they end at a = {show(least, 'length')}, contact is lost at "
+            f"{show(radius, 'length')}; w rests on the shape of the curve"
+        )
+
+
+def _elastic_indenter(found: Fit, minimum: Minimum) -> Iterator[str]:
+    modulus = found.settings.parameter("modulus")
+    problem = minimum.objective.body.problem
+    if modulus is not None and modulus.free and problem.indenter.material is not None and problem.specimen.layers:
+        yield "the indenter is elastic: its modulus was scaled together with those of the layers"
+
+
+def _validity(found: Fit, minimum: Minimum) -> list[str]:
+    """a/R, delta/h and the Tabor number at the largest radius of the data."""
+    problem, a = minimum.objective.body.problem, float(np.max(found.a))
+    (D, _, _, _), _, _ = minimum.found.readings.family.at(np.array([np.log(a)]))
+    free = (item.value for item in found.estimates if item.name.startswith("h:") and item.free)
+    thickness = next(free, problem.specimen.top_thickness)
+    judged = judge(
+        a=a, delta=float(D[0]), E_star=found.value("E_star"), w=found.value("w") if _adhesion(found) else 0.0,
+        R=problem.indenter.tip_radius, h=thickness, L=problem.specimen.radius, z0=Z0, end_is_cut=False,
+    )  # fmt: skip
+    return check(judged)
+
+
+def _adhesion(found: Fit) -> bool:
+    """Whether w is told from 0."""
+    item = found.estimate("w")
+    return item.value > 0 and item.low != 0

@@ -1,0 +1,184 @@
+"""Which rows of a measured curve lie on the adhesive curve, and by how much their readings scatter."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from ...base.errors import InputError
+from ...data.measured import Curve
+from ...series import Array
+from .model import COLUMNS
+
+Branch = Literal["all", "compressive"]
+Segment = Literal["approach", "retract", "both"]
+LEAST = 8  # points, and at least twice as many as free parameters
+LOST, LEVEL = 0.3, 0.02  # of the pull-off force: readings above -LOST F beyond a jump, and on the base line
+SEVERAL = 5  # readings on the way of a jump would be too many
+FLAT = 0.2  # of the pull-off force: readings that vary less stand still
+ADHESION, NOISE = 6.0, 3.0  # standard deviations: adhesion that stands out, readings that do not
+LONG = 10  # rows of a base line
+LARGEST_NOISE = 0.1  # of the curve: beyond it rows are not in order of recording
+OPPOSITE = -0.3  # correlation of columns with wrong signs
+THIRD = np.sqrt(20.0)  # standard deviation of a third difference of independent numbers
+MAD = 0.6745
+BALANCE = 0.05  # least ratio of the axes' scatters in units of the curve: an axis is never taken as exact
+
+
+@dataclass(frozen=True, eq=False)
+class Points:
+    """The rows taken: ``values`` of the measured columns among a, delta [m], P [N], their ``rows`` in the curve.
+
+    ``left_out``: sentences on rows that were not taken; ``baseline``: load reading out of contact [N], where it was
+    recorded.
+    """
+
+    values: Mapping[str, Array]
+    rows: Array
+    left_out: tuple[str, ...]
+    baseline: float | None
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        return tuple(name for name in COLUMNS if name in self.values)
+
+    def __len__(self) -> int:
+        return self.rows.size
+
+
+def points_of(curve: Curve, segment: Segment | None, branch: Branch, unknowns: int, zero: float | None) -> Points:
+    """The rows of ``curve`` to be fitted, in order of recording.
+
+    ``segment = None``: the retraction where the curve names one, else all rows. ``zero``: load reading of no load [N],
+    None: unknown. InputError in one line where too few rows are left for ``unknowns`` free parameters.
+    """
+    chosen = _of_segment(curve, segment)
+    values = {name: column[chosen] for name in COLUMNS if (column := getattr(curve, name)) is not None}
+    if len(values) < 2:
+        raise InputError(f"{curve.where}: a fit needs two of a, delta, P, got {', '.join(values) or 'none'}")
+    level = 0.0 if "P" not in values else _level(values) if zero is None else zero
+    touching = _in_contact(values, level)
+    baseline = None
+    if "P" in values and not touching.all():
+        level = baseline = float(np.median(values["P"][~touching]))
+    taken = touching & _of_branch(curve, values, branch, level)
+    words = _left_out({
+        "of other segments": chosen.size - chosen.sum(),
+        "out of contact": (~touching).sum(),
+        "of the adhesive part": (touching & ~taken).sum(),
+    })  # fmt: skip
+    least = max(LEAST, 2 * unknowns)
+    if taken.sum() < least:
+        out = f" ({', '.join(words)} left out)" if words else ""
+        raise InputError(f"{curve.where}: {int(taken.sum())} rows to fit{out}, at least {least} are needed")
+    values = {name: column[taken] for name, column in values.items()}
+    _check_signs(curve, values)
+    return Points(values, np.flatnonzero(chosen)[taken], words, baseline)
+
+
+def _left_out(counts: Mapping[str, int]) -> tuple[str, ...]:
+    return tuple(f"{count} row{'s' if count > 1 else ''} {why}" for why, count in counts.items() if count)
+
+
+def _of_branch(curve: Curve, values: Mapping[str, Array], branch: Branch, level: float) -> Array:
+    if branch == "compressive" and "P" not in values:
+        raise InputError(f"{curve.where}: the compressive branch cannot be told without the load")
+    size = next(iter(values.values())).size
+    return values["P"] > level if branch == "compressive" else np.ones(size, dtype=bool)
+
+
+def _of_segment(curve: Curve, segment: Segment | None) -> Array:
+    if curve.segment is None:
+        if segment in ("approach", "retract"):
+            raise InputError(f'{curve.where}: names no segments, cannot take "{segment}" alone')
+        return np.ones(len(curve), dtype=bool)
+    words = ("approach", "retract") if segment == "both" else (segment or "retract",)
+    chosen = np.isin(curve.segment, words)
+    if segment is None and not chosen.any():
+        return np.ones(len(curve), dtype=bool)
+    if not chosen.any():
+        found = ", ".join(curve.segments())
+        raise InputError(f'{curve.where}: segment "{segment}" is empty (segments: {found})')
+    return chosen
+
+
+def _in_contact(values: Mapping[str, Array], level: float) -> Array:
+    """All rows but those of a base line at the load reading ``level`` [N]; where radii were read, those above zero.
+
+    The base line lies at displacements below that of the least load (see ``_lost``); where no adhesion stands out of
+    the noise, below the displacement from which on all loads do.
+    """
+    size = next(iter(values.values())).size
+    if "a" in values:
+        return values["a"] > 0
+    touching = np.ones(size, dtype=bool)
+    if not {"delta", "P"} <= set(values):
+        return touching
+    P, delta, noise = values["P"], values["delta"], _third(values["P"])
+    lowest = int(np.argmin(P))
+    if level - P[lowest] > ADHESION * noise or noise > LARGEST_NOISE * np.ptp(P):
+        return ~_lost(delta < delta[lowest], (P - level) / (level - P[lowest]), NOISE * noise / (level - P[lowest]))
+    quiet = np.abs(P - level) < NOISE * noise
+    return touching & ((delta > delta[quiet].max()) if quiet.sum() > LONG else True)
+
+
+def _lost(beyond: Array, P: Array, near: float) -> Array:
+    """Which of the rows ``beyond`` the least load have lost contact; ``P`` in units of the pull-off force.
+
+    Contact is lost in a jump, on whose way lie few readings. Many of them there are a curve that a stiff device follows
+    further, as on thin layers: then only what stands ``near`` the base line is out of contact.
+    """
+    risen, standing = P > -LOST, P > -max(near, LEVEL)
+    jump = (beyond & risen & ~standing).sum() < SEVERAL
+    return beyond & (risen if jump else standing)
+
+
+def _level(values: Mapping[str, Array]) -> float:
+    """The load reading at the smallest displacements, where it stands still as out of contact; else 0.
+
+    A base line is flat and parted from the curve by a jump; a curve is not.
+    """
+    if "delta" not in values:
+        return 0.0
+    P, delta = values["P"], values["delta"]
+    far = P[np.argsort(delta)[: max(5, P.size // 50)]]
+    level, least = float(np.median(far)), float(np.min(P))
+    before = delta < delta[int(np.argmin(P))]
+    between = before & (P < level - 0.1 * (level - least)) & (P > level - 0.5 * (level - least))
+    return level if np.ptp(far) < FLAT * (level - least) and between.sum() < 3 else 0.0
+
+
+def _check_signs(curve: Curve, values: Mapping[str, Array]) -> None:
+    """Each column varies, and rises with the others as contact grows."""
+    for name, column in values.items():
+        if not np.ptp(column) > 0:
+            raise InputError(f"{curve.where}: {name} has the same value {column[0]:g} in all rows")
+    for one, two in itertools.combinations(values, 2):
+        together = float(np.corrcoef(values[one], values[two])[0, 1])
+        if together < OPPOSITE:
+            raise InputError(
+                f"{curve.where}: {two} falls as {one} rises (correlation {together:.2f}): one of them has the wrong "
+                "sign; displacement into the specimen and compression are positive (--flip delta, --flip P)"
+            )
+
+
+def scatter(values: Mapping[str, Array], units: Mapping[str, float]) -> dict[str, float]:
+    """Standard deviation of the readings of each column from its third differences along the record.
+
+    ``units``: size of the curve on each axis. Where rows are not in order of recording the differences show the curve
+    rather than the noise: beyond ``LARGEST_NOISE`` of the unit on any axis the units themselves are returned. No axis
+    is taken as more exact than ``BALANCE`` of the other, relative to the units.
+    """
+    relative = {name: _third(values[name]) / units[name] for name in values}
+    largest = max(relative.values())
+    if largest > LARGEST_NOISE or largest == 0:
+        return {name: units[name] for name in values}
+    return {name: max(part, BALANCE * largest) * units[name] for name, part in relative.items()}
+
+
+def _third(column: Array) -> float:
+    return float(np.median(np.abs(np.diff(column, 3)))) / (MAD * THIRD) if column.size > 4 else np.inf

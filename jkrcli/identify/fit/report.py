@@ -1,0 +1,138 @@
+"""Fits as rows of a table, as a summary, and in words."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Sequence
+from typing import Any
+
+from ...base.units import SI, show
+from .many import Failure
+from .result import Estimate, Fit
+
+FORMAT, VERSION = "jkr-fit", 1
+UNIT_NAMES = {"modulus": "_Pa", "work": "_J_per_m2", "length": "_m", "load": "_N", "number": ""}
+ALWAYS = ("file", "curve", "status", "reason", "points")
+SYMBOLS = {"E_star": "E*", "modulus": "moduli over the case's"}
+FITTED, FAILED = "fitted", "failed"
+NOTICEABLE = 0.01  # of the standard error: smaller systematic parts are not told in words
+
+
+def column(name: str, part: str, dimension: str) -> str:
+    """The name of a column: ``E_film_err_Pa``."""
+    stem = "modulus_factor" if name == "modulus" else name.replace(":", "_").replace(" ", "_")
+    return "_".join(filter(None, [stem, part])) + ("_m_per_N" if name == "compliance" else UNIT_NAMES[dimension])
+
+
+def rows(found: Sequence[Fit | Failure]) -> list[dict[str, Any]]:
+    """A row per curve, in their order; cells without a value are None."""
+    return [_row(item) for item in found]
+
+
+def _row(item: Fit | Failure) -> dict[str, Any]:
+    if isinstance(item, Failure):
+        curve = item.curve
+        return dict(zip(ALWAYS, (str(curve.origin or ""), curve.name, FAILED, " ".join(item.lines), None), strict=True))
+    row: dict[str, Any] = dict(zip(ALWAYS, (item.file, item.name, FITTED, "", item.a.size), strict=True))
+    for estimate in item.estimates:
+        dimension = estimate.dimension
+        row[column(estimate.name, "", dimension)] = estimate.value
+        if estimate.free:
+            parts = {"err": estimate.error, "low": estimate.low, "high": estimate.high}
+            row |= {column(estimate.name, part, dimension): value for part, value in parts.items()}
+    told = {
+        "scatter": item.scatter,
+        "lag1": item.structure.lag1,
+        "correlation_modulus_w": item.correlated("modulus", "w"),
+    }
+    return row | told | {"warnings": "; ".join(item.warnings)}
+
+
+def table(found: Sequence[Fit | Failure]) -> str:
+    """All rows as CSV: one header line, full precision, empty cells where there is no value."""
+    lines = rows(found)
+    names = list(dict.fromkeys(name for row in lines for name in row))
+    text = io.StringIO()
+    writer = csv.DictWriter(text, names, restval="", lineterminator="\n")
+    writer.writeheader()
+    writer.writerows({name: "" if value is None else value for name, value in row.items()} for row in lines)
+    return text.getvalue()
+
+
+def summary(found: Sequence[Fit | Failure], body: str) -> dict[str, Any]:
+    """What stands in the JSON file: per curve everything but the rows themselves."""
+    return {"format": FORMAT, "version": VERSION, "body": body, "curves": [_summary(item) for item in found]}
+
+
+def _summary(item: Fit | Failure) -> dict[str, Any]:
+    if isinstance(item, Failure):
+        curve = item.curve
+        return {"file": str(curve.origin or ""), "curve": curve.name, "status": FAILED, "reason": list(item.lines)}
+    told = item.structure
+    return {
+        "file": item.file,
+        "curve": item.name,
+        "status": FITTED,
+        "estimates": {estimate.name: _estimate(estimate) for estimate in item.estimates},
+        "level": item.settings.level,
+        "confidence": item.settings.confidence,
+        "loss": item.settings.loss,
+        "free": list(item.free),
+        "covariance": None if item.covariance is None else item.covariance.tolist(),
+        "correlation": None if item.correlation is None else item.correlation.tolist(),
+        "points": item.a.size,
+        "left_out": list(item.left_out),
+        "a_m": [float(item.a.min()), float(item.a.max())],
+        "scales": dict(item.scales),
+        "scatter": item.scatter,
+        "degrees_of_freedom": item.dof,
+        "residuals": {
+            "lag1_autocorrelation": told.lag1,
+            "runs": told.runs,
+            "runs_expected": told.expected,
+            "probability": told.probability,
+        },
+        "warnings": list(item.warnings),
+    }
+
+
+def _estimate(item: Estimate) -> dict[str, Any]:
+    found = {"value": item.value, "unit": "m/N" if item.name == "compliance" else SI[item.dimension], "free": item.free}
+    if item.free:
+        found |= {"standard_error": item.error, "low": item.low, "high": item.high}
+    if item.systematic:
+        found["systematic"] = dict(item.systematic)
+    return found
+
+
+def words(item: Fit) -> list[str]:
+    """A fit as lines of text: what was free, and what follows from it."""
+    out = f" ({', '.join(item.left_out)} left out)" if item.left_out else ""
+    lines = [f"{item.where}: {item.a.size} rows of {', '.join(item.scales)}{out}"]
+    for estimate in item.estimates:
+        if estimate.free and estimate.name != "modulus":
+            lines.append(f"  {SYMBOLS.get(estimate.name, estimate.name):<12} {_words(estimate, item.settings.level)}")
+    told = item.correlated("modulus", "w")
+    more = [] if told is None else [f"correlation of E* and w {told:.2f}"]
+    lines.append(f"  {'scatter':<12} {', '.join([*_scatter(item), *more])}")
+    return lines
+
+
+def _words(estimate: Estimate, level: float) -> str:
+    dimension = estimate.dimension
+    text = f"{show(estimate.value, dimension, 5):<14}"
+    if estimate.error is None:
+        return text + " (not told by the data)"
+    text += f" ± {show(estimate.error, dimension, 2):<12}"
+    ends = [None if end is None else show(end, dimension, 5) for end in (estimate.low, estimate.high)]
+    text += f" {level:.0%}: {ends[0] or 'no lower limit'} to {ends[1] or 'no upper limit'}"
+    named = (estimate.systematic or {}).items()
+    parts = [f"{name} {show(value, dimension, 2)}" for name, value in named if value > NOTICEABLE * estimate.error]
+    return text + (f" (of which {', '.join(parts)})" if parts else "")
+
+
+def _scatter(item: Fit) -> list[str]:
+    """Standard deviation of the readings as the residuals have it."""
+    dimensions = {"a": "length", "delta": "length", "P": "load"}
+    return [f"{show(item.scatter * scale, dimensions[name], 2)} in {name}" for name, scale in item.scales.items()]

@@ -1,0 +1,79 @@
+"""The result of a fit: parameters with their uncertainty, residuals, and what a reader should know."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from ...base.errors import InputError
+from ...series import Array
+from .settings import Settings
+from .statistics import Structure
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A parameter or what follows from it, SI. ``error``: standard error, ``low, high``: the confidence interval;
+    None where the data do not tell, or where it is fixed. ``systematic``: from uncertain inputs, by name."""
+
+    name: str
+    value: float
+    free: bool
+    dimension: str
+    error: float | None = None
+    low: float | None = None
+    high: float | None = None
+    systematic: Mapping[str, float] | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """One fitted curve: plain numbers, light to send between processes.
+
+    ``name`` of the curve in its ``file``, ``where``: both, for messages. ``estimates``: the parameters, then what
+    follows from them (E_star, moduli of layers); ``covariance, correlation``:
+    of the free parameters ``free``, SI, None where the data do not tell them apart; ``samples``: their bootstrap
+    values (n, free). ``data``: the readings that were used, of the ``rows`` of the curve; ``left_out``: why others were
+    not. ``a``: contact radius at each foot point [m]; ``residuals`` (k, n): signed normal distances (k = 1), or for
+    three columns distance vectors (k = 3), in units of ``scales``; ``scatter``: their standard deviation, ``dof`` their
+    degrees of freedom. ``line``: the fitted curve, readings by column and "a". ``warnings``: sentences with numbers.
+    """
+
+    name: str
+    file: str
+    where: str
+    estimates: tuple[Estimate, ...]
+    free: tuple[str, ...]
+    covariance: Array | None
+    correlation: Array | None
+    samples: Array | None
+    data: Mapping[str, Array]
+    rows: Array
+    left_out: tuple[str, ...]
+    a: Array
+    residuals: Array
+    scales: Mapping[str, float]
+    scatter: float
+    dof: int
+    structure: Structure
+    line: Mapping[str, Array]
+    evaluations: int
+    settings: Settings
+    warnings: tuple[str, ...]
+
+    def correlated(self, one: str, two: str) -> float | None:
+        """Correlation coefficient of two free parameters; None where there is none."""
+        if self.correlation is None or not {one, two} <= set(self.free):
+            return None
+        return float(self.correlation[self.free.index(one), self.free.index(two)])
+
+    def estimate(self, name: str) -> Estimate:
+        """The estimate called ``name``."""
+        known = {item.name: item for item in self.estimates}
+        if name not in known:
+            raise InputError(f'no estimate is called "{name}" (there are: {", ".join(known)})')
+        return known[name]
+
+    def value(self, name: str) -> float:
+        """The value called ``name``, SI."""
+        return self.estimate(name).value

@@ -1,0 +1,100 @@
+"""What the residuals say: scatter, covariance, structure. Formulae of nonlinear regression, with SciPy's quantiles."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import stats
+
+from ...series import Array
+from .settings import Loss
+
+MAD = 0.6745
+SUSPICIOUS = 1e-4  # probability of so much structure by chance
+UNRESOLVED = 1e-10  # least ratio of singular values of the scaled Jacobian that still tells parameters apart
+TURNS = {"soft_l1": 1.345, "huber": 1.345, "cauchy": 2.385, "linear": math.inf}  # 95 % efficiency at normal noise
+
+
+def robust_scale(residuals: Array) -> float:
+    """Standard deviation of normal residuals, from their median size."""
+    return float(np.median(np.abs(residuals))) / MAD
+
+
+def influence(z: Array, loss: Loss) -> tuple[Array, Array]:
+    """psi and psi' of a loss at residuals ``z`` in units of its turn, as SciPy defines them."""
+    match loss:
+        case "huber":
+            inside = np.abs(z) <= 1
+            return np.where(inside, z, np.sign(z)), inside.astype(float)
+        case "soft_l1":
+            return z / np.sqrt(1 + z**2), (1 + z**2) ** -1.5
+        case "cauchy":
+            return z / (1 + z**2), (1 - z**2) / (1 + z**2) ** 2
+    return z, np.ones_like(z)
+
+
+def variance_factor(residuals: Array, dof: int, loss: Loss, width: float) -> float:
+    """Factor of (J^T J)^-1: the residual variance, or its counterpart for M-estimates (Huber 1981, Sec. 7.6)."""
+    turn = 1.0 if loss == "linear" else width
+    psi, slope = influence(residuals / turn, loss)
+    return float(np.sum(psi**2) / dof * turn**2 / max(np.mean(slope), 1e-3) ** 2)
+
+
+def covariance(jacobian: Array, factor: float) -> Array | None:
+    """``factor`` (J^T J)^-1; None where the data do not tell the parameters apart."""
+    size = np.linalg.norm(jacobian, axis=0)
+    if not (size > 0).all():
+        return None
+    _, singular, right = np.linalg.svd(jacobian / size, full_matrices=False)
+    if singular[-1] < UNRESOLVED * singular[0]:
+        return None
+    return factor * (right.T / singular**2) @ right / np.outer(size, size)
+
+
+def correlation(matrix: Array) -> Array:
+    """Correlation coefficients of a covariance matrix."""
+    sigma = np.sqrt(np.diag(matrix))
+    return matrix / np.outer(sigma, sigma)
+
+
+def t_quantile(level: float, dof: int) -> float:
+    """Half-width of a two-sided interval in standard errors."""
+    return float(stats.t.ppf((1 + level) / 2, dof))
+
+
+def rise(level: float, dof: int, parameters: int = 1) -> float:
+    """Relative rise of the sum of squares on the border of a joint confidence region (F test)."""
+    return float(parameters / dof * stats.f.ppf(level, parameters, dof))
+
+
+@dataclass(frozen=True)
+class Structure:
+    """Residuals in the order of the curve: ``lag1`` autocorrelation, number of sign ``runs`` and how many are
+    ``expected``; ``probability`` that independent residuals show as much (the smaller of both tests, doubled)."""
+
+    lag1: float
+    runs: int
+    expected: float
+    probability: float
+
+    @property
+    def suspicious(self) -> bool:
+        return self.probability < SUSPICIOUS
+
+
+def structure(residuals: Array) -> Structure:
+    """Lag-1 autocorrelation and the runs test of Wald and Wolfowitz, both against positive structure."""
+    n = residuals.size
+    centred = residuals - np.mean(residuals)
+    total = float(np.sum(centred**2))
+    lag1 = float(np.sum(centred[1:] * centred[:-1]) / total) if total > 0 else 0.0
+    above = residuals > np.median(residuals)
+    k = int(above.sum())
+    m = n - k
+    runs = 1 + int(np.sum(above[1:] != above[:-1]))
+    expected = 1 + 2 * k * m / n
+    variance = max((expected - 1) * (expected - 2) / (n - 1), 1e-12)
+    chances = stats.norm.sf([lag1 * math.sqrt(n), (expected - runs) / math.sqrt(variance)])
+    return Structure(lag1, runs, float(expected), float(min(1.0, 2 * min(chances))))

@@ -1,0 +1,1 @@
+"""Many problems: sweeps and studies."""

@@ -1,0 +1,91 @@
+"""Solves that are not repeated: bodies that differ by one factor of all moduli share one, kept by what it depends on.
+
+P, S and S' scale with the moduli and delta(a) does not, so that every problem is solved at unit modulus: E = 1 Pa at
+its surface. The result depends on the problem alone, never on which of several cases asked for it first.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import time
+from dataclasses import fields, is_dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from .. import __version__
+from ..base.errors import InputError
+from ..bodies.problem import Problem
+from ..case import store
+from ..case.store import Stored
+from ..methods import Method
+from ..series import COLUMNS, RawSeries, Solution
+
+DIGITS = 13  # kept of every number at unit modulus: 1e-13 is far below what any method promises
+WORTH_KEEPING = 0.1  # CPU seconds; reading a file takes a tenth of it
+
+
+def at_unit_modulus(problem: Problem) -> tuple[Problem, float]:
+    """The problem with all moduli (and a load, where one is prescribed) over the surface's E, and that E [Pa]."""
+    factor = problem.specimen.surface.E
+    return _rounded(problem.scaled(1 / factor)), factor
+
+
+def _rounded(value: Any) -> Any:
+    """``value`` with all numbers in it to ``DIGITS`` digits: quotients that are equal on paper become equal."""
+    if isinstance(value, float):
+        return float(f"{value:.{DIGITS - 1}e}")
+    if isinstance(value, tuple):
+        return tuple(_rounded(item) for item in value)
+    if is_dataclass(value) and not isinstance(value, type):
+        return replace(value, **{item.name: _rounded(getattr(value, item.name)) for item in fields(value) if item.init})
+    return value
+
+
+def solve_key(problem: Problem, method: Method) -> str:
+    """A hash of all that a solve depends on: the physics, the method with its options, the release."""
+    return hashlib.sha256(f"{problem!r}\n{method!r}\n{__version__}".encode()).hexdigest()[:24]
+
+
+def solved(problem: Problem, method: Method, folder: Path | None = None) -> Stored:
+    """The solution of ``problem`` by ``method``: from ``folder`` where it is kept there, else solved, and kept there
+    where that was expensive (``WORTH_KEEPING``)."""
+    key = solve_key(problem, method)
+    path = None if folder is None else folder / f"{key}.h5"
+    if path is not None and (kept := _read(path)) is not None:
+        return kept
+    start = time.process_time()
+    solution = method(problem)
+    expensive = time.process_time() - start > WORTH_KEEPING
+    if path is not None and expensive and solution.raw is None and path.parent.is_dir():
+        store.write(path, solution, "", problem.key, "")
+    return stored(solution, problem.key)
+
+
+def _read(path: Path) -> Stored | None:
+    """A kept solve; None where there is none or its file is damaged."""
+    try:
+        return store.read(path) if path.exists() else None
+    except InputError:
+        return None
+
+
+def stored(solution: Solution, key: str) -> Stored:
+    """``solution`` as a series file would hold it."""
+    series = solution.series
+    rows = series if solution.raw is None else solution.raw
+    present = {name: values for name in COLUMNS if (values := getattr(rows, name, None)) is not None}
+    return Stored(
+        path=Path("series"),
+        raw=RawSeries(rows.a, rows.delta, rows.P),
+        columns=present,
+        errors=series.errors if solution.raw is None else {},
+        a0=series.a0,
+        S0=series.S0,
+        budget=solution.budget,
+        method=solution.method,
+        key=key,
+        case="",
+        facts=solution.facts,
+        timings=solution.timings,
+        warnings=solution.warnings,
+    )

@@ -1,0 +1,106 @@
+"""The pull-off map: how far a layer's pull-off force lies from the half-space's, over how strongly it adheres.
+
+For a paraboloid on one layer on a rigid base, -P_min/(pi w R) under load control depends on Poisson's ratio, the base
+and q = w R^2/(E* h^3) alone: 3/2 for thick layers (small q), 2 for thin compressible, 3 for thin incompressible ones.
+Nearly incompressible layers rise above 2 and come back to it (nu = 0.45: 2.105 at q = 1e3, 2.027 at 1e6).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from concurrent.futures import Executor
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from ... import __version__
+from ...adhesion.curve import AdhesiveCurve, Outside, transform
+from ...adhesion.slopes import slopes
+from ...adhesion.states import LOAD_CONTROL
+from ...base.errors import InputError, SolveError
+from ...bodies.indenters import Paraboloid
+from ...bodies.materials import Elastic
+from ...bodies.problem import Layer, Loading, Problem, Rigid, Specimen
+from ...methods.layered.layered import Layered
+from ...series import Array, Series
+from .ordered import in_order
+
+POINTS_PER_DECADE = 40  # of the contact radius: twice as many change the pull-off force by 4e-8
+TOLERANCE = 1e-6  # relative, of the series: a/h near 100 at nu = 1/2 leaves 1e-7
+MIN_Q, MAX_Q = 1e-6, 1e7  # a/h at pull-off from 0.015 to 90
+
+
+@dataclass(frozen=True)
+class MapPoint:
+    """One point of the map: ``force`` = -P_min/(pi w R), ``a_over_h`` and ``delta_R_over_h2`` at pull-off."""
+
+    nu: float
+    base: str
+    q: float
+    force: float
+    a_over_h: float
+    delta_R_over_h2: float
+
+
+def pull_off_map(
+    nus: Iterable[float], bonded: bool, qs: Sequence[float], executor: Executor | None = None
+) -> list[MapPoint]:
+    """The points of the map for each Poisson's ratio and each q (any order, repeated ones once), by exact slopes.
+
+    One unit series per Poisson's ratio serves every q; ``executor`` works on them (default: this process).
+    Errors: InputError for q outside the range or nu not allowed.
+    """
+    wanted = sorted(set(qs))
+    if not wanted or not (wanted[0] >= MIN_Q and wanted[-1] <= MAX_Q):
+        raise InputError(f"q: must be between {MIN_Q:g} and {MAX_Q:g}, got {', '.join(f'{q:g}' for q in qs)}")
+    columns = in_order(executor, partial(_column, bonded, wanted), list(dict.fromkeys(nus)), "pull-off map")
+    return [point for column in columns for point in column]
+
+
+def map_columns(points: Sequence[MapPoint]) -> dict[str, Array]:
+    """The columns of the table by name."""
+    return {
+        "nu": np.array([point.nu for point in points]),
+        "base": np.array([point.base for point in points]),
+        "w_R2_over_Estar_h3": np.array([point.q for point in points]),
+        "minus_P_over_pi_w_R": np.array([point.force for point in points]),
+        "a_over_h": np.array([point.a_over_h for point in points]),
+        "delta_R_over_h2": np.array([point.delta_R_over_h2 for point in points]),
+        "solved_by": np.full(len(points), f"jkr {__version__} layered"),
+    }
+
+
+def _column(bonded: bool, qs: Sequence[float], nu: float) -> list[MapPoint]:
+    """Units: h = R = 1 m, E* = 1 Pa; the paraboloid's problem is linear in R, so that no small strain is needed."""
+    series = _unit_series(nu, bonded, qs)
+    found = slopes(series, "exact")
+    return [_point(nu, bonded, q, transform(series, found, q)) for q in qs]
+
+
+def _point(nu: float, bonded: bool, q: float, curve: AdhesiveCurve) -> MapPoint:
+    point = curve.pull_off(LOAD_CONTROL)
+    if isinstance(point, Outside):
+        raise SolveError(f"pull-off map: nu = {nu:g}, q = {q:g}: {point.reason}")
+    base = "bonded" if bonded else "frictionless"
+    return MapPoint(nu, base, q, -point.P / (math.pi * q), point.a, point.delta)
+
+
+def _unit_series(nu: float, bonded: bool, qs: Sequence[float]) -> Series:
+    material = Elastic(1 - nu**2 if -1 < nu <= 0.5 else 1.0, nu)
+    low, high = _lowest(qs[0]), _highest(qs[-1])
+    count = max(8, math.ceil(POINTS_PER_DECADE * math.log10(high / low)))
+    radii = tuple(float(a) for a in np.geomspace(low, high, count))
+    specimen = Specimen((Layer(material, 1.0),), Rigid(bonded))
+    return Layered(TOLERANCE)(Problem(Paraboloid(1.0), specimen, Loading.given("radius", radii))).series
+
+
+def _lowest(q: float) -> float:
+    """Well below a/h at pull-off: (9 pi q/8)^(1/3) for thick layers, (96 q)^(1/6) to (384 q)^(1/6) for thin ones."""
+    return 0.4 * min((9 * math.pi * q / 8) ** (1 / 3), (96 * q) ** (1 / 6))
+
+
+def _highest(q: float) -> float:
+    """Well above a/h at pull-off: (9 pi q/8)^(1/3) for thick layers, at most (8 q)^(1/4) for thin ones."""
+    return 1.5 * min((9 * math.pi * q / 8) ** (1 / 3), (8 * q) ** (1 / 4) + 1)

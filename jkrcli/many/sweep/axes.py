@@ -1,0 +1,176 @@
+"""The axes of a sweep in SI: every value that a key takes, checked in a case before anything is solved."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...base.errors import InputError
+from ...case import CaseModel
+from ...case.sweep import AxisTable, DistributionTable, SweepModel
+from .draws import Distribution, check, draw
+from .paths import LAYER_COUNT, Tables, model_of, parse, value_at, with_values
+
+W = "adhesion.w"
+
+
+@dataclass(frozen=True)
+class Axis:
+    """``keys`` that vary together; each of ``rows`` holds one value per key, in SI."""
+
+    keys: tuple[str, ...]
+    rows: tuple[tuple[Any, ...], ...]
+
+
+@dataclass(frozen=True)
+class Trial:
+    """The case in which values are tried: ``tables`` with the first value of every axis."""
+
+    tables: Tables
+    first: Mapping[str, Any]
+    folder: Path
+
+    def model(self, values: Mapping[str, Any]) -> CaseModel:
+        """The case with ``values`` in place of those of ``first``; InputError says what is wrong with it.
+
+        All layers are there, however many a sweep keeps of them, unless ``values`` says so.
+        """
+        all_layers = {key: value for key, value in self.first.items() if key != LAYER_COUNT}
+        return model_of(with_values(self.tables, {**all_layers, **values}), "", self.folder)
+
+    def si(self, values: Mapping[str, Any]) -> tuple[Any, ...]:
+        """The values of keys that go together, in SI."""
+        whole = self.model({key: value for key, value in values.items() if key != LAYER_COUNT})
+        cut = self.model(values) if LAYER_COUNT in values else whole
+        return tuple(value_at(cut if key == LAYER_COUNT else whole, key) for key in values)
+
+
+def resolve(model: SweepModel, tables: Tables, folder: Path, source: str) -> tuple[tuple[Axis, ...], CaseModel]:
+    """All axes, samples and several works of adhesion included, and the first case; a line per mistake."""
+    _each_once(model, source)
+    trial = Trial(tables, _first(model), folder)
+    problems = _Problems(source)
+    first = problems.take("base", partial(trial.model, {}))
+    if first is None:
+        problems.raise_all()
+    axes = [problems.take(f"axes[{i}]", partial(_axis, axis, trial)) for i, axis in enumerate(model.axes)]
+    if model.samples is not None:
+        axes.append(problems.take("samples.of", partial(_samples, model, trial)))
+    problems.raise_all()
+    found = [axis for axis in axes if axis is not None]
+    if not any(W in axis.keys for axis in found) and len(first.adhesion.w) > 1:
+        found.append(Axis((W,), tuple((w,) for w in first.adhesion.w)))
+    return tuple(found), first
+
+
+class _Problems:
+    """Collects mistakes under the names of the tables they are in."""
+
+    def __init__(self, source: str):
+        self.source = source
+        self.lines: list[str] = []
+
+    def take(self, where: str, make: Callable[[], Any]) -> Any:
+        try:
+            return make()
+        except InputError as error:
+            self.lines += [f"{self.source}: {where}: {line.removeprefix(': ')}" for line in error.lines]
+        return None
+
+    def raise_all(self) -> None:
+        if self.lines:
+            raise InputError(list(dict.fromkeys(self.lines)))
+
+
+def _keys(axis: AxisTable) -> tuple[str, ...]:
+    return tuple(axis.zip) if axis.zip is not None else (str(axis.key),)
+
+
+def _each_once(model: SweepModel, source: str) -> None:
+    keys = [key for axis in model.axes for key in _keys(axis)] + list(model.samples.of if model.samples else ())
+    if not keys:
+        raise InputError(f"{source}: nothing varies: give [[axes]] or [samples]")
+    twice = sorted({key for key in keys if keys.count(key) > 1})
+    if twice:
+        raise InputError(f"{source}: {twice[0]}: is varied twice; keys that go together stand in one zip")
+    for key in keys:
+        try:
+            parse(key)
+        except InputError as error:
+            raise InputError(f"{source}: axes: {error}") from None
+
+
+def _first(model: SweepModel) -> dict[str, Any]:
+    """A value of every varied key that stands in the file."""
+    first: dict[str, Any] = {}
+    for axis in model.axes:
+        if axis.zip is not None:
+            first |= {key: values[0] for key, values in axis.zip.items()}
+        else:
+            first[str(axis.key)] = axis.start if axis.values is None else axis.values[0]
+    for key, item in (model.samples.of if model.samples else {}).items():
+        first[key] = (
+            item.values[0] if item.values else next(x for x in (item.start, item.mean, item.median) if x is not None)
+        )
+    return first
+
+
+def _axis(axis: AxisTable, trial: Trial) -> Axis:
+    keys = _keys(axis)
+    if axis.zip is not None:
+        rows = [trial.si(dict(zip(keys, row, strict=True))) for row in zip(*axis.zip.values(), strict=True)]
+        return Axis(keys, tuple(rows))
+    if axis.values is not None:
+        return Axis(keys, tuple(trial.si({keys[0]: value}) for value in axis.values))
+    return Axis(keys, tuple((value,) for value in _range(axis, trial)))
+
+
+def _range(axis: AxisTable, trial: Trial) -> list[Any]:
+    key, count = str(axis.key), axis.count or 2
+    start, end = (_number(trial, key, value) for value in (axis.start, axis.end))
+    if axis.spacing == "log" and not min(start, end) > 0:
+        raise InputError(f"{key}: a log range needs from and to > 0, got {start:g} and {end:g}")
+    spaced = (np.geomspace if axis.spacing == "log" else np.linspace)(start, end, count)
+    spaced[[0, -1]] = start, end
+    if isinstance(start, int) and isinstance(end, int):
+        return sorted({round(value) for value in spaced.tolist()}, reverse=start > end)
+    return spaced.tolist()
+
+
+def _number(trial: Trial, key: str, value: Any) -> Any:
+    (number,) = trial.si({key: value})
+    if isinstance(number, bool) or not isinstance(number, int | float):
+        raise InputError(f"{key}: is no number: give its values as a list")
+    return number
+
+
+def _samples(model: SweepModel, trial: Trial) -> Axis:
+    assert model.samples is not None
+    distributions = [_distribution(key, table, trial) for key, table in model.samples.of.items()]
+    rows = draw(distributions, model.samples.count, model.samples.method, model.samples.seed)
+    return Axis(tuple(model.samples.of), tuple(rows))
+
+
+def _distribution(key: str, table: DistributionTable, trial: Trial) -> Distribution:
+    if table.values is not None:
+        return Distribution("choice", values=tuple(trial.si({key: value})[0] for value in table.values))
+    read = {name: _number(trial, key, value) for name in ("start", "end", "mean", "sd", "median", "least", "most")
+            if (value := getattr(table, name)) is not None}  # fmt: skip
+    limits = {name: read[name] for name in ("least", "most") if name in read}
+    match table.distribution:
+        case "normal":
+            item = Distribution("normal", read["mean"], read["sd"], **limits)
+        case "lognormal":
+            item = Distribution("lognormal", read["median"], table.factor or 1.0, **limits)
+        case kind:
+            item = Distribution(kind, read["start"], read["end"])
+    try:
+        check(item)
+    except InputError as error:
+        raise InputError(f"{key}: {error}") from None
+    return item

@@ -1,0 +1,114 @@
+"""The journal of a sweep: a line per finished case, appended as results come in and readable after any end."""
+
+from __future__ import annotations
+
+import contextlib
+import fcntl
+import json
+import os
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, BinaryIO
+
+from ... import __version__
+from ...base.errors import InputError, JkrError
+from .solving import FAILED, Row
+
+FORMAT, VERSION = "jkr-sweep-journal", 1
+HEAD = json.dumps({"format": FORMAT, "version": VERSION, "jkr": __version__}).encode() + b"\n"
+ENTRY = [str, str, str, list, float]  # of a line: identity, status, reason, values, CPU seconds
+SYNC_EVERY = 5.0  # seconds; what a power failure may cost. A killed process loses nothing that was appended.
+
+
+class Journal:
+    """Finished cases by their identity (a hash of all that a row depends on), in memory and in the file behind it."""
+
+    def __init__(self, path: Path, file: BinaryIO):
+        self.path = path
+        self.rows: dict[str, Row] = {}
+        self._file = file
+        self._synced = time.monotonic()
+
+    def append(self, identity: str, row: Row) -> None:
+        """Keep a finished case; a repeated identity replaces the earlier row."""
+        entry = [identity, row.status, row.reason, row.values, round(row.seconds, 6)]
+        self._file.write(json.dumps(entry, allow_nan=False).encode() + b"\n")
+        self._file.flush()
+        self.rows[identity] = row
+        if time.monotonic() - self._synced > SYNC_EVERY:
+            self.sync()
+
+    def sync(self) -> None:
+        """Have the file on the disk."""
+        os.fsync(self._file.fileno())
+        self._synced = time.monotonic()
+
+    def forget_failed(self) -> int:
+        """Count failed cases as not done; returns how many."""
+        wrong = [identity for identity, row in self.rows.items() if row.status == FAILED]
+        for identity in wrong:
+            del self.rows[identity]
+        return len(wrong)
+
+    def read(self) -> None:
+        """Take in what earlier runs appended; a last line without its end was being written when they were killed."""
+        content = self._file.read()
+        if HEAD.startswith(content):
+            self._file.seek(0)
+            self._file.write(HEAD)
+            self._file.flush()
+            return
+        whole = content.rfind(b"\n") + 1
+        head, *lines = content[:whole].splitlines() or [b""]
+        self._check_head(head)
+        self._file.truncate(whole)
+        self._file.seek(whole)
+        for number, line in enumerate(lines, start=2):
+            identity, row = self._row(number, line)
+            self.rows[identity] = row
+
+    def _check_head(self, line: bytes) -> None:
+        """Refuse to append to what is no journal of this format."""
+        head = _parsed(line)
+        if not isinstance(head, dict) or head.get("format") != FORMAT or head.get("version") != VERSION:
+            raise InputError(
+                f"{self.path}: is no journal of a sweep (line 1 must name the format {FORMAT}, version {VERSION}); "
+                "give another folder"
+            )
+
+    def _row(self, number: int, line: bytes) -> tuple[str, Row]:
+        entry = _parsed(line)
+        if not (isinstance(entry, list) and list(map(type, entry)) == ENTRY):
+            raise InputError(f"{self.path}: line {number} is damaged; delete that line and its case is solved again")
+        identity, status, reason, values, seconds = entry
+        return identity, Row(-1, status, reason, tuple(values), seconds)
+
+
+def _parsed(line: bytes) -> Any:
+    try:
+        return json.loads(line)
+    except ValueError:
+        return None
+
+
+@contextlib.contextmanager
+def opened(path: Path) -> Iterator[Journal]:
+    """The journal at ``path``, made where there is none; InputError where another process is writing it."""
+    try:
+        file = path.open("r+b" if path.exists() else "w+b")
+    except OSError as error:
+        raise JkrError(f"{path}: cannot be opened ({error.strerror})") from None
+    with file:
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            raise InputError(
+                f"{path}: another jkr sweep is writing there; wait for it, or give another folder"
+            ) from None
+        journal = Journal(path, file)
+        journal.read()
+        try:
+            yield journal
+        finally:
+            journal.sync()

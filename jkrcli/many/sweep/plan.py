@@ -1,0 +1,162 @@
+"""A sweep as it will be run: which cases there are, what each holds, which of them share a solve."""
+
+from __future__ import annotations
+
+import hashlib
+import itertools
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from ... import __version__
+from ...base.errors import InputError
+from ...bodies.problem import Problem
+from ...case import Case, CaseModel
+from ...case.sweep import MOST_CASES, SweepModel, load_sweep
+from ..cache import at_unit_modulus
+from .axes import Axis, W, resolve
+from .paths import Tables, model_of, unit_of, with_values
+from .quantities import Wanted, names_of
+
+CURVES_PER_GROUP = 1000  # cases of one solve that make one piece of work
+PHYSICS = {"title", "indenter", "specimen", "loading", "adhesion"}
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """What a worker needs to know to make a case of given values: the base case's ``tables``, what is wanted."""
+
+    tables: Tables
+    wanted: Wanted
+    folder: Path
+
+    def model(self, values: Mapping[str, Any]) -> CaseModel:
+        """The case with the given values, validated; InputError where they make none."""
+        model = model_of(with_values(self.tables, values), "", self.folder)
+        if len(model.adhesion.w) > 1:
+            raise InputError(f"{W}: a case of a sweep takes one value, got {list(model.adhesion.w)}")
+        return model
+
+
+@dataclass(frozen=True)
+class Group:
+    """Cases by their numbers and values that share one solve."""
+
+    cases: tuple[tuple[int, Mapping[str, Any]], ...]
+
+
+@dataclass(frozen=True)
+class Plan:
+    """All cases of a sweep: the product of its ``axes``, the last one running fastest; ``units`` of their keys."""
+
+    source: str
+    title: str
+    recipe: Recipe
+    axes: tuple[Axis, ...]
+    units: Mapping[str, str]
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """All keys that vary."""
+        return tuple(key for axis in self.axes for key in axis.keys)
+
+    @property
+    def key_columns(self) -> tuple[str, ...]:
+        """The names of their columns: the key and its SI unit."""
+        return tuple(key + (f"_{self.units[key]}" if self.units[key] else "") for key in self.keys)
+
+    @property
+    def count(self) -> int:
+        return math.prod(len(axis.rows) for axis in self.axes)
+
+    def values(self, number: int) -> dict[str, Any]:
+        """The values of case ``number`` (from 0) by key, in SI."""
+        rows = []
+        for axis in reversed(self.axes):
+            number, i = divmod(number, len(axis.rows))
+            rows.append(zip(axis.keys, axis.rows[i], strict=True))
+        return dict(itertools.chain.from_iterable(reversed(rows)))
+
+    def identity(self, number: int) -> str:
+        """A hash of everything that the row of a case depends on: what journals know it by."""
+        return hashlib.sha256(f"{self._head}\n{self.values(number)!r}".encode()).hexdigest()[:20]
+
+    @cached_property
+    def _head(self) -> str:
+        return f"{__version__}\n{self.recipe.tables!r}\n{self.recipe.wanted!r}"
+
+    def case(self, number: int) -> Case:
+        """Case ``number`` as a case of its own."""
+        return Case(self.recipe.model(self.values(number)), f"{self.source}: case {number}")
+
+    def groups(self, numbers: Iterable[int]) -> tuple[list[Group], list[tuple[int, str]]]:
+        """The cases ``numbers`` by shared solves, and those that are none, each with its reason.
+
+        Cases share a solve where they differ in the work of adhesion, or by one factor of all moduli, alone.
+        """
+        shared: dict[Any, list[tuple[int, dict[str, Any]]]] = {}
+        wrong = []
+        for number in numbers:
+            values = self.values(number)
+            try:
+                model = self.recipe.model(values)
+                body = at_unit_modulus(model.problem())[0]
+            except InputError as error:
+                wrong.append((number, _one_line(error)))
+                continue
+            shared.setdefault(_solve_identity(body, model), []).append((number, values))
+        groups = [
+            Group(tuple(cases[start : start + CURVES_PER_GROUP]))
+            for cases in shared.values()
+            for start in range(0, len(cases), CURVES_PER_GROUP)
+        ]
+        return groups, wrong
+
+
+def _solve_identity(body: Problem, model: CaseModel) -> bytes:
+    """A hash of the body at unit modulus and of how it is to be solved."""
+    return hashlib.sha256(f"{body!r}{model.model_dump(exclude=PHYSICS)!r}".encode()).digest()
+
+
+def _one_line(error: InputError) -> str:
+    return "; ".join(line.removeprefix(": ") for line in error.lines)
+
+
+def load_plan(path: Path) -> Plan:
+    """The plan of the sweep file at ``path``; InputError with a line per mistake."""
+    model, tables, folder = load_sweep(path)
+    source = str(path)
+    wanted = _wanted(model, source)
+    axes, first = resolve(model, tables, folder, source)
+    if wanted.needs_w and not any(first.adhesion.w):
+        raise InputError(
+            f"{source}: the quantities asked for need a work of adhesion: vary adhesion.w, or set it in the base case"
+        )
+    tables = _self_contained(tables, first, axes)
+    units = {
+        key: unit_of(tables, key, value, folder)
+        for axis in axes
+        for key, value in zip(axis.keys, axis.rows[0], strict=True)
+    }
+    plan = Plan(source, model.title, Recipe(tables, wanted, folder), axes, units)
+    if plan.count > MOST_CASES:
+        raise InputError(f"{source}: makes {plan.count:,} cases, at most {MOST_CASES:,} are allowed in one sweep")
+    return plan
+
+
+def _wanted(model: SweepModel, source: str) -> Wanted:
+    asked = model.outputs
+    return Wanted(names_of(asked.quantities, source), asked.radii, asked.stiffness, asked.slopes)
+
+
+def _self_contained(tables: Tables, first: CaseModel, axes: Sequence[Axis]) -> Tables:
+    """The base case with a profile's points in place of the name of their file, so that workers need no file."""
+    indenter = tables.get("indenter", {})
+    if "file" not in indenter or any(key == "indenter.file" for axis in axes for key in axis.keys):
+        return tables
+    points = {key: first.model_dump()["indenter"][key] for key in ("r", "f")}
+    rest = {key: value for key, value in indenter.items() if key != "file"}
+    return {**tables, "indenter": rest | points}

@@ -1,0 +1,176 @@
+"""What a sweep can tell of a case: the numbers of the summary that ``jkr transform`` writes, by the same names."""
+
+from __future__ import annotations
+
+import difflib
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from ...adhesion.analysis import Analysis
+from ...adhesion.curve import CriticalPoint, Outside
+from ...adhesion.stability import behaviour
+from ...adhesion.states import DISPLACEMENT_CONTROL, State
+from ...base.errors import InputError
+from ...report import tables
+
+Value = float | int | str
+Section = Callable[[Analysis], Mapping[str, Any]]
+POINT = ("P_N", "delta_m", "a_m")
+
+
+@dataclass(frozen=True)
+class Missing:
+    """There is no such number, because of ``reason``."""
+
+    reason: str
+
+
+def _at_end(result: Analysis) -> dict[str, Any]:
+    series = result.curve.series
+    return {"points": len(series), "a_m": series.a[-1], "delta_H_m": series.delta[-1], "P_H_N": series.P[-1]}
+
+
+def _solved_by(result: Analysis) -> dict[str, Any]:
+    return {"method": result.stored.method, "slopes": result.curve.slopes.method}
+
+
+def _contact(result: Analysis) -> dict[str, Any]:
+    return {"E_star_Pa": result.case.problem.E_star}
+
+
+def _pull_off(result: Analysis) -> dict[str, Any]:
+    points: dict[str, Any] = {}
+    for name, found in result.pull_off.items():
+        points |= _point(name, found)
+    points["load.over_pi_w_R"] = _over_classical(result)
+    return points
+
+
+def _over_classical(result: Analysis) -> float | Missing:
+    """-P/(pi w R) under load control: 3/2 on a half-space."""
+    found, R = result.pull_off["load"], result.case.problem.indenter.tip_radius
+    if isinstance(found, Outside):
+        return Missing(found.reason)
+    return Missing("the indenter has no tip radius") if R is None else -found.P / (math.pi * result.w * R)
+
+
+def _point(name: str, found: CriticalPoint | State | Outside) -> dict[str, Any]:
+    told = tables.point(found)
+    return {f"{name}.{key}": Missing(told["reason"]) if told[key] is None else told[key] for key in POINT}
+
+
+def _stability(result: Analysis) -> dict[str, Any]:
+    found = behaviour(result.curve, DISPLACEMENT_CONTROL)
+    energies = {"energy_lost_J": found.energy_lost, "work_of_separation_J": found.separation}
+    return energies | _point("jump_in", found.jump_in)
+
+
+def _comparison(result: Analysis) -> dict[str, Any]:
+    comparison = result.comparison
+    if comparison is None:
+        return {"pull_off": Missing("")}
+    found = comparison.pull_off
+    return {"pull_off": Missing("pull-off lies outside the series") if found is None else found}
+
+
+ERRORS = ("discretisation", "truncation", "radius", "smoothing", "total")
+VALIDITY = ("tabor", "a_over_R", "a_over_R_pull_off", "delta_over_h", "a_over_h", "a_over_L")
+SECTIONS: dict[str, tuple[Section, tuple[str, ...]]] = {
+    "solved_by": (_solved_by, ("method", "slopes")),
+    "contact": (_contact, ("E_star_Pa",)),
+    "end": (_at_end, ("points", "a_m", "delta_H_m", "P_H_N")),
+    "pull_off": (
+        _pull_off,
+        (*(f"{control}.{key}" for control in ("load", "displacement") for key in POINT), "load.over_pi_w_R"),
+    ),
+    "stability": (_stability, ("energy_lost_J", "work_of_separation_J", *(f"jump_in.{key}" for key in POINT))),
+    "validity": (tables.validity, VALIDITY),
+    "errors": (lambda result: result.budget.as_dict(), ERRORS),
+    "comparison": (_comparison, ("pull_off",)),
+}
+NAMES = tuple(f"{section}.{key}" for section, (_, keys) in SECTIONS.items() for key in keys)
+NEED_W = ("pull_off", "stability")
+OF_THE_KIND = ("validity.", "comparison.")  # absent by the kind of body, the same in every case: no reason is given
+WORDS = ("solved_by.method", "solved_by.slopes")
+ALONG = ("P_N", "delta_m", "P_H_N", "delta_H_m", "S_N_per_m", "dS_da_N_per_m2")
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """The columns of a sweep's table: ``names`` among ``NAMES``; all of ``ALONG`` at each of ``radii`` [m]; the
+    pull-off by devices of each ``stiffness`` [N/m]. ``slopes``: how S and S' are found."""
+
+    names: tuple[str, ...]
+    radii: tuple[float, ...] = ()
+    stiffness: tuple[float, ...] = ()
+    slopes: str = "auto"
+    columns: tuple[str, ...] = field(init=False)
+
+    def __post_init__(self) -> None:
+        devices = [f"pull_off.{k:g}_N_per_m.{key}" for k in self.stiffness for key in POINT]
+        along = [f"at_{a:g}_m.{key}" for a in self.radii for key in ALONG]
+        object.__setattr__(self, "columns", (*self.names, *devices, *along))
+
+    @property
+    def needs_w(self) -> bool:
+        """Whether any column means nothing without a work of adhesion."""
+        return bool(self.stiffness) or any(name.split(".")[0] in NEED_W for name in self.names)
+
+    def values(self, result: Analysis) -> list[Value | Missing]:
+        """One value per column."""
+        sections = {name: SECTIONS[name][0](result) for name in dict.fromkeys(n.split(".")[0] for n in self.names)}
+        told = [
+            _value(name, sections[section][key]) for name in self.names for section, _, key in [name.partition(".")]
+        ]
+        devices = [_point("device", _by_device(result, k)) for k in self.stiffness]
+        along = [_along(result, a) for a in self.radii]
+        return [*told, *(value for point in (*devices, *along) for value in point.values())]
+
+
+def _value(name: str, told: Any) -> Value | Missing:
+    """A number (or word, where the column holds words); a text in place of a number says why there is none."""
+    if isinstance(told, Missing) or name in WORDS:
+        return told
+    if isinstance(told, str):
+        return Missing("" if name.startswith(OF_THE_KIND) else told)
+    if isinstance(told, int):
+        return told
+    return float(told) if math.isfinite(told) else Missing(f"{name} is not finite")
+
+
+def _by_device(result: Analysis, stiffness: float) -> CriticalPoint | Outside:
+    return Outside("there is no adhesion at w = 0") if result.w == 0 else result.curve.pull_off(stiffness)
+
+
+def _along(result: Analysis, a: float) -> dict[str, Value | Missing]:
+    """The curve at contact radius ``a`` [m]; index H: without adhesion."""
+    curve = result.curve
+    try:
+        delta, P = (float(value) for value in curve.at(np.array(a)))
+    except InputError as error:
+        return dict.fromkeys(ALONG, Missing(str(error)))
+    rule, x, z = curve.rule, math.log(a), math.log(a - curve.rule.a0)
+    P_H, delta_H, S = (math.exp(float(item)) for item in (rule.P_H(z), rule.delta_H(z), rule.S(x)))
+    dS = 4 * math.pi * a * math.exp(-2 * float(rule.t(x)))  # t = sqrt(4 pi a/S') at w = 1
+    return dict(zip(ALONG, (P, delta, P_H, delta_H, S, dS), strict=True))
+
+
+def names_of(asked: Sequence[str], source: str) -> tuple[str, ...]:
+    """All names that ``asked`` means, groups ("pull_off", "pull_off.load") taken apart; InputError for unknown ones."""
+    names: dict[str, None] = {}
+    for word in asked:
+        found = [name for name in NAMES if name == word or name.startswith(f"{word}.")]
+        if not found:
+            allowed = [*SECTIONS, *NAMES]
+            close = difflib.get_close_matches(word, allowed, 1, 0.5)
+            hint = f', did you mean "{close[0]}"?' if close else ""
+            raise InputError(
+                f'{source}: outputs.quantities: unknown quantity "{word}"{hint} (groups: {", ".join(SECTIONS)}; '
+                f"single ones: {', '.join(NAMES)})"
+            )
+        names |= dict.fromkeys(found)
+    return tuple(names)

@@ -1,0 +1,189 @@
+"""A sweep carried out: what it will cost, the cases solved and journaled as they come, the table at the end."""
+
+from __future__ import annotations
+
+import math
+import shlex
+from collections.abc import Callable, Iterable
+from concurrent.futures import Executor
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+from ...base.errors import InputError, JkrError
+from ...base.executors import available_cores, completed, dashboard, executor
+from ...base.files import check_target, make_folder, write_text
+from ...methods.guards import duration
+from ..cache import at_unit_modulus
+from .journal import Journal, opened
+from .plan import Group, Plan
+from .solving import Row, failed, least, solve_group
+from .table import STEM, Table, csv_text, endings, write
+
+JOURNAL, FAILED_TABLE, SOLVES = "journal.jsonl", "failed.csv", "solves"
+PER_CASE = 0.012  # CPU seconds of a case besides its solve: validation, adhesive curve, critical points
+TASK = 2.0  # CPU seconds that one task should take: much more than handing it out, little to lose
+SHARES = 8  # tasks per worker at least, so that the last ones end together
+PER_WORKER = 3.0  # CPU seconds that make it worth starting a process
+LOOKED_AT = 12  # groups whose cost is looked at for the forecast
+Say = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class Means:
+    """By what a sweep is carried out: local ``workers`` (None: as many as serve) or a Dask ``scheduler``; ``hours``:
+    core hours beyond which nothing is begun; ``retry``: failed cases of earlier runs are tried again."""
+
+    workers: int | None = None
+    scheduler: str | None = None
+    hours: float = 10.0
+    retry: bool = False
+
+
+@dataclass(frozen=True)
+class Work:
+    """What is left to do: ``groups`` that share a solve, and its forecast in CPU ``seconds``."""
+
+    groups: list[Group]
+    seconds: float
+
+    @property
+    def cases(self) -> int:
+        return sum(len(group.cases) for group in self.groups)
+
+    def chunk(self, workers: int) -> int:
+        """Groups that make one task."""
+        by_time = TASK * len(self.groups) / max(self.seconds, 1e-9)
+        return max(1, min(round(by_time), math.ceil(len(self.groups) / (SHARES * workers))))
+
+
+def sweep(plan: Plan, folder: Path, means: Means, force: bool, say: Say) -> tuple[Table, list[Path]]:
+    """Carry out ``plan`` with the results in ``folder``; a sweep that was interrupted there goes on.
+
+    ``say`` is told what goes on in the meantime. Errors: InputError where more than ``means.hours`` are forecast or
+    the folder holds what is not ours, JkrError where every case failed.
+    """
+    make_folder(folder)
+    _check_targets(folder, force)
+    with opened(folder / JOURNAL) as journal:
+        if means.retry and (forgotten := journal.forget_failed()):
+            say(f"{forgotten} failed cases are tried again")
+        work = _left(plan, journal, say)
+        _guard(work, means.hours)
+        if work.groups:
+            _solve(plan, work, folder, journal, means, say)
+        table = Table.of(plan, journal)
+    paths = [*write(folder, table), *_write_failed(plan, folder, table)]
+    if len(table.failed) == plan.count:
+        raise JkrError(f"{plan.source}: every case failed, the first because: {table.failed[0][1]}")
+    return table, paths
+
+
+def _check_targets(folder: Path, force: bool) -> None:
+    journal = folder / JOURNAL
+    for name in (*(f"{STEM}{ending}" for ending in endings()), FAILED_TABLE):
+        check_target(folder / name, force or journal.exists())
+
+
+def _left(plan: Plan, journal: Journal, say: Say) -> Work:
+    """The cases that the journal does not hold; those that make no case are journaled as failed at once."""
+    numbers = _missing(plan, journal)
+    done = plan.count - len(numbers)
+    if done:
+        say(f"{done:,} of {plan.count:,} cases are there from an earlier run")
+    groups, wrong = plan.groups(numbers)
+    for number, reason in wrong:
+        journal.append(plan.identity(number), failed(plan.recipe, number, reason))
+    work = Work(groups, forecast(plan, groups))
+    if groups:
+        say(f"{work.cases:,} cases to do with {len(groups):,} solves: about {duration(work.seconds)} of CPU time")
+    return work
+
+
+def _missing(plan: Plan, journal: Journal) -> list[int]:
+    """Numbers of the cases that are not in the journal, equal cases once."""
+    new: dict[str, int] = {}
+    for number in range(plan.count):
+        identity = plan.identity(number)
+        if identity not in journal.rows:
+            new.setdefault(identity, number)
+    return list(new.values())
+
+
+def forecast(plan: Plan, groups: list[Group]) -> float:
+    """CPU seconds that the groups will take, from the methods' own forecasts for some of them."""
+    some = groups[:: max(1, len(groups) // LOOKED_AT)]
+    seconds = [_solve_seconds(plan, group) for group in some]
+    cases = sum(len(group.cases) for group in groups)
+    return PER_CASE * cases + len(groups) * sum(seconds) / max(len(seconds), 1)
+
+
+def _solve_seconds(plan: Plan, group: Group) -> float:
+    """Forecast of the solve of a group; 0 where it is refused at once."""
+    model = plan.recipe.model(group.cases[0][1])
+    body, _ = at_unit_modulus(model.problem())
+    try:
+        return least(body, model).method.forecast(body).seconds
+    except JkrError:
+        return 0.0
+
+
+def _guard(work: Work, hours: float) -> None:
+    if work.seconds > 3600 * hours:
+        raise InputError(
+            f"--hours: {work.cases:,} cases with {len(work.groups):,} solves would take about "
+            f"{work.seconds / 3600:.3g} core hours, more than the limit of {hours:g}; raise it by "
+            f"--hours {math.ceil(1.5 * work.seconds / 3600)}, or ask for fewer cases, fewer points or a cheaper method"
+        )
+
+
+def _solve(plan: Plan, work: Work, folder: Path, journal: Journal, means: Means, say: Say) -> None:
+    """Hand out the groups and journal their cases as they come in."""
+    kept = folder.resolve() / SOLVES
+    make_folder(kept)
+    workers = means.workers
+    if workers is None and means.scheduler is None:
+        workers = max(1, min(available_cores(), math.ceil(work.seconds / PER_WORKER)))
+    with executor(workers, means.scheduler) as pool:
+        if page := dashboard(pool):
+            say(f"dashboard {page}")
+        function = partial(solve_group, plan.recipe, kept)
+        try:
+            for index, result in completed(pool, function, work.groups, plan.title or "sweep", _chunk(work, pool)):
+                for row in _rows(plan, work.groups[index], result):
+                    journal.append(plan.identity(row.number), row)
+        except KeyboardInterrupt:
+            say(f"{len(journal.rows):,} cases are kept; the same command goes on from there")
+            raise
+
+
+def _chunk(work: Work, pool: Executor) -> int:
+    return work.chunk(max(getattr(pool, "workers", 1), 1))
+
+
+def _rows(plan: Plan, group: Group, result: list[Row] | Exception) -> Iterable[Row]:
+    if isinstance(result, Exception):
+        return [failed(plan.recipe, number, str(result)) for number, _ in group.cases]
+    return result
+
+
+def _write_failed(plan: Plan, folder: Path, table: Table) -> list[Path]:
+    """A table of the failed cases with the command that runs each alone; none where none failed."""
+    path = folder / FAILED_TABLE
+    if not table.failed:
+        path.unlink(missing_ok=True)
+        return []
+    rows = [(number, reason, rerun(plan, number)) for number, reason in table.failed]
+    write_text(path, csv_text(("case", "reason", "command"), rows))
+    return [path]
+
+
+def rerun(plan: Plan, number: int) -> str:
+    """The command that solves one case alone and prints its row."""
+    return shlex.join(["jkr", "sweep", plan.source, "--only", str(number)])
+
+
+def alone(plan: Plan, number: int) -> Row:
+    """The row of one case, solved here and now; nothing is read or written."""
+    groups, wrong = plan.groups([number])
+    return failed(plan.recipe, number, wrong[0][1]) if wrong else solve_group(plan.recipe, None, groups[0])[0]

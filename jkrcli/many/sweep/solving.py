@@ -1,0 +1,114 @@
+"""One group of cases solved: the work that goes to a worker."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from ...adhesion.analysis import Fitted, Specification, adhesive
+from ...base.errors import JkrError
+from ...bodies.problem import Problem
+from ...case import CaseModel
+from ...case.numerics import method_of
+from ...case.store import Stored
+from ...methods.choose import LEAST_FIRST, NOTICEABLE, PATIENCE, Choice, choose, survey
+from ..cache import at_unit_modulus, solved
+from .plan import Group, Recipe
+from .quantities import Missing, Value
+
+OK, FAILED = "ok", "failed"
+
+
+@dataclass(frozen=True)
+class Row:
+    """One row of the table: ``values`` per column, None where there is none; ``reason``: why it failed, or why values
+    are missing; ``seconds``: CPU time of the case, its share of a common solve included."""
+
+    number: int
+    status: str
+    reason: str
+    values: tuple[Value | None, ...]
+    seconds: float
+
+
+def solve_group(recipe: Recipe, kept: Path | None, group: Group) -> list[Row]:
+    """Solve what the cases of a group share, and read off each what is wanted; failures become rows.
+
+    ``kept``: folder of expensive solves of earlier runs.
+    """
+    start = time.process_time()
+    try:
+        fitted = _fitted(recipe, kept, group.cases[0][1])
+    except Exception as error:
+        share = (time.process_time() - start) / len(group.cases)
+        return [_failed(recipe, number, error, share) for number, _ in group.cases]
+    share = (time.process_time() - start) / len(group.cases)
+    return [_row(recipe, fitted, number, values, share) for number, values in group.cases]
+
+
+def _fitted(recipe: Recipe, kept: Path | None, values: Mapping[str, Any]) -> Fitted:
+    """The series of the group at unit modulus, with its slopes."""
+    model = recipe.model(values)
+    body, _ = at_unit_modulus(model.problem())
+    case = Specification(body, (), model.adhesion.z0, model.title)
+    return Fitted.of(_solved(body, model, kept), case, recipe.wanted.slopes)
+
+
+def _solved(body: Problem, model: CaseModel, kept: Path | None) -> Stored:
+    """The solution by the case's method; where "auto" has the choice and a method fails, by the next one."""
+    build = partial(method_of, model)
+    choice = least(body, model)
+    while True:
+        try:
+            return solved(body, choice.method, kept)
+        except JkrError as error:
+            if model.method != "auto":
+                raise
+            options = choice.options or choose(body, "auto", build).options
+            following = replace(choice, options=options).after_failure(error, build)
+            if following is None:
+                raise
+            choice = following
+
+
+def least(body: Problem, model: CaseModel) -> Choice:
+    """What ``choose`` chooses, without asking the methods behind the first that will do: that would cost more."""
+    build = partial(method_of, model)
+    for name in LEAST_FIRST if model.method == "auto" else ():
+        forecast = survey(body, build, [name])[0].forecast
+        if forecast is None or isinstance(forecast.error, str):
+            continue
+        if forecast.error <= NOTICEABLE and forecast.seconds <= PATIENCE:
+            return Choice(name, build(name), "the least model that represents this body")
+    return choose(body, model.method, build)
+
+
+def _row(recipe: Recipe, fitted: Fitted, number: int, values: Mapping[str, Any], share: float) -> Row:
+    start = time.process_time()
+    try:
+        model = recipe.model(values)
+        works, z0 = model.adhesion.w, model.adhesion.z0
+        factor = at_unit_modulus(model.problem())[1]
+        case = replace(fitted.case, z0=z0, w=works)
+        result = adhesive(replace(fitted, case=case).scaled(factor), works[0] if works else 0.0)
+        told = recipe.wanted.values(result)
+    except Exception as error:
+        return _failed(recipe, number, error, share + time.process_time() - start)
+    reasons = dict.fromkeys(value.reason for value in told if isinstance(value, Missing) and value.reason)
+    cells = tuple(None if isinstance(value, Missing) else value for value in told)
+    return Row(number, OK, "; ".join(reasons), cells, share + time.process_time() - start)
+
+
+def failed(recipe: Recipe, number: int, reason: str, seconds: float = 0.0) -> Row:
+    """The row of a case without a result."""
+    return Row(number, FAILED, " ".join(reason.split()), (None,) * len(recipe.wanted.columns), seconds)
+
+
+def _failed(recipe: Recipe, number: int, error: Exception, seconds: float) -> Row:
+    """Errors that are no message for users are bugs: their type tells them apart."""
+    known = isinstance(error, JkrError)
+    return failed(recipe, number, str(error) if known else f"unexpected {type(error).__name__}: {error}", seconds)

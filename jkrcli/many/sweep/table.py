@@ -1,0 +1,132 @@
+"""The table of a sweep, a row per case, as CSV, HDF5 and, where pyarrow is installed, Parquet."""
+
+from __future__ import annotations
+
+import csv
+import importlib.util
+import io
+import json
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+from ... import __version__
+from ...base.files import atomic, hdf5, write_text
+from .journal import Journal
+from .plan import Plan
+from .solving import FAILED
+
+STEM = "table"
+FORMAT, VERSION = "jkr-sweep-table", 1
+MISSING = "NaN: there is no value; the column reason says why"
+
+
+@dataclass(frozen=True)
+class Table:
+    """Columns by name, all of one length; None where there is no value."""
+
+    columns: dict[str, list[Any]]
+
+    def __len__(self) -> int:
+        return len(self.columns["case"])
+
+    @classmethod
+    def of(cls, plan: Plan, journal: Journal) -> Table:
+        """The finished cases of a plan in the order of their numbers."""
+        names = ("case", "status", "reason", *plan.key_columns, *plan.recipe.wanted.columns)
+        columns: dict[str, list[Any]] = {name: [] for name in names}
+        for number in range(plan.count):
+            row = journal.rows.get(plan.identity(number))
+            if row is not None:
+                cells = (number, row.status, row.reason, *map(_cell, plan.values(number).values()), *row.values)
+                for column, cell in zip(columns.values(), cells, strict=True):
+                    column.append(cell)
+        return cls(columns)
+
+    @property
+    def failed(self) -> list[tuple[int, str]]:
+        """Numbers and reasons of the cases without a result."""
+        rows = zip(*(self.columns[name] for name in ("case", "status", "reason")), strict=True)
+        return [(number, reason) for number, status, reason in rows if status == FAILED]
+
+
+def _cell(value: Any) -> Any:
+    """A value of a key as one cell: tables and lists as JSON."""
+    return json.dumps(value) if isinstance(value, dict | list | tuple) else value
+
+
+def endings() -> tuple[str, ...]:
+    """The kinds of files that can be written here."""
+    return (".csv", ".h5", ".parquet") if importlib.util.find_spec("pyarrow") else (".csv", ".h5")
+
+
+def write(folder: Path, table: Table) -> list[Path]:
+    """Write the table in every form, each whole or not at all; returns the files."""
+    writers = {".csv": _write_csv, ".h5": _write_hdf5, ".parquet": _write_parquet}
+    paths = [folder / f"{STEM}{ending}" for ending in endings()]
+    for path in paths:
+        writers[path.suffix](path, table)
+    return paths
+
+
+def _write_csv(path: Path, table: Table) -> None:
+    write_text(path, csv_text(tuple(table.columns), zip(*table.columns.values(), strict=True)))
+
+
+def csv_text(names: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
+    """One header line, a line per row; numbers with full precision, empty cells where there is no value."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(names)
+    writer.writerows(rows)
+    return text.getvalue()
+
+
+def _is_numeric(values: list[Any]) -> bool:
+    return all(value is None or (isinstance(value, int | float) and not isinstance(value, bool)) for value in values)
+
+
+def _write_hdf5(path: Path, table: Table) -> None:
+    with hdf5(path) as file:
+        file.attrs["format"], file.attrs["version"], file.attrs["jkr"] = np.bytes_(FORMAT), VERSION, __version__
+        file.attrs["missing"] = MISSING
+        group = file.create_group("table", track_order=True)
+        for name, values in table.columns.items():
+            if name == "case":
+                group.create_dataset(name, data=np.array(values, dtype=np.int64))
+            elif _is_numeric(values):
+                group.create_dataset(name, data=np.array([np.nan if v is None else v for v in values], dtype=float))
+            else:
+                words = ["" if value is None else str(value) for value in values]
+                group.create_dataset(name, data=words, dtype=h5py.string_dtype("utf-8"))
+
+
+def _write_parquet(path: Path, table: Table) -> None:
+    import pyarrow
+    from pyarrow import parquet
+
+    arrays = [_arrow(values, name == "case") for name, values in table.columns.items()]
+    with atomic(path) as temporary:
+        parquet.write_table(pyarrow.Table.from_arrays(arrays, names=list(table.columns)), temporary)
+
+
+def _arrow(values: list[Any], whole: bool) -> Any:
+    """A column of whole numbers, numbers or words, null where there is no value.
+
+    From buffers: pyarrow's other constructors import pandas, which costs more than everything else here.
+    """
+    import pyarrow
+
+    valid = pyarrow.py_buffer(np.packbits([value is not None for value in values], bitorder="little"))
+    if whole or _is_numeric(values):
+        kind, dtype = (pyarrow.int64(), np.int64) if whole else (pyarrow.float64(), np.float64)
+        data = np.array([0 if value is None else value for value in values], dtype=dtype)
+        return pyarrow.Array.from_buffers(kind, len(values), [valid, pyarrow.py_buffer(data)])
+    encoded = [b"" if value is None else str(value).encode() for value in values]
+    ends = np.concatenate([[0], np.cumsum([len(word) for word in encoded])]).astype(np.int64)
+    buffers = [valid, pyarrow.py_buffer(ends), pyarrow.py_buffer(b"".join(encoded))]
+    return pyarrow.Array.from_buffers(pyarrow.large_string(), len(values), buffers)

@@ -1,0 +1,127 @@
+"""Model no more than a scene needs: the least method that can represent a problem, and why.
+
+The rule of "auto", from the charts of speed against accuracy (``jkr study chart``, which checks it): of the methods in
+the order of ``LEAST_FIRST`` the first that represents the body with an expected error of at most ``NOTICEABLE`` within
+``PATIENCE``. Each runs with its default mesh or tolerance, the point of its own front beyond which more time buys an
+accuracy that no measurement sees. Slopes: exact where the series carries them, else the surer of "integral" and
+"loocv" (``jkrcli.adhesion.slopes``). The choice lies on the Pareto front of whole-process time and error of P or next
+to it: nothing as exact is quicker by more than a half.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from ..base.errors import InputError, Refusal
+from ..bodies.problem import Problem
+from . import Forecast, Method
+
+LEAST_FIRST = ("closed-form", "layered", "hybrid", "fem")
+PATIENCE = 10.0  # CPU seconds; a simpler model that would take longer gives way to a quicker one
+NOTICEABLE = 1e-3  # a simpler model with a larger relative error gives way to a better one
+
+
+@dataclass(frozen=True)
+class Option:
+    """One method's answer: what it would cost, or why it cannot do it."""
+
+    name: str
+    forecast: Forecast | None
+    refusal: str | None
+
+
+@dataclass(frozen=True)
+class Choice:
+    """The chosen method and the sentence that says why; ``others`` in order of effort."""
+
+    name: str
+    method: Method
+    reason: str
+    options: tuple[Option, ...] = ()
+
+    @property
+    def brief(self) -> str:
+        """The reason without what it says of other methods."""
+        return self.reason.partition("; ")[0]
+
+    def forecast(self, problem: Problem) -> Forecast:
+        """What the chosen method will cost."""
+        known = next((option.forecast for option in self.options if option.name == self.name), None)
+        return known or self.method.forecast(problem)
+
+    def after_failure(self, error: Exception, build: Callable[[str], Method]) -> Choice | None:
+        """What "auto" turns to when the chosen method fails: the next possible one; None where none is left."""
+        names = [option.name for option in self.options if option.forecast is not None]
+        later = names[names.index(self.name) + 1 :] if self.name in names else []
+        if not later:
+            return None
+        return Choice(later[0], build(later[0]), f"because {self.name} failed ({error})", self.options)
+
+
+def choose(problem: Problem, wanted: str, build: Callable[[str], Method]) -> Choice:
+    """The method ``wanted``, or for "auto" the first of ``LEAST_FIRST`` that represents the problem accurately."""
+    if wanted != "auto":
+        method = build(wanted)
+        if reason := method.refusal(problem):
+            raise Refusal(f"method {wanted}: {reason}")
+        return Choice(wanted, method, "as the case says")
+    options = survey(problem, build)
+    possible = [option for option in options if option.forecast is not None]
+    if not possible:
+        raise InputError([f"method {option.name}: {option.refusal}" for option in options])
+    accurate = [option for option in possible if _accurate(option)] or possible
+    option = next((option for option in accurate if _quick(option)), accurate[0])
+    return Choice(option.name, build(option.name), _why(option, options), tuple(options))
+
+
+def _accurate(option: Option) -> bool:
+    """Whether the expected error is known and small enough not to be noticed beside anything measured."""
+    assert option.forecast is not None
+    return isinstance(option.forecast.error, float) and option.forecast.error <= NOTICEABLE
+
+
+def survey(problem: Problem, build: Callable[[str], Method], names: Sequence[str] = LEAST_FIRST) -> list[Option]:
+    """Cost or refusal of every method, cheapest first; nothing is solved."""
+    options = []
+    for name in names:
+        method = build(name)
+        refusal = method.refusal(problem)
+        options.append(Option(name, None if refusal else method.forecast(problem), refusal))
+    return options
+
+
+def _quick(option: Option) -> bool:
+    assert option.forecast is not None
+    return option.forecast.seconds <= PATIENCE
+
+
+def _why(chosen: Option, options: Sequence[Option]) -> str:
+    """One sentence: what was chosen, what simpler methods could not do, what more general ones would cost."""
+    parts = [f"the least model that represents this body ({cost(chosen)})"]
+    for option in options:
+        if option.refusal:
+            parts.append(f"{option.name} cannot ({option.refusal})")
+        elif option is not chosen and _before(option, chosen) and (against := objection(option)):
+            parts.append(f"{option.name} {against} ({cost(option)})")
+        elif option is not chosen:
+            parts.append(f"{option.name} would take about {cost(option)}")
+    return "; ".join(parts)
+
+
+def objection(option: Option) -> str | None:
+    """What speaks against a possible method, so that "auto" passes over it where another is better; None: nothing."""
+    if not _quick(option):
+        return f"would take longer than {PATIENCE:g} s"
+    return None if _accurate(option) else f"would err by more than {NOTICEABLE:g}"
+
+
+def _before(option: Option, chosen: Option) -> bool:
+    return LEAST_FIRST.index(option.name) < LEAST_FIRST.index(chosen.name)
+
+
+def cost(option: Option) -> str:
+    """``0.02 s, error 1e-8`` of an option that is possible."""
+    assert option.forecast is not None
+    error = option.forecast.error
+    return f"{option.forecast.seconds:.1g} s, error " + (error if isinstance(error, str) else f"{error:.0e}")

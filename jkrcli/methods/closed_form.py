@@ -1,0 +1,153 @@
+"""The method ``closed-form``: bodies whose solution is a formula, within the range where the formula holds."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import ClassVar
+
+import numpy as np
+
+from ..base.clock import StageClock
+from ..base.errors import InputError, Refusal, SolveError
+from ..bodies.indenters import Paraboloid, Sphere
+from ..bodies.materials import Elastic
+from ..bodies.problem import Layer, Loading, Problem, Rigid
+from ..formulas import closed_form
+from ..series import ErrorBudget, Series, Solution
+from . import Forecast
+from .layered.layered import Layered, unbounded
+from .radii import half_space_guess, radii_of_loading
+
+Array = np.ndarray
+ROUND_OFF = 1e-14
+WORST = 0.05  # largest error at which the leading order of a thin layer is still offered
+CHECKED = 1e-6  # accuracy of the exact layer solution it is checked against
+
+
+@dataclass(frozen=True, eq=False)
+class Formula:
+    """``columns``: radii [m] -> delta_H [m], P_H [N], S [N/m], S' [N/m^2]; ``error``: relative."""
+
+    name: str
+    columns: Callable[[Array], tuple[Array, Array, Array, Array]]
+    error: float = ROUND_OFF
+
+
+@dataclass(frozen=True)
+class ClosedForm:
+    """Formulae for the homogeneous half-space and for one thin layer, within their validity.
+
+    Half-space under any indenter that has a closed form (sphere, paraboloid, power law, rounded flat): exact to
+    round-off. One thin layer under a sphere or paraboloid, leading order for a/h -> infinity: where it errs by less
+    than 5 % at all radii asked for, checked against the exact layer solution, never assumed.
+    """
+
+    name: ClassVar[str] = "closed-form"
+
+    def refusal(self, problem: Problem) -> str | None:
+        found = _formula(problem)
+        return found if isinstance(found, str) else None
+
+    def forecast(self, problem: Problem) -> Forecast:
+        found = _formula(problem)
+        assert isinstance(found, Formula)
+        return Forecast(1e-3, 1.0, found.error, found.name)
+
+    def __call__(self, problem: Problem) -> Solution:
+        found = _formula(problem)
+        if isinstance(found, str):
+            raise Refusal(found)
+        clock = StageClock()
+        with clock("solve"):
+            series = _series(problem, found)
+        budget = ErrorBudget(discretisation=found.error, truncation=0.0, radius=0.0)
+        return Solution(series, budget, self.name, facts={"solution": found.name}, timings=clock.seconds)
+
+
+def _series(problem: Problem, formula: Formula) -> Series:
+    indenter = problem.indenter
+    a = _radii(problem, formula)
+    columns = dict(zip(("delta", "P", "S", "dS"), formula.columns(a), strict=True))
+    S0 = float(formula.columns(np.array([indenter.a0]))[2][0])
+    errors = {name: formula.error * values for name, values in columns.items()} | {"a": 0 * a}
+    return Series(a, **columns, errors=errors, a0=indenter.a0, S0=S0)
+
+
+def _radii(problem: Problem, formula: Formula) -> Array:
+    column = {"depth": 0, "load": 1}
+    start = half_space_guess(problem.loading, problem.indenter, problem.E_star)
+
+    def responses(quantity: str, accuracy: float) -> Callable[[Array], Array]:
+        return lambda a: formula.columns(a)[column[quantity]]
+
+    return radii_of_loading(problem.loading, problem.indenter, responses, start, (1e-6, ROUND_OFF))
+
+
+def _formula(problem: Problem) -> Formula | str:
+    """The formula for this body, or why there is none and what to use instead."""
+    if problem.specimen.is_half_space:
+        return _half_space(problem)
+    match problem.specimen.layers, problem.specimen.base, problem.specimen.radius:
+        case (Layer(material=Elastic()) as layer,), Rigid() as base, None:
+            return _thin_layer(problem, layer, base)
+    other = "layered" if problem.specimen.radius is None else "hybrid"
+    return f"solves homogeneous half-spaces and thin single isotropic layers only: use method {other} (or fem)"
+
+
+def _half_space(problem: Problem) -> Formula | str:
+    E_star, indenter = problem.E_star, problem.indenter
+    if closed_form.half_space(np.array([indenter.a0]), 1.0, indenter) is None:
+        return "there is no closed form for a tabulated profile: use method layered"
+
+    def columns(a: Array) -> tuple[Array, Array, Array, Array]:
+        pair = closed_form.half_space(a, E_star, indenter)
+        assert pair is not None
+        return *pair, 2 * E_star * a, np.full_like(a, 2 * E_star)
+
+    return Formula("half-space", columns)
+
+
+def _thin_layer(problem: Problem, layer: Layer, base: Rigid) -> Formula | str:
+    """The leading order for a/h -> infinity, where the exact layer solution confirms it at the radii asked for."""
+    indenter = problem.indenter
+    if not isinstance(indenter, Paraboloid | Sphere) or indenter.material is not None:
+        return "the thin-layer formulae are for a rigid sphere or paraboloid: use method layered"
+    formula = _leading_order(indenter.R, layer, base)
+    try:
+        radii = _radii(problem, formula)
+        error = _leading_order_error(problem, formula, radii[[0, -1]] if radii.size > 1 else radii)
+    except (InputError, SolveError) as reason:
+        return f"the thin-layer formula could not be checked: {reason}"
+    if error > WORST:
+        return (
+            f"the thin-layer formula errs by {error:.2g} between a/h = {radii[0] / layer.thickness:.3g} and "
+            f"{radii[-1] / layer.thickness:.3g}, more than {WORST:g}: use method layered"
+        )
+    return replace(formula, error=error)
+
+
+def _leading_order(R: float, layer: Layer, base: Rigid) -> Formula:
+    material, h = layer.material, layer.thickness
+    assert isinstance(material, Elastic)
+    if base.bonded and material.nu == 0.5:
+        G = material.G
+
+        def squeezed(a: Array) -> tuple[Array, Array, Array, Array]:
+            S = 3 * np.pi * G * a**4 / (8 * h**3)
+            return *closed_form.thin_incompressible_layer(a, G, h, R), S, 4 * S / a
+
+        return Formula("thin incompressible layer, leading order", squeezed)
+    K = closed_form.foundation_modulus(material.E, material.nu, h) if base.bonded else material.E_star / h
+
+    def winkler(a: Array) -> tuple[Array, Array, Array, Array]:
+        return *closed_form.thin_layer(a, K, R), np.pi * K * a**2, 2 * np.pi * K * a
+
+    return Formula("thin compressible layer, leading order (Eq. 20)", winkler)
+
+
+def _leading_order_error(problem: Problem, formula: Formula, radii: Array) -> float:
+    """Largest relative difference of delta, P, S and S' to the exact layer solution at ``radii``."""
+    exact = Layered(CHECKED)(replace(unbounded(problem), loading=Loading.given("radius", tuple(radii)))).series
+    pairs = zip(formula.columns(radii), (exact.delta, exact.P, exact.S, exact.dS), strict=True)
+    return float(max(np.max(np.abs(ours / theirs - 1)) for ours, theirs in pairs if theirs is not None))

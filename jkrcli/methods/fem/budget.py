@@ -1,0 +1,148 @@
+"""Error estimates of a finite-element series: a second mesh with larger elements, and what the cut costs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ...series import ErrorBudget, Estimate
+from .contact import Events, SurfaceContact, solve_depths
+from .ending import Columns, power_interpolated
+from .increments import raw_series
+from .level import Level
+from .model import Model
+
+Array = np.ndarray
+JUDGED_DEPTH = 0.01  # of the largest: below it few nodes are in contact, and the budget leaves the rows out
+LOADS, RADII = 1.4, 2.0  # errors in what doubling the sizes changes: first order leaves 1, and meshes differ by luck
+ROUND_OFF = 1e-12  # radii come from a search
+TOO_FEW = "fewer than four vertices in contact"
+
+
+@dataclass(frozen=True, eq=False)
+class Assessment:
+    """The error budget over the judged part of a series, from the depth ``judged_from`` [m] on, and the relative
+    ``errors`` row by row of P (at equal depth), a, S and dS where known, larger where few nodes are in contact."""
+
+    budget: ErrorBudget
+    judged_from: float | None = None
+    errors: Mapping[str, Array] = field(default_factory=dict)
+
+
+def estimate(
+    fine: Level, coarse: Level, ratio: float, columns: Columns, by_increments: bool, truncation: Estimate
+) -> Assessment:
+    """Relative errors of the ``columns`` a, delta, P found on the level ``fine``: of P at equal depth (discretisation)
+    and of a (radius). The elements of ``coarse`` are ``ratio`` times as large; ``by_increments``: the columns are
+    those of increments, not of touches; ``truncation``: as found by ``truncation_of``."""
+    a, delta, P = columns
+    if coarse.touches.a.size < 4 or fine.touches.a.size < 4:
+        return Assessment(ErrorBudget(TOO_FEW, truncation, TOO_FEW))
+    judged = delta >= JUDGED_DEPTH * delta[-1]
+    loads, radii = LOADS / (ratio - 1), RADII / (ratio - 1)
+    if fine.touches.valid and coarse.touches.valid:
+        there = load_at(coarse.contact, delta)
+        if not by_increments:
+            there = np.where(delta < coarse.touches.delta[0], there, _between_touches(coarse.touches, delta))
+        radius = _radius(coarse.events, fine.events, a, delta, radii)
+    else:
+        there, radius = _without_disc(coarse, fine, a, delta, radii)
+    change = loads * np.abs(there / P - 1)
+    load = _envelope(_at_least_decaying(change, a - fine.indenter.a0), delta)
+    budget = ErrorBudget(
+        discretisation=float(load[judged].max()),
+        truncation=truncation,
+        radius=radius if isinstance(radius, str) else float(radius[judged].max()),
+    )
+    judged_from = float(delta[judged][0])
+    if isinstance(radius, str) or isinstance(truncation, str):
+        return Assessment(budget, judged_from)
+    errors = {"P": load + truncation, "a": radius} | _slopes(fine, coarse, columns, loads)
+    return Assessment(budget, judged_from, errors)
+
+
+def _at_least_decaying(errors: Array, width: Array) -> Array:
+    """The errors, but nowhere less than any before decayed with the square of the contact's ``width`` [m]: as those of
+    a uniform mesh do."""
+    return np.maximum.accumulate(errors * width**2) / width**2
+
+
+def _envelope(errors: Array, delta: Array) -> Array:
+    """Largest of the errors from each depth up to the deepest, and at least of those in the deepest decade: the
+    changes between two meshes pass through zero here and there, the errors need not."""
+    deepest = float(np.max(errors[delta >= 0.1 * delta[-1]]))
+    return np.maximum(np.maximum.accumulate(errors[::-1])[::-1], deepest)
+
+
+def _without_disc(coarse: Level, fine: Level, a: Array, delta: Array, caution: float) -> tuple[Array, Array]:
+    """P [N] of the coarser mesh at depths ``delta`` [m], and the error of the radius, where the contact is no disc that
+    only grows: what larger elements change, at least the distance to the next vertex."""
+    there = raw_series(coarse.model, solve_depths(coarse.contact, delta))
+    surface = fine.contact.surface
+    vertices = surface.radii[surface.is_vertex]
+    k = np.clip(np.searchsorted(vertices, a * (1 - 1e-9)), 0, vertices.size - 2)
+    change = np.maximum(caution * np.abs(there.a / a - 1), (vertices[k + 1] - vertices[k]) / a)
+    return there.P, _envelope(change, delta)
+
+
+def _between_touches(touches: Events, delta: Array) -> Array:
+    """P [N] at depths ``delta`` [m] as a series of the touches has it between its points."""
+    return power_interpolated(touches.delta, touches.P, delta)
+
+
+def load_at(contact: SurfaceContact, delta: Array) -> Array:
+    """P [N] at depths ``delta`` [m] of a disc that grows node by node: linear between the nodes' touches."""
+    k = np.clip(np.searchsorted(np.maximum.accumulate(contact.delta), delta, side="right") - 1, 0, contact.f.size - 1)
+    return contact.S[k] * delta - contact.T[k]
+
+
+def _radius(coarse: Events, events: Events, a: Array, delta: Array, caution: float) -> Array | str:
+    """What larger elements change at equal depth (a vertex radius is off by a fraction of the spacing), plus where
+    the series' radii differ from the events' (increments). Below the meshes' first events, where the spacing is
+    uniform, the change grows like the inverse radius."""
+    first, last = max(coarse.delta[0], events.delta[0]), min(coarse.delta[-1], events.delta[-1])
+    if first >= last or delta[-1] < first:
+        return "no radius common to the mesh and its coarser companion"
+    fine = _radius_at(events, delta)
+    samples = np.unique(np.clip(np.concatenate([delta, coarse.delta, events.delta]), first, last))
+    changes = np.abs(_radius_at(coarse, samples) / _radius_at(events, samples) - 1)
+    changes = _envelope(np.maximum(caution * changes, ROUND_OFF), samples)
+    change = np.interp(delta, samples, changes) * np.maximum(_radius_at(events, np.array([first])) / fine, 1.0)
+    return _envelope(change + np.abs(a / fine - 1), delta)
+
+
+def _radius_at(events: Events, delta: Array) -> Array:
+    """Radii [m] at depths ``delta`` [m]: a monotone cubic in logarithms, a power law outside the events."""
+    return power_interpolated(events.delta, events.a, delta)
+
+
+def _slopes(fine: Level, coarse: Level, columns: Columns, caution: float) -> dict[str, Array]:
+    """Of S and dS at equal radius: what larger elements change; empty where either level has none."""
+    a, delta, _ = columns
+    ours, theirs = fine.slopes(a), coarse.slopes(a)
+    if ours is None or theirs is None:
+        return {}
+    changes = (caution * np.abs(other / own - 1) for own, other in zip(ours, theirs, strict=True))
+    return {name: _envelope(change, delta) for name, change in zip(("S", "dS"), changes, strict=True)}
+
+
+def truncation_of(model: Model, coarse: Model, contact: SurfaceContact, events: Events, deepest: float) -> Estimate:
+    """Relative error of P at the depth ``deepest`` [m]. Half-spaces: Betti's theorem, to first order in contact radius
+    over size, which a completed body contains. Stacks on a rigid base: a free against a roller side, on the coarse
+    mesh with its ``contact``."""
+    body = model.body
+    if body.cut_below:
+        reached = events.delta >= deepest * (1 - 1e-9)
+        last = int(np.argmax(reached)) if events.valid and reached.any() else events.S.size - 1
+        lacking = abs(model.missing) * float(events.S[last])
+        return lacking**2 if body.completed else lacking
+    if not body.cut_beside:
+        return 0.0
+    other = SurfaceContact(coarse.with_roller().surface, contact.f)
+    depth = np.array([deepest])
+    if events.valid:
+        return float(abs(load_at(other, depth)[0] / load_at(contact, depth)[0] - 1))
+    roller, free = (solve_depths(each, depth)[0].P for each in (other, contact))
+    return abs(roller / free - 1)

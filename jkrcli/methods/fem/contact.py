@@ -1,0 +1,229 @@
+"""Frictionless unilateral contact on the condensed surface: ``nested`` (all contact radii at once) and increments.
+
+Nodal forces p >= 0, gaps f - delta + C p >= 0, and one of the two zero at every node, with f the indenter's
+profile at the nodes and C the surface compliance.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy.linalg import cholesky, solve_triangular
+
+from ...base.errors import SolveError
+from .surface import Surface
+
+Array = np.ndarray
+ROUND_OFF = 1e-9  # of the largest force or of the depth
+MAX_SWEEPS = 60
+
+
+@dataclass(frozen=True, eq=False)
+class SurfaceContact:
+    """The contact problem on ``surface`` for profile heights ``f`` [m] at its nodes.
+
+    With C = L L^T, y = L^-1 1 and z = L^-1 f, the leading block k of L serves the contact set {0..k}: running sums
+    give the stiffness S_k of that set, the depth delta_k at which node k just touches with zero force, and the load
+    there, P_k = S_k delta_k - T_k.
+    """
+
+    surface: Surface
+    f: Array
+    L: Array = field(init=False, repr=False)
+    y: Array = field(init=False, repr=False)
+    z: Array = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        L = cholesky(self.surface.C, lower=True)
+        y, z = solve_triangular(L, np.column_stack([np.ones_like(self.f), self.f]), lower=True).T
+        for name, array in (("L", L), ("y", y), ("z", z)):
+            object.__setattr__(self, name, array)
+
+    @property
+    def S(self) -> Array:
+        """Stiffness dP/d(delta) of the contact sets {0..k} [N/m]."""
+        return np.cumsum(self.y**2)
+
+    @property
+    def T(self) -> Array:
+        """Load that the profile takes off: P = S delta - T for the contact set {0..k} [N]."""
+        return np.cumsum(self.y * self.z)
+
+    @property
+    def delta(self) -> Array:
+        """Depth at which node k touches with zero force, all nodes inside it in contact [m]."""
+        return self.z / self.y
+
+    @property
+    def P(self) -> Array:
+        """Load at that depth [N]."""
+        return self.S * self.delta - self.T
+
+
+@dataclass(frozen=True, eq=False)
+class Events:
+    """First touches of the vertices by increasing radius: ``a``, ``delta``, ``P``, and ``S``, the stiffness from here
+    to the next node's touch (it belongs to a radius beyond ``a``). ``violation``: largest negative force or gap of
+    all events, relative; ``p`` (events, n): nodal forces [N]."""
+
+    a: Array
+    delta: Array
+    P: Array
+    S: Array
+    p: Array
+    violation: float
+
+    @property
+    def valid(self) -> bool:
+        """Whether the contact is a disc that only grows, so that these are solutions of the contact problem."""
+        return self.violation <= ROUND_OFF and bool((np.diff(self.delta) > 0).all())
+
+    @property
+    def rising(self) -> Events:
+        """Those at a larger depth and load than all before: all, where the contact is a disc that only grows."""
+        first = np.zeros(1)
+        rises = [x > np.maximum.accumulate(np.append(first, x[:-1])) for x in (self.delta, self.P)]
+        kept = np.flatnonzero(np.logical_and(*rises))
+        a, delta, P, S, p = (x[kept] for x in (self.a, self.delta, self.P, self.S, self.p))
+        return Events(a, delta, P, S, p, self.violation)
+
+
+def nested_events(contact: SurfaceContact, a0: float, to: str, maximum: float, spare: int = 0) -> Events:
+    """Events at the vertices beyond the flat radius ``a0`` up to the first one at which the quantity ``to``
+    ("depth", "load" or "radius") reaches ``maximum`` [m or N], and up to ``spare`` more that hold as well; up to the
+    last candidate where none does."""
+    surface = contact.surface
+    is_event = surface.is_vertex & (surface.radii > a0 * (1 + 1e-9)) & (contact.delta > 0)
+    k = np.flatnonzero(is_event)
+    quantity = {"depth": contact.delta, "load": contact.P, "radius": surface.radii}[to][k]
+    beyond = np.flatnonzero(quantity >= maximum * (1 - 1e-9))
+    needed = int(beyond[0]) + 1 if beyond.size else k.size
+    k = k[: needed + spare]
+    inside = np.arange(surface.radii.size)[:, None] <= k
+    w = np.where(inside, contact.delta[k] * contact.y[:, None] - contact.z[:, None], 0.0)
+    p = solve_triangular(contact.L, w, lower=True, trans="T")
+    gap = contact.f[:, None] - contact.delta[k] + contact.L @ w
+    force_limit, depth = np.abs(p).max(axis=0, initial=0.0), contact.delta[k]
+    negative = np.maximum(
+        np.max(-p[surface.exempt :] / force_limit, axis=0, initial=0.0),
+        np.max(np.where(inside, 0.0, -gap) / depth, axis=0, initial=0.0),
+    )
+    sound = (negative[needed:] <= ROUND_OFF) & (np.diff(depth)[max(needed - 1, 0) :] > 0)
+    n = needed + int(np.cumprod(sound).sum())
+    k = k[:n]
+    violation = float(np.max(negative[:n], initial=0.0))
+    return Events(surface.radii[k], contact.delta[k], contact.P[k], contact.S[k], p.T[:n], violation)
+
+
+@dataclass(frozen=True, eq=False)
+class Increment:
+    """One solved increment: depth ``delta`` [m], load ``P`` [N], nodal forces ``p`` (n,) [N], the ``active`` nodes,
+    and the relative violation of the three conditions."""
+
+    delta: float
+    P: float
+    p: Array
+    active: Array
+    violation: float
+
+    @property
+    def is_disc(self) -> bool:
+        """Whether the nodes in contact are the innermost ones."""
+        return bool(self.active[: int(self.active.sum())].all())
+
+
+def solve_depths(contact: SurfaceContact, depths: Sequence[float] | Array) -> list[Increment]:
+    """Increments at prescribed depths [m], each started from the contact nodes of the one before."""
+    active = np.zeros(contact.f.size, dtype=bool)
+    increments = []
+    for depth in depths:
+        increments.append(_increment(contact, float(depth), active))
+        active = increments[-1].active
+    return increments
+
+
+def solve_loads(contact: SurfaceContact, loads: Sequence[float] | Array) -> list[Increment]:
+    """Increments at prescribed loads [N]: P(delta) is piecewise linear and convex, so Newton's method ends exactly."""
+    active = np.zeros(contact.f.size, dtype=bool)
+    increments: list[Increment] = []
+    delta = 0.0
+    for load in loads:
+        for _ in range(MAX_SWEEPS):
+            active = active if active.any() else contact.f <= contact.f[0]
+            y = _on(contact, active, np.ones(int(active.sum())))
+            z = _on(contact, active, contact.f[active])
+            delta = (load + float(z.sum())) / float(y.sum())
+            step = _increment(contact, delta, active)
+            if abs(step.P - load) <= ROUND_OFF * load:
+                break
+            active = step.active
+        else:
+            raise SolveError(f"contact: the load {load:g} N was not reached after {MAX_SWEEPS} steps (at {step.P:g} N)")
+        increments.append(step)
+    return increments
+
+
+def _on(contact: SurfaceContact, active: Array, values: Array) -> Array:
+    """Forces on the ``active`` nodes that give them the displacements ``values``: C_AA^-1 values."""
+    n = int(active.sum())
+    L = contact.L[:n, :n] if active[:n].all() else cholesky(contact.surface.C[np.ix_(active, active)], lower=True)
+    half = solve_triangular(L, values, lower=True, check_finite=False)
+    return solve_triangular(L, half, lower=True, trans="T", check_finite=False)
+
+
+def _increment(contact: SurfaceContact, delta: float, active: Array) -> Increment:
+    """Newton's method on the set of active nodes (Hintermueller, Ito and Kunisch 2002)."""
+    exempt = contact.surface.exempt
+    active = active.copy()
+    for _ in range(MAX_SWEEPS):
+        p, gap = _state(contact, delta, active)
+        force_limit = ROUND_OFF * np.abs(p).max()
+        wanted = np.where(active, p >= -force_limit, gap < -ROUND_OFF * delta)
+        wanted[:exempt] |= wanted.any()
+        if np.array_equal(wanted, active):
+            return _checked(contact, delta, p, gap, active)
+        active = wanted
+    active = _pivoting(contact, delta)
+    return _checked(contact, delta, *_state(contact, delta, active), active)
+
+
+def _state(contact: SurfaceContact, delta: float, active: Array) -> tuple[Array, Array]:
+    """Forces with the ``active`` nodes in contact, and the gaps of all nodes."""
+    p = np.zeros_like(contact.f)
+    if active.any():
+        p[active] = _on(contact, active, delta - contact.f[active])
+    gap = contact.f - delta + contact.surface.C[:, active] @ p[active]
+    gap[active] = 0.0
+    return p, gap
+
+
+def _checked(contact: SurfaceContact, delta: float, p: Array, gap: Array, active: Array) -> Increment:
+    largest = float(np.abs(p).max())
+    negative_force = float(np.max(-p[contact.surface.exempt :], initial=0.0)) / largest if largest else 0.0
+    residual = contact.f - delta + contact.surface.C @ p
+    closed = float(np.abs(residual[active]).max(initial=0.0)) / delta
+    violation = max(negative_force, float(np.max(-gap, initial=0.0)) / delta, closed)
+    if violation > 10 * ROUND_OFF:
+        raise SolveError(f"contact: conditions violated by {violation:.1e} (relative) at depth {delta:g} m")
+    return Increment(delta, float(p.sum()), p, active, violation)
+
+
+def _pivoting(contact: SurfaceContact, delta: float) -> Array:
+    """Active set by single exchanges of the most violating node (Murty's least-index rule as the safeguard)."""
+    exempt = contact.surface.exempt
+    active = contact.f < delta
+    previous = np.inf
+    for step in range(100 * active.size):
+        p, gap = _state(contact, delta, active)
+        fault = np.where(active, -p / np.abs(p).max(), -gap / delta)
+        fault[:exempt] = 0.0
+        bad = np.flatnonzero(fault > ROUND_OFF)
+        if not bad.size:
+            return active
+        stuck = step > active.size and bad.size >= previous
+        i = bad[-1] if stuck else bad[np.argmax(fault[bad])]
+        active[i] = ~active[i]
+        previous = bad.size
+    raise SolveError(f"contact: no active set found at depth {delta:g} m")

@@ -1,0 +1,69 @@
+"""One mesh of a sequence, with the contact problem solved on it: every part is computed once, when first needed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from ...base.clock import StageClock
+from ...bodies.indenters import Indenter
+from .contact import Events, SurfaceContact, nested_events
+from .edge import radius_factors
+from .ending import power_interpolated
+from .model import Model, Recipe
+
+Array = np.ndarray
+FEWEST = 4  # touches for slopes
+SPARE = 2  # events beyond the end of the loading, which lies between two
+GAUSS_X, GAUSS_W = np.polynomial.legendre.leggauss(3)
+
+
+@dataclass(frozen=True, eq=False)
+class Level:
+    """``model`` under ``indenter``: the ``contact`` problem and its ``touches`` (radii of vertices); ``correct``:
+    whether the edge of the contact is looked for between the vertices."""
+
+    model: Model
+    indenter: Indenter
+    contact: SurfaceContact
+    touches: Events
+    correct: bool
+
+    @classmethod
+    def of(cls, recipe: Recipe, indenter: Indenter, correct: bool, deepest: float) -> Level:
+        """Mesh and solve ``recipe`` out to the depth ``deepest`` [m], or its last candidate."""
+        model = recipe.build(StageClock())
+        contact = model.contact(indenter)
+        return cls(model, indenter, contact, nested_events(contact, indenter.a0, "depth", deepest, SPARE), correct)
+
+    @cached_property
+    def events(self) -> Events:
+        """The touches with the radii of the contact."""
+        if not self.correct:
+            return self.touches
+        factors = radius_factors(self.model, self.indenter)
+        return replace(self.touches, a=self.touches.a * factors[: self.touches.a.size])
+
+    def slopes(self, a: Array) -> tuple[Array, Array] | None:
+        """S [N/m] and dS/da [N/m^2] at radii ``a`` [m]; None where the contact has too few nodes, or no correction.
+
+        From one touch to the next P(delta) is linear for each contact set, so that the increments of P over delta are
+        the mean of those sets' stiffness, and belong to the mean radius on the way; dS/da are their differences.
+        """
+        events = self.events
+        if not (self.correct and events.valid) or events.a.size < FEWEST:
+            return None
+        S, at = np.diff(events.P) / np.diff(events.delta), self._mean_radii()
+        dS, middle = np.diff(S) / np.diff(at), (at[1:] + at[:-1]) / 2
+        if not (dS > 0).all():
+            return None
+        return power_interpolated(at, S, a), power_interpolated(middle, dS, a)
+
+    def _mean_radii(self) -> Array:
+        """Mean of the radius over delta from each touch to the next [m]."""
+        delta, a0 = self.events.delta, self.indenter.a0
+        inner = delta[:-1, None] + np.diff(delta)[:, None] * (1 + GAUSS_X) / 2
+        radii = power_interpolated(delta, self.events.a - a0, inner.ravel()).reshape(inner.shape)
+        return a0 + radii @ GAUSS_W / 2

@@ -1,0 +1,157 @@
+"""The only door to gmsh: free triangle meshes, and files in its format."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+
+from ...base.errors import InputError, SolveError
+from .grid import Grid, make_grid
+from .strip import Strip
+
+Array = np.ndarray
+SYSTEM_PACKAGES = "libgl1 libglu1-mesa libxcursor1 libxft2 libxinerama1 libgomp1"
+OPTIONS = {
+    "Algorithm": 6,  # frontal Delaunay
+    "Binary": 0,
+    "ElementOrder": 1,
+    "MeshSizeExtendFromBoundary": 0,
+    "MeshSizeFactor": 1,
+    "MeshSizeFromCurvature": 0,
+    "MeshSizeFromParametricPoints": 0,
+    "MeshSizeFromPoints": 0,
+    "MeshSizeMax": 1e22,
+    "MeshSizeMin": 0,
+    "MshFileVersion": 4.1,
+    "Optimize": 1,
+    "RandomFactor": 1e-9,
+    "RecombineAll": 0,
+    "SaveAll": 0,
+    "Smoothing": 1,
+    "SubdivisionAlgorithm": 0,
+    "ToleranceEdgeLength": 0,
+}
+
+
+@contextmanager
+def _gmsh() -> Iterator[ModuleType]:
+    """A fresh gmsh session that leaves signal handlers and the user's configuration alone."""
+    try:
+        import gmsh
+    except OSError as error:
+        raise InputError(
+            f"gmsh cannot be loaded ({error}): install its system libraries with 'apt-get install {SYSTEM_PACKAGES}', "
+            "or use a method that needs no mesh (closed-form, layered) or structured quadrilaterals"
+        ) from error
+    gmsh.initialize(readConfigFiles=False, interruptible=False)
+    try:
+        gmsh.option.setNumber("General.Terminal", 0)
+        gmsh.option.setNumber("General.NumThreads", 1)
+        for name, value in OPTIONS.items():
+            gmsh.option.setNumber(f"Mesh.{name}", value)
+        gmsh.model.add("body")
+        yield gmsh
+    finally:
+        gmsh.finalize()
+
+
+def triangles(surface: Array, depth: float, interfaces: Array, size: str, strip: Strip | None = None) -> Grid:
+    """Free triangles of the rectangle below ``surface``, the radii of the surface's vertices (0 to the body's width).
+
+    ``interfaces``: depths of the lines that no triangle crosses; ``size``: the size law as a formula in x = r, y = z;
+    ``strip``: triangles below the first surface vertices, taken as they are.
+    Lengths should be of order one where the mesh is fine: gmsh has absolute tolerances.
+    """
+    top = np.column_stack([surface, np.zeros_like(surface)])
+    if strip is not None:
+        top = np.concatenate([strip.outline(surface[-1]), top[strip.width :]])
+    with _gmsh() as gmsh:
+        _rectangle(gmsh, top, [*interfaces, depth])
+        field = gmsh.model.mesh.field.add("MathEval")
+        gmsh.model.mesh.field.setString(field, "F", size)
+        gmsh.model.mesh.field.setAsBackgroundMesh(field)
+        gmsh.model.mesh.generate(2)
+        points, cells, first = _arrays(gmsh, len(top))
+    _snap(points, surface[-1], [0.0, *interfaces, depth])
+    if strip is not None:
+        points, cells = _joined(points, cells, first, strip, surface[-1])
+    return make_grid(points, cells, np.asarray(interfaces))
+
+
+def _joined(points: Array, cells: Array, top: Array, strip: Strip, width: float) -> tuple[Array, Array]:
+    """One mesh of the strip and what is below and beside it; ``top``: the vertices along the top, from the axis on."""
+    own = strip.points.reshape(-1, 2)
+    shared = strip.outline_numbers(width)
+    numbers = np.arange(len(points)) + len(own)
+    numbers[top[: shared.size]] = shared
+    return np.concatenate([own, points]), np.concatenate([strip.cells, numbers[cells]])
+
+
+def _rectangle(gmsh: ModuleType, top_points: Array, depths: list[float]) -> None:
+    """Stacked rectangles; the top side has exactly the given vertices, from the axis outwards."""
+    geo = gmsh.model.geo
+    width = top_points[-1, 0]
+    tags = [geo.addPoint(r, z, 0) for r, z in top_points]
+    top = [geo.addLine(p, q) for p, q in itertools.pairwise(tags)]
+    fixed = list(top)
+    left, right = tags[0], tags[-1]
+    for depth in depths:
+        low_left, low_right = geo.addPoint(0, -depth, 0), geo.addPoint(width, -depth, 0)
+        side, bottom, axis = (
+            geo.addLine(right, low_right),
+            geo.addLine(low_right, low_left),
+            geo.addLine(low_left, left),
+        )
+        geo.addPlaneSurface([geo.addCurveLoop([*top, side, bottom, axis])])
+        top, left, right = [-bottom], low_left, low_right
+    geo.synchronize()
+    for line in fixed:
+        gmsh.model.mesh.setTransfiniteCurve(line, 2)
+
+
+def _arrays(gmsh: ModuleType, top: int) -> tuple[Array, Array, Array]:
+    """Points, cells, and the numbers of the first ``top`` points of the geometry."""
+    tags, coordinates, _ = gmsh.model.mesh.getNodes()
+    kinds, _, node_tags = gmsh.model.mesh.getElements(2)
+    if list(kinds) != [2]:
+        raise SolveError(f"mesh: expected triangles only, gmsh gave element types {list(kinds)}")
+    number = np.zeros(int(tags.max()) + 1, dtype=int)
+    number[tags.astype(int)] = np.arange(tags.size)
+    first = [int(gmsh.model.mesh.getNodes(0, tag)[0][0]) for tag in range(1, top + 1)]
+    cells = number[node_tags[0].astype(int)].reshape(-1, 3)
+    return coordinates.reshape(-1, 3)[:, :2].copy(), cells, number[first]
+
+
+def _snap(points: Array, width: float, depths: list[float]) -> None:
+    """Put vertices on the body's straight lines exactly, in place (gmsh leaves round-off there)."""
+    for column, values in ((0, [0.0, width]), (1, [-depth for depth in depths])):
+        for value in values:
+            near = np.abs(points[:, column] - value) <= 1e-13 * max(width, depths[-1]) + 1e-11 * abs(value)
+            points[near, column] = value
+
+
+def write_msh(grid: Grid, path: Path) -> None:
+    """Write the mesh in gmsh's format 4.1 with the layers and the named boundaries as physical groups."""
+    kind = 2 if grid.element == "triangle" else 3
+    with _gmsh() as gmsh:
+        model = gmsh.model
+        layers = np.unique(grid.materials)
+        for layer in layers:
+            model.addDiscreteEntity(2, int(layer) + 1)
+        tags = np.arange(1, len(grid.points) + 1)
+        flat = np.column_stack([grid.points, np.zeros(len(grid.points))]).ravel()
+        model.mesh.addNodes(2, int(layers[0]) + 1, tags, flat)
+        for layer in layers:
+            cells = grid.cells[grid.materials == layer] + 1
+            model.mesh.addElementsByType(int(layer) + 1, kind, [], cells.ravel())
+            model.addPhysicalGroup(2, [int(layer) + 1], name=f"layer-{int(layer) + 1}")
+        for number, (name, facets) in enumerate(grid.boundaries.items(), start=1):
+            model.addDiscreteEntity(1, number)
+            model.mesh.addElementsByType(number, 1, [], (facets + 1).ravel())
+            model.addPhysicalGroup(1, [number], name=name)
+        gmsh.write(str(path))

@@ -1,0 +1,89 @@
+"""What a solve may cost: told before it begins where it is much, refused beyond limits that the user can raise."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+from dataclasses import dataclass
+from pathlib import Path
+
+from ..base.errors import Refusal
+from . import Forecast
+
+SHARE = 0.8  # of the free memory that a solve may plan with
+WORTH_TELLING = 20.0, 2048.0  # CPU seconds, MiB
+HEADROOM = 1.3  # on a forecast, in the limits that a refusal proposes
+MIB_PER_GIB, SECONDS_PER_HOUR = 1024.0, 3600.0
+CGROUP = Path("/sys/fs/cgroup")
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Most ``memory`` [GiB] (None: ``SHARE`` of what is free) and CPU ``hours`` of a solve that is begun."""
+
+    memory: float | None = None
+    hours: float = 1.0
+
+
+def admit(what: str, forecast: Forecast, limits: Limits) -> str | None:
+    """A sentence on what the solve ``what`` will cost, None where that is little; Refusal beyond the limits."""
+    memory, hours = forecast.memory_mib / MIB_PER_GIB, forecast.seconds / SECONDS_PER_HOUR
+    most = free_memory() * SHARE / MIB_PER_GIB if limits.memory is None else limits.memory
+    needs = f"{what} would need about {memory:.3g} GiB of memory and {duration(forecast.seconds)} of CPU time"
+    remedy = "ask for fewer points, larger elements or a cheaper method, or raise the limit by"
+    if not memory <= most:
+        raise Refusal(
+            f"{needs}, the limit is {most:.3g} GiB: {remedy} --limit-memory {_raised(memory)}"
+            + (" if the machine has that much" if limits.memory is None else "")
+        )
+    if not hours <= limits.hours:
+        raise Refusal(f"{needs}, the limit is {limits.hours:g} h: {remedy} --limit-time {_raised(hours)}")
+    seconds, mib = WORTH_TELLING
+    if forecast.seconds < seconds and forecast.memory_mib < mib:
+        return None
+    return needs.replace("would need", "needs")
+
+
+def _raised(value: float) -> str:
+    return f"{float(f'{HEADROOM * value:.1e}'):g}"
+
+
+def duration(seconds: float) -> str:
+    """``40 s``, ``12 min``, ``3.4 h``."""
+    if seconds < 90:
+        return f"{seconds:.2g} s" if seconds < 10 else f"{seconds:.0f} s"
+    return f"{seconds / 60:.0f} min" if seconds < 5400 else f"{seconds / SECONDS_PER_HOUR:.3g} h"
+
+
+def free_memory() -> float:
+    """MiB that this process may still use: the least of what machine, container and shell leave; inf if unknown."""
+    return min(_of_machine(), _of_container(), _of_shell())
+
+
+def _of_machine() -> float:
+    with contextlib.suppress(OSError, ValueError, StopIteration):
+        lines = Path("/proc/meminfo").read_text(encoding="ascii").splitlines()
+        return next(float(line.split()[1]) for line in lines if line.startswith("MemAvailable:")) / 1024
+    return math.inf
+
+
+def _of_container() -> float:
+    with contextlib.suppress(OSError, ValueError):  # "max" where there is no limit
+        most, used = (float((CGROUP / name).read_text(encoding="ascii")) for name in ("memory.max", "memory.current"))
+        return (most - used) / 2**20
+    return math.inf
+
+
+def _of_shell() -> float:
+    """What ``ulimit -v`` leaves; systems without it have no such module."""
+    try:
+        import resource
+    except ImportError:
+        return math.inf
+    most, _ = resource.getrlimit(resource.RLIMIT_AS)
+    if most == resource.RLIM_INFINITY:
+        return math.inf
+    used = 0.0
+    with contextlib.suppress(OSError, ValueError):
+        used = float(Path("/proc/self/statm").read_text(encoding="ascii").split()[0]) * resource.getpagesize()
+    return (most - used) / 2**20

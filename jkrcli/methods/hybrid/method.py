@@ -1,0 +1,237 @@
+"""The method ``hybrid``: the contact equation with a kernel that finite elements compute."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from ...base.clock import StageClock
+from ...base.errors import InputError, JkrError, Refusal
+from ...base.units import show
+from ...bodies.materials import Graded, TransverselyIsotropic
+from ...bodies.problem import HalfSpace, Problem
+from ...series import ErrorBudget, Series, Solution
+from .. import Forecast
+from ..layered.contact import COLUMNS, LayeredContact
+from ..layered.disc import disc_warnings, refuse_shrinking
+from ..layered.layered import FLOPS_PER_SECOND, unbounded
+from ..layered.search import largest_for_contact, radii_for_contact
+from ..layered.solver import Nested
+from ..radii import check_radius
+from .contact import EDGE, ROUGH, Body, KernelContact, fem_for
+from .kernel import STEP, Levels
+from .refinement import LOWEST
+
+Array = np.ndarray
+ATTEMPTS = 8
+ROOM = 1.2  # reach of the first kernel over the radius expected on the unbounded body
+SPARE = 1.01  # of the last one over the largest radius found
+GRADED_SECONDS = 0.8  # for the kernel of the wide body
+ROUND_OFF = 1 + 1e-9
+BEGIN = 0.02  # s
+SEARCHES = 2  # kernels for finding the largest radius
+NODES_PER_RADIUS, MATRICES = 2, 6  # of the contact equation, at least
+SEARCH = 1e-3  # of the tolerance: accuracy to which a depth or load is met
+
+
+@dataclass(frozen=True)
+class Hybrid:
+    """The half-space of the material at the contact exactly, and finite elements for what the rest of the body changes.
+
+    Valid for stacks of isotropic layers (-1 < nu <= 1/2) on a rigid base, bonded or frictionless, or a half-space, wide
+    or cylinders with free, roller or clamped sides; layers below the uppermost may be graded or transversely isotropic.
+    Any convex indenter, rigid or elastic. S and S' exact, as in ``layered``. ``tolerance``: relative error of delta, P,
+    S and S' at every radius, estimated from coarser elements, fewer parameters and a nearer cut.
+    """
+
+    tolerance: float = 1e-5
+
+    def __post_init__(self) -> None:
+        if not 1e-8 <= self.tolerance <= 1e-2:
+            raise InputError(f"hybrid.tolerance: must be between 1e-8 and 1e-2, got {self.tolerance:g}")
+
+    def refusal(self, problem: Problem) -> str | None:
+        """Why the correction cannot be computed, with the remedy; None where it can."""
+        if reason := _unable(problem):
+            return reason
+        loading, body = problem.loading, self._body(problem)
+        if loading.to == "radius" and loading.maximum > body.limit:
+            return _too_much(problem)
+        try:
+            if loading.to == "radius":
+                check_radius(problem.indenter, loading.maximum)
+            levels = body.levels(_expected_radius(problem, body))
+            body.guard(levels, LOWEST + STEP * int(body.expected_steps(levels)))
+        except JkrError as error:
+            return str(error).removeprefix("hybrid: ")
+        return None
+
+    def forecast(self, problem: Problem) -> Forecast:
+        """The levels up to the one that the tolerance is expected to need, those of the search, and the solves."""
+        body = self._body(problem)
+        levels = body.expected_levels(_expected_radius(problem, body))
+        steps = body.expected_steps(levels)
+        costs = [levels.cost(degree) for degree in range(LOWEST, LOWEST + STEP * math.ceil(steps) + 1, STEP)]
+        shares = np.clip(steps - np.arange(len(costs)) + 1, 0, 1)  # the last level is needed in some of such bodies
+        seconds = BEGIN + float(shares @ [cost.seconds for cost in costs])
+        if problem.loading.to != "radius":
+            seconds += SEARCHES * levels.cost(LOWEST + STEP).seconds
+        if levels.wide is not None:
+            seconds += GRADED_SECONDS
+        last = costs[-1]
+        nodes = NODES_PER_RADIUS * problem.loading.points
+        seconds += nodes**3 / 3 / FLOPS_PER_SECOND
+        memory = 20 + last.memory_mib + 8 * MATRICES * nodes**2 / 2**20
+        return Forecast(seconds, memory, body.attainable, f"about {float(f'{last.unknowns:.2g}'):.0f} unknowns")
+
+    def __call__(self, problem: Problem) -> Solution:
+        """Solve; errors: Refusal outside the validity or the tolerance, SolveError."""
+        if reason := self.refusal(problem):
+            raise Refusal(reason)
+        with threadpool_limits(limits=1):  # the matrices are small
+            return self._solution(problem)
+
+    def _solution(self, problem: Problem) -> Solution:
+        clock = StageClock()
+        body = self._body(problem)
+        with clock("largest radius"):
+            reach = self._reach(problem, body)
+        for _ in range(ATTEMPTS):
+            with clock("kernel"):
+                contact, judged, levels, degree = body.accurate(reach)
+            with clock("radii"):
+                radii = radii_for_contact(contact, problem.loading, max(SEARCH * self.tolerance, 1e-12))
+            if radii[-1] <= contact.limit * ROUND_OFF:
+                break
+            reach = self._further(problem, body, reach, float(radii[-1]))  # the first kernels had been too rough
+        else:
+            raise Refusal(_not_found(problem, reach))
+        with clock("solve"):
+            nested = contact.nested(radii, contact.plan(radii, SEARCH * self.tolerance))
+            S0 = _first_stiffness(contact, self.tolerance)
+        with clock("full disc"):
+            refuse_shrinking(radii, nested.delta)
+            warnings = disc_warnings(contact, problem.specimen, float(radii[-1]), lambda _: contact.kernel)
+        return Solution(
+            _series(nested, judged.at(radii), problem.indenter.a0, S0),
+            ErrorBudget(
+                discretisation=float((judged.elements + judged.parameters).max()),
+                truncation=float(judged.cut.max()),
+                radius=0.0,
+            ),
+            "hybrid",
+            facts=_facts(levels, degree, nested),
+            timings=clock.seconds,
+            warnings=warnings,
+        )
+
+    def _body(self, problem: Problem) -> Body:
+        return Body(problem.indenter, problem.specimen, self.tolerance)
+
+    def _reach(self, problem: Problem, body: Body) -> float:
+        """The largest radius [m] that the loading asks for, with some room where it had to be found."""
+        loading = problem.loading
+        expected = _expected_radius(problem, body)
+        if loading.to == "radius":
+            return expected
+        reach = min(ROOM * expected, _end(problem, body))
+        for _ in range(ATTEMPTS):
+            largest = largest_for_contact(body.rough(reach), loading, ROUGH)
+            if largest <= reach and (SPARE * largest <= reach or reach == _end(problem, body)):
+                return min(SPARE * largest, _end(problem, body))
+            reach = self._further(problem, body, reach, largest)
+        raise Refusal(_not_found(problem, reach))
+
+    def _further(self, problem: Problem, body: Body, reach: float, largest: float) -> float:
+        """The next reach [m] after one that proved too short for the radius ``largest`` [m]."""
+        end = _end(problem, body)
+        if reach == end:
+            raise Refusal(_too_much(problem))
+        return min(ROOM * largest, end)
+
+
+def _end(problem: Problem, body: Body) -> float:
+    """The largest contact radius [m] that body and profile allow."""
+    return min(body.limit, problem.indenter.r_max * (1 - 1e-9))
+
+
+def _expected_radius(problem: Problem, body: Body) -> float:
+    """The largest contact radius [m] as on the laterally unbounded body, about."""
+    if problem.loading.to == "radius":
+        return problem.loading.maximum
+    wide = LayeredContact(problem.indenter, unbounded(problem).specimen)
+    return min(largest_for_contact(wide, problem.loading, ROUGH), _end(problem, body))
+
+
+def _not_found(problem: Problem, reach: float) -> str:
+    return (
+        f"hybrid: no largest contact radius was found within {ATTEMPTS} kernels, the last up to "
+        f"{show(reach, 'length')}: prescribe loading.radius, or use method {fem_for(problem.indenter)}"
+    )
+
+
+def _unable(problem: Problem) -> str | None:
+    specimen = problem.specimen
+    if specimen.is_half_space:
+        return "a homogeneous half-space needs no correction: use method closed-form or layered"
+    if specimen.radius is not None and isinstance(specimen.base, HalfSpace):
+        return "a body of finite radius needs a rigid base: give the depth as a layer's thickness"
+    if isinstance(specimen.base, HalfSpace) and isinstance(specimen.base.material, TransverselyIsotropic):
+        return "the far field of a transversely isotropic half-space is not known here: use method layered or fem"
+    if isinstance(specimen.materials[0], Graded) and specimen.radius is None:
+        return "the correction is not smooth where the modulus changes from the contact on: use method layered"
+    if isinstance(specimen.materials[0], TransverselyIsotropic):
+        other = "layered" if specimen.radius is None else fem_for(problem.indenter)
+        return f"the exact part needs an isotropic material at the contact: use method {other}"
+    return None
+
+
+def _too_much(problem: Problem) -> str:
+    """The contact would come too near to the side, or to the end of the profile."""
+    loading, radius = problem.loading, problem.specimen.radius
+    goal = show(loading.maximum, "load" if loading.to == "load" else "length")
+    if radius is None:
+        return (
+            f"loading: a {loading.to} of {goal} needs a contact beyond the profile: load less, or give a larger profile"
+        )
+    word = {"depth": "depth", "load": "load", "radius": "contact radius"}[loading.to]
+    return (
+        f"loading: before a {word} of {goal} the contact comes too near to the side (a at most {EDGE:g} of the body's "
+        f"radius, {show(radius, 'length')}): load less, or use method {fem_for(problem.indenter)}"
+    )
+
+
+def _first_stiffness(contact: KernelContact, tolerance: float) -> float:
+    """S at first touch [N/m]: of a flat punch of the radius a0, 0 for round and pointed indenters."""
+    a0 = contact.indenter.a0
+    return float(contact.columns(np.array([a0]), SEARCH * tolerance)[2, 0]) if a0 > 0 else 0.0
+
+
+def _series(nested: Nested, errors: Array, a0: float, S0: float) -> Series:
+    columns = {name: getattr(nested, name) for name in COLUMNS}
+    absolute = {name: row * columns[name] for name, row in zip(COLUMNS, errors, strict=True)}
+    radii = nested.panels.radii
+    return Series(radii, **columns, errors=absolute | {"a": 0 * radii}, a0=a0, S0=S0)
+
+
+def _facts(levels: Levels, degree: int, nested: Nested) -> dict[str, Any]:
+    found = levels.correction(degree)
+    region = levels.region
+    facts: dict[str, Any] = {
+        "exact_part": "half-space" if levels.wide is None else "laterally unbounded layers",
+        "degree": degree,
+        "elements": found.elements,
+        "unknowns": found.unknowns,
+        "parameters": levels.count,
+        "asymmetry": found.asymmetry,
+        "formulation": "displacement and pressure" if any(region.mixed) else "displacement",
+        "nodes": nested.panels.x.size,
+        "a_over_h": float(nested.panels.radii[-1]) / (region.unit * region.thicknesses[0]),
+    }
+    if region.cut_beside:
+        facts["cut_m"] = region.width * region.unit
+    return facts

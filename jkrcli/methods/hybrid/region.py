@@ -1,0 +1,211 @@
+"""The rectangle in which the correction is computed: layers with supports, in units of the largest contact radius."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from ...bodies.materials import Elastic, Graded, Material, TransverselyIsotropic
+from ...bodies.problem import HalfSpace, Rigid, Specimen
+
+Array = np.ndarray
+NEARLY_INCOMPRESSIBLE = 0.49  # above it a layer gets a pressure unknown
+SHRINK = 3.0  # a second cut, to see what the first one costs
+DECAYS = 40.0  # of a stack that is bonded to a rigid base: its field falls exponentially
+NEXT_ORDER = 12.0  # of what extrapolation leaves, over what it changes, times (size / length)
+CUT = 2.0  # relative error left by the cut elsewhere, after extrapolation, times (size / length)^3
+
+
+@dataclass(frozen=True)
+class Supports:
+    """Which components of the displacement are prescribed on the base and on the side; the others are free there."""
+
+    base_r: bool
+    base_z: bool
+    side_r: bool
+    side_z: bool
+
+
+@dataclass(frozen=True)
+class Region:
+    """Layers from the surface down, 0 <= r <= ``width``, 0 <= z <= sum of ``thicknesses``, in units of ``unit`` [m].
+
+    ``far``: the half-space that begins with the lowest layer, where there is one; base and side then move as under a
+    point force on it. ``length``: over which the field decays far away. ``reach``: the largest contact radius, about 1.
+    ``cut_again``: whether this is what the second cut of an unbounded body leaves.
+    """
+
+    thicknesses: tuple[float, ...]
+    materials: tuple[Material, ...]
+    width: float
+    supports: Supports
+    far: Elastic | None
+    unit: float
+    cut_beside: bool
+    length: float
+    reach: float = 1.0
+    cut_again: bool = False
+
+    @classmethod
+    def of(cls, specimen: Specimen, reach: float, error: float) -> Region:
+        """The region for contact radii up to ``reach`` [m]; where a body is unbounded, cut off with about ``error``."""
+        thick = [layer.thickness / reach for layer in specimen.layers]
+        length, size = _size(specimen, thick, error)
+        far = None
+        if isinstance(specimen.base, HalfSpace):
+            assert isinstance(specimen.base.material, Elastic)
+            far = specimen.base.material
+            thick.append(size - sum(thick))
+            supports = Supports(True, True, True, True)
+        else:
+            bonded = specimen.base.bonded
+            side = specimen.side if specimen.radius is not None else "clamped"
+            supports = Supports(bonded, True, side != "free", side == "clamped")
+        if specimen.radius is not None:
+            size = specimen.radius / reach
+        return cls(tuple(thick), specimen.materials, size, supports, far, reach, specimen.radius is None, length)
+
+    @property
+    def depth(self) -> float:
+        return sum(self.thicknesses)
+
+    @property
+    def first(self) -> float:
+        """Depth of the first interface, or of the base."""
+        return self.thicknesses[0]
+
+    @property
+    def changing(self) -> bool:
+        """Whether the modulus changes from the contact on."""
+        return isinstance(self.materials[0], Graded)
+
+    @property
+    def tops(self) -> tuple[float, ...]:
+        """Depth of the upper side of every layer."""
+        return (0.0, *np.cumsum(self.thicknesses)[:-1].tolist())
+
+    @property
+    def reference(self) -> Elastic:
+        """The half-space that is the exact part: the material at the contact."""
+        return self.materials[0].surface
+
+    @property
+    def algebraic(self) -> bool:
+        """Whether what the cut costs falls with a power of its distance only."""
+        return self.cut_beside and not (self.far is None and self.supports.base_r)
+
+    @property
+    def next_order(self) -> float:
+        """What extrapolating the cut leaves of what it changes, about."""
+        return NEXT_ORDER * self.length / self.width
+
+    @property
+    def cuts(self) -> tuple[float, ...]:
+        """Where the second cut of an unbounded body goes, along r, and along z if it is unbounded there too.
+
+        On a rigid base, what it leaves has no such line of its own: its elements are then those of the whole body up to
+        there, and their errors drop out of the difference.
+        """
+        if not self.cut_beside or (self.cut_again and self.far is None):
+            return ()
+        held = 0.0 if self.algebraic else self.reach
+        return (held + (self.width - held) / SHRINK,)
+
+    @property
+    def corners(self) -> tuple[float, ...]:
+        """Depths at which the side meets the surface or the base in a singular corner: one of them held, one free."""
+        held = self.supports
+        if self.cut_beside:
+            return ()
+        return (0.0,) * held.side_z + (self.depth,) * (held.base_r and not held.side_r)
+
+    @property
+    def free_edges(self) -> tuple[float, ...]:
+        """Depths at which an interface meets the side in a weaker singularity; none at a roller."""
+        held = self.supports
+        return () if self.cut_beside or held.side_r != held.side_z else self.tops[1:]
+
+    def nearer(self) -> Region:
+        """The same body after the second cut."""
+        (width,) = self.cuts
+        last = self.thicknesses[-1] - (self.width - width if self.far is not None else 0.0)
+        return replace(self, width=width, thicknesses=(*self.thicknesses[:-1], last), cut_again=True)
+
+    @property
+    def kinks(self) -> list[float]:
+        """Depths inside the layers at which the modulus has a kink."""
+        found = []
+        for top, thickness, material in zip(self.tops, self.thicknesses, self.materials, strict=True):
+            if isinstance(material, Graded):
+                found += [top + z / self.unit for z in material.law.kinks if z / self.unit < thickness * (1 - 1e-9)]
+        return found
+
+    def layer_at(self, z: Array) -> Array:
+        """The layer of every depth ``z``."""
+        return np.searchsorted(np.array(self.tops[1:]), z, side="right")
+
+    @cached_property
+    def mixed(self) -> tuple[bool, ...]:
+        """Which layers have a pressure unknown."""
+        return tuple(not isinstance(m, TransverselyIsotropic) and m.nu > NEARLY_INCOMPRESSIBLE for m in self.materials)
+
+    def moduli(self, z: Array) -> Moduli:
+        """Stiffnesses at the depths ``z``, in units of E of the reference."""
+        layer = self.layer_at(z)
+        C, inverse = np.zeros((5, z.size)), np.zeros(z.size)
+        for i, (top, material) in enumerate(zip(self.tops, self.materials, strict=True)):
+            at = layer == i
+            if isinstance(material, TransverselyIsotropic):
+                C[:, at] = np.array(material.stiffness)[:, None]
+                continue
+            E, nu = material.at((z[at] - top) * self.unit), material.nu
+            G = E / (2 * (1 + nu))
+            bulk = 0.0 * E if self.mixed[i] else E * nu / ((1 + nu) * (1 - 2 * nu))
+            inverse[at] = (1 + nu) * (1 - 2 * nu) / (E * nu) if self.mixed[i] else 0.0
+            C[:, at] = [bulk + 2 * G, bulk, bulk, bulk + 2 * G, G]
+        E0 = self.reference.E
+        return Moduli(C / E0, inverse * E0, np.array(self.mixed)[layer])
+
+    def differs(self, z: Array) -> Array:
+        """Whether the material at each depth ``z`` is another than the reference."""
+        return np.array([material != self.reference for material in self.materials])[self.layer_at(z)]
+
+
+@dataclass(frozen=True, eq=False)
+class Moduli:
+    """Rows C11, C12, C13, C33, C44 over depth (without lambda where ``mixed``) and 1/lambda where ``mixed``."""
+
+    C: Array
+    inverse_lame: Array
+    mixed: Array
+
+
+def _size(specimen: Specimen, thick: list[float], error: float) -> tuple[float, float]:
+    """Length over which the field decays, and radius (and depth, of a half-space) at which an unbounded body is cut.
+
+    A stack on a rigid base, if bonded, has a field that decays exponentially, the slower the stiffer its stiffest
+    layer.
+    On a half-space or a sliding base the layers' own far field, less that of the point force, dies with a power of
+    (length over distance); the length is the thickness, of stiff layers on a half-space as a membrane.
+    """
+    stiffest = max(layer.moduli[1] for layer in specimen.layers)
+    softest = min(layer.moduli[0] for layer in specimen.layers)
+    if isinstance(specimen.base, Rigid):
+        length = sum(thick)
+        if specimen.base.bonded:
+            length *= (stiffest / softest) ** 0.25
+            return length, 1.0 + DECAYS * length
+    else:
+        assert isinstance(specimen.base.material, Elastic)
+        soft = specimen.base.material.E
+        length = sum(t * max(layer.moduli[1] / soft, 1.0) for t, layer in zip(thick, specimen.layers, strict=True))
+    length = max(1.0, 2 * length)
+    return length, length * (CUT / error) ** (1 / 3)
+
+
+def nearest(region: Region) -> float:
+    """Distance from the contact to the nearest place where the body ends or changes."""
+    return min(region.first, math.inf if region.cut_beside else region.width - region.reach)

@@ -1,0 +1,154 @@
+"""Axisymmetric elasticity on a rectangle of products of line elements: every block is a sum of Kronecker products.
+
+Moduli depend on depth alone, so that each integral over the rectangle is a product of one along r and one along z.
+Unknowns: u_r of all nodes (z by z), u_z of all nodes, and in nearly incompressible layers a pressure of one degree
+less, continuous in the layer (Taylor and Hood 1973). All integrals carry the weight 2 pi r.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.sparse import bmat, coo_matrix, csr_matrix
+from scipy.sparse.linalg import splu
+
+from ...base.errors import SolveError
+from .lines import Line
+from .region import Moduli, Region
+
+Array = np.ndarray
+PIVOT = 1e-3  # of the column's largest entry, what a diagonal entry must be: with pressures some are zero
+RESIDUAL_LIMIT = 1e-6  # relative; great contrasts and distances leave 1e-7, and K errs by its square only
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """Lines along ``r`` and ``z`` over a region; fields at nodes or Gauss points have the shape (..., z, r)."""
+
+    region: Region
+    r: Line
+    z: Line
+
+    @cached_property
+    def moduli(self) -> Moduli:
+        """At the Gauss points along z."""
+        return self.region.moduli(self.z.rule[0])
+
+    @cached_property
+    def shape(self) -> tuple[int, int]:
+        """Number of nodes along z and along r."""
+        return self.z.nodes.size, self.r.nodes.size
+
+    @property
+    def nodes(self) -> int:
+        return self.shape[0] * self.shape[1]
+
+    @cached_property
+    def joined(self) -> tuple[Array, Array]:
+        """Inner edges along r and along z at which a pressure is continuous: not at interfaces."""
+        layer = self.region.layer_at((self.z.edges[1:] + self.z.edges[:-1]) / 2)
+        return np.ones(self.r.degrees.size - 1, dtype=bool), layer[1:] == layer[:-1]
+
+    @cached_property
+    def used(self) -> Array:
+        """Which pressure functions along z belong to layers with a pressure."""
+        return np.any(self.z.pressure(self.joined[1])[self.moduli.mixed] != 0, axis=0)
+
+    @cached_property
+    def pressure(self) -> tuple[Array, Array]:
+        """Pressure functions at the Gauss points along r and along z; none along z where no layer needs them."""
+        return self.r.pressure(self.joined[0]), self.z.pressure(self.joined[1])[:, self.used]
+
+    @cached_property
+    def held(self) -> Array:
+        """Mask (2, z, r) of the displacements that the supports or the axis prescribe."""
+        mask = np.zeros((2, *self.shape), dtype=bool)
+        supports = self.region.supports
+        mask[0, :, 0] = True
+        mask[0, -1, :] |= supports.base_r
+        mask[1, -1, :] |= supports.base_z
+        mask[0, :, -1] |= supports.side_r
+        mask[1, :, -1] |= supports.side_z
+        return mask
+
+    @cached_property
+    def stiffness(self) -> csr_matrix:
+        """The symmetric matrix of all unknowns; indefinite with pressures."""
+        C11, C12, C13, C33, C44 = self.moduli.C
+        r, w = self.r.rule
+        w = 2 * np.pi * w
+        (V, D), (V_z, D_z) = self.r.basis, self.z.basis
+        mass, slope, mixed = _integral(V, w * r, V), _integral(D, w * r, D), _integral(D, w * r, V)
+        hoop, cross, whole = _integral(V, w / r, V), _integral(D, w, V), _integral(V, w, V)
+
+        def over_z(left: Array, weight: Array | float, right: Array) -> Array:
+            return _integral(left, self.z.rule[1] * weight, right)
+
+        product = _Product(_touching(V_z, V_z), _touching(V, V))
+        rr = product(
+            (over_z(V_z, C11, V_z), slope + hoop),
+            (over_z(V_z, C12, V_z), cross + cross.T),
+            (over_z(D_z, C44, D_z), mass),
+        )
+        rz = product((over_z(V_z, C13, D_z), mixed + whole), (over_z(D_z, C44, V_z), mixed.T))
+        zz = product((over_z(D_z, C33, D_z), mass), (over_z(V_z, C44, V_z), slope))
+        Q, Q_z = self.pressure
+        if not Q_z.shape[1]:
+            return bmat([[rr, rz], [rz.T, zz]], format="csr")
+        coupling = _Product(_touching(Q_z, V_z), _touching(Q, V))
+        p_r = coupling((over_z(Q_z, 1.0, V_z), _integral(Q, w * r, D) + _integral(Q, w, V)))
+        p_z = coupling((over_z(Q_z, 1.0, D_z), _integral(Q, w * r, V)))
+        inverse = over_z(Q_z, self.moduli.inverse_lame, Q_z)
+        pp = _Product(_touching(Q_z, Q_z), _touching(Q, Q))((inverse, _integral(Q, w * r, Q)))
+        return bmat([[rr, rz, -p_r.T], [rz.T, zz, -p_z.T], [-p_r, -p_z, -pp]], format="csr")
+
+    @cached_property
+    def free(self) -> Array:
+        """Numbers of the unknowns that nothing prescribes."""
+        held = np.flatnonzero(self.held.ravel())
+        return np.setdiff1d(np.arange(self.stiffness.shape[0]), held)
+
+    def solve(self, loads: Array, prescribed: Array) -> Array:
+        """Unknowns (n, m) in balance with ``loads`` (n, m) where free, equal to ``prescribed`` (n, m) where held."""
+        free, K = self.free, self.stiffness
+        known = prescribed.copy()
+        known[free] = 0.0
+        right = (loads - K @ known)[free]
+        matrix = K[free][:, free].tocsc()
+        threshold = PIVOT if self.pressure[1].shape[1] else 0.0
+        options = {"SymmetricMode": True}
+        lu = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=threshold, options=options)
+        known[free] = lu.solve(right)
+        known[free] += lu.solve(right - matrix @ known[free])
+        residual = np.abs(matrix @ known[free] - right).max() / np.abs(right).max()
+        if not residual < RESIDUAL_LIMIT:
+            raise SolveError(f"hybrid: the correction leaves a residual of {residual:.1e}, allowed {RESIDUAL_LIMIT:g}")
+        return known
+
+
+@dataclass(frozen=True, eq=False)
+class _Product:
+    """Sums of Kronecker products of a matrix along z and one along r, from the entries where functions overlap."""
+
+    z: Array
+    r: Array
+
+    def __call__(self, *terms: tuple[Array, Array]) -> coo_matrix:
+        (rows_z, columns_z), (rows_r, columns_r) = np.nonzero(self.z), np.nonzero(self.r)
+        values = sum(np.multiply.outer(A[rows_z, columns_z], B[rows_r, columns_r]) for A, B in terms)
+        rows = np.add.outer(rows_z * self.r.shape[0], rows_r)
+        columns = np.add.outer(columns_z * self.r.shape[1], columns_r)
+        shape = (self.z.shape[0] * self.r.shape[0], self.z.shape[1] * self.r.shape[1])
+        return coo_matrix((np.ravel(values), (rows.ravel(), columns.ravel())), shape=shape)
+
+
+def _touching(left: Array, right: Array) -> Array:
+    """Which functions are both not zero somewhere."""
+    return (left != 0).astype(float).T @ (right != 0).astype(float) > 0
+
+
+def _integral(left: Array, weights: Array, right: Array) -> Array:
+    """int left right with the given weights at the Gauss points."""
+    return left.T @ (weights[:, None] * right)

@@ -1,0 +1,162 @@
+"""Contact pressure and surface shape at one contact radius, nonadhesive or adhesive.
+
+From phi of the contact equation:
+
+    p(r)   = (E*/2) [ phi(a)/sqrt(a^2 - r^2) - int_r^a phi'(t)/sqrt(t^2 - r^2) dt ]          r < a
+    gap(r) = - int_a^r phi(x)/sqrt(r^2 - x^2) dx                                              r > a
+
+where phi beyond a means the contact equation solved for phi(x) there; for K = 0 this is Sneddon (1965). The second
+line is free of cancellation at the edge. Adhesion subtracts a flat punch displaced by sqrt(4 pi w a/S') (Eq. 13), whose
+phi(a) is not zero: the pressure is then singular like -K_I/sqrt(2 pi (a - r)), with K_I = -(E*/2) phi(a) sqrt(pi/a) and
+the energy release rate K_I^2/(2 E*) = w.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from ...base.errors import InputError, Refusal
+from ...bodies.materials import Graded
+from ...bodies.problem import Problem, Specimen
+from .contact import InaccurateError, LayeredContact
+from .density import Density
+from .layered import Layered
+
+Array = np.ndarray
+
+TOLERANCE = 1e-8
+
+
+@dataclass(frozen=True, eq=False)
+class Profile:
+    """Pressure inside and surface shape inside and outside a contact of radius ``a`` [m]; arrays are read-only.
+
+    ``r, pressure`` [m, Pa]: strictly inside, compression positive; near an adhesive edge the pressure goes like
+    ``-stress_intensity/sqrt(2 pi (a - r))``. ``r_surface, displacement, gap`` [m]: the specimen's surface, downwards
+    positive, and its distance from the indenter, zero inside. ``delta`` [m], ``P`` [N]: with adhesion, if w > 0.
+    ``stress_intensity`` [Pa m^(1/2)]: K_I of the edge, 0 without adhesion.
+    """
+
+    a: float
+    w: float
+    delta: float
+    P: float
+    r: Array
+    pressure: Array
+    r_surface: Array
+    displacement: Array
+    gap: Array
+    stress_intensity: float
+
+    def __post_init__(self) -> None:
+        for name in ("r", "pressure", "r_surface", "displacement", "gap"):
+            getattr(self, name).setflags(write=False)
+
+
+def profile(problem: Problem, a: float, w: float, r: Array | None = None, r_surface: Array | None = None) -> Profile:
+    """Fields at the contact radius ``a`` [m] and work of adhesion ``w`` >= 0 [J/m^2].
+
+    ``r`` [m]: radii 0 < r < a for the pressure, by default 100 that crowd at the edge; ``r_surface`` [m]: any radii for
+    the surface, by default up to 3 a. The loading of ``problem`` is not used. Errors: InputError, Refusal.
+    """
+    reason = Layered().refusal(problem) or unsmooth(problem.specimen)
+    if reason is not None:
+        raise Refusal(reason)
+    r, r_surface = _sample(problem, a, w, r, r_surface)
+    contact = LayeredContact(problem.indenter, problem.specimen)
+    try:
+        nested, _ = contact.refined(np.array([a]), TOLERANCE)
+    except InaccurateError as error:
+        raise Refusal(error.fixed) from None
+    shift = math.sqrt(4 * math.pi * w * a / float(nested.dS[0]))
+    reach = max(a, float(r_surface.max(initial=a)))
+    kernel = contact.spectrum.kernel(a + reach)
+    phi = Density.of(kernel, contact.indenter, nested, shift, reach)
+    if w == 0:
+        phi = phi.anchored()
+    edge = float(phi(np.array([a]))[0]) if w > 0 else 0.0
+    gap = gaps(phi, r_surface)
+    return Profile(
+        a=a,
+        w=w,
+        delta=phi.delta,
+        P=float(nested.P[0]) - shift * float(nested.S[0]),
+        r=r,
+        pressure=contact.E_star / 2 * pressures(phi, edge, r),
+        r_surface=r_surface,
+        displacement=_specimen_surface(phi, problem, r_surface, gap),
+        gap=gap,
+        stress_intensity=-contact.E_star / 2 * edge * math.sqrt(math.pi / a) if w > 0 else 0.0,
+    )
+
+
+def unsmooth(specimen: Specimen) -> str | None:
+    """Why fields on the ``specimen`` cannot be found by this module; None where they can."""
+    if isinstance(specimen.materials[0], Graded):
+        return (
+            "profile: under a modulus that varies right below the contact phi is not smooth at the edge, and its "
+            "pressures are not implemented; cut the top layer into a few homogeneous ones"
+        )
+    return None
+
+
+def _sample(problem: Problem, a: float, w: float, r: Array | None, surface: Array | None) -> tuple[Array, Array]:
+    a0, r_max = problem.indenter.a0, problem.indenter.r_max
+    if not a0 < a <= r_max:
+        raise InputError(f"profile: contact radius must be between {a0:g} and {r_max:g} m, got {a:g}")
+    if not (math.isfinite(w) and w >= 0):
+        raise InputError(f"profile: work of adhesion must be >= 0 J/m^2, got {w:g}")
+    inside = a * np.sin(np.linspace(0, np.pi / 2, 102)[1:-1]) if r is None else np.array(r, dtype=float)
+    if ((inside <= 0) | (inside >= a)).any():
+        raise InputError(f"profile: pressures are given for 0 < r < a = {a:g} m only (a cone's is infinite at r = 0)")
+    outside = np.linspace(0, min(3 * a, r_max), 151) if surface is None else np.array(surface, dtype=float)
+    if ((outside < 0) | (outside > r_max)).any():
+        raise InputError(f"profile: surface radii must lie between 0 and the end of the profile ({r_max:g} m)")
+    return inside, outside
+
+
+def pressures(phi: Density, edge: float, r: Array) -> Array:
+    """2 p/E* [-] at the radii 0 < r < a [m], for the value phi(a) = ``edge`` [m], by t = r cosh(theta)."""
+    if not r.size:
+        return r
+    parts = [phi.nodes(x, phi.a, partial(_angle, x)) for x in r.tolist()]
+    sizes = [theta.size for theta, _ in parts]
+    theta, weights = np.concatenate(parts, axis=1)
+    slopes = phi.slope(np.minimum(np.repeat(r, sizes) * np.cosh(theta), phi.a))
+    starts = np.cumsum([0, *sizes[:-1]])
+    return edge / np.sqrt((phi.a - r) * (phi.a + r)) - np.add.reduceat(weights * slopes, starts)
+
+
+def _angle(r: float, t: Array) -> Array:
+    return np.arccosh(np.maximum(t / r, 1.0))
+
+
+def gaps(phi: Density, r: Array) -> Array:
+    """Distance of the surfaces [m] at any r, 0 inside, by x = r sin(theta)."""
+    return np.array([-_arc(phi, phi.a, float(x), float(x)) if x > phi.a else 0.0 for x in r])
+
+
+def _specimen_surface(phi: Density, problem: Problem, r: Array, gap: Array) -> Array:
+    """Displacement of the specimen [m]: delta - f + gap, less the indenter's own as a half-space under the pressure,
+    (E*/E*_i) int_0^min(a,r) phi(t)/sqrt(r^2 - t^2) dt."""
+    both = phi.delta - problem.indenter.f(r) + gap
+    material = problem.indenter.material
+    if material is None:
+        return both
+    own = np.array([_arc(phi, 0.0, min(phi.a, float(x)), float(x)) if x > 0 else _axis(phi) for x in r])
+    return both - problem.E_star / material.E_star * own
+
+
+def _arc(phi: Density, lo: float, hi: float, r: float) -> float:
+    """int_lo^hi phi(x)/sqrt(r^2 - x^2) dx [m] for hi <= r."""
+    theta, weights = phi.nodes(lo, hi, lambda x: np.arcsin(np.minimum(x / r, 1.0)))
+    return float(weights @ phi(np.minimum(r * np.sin(theta), hi)))
+
+
+def _axis(phi: Density) -> float:
+    """The same from 0 for r -> 0 [m]."""
+    return math.pi / 2 * float(phi(np.zeros(1))[0])

@@ -1,0 +1,242 @@
+"""Contact radii for a loading by depth, load or radius: root search on delta_H(a) and P_H(a) of any solver.
+
+Both grow like powers of v = sqrt(a^2 - a0^2), so that the search runs in logarithms, without any unit.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..base.errors import InputError, Refusal, SolveError
+from ..base.units import show
+from ..bodies.indenters import Indenter
+from ..bodies.problem import Loading, Quantity
+
+Array = np.ndarray
+Response = Callable[[Array], Array]  # increasing radii [m] -> delta_H [m] or P_H [N] there
+Responses = Callable[[Quantity, float], Response]  # "depth" or "load", relative accuracy -> its response
+
+STEPS = 80
+PROBE = 0.98  # a second radius beside each trial, for the slope
+STRIDE = 3.0  # largest factor from one trial to the next, as a larger contact costs more
+TABLE = 48
+NEAR = 30.0  # a step from this many times the accuracy leads well within it
+DOUBTFUL = 0.5  # part of a miss that may be left after a step along a tangent, above which none is taken
+
+
+def radii_of_loading(
+    loading: Loading, indenter: Indenter, responses: Responses, start: float, accuracies: Sequence[float]
+) -> Array:
+    """All contact radii [m] that ``loading`` asks for, increasing.
+
+    ``responses`` of growing ``accuracies`` are followed one after the other; ``start``: a first radius [m].
+    """
+    if loading.spacing == "given" and loading.to == "radius":
+        for a in loading.values:
+            check_radius(indenter, a)
+        return np.array(loading.values)
+    largest = largest_of_loading(loading, indenter, responses, start, accuracies)
+    if loading.spacing == "radius":
+        return np.linspace(indenter.a0, largest, loading.points + 1)[1:]
+    if loading.spacing == "log":
+        return graded_radii(indenter.a0, largest, loading.points)
+    quantity: Quantity = loading.to
+    targets = np.array(loading.values)
+    if loading.spacing == "depth":
+        quantity = "depth"
+        deepest = float(responses(quantity, accuracies[-1])(np.array([largest]))[0])
+        targets = deepest * np.arange(1, loading.points + 1) / loading.points
+    return radii_for([(responses(quantity, e), e) for e in accuracies], targets, indenter, largest)
+
+
+def graded_radii(a0: float, largest: float, points: int) -> Array:
+    """Radii [m] whose sqrt(a^2 - a0^2) is a geometric sequence over four decades up to ``largest``."""
+    v = _v(largest, a0)
+    radii = np.hypot(a0, np.geomspace(1e-4 * v, v, points)) if points > 1 else np.array([largest])
+    radii[-1] = largest
+    return radii
+
+
+def largest_of_loading(
+    loading: Loading, indenter: Indenter, responses: Responses, start: float, accuracies: Sequence[float]
+) -> float:
+    """The contact radius [m] at which ``loading`` ends: a rough search first, then ever more accurate ones."""
+    if loading.to == "radius":
+        check_radius(indenter, loading.maximum)
+        return loading.maximum
+    try:
+        for accuracy in accuracies:
+            start = radius_for(responses(loading.to, accuracy), loading.maximum, indenter, start, accuracy)
+    except (Refusal, SolveError) as error:
+        goal = show(loading.maximum, "load" if loading.to == "load" else "length")
+        raise Refusal(f"loading: a {loading.to} of {goal} cannot be reached: {error}") from None
+    return start
+
+
+def half_space_guess(loading: Loading, indenter: Indenter, E_star: float, scale: float = math.inf) -> float:
+    """A first radius [m]: that of a half-space of modulus E* [Pa], F(a) = delta or about 4/3 E* a F(a) = P, but no
+    more than twice the length ``scale`` [m] over which layers act."""
+    target = loading.maximum
+
+    def response(a: Array) -> Array:
+        F = indenter.abel(a)
+        return F if loading.to == "depth" else 4 / 3 * E_star * a * F
+
+    lengths = (scale, indenter.tip_radius, indenter.a0, indenter.r_max, target if loading.to == "depth" else None)
+    start = next(length for length in (*lengths, 1.0) if length and math.isfinite(length))
+    try:
+        guess = radius_for(response, target, indenter, 1.5 * start, 0.1)
+    except Refusal:
+        guess = indenter.r_max / 2
+    return min(guess, max(2 * scale, 1.1 * indenter.a0))
+
+
+def check_radius(indenter: Indenter, a: float) -> None:
+    """Refuse a contact radius ``a`` [m] that lies within the flat end or beyond the profile."""
+    a0, end = indenter.a0, indenter.r_max
+    if a <= a0:
+        raise InputError(f"loading: contact radius {a:g} m must be larger than the flat end of the indenter ({a0:g} m)")
+    with np.errstate(divide="ignore", invalid="ignore"):
+        if a <= end and np.isfinite(indenter.abel(np.array(a))):
+            return
+    raise Refusal(
+        f"loading: a contact radius of {show(a, 'length')} lies beyond the profile, which ends at "
+        f"r = {show(end, 'length')}; ask for less, or give a larger profile"
+    )
+
+
+def radius_for(response: Response, target: float, indenter: Indenter, start: float, tolerance: float) -> float:
+    """The contact radius a [m] at which ``response`` is ``target``, to the relative ``tolerance`` of the response.
+
+    ``start``: a first radius [m]. Newton steps in logarithms within a bracket. Refusal where the contact would reach
+    beyond the profile.
+    """
+    a0, end = indenter.a0, indenter.r_max * (1 - 1e-12)
+    low, high = 0.0, math.sqrt((end - a0) * (end + a0)) if math.isfinite(end) else math.inf
+    v, tried_end = min(math.sqrt(max(start**2 - a0**2, 0.0)) or start, high / 2), False
+    for _ in range(STEPS):
+        values = response(np.hypot(a0, np.array([PROBE * v, v])))
+        if not 0 < values.min() < values.max() < math.inf:
+            raise SolveError(f"no contact radius can be told from {a0:g} m, where contact begins; are the sizes right?")
+        miss = math.log(values[1] / target)
+        slope = math.log(values[1] / values[0]) / -math.log(PROBE)
+        if abs(miss) <= NEAR * tolerance:
+            return math.hypot(a0, min(v * math.exp(-miss / slope), high))
+        if tried_end and v == high and miss < 0:
+            break
+        low, high = (v, high) if miss < 0 else (low, v)
+        proposal = v * min(max(math.exp(-miss / slope), 1 / STRIDE), STRIDE)
+        if proposal >= high:
+            tried_end = miss < 0 and math.isfinite(high)
+            proposal = high if tried_end else math.sqrt(v * max(low, v / STRIDE))
+        elif proposal <= low:
+            proposal = math.sqrt(v * low)
+        v = proposal
+    else:
+        raise SolveError(f"no contact radius was found in {STEPS} steps, last a = {v:g} m; is the value right?")
+    raise Refusal(
+        f"it needs a contact radius beyond the profile, which ends at r = {show(indenter.r_max, 'length')}; "
+        "ask for less, or give a larger profile"
+    )
+
+
+def radii_for(stages: Sequence[tuple[Response, float]], targets: Array, indenter: Indenter, largest: float) -> Array:
+    """Contact radii [m] for the increasing ``targets``, the last of which is reached at ``largest`` [m].
+
+    ``stages``: the response with growing accuracy, and the relative accuracy to which each is followed.
+    """
+    a0 = indenter.a0
+    if targets.size == 1:
+        return np.array([largest])
+    log_target = np.log(targets)
+    log_v = np.log(_first_radii(stages[0][0], targets, indenter, largest))
+    for response, accuracy in stages:
+        log_v = _followed(response, log_v, log_target, a0, accuracy)
+    return np.hypot(a0, np.exp(log_v))
+
+
+def _first_radii(response: Response, targets: Array, indenter: Indenter, largest: float) -> Array:
+    """v at the targets from a table of the response between their ends."""
+    a0, log_target = indenter.a0, np.log(targets)
+    first = radius_for(response, float(targets[0]), indenter, math.hypot(a0, 0.3 * _v(largest, a0)), 0.1)
+    v = np.geomspace(0.7 * _v(first, a0), _v(largest, a0), TABLE)
+    table = np.log(v), np.log(response(np.hypot(a0, v)))
+    bracket = _bracketed(table, log_target)
+    log_v = bracket.within(_inverse(*table, log_target), bracket.secant)
+    return np.append(np.exp(np.sort(log_v[:-1])), v[-1])
+
+
+def _followed(response: Response, log_v: Array, log_target: Array, a0: float, accuracy: float) -> Array:
+    """Newton steps for all targets but the last at once; within brackets, or secants of them, where slopes jump."""
+    known: tuple[Array, Array] = np.empty(0), np.empty(0)
+    before = np.full(log_target.size, np.inf)
+    for _ in range(STEPS):
+        log_values = np.log(response(np.hypot(a0, np.exp(log_v))))
+        miss, doubt = np.abs(log_values - log_target), _doubt(log_v, log_values)
+        tangent = _inverse(log_v, log_values, log_target)
+        near = miss * doubt <= accuracy
+        if near[:-1].all():
+            return np.append(np.sort(np.where(doubt < DOUBTFUL, tangent, log_v)[:-1]), log_v[-1])
+        known = _with(known, log_v, log_values)
+        bracket = _bracketed(known, log_target)
+        step = bracket.within(np.where(doubt < DOUBTFUL, tangent, bracket.secant), bracket.middle)
+        step = np.where(near | (miss < before / 2), step, bracket.middle)
+        log_v = np.append(np.sort(step[:-1]), log_v[-1])  # the response wants them increasing
+        before = miss
+    raise SolveError(f"loading: the contact radii of {log_target.size} increments were not found in {STEPS} passes")
+
+
+def _inverse(log_v: Array, log_values: Array, log_target: Array) -> Array:
+    """Values of log v at the targets, from the tangents at the nearest known point."""
+    slopes = np.gradient(log_v, log_values)
+    near = np.clip(np.searchsorted((log_values[1:] + log_values[:-1]) / 2, log_target), 0, log_values.size - 1)
+    return log_v[near] + slopes[near] * (log_target - log_values[near])
+
+
+def _doubt(log_v: Array, log_values: Array) -> Array:
+    """Part of a miss that may be left after a step along the tangent: by how much the secants on both sides differ."""
+    secants = np.diff(log_v) / np.diff(log_values)
+    jumps = np.abs(np.diff(secants)) / np.minimum(np.abs(secants[1:]), np.abs(secants[:-1]))
+    inner = np.pad(jumps, 1, mode="edge") if jumps.size else np.zeros(log_v.size)
+    return np.clip(np.nan_to_num(inner, nan=1.0), 1 / NEAR, 1.0)
+
+
+@dataclass(frozen=True)
+class _Bracket:
+    """Known log v on both sides of each target, infinite where there is none; the ``secant`` between them, and a point
+    ``middle`` that narrows every bracket, half-way to the secant, so that it differs for each target."""
+
+    low: Array
+    high: Array
+    secant: Array
+    middle: Array
+
+    def within(self, proposal: Array, otherwise: Array) -> Array:
+        return np.where((self.low < proposal) & (proposal < self.high), proposal, otherwise)
+
+
+def _bracketed(known: tuple[Array, Array], log_target: Array) -> _Bracket:
+    """Brackets from points of which both coordinates increase."""
+    v, values = known
+    above = np.searchsorted(values, log_target)
+    low, high = np.append(-np.inf, v)[above], np.append(v, np.inf)[above]
+    left, right = np.clip([above - 1, above], 0, v.size - 1)
+    rise = np.maximum(values[right] - values[left], np.finfo(float).tiny)
+    part = np.clip((log_target - values[left]) / rise, 0, 1)
+    beyond = math.log(STRIDE) * np.isinf(low)
+    secant, middle = (v[left] + x * (v[right] - v[left]) - beyond for x in (part, 0.25 + 0.5 * part))
+    return _Bracket(low, high, secant, middle)
+
+
+def _with(known: tuple[Array, Array], log_v: Array, log_values: Array) -> tuple[Array, Array]:
+    """All known points, both coordinates increasing."""
+    all_v, first = np.unique(np.concatenate([known[0], log_v]), return_index=True)
+    return all_v, np.maximum.accumulate(np.concatenate([known[1], log_values])[first])
+
+
+def _v(a: float, a0: float) -> float:
+    return math.sqrt((a - a0) * (a + a0))

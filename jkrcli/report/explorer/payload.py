@@ -1,0 +1,189 @@
+"""What the page is given: the knots of the curve's own evaluation rule, so that its numbers are the command line's.
+
+With all moduli times s, the curve for w is that of unit modulus for w/s, its loads times s (Eq. 13):
+delta = delta_H - q t, P = s (P_H - q S t), t = sqrt(4 pi a/S'), q = sqrt(w/s). The page needs nothing else.
+"""
+
+from __future__ import annotations
+
+import math
+import shlex
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.interpolate import CubicHermiteSpline
+
+from ... import __version__
+from ...adhesion.analysis import LOAD_CONTROL, Analysis
+from ...adhesion.curve import AdhesiveCurve, CriticalPoint, transform
+from ...adhesion.slopes.result import Slopes
+from ...adhesion.validity import TABOR_DMT, TABOR_JKR, regime
+from ...base.units import SI, UNITS, decades, scale
+from ...bodies.words import describe
+from ...data.measured import Curve
+from ...series import Array, Series
+
+MOST_POINTS = 4000  # shown of all measured curves together: more cannot be told apart on a screen
+
+
+@dataclass(frozen=True)
+class Control:
+    """One slider: start value and range in SI, the power of ten and name of the unit it is shown in."""
+
+    value: float
+    low: float
+    high: float
+    logarithmic: bool
+    unit: str
+    power: int
+
+    @classmethod
+    def around(cls, value: float, factor: float, dimension: str) -> Control:
+        """From ``value``/``factor`` to ``value`` times ``factor``, evenly in the logarithm."""
+        unit, power = _unit(value, dimension)
+        return cls(value, value / factor, value * factor, True, unit, power)
+
+    @classmethod
+    def shift(cls, extent: float, dimension: str) -> Control:
+        """From -``extent`` to ``extent``, 0 at the start."""
+        unit, power = _unit(extent, dimension)
+        return cls(0.0, -extent, extent, False, unit, power)
+
+
+def payload(result: Analysis, measured: Sequence[Curve], slopes_option: str = "auto") -> dict[str, Any]:
+    """Everything the page shows, as plain lists, numbers and words.
+
+    ``result`` gives the work of adhesion to begin with, which must be > 0; its modulus factor must be 1.
+    ``slopes_option``: as asked for on the command line that is reproduced.
+    """
+    curve, problem = result.curve, result.case.problem
+    shown, total = _thinned(measured)
+    return {
+        "version": __version__,
+        "file": shlex.quote(str(result.stored.path)),
+        "stem": result.stored.path.stem,
+        "options": "" if slopes_option == "auto" else f" --slopes {slopes_option}",
+        "title": result.case.title,
+        "body": describe(problem),
+        "method": result.stored.method,
+        "slopes": curve.slopes.method,
+        "error": result.budget.total,
+        "notes": [*result.stored.warnings, *curve.slopes.flags],
+        "knots": _knots(curve),
+        "columns": _columns(curve),
+        "band": _band(curve.series, curve.slopes),
+        "tabor": _tabor(result),
+        "R": problem.indenter.tip_radius,
+        "controls": {name: vars(control) for name, control in _controls(curve, measured).items()},
+        "units": {name: decades(name) for name in ("length", "load", "stiffness", "work")},
+        "measured": shown,
+        "measured_points": total,
+    }
+
+
+def start_work(series: Series, slopes: Slopes) -> float:
+    """A work of adhesion [J/m^2] whose pull-off under load control lies a third into the series, two digits."""
+    a = series.a[len(series) // 3 : len(series) // 3 + 1]
+    without, one = (float(transform(series, slopes, w).rates(a)[1][0]) for w in (0.0, 1.0))
+    return float(f"{(without / (without - one)) ** 2:.1e}")
+
+
+def _knots(curve: AdhesiveCurve) -> dict[str, Any]:
+    """The Hermite splines of the rule: logs of radius (z: of a - a0), values and slopes there."""
+    rule = curve.rule
+    splines = {"delta": rule.delta_H, "P": rule.P_H, "S": rule.S, "t": rule.t}
+    return {
+        "a0": rule.a0,
+        "x": rule.S.x.tolist(),
+        "z": rule.P_H.x.tolist(),
+        **{name: {"value": _at(spline, 0), "slope": _at(spline, 1)} for name, spline in splines.items()},
+    }
+
+
+def _at(spline: CubicHermiteSpline, order: int) -> list[float]:
+    """Values (order 0) or first derivatives (1) at the knots."""
+    return spline(spline.x, order).tolist()
+
+
+def _columns(curve: AdhesiveCurve) -> dict[str, list[float]]:
+    """What the CSV file needs beside: the nonadhesive columns, as they were solved and as the slopes' fit sees them."""
+    series, slopes = curve.series, curve.slopes
+    fitted = (series.delta, series.P) if slopes.delta is None or slopes.P is None else (slopes.delta, slopes.P)
+    names = ("a", "delta_H", "P_H", "S", "dS", "delta", "P")
+    values = (series.a, series.delta, series.P, slopes.S, slopes.dS, *fitted)
+    return {name: array.tolist() for name, array in zip(names, values, strict=True)}
+
+
+def _band(series: Series, slopes: Slopes) -> dict[str, list[list[float]]] | None:
+    """Squares of the 90 % half-widths of delta and P at unit modulus, as coefficients of 1, q and q^2 in each row.
+
+    The gradients of both with respect to (delta_H, P_H, S, S') are linear in q.
+    """
+    if slopes.covariance is None:
+        return None
+    t = np.sqrt(4 * math.pi * series.a / slopes.dS)
+    zero, one, by_dS = np.zeros_like(t), np.ones_like(t), t / (2 * slopes.dS)
+    constant = {"delta": (one, zero, zero, zero), "P": (zero, one, zero, zero)}
+    linear = {"delta": (zero, zero, zero, by_dS), "P": (zero, zero, -t, slopes.S * by_dS)}
+    held = {}
+    for name in ("delta", "P"):
+        g, h = (np.stack(part[name], axis=1) for part in (constant, linear))
+        square = [_form(g, slopes.covariance, g), 2 * _form(g, slopes.covariance, h), _form(h, slopes.covariance, h)]
+        held[name] = (slopes.quantile**2 * np.array(square)).tolist()
+    return held
+
+
+def _form(left: Array, matrices: Array, right: Array) -> Array:
+    return np.einsum("ni,nij,nj->n", left, matrices, right)
+
+
+def _tabor(result: Analysis) -> dict[str, Any] | None:
+    """The Tabor number at the start's w and modulus, and what it means above each limit; it goes with (w/s)^(2/3)."""
+    number = result.validity.tabor
+    if isinstance(number, str):
+        return None
+    limits = (TABOR_JKR, TABOR_DMT, 0.0)
+    words = [regime(2 * limit if limit else TABOR_DMT / 2) for limit in limits]
+    return {"number": number, "w": result.w, "limits": [list(pair) for pair in zip(limits, words, strict=True)]}
+
+
+def _controls(curve: AdhesiveCurve, measured: Sequence[Curve]) -> dict[str, Control]:
+    point = curve.pull_off(LOAD_CONTROL)
+    a = point.a if isinstance(point, CriticalPoint) else float(np.median(curve.a))
+    stiffness = float(f"{np.interp(a, curve.a, curve.slopes.S):.0e}")
+    spans = {name: _extent(name, measured) or float(np.ptp(getattr(curve, name))) for name in ("delta", "P")}
+    return {
+        "w": Control.around(curve.w, 30, "work"),
+        "factor": Control.around(1.0, 10, "number"),
+        "stiffness": Control.around(stiffness, 1000, "stiffness"),
+        "delta0": Control.shift(spans["delta"] / 2, "length"),
+        "P0": Control.shift(spans["P"] / 2, "load"),
+    }
+
+
+def _extent(name: str, measured: Sequence[Curve]) -> float:
+    """From the smallest to the largest measured value; 0 where there is none."""
+    return max((float(np.ptp(values)) for curve in measured if (values := getattr(curve, name)) is not None), default=0)
+
+
+def _unit(value: float, dimension: str) -> tuple[str, int]:
+    if dimension not in UNITS:
+        return SI[dimension], 0
+    factor, unit = scale(value, dimension)
+    return unit, round(math.log10(factor))
+
+
+def _thinned(measured: Sequence[Curve]) -> tuple[list[dict[str, Any]], int]:
+    """The measured curves with every so many rows left out, and how many rows there were."""
+    total = sum(map(len, measured))
+    every = max(1, math.ceil(total / MOST_POINTS))
+    shown = []
+    for curve in measured:
+        rows = curve.rows(np.arange(0, len(curve), every))
+        columns = {
+            name: None if (c := getattr(rows, name)) is None else c.tolist() for name in ("a", "delta", "P", "segment")
+        }
+        shown.append({"name": curve.name, **columns})
+    return shown, total

@@ -1,0 +1,92 @@
+"""The one door to matplotlib: one style, fit for print; figures without pyplot, global state or a clock."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.axis import Axis
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+from ... import __version__
+from ...base.files import atomic
+from ...base.units import scale
+from ...series import Array
+
+WIDE, MIDDLE, NARROW = 7.0, 4.8, 3.4  # two columns of a journal, one and a half, one [inch]: printed unscaled
+STYLE: dict[Any, Any] = {
+    "font.size": 9,
+    "axes.titlesize": 9,
+    "figure.titlesize": 9,
+    "xtick.labelsize": 8,
+    "ytick.labelsize": 8,
+    "legend.fontsize": 8,
+    "legend.title_fontsize": 8,
+    "legend.frameon": False,
+    "axes.grid": True,
+    "grid.color": "0.9",
+    "grid.linewidth": 0.6,
+    "axes.axisbelow": True,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "lines.linewidth": 1.4,
+    "svg.hashsalt": "jkr",
+    "svg.fonttype": "path",
+}
+# Okabe and Ito's palette: told apart by colour-blind readers, and by line style or marker in grey.
+BLUE, ORANGE, GREEN, BLACK = "#0072B2", "#D55E00", "#009E73", "#000000"
+PURPLE, SKY = "#CC79A7", "#56B4E9"
+FEW = 100.0  # ends of a logarithmic axis less far apart have ticks within the decades
+COLORS = (BLUE, ORANGE, GREEN, PURPLE, SKY, BLACK)
+
+
+def pretty(text: str) -> str:
+    """Units as they are typeset."""
+    return text.replace("^2", "²").replace("um", "µm").replace("uN", "µN").replace("uJ", "µJ")
+
+
+def scaled(values: Array, dimension: str) -> tuple[Array, str]:
+    """``values`` [SI] in the unit that their largest asks for, and that unit as it is typeset."""
+    factor, unit = scale(float(np.max(np.abs(values))), dimension)
+    return values / factor, pretty(unit)
+
+
+def legend_below(figure: Figure, axes: Iterable[Axes], ncols: int) -> None:
+    """One legend for all ``axes`` under them, where it covers nothing; each label once."""
+    handles: dict[str, Any] = {}
+    for place in axes:
+        for handle, label in zip(*place.get_legend_handles_labels(), strict=True):
+            handles.setdefault(label, handle)
+    if handles:
+        figure.legend(list(handles.values()), list(handles), loc="outside lower center", ncols=ncols)
+
+
+def log_ends(values: Array, least: float = 3.0, margin: float = 1.1) -> tuple[float, float]:
+    """Ends of a logarithmic axis around ``values`` > 0, at least a factor of ``least`` apart."""
+    low, high = float(np.min(values)), float(np.max(values))
+    margin = max(margin, (least * low / high) ** 0.5)
+    return low / margin, high * margin
+
+
+def log_ticks(axis: Axis) -> None:
+    """Plain numbers at 1, 2 and 5 of each decade where a logarithmic axis has few, powers of ten where it has many."""
+    low, high = axis.get_view_interval()
+    if high / low < FEW:
+        axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axis.set_minor_formatter(NullFormatter())
+
+
+def save(figure: Figure, path: Path) -> None:
+    """Write a figure atomically; PNG or SVG by the ending, reproducible to the byte, marked as ours."""
+    mark = f"jkr {__version__}"
+    metadata = {"Software": mark} if path.suffix == ".png" else {"Creator": mark, "Date": None}
+    with mpl.rc_context(STYLE), atomic(path) as temporary:
+        FigureCanvasAgg(figure)
+        figure.savefig(temporary, dpi=300, metadata=metadata)

@@ -1,0 +1,156 @@
+"""The contact zone at one state: a stress on the deformed body, with the indenter and the undeformed surface."""
+
+from __future__ import annotations
+
+import math
+from typing import Literal
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import BoundaryNorm
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+from matplotlib.tri import Triangulation
+
+from ...base.units import scale, show
+from ...bodies.indenters import Indenter
+from ...methods.fem.state import ContactState
+from ...series import Array
+from . import BLACK, STYLE, WIDE, pretty
+
+ASIDE, DEEP, HIGH = 2.0, 1.6, 0.75  # window in contact radii
+DRAWN = 0.3  # largest displacement as it is drawn, in contact radii
+SCALE = 1.4  # one contact radius as it is drawn [inch]
+LEVELS = 16
+COVERED = 0.98  # share of the window's area whose stresses the colours tell apart
+BELOW = 0.15  # what is shown below a body that ends in the window, in contact radii
+SYMBOLS = {
+    "rr": r"$\sigma_{rr}$", "tt": r"$\sigma_{\theta\theta}$", "zz": r"$\sigma_{zz}$", "rz": r"$\sigma_{rz}$",
+    "mises": "von Mises stress",
+}  # fmt: skip
+
+
+def contact_zone_figure(state: ContactState, indenter: Indenter, w: float, component: str) -> Figure:
+    """``component``: rr, tt, zz, rz or mises; left of the axis the mirror image, displacements drawn larger."""
+    with mpl.rc_context(STYLE | {"axes.grid": False}):
+        depth = min(DEEP * state.a, state.grid.depth + BELOW * state.a)
+        figure = Figure(figsize=(WIDE, 0.8 + SCALE * (depth / state.a + HIGH)), layout="constrained")
+        axes = figure.subplots()
+        length, unit = scale(state.a, "length")
+        factor = magnification(state)
+        _stress(figure, axes, state, component, factor, length)
+        _outlines(axes, state, indenter, factor, length)
+        axes.set_xlim(-ASIDE * state.a / length, ASIDE * state.a / length)
+        axes.set_ylim(-depth / length, HIGH * state.a / length)
+        axes.set_aspect("equal")
+        axes.set_xlabel(f"r ({pretty(unit)})")
+        axes.set_ylabel(f"z ({pretty(unit)})")
+        drawn = "" if factor == 1 else f", displacements × {factor:g}"
+        words = [show(state.a, "length"), show(w, "work"), show(state.P, "load")]
+        a, work, P = (pretty(word).replace("-", "\N{MINUS SIGN}") for word in words)
+        axes.set_title(f"a = {a}, w = {work}, P = {P}{drawn}")
+        return figure
+
+
+def magnification(state: ContactState) -> float:
+    """1, 2 or 5 times a power of ten, at least 1: displacements in the window are then at most ``DRAWN`` radii."""
+    seen = np.abs(state.displacement[_within(state.grid.points, state.a)]).max()
+    if seen == 0:
+        return 1.0
+    wanted = DRAWN * state.a / float(seen)
+    decade = 10.0 ** math.floor(math.log10(wanted))
+    return max(1.0, max(step for step in (1, 2, 5) if step * decade <= wanted * (1 + 1e-9)) * decade)
+
+
+def _within(points: Array, a: float) -> Array:
+    return (points[:, 0] <= 1.1 * ASIDE * a) & (points[:, 1] >= -1.2 * DEEP * a)
+
+
+def _stress(figure: Figure, axes: Axes, state: ContactState, component: str, factor: float, length: float) -> None:
+    """Filled contours layer by layer: stresses jump at interfaces."""
+    values = component_of(state, component)
+    low, high = _limits(state, values)
+    stress, unit = scale(max(abs(low), abs(high)) or 1.0, "modulus")
+    levels = np.asarray(MaxNLocator(LEVELS, symmetric=low < 0 < high).tick_values(low / stress, high / stress))
+    colors = mpl.colormaps["RdBu_r" if low < 0 < high else "Blues_r" if high <= 0 else "Reds"]
+    extend: Literal["both", "max"] = "max" if component == "mises" else "both"
+    norm = BoundaryNorm(levels, colors.N, extend=extend)
+    grid, moved = state.grid, (state.grid.points + factor * state.displacement) / length
+    near = _within(grid.points, state.a)[grid.cells].any(axis=1)
+    for layer in np.unique(grid.materials[near]):
+        cells = grid.cells[near & (grid.materials == layer)]
+        for side in (1, -1):
+            body = Triangulation(side * moved[:, 0], moved[:, 1], cells)
+            drawn = axes.tricontourf(body, values / stress, levels=levels, cmap=colors, norm=norm, extend=extend)
+    zero = int(np.argmin(np.abs(levels)))
+    every = max(1, levels.size // 7)
+    beside = axes.inset_axes((1.02, 0, 0.03, 1))  # as high as the body is drawn
+    bar = figure.colorbar(drawn, cax=beside, ticks=levels[zero % every :: every])
+    bar.set_label(f"{SYMBOLS[component]} ({pretty(unit)})")
+
+
+def component_of(state: ContactState, component: str) -> Array:
+    """One stress at every vertex [Pa]."""
+    return state.mises if component == "mises" else state.stress[("rr", "tt", "zz", "rz").index(component)]
+
+
+def _limits(state: ContactState, values: Array) -> tuple[float, float]:
+    """Stresses that bound ``COVERED`` of the window: those at the edge of an adhesive contact are infinite."""
+    grid = state.grid
+    corners = grid.points[grid.cells]
+    inside = _within(corners.mean(axis=1), state.a)
+    first, second = corners[inside, 1] - corners[inside, 0], corners[inside, 2] - corners[inside, 0]
+    area = np.abs(first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0])
+    middle = values[grid.cells[inside]].mean(axis=1)
+    order = np.argsort(middle)
+    share = np.cumsum(area[order]) / area.sum()
+    low, high = np.interp([(1 - COVERED) / 2, (1 + COVERED) / 2], share, middle[order])
+    return float(low), float(high)
+
+
+def _outlines(axes: Axes, state: ContactState, indenter: Indenter, factor: float, length: float) -> None:
+    """Indenter, deformed lines of the body, undeformed surface, and the base where the specimen ends there."""
+    depths = np.unique(np.round(-state.grid.points[_interface_vertices(state), 1], 15))
+    surface = _moved_line(state, 0.0, factor)
+    r = np.linspace(0, min(1.2 * ASIDE * state.a, indenter.r_max * (1 - 1e-9)), 400)
+    # drawn displacements are larger than they are: the indenter is drawn where they take the points it touches
+    across = r + factor * np.interp(np.minimum(r, state.a), *_radial(state))
+    height = factor * (indenter.f(r) - state.delta)
+    across, height = np.concatenate([-across[::-1], across]) / length, np.concatenate([height[::-1], height]) / length
+    top = np.maximum(HIGH * state.a / length + 1, height)
+    axes.fill_between(across, height, top, color="0.88", lw=0, zorder=3)
+    axes.plot(across, height, color="0.35", lw=1.0, zorder=3)
+    for line in (surface, *(_moved_line(state, depth, factor) for depth in depths)):
+        for side in (1, -1):
+            axes.plot(side * line[:, 0] / length, line[:, 1] / length, color=BLACK, lw=1.0, zorder=4)
+    edge = ASIDE * state.a / length
+    axes.plot([-edge, edge], [0, 0], color="0.4", lw=0.8, ls="--", zorder=5)
+    if "base" in state.lines:
+        base = -state.grid.depth / length
+        axes.fill_between([-edge, edge], base - state.a / length, base, color="0.75", lw=0)
+
+
+def _line(state: ContactState, depth: float) -> Array:
+    """Vertices on the horizontal line at ``depth`` [m], by radius."""
+    points = state.grid.points
+    rows = np.flatnonzero(np.isclose(points[:, 1], -depth, rtol=1e-9, atol=1e-12 * state.grid.depth))
+    return rows[np.argsort(points[rows, 0])]
+
+
+def _moved_line(state: ContactState, depth: float, factor: float) -> Array:
+    """The deformed line at ``depth`` [m], (n, 2) [m]."""
+    rows = _line(state, depth)
+    return state.grid.points[rows] + factor * state.displacement[rows]
+
+
+def _radial(state: ContactState) -> tuple[Array, Array]:
+    """Radii and radial displacements of the surface [m]."""
+    rows = _line(state, 0.0)
+    return state.grid.points[rows, 0], state.displacement[rows, 0]
+
+
+def _interface_vertices(state: ContactState) -> Array:
+    """Vertices that stand twice, once for each layer."""
+    _, first, count = np.unique(state.grid.points, axis=0, return_index=True, return_counts=True)
+    return first[count > 1]

@@ -1,0 +1,147 @@
+"""The figure of an adhesive curve: load over displacement and contact radius over load, the tension enlarged."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+from ...adhesion.analysis import Analysis
+from ...adhesion.curve import AdhesiveCurve, CriticalPoint
+from ...adhesion.stability import GRIPPED, STABLE, UNSTABLE, branch
+from ...base.units import scale, show
+from ...series import Array
+from ..scaling import Scales
+from . import BLACK, BLUE, ORANGE, STYLE, WIDE, legend_below, pretty
+
+BRANCHES = {STABLE: ("o-", ""), GRIPPED: ("--", "stable under displacement control only"), UNSTABLE: (":", "unstable")}
+SPACING = 0.06  # between markers, of the diagonal of the axes
+DWARFED = 0.2  # tension that takes less than this share of the loads is drawn again, larger
+VISIBLE = 0.01  # half-width of a band that can be seen, of the height of the axes
+Box = tuple[float, float, float, float]  # left, bottom, width, height, of the axes
+PANELS: tuple[tuple[str, str, Box], ...] = (  # x, y, and where no curve passes: P(delta) is convex, a(P) concave
+    ("delta", "P", (0.13, 0.53, 0.42, 0.45)),
+    ("P", "a", (0.55, 0.13, 0.43, 0.45)),
+)
+
+
+@dataclass(frozen=True)
+class Units:
+    """What an axis is divided by, and its labels: delta, P, a."""
+
+    delta: float
+    P: float
+    a: float
+    labels: tuple[str, str, str]
+
+    def label(self, name: str) -> str:
+        """The label of the axis of "delta", "P" or "a"."""
+        return self.labels[("delta", "P", "a").index(name)]
+
+
+def physical_units(curve: AdhesiveCurve) -> Units:
+    """People's units, chosen by the magnitude of all that is drawn."""
+    drawn = {name: np.concatenate([getattr(curve.series, name), getattr(curve, name)]) for name in ("delta", "P", "a")}
+    delta, delta_unit = scale(float(np.max(np.abs(drawn["delta"]))), "length")
+    P, P_unit = scale(float(np.max(np.abs(drawn["P"]))), "load")
+    a, a_unit = scale(float(np.max(drawn["a"])), "length")
+    labels = (f"displacement δ ({pretty(delta_unit)})", f"load P ({pretty(P_unit)})",
+              f"contact radius a ({pretty(a_unit)})")  # fmt: skip
+    return Units(delta, P, a, labels)
+
+
+def units_of(scales: Scales) -> Units:
+    """The axes of a dimensionless curve."""
+    return Units(scales.delta, scales.P, scales.a, scales.labels)
+
+
+def curve_figure(result: Analysis, units: Units) -> Figure:
+    """The paper's Fig. 5, nonadhesive and adhesive; insets show the tension where it is small against the loads."""
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(WIDE, 3.4), layout="constrained")
+        panels = figure.subplots(1, 2)
+        for axes, (x, y, empty) in zip(panels, PANELS, strict=True):
+            _draw(axes, result, units, x, y)
+            axes.set_xlabel(units.label(x))
+            axes.set_ylabel(units.label(y))
+            if _dwarfed(result.curve):
+                _enlarge(axes, result, units, x, y, empty)
+        legend_below(figure, panels, 3)
+        return figure
+
+
+def _draw(axes: Axes, result: Analysis, units: Units, x: str, y: str) -> None:
+    """All lines of a panel, with their labels for the legend."""
+    curve = result.curve
+    axes.axhline(0, color="0.7", lw=0.6)
+    axes.axvline(0, color="0.7", lw=0.6)
+    if result.comparison is not None:
+        exact = result.comparison.exact
+        shown = exact.a <= curve.a[-1]
+        for held, label in ((exact.series, "closed form"), (exact, None)):
+            axes.plot(_of(held, x, units)[shown], _of(held, y, units)[shown], color="0.75", lw=3.5, label=label)
+    axes.plot(_of(curve.series, x, units), _of(curve.series, y, units), "s-", color=BLUE, ms=3, mfc="none", lw=1.0,
+              markevery=SPACING, label=f"nonadhesive ({result.stored.method})")  # fmt: skip
+    _band(axes, curve, units, x, y)
+    _by_stability(axes, result, units, x, y)
+    point = result.pull_off["load"]
+    if isinstance(point, CriticalPoint):
+        axes.plot(getattr(point, x) / getattr(units, x), getattr(point, y) / getattr(units, y), "o", color=BLACK, ms=4,
+                  zorder=3, label="pull-off (load control)")  # fmt: skip
+
+
+def _of(held: Any, name: str, units: Units) -> Array:
+    """A column of a curve or a series, in the units of its axis."""
+    return getattr(held, name) / getattr(units, name)
+
+
+def _band(axes: Axes, curve: AdhesiveCurve, units: Units, x: str, y: str) -> None:
+    """The 90 % band of P, where it is wide enough to be seen."""
+    if not curve.errors or np.max(curve.errors["P"]) < VISIBLE * np.ptp(curve.P):
+        return
+    ends = [(curve.P + sign * curve.errors["P"]) / units.P for sign in (-1, 1)]
+    style: dict[str, Any] = {"color": ORANGE, "alpha": 0.25, "lw": 0, "label": "90 % band of P"}
+    if y == "P":
+        axes.fill_between(_of(curve, x, units), *ends, **style)
+    else:
+        axes.fill_betweenx(_of(curve, y, units), *ends, **style)
+
+
+def _by_stability(axes: Axes, result: Analysis, units: Units, x: str, y: str) -> None:
+    """Solid where stable under any control, dashed where only a stiff device holds the contact, dotted where none."""
+    line, words = (_of(result.curve, x, units), _of(result.curve, y, units)), branch(result.curve)
+    style: dict[str, Any] = {"color": ORANGE, "ms": 3, "mfc": "none", "lw": 1.2}
+    for word, (look, label) in BRANCHES.items():
+        if word == STABLE or word in words:
+            axes.plot([], [], look, label=label or f"adhesive, w = {pretty(show(result.w, 'work'))}", **style)
+    ends = [0, *(np.flatnonzero(words[1:] != words[:-1]) + 1), len(words)]
+    for first, last in itertools.pairwise(ends):
+        part = slice(first, last + 1)  # to the first point of the next part: no gaps
+        axes.plot(line[0][part], line[1][part], BRANCHES[str(words[first])][0], markevery=SPACING, **style)
+
+
+def _dwarfed(curve: AdhesiveCurve) -> bool:
+    """Whether the largest tension takes too little of the axis of loads to be read."""
+    least, most = float(np.min(curve.P)), float(max(np.max(curve.P), np.max(curve.series.P)))
+    return least < 0 and -least < DWARFED * (most - least)
+
+
+def _enlarge(axes: Axes, result: Analysis, units: Units, x: str, y: str, place: Box) -> None:
+    """An inset with the loads between the largest tension and as much compression."""
+    curve = result.curve
+    near = np.abs(curve.P) <= -np.min(curve.P)
+    inset = axes.inset_axes(place)
+    _draw(inset, result, units, x, y)
+    for name, limit in ((x, inset.set_xlim), (y, inset.set_ylim)):
+        values = _of(curve, name, units)[near]
+        low, high = float(np.min(values)), float(np.max(values))
+        limit(low - 0.1 * (high - low), high + 0.1 * (high - low))
+    inset.tick_params(labelsize=7, pad=1.5, length=2)
+    for axis in (inset.xaxis, inset.yaxis):
+        axis.set_major_locator(MaxNLocator(3))

@@ -1,0 +1,88 @@
+"""Figures of the work of adhesion along measured curves."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from ...base.units import scale
+from ...identify.work import WorkAlong, typical
+from ...series import Array
+from . import BLUE, GREEN, NARROW, ORANGE, STYLE, WIDE, legend_below, log_ends, log_ticks, pretty
+
+GROUPS = {"measured": (GREEN, "o"), "advancing": (BLUE, "^"), "receding": (ORANGE, "v")}  # told apart in grey too
+MOST = 3000  # points of a group that are drawn; of more every n-th
+SHOWN, MARGIN = 0.99, 1.3  # the axis of w ends above this share of the points
+
+
+def work_figure(found: Sequence[WorkAlong]) -> Figure:
+    """w over the contact radius; where time was recorded also over the speed of the contact's edge, both logarithmic.
+
+    Points are the rows of all curves; those whose edge advances and recedes are told apart.
+    """
+    groups = _groups(found)
+    timed = "measured" not in groups
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(WIDE if timed else NARROW, 3.0), layout="constrained")
+        axes = figure.subplots(1, 2 if timed else 1, squeeze=False)[0]
+        w, unit = scale(typical(found), "work")
+        _over_radius(axes[0], groups, w)
+        if timed:
+            _over_speed(axes[1], groups, w)
+        for panel in axes:
+            panel.set_ylabel(f"work of adhesion w ({pretty(unit)})")
+        if timed:
+            legend_below(figure, axes[:1], 2)
+        return figure
+
+
+def _groups(found: Sequence[WorkAlong]) -> dict[str, dict[str, Array]]:
+    """The columns of the usable rows of all curves, by the sense of the edge's motion where any is known."""
+    rows: dict[str, list[Array]] = {"advancing": [], "receding": []}
+    for item in found:
+        if item.speed is not None and item.timed is not None:
+            for name, sense in (("advancing", item.speed > 0), ("receding", item.speed < 0)):
+                rows[name].append(item.timed & sense)
+    if not any(mask.any() for masks in rows.values() for mask in masks):
+        rows = {"measured": [item.ok for item in found]}
+    parts = {name: _columns(found, masks) for name, masks in rows.items()}
+    return {name: columns for name, columns in parts.items() if columns["w"].size}
+
+
+def _columns(found: Sequence[WorkAlong], masks: Sequence[Array]) -> dict[str, Array]:
+    """The chosen rows of all curves, thinned to at most ``MOST``."""
+    every = 1 + sum(int(mask.sum()) for mask in masks) // MOST
+    columns = {}
+    for name in ("a", "w", "w_err", "speed"):
+        values = [getattr(item, name) for item in found]
+        if all(column is not None for column in values):
+            columns[name] = np.concatenate([v[mask] for v, mask in zip(values, masks, strict=True)])[::every]
+    return columns
+
+
+def _over_radius(axes: Axes, groups: Mapping[str, Mapping[str, Array]], w: float) -> None:
+    a, unit = scale(max(float(held["a"].max()) for held in groups.values()), "length")
+    for name, held in groups.items():
+        colour, marker = GROUPS[name]
+        errors = held["w_err"] / w if "w_err" in held else None
+        axes.errorbar(held["a"] / a, held["w"] / w, errors, fmt=marker, color=colour, ms=3, mfc="none", elinewidth=0.5,
+                      ecolor="0.75", label=name)  # fmt: skip
+    axes.set_xlabel(f"contact radius a ({pretty(unit)})")
+    axes.set_ylim(0, MARGIN * max(float(np.quantile(held["w"], SHOWN)) for held in groups.values()) / w)
+
+
+def _over_speed(axes: Axes, groups: Mapping[str, Mapping[str, Array]], w: float) -> None:
+    speed, unit = scale(max(float(np.abs(held["speed"]).max()) for held in groups.values()), "length")
+    for name, held in groups.items():
+        colour, marker = GROUPS[name]
+        axes.loglog(np.abs(held["speed"]) / speed, held["w"] / w, marker, color=colour, ms=3, mfc="none")
+    columns = list(groups.values())
+    axes.set_xlim(*log_ends(np.concatenate([np.abs(held["speed"]) / speed for held in columns])))
+    axes.set_ylim(*log_ends(np.concatenate([held["w"] / w for held in columns])))
+    for axis in (axes.xaxis, axes.yaxis):
+        log_ticks(axis)
+    axes.set_xlabel(f"speed of the contact's edge |da/dt| ({pretty(unit)}/s)")

@@ -1,0 +1,67 @@
+"""Units that make an adhesive curve dimensionless: Eq. 15, Eq. 19, or the user's own."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..adhesion.analysis import Analysis
+from ..adhesion.curve import scales_half_space, scales_thin_layer
+from ..base.errors import InputError
+from ..bodies.materials import Elastic
+from ..bodies.problem import Rigid
+from ..formulas.closed_form import foundation_modulus
+from ..series import Array
+
+
+@dataclass(frozen=True)
+class Scales:
+    """What P [N], delta [m] and a [m] are divided by, and the labels of (delta, P, a) on axes."""
+
+    name: str
+    P: float
+    delta: float
+    a: float
+    labels: tuple[str, str, str]
+
+    def columns(self, result: Analysis) -> dict[str, Array]:
+        """The dimensionless columns of a curve."""
+        curve, series = result.curve, result.curve.series
+        return {
+            "a_bar": series.a / self.a,
+            "delta_bar": curve.delta / self.delta,
+            "P_bar": curve.P / self.P,
+            "delta_H_bar": series.delta / self.delta,
+            "P_H_bar": series.P / self.P,
+        }
+
+
+def scales_of(result: Analysis, name: str) -> Scales:
+    """The scales of Eq. 15 ("half-space") or Eq. 19 ("thin-layer") for the body and w of a result."""
+    problem, w = result.case.problem, result.w
+    R = problem.indenter.tip_radius
+    if R is None or w == 0:
+        raise InputError("--dimensionless: needs an indenter with a tip radius and w > 0")
+    if name == "half-space":
+        P, delta, a = scales_half_space(R, problem.E_star, w)
+        return Scales(name, P, delta, a, ("δ / δ₀  (Eq. 15)", "P / (π w R)", "a / a₀  (Eq. 15)"))
+    layers, base = problem.specimen.layers, problem.specimen.base
+    material = layers[0].material if len(layers) == 1 and isinstance(base, Rigid) and base.bonded else None
+    if not isinstance(material, Elastic) or material.nu >= 0.5:
+        raise InputError(
+            "--dimensionless thin-layer: needs one homogeneous isotropic layer with nu < 0.5, bonded to a rigid base "
+            "(Eq. 22)"
+        )
+    K = foundation_modulus(material.E, material.nu, layers[0].thickness)
+    P, delta, a = scales_thin_layer(R, K, w)
+    return Scales(name, P, delta, a, ("δ / √(2w/K)", "P / (2 π w R)", "a / (8 w R²/K)^(1/4)"))
+
+
+def own_scales(values: Mapping[str, float]) -> Scales:
+    """The user's own scales: all of a, delta [m] and P [N], each > 0."""
+    for key in ("a", "delta", "P"):
+        if not (key in values and np.isfinite(values[key]) and values[key] > 0):
+            raise InputError(f"--scale: needs a, delta and P, each > 0, got {key} = {values.get(key, 'nothing')}")
+    return Scales("own", values["P"], values["delta"], values["a"], ("δ / δ₀", "P / P₀", "a / a₀"))

@@ -1,0 +1,167 @@
+"""Adhesive curves as CSV and summaries as JSON: the interfaces that scripts rely on."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..adhesion.analysis import Analysis
+from ..adhesion.critical import Errors
+from ..adhesion.curve import AdhesiveCurve, CriticalPoint, Outside
+from ..adhesion.stability import Behaviour, Energy, Jump, behaviour, branch
+from ..adhesion.states import DISPLACEMENT_CONTROL, LOAD_CONTROL, State
+from ..adhesion.validity import layer_tabor
+from ..base.errors import InputError
+from ..base.files import read_bytes
+from ..series import Array
+
+SUMMARY_FORMAT, SUMMARY_VERSION = "jkr-summary", 1
+WORD_COLUMNS = ("branch",)  # of a curve; all others are numbers
+
+
+def curve_columns(curve: AdhesiveCurve) -> dict[str, Array]:
+    """The columns of the CSV file by name; later versions may add columns after these."""
+    series, slopes = curve.series, curve.slopes
+    columns = {
+        "a_m": series.a,
+        "delta_m": curve.delta,
+        "P_N": curve.P,
+        "delta_H_m": series.delta,
+        "P_H_N": series.P,
+        "S_N_per_m": slopes.S,
+        "dS_da_N_per_m2": slopes.dS,
+    }
+    if curve.errors:
+        columns |= {"P_err_N": curve.errors["P"], "delta_err_m": curve.errors["delta"]}
+    return columns | {"branch": branch(curve)}
+
+
+def csv(columns: dict[str, Array]) -> str:
+    """One header line, then a line per row, numbers with full precision."""
+    rows = zip(*(np.asarray(values).tolist() for values in columns.values()), strict=True)
+    lines = [",".join(columns), *(",".join(map(str, row)) for row in rows)]
+    return "\n".join(lines) + "\n"
+
+
+def read_curve(path: Path) -> dict[str, Array]:
+    """The columns of numbers in a CSV file written by ``csv``; InputError with the line where a row is wrong."""
+    lines = read_bytes(path, "curve").decode("utf-8", errors="replace").splitlines()
+    names = lines[0].split(",") if lines else []
+    if names[:1] != ["a_m"]:
+        raise InputError(f'{path}: line 1 must be the header "a_m,delta_m,P_N,...", got "{(lines or [""])[0][:40]}"')
+    numeric = [name for name in names if name not in WORD_COLUMNS]
+    rows = []
+    for number, line in enumerate(lines[1:], start=2):
+        cells = line.split(",")
+        try:
+            row = [float(cell) for name, cell in zip(names, cells, strict=True) if name in numeric]
+        except ValueError:
+            row = []
+        if len(row) != len(numeric) or not np.isfinite(row).all():
+            raise InputError(f'{path}: line {number} must hold {len(numeric)} finite numbers, got "{line[:60]}"')
+        rows.append(row)
+    if len(rows) < 2:
+        raise InputError(f"{path}: holds {len(rows)} rows, at least 2 are needed")
+    table = np.array(rows).T
+    if (np.diff(table[0]) <= 0).any():
+        raise InputError(
+            f"{path}: line {int(np.argmax(np.diff(table[0]) <= 0)) + 3}: a_m must increase from row to row"
+        )
+    return dict(zip(numeric, table, strict=True))
+
+
+def summary(result: Analysis) -> dict[str, Any]:
+    """What stands in the JSON file beside a curve."""
+    slopes, comparison = result.curve.slopes, result.comparison
+    judged = validity(result)
+    return {
+        "format": SUMMARY_FORMAT,
+        "version": SUMMARY_VERSION,
+        "file": str(result.stored.path),
+        "title": result.case.title,
+        "w_J_per_m2": result.w,
+        "modulus_factor": result.modulus_factor,
+        "method": result.stored.method,
+        "slopes": slopes.method,
+        "slopes_reason": slopes.reason,
+        "smoothing_lambda": slopes.smoothing_lambda,
+        "points": {"kept": len(result.curve.series), "dropped": result.dropped},
+        "pull_off": {
+            name: point(found) | _errors(result.pull_off_errors.get(name)) for name, found in result.pull_off.items()
+        },
+        "stability": stability(result),
+        "tabor": judged["tabor"],
+        "validity": judged,
+        "errors": result.budget.as_dict(),
+        "comparison": None if comparison is None else {
+            "reference": "closed form of the same indenter on a half-space",
+            "load": comparison.load,
+            "pull_off": comparison.pull_off,
+            "curve": comparison.curve,
+            "sphere_against_parabola": comparison.parabola,
+        },
+        "warnings": result.warnings,
+    }  # fmt: skip
+
+
+def point(found: CriticalPoint | State | Outside) -> dict[str, Any]:
+    """A critical point or state by its columns; all None with the reason where it lies outside the series."""
+    if isinstance(found, Outside):
+        return {"P_N": None, "delta_m": None, "a_m": None, "reason": found.reason}
+    return {"P_N": found.P, "delta_m": found.delta, "a_m": found.a}
+
+
+def _errors(found: Errors | str | None) -> dict[str, Any]:
+    """The half-widths beside a point; None with the reason where they are unknown, nothing where there is no point."""
+    if found is None:
+        return {}
+    if isinstance(found, str):
+        return {"P_err_N": None, "delta_err_m": None, "error": found}
+    return {"P_err_N": found["P"], "delta_err_m": found["delta"]}
+
+
+def validity(result: Analysis) -> dict[str, Any]:
+    """The numbers by which the result is judged, those of a layer last."""
+    return asdict(result.validity) | layer_tabor(result.case.problem, result.w, result.case.z0)
+
+
+def stability(result: Analysis) -> dict[str, Any]:
+    """What the curve means under load and under displacement control."""
+    controls = {"load": LOAD_CONTROL, "displacement": DISPLACEMENT_CONTROL}
+    return {name: control(behaviour(result.curve, stiffness)) for name, stiffness in controls.items()}
+
+
+def control(found: Behaviour) -> dict[str, Any]:
+    """Everything that is read off a curve under one control; a null with its reason where there is no number."""
+    critical = [{"kind": item.kind, **point(item)} for item in found.critical]
+    return {
+        "critical_points": critical,
+        "pull_off": point(found.pull_off),
+        "jump_in": point(found.jump_in),
+        "jumps_before_pull_off": [jump(item) for item in found.partial],
+        **energies(found.energy_lost, found.separation),
+    }
+
+
+def jump(found: Jump) -> dict[str, Any]:
+    """A jump between two states; "to" is null where contact is lost."""
+    return {"from": point(found.start), "to": None if found.end is None else point(found.end)}
+
+
+def energies(lost: Energy, separation: Energy) -> dict[str, Any]:
+    """Energy lost per cycle and work of separation [J], each null with its reason where there is none."""
+    held: dict[str, Any] = {}
+    for name, energy in (("energy_lost", lost), ("work_of_separation", separation)):
+        held[f"{name}_J"] = None if isinstance(energy, str) else energy
+        if isinstance(energy, str):
+            held[f"{name}_reason"] = energy
+    return held
+
+
+def as_json(data: dict[str, Any]) -> str:
+    """JSON with no NaN or infinity in it, ever."""
+    return json.dumps(data, indent=2, allow_nan=False) + "\n"

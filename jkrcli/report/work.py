@@ -1,0 +1,155 @@
+"""The work of adhesion along measured curves as a table, as a summary, and in words."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from collections.abc import Set as AbstractSet
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..adhesion.analysis import Analysis
+from ..adhesion.validity import check
+from ..base.units import show
+from ..data.measured.contact import saturation
+from ..identify.work.along import WorkAlong
+from ..identify.work.body import ABOVE, BELOW, NONE, OK
+from ..series import Array
+from .tables import csv
+
+FORMAT, VERSION = "jkr-work", 1
+QUARTILES = (0.25, 0.5, 0.75)
+MANY = 0.1  # of the rows: as many without a work of adhesion are said in a warning
+
+
+def table(found: Sequence[WorkAlong]) -> str:
+    """The CSV file: all rows of all curves, a curve at a time. Cells without a value are empty; quantities that no
+    curve has make no column."""
+    held = {name for item in found for name, (values, _) in _numbers(item).items() if values is not None}
+    texts = (csv(_labels(item) | _cells(item, held)) for item in found)
+    return "".join(text if i == 0 else text.split("\n", 1)[1] for i, text in enumerate(texts))
+
+
+def _labels(item: WorkAlong) -> dict[str, Array]:
+    """Curve, segment (may be empty) and state of each row."""
+    curve, size = item.curve, len(item.curve)
+    segments = [""] * size if curve.segment is None else [_quoted(word) for word in curve.segment.tolist()]
+    return {"curve": np.full(size, _quoted(curve.name)), "segment": np.array(segments), "state": item.state}
+
+
+def _numbers(item: WorkAlong) -> dict[str, tuple[Array | None, Array]]:
+    """The columns of numbers, each with the rows that have them."""
+    curve, ok = item.curve, item.ok
+    every = np.ones(ok.size, dtype=bool)
+    timed = ~every if item.timed is None else item.timed
+    return {
+        "a_m": (curve.a, every) if "a" in item.used else (item.a, ok),
+        "w_J_per_m2": (item.w, ok),
+        "w_err_J_per_m2": (item.w_err, ok),
+        "delta_m": (curve.delta, every),
+        "P_N": (curve.P, every),
+        "a_err_m": (item.a_err, ok),
+        "t_s": (curve.t, every),
+        "speed_m_per_s": (item.speed, timed),
+        "speed_err_m_per_s": (item.speed_err, timed),
+    }
+
+
+def _cells(item: WorkAlong, held: AbstractSet[str]) -> dict[str, Array]:
+    """The columns named in ``held``, numbers with full precision, cells without a value empty."""
+    return {
+        name: np.where(rows, "" if values is None else np.array(list(map(repr, values.tolist()))), "")
+        for name, (values, rows) in _numbers(item).items()
+        if name in held
+    }
+
+
+def _quoted(name: str) -> str:
+    """A name as a cell of a CSV file."""
+    return name if not set(name) & set(',"') else '"' + name.replace('"', '""') + '"'
+
+
+def summary(found: Sequence[WorkAlong], body: Analysis, path: Path, skipped: Sequence[str]) -> dict[str, Any]:
+    """What stands in the JSON file beside a table: per curve and for the body."""
+    return {
+        "format": FORMAT,
+        "version": VERSION,
+        "file": str(path),
+        "series": str(body.stored.path),
+        "title": body.case.title,
+        "modulus_factor": body.modulus_factor,
+        "slopes": body.curve.slopes.method,
+        "errors": body.budget.as_dict(),
+        "curves": [curve_summary(item) for item in found],
+        "skipped": list(skipped),
+        "warnings": body_warnings(body),
+    }
+
+
+def curve_summary(item: WorkAlong) -> dict[str, Any]:
+    """Counts, quartiles of w over all usable rows and by the sense of the edge's motion, and what to mind."""
+    groups = {"all": item.ok}
+    if item.timed is not None and item.speed is not None:
+        groups |= {"advancing": item.timed & (item.speed > 0), "receding": item.timed & (item.speed < 0)}
+    return {
+        "curve": item.curve.name,
+        "from": list(item.used),
+        "rows": {word: int((item.state == word).sum()) for word in (OK, NONE, BELOW, ABOVE)},
+        "w": {name: _spread(item, rows) for name, rows in groups.items()},
+        "window": item.window or None,
+        "flags": [*item.curve.flags, *flags(item)],
+    }
+
+
+def _spread(item: WorkAlong, rows: Array) -> dict[str, Any] | None:
+    """Quartiles of w and the median of its error over some rows; None where there are none."""
+    if not rows.any():
+        return None
+    low, middle, high = (float(value) for value in np.quantile(item.w[rows], QUARTILES))
+    held: dict[str, Any] = {"rows": int(rows.sum()), "median_J_per_m2": middle, "quartiles_J_per_m2": [low, high]}
+    errors = {"err": item.w_err} | {f"err_by_{name}": share for name, share in item.shares.items()}
+    held |= {
+        f"{name}_J_per_m2": float(np.median(values[rows])) for name, values in errors.items() if values is not None
+    }
+    if item.speed is not None and item.timed is not None and (timed := rows & item.timed).any():
+        held["speed_m_per_s"] = [float(value) for value in np.quantile(item.speed[timed], (0, 1))]
+    return held
+
+
+def flags(item: WorkAlong) -> list[str]:
+    """What a reader of the numbers should know about one curve."""
+    size = len(item.curve)
+    said = list(saturation(item.curve))
+    ends = {BELOW: "begin the series at smaller radii", ABOVE: "load the series further"}
+    for word, remedy in ends.items():
+        if (count := int((item.state == word).sum())) > MANY * size:
+            said.append(f"{count} of {size} rows lie {word}: they have no w; {remedy}, or they are not in contact")
+    if (count := int((item.state == NONE).sum())) > MANY * size:
+        said.append(
+            f"{count} of {size} rows lie at or above the nonadhesive load: check zero points and modulus; if "
+            "noise put them there, the w of the others is too large on average"
+        )
+    if item.w_err is not None and (unsure := int((item.w_err > item.w)[item.ok].sum())) > MANY * size:
+        said.append(f"at {unsure} of {size} rows the error of w is larger than w")
+    if item.timed is not None and not item.timed.any():
+        said.append(f"no {item.window} usable rows follow one another with rising time: no speed")
+    return said
+
+
+def body_warnings(body: Analysis) -> list[str]:
+    """What holds for every curve on this body: of its series, slopes and validity."""
+    return [*body.stored.warnings, *body.curve.slopes.flags, *check(body.validity)]
+
+
+def words(item: WorkAlong) -> str:
+    """One curve in one line."""
+    parts = [f"{item.curve.where}: {int(item.ok.sum())} of {len(item.curve)} rows"]
+    for name, held in curve_summary(item)["w"].items():
+        if held is None:
+            continue
+        low, high = (show(value, "work") for value in held["quartiles_J_per_m2"])
+        label = "w" if name == "all" else f"{name} w"
+        error = f" +- {show(held['err_J_per_m2'], 'work')}" if "err_by_noise_J_per_m2" in held else ""
+        parts.append(f"{label} = {show(held['median_J_per_m2'], 'work')}{error} (half of the rows: {low} to {high})")
+    return ", ".join(parts[:2]) + "".join(f"\n    {part}" for part in parts[2:])

@@ -1,0 +1,184 @@
+"""The one result that every method gives: the nonadhesive series, its error budget and where it came from."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from ..base.errors import InputError
+
+Array = np.ndarray
+Estimate = float | str  # a relative error, or the reason why it is unknown
+COLUMNS = ("a", "delta", "P", "S", "dS")
+
+
+def _frozen(name: str, values: Array | None, size: int | None = None) -> Array | None:
+    if values is None:
+        return None
+    array = np.array(values, dtype=float)
+    if array.ndim != 1 or (size is not None and array.size != size):
+        raise InputError(f"series: {name} must be one-dimensional with {size} values, got shape {array.shape}")
+    if not np.isfinite(array).all():
+        raise InputError(f"series: {name}[{int(np.argmin(np.isfinite(array)))}] is not finite")
+    array.setflags(write=False)
+    return array
+
+
+@dataclass(frozen=True, eq=False)
+class RawSeries:
+    """Increments as a solver reports them, in order: contact radius ``a`` [m], ``delta`` [m], ``P`` [N].
+
+    Repeated radii are normal: a node-based radius stays while the load grows. ``rows`` numbers them for messages.
+    """
+
+    a: Array
+    delta: Array
+    P: Array
+    rows: Array | None = None
+
+    def __post_init__(self) -> None:
+        a = _frozen("a", self.a)
+        assert a is not None
+        object.__setattr__(self, "a", a)
+        for name in ("delta", "P"):
+            object.__setattr__(self, name, _frozen(name, getattr(self, name), a.size))
+        rows = np.arange(1, a.size + 1) if self.rows is None else np.array(self.rows)
+        object.__setattr__(self, "rows", rows)
+
+
+@dataclass(frozen=True, eq=False)
+class Series:
+    """Nonadhesive contact at strictly increasing radii; all arrays of equal length, read-only, SI.
+
+    ``S = dP/d(delta)`` [N/m] and ``dS = dS/da`` [N/m^2] where the method knows them exactly, else None.
+    ``errors``: estimated absolute errors per column (keys among ``COLUMNS``).
+    ``a0, S0``: contact radius and slope at first touch (both 0 for round indenters; ``S0 = None``: unknown).
+    """
+
+    a: Array
+    delta: Array
+    P: Array
+    S: Array | None = None
+    dS: Array | None = None
+    errors: Mapping[str, Array] = field(default_factory=dict)
+    a0: float = 0.0
+    S0: float | None = 0.0
+
+    def __post_init__(self) -> None:
+        a = _frozen("a", self.a)
+        assert a is not None
+        object.__setattr__(self, "a", a)
+        for name in ("delta", "P", "S", "dS"):
+            object.__setattr__(self, name, _frozen(name, getattr(self, name), a.size))
+        errors = {key: _frozen(f"errors[{key}]", value, a.size) for key, value in self.errors.items()}
+        object.__setattr__(self, "errors", errors)
+        self._check()
+
+    def _check(self) -> None:
+        if self.a.size < 1:
+            raise InputError("series: holds no points")
+        if (np.diff(self.a) <= 0).any() or self.a[0] <= 0:
+            i = int(np.argmax(np.diff(self.a, prepend=0.0) <= 0))
+            raise InputError(f"series: contact radii must be positive and increase, point {i + 1} is {self.a[i]:g} m")
+        for name in ("delta", "P"):
+            values = getattr(self, name)
+            if values[0] <= 0 or (np.diff(values) <= 0).any():
+                i = int(np.argmax(np.diff(values, prepend=0.0) <= 0))
+                raise InputError(f"series: {name} must be positive and increase, point {i + 1} is {values[i]:g}")
+        if not 0 <= self.a0 < self.a[0]:
+            raise InputError(f"series: a0 must be >= 0 and below the first radius {self.a[0]:g} m, got {self.a0:g} m")
+        for name, values in (("S", self.S), ("dS", self.dS)):
+            if values is not None and (values <= 0).any():
+                i = int(np.argmax(values <= 0))
+                raise InputError(f"series: {name} must be > 0, point {i + 1} is {values[i]:g}; use --slopes integral")
+        unknown = set(self.errors) - set(COLUMNS)
+        if unknown:
+            raise InputError(f"series: errors for unknown columns {sorted(unknown)}")
+
+    def __len__(self) -> int:
+        return self.a.size
+
+    def scaled(self, factor: float) -> Series:
+        """The series of the same bodies with all moduli multiplied by ``factor``: P, S and S' scale, delta does not."""
+
+        def times(values: Array | None) -> Array | None:
+            return None if values is None else values * factor
+
+        errors = {k: v * factor if k in ("P", "S", "dS") else v for k, v in self.errors.items()}
+        S0 = None if self.S0 is None else self.S0 * factor
+        return replace(self, P=self.P * factor, S=times(self.S), dS=times(self.dS), errors=errors, S0=S0)
+
+
+@dataclass(frozen=True)
+class ErrorBudget:
+    """Estimated relative errors of the series (largest over its points), each a number or why it is unknown."""
+
+    discretisation: Estimate
+    truncation: Estimate
+    radius: Estimate
+    smoothing: Estimate = "no smoothing was done"
+
+    @property
+    def series(self) -> Estimate:
+        """The error of the series itself: the sum of discretisation, truncation and radius, or the first reason."""
+        parts = (self.discretisation, self.truncation, self.radius)
+        return next((part for part in parts if isinstance(part, str)), None) or float(sum(map(float, parts)))
+
+    @property
+    def total(self) -> Estimate:
+        """Series and smoothing together; the reason, where the series' error is unknown."""
+        if isinstance(self.series, str) or isinstance(self.smoothing, str):
+            return self.series
+        return self.series + self.smoothing
+
+    def as_dict(self) -> dict[str, Estimate]:
+        return {
+            "discretisation": self.discretisation,
+            "truncation": self.truncation,
+            "radius": self.radius,
+            "smoothing": self.smoothing,
+            "total": self.total,
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class PressureTable:
+    """Contact pressure of every increment: ``p`` [Pa] of shape (increments, nodes) at the radii ``r`` [m]."""
+
+    r: Array
+    p: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """What a method returns. ``raw``: its increments, where it works in increments; ``facts``: plain numbers and words
+    about mesh, solver and choices; ``timings``: CPU seconds per stage; ``warnings``: sentences with numbers."""
+
+    series: Series
+    budget: ErrorBudget
+    method: str
+    raw: RawSeries | None = None
+    pressure: PressureTable | None = None
+    facts: Mapping[str, Any] = field(default_factory=dict)
+    timings: Mapping[str, float] = field(default_factory=dict)
+    warnings: tuple[str, ...] = ()
+
+
+def first_of_plateaus(a: Array) -> Array:
+    """Mask of the increments at which the radius ``a`` exceeds every one before it (and 0): the ones to keep."""
+    a = np.asarray(a, dtype=float)
+    return a > np.maximum.accumulate(np.concatenate([[0.0], a[:-1]]))
+
+
+def filter_plateaus(raw: RawSeries) -> tuple[RawSeries, int]:
+    """Keep the first increment of every run with the same outermost contact node (the paper's filter, Sec. 3).
+
+    Increments without contact (a <= 0) are dropped too. Returns the kept increments and how many were dropped.
+    """
+    fresh = first_of_plateaus(raw.a)
+    assert raw.rows is not None
+    kept = RawSeries(raw.a[fresh], raw.delta[fresh], raw.P[fresh], raw.rows[fresh])
+    return kept, int(raw.a.size - kept.a.size)

@@ -1,0 +1,277 @@
+"""The transformation and what is read off its curve, against classical JKR and its thin-layer limits."""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+
+from jkrcli.adhesion.curve import CriticalPoint, Outside, scales_half_space, scales_thin_layer, transform
+from jkrcli.adhesion.slopes import Slopes, slopes
+from jkrcli.base.errors import InputError
+from jkrcli.bodies.indenters import Sphere
+from jkrcli.formulas.closed_form import (
+    adhesive_half_space,
+    hertz,
+    jkr,
+    rounded_flat,
+    sneddon_sphere,
+    thin_incompressible_layer,
+    thin_layer,
+)
+from jkrcli.series import Series
+
+E_STAR, R, W = 5e9 / 0.84, 1e-4, 50.0
+PULL_OFF = math.pi * W * R
+
+
+def half_space(points: int, largest: float = 1.73e-5, errors: dict | None = None) -> Series:
+    a = np.linspace(0, largest, points + 1)[1:]
+    delta, P = hertz(a, E_STAR, R)
+    return Series(a, delta, P, 2 * E_STAR * a, np.full(points, 2 * E_STAR), errors or {})
+
+
+def curve(series: Series, w: float = W):
+    return transform(series, slopes(series), w)
+
+
+def exact_curve(series: Series):
+    """With the slopes that the series carries, however large their error ("auto" may prefer a smooth fit)."""
+    return transform(series, slopes(series, "exact"), W)
+
+
+def test_transform_of_hertz_is_jkr() -> None:
+    series = half_space(100)
+    delta, P = jkr(series.a, E_STAR, R, W)
+    ours = curve(series)
+    assert np.allclose(ours.delta, delta, rtol=0, atol=1e-14 * series.delta[-1])
+    assert np.allclose(ours.P, P, rtol=0, atol=1e-14 * series.P[-1])
+
+
+@pytest.mark.parametrize("points", [2, 3, 7, 100])
+def test_between_points_a_power_law_is_exact_for_any_number_of_points(points: int) -> None:
+    series = half_space(points)
+    a = np.linspace(series.a[0], series.a[-1], 57)
+    delta, P = jkr(a, E_STAR, R, W)
+    ours = curve(series).at(a)
+    assert np.allclose(ours[0], delta, rtol=0, atol=1e-13 * series.delta[-1])  # round-off of logs
+    assert np.allclose(ours[1], P, rtol=0, atol=1e-13 * series.P[-1])
+
+
+def test_rates_are_derivatives_of_the_curve() -> None:
+    a0 = 1e-6
+    a = np.linspace(1.1e-6, 6e-6, 12)
+    delta, P = rounded_flat(a, 1e9, a0, 1e-5)
+    ours = curve(Series(a, delta, P, 2e9 * a, np.full(12, 2e9), a0=a0, S0=2e9 * a0), 0.5)
+    at, step = np.linspace(1.2e-6, 5.9e-6, 31), 1e-11
+    higher, lower = ours.at(at + step), ours.at(at - step)
+    for rate, up, down in zip(ours.rates(at), higher, lower, strict=True):
+        assert np.allclose(rate, (up - down) / (2 * step), rtol=1e-6)  # difference over 1e-5 of a
+
+
+@pytest.mark.parametrize("points", [10, 100])
+def test_pull_off_under_load_and_displacement_control(points: int) -> None:
+    ours, (_, _, a_unit) = curve(half_space(points)), scales_half_space(R, E_STAR, W)
+    load, grip = ours.pull_off(0.0), ours.pull_off(math.inf)
+    assert isinstance(load, CriticalPoint)
+    assert isinstance(grip, CriticalPoint)
+    assert abs(load.P / PULL_OFF + 1.5) < 1e-10  # all power laws: round-off only
+    assert (load.a / a_unit) ** 3 == pytest.approx(1.5, rel=1e-9)
+    assert abs(grip.P / PULL_OFF + 5 / 6) < 1e-9
+    assert (grip.a / a_unit) ** 3 == pytest.approx(1 / 6, rel=1e-9)
+
+
+def test_pull_off_falls_monotonically_from_load_to_displacement_control() -> None:
+    ours = curve(half_space(100))
+    forces = [-ours.pull_off(stiffness).P for stiffness in (0.0, 1e2, 1e3, 1e4, 1e5, 1e6, 1e8, math.inf)]
+    assert np.all(np.diff(forces) < 0)
+    assert forces[1] / forces[0] == pytest.approx(1, abs=1e-5)
+    assert forces[-2] / forces[-1] == pytest.approx(1, abs=1e-3)  # 6e-2 at 1e6 N/m, falling as 1/stiffness
+
+
+def test_stiffness_condition_holds_at_its_critical_point() -> None:
+    ours, stiffness = curve(half_space(50)), 3e4
+    point = ours.pull_off(stiffness)
+    ddelta, dP = ours.rates(np.array(point.a))
+    assert ddelta + dP / stiffness == pytest.approx(0, abs=1e-9 * abs(float(ddelta)))
+
+
+@pytest.mark.parametrize(("law", "exponent", "factor"), [("compressible", 2, -2.0), ("incompressible", 4, -3.0)])
+def test_thin_layers(law: str, exponent: int, factor: float) -> None:
+    a, h = np.linspace(0, 1.7e-5, 61)[1:], 1e-8
+    if law == "compressible":
+        delta, P = thin_layer(a, 1e16, R)
+        scale = math.pi * 1e16
+    else:
+        delta, P = thin_incompressible_layer(a, 1e6, h, R)
+        scale = 3 * math.pi * 1e6 / (8 * h**3)
+    series = Series(a, delta, P, scale * a**exponent, exponent * scale * a ** (exponent - 1))
+    w = P[-1] / R / 40  # pull-off well inside the series
+    point = curve(series, w).pull_off(0.0)
+    assert point.P / (math.pi * w * R) == pytest.approx(factor, rel=1e-9)  # power laws: round-off only
+    if law == "compressible":
+        P_unit, delta_unit, a_unit = scales_thin_layer(R, 1e16, w)
+        assert (point.P / P_unit, point.a / a_unit) == pytest.approx((-1, 1), rel=1e-7)  # a minimum: root of round-off
+        assert point.delta == pytest.approx(0, abs=1e-7 * delta_unit)
+        outside = curve(series, w).pull_off(math.inf)  # delta falls down to a = 0
+        assert isinstance(outside, Outside)
+        assert f"smallest radius of the series, a = {a[0] / 1e-9:.4g} nm (P = " in outside.reason
+        assert 'ask for smaller radii: loading.spacing = "log", by fem a smaller mesh.smallest (or' in outside.reason
+
+
+def test_several_or_no_critical_points_are_reported_as_such() -> None:
+    small = curve(half_space(20, largest=4e-6))
+    assert small.critical(0.0) == ()
+    reason = small.pull_off(0.0).reason
+    assert (
+        "the load is lowest at the largest radius of the series, a = 4 um (P = -16.8 mN, delta = -299.5 nm)" in reason
+    )
+    assert "load further" in reason
+    a = np.linspace(0, 1.73e-5, 301)[1:]
+    dS = 2 * E_STAR * (1 + 0.9 * np.sin(a / 4e-7))  # a wavy slope: many minima
+    delta, P = hertz(a, E_STAR, R)
+    series = Series(a, delta, P, 2 * E_STAR * a, dS)
+    wavy = curve(series)
+    points = wavy.critical(0.0)
+    kinds = [point.kind for point in points]
+    assert kinds.count("minimum") >= 3
+    assert all(first != second for first, second in itertools.pairwise(kinds))
+    assert wavy.pull_off(0.0) == min(points, key=lambda point: point.P)
+
+
+def test_radii_of_a_load_or_a_displacement() -> None:
+    ours = curve(half_space(100))
+    a = ours.radii(P=-1.2 * PULL_OFF)  # between pull-off and nothing: one unstable, one stable radius
+    assert len(a) == 2
+    assert ours.at(np.array(a))[1] == pytest.approx(-1.2 * PULL_OFF, rel=1e-10)
+    assert ours.radii(P=-1.6 * PULL_OFF) == ()
+    (at_rest,) = ours.radii(delta=0.0)
+    assert (at_rest / scales_half_space(R, E_STAR, W)[2]) ** 3 == pytest.approx(8 / 3, rel=1e-9)  # Eq. 18: a^3 = 24/9
+    with pytest.raises(InputError, match="give either P or delta"):
+        ours.radii()
+
+
+def test_no_adhesion_returns_the_nonadhesive_series_exactly() -> None:
+    series = half_space(10)
+    ours = curve(series, 0.0)
+    assert np.array_equal(ours.delta, series.delta)
+    assert np.array_equal(ours.P, series.P)
+
+
+@pytest.mark.parametrize(("length", "force"), [(1e6, 1.0), (1e-3, 1e7), (1e9, 1e-9)])
+def test_change_of_units(length: float, force: float) -> None:
+    series = half_space(30)
+    stiff = force / length
+    scaled = Series(
+        series.a * length, series.delta * length, series.P * force, series.S * stiff, series.dS * stiff / length
+    )
+    plain, other = curve(series), curve(scaled, W * stiff)
+    for stiffness in (0.0, 1e4, math.inf):
+        here, there = plain.pull_off(stiffness), other.pull_off(stiffness * stiff)
+        assert there.a == pytest.approx(here.a * length, rel=1e-10)
+        assert abs(there.P / (here.P * force) - 1) < 1e-12
+        assert there.delta == pytest.approx(here.delta * length, rel=1e-10)
+
+
+def test_errors_propagate_to_first_order() -> None:
+    series = half_space(30)
+    covariance = np.zeros((30, 4, 4))
+    plain = Slopes(series.S, series.dS, "exact", 0.0)
+    rough = 1e-4 * np.stack([series.delta, series.P, series.S, series.dS])
+    generator = np.random.default_rng(0)
+    mix = generator.standard_normal((4, 4))
+    covariance = np.einsum("in,ik,jk,jn->nij", rough, mix, mix, rough)
+    known = transform(series, Slopes(series.S, series.dS, "exact", 0.0, covariance=covariance), W)
+    draws = np.einsum("in,ik,kd->ind", rough, mix, generator.standard_normal((4, 4000)))
+    samples = []
+    for d in range(4000):
+        moved = Series(series.a, series.delta + draws[0, :, d], series.P + draws[1, :, d])
+        samples.append(transform(moved, Slopes(series.S + draws[2, :, d], series.dS + draws[3, :, d], "x", 0.0), W).P)
+    spread = np.std(samples, axis=0)
+    assert np.allclose(known.errors["P"], 1.645 * spread, rtol=0.06)  # 4000 draws: 1/sqrt(8000) = 1.1 %, 30 points
+    assert transform(series, plain, W).errors == {}
+
+
+def test_errors_of_the_series_reach_the_curve() -> None:
+    series = half_space(30)
+    known = exact_curve(half_space(30, errors={"P": 1e-3 * series.P, "dS": 2e-3 * series.dS}))
+    t = series.delta - known.delta
+    expected = np.hypot(1e-3 * series.P, series.S * t * 1e-3)  # dP = S t/2 dS'/S'
+    assert np.allclose(known.errors["P"], expected, rtol=1e-12)
+    assert np.allclose(known.errors["delta"], 1e-3 * t, rtol=1e-12)
+    assert known.error_at(series.a[4:5])["P"] == pytest.approx(known.errors["P"][4:5])
+
+
+def test_an_error_of_the_radius_acts_through_the_shift() -> None:
+    series = half_space(30)
+    known = exact_curve(half_space(30, errors={"a": 1e-3 * series.a}))
+    assert np.allclose(known.errors["delta"], 1e-3 * (series.delta - known.delta), rtol=1e-12)  # t ~ a at given S
+
+
+def sphere_curve(a: np.ndarray):
+    delta, P = sneddon_sphere(a, E_STAR, R)
+    return curve(Series(a, delta, P, 2 * E_STAR * a, np.full(a.size, 2 * E_STAR)))
+
+
+def true_interpolation_error(ours) -> float:
+    between = np.linspace(ours.a[0], ours.a[-1], 500)
+    true = []
+    for found, exact in zip(ours.at(between), adhesive_half_space(between, E_STAR, Sphere(R), W), strict=True):
+        unit = np.maximum(np.abs(exact), abs(np.min(exact)))
+        true.append(float(np.max(np.abs(found - exact) / unit)))
+    return max(true)
+
+
+@pytest.mark.parametrize("points", [5, 6, 7, 10, 20, 40, 41])
+@pytest.mark.parametrize("power", [1.0, 0.5])  # even radii, even depths
+def test_interpolation_error_is_of_the_size_of_the_true_one(points: int, power: float) -> None:
+    ours = sphere_curve(2.2e-5 * (np.arange(1, points + 1) / points) ** power)
+    true = true_interpolation_error(ours)
+    assert true / 2.5 < ours.interpolation_error < 60 * true  # no reduction is assumed for few points
+
+
+@pytest.mark.parametrize("points", [20, 21, 40])
+def test_interpolation_error_is_told_at_the_last_interval_too(points: int) -> None:
+    ours = sphere_curve(np.geomspace(2.2e-9, 2.2e-5, points))  # the widest interval is the last
+    assert true_interpolation_error(ours) / 1.2 < ours.interpolation_error
+
+
+def test_interpolation_error_of_power_laws_is_round_off_and_unknown_for_few_points() -> None:
+    assert curve(half_space(30)).interpolation_error < 1e-13
+    assert curve(half_space(30), 0.0).interpolation_error < 1e-13
+    assert curve(half_space(4)).interpolation_error == "unknown: fewer than 5 points"
+    wide = sphere_curve(np.geomspace(2e-9, 2e-5, 8)).interpolation_error
+    assert wide == "unknown: neighbouring radii differ by more than a factor of 2.7"
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: curve(half_space(10), -1.0), "w: must be >= 0 J/m\\^2, got -1"),
+        (lambda: curve(half_space(10), math.nan), "w: must be >= 0"),
+        (lambda: curve(half_space(10)).critical(-2.0), "stiffness: must be >= 0 N/m .*got -2"),
+        (lambda: curve(half_space(10)).at(np.array([1.0])), "contact radius 1 m lies outside the series, 1.73e-06 to"),
+        (lambda: curve(half_space(1)).at(np.array([1.73e-5])), "a series of one point has no values between points"),
+    ],
+)
+def test_wrong_requests_are_refused(call, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        call()
+
+
+def test_slopes_that_are_not_positive_are_refused_with_the_radius() -> None:
+    series = half_space(10)
+    bad = Slopes(series.S, np.where(np.arange(10) == 3, -1.0, series.dS), "exact", 0.0)
+    with pytest.raises(InputError, match=r"not positive at 1 radii, first at a = 6\.92e-06 m"):
+        transform(series, bad, W)
+
+
+def test_scales_make_hertz_and_jkr_dimensionless() -> None:
+    P_unit, delta_unit, a_unit = scales_half_space(R, E_STAR, W)
+    delta, P = hertz(np.array(a_unit), E_STAR, R)
+    assert (float(delta) / delta_unit, float(P) / P_unit) == pytest.approx((1, 1), rel=1e-14)  # Eq. 17 at a_bar = 1
+    P_unit, delta_unit, a_unit = scales_thin_layer(R, 1e15, W)
+    delta, P = thin_layer(np.array(a_unit), 1e15, R)
+    assert (float(delta) / delta_unit, float(P) / P_unit) == pytest.approx((1, 1), rel=1e-14)  # Eq. 20 at a_bar = 1

@@ -1,0 +1,168 @@
+"""The error of pull-off points: that of the curve at their radius, and that of the radius itself."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.integrate import cumulative_trapezoid
+
+from jkrcli.adhesion.critical import point_error
+from jkrcli.adhesion.curve import AdhesiveCurve, CriticalPoint, Outside, transform
+from jkrcli.adhesion.slopes import slopes, smoothed
+from jkrcli.bodies.indenters import Paraboloid
+from jkrcli.bodies.materials import Elastic
+from jkrcli.bodies.problem import Layer, Loading, Problem, Rigid, Specimen
+from jkrcli.many.study.noise import noisy
+from jkrcli.methods import method_class
+from jkrcli.methods.layered.layered import Layered
+from jkrcli.series import Series
+
+CONTROLS = {"load": 0.0, "displacement": math.inf, "spring": 2.0}
+BODY = Problem(
+    Paraboloid(10.0), Specimen((Layer(Elastic(1.0, 0.45), 1.0),), Rigid()), Loading("radius", 2.0, 1500)
+)  # fmt: skip
+W = 2e-3
+
+
+@pytest.fixture(scope="module")
+def exact() -> Series:
+    return Layered()(BODY).series
+
+
+def perturbed(series: Series, size: float) -> AdhesiveCurve:
+    """The curve after a smooth change of all four columns that keep S = dP/d(delta) and S' = dS/da."""
+    x = series.a / series.a[-1]
+    assert series.S is not None
+    assert series.dS is not None
+    f, df = 1 + size * (x**2 - x / 3), size * (2 * x - 1 / 3) / series.a[-1]
+    S, dS = series.S * f, series.dS * f + series.S * df
+    delta = series.delta * (1 + size * (x - x**2 / 2))
+    more = np.gradient(delta, series.a) * S - np.gradient(series.delta, series.a) * series.S
+    P = series.P + cumulative_trapezoid(more, series.a, initial=0.0)
+    changed = replace(series, delta=delta, P=P, S=S, dS=dS)
+    return transform(changed, slopes(changed, "exact"), W)
+
+
+@pytest.mark.parametrize("control", CONTROLS)
+def test_a_known_change_of_the_columns_moves_the_point_as_predicted(exact: Series, control: str) -> None:
+    """One mode, its covariance of rank one: the half-width is the movement itself, to first order."""
+    size, stiffness = 1e-5, CONTROLS[control]
+    before, after = perturbed(exact, 0.0), perturbed(exact, size)
+    start, end = before.pull_off(stiffness), after.pull_off(stiffness)
+    assert isinstance(start, CriticalPoint)
+    assert isinstance(end, CriticalPoint)
+
+    def columns(found: AdhesiveCurve) -> np.ndarray:
+        series, slope = found.series, found.slopes
+        bend = np.gradient(slope.dS, series.a, edge_order=2)
+        rate = np.gradient(series.delta, series.a, edge_order=2)
+        return np.stack([series.delta, series.P, slope.S, slope.dS, rate, bend])
+
+    mode = (columns(after) - columns(before)).T
+    joint = mode[:, :, None] * mode[:, None, :]
+    known = replace(before.slopes, joint=joint, covariance=joint[:, :4, :4], quantile=1.0)
+    found = point_error(transform(before.series, known, W), start, stiffness)
+    assert not isinstance(found, str)
+    between = before.interpolation_error
+    assert isinstance(between, float)
+    for name in ("delta", "P"):
+        moved, room = abs(getattr(end, name) - getattr(start, name)), between * abs(getattr(start, name))
+        assert found[name] - room == pytest.approx(moved, rel=0.02, abs=1e-3 * size * abs(getattr(start, name)))
+
+
+@pytest.mark.parametrize("control", ["load", "displacement"])
+@pytest.mark.parametrize("noise", [1e-4, 1e-2])
+def test_noisy_points_lie_within_what_is_stated(exact: Series, control: str, noise: float) -> None:
+    """Under displacement control the radius errs and takes the load along: the band at given radius is too small."""
+    stiffness = CONTROLS[control]
+    truth = transform(exact, slopes(exact, "exact"), W).pull_off(stiffness)
+    assert isinstance(truth, CriticalPoint)
+    ratios, at_radius = [], []
+    for seed in range(20):
+        ours = transform(*smoothed(noisy(exact, noise, seed)), W)
+        point = ours.pull_off(stiffness)
+        assert isinstance(point, CriticalPoint)
+        found = point_error(ours, point, stiffness)
+        assert not isinstance(found, str)
+        ratios.append(abs(point.P - truth.P) / found["P"])
+        at_radius.append(abs(point.P - truth.P) / float(ours.error_at(np.array(point.a))["P"]))
+    assert np.mean(np.array(ratios) <= 1) >= 0.75
+    assert max(ratios) < 3
+    if control == "displacement":
+        assert np.mean(np.array(at_radius) <= 1) < 0.75  # what the band alone would claim
+
+
+def missed(ours: AdhesiveCurve, truth: CriticalPoint | Outside) -> tuple[CriticalPoint, float, float]:
+    """The pull-off under displacement control, the error of its load, and the stated one."""
+    point = ours.pull_off(math.inf)
+    assert isinstance(truth, CriticalPoint)
+    assert isinstance(point, CriticalPoint)
+    found = point_error(ours, point, math.inf)
+    assert not isinstance(found, str)
+    return point, abs(point.P - truth.P), found["P"]
+
+
+def test_scatter_of_finite_elements_moves_the_point() -> None:
+    """Their own S' scatters from vertex to vertex: under displacement control the load errs by eight times the band."""
+    layers = (Layer(Elastic(5.043, 0.49998681), 1.0), Layer(Elastic(0.51357, 0.4376), 0.5634))
+    problem = Problem(Paraboloid(4.0829), Specimen(layers, Rigid(bonded=False)), Loading("radius", 0.25756, 60))
+    exact = Layered()(problem).series
+    truth = transform(exact, slopes(exact, "exact"), 3.0588e-5).pull_off(math.inf)
+    series = method_class("fem")()(problem).series
+    ours = transform(series, slopes(series, "exact"), 3.0588e-5)
+    point, error, stated = missed(ours, truth)
+    assert error > 2 * float(ours.error_at(np.array(point.a))["P"])
+    assert error <= 2 * stated
+    assert stated < 0.05 * abs(point.P)
+
+
+CASE = """
+method = "layered"
+[indenter]
+shape = "sphere"
+radius = "100 um"
+[[specimen.layers]]
+thickness = "10 um"
+E = "1 MPa"
+nu = 0.45
+[loading]
+radius = "20 um"
+points = {points}
+"""
+
+
+@pytest.mark.parametrize(("points", "known"), [(60, True), (4, False)])
+def test_the_summary_and_the_printed_line_hold_it(jkr, points: int, known: bool) -> None:
+    Path("x.toml").write_text(CASE.format(points=points), encoding="utf-8")
+    assert jkr("run", "x.toml").code == 0
+    outcome = jkr("transform", "x.h5", "--w", "10 mJ/m^2", "--no-plots")
+    assert outcome.code == 0, outcome.err
+    found = json.loads(Path("x-w0.01.json").read_text(encoding="utf-8"))["pull_off"]["load"]
+    if known:
+        assert 0 < found["P_err_N"] < 1e-3 * abs(found["P_N"])
+        percent = 100 * found["P_err_N"] / abs(found["P_N"])
+        assert f"± {float(f'{percent:.2g}'):g} % " in outcome.out
+    else:
+        assert found["P_err_N"] is None
+        assert " ± ? " in outcome.out
+        assert found["error"] == "unknown: fewer than 5 points"
+
+
+def test_smoothing_splines_are_measured_against_the_other_slopes() -> None:
+    """What neighbouring rows have in common is not seen where every second one is left out."""
+    body = Specimen((Layer(Elastic(1.0, 0.499), 0.3),), Rigid())
+    exact = Layered()(Problem(Paraboloid(10.0), body, Loading("radius", 2.0, 150))).series
+    truth = transform(exact, slopes(exact, "exact"), 1e-5).pull_off(math.inf)
+    ours = transform(exact, slopes(exact, "loocv"), 1e-5)
+    point, error, stated = missed(ours, truth)
+    assert 0.05 * abs(point.P) < error <= stated
+
+
+def test_no_adhesion_has_no_such_error(exact: Series) -> None:
+    nothing = transform(exact, slopes(exact, "integral"), 0.0)
+    assert point_error(nothing, CriticalPoint(1.0, 0.1, 0.1), 0.0) == "unknown: there is no adhesion at w = 0"

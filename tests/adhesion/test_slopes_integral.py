@@ -1,0 +1,298 @@
+"""Slopes by integration: exact laws, layered bodies, noise, few and many points, quantised radii, flat ends."""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+import pytest
+
+from jkrcli.adhesion.curve import transform
+from jkrcli.adhesion.slopes import slopes, smoothed
+from jkrcli.adhesion.slopes.events import has_plateaus, touch_events
+from jkrcli.adhesion.slopes.integral import integral
+from jkrcli.adhesion.slopes.loocv import loocv
+from jkrcli.adhesion.slopes.model import LogSplineModel
+from jkrcli.adhesion.slopes.scatter import correlation_length
+from jkrcli.base.errors import InputError, Refusal
+from jkrcli.bodies.materials import Elastic
+from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Specimen
+from jkrcli.formulas.closed_form import hertz, power_law, rounded_flat, thin_incompressible_layer, thin_layer
+from jkrcli.many.study.failures_cells import indenter_of, specimen_of
+from jkrcli.many.study.noise import BODIES, cell, noise_study, noisy
+from jkrcli.many.study.quantised import node_based, quantised_study
+from jkrcli.methods.layered.layered import Layered
+from jkrcli.series import RawSeries, Series
+
+E_STAR, R, W = 5e9 / 0.84, 1e-4, 50.0
+PULL_OFF = -1.5 * np.pi * W * R
+LAYERS = {body.name: body for body in BODIES[1:]}
+
+
+def half_space(points: int) -> Series:
+    a = np.linspace(0, 1.73e-5, points + 1)[1:]
+    return Series(a, *hertz(a, E_STAR, R))
+
+
+@pytest.mark.parametrize("S0", [0.0, 0.3, None])
+def test_model_jacobian_is_the_derivative(S0: float | None) -> None:
+    x = np.log(np.linspace(0, 1, 16)[1:])
+    model = LogSplineModel(x, 6, S0)
+    c = model.straight((0.7, 1.0), (0.3, 0.5), -1.6) + 0.1 * np.random.default_rng(0).standard_normal(model.parameters)
+    at, basis, step = model.interpolation(x), model.design(x), 1e-6
+    here = model.columns(c, at, basis)
+    for j in range(model.parameters):
+        change = step * (np.arange(model.parameters) == j)
+        up, down = model.columns(c + change, at, basis), model.columns(c - change, at, basis)
+        for row, name in enumerate(("log_delta", "log_P", "log_S", "log_dS")):
+            difference = (getattr(up, name) - getattr(down, name)) / (2 * step)
+            assert np.allclose(here.jacobian[row, :, j], difference, rtol=0, atol=2e-8)  # round-off over the step
+
+
+@pytest.mark.parametrize("points", [5, 30])
+@pytest.mark.parametrize(
+    "law",
+    [
+        lambda a: (*hertz(a, E_STAR, R), 1),
+        lambda a: (*power_law(a, E_STAR, 0.1, 1.0), 1),
+        lambda a: (*thin_layer(a, 1e15, R), 2),
+        lambda a: (*thin_incompressible_layer(a, 1e9, 1e-6, R), 4),
+    ],
+    ids=["paraboloid", "cone", "thin", "thin-incompressible"],
+)
+def test_power_laws_are_exact_at_every_point(law, points: int) -> None:
+    a = np.linspace(0, 1.73e-5, points + 1)[1:]
+    delta, P, exponent = law(a)
+    found = integral(Series(a, delta, P))
+    assert np.allclose(a * found.dS / found.S, exponent, rtol=1e-9)  # quadrature of the model; first and last point too
+    slope = np.log(P[-1] / P[-2]) / np.log(delta[-1] / delta[-2])
+    assert np.allclose(found.S, slope * P / delta, rtol=1e-9)
+
+
+@pytest.mark.parametrize("name", LAYERS)
+def test_noise_free_layers_beat_the_papers_slopes(name: str) -> None:
+    exact = LAYERS[name].series(60)
+    truth = transform(exact, slopes(exact, "exact"), LAYERS[name].w)
+    ours, paper = (transform(exact, method(exact), LAYERS[name].w) for method in (integral, loocv))
+    unit = abs(truth.pull_off(0.0).P)
+    assert abs(ours.pull_off(0.0).P - truth.pull_off(0.0).P) < 3e-7 * unit  # measured up to 1.8e-7: the model's floor
+    worst = np.max(np.abs(ours.P - truth.P))
+    assert worst < 2e-4 * unit  # measured up to 1.2e-4, at the end points
+    assert worst < 0.1 * np.max(np.abs(paper.P - truth.P))  # measured 0.001 to 0.02
+    assert np.mean(np.abs(ours.P - truth.P) <= ours.errors["P"]) > 0.9
+
+
+@pytest.mark.parametrize("S0_known", [True, False])
+def test_flat_end_with_known_and_unknown_first_slope(S0_known: bool) -> None:
+    b, E_star = 1e-6, 1e9
+    a = b + np.linspace(0, 4e-6, 31)[1:]
+    delta, P = rounded_flat(a, E_star, b, 1e-5)
+    found = integral(Series(a, delta, P, a0=b, S0=2 * E_star * b if S0_known else None))
+    assert np.allclose(found.S, 2 * E_star * a, rtol=1e-6)  # noise-free: measured 1e-8
+    assert np.allclose(found.dS, 2 * E_star, rtol=1e-6)
+
+
+@pytest.mark.parametrize(("noise", "bound"), [(1e-3, 1e-3), (1e-2, 7e-3), (3e-2, 3e-2)])
+def test_noise_hardly_moves_the_pull_off_of_hertz(noise: float, bound: float) -> None:
+    series = half_space(60)
+    errors = []
+    for seed in range(8):
+        fitted, found = smoothed(noisy(series, noise, seed))
+        point = transform(fitted, found, W).pull_off(0.0)
+        errors.append(abs(point.P / PULL_OFF - 1))
+    assert np.median(errors) < bound / 2  # 200 seeds: medians 2.9e-4, 2.9e-3, 8.3e-3
+
+
+def covered(exact: Series, noise: float, w: float) -> tuple[float, float]:
+    """Share of the curve's points within the stated 90 % error, and stated over true error (medians), of 12 seeds."""
+    truth = transform(exact, slopes(exact, "exact"), w)
+    inside, stated, true = [], [], []
+    for seed in range(12):
+        ours = transform(*smoothed(noisy(exact, noise, seed)), w)
+        common = (ours.a >= truth.a[0]) & (ours.a <= truth.a[-1])
+        distance = np.abs(ours.P[common] - truth.at(ours.a[common])[1])
+        inside.append(np.mean(distance <= ours.errors["P"][common]))
+        stated.append(np.median(ours.errors["P"]))
+        true.append(np.median(distance))
+    return float(np.mean(inside)), float(np.median(stated) / np.median(true))
+
+
+def test_band_is_generous_where_nothing_bends() -> None:
+    """A power law: that nothing bends between the points is not known beforehand, and has its place in the band."""
+    problem = Problem(indenter_of("sphere", 1e-6, 0.1), Specimen((), HalfSpace(Elastic(1e9, 0.3))),
+                      Loading("radius", 1e-6, 60))  # fmt: skip
+    inside, ratio = covered(Layered()(problem).series, 1e-2, 0.5)
+    assert inside >= 0.9
+    assert 2.4 < ratio < 8  # measured 5.8; of a Gaussian error known to be one 2.4
+
+
+@pytest.mark.parametrize(
+    ("contrast", "points", "noise"), [(434.0, 77, 1.6e-2), (434.0, 400, 1e-3), (0.16, 158, 1e-3), (0.16, 400, 1e-4)]
+)
+def test_band_holds_where_a_layer_bends_the_curve_at_its_end(contrast: float, points: int, noise: float) -> None:
+    """A cone on a layer whose substrate is felt at the last radii only; the prior spreads curvature evenly."""
+    problem = Problem(indenter_of("cone", 0.29, 0.1), specimen_of("coating", 0.11, contrast, 1.0, 1.0),
+                      Loading("radius", 0.29, points))  # fmt: skip
+    inside, ratio = covered(Layered()(problem).series, noise, 1e-4)
+    assert inside >= 0.75  # measured 0.80, 0.82, 0.89, 0.98; with the likeliest lambdas alone 0.61 on the first
+    assert ratio < 6
+
+
+@pytest.mark.parametrize("noise", [1e-5, 1e-4])
+def test_band_holds_where_the_curvature_of_the_profile_has_steps(noise: float) -> None:
+    """A table of 15 points on a half-space: some twenty steps, which the first knots cannot follow."""
+    problem = Problem(indenter_of("table", 1e-6, 0.05), Specimen((), HalfSpace(Elastic(1e9, 0.3))),
+                      Loading("radius", 1e-6, 500))  # fmt: skip
+    exact = Layered()(problem).series
+    w = 2e-3
+    truth = transform(exact, slopes(exact, "exact"), w)
+    ours = transform(*smoothed(noisy(exact, noise, 0)), w)
+    inside = (ours.a >= truth.a[0]) & (ours.a <= truth.a[-1])
+    distance = np.abs(ours.P[inside] - truth.at(ours.a[inside])[1]) / ours.errors["P"][inside]
+    assert np.quantile(distance, 0.9) < 2.5  # half-widths: 1.2 to 1.5; with the first knots and no allowance 5 and 9
+
+
+def test_correlation_length_of_residuals() -> None:
+    white = np.random.default_rng(0).standard_normal((2, 2000))
+    assert correlation_length(white) == 1
+    assert correlation_length(-white) == 1
+    averaged = np.array([np.convolve(row, np.ones(10) / 10, "valid") for row in white])
+    # the sum of a triangle of ten: 10; its estimate from 2000 values scatters by a fifth
+    assert 7 < correlation_length(averaged) < 14
+    alternating = white[:, 1:] - white[:, :-1]
+    assert correlation_length(alternating) == 1  # negative correlations do not narrow the band
+
+
+@pytest.mark.slow
+def test_band_agrees_with_a_bootstrap() -> None:
+    series = half_space(60)
+    curves = []
+    for seed in range(60):
+        fitted, found = smoothed(noisy(series, 1e-3, seed))
+        ours = transform(fitted, found, W)
+        P = ours.at(np.clip(series.a[10:50], *ours.a[[0, -1]]))[1]
+        curves.append((P, ours.error_at(np.clip(series.a[10:50], *ours.a[[0, -1]]))["P"]))
+    spread = np.std([P for P, _ in curves], axis=0)
+    stated = np.median([half for _, half in curves], axis=0) / 1.645
+    ratio = np.median(stated / spread)
+    # measured 1.71, 60 replicas: 9 %. The scatter alone was 1; the rest is that bodies may bend, which Hertz does not
+    # and the fit cannot know: on bodies that do, the tests above find the band neither too wide nor too narrow
+    assert 1.2 < ratio < 2.2
+
+
+def test_a_slope_that_is_not_monotonic_is_found() -> None:
+    a = np.linspace(0, 1, 81)[1:]
+    t = np.linspace(0, 1, 200_001)
+    dS = 1 + 2 * np.exp(-(((t - 0.4) / 0.12) ** 2))
+    S = np.concatenate([[0], np.cumsum((dS[1:] + dS[:-1]) / 2 * np.diff(t))])
+    P = np.concatenate([[0], np.cumsum((S[1:] * 2 * t[1:] + S[:-1] * 2 * t[:-1]) / 2 * np.diff(t))])
+    found = integral(Series(a, a**2, np.interp(a, t, P)))
+    assert np.allclose(found.dS, np.interp(a, t, dS), rtol=5e-3)  # measured 1e-3, at the first points
+
+
+def test_errors_of_the_series_are_used_as_weights() -> None:
+    series = half_space(40)
+    P = series.P.copy()
+    P[10:13] *= 1.0 + np.array([0.02, 0.03, 0.02])
+    error = 1e-5 * P
+    error[10:13] = 0.05 * P[10:13]
+    weighed = integral(Series(series.a, series.delta, P, errors={"P": error}))
+    assert np.allclose(weighed.dS, 2 * E_STAR, rtol=2e-4)
+    assert np.all(np.abs(weighed.dS - 2 * E_STAR) <= weighed.dS_err)
+
+
+@pytest.mark.parametrize("noise", [0.0, 1e-3])
+def test_five_points_give_a_band_that_holds_the_truth(noise: float) -> None:
+    for name in ("layer-0.4", "stiff-coating"):
+        exact = LAYERS[name].series(5)
+        result = cell(LAYERS[name], transform(exact, slopes(exact, "exact"), LAYERS[name].w), noise, "integral", 12)
+        assert result.failures == 0
+        assert result.coverage >= 0.8
+
+
+def test_four_points_are_refused_with_the_remedy() -> None:
+    with pytest.raises(Refusal, match=r"needs at least 5 points .* got 4; give more increments, or refine"):
+        integral(half_space(4))
+
+
+def test_points_that_are_not_positive_are_refused_by_number() -> None:
+    series = half_space(10)
+    P = series.P.copy()
+    P[2] = -1e-3
+    with pytest.raises(InputError, match=r"point 3 has a = .* P = -0\.001 N; all must be positive: drop it"):
+        smoothed(RawSeries(series.a, series.delta, P))
+
+
+@pytest.mark.parametrize(("length", "force"), [(1e6, 1e3), (1e-3, 1e9)])
+def test_change_of_units(length: float, force: float) -> None:
+    raw = noisy(half_space(30), 1e-3, 1)
+    plain = smoothed(raw)[1]
+    scaled = smoothed(RawSeries(raw.a * length, raw.delta * length, raw.P * force))[1]
+    # both end where a step moves the fit by less than 1e-2 standard deviations, that is 1e-5 here
+    assert np.allclose(scaled.S * length / force, plain.S, rtol=1e-6)
+    assert np.allclose(scaled.dS * length**2 / force, plain.dS, rtol=1e-6)
+    assert np.allclose(scaled.dS_err * length**2 / force, plain.dS_err, rtol=1e-4)
+
+
+def quantised(offset: float) -> RawSeries:
+    """Increments of depth, with the radius of the outermost node in contact: exact but for that."""
+    return node_based(1.73e-5, E_STAR, R, nodes=20, increments=100, spacing="depth", offset=offset)
+
+
+def test_touch_events_lie_between_their_increments() -> None:
+    raw = quantised(0.3)
+    assert has_plateaus(raw)
+    assert not has_plateaus(noisy(half_space(30), 1e-2, 0))
+    events, errors = touch_events(raw)
+    a, P = np.sqrt(events.delta * R), hertz(np.sqrt(events.delta * R), E_STAR, R)[1]
+    assert np.all(np.diff(events.a) > 0)
+    assert np.all(np.abs(a - events.a)[1:] < 1.2 * errors["a"][1:] / 0.9)  # half an increment, linearised
+    assert np.allclose(events.P[1:], P[1:], rtol=2e-3)  # a chord in log-log of a power law, but for the first
+
+
+def test_increments_before_contact_and_too_few_nodes() -> None:
+    raw = quantised(0.3)
+    before = RawSeries(*(np.concatenate([[0.0, 0.0], values]) for values in (raw.a, raw.delta, raw.P)))
+    assert not has_plateaus(RawSeries(raw.a[:1], raw.delta[:1], raw.P[:1]))
+    assert np.array_equal(touch_events(before)[0].delta, touch_events(raw)[0].delta)
+    with pytest.raises(Refusal, match=r"needs at least 5 points .* got 3"):
+        smoothed(RawSeries(raw.a[-20:], raw.delta[-20:], raw.P[-20:]))
+
+
+def test_quantised_radii() -> None:
+    errors = []
+    for offset in np.arange(0, 20, 2) / 20:
+        fitted, found = smoothed(quantised(offset))
+        errors.append(abs(transform(fitted, found, W).pull_off(0.0).P / PULL_OFF - 1))
+    assert np.median(errors) < 2e-3  # measured 7e-4
+    assert np.max(errors) < 1e-2  # measured 6e-3
+
+
+@pytest.mark.slow
+def test_quantised_study() -> None:
+    cells = list(quantised_study())
+    assert len(cells) == 12
+    for result in cells:
+        if result.way == "integral from increments":
+            assert result.failures == 0
+            assert result.median < 0.01
+            assert result.worst < 0.03
+
+
+@pytest.mark.slow
+def test_times() -> None:
+    for points, seconds in ((100, 0.25), (10_000, 2.0)):  # a quiet core needs 0.05 s and 0.6 s
+        raw = noisy(half_space(points), 1e-3, 0)
+        start = time.process_time()
+        smoothed(raw)
+        assert time.process_time() - start < seconds
+
+
+@pytest.mark.slow
+def test_a_part_of_the_noise_study() -> None:
+    cells = list(noise_study(points=(60,), noise=(0.0, 1e-3, 3e-2), methods=("integral",), seeds=10))
+    assert len(cells) == 12
+    for result in cells:
+        assert result.failures == 0
+        assert np.isfinite([result.median, result.worst]).all()
+        assert result.median <= max(3e-7, 6 * result.noise)  # measured up to 4.5 times the noise, stiff coating

@@ -1,0 +1,122 @@
+"""The paper's slopes: what they give on exact series, what they refuse, and the choice between methods."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from jkrcli.adhesion.curve import transform
+from jkrcli.adhesion.slopes import slopes, slopes_function
+from jkrcli.adhesion.slopes.loocv import interpolated_slope, loocv
+from jkrcli.base.errors import InputError, Refusal
+from jkrcli.formulas.closed_form import hertz, thin_incompressible_layer, thin_layer
+from jkrcli.many.study.noise import noisy
+from jkrcli.series import Series
+
+E_STAR, R, W = 5e9 / 0.84, 1e-4, 50.0
+
+
+def half_space(points: int, exact: bool = False) -> Series:
+    a = np.linspace(0, 1.73e-5, points + 1)[1:]
+    delta, P = hertz(a, E_STAR, R)
+    return Series(a, delta, P, *((2 * E_STAR * a, np.full(points, 2 * E_STAR)) if exact else ()))
+
+
+def test_exact_slopes_are_those_of_the_series() -> None:
+    series = half_space(10, exact=True)
+    found = slopes(series)
+    assert found.method == "exact"
+    assert found.reason == "the series carries exact slopes"
+    assert np.array_equal(found.S, series.S)
+    assert np.array_equal(found.dS, series.dS)
+    with pytest.raises(Refusal, match="carries no exact S and dS/da; use the slopes 'integral' or 'loocv'"):
+        slopes(half_space(10), "exact")
+
+
+def test_unknown_method_is_refused_by_name() -> None:
+    with pytest.raises(InputError, match="must be one of auto, exact, loocv, gcv, integral, got 'spline'"):
+        slopes(half_space(10), "spline")
+
+
+def test_pull_off_of_the_papers_half_space() -> None:
+    found = transform(half_space(60), slopes(half_space(60), "loocv"), W).pull_off(0.0)
+    # noise-free: only the spline through P(delta) errs, where P ~ delta^1.5 begins
+    assert abs(found.P / (-1.5 * np.pi * W * R) - 1) < 1e-6
+
+
+def test_error_falls_with_the_number_of_points() -> None:
+    errors = [abs(loocv(half_space(points)).dS / (2 * E_STAR) - 1).max() for points in (20, 40, 80)]
+    order = np.log2(np.array(errors[:-1]) / errors[1:])
+    assert np.all(order > 3)  # the smoother averages the kink at the origin away: measured 3.6 to 3.7
+
+
+def test_smoothed_slope_is_closer_than_the_raw_one() -> None:
+    series = half_space(60)
+    exact = 2 * E_STAR * series.a
+    raw = interpolated_slope(series.delta, series.P)
+    assert np.max(np.abs(loocv(series).S / exact - 1)) < 1e-4 * np.max(np.abs(raw / exact - 1))
+
+
+def test_natural_end_is_flagged_with_its_size() -> None:
+    a = np.linspace(0, 1.73e-5, 61)[1:]
+    for law, exponent in ((thin_layer(a, 1e15, R), 2), (thin_incompressible_layer(a, 1e9, 1e-6, R), 4)):
+        series = Series(a, *law)
+        S = exponent * series.P / series.delta * (1 if exponent == 2 else 0.75)
+        found = loocv(series)
+        error = found.dS[-1] / (exponent * S[-1] / a[-1]) - 1
+        assert -0.02 < error < -0.003  # the bias of the natural spline
+        assert found.dS_err[-1] > abs(error * found.dS[-1])
+        assert len(found.flags) == 1
+        flagged = float(found.flags[0].split("about ")[1].split(" %")[0]) / 100
+        assert flagged == pytest.approx(abs(error), rel=0.3)  # an estimate from the spline's own curvature
+    assert loocv(half_space(60)).flags == ()
+
+
+def test_change_of_units() -> None:
+    series = half_space(40)
+    plain, scaled = loocv(series), loocv(Series(series.a * 1e6, series.delta * 1e6, series.P * 1e9))
+    assert np.allclose(scaled.S / 1e3, plain.S, rtol=1e-7)  # lambda is a minimum: good to the root of round-off
+    assert np.allclose(scaled.dS * 1e3, plain.dS, rtol=1e-7)
+
+
+def test_too_few_points_are_refused_with_the_remedy() -> None:
+    with pytest.raises(Refusal, match=r"needs at least 5 points .* got 4; give more increments, or refine"):
+        loocv(half_space(4))
+
+
+def test_slopes_that_are_not_positive_are_refused_with_the_radii() -> None:
+    a = np.linspace(0, 1.73e-5, 31)[1:]
+    delta, P = hertz(a, E_STAR, R)
+    with pytest.raises(
+        InputError, match=r"not positive at \d+ of 30 radii \([-+.e0-9, ]+(, \.\.\.)? m\), where Eq. 13"
+    ):
+        loocv(Series(a, delta, P * (1 + 2e-2 * np.sin(np.pi / 4 * np.arange(30)))))
+
+
+def test_auto_takes_the_smaller_estimate_and_says_so() -> None:
+    generator = np.random.default_rng(4)
+    series = half_space(60)
+    noisy = Series(series.a, series.delta, series.P * (1 + 1e-4 * generator.standard_normal(60)))
+    for data in (series, noisy):
+        found = slopes(data)
+        assert found.method == "integral"
+        assert found.reason.startswith("the series carries no exact slopes; estimated error")
+        assert "by 'loocv'" in found.reason
+
+
+def test_an_unknown_slope_at_first_touch_is_not_imposed() -> None:
+    series = half_space(60)
+    free = Series(series.a, series.delta, series.P, S0=None)
+    assert loocv(free).S[20] == pytest.approx(2 * E_STAR * series.a[20], rel=1e-2)
+
+
+def test_estimate_is_no_smaller_than_the_distance_from_the_integral_fit() -> None:
+    """A smoothing spline's own estimate misses what the derivative before it did to noisy data."""
+    exact = half_space(60)
+    raw = noisy(exact, 1e-4, 3)
+    series = Series(raw.a, raw.delta, raw.P)
+    alone, judged, fitted = slopes_function("loocv")(series), slopes(series, "loocv"), slopes(series, "integral")
+    distance = np.quantile(np.abs(np.sqrt(judged.dS / fitted.dS) - 1), 0.9)
+    assert judged.error >= distance >= alone.error
+    np.testing.assert_array_equal(judged.dS, alone.dS)
+    assert slopes(series, "auto").method == "integral"

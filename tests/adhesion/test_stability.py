@@ -1,0 +1,401 @@
+"""Pull-off, stability and energies under every control, against closed forms and exact slopes."""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.integrate import quad
+from scipy.optimize import brentq
+
+from jkrcli.adhesion.curve import AdhesiveCurve, CriticalPoint, Outside, scales_half_space, transform
+from jkrcli.adhesion.slopes import Slopes, slopes
+from jkrcli.adhesion.stability import (
+    GRIPPED,
+    NO_ADHESION,
+    STABLE,
+    UNBOUNDED,
+    UNSTABLE,
+    Behaviour,
+    behaviour,
+    branch,
+    control,
+    cycle,
+    jumps,
+)
+from jkrcli.adhesion.stability_path import grow, largest_stable, shrink
+from jkrcli.adhesion.states import position
+from jkrcli.bodies.indenters import Paraboloid
+from jkrcli.bodies.materials import Elastic
+from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Specimen
+from jkrcli.formulas.closed_form import hertz, jkr, thin_incompressible_layer, thin_layer
+from jkrcli.methods.layered.layered import Layered
+from jkrcli.series import Series
+
+E_STAR, R, W = 5e9 / 0.84, 1e-4, 50.0
+P0, DELTA0, A0 = scales_half_space(R, E_STAR, W)
+RIGID = math.inf
+
+
+def half_space(points: int = 60, largest: float = 1.73e-5) -> Series:
+    a = np.linspace(0, largest, points + 1)[1:]
+    delta, P = hertz(a, E_STAR, R)
+    return Series(a, delta, P, 2 * E_STAR * a, np.full(points, 2 * E_STAR))
+
+
+def curve(series: Series, w: float = W) -> AdhesiveCurve:
+    return transform(series, slopes(series), w)
+
+
+@cache
+def classical() -> AdhesiveCurve:
+    return curve(half_space())
+
+
+@cache
+def stiff_coating(w: float) -> AdhesiveCurve:
+    """A coating a hundred times stiffer than what it lies on: S' falls before it rises."""
+    specimen = Specimen((Layer(Elastic(1e8, 0.4), 1e-6),), HalfSpace(Elastic(1e6, 0.4)))
+    radii = tuple(np.geomspace(3e-8, 1.5e-5, 90))
+    series = Layered(1e-7)(Problem(Paraboloid(1e-3), specimen, Loading.given("radius", radii))).series
+    return curve(series, w)
+
+
+def units(point) -> tuple[float, float, float]:
+    """delta, P and a cubed in the units of Eq. 15."""
+    return point.delta / DELTA0, point.P / P0, (point.a / A0) ** 3
+
+
+# Eq. 18: P = a^3 - sqrt(6 a^3), delta = a^2 - (2/3) sqrt(6 a).
+def bar(a: float) -> tuple[float, float]:
+    return a**2 - 2 / 3 * math.sqrt(6 * a), a**3 - math.sqrt(6 * a**3)
+
+
+PUBLISHED = [
+    ("pull_off", 0.0, 1.5),  # P = -3/2
+    ("pull_off", RIGID, 1 / 6),  # P = -5/6
+    ("jump_in", 0.0, 6.0),  # P = 0
+    ("jump_in", RIGID, 8 / 3),  # delta = 0, P = -4/3
+]
+
+
+@pytest.mark.parametrize(("what", "stiffness", "cube"), PUBLISHED)
+@pytest.mark.parametrize("method", ["closed form", "layered"])
+def test_critical_values_of_the_paraboloid_on_a_half_space(method: str, what: str, stiffness: float, cube: float):
+    found = behaviour(classical() if method == "closed form" else layered_half_space(), stiffness)
+    delta, P = bar(cube ** (1 / 3))
+    assert units(getattr(found, what)) == pytest.approx((delta, P, cube), rel=1e-6, abs=1e-6)  # 1e-6 of the unit
+
+
+@cache
+def layered_half_space() -> AdhesiveCurve:
+    specimen = Specimen((), HalfSpace(Elastic(5e9, 0.4)))
+    loading = Loading("radius", 1.73e-5, 60)
+    return curve(Layered()(Problem(Paraboloid(R), specimen, loading)).series)
+
+
+def test_the_published_forces() -> None:
+    assert behaviour(classical(), 0.0).pull_off.P / (math.pi * W * R) == pytest.approx(-3 / 2, rel=1e-9)  # round-off
+    assert behaviour(classical(), RIGID).pull_off.P / (math.pi * W * R) == pytest.approx(-5 / 6, rel=1e-9)
+
+
+@pytest.mark.parametrize("stiffness", [1e3, 2e4, 1e5, 1e6, 1e8])
+def test_a_device_of_given_stiffness_against_the_closed_form(stiffness: float) -> None:
+    """d(delta + P/k)/da = 0 with the derivatives of Eq. 18 written out, bracketed by the two pure controls."""
+    soft = P0 / (stiffness * DELTA0)
+
+    def rate(a: float) -> float:
+        return 2 * a - math.sqrt(6 / a) / 3 + soft * (3 * a**2 - 1.5 * math.sqrt(6 * a))
+
+    a = brentq(rate, (1 / 6) ** (1 / 3), 1.5 ** (1 / 3), xtol=1e-15)
+    delta, P = bar(a)
+    found = behaviour(classical(), stiffness)
+    assert found.critical == (found.pull_off,)
+    assert units(found.pull_off) == pytest.approx((delta, P, a**3), rel=1e-9)  # round-off of roots
+    begin = found.jump_in
+    assert position(begin.delta, begin.P, stiffness) == pytest.approx(0, abs=1e-12 * DELTA0)
+    assert bar(begin.a / A0) == pytest.approx((begin.delta / DELTA0, begin.P / P0), rel=1e-9)
+
+
+@settings(max_examples=12, deadline=None)
+@given(st.floats(-2, 3), st.floats(0.01, 2))
+def test_monotone_in_stiffness_between_the_two_ends(log: float, step: float) -> None:
+    stiffnesses = (0.0, 1e5 * 10**log, 1e5 * 10 ** (log + step), RIGID)
+    found = [classical().pull_off(stiffness) for stiffness in stiffnesses]
+    for column in ("P", "delta", "a"):
+        values = [getattr(point, column) for point in found]
+        assert all(np.diff(values) > 0) if column == "P" else all(np.diff(values) < 0)
+    energies = [behaviour(classical(), stiffness).energy_lost for stiffness in stiffnesses[1:]]
+    assert all(np.diff(energies) < 0)
+
+
+def test_energy_lost_per_cycle_is_the_published_one() -> None:
+    """7.09 (w^5 R^4/E*^2)^(1/3): Thornton and Ning, Powder Technol. 99 (1998) 154, from delta = 0 to separation."""
+    found = behaviour(classical(), RIGID)
+    assert found.energy_lost / (W**5 * R**4 / E_STAR**2) ** (1 / 3) == pytest.approx(7.09, abs=0.005)  # as printed
+
+
+@pytest.mark.parametrize("stiffness", [1e4, 1e5, RIGID])
+def test_energies_equal_the_area_by_an_independent_quadrature(stiffness: float) -> None:
+    """Adaptive quadrature of Eq. 18 between the radii of its own critical points, jumps included as straight lines."""
+    found = behaviour(classical(), stiffness)
+    off, begin, rest = found.pull_off.a / A0, found.jump_in.a / A0, 6 ** (1 / 3)
+
+    def power(a: float) -> float:
+        return bar(a)[1] * (2 * a - math.sqrt(6 / a) / 3)  # P d(delta)/da
+
+    def area(first: float, last: float) -> float:
+        along = quad(power, first, last, epsabs=0, epsrel=1e-12)[0] * P0 * DELTA0
+        return along + (bar(last)[1] ** 2 - bar(first)[1] ** 2) * P0**2 / (2 * stiffness)
+
+    assert found.energy_lost == pytest.approx(area(begin, off), rel=1e-9)
+    assert found.separation == pytest.approx(area(rest, off), rel=1e-9)
+
+
+def test_energy_balance() -> None:
+    """What is lost is what the two jumps dissipate: elastic energy, spring and w pi a^2 before minus after."""
+    stiffness = 3e4
+    found = behaviour(classical(), stiffness)
+
+    def total(point: CriticalPoint) -> float:
+        """U_H - P_H t + S t^2/2 + P^2/(2 k) - w pi a^2; U_H = (2/5) P_H delta_H of Hertz."""
+        delta, P = hertz(np.array(point.a), E_STAR, R)
+        t = float(delta) - point.delta
+        elastic = 0.4 * P * delta - P * t + E_STAR * point.a * t**2
+        return float(elastic) + point.P**2 / (2 * stiffness) - W * math.pi * point.a**2
+
+    dissipated = -total(found.jump_in) + total(found.pull_off)  # from nothing to contact, from contact to nothing
+    assert found.energy_lost == pytest.approx(dissipated, rel=1e-9)
+
+
+def test_load_control_has_no_bound_on_the_energy() -> None:
+    found = behaviour(classical(), 0.0)
+    assert found.energy_lost == found.separation == UNBOUNDED
+
+
+@pytest.mark.parametrize(("law", "factor"), [("compressible", -2.0), ("incompressible", -3.0)])
+def test_thin_limits(law: str, factor: float) -> None:
+    found = behaviour(thin(law), 0.0)
+    assert found.pull_off.P / (math.pi * thin(law).w * R) == pytest.approx(factor, rel=1e-9)  # power laws: round-off
+
+
+def thin(law: str) -> AdhesiveCurve:
+    a = np.linspace(0, 1.7e-5, 61)[1:]
+    if law == "compressible":
+        columns, S = thin_layer(a, 1e16, R), math.pi * 1e16 * a**2
+        series = Series(a, *columns, S, 2 * S / a)
+    else:
+        columns, S = thin_incompressible_layer(a, 1e6, 1e-8, R), 3 * math.pi * 1e6 / (8 * 1e-24) * a**4
+        series = Series(a, *columns, S, 4 * S / a)
+    return curve(series, series.P[-1] / R / 40)
+
+
+def test_a_thin_compressible_layer_is_not_lost_under_displacement_control() -> None:
+    """delta falls to a = 0 (no minimum): said, with no number and no extrapolation."""
+    found = behaviour(thin("compressible"), RIGID)
+    assert found.critical == ()
+    assert isinstance(found.pull_off, Outside)
+    assert "the displacement is lowest at the smallest radius of the series, a = 283.3 nm" in found.pull_off.reason
+    assert found.energy_lost == found.separation == found.pull_off.reason
+    assert found.jump_in.delta == 0
+    assert shrink(thin("compressible"), RIGID, 1.7e-5).ends == "series"
+
+
+def test_a_series_that_ends_too_early_says_so() -> None:
+    short = curve(half_space(20, largest=4e-6))
+    for stiffness in (0.0, RIGID):
+        found = behaviour(short, stiffness)
+        assert found.jump_in == Outside(
+            "contact at delta = 0 spreads beyond the largest radius of the series, a = 4e-06 m: the series would have "
+            "to reach a larger radius: load further"
+        )
+    assert behaviour(short, 0.0).critical == ()
+    assert "the load is lowest at the largest radius of the series" in behaviour(short, 0.0).pull_off.reason
+    assert isinstance(behaviour(short, RIGID).pull_off, CriticalPoint)  # that one lies inside
+    assert largest_stable(short, 0.0) is None
+
+
+def test_a_series_that_begins_too_late_says_so() -> None:
+    a = np.linspace(9e-6, 1.7e-5, 30)
+    delta, P = hertz(a, E_STAR, R)
+    late = curve(Series(a, delta, P, 2 * E_STAR * a, np.full(30, 2 * E_STAR)))
+    found = behaviour(late, RIGID)
+    assert found.jump_in == Outside(
+        "contact at delta = 0 settles below the smallest radius of the series, a = 9e-06 m: "
+        "the series would have to begin at a smaller radius"
+    )
+    assert isinstance(found.pull_off, Outside)
+
+
+def test_a_stiff_coating_has_several_critical_points_and_jumps_back_before_it_lets_go() -> None:
+    found = behaviour(stiff_coating(1.8e-4), RIGID)
+    assert [point.kind for point in found.critical] == ["minimum", "maximum", "minimum"]
+    (jump,) = found.partial
+    first, hill, second = found.critical
+    assert jump.start.a == second.a
+    assert first.a < jump.end.a < hill.a
+    assert jump.end.delta == pytest.approx(jump.start.delta, rel=1e-9)  # at standing device
+    assert found.pull_off == first
+
+
+@cache
+def dipped(first: float, *dips: tuple[float, float, float]) -> AdhesiveCurve:
+    """Hertz from radius ``first`` on with dips of S' (at, depth, width in log a): hills and valleys of D."""
+    a = np.geomspace(first, 1.7e-5, 300)
+    delta, P = hertz(a, E_STAR, R)
+    dS = 2 * E_STAR * np.ones_like(a)
+    for at, depth, width in dips:
+        dS *= 1 - depth * np.exp(-((np.log(a / at) / width) ** 2))
+    return transform(Series(a, delta, P), Slopes(2 * E_STAR * a, dS, "exact", 0.0), 1.0)
+
+
+BODIES = {
+    "4.5e-5": lambda: stiff_coating(4.5e-5),
+    "1.15e-4": lambda: stiff_coating(1.15e-4),
+    "1.8e-4": lambda: stiff_coating(1.8e-4),
+    "three radii at first contact": lambda: dipped(1e-7, (6e-6, 0.995, 0.08)),
+    "several landings in": lambda: dipped(1e-7, (1.1e-5, 0.97, 0.03), (1.2e-5, 0.97, 0.03), (1.5e-5, 0.9, 0.05)),
+    "several landings out": lambda: dipped(1e-7, (3e-6, 0.9, 0.05), (4e-6, 0.97, 0.05), (5e-6, 0.99, 0.05)),
+}
+
+
+@pytest.mark.parametrize("body", BODIES)
+@pytest.mark.parametrize("stiffness", [0.0, 30.0, 1e5, RIGID])
+def test_paths_are_the_envelope_of_the_device_position(body: str, stiffness: float) -> None:
+    """Brute force: a growing contact passes a radius when D exceeds all D before it, a shrinking one when D lies below
+    all D at larger radii; but for samples next to the ends of the stretches."""
+    ours = BODIES[body]()
+    a = np.geomspace(ours.a[0], ours.a[-1], 4001)[1:-1]
+    D = position(*ours.at(a), stiffness)
+    lowest, highest = np.minimum.accumulate(D[::-1])[::-1], np.maximum.accumulate(np.maximum(D, 0))
+    back, forth = shrink(ours, stiffness, float(ours.a[-1])), grow(ours, stiffness)
+    assert back.ends == "lost"
+    for path, passed in ((back, lowest == D), (forth, (highest == D) & (D > 0))):
+        ends = np.array([end for stretch in path.stretches for end in (stretch.first, stretch.last)])
+        clear = np.all(np.abs(np.log(a[:, None] / ends)) > np.log(a[1] / a[0]), axis=1)
+        assert clear.sum() >= a.size - 2 * ends.size
+        assert [path.holds(radius) for radius in a[clear]] == list(passed[clear])
+
+
+def test_a_contact_pressed_together_is_not_lost_but_leaves_the_series() -> None:
+    """Where S' dips delta has a minimum > 0: the free bodies would overlap, so a smaller contact must remain."""
+    ours = dipped(8e-6, (1e-5, 0.97, 0.1))
+    lowest = ours.pull_off(RIGID)
+    assert 0 < lowest.delta < ours.at(ours.a[:1])[0][0]
+    found = behaviour(ours, RIGID)
+    assert isinstance(found.pull_off, Outside)
+    assert found.pull_off.reason.endswith(
+        "below the smallest radius of the series, a = 8e-06 m, where some must remain: the series would have to begin "
+        "at a smaller radius"
+    )
+    path = shrink(ours, RIGID, float(ours.a[-1]))
+    assert (path.ends, path.last) == ("jump", lowest.a)
+
+
+def test_an_approach_with_jumps_lands_on_the_next_stable_branch() -> None:
+    ours = BODIES["several landings in"]()
+    path = grow(ours, RIGID)
+    tops = [point.a for point in ours.critical(RIGID) if point.kind == "maximum"]
+    assert len(path.stretches) == 4
+    assert [stretch.last for stretch in path.stretches[:-1]] == tops
+    for before, after in zip(path.stretches, path.stretches[1:], strict=False):
+        deltas = [float(ours.at(np.array(a))[0]) for a in (before.last, after.first)]
+        assert deltas[0] == pytest.approx(deltas[1], rel=1e-9)
+    assert path.ends == "series"
+
+
+def test_work_of_separation_counts_from_the_last_of_several_zero_loads() -> None:
+    """In the valley the load falls below zero, contact jumps back to a smaller radius and is pressed again."""
+    ours = dipped(1e-7, (8e-6, 0.97, 0.05))
+    whole = cycle(ours, ours, RIGID)
+    zeros = [a for a in ours.radii(P=0.0) if whole.retraction.holds(a)]
+    assert len(zeros) == 2
+    assert len(whole.jumps_out) == 2
+    a = np.geomspace(zeros[0], whole.jumps_out[-1].start.a, 20_001)
+    delta, P = ours.at(a)
+    assert whole.separation == pytest.approx(np.sum((P[1:] + P[:-1]) / 2 * np.diff(delta)), rel=1e-6)  # trapezoids
+
+
+def test_an_approach_that_jumps_out_of_the_series_ends_there() -> None:
+    whole = BODIES["several landings in"]()
+    keep = whole.a < 1.12e-5  # just beyond the first valley
+    series = whole.series
+    cut = Series(*(getattr(series, name)[keep] for name in ("a", "delta", "P")))
+    slopes_cut = Slopes(whole.slopes.S[keep], whole.slopes.dS[keep], "exact", 0.0)
+    ours = transform(cut, slopes_cut, 1.0)
+    path = grow(ours, RIGID)
+    assert path.ends == "jump"
+    assert [point.a for point in ours.critical(RIGID) if point.kind == "maximum"] == [path.last]
+    assert jumps(path) == ()  # where it lands is not known
+
+
+def test_jumps_of_a_stiff_coating_dissipate() -> None:
+    """With the jump back the loop is the area between its paths, by trapezoids over the sampled envelope of D."""
+    ours, stiffness = stiff_coating(1.8e-4), RIGID
+    whole = cycle(ours, ours, stiffness)
+    a = np.geomspace(ours.a[0], ours.a[-1], 200_001)
+    delta, P = ours.at(a)
+    D = np.linspace(whole.jumps_out[-1].start.delta, float(delta[-1]), 40_001)[1:-1]
+    back = np.minimum.accumulate(delta[::-1])[::-1]
+    out = P[np.searchsorted(back, D, side="right") - 1]
+    forth = np.maximum.accumulate(np.maximum(delta, 0))
+    inwards = np.where(D < 0, 0.0, P[np.minimum(np.searchsorted(forth, D), a.size - 1)])
+    area = float(np.sum((inwards - out)[1:] + (inwards - out)[:-1]) / 2 * (D[1] - D[0]))
+    assert whole.energy_lost == pytest.approx(area, rel=1e-3)  # first order in the sampling of the jumps
+
+
+def test_branches_in_words() -> None:
+    ours = classical()
+    words = branch(ours)
+    cubes = (ours.a / A0) ** 3
+    assert list(words) == [STABLE if c > 1.5 else GRIPPED if c > 1 / 6 else UNSTABLE for c in cubes]
+    assert set(branch(curve(half_space(), 0.0))) == {STABLE}
+
+
+def test_stable_under_load_control_is_stable_under_any() -> None:
+    """dP/da = S d(delta)/da - S' t: the order of the three words."""
+    ours = stiff_coating(1.8e-4)
+    ddelta, dP = ours.rates(ours.a)
+    assert not np.any((dP > 0) & (ddelta <= 0))
+    assert {STABLE, GRIPPED, UNSTABLE} == set(branch(ours))
+
+
+def test_no_adhesion() -> None:
+    found = behaviour(curve(half_space(), 0.0), RIGID)
+    nothing = Outside(NO_ADHESION)
+    assert vars(found) == vars(Behaviour(RIGID, (), nothing, nothing, (), NO_ADHESION, NO_ADHESION))
+
+
+@pytest.mark.parametrize(("length", "force"), [(1e6, 1.0), (1e-3, 1e7), (1e9, 1e-9)])
+@pytest.mark.parametrize("w", [None, 1.8e-4])
+def test_change_of_units(w: float | None, length: float, force: float) -> None:
+    plain = classical() if w is None else stiff_coating(w)
+    stiff, series = force / length, plain.series
+    scaled = Series(
+        series.a * length, series.delta * length, series.P * force, series.S * stiff, series.dS * stiff / length
+    )
+    other = curve(scaled, plain.w * stiff)
+    for stiffness in (0.0, 30.0 if w else 3e4, RIGID):
+        here, there = behaviour(plain, stiffness), behaviour(other, stiffness * stiff)
+        assert len(here.partial) == len(there.partial)
+        for name in ("pull_off", "jump_in"):
+            one, two = getattr(here, name), getattr(there, name)
+            assert two.a == pytest.approx(one.a * length, rel=1e-8)
+            assert two.P == pytest.approx(one.P * force, rel=1e-8)
+            assert two.delta == pytest.approx(one.delta * length, rel=1e-7, abs=1e-12 * scaled.delta[-1])
+        for name in ("energy_lost", "separation"):
+            one, two = getattr(here, name), getattr(there, name)
+            assert two == (one if isinstance(one, str) else pytest.approx(one * force * length, rel=1e-8))
+
+
+def test_controls_in_words() -> None:
+    assert [control(k) for k in (0.0, 0.2, RIGID)] == ["load control", "device of 200 mN/m", "displacement control"]
+
+
+def test_curve_of_the_tests_is_classical_jkr() -> None:
+    delta, P = jkr(np.array(A0), E_STAR, R, W)
+    assert (float(delta) / DELTA0, float(P) / P0) == pytest.approx(bar(1.0), rel=1e-13)

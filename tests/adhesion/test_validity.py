@@ -1,0 +1,83 @@
+"""Judging a result by its numbers: published Tabor numbers, limits and reasons."""
+
+from __future__ import annotations
+
+import pytest
+
+from jkrcli.adhesion.validity import NO_TIP_RADIUS, check, judge, regime
+from jkrcli.base.errors import InputError
+
+SOUND = {"a": 1e-5, "delta": 1e-6, "E_star": 5e9 / 0.84, "w": 50.0, "R": 1e-4, "h": None, "L": None, "z0": 0.3e-9}
+
+
+@pytest.mark.parametrize(("w", "R", "published"), [(50.0, 1e-4, 639), (10.0, 1e-3, 471)])
+def test_tabor_numbers_of_the_paper(w: float, R: float, published: float) -> None:
+    judged = judge(**{**SOUND, "w": w, "R": R})  # Secs. 4.1 and 4.2
+    assert judged.tabor == pytest.approx(published, abs=0.5)  # printed as integers
+    assert judged.regime == "JKR holds"
+    assert check(judged) == []
+
+
+@pytest.mark.parametrize(
+    ("number", "word"), [(639, "JKR holds"), (5.1, "holds"), (4.9, "Maugis"), (0.1, "Maugis"), (0.09, "DMT")]
+)
+def test_regimes_in_words(number: float, word: str) -> None:
+    assert word in regime(number)
+
+
+def test_every_limit_warns_with_its_number() -> None:
+    judged = judge(a=4e-5, delta=2e-6, E_star=1e9, w=1e-5, R=1e-4, h=1e-5, L=2e-4, z0=1e-9, a_pull_off=1e-5)
+    warnings = check(judged)
+    assert [line.split(" is ")[0].split(" at ")[0] for line in warnings] == [
+        "a/R = 0.4",
+        "delta/h = 0.2",
+        "a/L = 0.2",
+        "Tabor number 0.0215",
+    ]
+    assert "DMT" in warnings[-1]
+    assert judged.a_over_R_pull_off == pytest.approx(0.1)
+    assert judged.a_over_h == pytest.approx(4)
+
+
+def test_the_side_of_a_finite_specimen_is_part_of_its_solution() -> None:
+    judged = judge(**{**SOUND, "a": 0.2, "R": 10.0, "L": 1.0, "end_is_cut": False})
+    assert judged.a_over_L == pytest.approx(0.2)
+    assert not any("a/L" in line for line in check(judged))
+    assert any("a/L = 0.2" in line for line in check(judge(**{**SOUND, "a": 0.2, "R": 10.0, "L": 1.0})))
+
+
+def test_at_the_limits_nothing_is_said() -> None:
+    judged = judge(a=0.3, delta=0.1, E_star=1.0, w=125**0.5, R=1.0, h=1.0, L=3.0, z0=1.0)  # Tabor (125)^(1/3) = 5
+    assert judged.tabor == pytest.approx(5, rel=1e-15)
+    assert [line for line in check(judged) if not line.startswith("Tabor")] == []
+
+
+def test_what_cannot_be_judged_says_why() -> None:
+    judged = judge(**{**SOUND, "R": None})
+    assert judged.tabor == judged.a_over_R == NO_TIP_RADIUS
+    assert judged.regime == f"unknown: {NO_TIP_RADIUS}"
+    assert judged.delta_over_h == judged.a_over_h == "no layer: the specimen is a half-space"
+    assert judged.a_over_L == "the body is unbounded in this method"
+    assert check(judged) == []
+    assert judge(**{**SOUND, "z0": None}).tabor == "no equilibrium distance z0 given"
+    assert judge(**{**SOUND, "w": 0.0}).tabor == "no adhesion (w = 0)"
+
+
+def test_change_of_units() -> None:
+    length, force = 1e3, 1e-4
+    units = {"a": length, "delta": length, "R": length, "z0": length, "E_star": force / length**2, "w": force / length}
+    scaled = {**SOUND, **{key: SOUND[key] * unit for key, unit in units.items()}}
+    assert judge(**scaled).tabor == pytest.approx(judge(**SOUND).tabor, rel=1e-13)
+
+
+def test_impossible_sizes_are_refused() -> None:
+    with pytest.raises(InputError, match="a size must be > 0 m, got -1"):
+        judge(**{**SOUND, "h": -1.0})
+    with pytest.raises(InputError, match="R, w, E\\* and z0 must be > 0"):
+        judge(**{**SOUND, "w": -1.0})
+
+
+def test_a_limit_that_is_just_met_gives_no_warning() -> None:
+    for delta, count in ((1e-6 * (1 + 1e-12), 0), (1.001e-6, 1)):
+        judged = judge(a=1e-6, delta=delta, E_star=1e6, w=0.0, R=1e-4, h=1e-5, L=None, z0=None)
+        assert len(check(judged)) == count

@@ -1,0 +1,167 @@
+"""Indenters: f, f' and the Abel image of each shape agree with quadrature; tables keep convexity."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.integrate import quad
+
+from jkrcli.base.errors import InputError
+from jkrcli.bodies.indenters import (
+    Paraboloid,
+    PowerLaw,
+    RoundedFlat,
+    Sphere,
+    TableProfile,
+    abel_factor,
+    tangent_minus_angle,
+)
+
+R = 3e-5
+GRID = np.linspace(0, 0.5 * R, 31)
+SHAPES = [
+    Sphere(R),
+    Paraboloid(R),
+    PowerLaw(0.7, 1.0),
+    PowerLaw(1e12, 3.3),
+    RoundedFlat(0.1 * R, 0.3 * R),
+    TableProfile(tuple(GRID), tuple(R - np.sqrt(R**2 - GRID**2))),
+    TableProfile((0, 0.1 * R, 0.2 * R, 0.4 * R, 0.5 * R), (0, 0, 0.01 * R, 0.2 * R, 0.35 * R)),
+]
+
+
+def name_of(indenter: object) -> str:
+    return type(indenter).__name__
+
+
+@pytest.mark.parametrize("indenter", SHAPES, ids=name_of)
+def test_abel_image_is_its_integral(indenter) -> None:
+    x = 0.37 * R
+    breaks = [math.asin(b / x) for b in getattr(indenter, "knots", [0.1 * R]) if 0 < b < x]
+    value, _ = quad(lambda t: x * float(indenter.slope(np.array(x * math.sin(t)))), 0, math.pi / 2, points=breaks,
+                    epsrel=1e-11, limit=200)  # fmt: skip
+    assert float(indenter.abel(np.array(x))) == pytest.approx(value, rel=1e-9)  # quad stops near 1e-10 at kinks
+
+
+@pytest.mark.parametrize("indenter", SHAPES, ids=name_of)
+def test_profile_is_the_integral_of_its_slope(indenter) -> None:
+    r = np.linspace(0.01 * R, 0.49 * R, 50)
+    step = 1e-6 * R
+    central = (indenter.f(r + step) - indenter.f(r - step)) / (2 * step)
+    # the difference quotient is good to step^2 f'''/6 plus round-off eps f/step, and first order at kinks of f''
+    np.testing.assert_allclose(central, indenter.slope(r), rtol=1e-5, atol=1e-5 * float(indenter.slope(r[-1])))
+    assert float(indenter.f(np.array(0.0))) == 0
+
+
+@pytest.mark.parametrize("indenter", SHAPES, ids=name_of)
+def test_change_of_unit_of_length(indenter) -> None:
+    factor = 1e7
+    match indenter:
+        case TableProfile(r=r, heights=f):
+            scaled = TableProfile(tuple(factor * np.array(r)), tuple(factor * np.array(f)))
+        case PowerLaw(B=B, d=d):
+            scaled = PowerLaw(B * factor ** (1 - d), d)
+        case RoundedFlat(b=b, edge_radius=rho):
+            scaled = RoundedFlat(b * factor, rho * factor)
+        case _:
+            scaled = type(indenter)(indenter.R * factor)
+    r = np.linspace(0, 0.49 * R, 20)
+    for method in ("f", "abel"):
+        np.testing.assert_allclose(
+            getattr(scaled, method)(factor * r), factor * getattr(indenter, method)(r), rtol=1e-9
+        )
+
+
+def test_factors_of_powers() -> None:
+    assert abel_factor(1.0) == pytest.approx(math.pi / 2, rel=1e-15)  # cone
+    assert abel_factor(2.0) == pytest.approx(2.0, rel=1e-15)  # paraboloid: F = 2 x^2/(2R)
+    assert abel_factor(4.0) == pytest.approx(8 / 3, rel=1e-15)
+
+
+@pytest.mark.parametrize("n", [30, 100, 290, 310, 400])
+def test_factors_of_high_powers_are_exact(n: int) -> None:
+    """For even n the factor is the product of 2k/(2k - 1), k = 1..n/2."""
+    exact = math.prod(Fraction(2 * k, 2 * k - 1) for k in range(1, n // 2 + 1))
+    assert abs(Fraction(abel_factor(n)) / exact - 1) < 2e-15
+
+
+@pytest.mark.parametrize("u", [1e-9, 1e-3, 0.3, 0.499999, 0.5, 0.6])
+def test_tangent_minus_angle(u: float) -> None:
+    terms = (Fraction((-1) ** k, 2 * k + 3) * Fraction(u) ** (2 * k + 3) for k in range(60))
+    assert float(tangent_minus_angle(np.array(u))) == pytest.approx(float(sum(terms)), rel=3e-15, abs=0)
+
+
+def test_table_is_exact_for_a_paraboloid_at_any_spacing() -> None:
+    r = R * np.array([0, 0.013, 0.05, 0.2, 0.21, 0.5])
+    table, exact = TableProfile(tuple(r), tuple(r**2 / (2 * R))), Paraboloid(R)
+    x = np.linspace(0, 0.5 * R, 40)
+    np.testing.assert_allclose(table.f(x), exact.f(x), rtol=1e-12, atol=1e-20 * R)
+    np.testing.assert_allclose(table.abel(x), exact.abel(x), rtol=1e-12)
+    assert table.tip_radius == pytest.approx(R, rel=1e-12)
+
+
+def test_table_of_a_sphere_converges_with_second_order() -> None:
+    errors = []
+    for n in (10, 20, 40, 80):
+        r = np.linspace(0, 0.5 * R, n + 1)
+        table = TableProfile(tuple(r), tuple(np.asarray(Sphere(R).f(r))))
+        x = np.linspace(0.05 * R, 0.49 * R, 101)
+        errors.append(np.max(np.abs(table.abel(x) / Sphere(R).abel(x) - 1)))
+    order = -np.polyfit(np.log([10, 20, 40, 80]), np.log(errors), 1)[0]
+    assert order > 1.8  # quadratic pieces: second order in the slope
+
+
+@given(st.lists(st.floats(0, 1), min_size=3, max_size=12), st.lists(st.floats(0.05, 1), min_size=12, max_size=12))
+@settings(max_examples=100, deadline=None)
+def test_any_convex_table_keeps_its_points_and_stays_convex(growth: list[float], widths: list[float]) -> None:
+    slopes = np.cumsum(growth)
+    if slopes[-1] < 1e-3:
+        return
+    r = np.concatenate([[0], np.cumsum(widths[: slopes.size])])
+    f = np.concatenate([[0], np.cumsum(slopes * np.diff(r))])
+    table = TableProfile(tuple(r), tuple(f))
+    np.testing.assert_allclose(table.f(r), f, rtol=1e-9, atol=2e-10 * f[-1])  # a forced kink is rounded
+    fine = np.linspace(0, r[-1], 500)
+    assert (np.diff(table.slope(fine)) >= -1e-12 * slopes[-1]).all()
+    assert (np.diff(table.abel(fine)) >= -1e-12 * slopes[-1]).all()
+
+
+@pytest.mark.parametrize(
+    ("build", "line"),
+    [
+        (lambda: Sphere(-1.0), "R: must be > 0, got -1"),
+        (lambda: PowerLaw(1.0, 0.5), "exponent: must be >= 1 (a convex profile), got 0.5"),
+        (lambda: RoundedFlat(1.0, 0.0), "edge_radius: must be > 0, got 0"),
+        (lambda: TableProfile((0, 1), (0, 1)), "profile table: needs at least 3 points (r, f), got 2 and 2"),
+        (lambda: TableProfile((0, 1, 1), (0, 1, 2)), "profile table: radii must increase, point 3 has r = 1 after 1"),
+        (lambda: TableProfile((0.5, 1, 2), (0, 1, 2)), "profile table: must start at r = 0, f = 0, got (0.5, 0)"),
+        (lambda: TableProfile((0, 1, 2), (0, 0, 0)), "profile table: is flat; a flat end needs a rounded edge"),
+        (lambda: TableProfile((0, 1, math.nan), (0, 0, 0)), "profile table: holds a value that is not finite"),
+    ],
+)
+def test_wrong_shapes_are_refused(build, line: str) -> None:
+    with pytest.raises(InputError) as caught:
+        build()
+    assert caught.value.lines == (line,)
+
+
+def test_a0_and_tip_radius() -> None:
+    assert [shape.a0 for shape in SHAPES] == pytest.approx([0, 0, 0, 0, 0.1 * R, 0, 0.1 * R])
+    assert Sphere(R).tip_radius == Paraboloid(R).tip_radius == R
+    assert PowerLaw(1.0, 1.0).tip_radius is None
+    assert PowerLaw(1 / (2 * R), 2.0).tip_radius == pytest.approx(R)
+    assert RoundedFlat(R, R).tip_radius is None
+
+
+def test_the_abel_image_of_a_table_is_smooth_at_its_knots() -> None:
+    """F begins there like (x - knot)^(3/2): the next number after a knot has the knot's own value, to rounding."""
+    r = np.linspace(0.0, 2.0, 12)
+    profile = TableProfile(tuple(r), tuple(r**2 + 0.3 * r**3))
+    inner = profile.knots[1:-1]
+    at, after = profile.abel(inner), profile.abel(np.nextafter(inner, np.inf))
+    np.testing.assert_allclose(after, at, rtol=1e-14)

@@ -1,0 +1,341 @@
+"""The command line in process: what is written, what is printed, what is refused and with which exit code."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import CASES
+
+from jkrcli import __version__
+from jkrcli.case import store
+from jkrcli.cli import VERBS
+from jkrcli.formulas.closed_form import jkr_dimensionless
+from jkrcli.report.tables import read_curve
+
+HALFSPACE = CASES / "halfspace.toml"
+COLUMNS = ["a_m", "delta_m", "P_N", "delta_H_m", "P_H_N", "S_N_per_m", "dS_da_N_per_m2"]
+
+
+def files(folder: Path) -> list[str]:
+    return sorted(path.name for path in folder.iterdir())
+
+
+def test_help_names_every_verb(jkr) -> None:
+    for words in ((), ("--help",)):
+        outcome = jkr(*words)
+        assert outcome.code == 0
+        assert all(f"  {verb}" in outcome.out for verb in VERBS)
+
+
+@pytest.mark.parametrize("verb", VERBS)
+def test_every_verb_has_help_with_an_example(jkr, verb: str) -> None:
+    outcome = jkr(verb, "--help")
+    assert outcome.code == 0
+    assert f"jkr {verb}" in outcome.out
+
+
+def test_version(jkr) -> None:
+    assert jkr("--version").out == f"jkr, version {__version__}\n"
+
+
+def test_run_writes_the_case_stem_here_and_transform_beside_it(jkr, tmp_path: Path) -> None:
+    outcome = jkr("run", HALFSPACE, "--method", "closed-form")
+    assert (outcome.code, outcome.err) == (0, "")
+    assert files(tmp_path) == ["halfspace.h5"]
+    outcome = jkr("transform", "halfspace.h5")
+    assert outcome.code == 0
+    names = [f"halfspace-w50{ending}" for ending in (".csv", ".json", ".png", ".svg")]
+    assert files(tmp_path) == [*names, "halfspace.h5"]
+    assert (tmp_path / names[0]).read_text().splitlines()[0].split(",")[: len(COLUMNS)] == COLUMNS
+    summary = json.loads((tmp_path / names[1]).read_text())
+    assert summary["pull_off"]["load"]["P_N"] == pytest.approx(-1.49734 * np.pi * 50 * 100e-6, rel=1e-5)  # 6 digits
+    assert summary["tabor"] == pytest.approx(639, abs=0.5)
+    assert summary["points"] == {"kept": 100, "dropped": 0}
+    assert set(summary["errors"]) == {"discretisation", "truncation", "radius", "smoothing", "total"}
+    assert abs(summary["comparison"]["pull_off"]) < 1e-9
+
+
+def test_many_works_with_units_and_no_adhesion(jkr, tmp_path: Path) -> None:
+    jkr("run", HALFSPACE, "--method", "layered", "-o", "x.h5")
+    outcome = jkr("transform", "x.h5", "--w", "35 mJ/m^2", "--w", "0", "--w", "7", "-o", "out", "--no-plots")
+    assert outcome.code == 0
+    assert files(tmp_path / "out") == [f"x-w{w}.{end}" for w in ("0.035", "0", "7") for end in ("csv", "json")]
+    nonadhesive = read_curve(tmp_path / "out" / "x-w0.csv")
+    np.testing.assert_array_equal(nonadhesive["P_N"], nonadhesive["P_H_N"])
+    np.testing.assert_array_equal(nonadhesive["delta_m"], nonadhesive["delta_H_m"])
+    point = json.loads((tmp_path / "out" / "x-w0.json").read_text())["pull_off"]["load"]
+    assert point == {"P_N": None, "delta_m": None, "a_m": None, "reason": "there is no adhesion at w = 0"}
+
+
+def test_json_output_is_json(jkr) -> None:
+    run = json.loads(jkr("run", HALFSPACE, "--method", "closed-form", "--json").out)
+    assert (run["method"], run["points"]) == ("closed-form", 100)
+    transform = json.loads(jkr("transform", "halfspace.h5", "--no-plots", "--json").out)
+    assert transform["results"][0]["format"] == "jkr-summary"
+    shown = json.loads(jkr("show", "halfspace.h5", "--json").out)
+    assert shown["files"][0]["rows"] == 100
+    checked = json.loads(jkr("check", CASES / "gel.toml", "--json").out)
+    assert checked["adhesion"][1]["pull_off"]["P_N"] == pytest.approx(-1.4833e-3, rel=1e-4)  # published to 5 digits
+
+
+def test_stored_case_runs_again_to_the_same_numbers(jkr, tmp_path: Path) -> None:
+    jkr("run", CASES / "thin-layer.toml")
+    (tmp_path / "again.toml").write_text(jkr("show", "--case", "thin-layer.h5").out)
+    assert jkr("run", "again.toml").code == 0
+    first, second = (store.read(name).raw for name in ("thin-layer.h5", "again.h5"))
+    np.testing.assert_array_equal(first.P, second.P)
+    np.testing.assert_array_equal(first.delta, second.delta)
+
+
+def test_change_of_units_scales_every_output(jkr, tmp_path: Path) -> None:
+    """Lengths by l, forces by f: E by f/l^2, w by f/l."""
+    length, force = 1e3, 1e-4
+    template = (
+        '[indenter]\nshape="sphere"\nradius={R!r}\n[[specimen.layers]]\nE={E!r}\nnu=0.4\nthickness={h!r}\n'
+        "[loading]\ndepth={d!r}\npoints=40\n"
+    )
+    for name, (m, n) in {"si": (1.0, 1.0), "odd": (length, force)}.items():
+        case = template.format(R=1e-3 * m, E=1e6 * n / m**2, h=1e-4 * m, d=1e-5 * m)
+        (tmp_path / f"{name}.toml").write_text(case)
+        assert jkr("run", f"{name}.toml").code == 0
+        assert jkr("transform", f"{name}.h5", "--w", repr(0.04 * n / m), "-o", name, "--no-plots").code == 0
+    si, odd = (read_curve(next((tmp_path / name).glob("*.csv"))) for name in ("si", "odd"))
+    scales = dict(zip(COLUMNS, (length, length, force, length, force, force / length, force / length**2), strict=True))
+    for name, factor in scales.items():
+        np.testing.assert_allclose(
+            odd[name], si[name] * factor, rtol=1e-9, atol=1e-9 * factor * np.max(np.abs(si[name]))
+        )
+
+
+def test_compare_agrees_differs_and_refuses(jkr, tmp_path: Path) -> None:
+    jkr("run", HALFSPACE, "--method", "closed-form", "-o", "a.h5")
+    jkr("run", HALFSPACE, "--method", "layered", "-o", "b.h5")
+    outcome = jkr("compare", "a.h5", "b.h5", "--rtol", "1e-10", "--column", "P", "--column", "S", "--plot", "d.png")
+    assert outcome.code == 0
+    assert outcome.out.startswith("a.h5 against b.h5: agree at rtol 1e-10\n")
+    assert (tmp_path / "d.png").exists()
+    text = HALFSPACE.read_text().replace('shape = "sphere"', 'shape = "paraboloid"')
+    (tmp_path / "c.toml").write_text(text)
+    jkr("run", "c.toml", "--method", "closed-form")
+    outcome = jkr("compare", "a.h5", "c.h5")
+    assert (outcome.code, outcome.err) == (
+        2,
+        "jkr: error: c.h5: its indenter is not that of a.h5; compare results of the same problem\n",
+    )
+    jkr("transform", "a.h5", "c.h5", "--no-plots")
+    outcome = jkr("compare", "a-w50.csv", "c-w50.csv", "--rtol", "1e-4")
+    assert outcome.code == 1
+    assert "DIFFER at rtol 0.0001" in outcome.out
+
+
+def test_nothing_foreign_is_overwritten(jkr, tmp_path: Path) -> None:
+    (tmp_path / "halfspace.h5").write_text("my thesis")
+    outcome = jkr("run", HALFSPACE, "--method", "closed-form")
+    assert (outcome.code, outcome.err) == (
+        2,
+        "jkr: error: halfspace.h5: exists and was not written by jkr; give --force to replace it, or another name\n",
+    )
+    assert (tmp_path / "halfspace.h5").read_text() == "my thesis"
+    assert jkr("run", HALFSPACE, "--method", "closed-form", "--force").code == 0
+    assert jkr("run", HALFSPACE, "--method", "layered").code == 0  # its own file is replaced
+    assert store.read("halfspace.h5").method == "layered"
+    (tmp_path / "halfspace-w50.csv").write_text("x,y\n1,2\n")
+    outcome = jkr("transform", "halfspace.h5")
+    assert outcome.err == (
+        "jkr: error: halfspace-w50.csv: exists and was not written by jkr; give --force to replace it, "
+        "or another name\n"
+    )
+    assert files(tmp_path) == ["halfspace-w50.csv", "halfspace.h5"]
+    assert jkr("transform", "halfspace.h5", "--force").code == 0
+    assert jkr("transform", "halfspace.h5").code == 0  # all four are recognised as its own
+
+
+REFUSALS = [
+    (("rnu",), 'unknown command "rnu", did you mean "run"?'),
+    (("run",), "missing argument 'CASE'; see jkr run --help"),
+    (("run", "no.toml"), "no.toml: case file not found"),
+    (("run", HALFSPACE, "-o", "no/x.h5"), "no/x.h5: the folder no does not exist"),
+    (("run", HALFSPACE, "-o", "x.csv"), "x.csv: a series is written as HDF5, its name must end in .h5"),
+    (("run", HALFSPACE, "-o", "."), ".: is a folder, cannot be written as a file"),
+    (("run", CASES / "gel.toml", "--method", "closed-form"), "method closed-form: the thin-layer formula errs by "),
+    (("transform", "no.h5"), "no.h5: series file not found"),
+    (("transform", HALFSPACE), f"{HALFSPACE}: is not an HDF5 file, jkr run makes one from a case"),
+    (("transform", "x.h5", "--w", "-1"), "invalid value for '--w': must be finite and >= 0, got -1"),
+    (("transform", "x.h5", "--w", "5 kg"), "invalid value for '--w': must be a work of adhesion, got \"5 kg\""),
+    (("transform", "x.h5", "x.h5"), "x-w50.csv: would be written twice"),
+    (("transform", "x.h5", "--w", "1", "--w", "1 N/m"), "x-w1.csv: would be written twice"),
+    (
+        ("transform", "x.h5", "--dimensionless", "thin-layer"),
+        "--dimensionless thin-layer: needs one homogeneous isotropic layer",
+    ),
+    (("compare", "x.h5", "no.h5"), "no.h5: series file not found"),
+    (("compare", "x.csv", "x.csv"), "x.csv: curve not found"),
+]
+
+
+@pytest.mark.parametrize(("words", "line"), REFUSALS, ids=lambda value: str(value)[:40])
+def test_refusals_are_one_line_with_exit_code_2(jkr, tmp_path: Path, words: tuple, line: str) -> None:
+    jkr("run", HALFSPACE, "--method", "closed-form", "-o", "x.h5")
+    outcome = jkr(*words)
+    assert outcome.code == 2
+    assert outcome.out == ""
+    assert outcome.err.startswith(f"jkr: error: {line}")
+    assert outcome.err.count("\n") == 1
+    assert files(tmp_path) == ["x.h5"]
+
+
+def test_new_writes_a_case_that_runs_and_never_replaces_one(jkr, tmp_path: Path) -> None:
+    assert jkr("new", "my.toml").code == 0
+    assert jkr("run", "my.toml").code == 0
+    assert store.read("my.h5").method == "layered"
+    assert jkr("new", "my.toml").err == "jkr: error: my.toml: exists; give --force to replace it, or another name\n"
+    assert files(tmp_path) == ["my.h5", "my.toml"]
+
+
+def test_auto_takes_the_least_model_and_says_why(jkr) -> None:
+    outcome = jkr("run", HALFSPACE, "--method", "auto")
+    assert "closed-form: the least model that represents this body" in outcome.out
+    outcome = jkr("run", CASES / "coating.toml", "--method", "auto")
+    assert "layered: the least model that represents this body" in outcome.out
+
+
+def test_warnings_carry_their_number(jkr) -> None:
+    jkr("run", CASES / "gel.toml")
+    assert "delta/h = 0.269 at the largest contact radius is above 0.1" in jkr("transform", "gel.h5", "--no-plots").err
+
+
+def test_pull_off_outside_the_series_is_said(jkr, tmp_path: Path) -> None:
+    (tmp_path / "shallow.toml").write_text(HALFSPACE.read_text().replace('"3 um"', '"0.1 um"'))
+    jkr("run", "shallow.toml", "--method", "closed-form")
+    outcome = jkr("transform", "shallow.h5", "--no-plots")
+    assert "pull-off under load control: the load is lowest at the largest radius of the series" in outcome.err
+    assert json.loads((tmp_path / "shallow-w50.json").read_text())["pull_off"]["load"]["P_N"] is None
+
+
+def test_interrupt_leaves_nothing(jkr, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def interrupted(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("jkrcli.case.store._write_errors", interrupted)
+    outcome = jkr("run", HALFSPACE, "--method", "closed-form")
+    assert (outcome.code, outcome.err.strip()) == (130, "jkr: error: interrupted; nothing half-written was left")
+    assert files(tmp_path) == []
+
+
+def test_dimensionless_columns_are_eq_18_for_a_paraboloid(jkr, tmp_path: Path) -> None:
+    (tmp_path / "p.toml").write_text(HALFSPACE.read_text().replace('"sphere"', '"paraboloid"'))
+    jkr("run", "p.toml", "--method", "closed-form")
+    assert jkr("transform", "p.h5", "--dimensionless", "half-space").code == 0
+    curve = read_curve(tmp_path / "p-w50.csv")
+    delta_bar, P_bar = jkr_dimensionless(curve["a_bar"])
+    np.testing.assert_allclose(curve["P_bar"], P_bar, rtol=1e-10, atol=1e-12)
+    np.testing.assert_allclose(curve["delta_bar"], delta_bar, rtol=1e-10, atol=1e-12)
+    assert (
+        jkr("transform", "p.h5", "--scale", "a=1um", "--scale", "delta=1nm", "--scale", "P=1mN", "--no-plots").code == 0
+    )
+    curve = read_curve(tmp_path / "p-w50.csv")
+    np.testing.assert_allclose(curve["P_bar"], curve["P_N"] * 1e3, rtol=1e-14)
+    np.testing.assert_allclose(curve["a_bar"], curve["a_m"] * 1e6, rtol=1e-14)
+    assert json.loads((tmp_path / "p-w50.json").read_text())["scales"]["name"] == "own"
+    outcome = jkr("transform", "p.h5", "--scale", "a=1um")
+    assert outcome.err == "jkr: error: --scale: needs a, delta and P, each > 0, got delta = nothing\n"
+
+
+@pytest.mark.parametrize("slopes", ["loocv", "gcv", "integral"])
+def test_every_way_to_the_slopes_gives_nearly_the_exact_pull_off(jkr, tmp_path: Path, slopes: str) -> None:
+    jkr("run", HALFSPACE, "--method", "closed-form")
+    assert jkr("transform", "halfspace.h5", "--slopes", slopes, "--no-plots").code == 0
+    summary = json.loads((tmp_path / "halfspace-w50.json").read_text())
+    assert summary["slopes"] == slopes
+    assert abs(summary["comparison"]["pull_off"]) < 1e-4  # measured: 2e-7 and better, on noise-free data
+
+
+def test_an_input_is_never_an_output_not_even_by_force(jkr, tmp_path: Path) -> None:
+    jkr("new", "my.toml")
+    before = (tmp_path / "my.toml").read_text()
+    for words in ((), ("--force",)):
+        outcome = jkr("run", "my.toml", "-o", "my.toml", *words)
+        assert outcome.code == 2
+        assert outcome.err == "jkr: error: my.toml: is read by this command, cannot be written too; give another name\n"
+    assert (tmp_path / "my.toml").read_text() == before
+
+
+@pytest.mark.parametrize("content", ["notes on jkr\n", "a_m,P_N\n1,2\n", '{"format": "other"}', "# A case for jkr."])
+def test_a_mention_of_jkr_does_not_make_a_file_ours(jkr, tmp_path: Path, content: str) -> None:
+    (tmp_path / "mine").write_text(content)
+    assert jkr("run", HALFSPACE, "--method", "closed-form", "-o", "mine").code == 2
+    assert (tmp_path / "mine").read_text() == content
+
+
+def test_every_verb_replaces_what_it_wrote_itself(jkr) -> None:
+    jkr("run", CASES / "gel.toml")
+    for words in (
+        ("transform", "gel.h5"),
+        ("profile", "gel.h5", "--a", "0.5 mm"),
+        ("mesh", CASES / "gel.toml"),
+        ("cycle", "gel.h5"),
+        ("study", "pull-off-map", "--q", "1"),
+        ("compare", "gel.h5", "gel.h5", "--plot", "same.svg"),
+    ):
+        assert [jkr(*words).code for _ in range(2)] == [0, 0], words
+
+
+def test_folders_that_cannot_be_made_are_refused(jkr, tmp_path: Path) -> None:
+    jkr("run", HALFSPACE, "--method", "closed-form", "-o", "x.h5")
+    for words in (("transform", "x.h5"), ("profile", "x.h5", "--a", "5um"), ("mesh", HALFSPACE), ("cycle", "x.h5")):
+        outcome = jkr(*words, "-o", "x.h5/inside")
+        assert (outcome.code, outcome.err) == (
+            2,
+            "jkr: error: x.h5/inside: cannot be made a folder (Not a directory)\n",
+        )
+
+
+def test_compare_wants_a_common_range_and_a_picture_it_can_draw(jkr, tmp_path: Path) -> None:
+    text = HALFSPACE.read_text()
+    for name, values in {"low": "[1e-6, 2e-6]", "high": "[2e-6, 3e-6]"}.items():
+        (tmp_path / f"{name}.toml").write_text(text.replace('"3 um"', values).replace("points = 100\n", ""))
+        assert jkr("run", f"{name}.toml", "--method", "closed-form").code == 0
+    outcome = jkr("compare", "low.h5", "high.h5")
+    assert (outcome.code, outcome.err) == (
+        2,
+        "jkr: error: compare: low.h5 and high.h5 share only 0% of their range of delta_m; load both as far, or allow "
+        "it with --overlap 0.00\n",
+    )
+    assert jkr("compare", "low.h5", "low.h5", "--plot", "x.toml").err == (
+        "jkr: error: --plot: must end in .png or .svg, got x.toml\n"
+    )
+
+
+def test_a_pipe_or_device_is_not_read(jkr) -> None:
+    assert jkr("run", "/dev/zero").err == "jkr: error: /dev/zero: is a device or a pipe, not a case file\n"
+
+
+def test_auto_goes_on_to_the_next_method_when_one_fails(jkr, tmp_path: Path) -> None:
+    """At a/h = 10 and nu = 1/2 double precision does not carry the integral equation to 1e-12."""
+    (tmp_path / "thin.toml").write_text(
+        '[indenter]\nshape = "paraboloid"\nradius = 1\n[[specimen.layers]]\nthickness = "1 mm"\nE = 1e6\nnu = 0.5\n'
+        '[loading]\nradius = "10 mm"\npoints = 10\n[layered]\ntolerance = 1e-12\n'
+    )
+    outcome = jkr("run", "thin.toml", "--method", "layered")
+    assert outcome.code == 2
+    assert "above the tolerance 1.0e-12; set layered.tolerance to " in outcome.err
+    outcome = jkr("run", "thin.toml")
+    assert outcome.code == 0
+    assert "method    hybrid: because layered failed" in outcome.out
+
+
+def test_graded_radii_reach_a_pull_off_close_to_first_contact(jkr, tmp_path: Path) -> None:
+    text = (
+        '[indenter]\nshape = "flat"\nflat_radius = "50 um"\nedge_radius = "20 um"\n[specimen.half_space]\nE = "1 MPa"\n'
+        'nu = 0.5\n[loading]\nradius = "60 um"\nspacing = "SPACING"\n[adhesion]\nw = 0.05\n'
+    )
+    for spacing in ("radius", "log"):
+        (tmp_path / f"{spacing}.toml").write_text(text.replace("SPACING", spacing))
+        assert jkr("run", f"{spacing}.toml").code == 0
+        assert jkr("transform", f"{spacing}.h5", "--no-plots").code == 0
+    point = json.loads((tmp_path / "log-w0.05.json").read_text())["pull_off"]["load"]
+    assert point["P_N"] == pytest.approx(-457.84e-6, rel=1e-5)  # minimum of the closed form, to five digits
+    assert point["a_m"] == pytest.approx(50.042e-6, rel=1e-5)

@@ -1,0 +1,249 @@
+"""``jkr pull-off``, ``jkr cycle``, ``jkr study``, and what they add to the transform's table and summary."""
+
+from __future__ import annotations
+
+import json
+import math
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import CASES
+
+from jkrcli.adhesion.stability import GRIPPED, STABLE, UNBOUNDED, UNSTABLE
+from jkrcli.base.units import show
+from jkrcli.cli import call
+from jkrcli.report.tables import read_curve
+
+PARABOLOID = (
+    '[indenter]\nshape="paraboloid"\nradius="100 um"\n[specimen.half_space]\nE="5 GPa"\nnu=0.4\n'
+    '[loading]\nradius="17.3 um"\npoints=60\n[adhesion]\nw=50.0\n'
+)
+PULL_OFF = math.pi * 50 * 1e-4
+
+
+@pytest.fixture(name="solved", scope="module")
+def _solved(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("solved")
+    (folder / "p.toml").write_text(PARABOLOID)
+    assert call(["run", str(folder / "p.toml"), "--method", "closed-form", "-o", str(folder / "p.h5")]) == 0
+    return folder / "p.h5"
+
+
+@pytest.fixture(name="body")
+def _body(solved: Path, tmp_path: Path) -> Path:
+    shutil.copy(solved, tmp_path)
+    return tmp_path
+
+
+def rows(path: Path) -> list[dict[str, str]]:
+    header, *lines = path.read_text().splitlines()
+    return [dict(zip(header.split(","), line.split(","), strict=True)) for line in lines]
+
+
+def expected(cube: float) -> str:
+    """P, delta and a of Eq. 18 at a_bar^3 = ``cube``, as they are printed."""
+    E_star, a = 5e9 / 0.84, cube ** (1 / 3)
+    delta = (9 * math.pi**2 * 50**2 * 1e-4 / (16 * E_star**2)) ** (1 / 3) * (a**2 - 2 / 3 * math.sqrt(6 * a))
+    P = PULL_OFF * (cube - math.sqrt(6 * cube))
+    P, delta = (0.0 if abs(value) < 1e-12 * unit else value for value, unit in ((P, PULL_OFF), (delta, 1e-7)))
+    radius = (3 * math.pi * 50 * 1e-8 / (4 * E_star)) ** (1 / 3) * a
+    return f"P = {show(P, 'load'):<12} delta = {show(delta, 'length'):<12} a = {show(radius, 'length')}"
+
+
+def test_pull_off_in_words(jkr, body: Path) -> None:
+    outcome = jkr("pull-off", "p.h5", "--stiffness", "load", "--stiffness", "rigid")
+    assert (outcome.code, outcome.err) == (0, "")
+    unit = (50**5 * 1e-16 / (5e9 / 0.84) ** 2) ** (1 / 3)
+    lines = outcome.out.splitlines()
+    assert lines == [
+        "p.h5: w = 50 J/m^2",
+        "  load control",
+        f"    pull-off            {expected(3 / 2)}",
+        f"    jump-in, delta = 0  {expected(6)}",
+        f"    energy lost         none: {UNBOUNDED}",
+        "  displacement control",
+        f"    pull-off            {expected(1 / 6)}",
+        f"    jump-in, delta = 0  {expected(8 / 3)}",
+        f"    energy lost         {7.0922 * unit:.4g} J",
+        lines[9],
+        "  Tabor number 639: JKR holds",
+        "  a/R = 0.173, a/R at pull-off = 0.0667",
+    ]
+    assert lines[9].startswith("    work of separation  1.12")
+
+
+def test_pull_off_as_json(jkr, body: Path) -> None:
+    (result,) = json.loads(jkr("pull-off", "p.h5", "--json", "--stiffness", "100 kN/m", "--stiffness", "rigid").out)[
+        "results"
+    ]
+    spring, rigid = result["controls"]
+    assert (spring["control"], spring["stiffness_N_per_m"]) == ("device of 100 kN/m", 1e5)
+    assert (rigid["control"], rigid["stiffness_N_per_m"]) == ("displacement control", None)
+    assert rigid["pull_off"]["P_N"] == pytest.approx(-5 / 6 * PULL_OFF, rel=1e-9)
+    assert 5 / 6 * PULL_OFF < -spring["pull_off"]["P_N"] < 1.5 * PULL_OFF
+    assert rigid["critical_points"] == [{"kind": "minimum", **rigid["pull_off"]}]
+    assert result["validity"]["tabor"] == pytest.approx(639, abs=0.5)
+
+
+def test_many_files_and_works(jkr, body: Path) -> None:
+    jkr("run", CASES / "coating.toml")
+    out = jkr("pull-off", "p.h5", "coating.h5", "--w", "10 mJ/m^2", "--w", "20 mJ/m^2").out
+    heads = [line for line in out.splitlines() if not line.startswith(" ")]
+    assert heads == [f"{name}: w = {w} mJ/m^2" for name in ("p.h5", "coating.h5") for w in (10, 20)]
+    assert "with the coating's E*" in out
+
+
+def test_the_work_of_adhesion_behind_a_measured_pull_off(jkr, body: Path) -> None:
+    for load in ("12 mN", "-12 mN"):
+        outcome = jkr("pull-off", "p.h5", f"--load={load}")
+        assert outcome.out.splitlines() == [
+            "p.h5: a pull-off force of 12 mN means w = 25.46 J/m^2 (load control, a = 5.327 um)",
+            "  1.5 pi w R of a half-space would have given 25.46 J/m^2, 1 times this body's",
+        ]
+    jkr("run", CASES / "gel.toml")
+    found = json.loads(jkr("pull-off", "gel.h5", "--load", "1.4833 mN", "--json").out)["results"][0]
+    assert found["w_J_per_m2"] == pytest.approx(40e-3, rel=5e-5)  # the gel at 40 mJ/m^2, published to five digits
+    assert found["w_half_space_J_per_m2"] == pytest.approx(1.4833e-3 / (1.5 * math.pi * 6e-3), rel=1e-12)
+
+
+def test_transform_marks_the_branches(jkr, body: Path) -> None:
+    assert jkr("transform", "p.h5").code == 0
+    table = rows(body / "p-w50.csv")
+    assert list(table[0])[-1] == "branch"
+    a0 = (3 * math.pi * 50 * 1e-8 / (4 * 5e9 / 0.84)) ** (1 / 3)
+    for row in table:
+        cube = (float(row["a_m"]) / a0) ** 3
+        assert row["branch"] == (STABLE if cube > 1.5 else GRIPPED if cube > 1 / 6 else UNSTABLE)
+    assert "branch" not in read_curve(body / "p-w50.csv")  # the numbers alone
+    summary = json.loads((body / "p-w50.json").read_text())
+    assert set(summary["stability"]) == {"load", "displacement"}
+    assert summary["stability"]["displacement"]["energy_lost_J"] == pytest.approx(6.801e-9, rel=1e-4)  # 7.09 units
+    assert summary["stability"]["load"]["energy_lost_J"] is None
+    point = summary["stability"]["load"]["pull_off"]
+    assert point == {name: summary["pull_off"]["load"][name] for name in point}
+    assert jkr("compare", "p-w50.csv", "p-w50.csv").code == 0
+
+
+def test_transform_judges_a_layer_by_its_own_number(jkr, body: Path) -> None:
+    jkr("run", CASES / "thin-layer.toml")
+    jkr("transform", "thin-layer.h5", "--no-plots")
+    validity = json.loads((body / "thin-layer-w10.json").read_text())["validity"]
+    assert validity["tabor_thin_layer"] == pytest.approx(144, abs=0.5)
+    assert "its thin-layer counterpart 144: JKR holds" in jkr("pull-off", "thin-layer.h5").out
+
+
+def test_cycle_writes_what_the_device_records(jkr, body: Path) -> None:
+    outcome = jkr(
+        "cycle", "p.h5", "--w-approach", "20", "--w-retract", "80", "--stiffness", "0.1 N/um", "--to-load", "40 mN"
+    )
+    assert (outcome.code, outcome.err) == (0, "")
+    assert outcome.out.splitlines()[0] == "p.h5: device of 100 kN/m, w = 20 J/m^2 on approach, 80 J/m^2 on retraction"
+    assert sorted(path.name for path in body.glob("p-cycle*")) == ["p-cycle.csv", "p-cycle.png", "p-cycle.svg"]
+    table = rows(body / "p-cycle.csv")
+    assert list(table[0]) == ["a_m", "delta_m", "P_N", "device_m", "phase", "part"]
+    P = np.array([float(row["P_N"]) for row in table])
+    D = np.array([float(row["device_m"]) for row in table])
+    assert P.max() == pytest.approx(40e-3, rel=1e-9)
+    area = float(np.sum((P[1:] + P[:-1]) / 2 * np.diff(D)))
+    printed = json.loads(
+        jkr("cycle", "p.h5", "--w-approach", "20", "--w-retract", "80", "--stiffness", "0.1 N/um", "--to-load", "40 mN",
+            "--json", "--no-plots").out
+    )  # fmt: skip
+    assert printed["energy_lost_J"] == pytest.approx(area, rel=1e-3)  # 200 rows per stretch
+    assert printed["contact_lost"] is True
+    assert printed["jumps_on_retraction"][-1]["to"] is None
+
+
+def test_cycle_defaults_to_the_case_and_a_rigid_device(jkr, body: Path) -> None:
+    found = json.loads(jkr("cycle", "p.h5", "--json", "--no-plots", "-o", "out").out)
+    assert (found["control"], found["stiffness_N_per_m"]) == ("displacement control", None)
+    assert found["w_approach_J_per_m2"] == found["w_retract_J_per_m2"] == 50.0
+    assert [path.name for path in (body / "out").iterdir()] == ["p-cycle.csv"]
+
+
+def test_study_writes_the_map(jkr, tmp_path: Path) -> None:
+    words = ("study", "pull-off-map", "--nu", "0.3", "--q", "1", "--q", "0.1", "-o", "map")
+    assert jkr(*words).out.splitlines() == [
+        "bonded layer on a rigid base, paraboloid: pull-off force in pi w R",
+        "      nu  w R^2/(E* h^3)    force       a/h",
+        "     0.3             0.1   1.6267    0.7181",
+        "     0.3               1   1.7936     1.439",
+        "  written map/pull-off-map{.csv,.png,.svg}",
+    ]
+    table = rows(tmp_path / "map" / "pull-off-map.csv")
+    assert [float(row["minus_P_over_pi_w_R"]) for row in table] == pytest.approx([1.6267, 1.7936], abs=5e-5)
+    assert jkr(*words).code == 0  # replaces its own files
+    found = json.loads(jkr(*words, "--json", "--no-plots").out)
+    assert found["base"] == ["bonded"] * 2
+
+
+def test_study_lists_its_studies(jkr) -> None:
+    assert "pull-off-map" in jkr("study", "--help").out
+    assert jkr("study", "pull-off-map", "--help").code == 0
+
+
+REFUSALS = [
+    (("pull-off", "p.h5", "--load", "1 uN", "--w", "1"), "pull-off: give either --w or --load, not both"),
+    (("pull-off", "p.h5", "--load", "0 N"), "pull-off: --load must not be 0; give the measured pull-off force"),
+    (
+        ("pull-off", "p.h5", "--load", "1 N"),
+        "p.h5: load: a pull-off force of 1 N lies outside the series, which can tell forces from 1.902 uN to 410.9 mN: "
+        "load further",
+    ),
+    (
+        ("pull-off", "p.h5", "--stiffness", "soft"),
+        'invalid value for \'--stiffness\': must be a stiffness, such as "0.2 N/m", got "soft"; '
+        "see jkr pull-off --help",
+    ),
+    (
+        ("pull-off", "p.h5", "--stiffness", "0"),
+        'invalid value for \'--stiffness\': must be > 0, or "load" for load control, or "rigid", got 0; '
+        "see jkr pull-off --help",
+    ),
+    (("pull-off", "no.h5"), 'no.h5: series file not found, did you mean "p.h5"?'),
+    (
+        ("cycle", "p.h5", "--w-retract", "10"),
+        "cycle: the work of adhesion on retraction must be >= that on approach, got 10 J/m^2 after 50 J/m^2",
+    ),
+    (
+        ("cycle", "p.h5", "--to-load", "1 N", "--to-depth", "1 um"),
+        "cycle: give at most one of --to-load and --to-depth",
+    ),
+    (
+        ("cycle", "p.h5", "--to-load", "1 N"),
+        "cycle: the turn at P = 1 N is not passed on approach, which in this series goes from -20.94 mN to 214.1 mN",
+    ),
+    (
+        ("cycle", "p.h5", "--w-approach", "5000"),
+        "p.h5: contact at delta = 0 spreads beyond the largest radius of the series, a = 1.73e-05 m: the series would "
+        "have to reach a larger radius: load further",
+    ),
+    (("study", "pull-off-map", "--nu", "0.6"), "--nu: must be > -1 and <= 0.5, got 0.6"),
+    (("study", "pull-off-map", "--q", "1e9"), "q: must be between 1e-06 and 1e+07, got 1e+09"),
+]
+
+
+@pytest.mark.parametrize(("words", "line"), REFUSALS, ids=[" ".join(words) for words, _ in REFUSALS])
+def test_refusals_are_one_line_with_exit_code_2(jkr, body: Path, words: tuple[str, ...], line: str) -> None:
+    before = sorted(path.name for path in body.iterdir())
+    outcome = jkr(*words)
+    assert (outcome.code, outcome.out, outcome.err) == (2, "", f"jkr: error: {line}\n")
+    assert sorted(path.name for path in body.iterdir()) == before
+
+
+def test_unknown_study(jkr) -> None:
+    outcome = jkr("study", "map")
+    assert (outcome.code, outcome.out) == (2, "")
+    assert outcome.err.startswith('jkr: error: unknown study "map" (studies: pull-off-map, ')
+
+
+def test_nothing_foreign_is_overwritten(jkr, body: Path) -> None:
+    (body / "p-cycle.csv").write_text("my thesis")
+    assert jkr("cycle", "p.h5").err == (
+        "jkr: error: p-cycle.csv: exists and was not written by jkr; give --force to replace it, or another name\n"
+    )
+    assert (body / "p-cycle.csv").read_text() == "my thesis"
+    assert not (body / "p-cycle.png").exists()
+    assert jkr("cycle", "p.h5", "--force", "--no-plots").code == 0

@@ -1,0 +1,251 @@
+"""Approach-retract cycles with one and with two works of adhesion, against closed forms and energy balances."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from jkrcli.adhesion.curve import AdhesiveCurve, Outside, transform
+from jkrcli.adhesion.slopes import slopes
+from jkrcli.adhesion.stability import UNBOUNDED, Cycle, cycle, trace, turning_radius
+from jkrcli.adhesion.states import state
+from jkrcli.base.errors import InputError
+from jkrcli.formulas.closed_form import hertz, thin_layer
+from jkrcli.series import Series
+
+E_STAR, R = 5e9 / 0.84, 1e-4
+RIGID = math.inf
+
+
+def half_space(w: float, first: float = 1e-7, last: float = 1.73e-5, points: int = 60) -> AdhesiveCurve:
+    a = np.geomspace(first, last, points)
+    delta, P = hertz(a, E_STAR, R)
+    series = Series(a, delta, P, 2 * E_STAR * a, np.full(points, 2 * E_STAR))
+    return transform(series, slopes(series), w)
+
+
+def balance(found: Cycle) -> float:
+    """Hysteresis over the largest area, and what both jumps dissipate: U_E + spring - w pi a^2 before minus after."""
+
+    def stored(curve: AdhesiveCurve, a: float) -> float:
+        """U_H - P_H t + S t^2/2 + P^2/(2 k), with U_H = (2/5) P_H delta_H of Hertz."""
+        here = state(curve, a)
+        delta, P = (float(value) for value in hertz(np.array(a), E_STAR, R))
+        t = delta - here.delta
+        return 0.4 * P * delta - P * t + E_STAR * a * t**2 + here.P**2 / (2 * found.stiffness)
+
+    into, out = found.begin.a, found.jumps_out[-1].start.a
+    w1, w2 = found.approach.curve.w, found.retraction.curve.w
+    jump_in = math.pi * w1 * into**2 - stored(found.approach.curve, into)
+    jump_out = stored(found.retraction.curve, out) - math.pi * w2 * out**2
+    return math.pi * (w2 - w1) * found.turn**2 + jump_in + jump_out
+
+
+@pytest.mark.parametrize("stiffness", [2e4, 3e5, RIGID])
+@pytest.mark.parametrize("w", [(50.0, 50.0), (20.0, 80.0), (1e-3, 50.0)])
+def test_the_energy_lost_is_the_balance_of_energies(w: tuple[float, float], stiffness: float) -> None:
+    found = cycle(half_space(w[0]), half_space(w[1]), stiffness, turn=1.4e-5)
+    assert isinstance(found, Cycle)
+    assert found.energy_lost == pytest.approx(balance(found), rel=1e-8)  # Gauss over a hundredfold range of radii
+
+
+@pytest.mark.parametrize("stiffness", [2e4, RIGID])
+@pytest.mark.parametrize("w", [(50.0, 50.0), (20.0, 80.0)])
+def test_the_energy_lost_is_the_area_of_the_trace(w: tuple[float, float], stiffness: float) -> None:
+    found = cycle(half_space(w[0]), half_space(w[1]), stiffness)
+    columns = trace(found, 4000)
+    D, P = columns["device_m"], columns["P_N"]
+    area = float(np.sum((P[1:] + P[:-1]) / 2 * np.diff(D)))
+    assert found.energy_lost == pytest.approx(area, rel=1e-5)  # trapezoids: 4000 per stretch, 1e-7 of a loop 1e-2 wide
+
+
+def test_trace_of_a_device() -> None:
+    stiffness, points = 1e5, 50
+    found = cycle(half_space(50.0), half_space(100.0), stiffness)
+    columns = trace(found, points)
+    assert list(columns) == ["a_m", "delta_m", "P_N", "device_m", "phase", "part"]
+    phases = ["free approach", "approach", "turn", "retraction", "free retraction"]
+    assert list(dict.fromkeys(columns["phase"])) == phases
+    assert [int(np.sum(columns["phase"] == phase)) for phase in phases] == [points] * 5
+    assert all(np.isfinite(columns[name]).all() for name in ("a_m", "delta_m", "P_N", "device_m"))
+    D = columns["device_m"]
+    scale = np.max(np.abs(D))
+    assert np.allclose(D, columns["delta_m"] + columns["P_N"] / stiffness, rtol=0, atol=1e-15 * scale)
+    last = np.flatnonzero(np.diff(columns["part"])) + 1
+    for jump in last[[0, 3]]:  # in and out: the device stands still
+        assert D[jump] == pytest.approx(D[jump - 1], abs=1e-12 * scale)
+    turned = last[1]
+    assert np.all(np.diff(D[:turned]) >= -1e-12 * scale)  # one way in
+    assert np.all(np.diff(D[turned - 1 :]) <= 1e-12 * scale)  # and one way out
+    held = columns["phase"] == "turn"
+    assert set(columns["a_m"][held]) == {found.turn}
+    slope = np.diff(columns["P_N"][held]) / np.diff(columns["delta_m"][held])
+    assert slope == pytest.approx(2 * E_STAR * found.turn, rel=1e-9)  # a flat punch of that radius
+    out = columns["phase"] == "free retraction"
+    assert set(columns["P_N"][out]) == set(columns["a_m"][out]) == {0.0}
+    assert D[-1] == pytest.approx(D[0], rel=1e-12)  # closed
+
+
+def test_jump_in_is_where_the_undeformed_gap_closes() -> None:
+    for stiffness in (1e4, 1e6, RIGID):
+        found = cycle(half_space(50.0), half_space(50.0), stiffness)
+        begin = found.begin
+        closing = begin.delta if stiffness == RIGID else begin.delta + begin.P / stiffness
+        assert closing == pytest.approx(0, abs=1e-12 * half_space(50.0).delta[-1])
+        assert begin.P < 0
+
+
+def test_a_very_stiff_device_is_displacement_control() -> None:
+    stiff, rigid = (cycle(half_space(20.0), half_space(50.0), k, 1.5e-5) for k in (1e13, RIGID))
+    assert stiff.energy_lost == pytest.approx(rigid.energy_lost, rel=1e-6)  # contact stiffness 1e5 over 1e13
+    assert stiff.separation == pytest.approx(rigid.separation, rel=1e-6)
+
+
+def test_the_loss_does_not_depend_on_the_depth_without_hysteresis_and_does_with_it() -> None:
+    same = [cycle(half_space(50.0), half_space(50.0), RIGID, turn).energy_lost for turn in (9e-6, 1.7e-5)]
+    assert same[0] == pytest.approx(same[1], rel=1e-9)
+    shallow, deep = (cycle(half_space(20.0), half_space(50.0), RIGID, turn).energy_lost for turn in (9e-6, 1.7e-5))
+    assert deep - shallow == pytest.approx(math.pi * 30.0 * (1.7e-5**2 - 9e-6**2), rel=1e-8)  # (w2 - w1) times area
+
+
+def test_no_adhesion_on_approach_follows_hertz_from_the_first_radius() -> None:
+    found = cycle(half_space(0.0, first=1e-8), half_space(50.0, first=1e-8), RIGID, 1e-5)
+    assert found.begin.a == 1e-8
+    assert found.energy_lost == pytest.approx(balance(found), rel=1e-8)
+    columns = trace(found, 20)
+    approach = columns["phase"] == "approach"
+    expected = hertz(columns["a_m"][approach], E_STAR, R)
+    assert np.allclose(columns["P_N"][approach], expected[1], rtol=1e-12)
+
+
+def test_no_adhesion_on_approach_takes_the_chord_below_the_first_radius() -> None:
+    late = cycle(half_space(0.0, first=3e-6), half_space(50.0, first=3e-6), RIGID, 1e-5)
+    chord = late.begin.P * late.begin.delta / 2  # the balance leaves out the work up to the first radius
+    assert chord > 1e-3 * late.energy_lost  # seen by the tolerance below
+    assert late.energy_lost == pytest.approx(balance(late) + chord, rel=1e-8)
+
+
+def test_work_of_separation_from_the_zero_load_within_the_turn() -> None:
+    """With strong hysteresis the load falls through zero at held radius: the straight line is cut there."""
+    soft, strong = half_space(10.0), half_space(200.0)
+    found = cycle(soft, strong, 1e5, turn=1.2e-5)
+    high, low = state(soft, 1.2e-5), state(strong, 1.2e-5)
+    assert high.P > 0 > low.P
+    assert found.retraction.stretches[0].first == 1.2e-5
+    columns = trace(found, 20_000)
+    rows = (columns["phase"] == "turn") | (columns["phase"] == "retraction")
+    D, P = columns["device_m"][rows], np.minimum(columns["P_N"][rows], 0)
+    area = float(np.sum((P[1:] + P[:-1]) / 2 * np.diff(D)))
+    assert found.separation == pytest.approx(area, rel=1e-6)  # trapezoids
+
+
+def test_a_turn_below_zero_load_has_no_work_of_separation() -> None:
+    found = cycle(half_space(50.0), half_space(50.0), RIGID, turn=8.5e-6)
+    assert found.separation == "no state of zero load is passed on retraction: load further"
+    assert isinstance(found.energy_lost, float)
+
+
+def test_contact_that_is_lost_at_the_turn() -> None:
+    """The work of adhesion on retraction is so high that no radius up to the turn is stable: flat-punch separation."""
+    found = cycle(half_space(0.5, last=1e-5), half_space(500.0, last=1e-5), 1e4)
+    (jump,) = found.jumps_out
+    assert jump.start.a == found.turn == pytest.approx(1e-5)
+    assert jump.end is None
+    assert found.energy_lost == pytest.approx(balance(found), rel=1e-8)
+    assert int(np.sum(trace(found, 10)["phase"] == "retraction")) == 1
+
+
+def test_load_control() -> None:
+    found = cycle(half_space(50.0), half_space(50.0), 0.0)
+    assert found.energy_lost == found.separation == UNBOUNDED
+    assert found.begin.P == 0
+    assert found.jumps_out[-1].start.P == pytest.approx(-1.5 * math.pi * 50.0 * R, rel=1e-9)
+    columns = trace(found, 30)
+    assert "device_m" not in columns
+    assert list(dict.fromkeys(columns["phase"])) == ["free approach", "approach", "retraction"]
+
+
+def test_a_thin_layer_is_traced_to_the_end_of_its_series() -> None:
+    a = np.linspace(0, 1.7e-5, 61)[1:]
+    delta, P = thin_layer(a, 1e16, R)
+    S = math.pi * 1e16 * a**2
+    series = Series(a, delta, P, S, 2 * S / a)
+    curve = transform(series, slopes(series), P[-1] / R / 40)
+    found = cycle(curve, curve, RIGID)
+    assert found.jumps_out == ()
+    assert (
+        found.energy_lost == found.separation == ("contact is not lost within the series, which begins at a = 283.3 nm")
+    )
+    columns = trace(found, 30)
+    assert columns["a_m"][-1] == a[0]
+    assert columns["phase"][-1] == "retraction"
+
+
+@pytest.mark.parametrize(("quantity", "value"), [("load", 0.05), ("load", -0.01), ("depth", 1e-6)])
+def test_turning_at_a_load_or_a_depth(quantity: str, value: float) -> None:
+    curve = half_space(50.0)
+    a = turning_radius(curve, RIGID, **{quantity: value})
+    here = state(curve, a)
+    assert (here.P if quantity == "load" else here.delta) == pytest.approx(value, rel=1e-10)
+    assert a > cycle(curve, curve, RIGID).begin.a
+
+
+def refused(call) -> str:
+    with pytest.raises(InputError) as caught:
+        call()
+    return str(caught.value)
+
+
+def test_turns_that_are_not_passed_are_refused_with_the_range() -> None:
+    """From -4/3 pi w R up to 4 E* a^3/(3 R) - sqrt(8 pi w E* a^3) = (410.9 - 196.8) mN at a = 17.3 um."""
+    curve = half_space(50.0)
+    assert refused(lambda: turning_radius(curve, RIGID, load=-0.022)) == (
+        "cycle: the turn at P = -22 mN is not passed on approach, which in this series goes from -20.94 mN to 214.1 mN"
+    )
+    assert refused(lambda: turning_radius(curve, RIGID, depth=5e-6)) == (
+        "cycle: the turn at delta = 5 um is not passed on approach, which in this series goes from 0 m to 2.037 um"
+    )
+    assert refused(lambda: turning_radius(half_space(50.0, last=4e-6), RIGID, load=1.0)).startswith(
+        "cycle: contact at delta = 0 spreads beyond the largest radius of the series, a = 4e-06 m"
+    )
+
+
+def test_a_turn_that_is_not_on_the_path_is_refused() -> None:
+    curve = half_space(50.0)
+    assert refused(lambda: cycle(curve, curve, RIGID, turn=1e-6)) == (
+        "cycle: the turn at a = 1 um is not passed by stable contact on approach"
+    )
+
+
+def test_adhesion_must_not_be_weaker_on_retraction() -> None:
+    assert refused(lambda: cycle(half_space(50.0), half_space(0.02), RIGID)) == (
+        "cycle: the work of adhesion on retraction must be >= that on approach, got 20 mJ/m^2 after 50 J/m^2"
+    )
+
+
+def test_no_cycle_where_first_contact_lies_outside_the_series() -> None:
+    late = half_space(50.0, first=9e-6)
+    found = cycle(late, late, RIGID)
+    assert isinstance(found, Outside)
+    assert "settles below the smallest radius of the series, a = 9e-06 m" in found.reason
+
+
+@pytest.mark.parametrize(("length", "force"), [(1e6, 1.0), (1e-3, 1e7)])
+def test_change_of_units(length: float, force: float) -> None:
+    stiff = force / length
+
+    def scaled(curve: AdhesiveCurve) -> AdhesiveCurve:
+        s = curve.series
+        series = Series(s.a * length, s.delta * length, s.P * force, s.S * stiff, s.dS * stiff / length)
+        return transform(series, slopes(series), curve.w * stiff)
+
+    low, high = half_space(20.0), half_space(50.0)
+    here = cycle(low, high, 1e5, 1.5e-5)
+    there = cycle(scaled(low), scaled(high), 1e5 * stiff, 1.5e-5 * length)
+    assert there.energy_lost == pytest.approx(here.energy_lost * force * length, rel=1e-9)
+    assert there.separation == pytest.approx(here.separation * force * length, rel=1e-9)
+    one, two = trace(here, 20), trace(there, 20)
+    for name, unit in (("a_m", length), ("delta_m", length), ("P_N", force), ("device_m", length)):
+        assert np.allclose(two[name], one[name] * unit, rtol=0, atol=1e-9 * unit * np.max(np.abs(one[name])))

@@ -1,0 +1,147 @@
+"""Help, the doctor and shell completion: what a user meets before anything is solved."""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+import json
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import click
+import pytest
+
+from jkrcli.cli import GROUPS, VERBS, VOICED
+from jkrcli.cli import jkr as root
+from jkrcli.cli import machine as doctor_part
+from jkrcli.cli.study import STUDIES
+
+BIN = Path(sys.executable).parent
+
+
+def test_help_lists_every_verb_in_a_group(jkr: Callable) -> None:
+    done = jkr("--help")
+    assert done.code == 0
+    for title, verbs in GROUPS.items():
+        assert f"\n{title}:\n" in done.out
+        for verb in verbs:
+            assert f"\n  {verb} " in done.out
+
+
+@pytest.mark.parametrize("verb", VERBS)
+def test_every_verb_has_help_with_an_example(jkr: Callable, verb: str) -> None:
+    done = jkr(verb, "--help")
+    assert done.code == 0
+    assert f"\n  jkr {verb}" in done.out, "no example"
+
+
+@pytest.mark.parametrize("study", STUDIES)
+def test_every_study_has_help_with_an_example(jkr: Callable, study: str) -> None:
+    done = jkr("study", study, "--help")
+    assert done.code == 0
+    assert f"\n  jkr study {study}" in done.out, "no example"
+
+
+def test_every_option_says_what_it_does() -> None:
+    context = click.Context(root)
+    for verb in VERBS:
+        command = root.get_command(context, verb)
+        assert command is not None
+        for parameter in command.params:
+            if isinstance(parameter, click.Option):
+                assert parameter.help, f"jkr {verb} {parameter.opts[0]}"
+
+
+@pytest.mark.parametrize("verb", VERBS)
+def test_what_prints_its_result_cannot_be_told_to_be_quiet(jkr: Callable, verb: str) -> None:
+    assert ("-q, --quiet" in jkr(verb, "--help").out) == (verb in VOICED)
+    assert set(VERBS) - VOICED == {"check", "pull-off", "study", "bench", "show", "doctor", "completion"}
+
+
+def test_quiet_verbs_leave_their_files_and_warnings_alone(jkr: Callable) -> None:
+    """-q: nothing on stdout; the files are the same, the warnings stay, compare speaks by its exit code."""
+    gel = Path(__file__).parents[2] / "cases" / "gel.toml"
+    words = (
+        ("new", "my.toml"), ("run", gel, "--method", "layered", "-o", "g.h5"), ("transform", "g.h5", "--no-plots"),
+        ("cycle", "g.h5", "--no-plots"), ("profile", "g.h5", "--load", "1 mN"), ("explore", "g.h5"),
+        ("import", "table.csv", "--case", gel),
+        ("mesh", gel), ("compare", "g.h5", "g.h5"),
+    )  # fmt: skip
+    rows = [f"{a},{a**2 / 6e-3},{1e4 * a**3}" for a in (2e-4, 3e-4, 4e-4, 5e-4, 6e-4, 7e-4)]
+    Path("table.csv").write_text("\n".join(["a_m,delta_m,P_N", *rows]))
+    for line in words:
+        if line[0] == "explore" and importlib.util.find_spec("plotly") is None:
+            continue  # an extra that is not installed
+        done = jkr(*line, "-q")
+        assert (done.code, done.out) == (0, ""), line
+        assert all(text.startswith("jkr: warning: ") for text in done.err.splitlines()), done.err
+        if line[0] == "transform":
+            assert "delta/h = 0.269" in done.err
+    assert Path("g-cycle.csv").exists()
+    assert jkr("transform", "g.h5", "--w", "0.04", "--no-plots", "-q").code == 0
+    done = jkr("compare", "g-w0.035.csv", "g-w0.04.csv", "-q")
+    assert (done.code, done.out, done.err) == (1, "", "")
+
+
+def test_doctor_finds_this_machine_sound(jkr: Callable) -> None:
+    done = jkr("doctor", "--json")
+    report = json.loads(done.out)
+    assert (done.code, report["sound"]) == (0, True)
+    assert {"Python", "numpy", "gmsh", "BLAS threads", "temporary files"} <= {f["part"] for f in report["findings"]}
+
+
+def test_doctor_names_the_remedy_of_what_is_missing(jkr: Callable, monkeypatch: pytest.MonkeyPatch) -> None:
+    real = importlib.import_module
+
+    def without_gl(name: str) -> object:
+        if name == "gmsh":
+            raise OSError("libGLU.so.1: cannot open shared object file")
+        return real(name)
+
+    monkeypatch.setattr(doctor_part.importlib, "import_module", without_gl)
+    monkeypatch.setitem(doctor_part.OPTIONAL, "no-such-package", ("nothing", "a test"))
+    done = jkr("doctor")
+    assert done.code == 1
+    assert "MISSING   gmsh             cannot load: libGLU.so.1" in done.out
+    assert f"type: sudo apt-get install --no-install-recommends {doctor_part.LIBRARIES}" in done.out
+    assert 'optional  no-such-package  not installed (a test); type: pip install "jkrcli[nothing]"' in done.out
+
+
+def test_doctor_names_the_libraries_that_setup_installs() -> None:
+    script = (Path(__file__).parents[2] / ".ci" / "system-libraries").read_text()
+    assert doctor_part.LIBRARIES in script
+
+
+def completed(shell: str, script: str) -> list[str]:
+    program = shutil.which(shell)
+    if program is None:
+        pytest.skip(f"{shell} is not installed")
+    environment = {**os.environ, "PATH": f"{BIN}:{os.environ['PATH']}"}
+    done = subprocess.run([program, "-c", script], capture_output=True, text=True, timeout=60, env=environment)
+    assert done.returncode == 0, done.stderr
+    return done.stdout.split()
+
+
+@pytest.mark.slow
+def test_completion_works_in_bash() -> None:
+    words = (
+        'eval "$(jkr completion bash)"; COMP_WORDS=({}); COMP_CWORD={}; _jkr_completion jkr; echo "${{COMPREPLY[@]}}"'
+    )
+    assert set(completed("bash", words.format("jkr p", 1))) == {v for v in VERBS if v.startswith("p")}
+    assert "--slopes" in completed("bash", words.format("jkr transform --s", 2))
+    assert completed("bash", words.format("jkr transform --slopes lo", 3)) == ["loocv"]
+
+
+@pytest.mark.slow
+def test_completion_works_in_zsh() -> None:
+    loaded = (
+        'autoload -Uz compinit; compinit -u -d /dev/null; eval "$(jkr completion zsh)"; '
+        "whence -w _jkr_completion; print -r -- ${_comps[jkr]}"
+    )
+    assert completed("zsh", loaded) == ["_jkr_completion:", "function", "_jkr_completion"]
+    asked = "COMP_WORDS='jkr transform --slopes in' COMP_CWORD=3 _JKR_COMPLETE=zsh_complete jkr"
+    assert "integral" in completed("zsh", asked)

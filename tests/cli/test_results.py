@@ -1,0 +1,234 @@
+"""Comparison with closed forms, differences of results, states on a curve, tables."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from jkrcli.adhesion.analysis import Analysis, Specification
+from jkrcli.adhesion.comparison import compare_half_space, exact_curve
+from jkrcli.adhesion.curve import transform
+from jkrcli.adhesion.expectation import expect
+from jkrcli.adhesion.slopes import slopes
+from jkrcli.adhesion.states import stable_radius
+from jkrcli.base.errors import InputError, Refusal
+from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
+from jkrcli.bodies.materials import Elastic
+from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
+from jkrcli.methods import Forecast, method_class
+from jkrcli.methods.choose import choose
+from jkrcli.methods.closed_form import ClosedForm
+from jkrcli.methods.layered.layered import Layered
+from jkrcli.report import tables
+from jkrcli.series import ErrorBudget, Series
+from jkrcli.series.differences import curve_differences, series_differences
+
+R, W = 1e-4, 50.0
+GROUND = Specimen((), HalfSpace(Elastic(5e9, 0.4)))
+PROBLEM = Problem(Sphere(R), GROUND, Loading("depth", 3e-6))
+LAYER = Problem(Paraboloid(1e-3), Specimen((Layer(Elastic(1e6, 0.3), 1e-5),), Rigid()), Loading("radius", 2e-5))
+
+
+def curve_of(problem: Problem, w: float = W, **changes: object):
+    series = ClosedForm()(problem).series
+    if changes:
+        series = Series(**{name: changes.get(name, getattr(series, name)) for name in ("a", "delta", "P", "S", "dS")})
+    return transform(series, slopes(series, "exact"), w)
+
+
+@pytest.mark.parametrize(
+    ("indenter", "depth", "w"),
+    [
+        (Sphere(R), 3e-6, W),
+        (Sphere(R), 3e-9, 1e-3),
+        (Paraboloid(R), 3e-6, W),
+        (PowerLaw(0.3, 1.0), 3e-6, W),
+        (PowerLaw(5.0, 1.5), 3e-6, 5.0),
+        (RoundedFlat(1e-5, 1e-5), 3e-6, 0.5),
+    ],
+)
+def test_comparison_of_the_exact_curve_is_round_off(indenter, depth: float, w: float) -> None:
+    problem = Problem(indenter, GROUND, Loading("depth", depth))
+    found = compare_half_space(curve_of(problem, w), problem)
+    assert found.load < 1e-12
+    assert found.curve is None or found.curve < 1e-9
+    assert found.exact.a[-1] == pytest.approx(ClosedForm()(problem).series.a[-1], rel=1e-12)
+
+
+def test_comparison_of_pull_off_is_with_the_formula() -> None:
+    found = compare_half_space(curve_of(PROBLEM), PROBLEM)
+    assert abs(found.pull_off) < 1e-10
+    assert found.curve < 1e-12
+    assert found.parabola == pytest.approx(1 - 1.49734 / 1.5, abs=1e-5)  # published to six digits
+
+
+def test_comparison_sees_an_error_of_the_load() -> None:
+    exact = ClosedForm()(PROBLEM).series
+    found = compare_half_space(curve_of(PROBLEM, P=exact.P * 1.01), PROBLEM)
+    assert found.load == pytest.approx(0.01, rel=1e-10)
+
+
+def test_distance_of_the_curve_is_that_of_its_nearest_point() -> None:
+    """Along a straight line in (delta, P) of slope m the distance of a point moved up by e is e/hypot(1, m)."""
+    exact, step = curve_of(PROBLEM), 1e-6
+    unit = exact.pull_off(0.0)
+    ddelta, dP = exact.rates(exact.a[-1:])
+    steepness = float(dP[0] / ddelta[0]) * abs(unit.delta / unit.P)
+    moved = replace(exact, P=exact.P + np.where(exact.a == exact.a[-1], step * abs(unit.P), 0.0))
+    found = compare_half_space(moved, PROBLEM)
+    assert found.curve == pytest.approx(step / np.hypot(1, steepness), rel=1e-4)
+
+
+def analysis_of(curve, budget: ErrorBudget) -> Analysis:
+    case = Specification(PROBLEM, (W,), 3e-10, "")
+    stored = SimpleNamespace(warnings=(), facts={})
+    return Analysis(stored, case, curve, 0, budget)
+
+
+def test_a_pull_off_that_is_worse_than_was_estimated_is_warned_of() -> None:
+    exact = ClosedForm()(PROBLEM).series
+    wrong = curve_of(PROBLEM, dS=exact.dS * 1.02)
+    found = compare_half_space(wrong, PROBLEM).pull_off
+    words = f"the pull-off force differs from the closed form by {abs(found):.2g}, more than the 2.2e-05 that was"
+    told = analysis_of(wrong, ErrorBudget(1e-5, 0.0, 0.0, 1e-6)).warnings
+    assert any(text.startswith(words) for text in told)
+    for curve, budget in ((wrong, ErrorBudget(0.02, 0.0, 0.0)), (curve_of(PROBLEM), ErrorBudget(0.0, 0.0, 0.0, 0.0))):
+        assert not any("differs from the closed form" in text for text in analysis_of(curve, budget).warnings)
+
+
+def test_no_comparison_without_a_closed_form() -> None:
+    r = np.linspace(0, 3e-5, 20)
+    table = Problem(TableProfile(tuple(r), tuple(r**2 / (2 * R))), GROUND, PROBLEM.loading)
+    assert exact_curve(table, W, 1e-5) is None
+
+
+def test_differences_at_equal_displacement_do_not_mind_other_points() -> None:
+    one = ClosedForm()(PROBLEM).series
+    two = ClosedForm()(Problem(Sphere(R), GROUND, Loading("depth", 2.9e-6, 37))).series
+    found = {d.column: d for d in series_differences(one, two)}
+    assert set(found) == {"P", "a", "S", "dS"}
+    assert found["P"].worst < 2e-6  # monotone cubic in logs through 37 points of nearly a power law
+    shifted = {d.column: d.worst for d in series_differences(one, two.scaled(1.5))}
+    assert shifted["P"] == pytest.approx(0.5, abs=1e-5)
+    assert shifted["a"] < 1e-6
+
+
+def test_differences_of_curves_are_over_the_largest_value_and_name_the_row() -> None:
+    columns = tables.curve_columns(curve_of(PROBLEM))
+    changed = {name: np.array(values) for name, values in columns.items()}
+    changed["P_N"][40] += 0.02 * np.max(np.abs(columns["P_N"]))
+    found = {d.column: d for d in curve_differences(columns, changed)}
+    assert found["P_N"].worst == pytest.approx(0.02, rel=1e-9)
+    assert found["P_N"].worst_row == 40
+    assert found["delta_m"].worst == 0
+
+
+def test_series_that_do_not_overlap_are_refused() -> None:
+    one = ClosedForm()(Problem(Sphere(R), GROUND, Loading.given("depth", (1e-8, 2e-8)))).series
+    two = ClosedForm()(Problem(Sphere(R), GROUND, Loading.given("depth", (1e-6, 2e-6)))).series
+    with pytest.raises(InputError, match="nothing to compare: the ranges 1e-08 to 2e-08 and 1e-06 to 2e-06"):
+        series_differences(one, two)
+
+
+def test_states_lie_on_the_curve_and_the_stable_one_is_the_larger() -> None:
+    curve = curve_of(PROBLEM)
+    lowest = curve.pull_off(0.0).P
+    radii = curve.radii(P=0.5 * lowest)
+    assert len(radii) == 2
+    np.testing.assert_allclose(curve.at(np.array(radii))[1], 0.5 * lowest, rtol=1e-10)
+    assert stable_radius(curve, 0.5 * lowest) == radii[1]
+    np.testing.assert_allclose(curve.at(np.array(curve.radii(delta=0.0)))[0], 0, atol=1e-18)
+    assert curve.radii(P=2 * lowest) == ()
+    with pytest.raises(InputError, match=r"load: -47.04 mN is not carried by a stable contact of this series"):
+        stable_radius(curve, 2 * lowest)
+
+
+def test_csv_reads_back_to_the_last_bit(tmp_path) -> None:
+    columns = tables.curve_columns(curve_of(PROBLEM))
+    (tmp_path / "x.csv").write_text(tables.csv(columns))
+    for name, values in tables.read_curve(tmp_path / "x.csv").items():
+        np.testing.assert_array_equal(values, columns[name])
+
+
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        ("", 'line 1 must be the header "a_m,delta_m,P_N,...", got ""'),
+        ("x,y\n1,2\n", 'line 1 must be the header "a_m,delta_m,P_N,...", got "x,y"'),
+        ("a_m,P_N\n1,2\n2,x\n", 'line 3 must hold 2 finite numbers, got "2,x"'),
+        ("a_m,P_N\n1,2\n2,nan\n", 'line 3 must hold 2 finite numbers, got "2,nan"'),
+        ("a_m,P_N\n1,2\n2\n", 'line 3 must hold 2 finite numbers, got "2"'),
+        ("a_m,P_N\n1,2\n", "holds 1 rows, at least 2 are needed"),
+        ("a_m,P_N\n1,2\n3,2\n2,2\n", "line 4: a_m must increase from row to row"),
+    ],
+)
+def test_wrong_curves_are_refused(tmp_path, text: str, line: str) -> None:
+    path = tmp_path / "x.csv"
+    path.write_text(text)
+    with pytest.raises(InputError) as caught:
+        tables.read_curve(path)
+    assert caught.value.lines == (f"{path}: {line}",)
+
+
+def build(name: str):
+    return method_class(name)()
+
+
+def test_auto_takes_the_least_model() -> None:
+    assert choose(PROBLEM, "auto", build).name == "closed-form"
+    assert choose(LAYER, "auto", build).name == "layered"
+    finite = Problem(LAYER.indenter, Specimen(LAYER.specimen.layers, Rigid(), 1e-4, "free"), LAYER.loading)
+    assert choose(finite, "auto", build).name == "hybrid"
+    with pytest.raises(Refusal, match="method layered: the specimen has a finite radius"):
+        choose(finite, "layered", build)
+
+
+def test_auto_says_why_and_what_others_would_cost() -> None:
+    reason = choose(LAYER, "auto", build).reason
+    assert reason.startswith("the least model that represents this body (")
+    assert "closed-form cannot (" in reason
+    assert "fem would take about" in reason
+
+
+def test_expectation_is_close_to_the_solution() -> None:
+    series = Layered()(LAYER).series
+    expected = expect(LAYER, (1e-3,), 3e-10)
+    assert expected.P == pytest.approx(series.P[-1], rel=1e-4)  # asked to 1e-5
+    curve = transform(series, slopes(series, "exact"), 1e-3)
+    assert expected.adhesion[0][1].P == pytest.approx(curve.pull_off(0.0).P, rel=1e-4)
+    half_space = ClosedForm()(Problem(LAYER.indenter, Specimen((), HalfSpace(Elastic(1e6, 0.3))),
+                                      Loading("depth", float(series.delta[-1]), 1))).series  # fmt: skip
+    assert expected.half_space_error == pytest.approx(series.P[-1] / half_space.P[-1] - 1, rel=1e-3)
+
+
+class _Planned:
+    """A method that only says what it would cost."""
+
+    def __init__(self, seconds: float, error: float):
+        self.planned = Forecast(seconds, 1.0, error)
+
+    def refusal(self, problem: Problem) -> None:
+        return None
+
+    def forecast(self, problem: Problem) -> Forecast:
+        return self.planned
+
+
+@pytest.mark.parametrize(
+    ("closed", "layered", "hybrid", "fem", "chosen"),
+    [
+        ((1e-3, 1e-14), (0.1, 1e-8), (0.2, 1e-5), (1.0, 3e-4), "closed-form"),
+        ((1e-3, 4e-2), (0.1, 1e-8), (0.2, 1e-5), (1.0, 3e-4), "layered"),  # the formula errs noticeably
+        ((1e-3, 4e-2), (90.0, 1e-8), (0.2, 1e-5), (1.0, 3e-4), "hybrid"),  # the exact solver would take too long
+        ((1e-3, 4e-2), (90.0, 1e-8), (50.0, 1e-5), (1.0, 3e-4), "fem"),  # so would the hybrid
+        ((1e-3, 4e-2), (90.0, 1e-8), (50.0, 1e-5), (60.0, 3e-4), "layered"),  # so would all others
+        ((1e-3, 4e-2), (0.1, 2e-2), (0.2, 2e-2), (1.0, 3e-2), "closed-form"),  # none is accurate: the least
+    ],
+)
+def test_the_least_model_that_is_accurate_and_quick(closed, layered, hybrid, fem, chosen: str) -> None:
+    costs = {"closed-form": closed, "layered": layered, "hybrid": hybrid, "fem": fem}
+    plans = {name: _Planned(*cost) for name, cost in costs.items()}
+    assert choose(LAYER, "auto", plans.__getitem__).name == chosen

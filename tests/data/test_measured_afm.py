@@ -1,0 +1,141 @@
+"""Files of force microscopes through the optional package afmformats: real files, written and read back."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from jkrcli.base.errors import InputError
+from jkrcli.data import measured
+from jkrcli.data.measured import Curve, Reading
+
+HEIGHT = np.array([9.0, 5.0, 1.0, 3.0, 8.0]) * 1e-6  # grows away from the specimen
+FORCE = np.array([0.0, 1.0, 40.0, 10.0, -3.0]) * 1e-9
+K = 0.04
+CONTENT = {
+    "force": FORCE,
+    "height (measured)": HEIGHT,
+    "time": np.arange(5.0),
+    "segment": np.array([0, 0, 0, 1, 1]),
+}
+
+
+def data(index: int = 0, columns: dict[str, np.ndarray] | None = None, **meta: Any) -> Any:
+    afmformats = pytest.importorskip("afmformats")
+    metadata = {"imaging mode": "force-distance", "path": "x.h5", "enum": index, "point count": 5} | {
+        key.replace("_", " "): value for key, value in meta.items()
+    }
+    return afmformats.AFMForceDistance(columns or CONTENT, metadata)
+
+
+def written(path: Path, *sets: Any) -> Path:
+    h5py = pytest.importorskip("h5py")
+    with h5py.File(path, "w") as file:
+        for one in sets:
+            one.export_data(file, fmt="hdf5")
+    return path
+
+
+def test_indentation_is_minus_height_minus_deflection(tmp_path: Path) -> None:
+    path = tmp_path / "one.tab"
+    data(spring_constant=K).export_data(path)
+    (curve,) = measured.read(path)
+    assert curve.where == str(path)
+    assert curve.measured == ("delta", "P", "t")
+    assert curve.segment.tolist() == ["approach"] * 3 + ["retract"] * 2
+    assert curve.flags == ("displacement from the height (measured)",)
+    np.testing.assert_allclose(curve.P, FORCE, rtol=1e-7)  # the file holds eight digits
+    np.testing.assert_allclose(curve.delta, -HEIGHT - FORCE / K, rtol=1e-7)
+
+
+def test_a_map_of_many_curves_is_read_one_by_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = written(tmp_path / "map.h5", *(data(i, spring_constant=K) for i in range(4)))
+    from afmformats.formats.fmt_hdf5 import H5DictReader
+
+    loaded = []
+    whole = H5DictReader.__getitem__
+    monkeypatch.setattr(H5DictReader, "__getitem__", lambda self, key: loaded.append(self.enum_key) or whole(self, key))
+    curves = measured.each(path, Reading(zero={"delta": -5e-6}))
+    first = next(curves)
+    assert isinstance(first, Curve)
+    assert set(loaded) == {"0"}
+    assert [first.name, *(item.name for item in curves if isinstance(item, Curve))] == ["0", "1", "2", "3"]
+    np.testing.assert_allclose(first.delta, 5e-6 - HEIGHT - FORCE / K, rtol=1e-12)
+
+
+def test_the_position_of_the_tip_itself_needs_no_deflection(tmp_path: Path) -> None:
+    columns = CONTENT | {"tip position": HEIGHT * 0.9}
+    (curve,) = measured.read(written(tmp_path / "m.h5", data(columns=columns)))
+    np.testing.assert_allclose(curve.delta, -HEIGHT * 0.9, rtol=1e-14)
+
+
+def test_one_bad_curve_of_a_map_is_told_and_the_others_follow(tmp_path: Path) -> None:
+    lame = CONTENT | {"force": np.append(FORCE[:4], np.nan)}
+    path = written(tmp_path / "map.h5", data(0, spring_constant=K), data(1, lame, spring_constant=K), data(2))
+    found = list(measured.each(path))
+    assert isinstance(found[0], Curve)
+    assert [str(item) for item in found[1:]] == [
+        f'{path}: curve "1": row 5 of its force is not finite',
+        f'{path}: curve "2": names no spring constant: give --stiffness',
+    ]
+    (_, _, last) = measured.each(path, Reading(stiffness=K))
+    assert isinstance(last, Curve)
+    np.testing.assert_allclose(last.delta, -HEIGHT - FORCE / K, rtol=1e-12)
+
+
+WRONG: dict[str, tuple[Callable[[Path], Path], Reading, str]] = {
+    "another spring constant than the file's": (
+        lambda path: written(path / "m.h5", data(spring_constant=K)), Reading(stiffness=0.05),
+        "{path}: names a spring constant of 0.04 N/m, with which its loads were computed: leave out --stiffness 0.05",
+    ),
+    "columns of a file that knows its own": (
+        lambda path: written(path / "m.h5", data(spring_constant=K)), Reading(columns={"P": "force"}),
+        "{path}: the columns of a microscope's file and their units are known: leave out --column and --unit, or "
+        "read it as text, --format text",
+    ),
+    "no height": (
+        lambda path: written(path / "m.h5", data(columns={"force": FORCE, "time": np.arange(5.0)}, spring_constant=K)),
+        Reading(), "{path}: holds no height or no force (columns: force, time)",
+    ),
+    "not there": (
+        lambda path: path / "none.jpk-force", Reading(), "{path}: file of force curves not found",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("mistake", WRONG)
+def test_mistakes_are_told_in_one_line(tmp_path: Path, mistake: str) -> None:
+    pytest.importorskip("afmformats")
+    make, reading, expected = WRONG[mistake]
+    path = make(tmp_path)
+    with pytest.raises(InputError) as caught:
+        measured.read(path, reading)
+    assert str(caught.value) == expected.format(path=path)
+
+
+@pytest.mark.parametrize("ending", [".jpk-force", ".ibw", ".h5", ".tab"])
+def test_what_is_no_such_file_is_refused_quietly(
+    tmp_path: Path, ending: str, capfd: pytest.CaptureFixture[str]
+) -> None:
+    pytest.importorskip("afmformats")
+    path = tmp_path / f"junk{ending}"
+    path.write_bytes(b"\x89HDF\r\n\x1a\n no file of force curves \x00\x01")
+    with pytest.raises(
+        InputError, match=f"^{path}: (is no file of force curves that|afmformats cannot read this file)"
+    ):
+        measured.read(path)
+    assert capfd.readouterr().err == ""
+
+
+def test_without_the_package_one_line_says_how_to_get_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "afmformats", None)
+    with pytest.raises(InputError) as caught:
+        measured.read(tmp_path / "m.jpk-force")
+    assert str(caught.value) == (
+        f'{tmp_path / "m.jpk-force"}: needs the optional package afmformats: pip install "jkrcli[afm]"'
+    )

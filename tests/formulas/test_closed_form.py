@@ -1,0 +1,143 @@
+"""Closed forms: energy and derivative identities, published values, limits, change of units."""
+
+from __future__ import annotations
+
+import math
+from decimal import Decimal, localcontext
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+
+from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere
+from jkrcli.bodies.materials import Elastic
+from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Specimen
+from jkrcli.formulas import closed_form
+from jkrcli.methods.closed_form import ROUND_OFF, ClosedForm
+
+E_STAR, R = 7.0e5, 2e-3
+SHAPES = [Sphere(R), Paraboloid(R), PowerLaw(0.3, 1.0), PowerLaw(5e6, 4.0), RoundedFlat(0.1 * R, R)]
+
+
+@pytest.mark.parametrize("indenter", SHAPES, ids=lambda shape: type(shape).__name__)
+def test_load_is_the_integral_of_the_abel_image(indenter) -> None:
+    """P_H = 2 E* int_0^a (F(a) - F(x)) dx (Sneddon), and delta_H = F(a)."""
+    a = 0.4 * R
+    delta, P = closed_form.half_space(np.array(a), E_STAR, indenter)
+    b = indenter.a0
+
+    def integrand(t: float) -> float:  # x = b + (a - b) t^2 takes the root at the rounded edge out
+        return 2 * t * (a - b) * float(indenter.abel(np.array(a)) - indenter.abel(np.array(b + (a - b) * t**2)))
+
+    value = b * float(indenter.abel(np.array(a))) + quad(integrand, 0, 1, epsrel=1e-12)[0]
+    assert float(delta) == pytest.approx(float(indenter.abel(np.array(a))), rel=1e-14)
+    assert float(P) == pytest.approx(2 * E_STAR * value, rel=1e-11)
+
+
+@pytest.mark.parametrize("indenter", SHAPES, ids=lambda shape: type(shape).__name__)
+def test_slope_is_2_E_star_a(indenter) -> None:
+    a, step = 0.37 * R, 1e-5 * R
+    (d1, d2), (P1, P2) = closed_form.half_space(np.array([a - step, a + step]), E_STAR, indenter)
+    assert (P2 - P1) / (d2 - d1) == pytest.approx(2 * E_STAR * a, rel=1e-8)  # step^2
+
+
+def test_sphere_tends_to_the_paraboloid_and_differs_as_published() -> None:
+    a = np.array([1e-6, 1e-4]) * R
+    np.testing.assert_allclose(closed_form.sneddon_sphere(a, E_STAR, R), closed_form.hertz(a, E_STAR, R), rtol=1e-8)
+    delta = np.array([0.01, 0.02, 0.03]) * R  # exact sphere against paraboloid at equal depth: -0.10, -0.20, -0.30 %
+    a = np.linspace(0.01, 0.2, 4000) * R
+    at = np.interp(delta, *closed_form.sneddon_sphere(a, E_STAR, R))
+    hertz = 4 / 3 * E_STAR * np.sqrt(R) * delta**1.5
+    np.testing.assert_allclose(100 * (at / hertz - 1), [-0.10, -0.20, -0.30], atol=0.005)
+
+
+def test_sphere_series_meets_the_closed_expression() -> None:
+    a = np.array([0.2 * (1 - 1e-12), 0.2]) * R
+    below, above = closed_form.sneddon_sphere(a, E_STAR, R)[1]
+    assert below == pytest.approx(above, rel=1e-11)
+
+
+def exact_rounded_flat(a: float, b: float) -> tuple[float, float]:
+    """delta_H and P_H/E* for an edge radius of 1, from the exact value of the floating-point radii; a/b < 1.2."""
+    with localcontext() as context:
+        context.prec = 60
+        s = (Decimal(a) ** 2 - Decimal(b) ** 2).sqrt()
+        u = s / Decimal(b)
+        difference = sum((-1) ** k * u ** (2 * k + 3) / (2 * k + 3) for k in range(200))  # tan(phi) - phi
+        delta = Decimal(a) * Decimal(b) * difference
+        load = 2 * Decimal(a) * delta - 2 * (s**3 / 3 - Decimal(b) * (Decimal(a) ** 2 * (u - difference)
+                                                                     - Decimal(b) * s) / 2)  # fmt: skip
+        return float(delta), float(load)
+
+
+@pytest.mark.parametrize("beyond", [1e-13, 1e-8, 1e-6, 1e-4, 2e-3, 0.05, 0.11, 0.13])
+def test_rounded_flat_is_exact_near_first_touch(beyond: float) -> None:
+    b = 1e-6
+    a = b * (1 + beyond)
+    delta, P = closed_form.rounded_flat(np.array(a), 1.0, b, 1.0)
+    assert (float(delta), float(P)) == pytest.approx(exact_rounded_flat(a, b), rel=ROUND_OFF / 2, abs=0)
+
+
+def test_dimensionless_jkr_is_eq_7_in_the_units_of_eq_15() -> None:
+    w, a = 0.05, np.linspace(0.01, 0.2, 9) * R
+    delta, P = closed_form.jkr(a, E_STAR, R, w)
+    a_bar = a * (4 * E_STAR / (3 * math.pi * w * R**2)) ** (1 / 3)
+    delta_bar, P_bar = closed_form.jkr_dimensionless(a_bar)
+    np.testing.assert_allclose(P / (math.pi * w * R), P_bar, rtol=1e-12, atol=1e-12)
+    np.testing.assert_allclose(delta * (16 * E_STAR**2 / (9 * math.pi**2 * w**2 * R)) ** (1 / 3), delta_bar, rtol=1e-12)
+
+
+def test_classical_pull_off_values() -> None:
+    """-3/2 pi w R at a_bar^3 = 3/2 under load control, -5/6 pi w R at a_bar^3 = 1/6 under displacement control."""
+    for a3, P, rate in ((1.5, -1.5, 1), (1 / 6, -5 / 6, 0)):
+        a = np.array([(a3 * (1 + e)) ** (1 / 3) for e in (-1e-4, 0, 1e-4)])
+        curve = closed_form.jkr_dimensionless(a)
+        assert curve[1][1] == pytest.approx(P, rel=1e-14)
+        assert curve[rate][1] < min(curve[rate][0], curve[rate][2])
+
+
+def test_adhesive_half_space_of_the_paraboloid_is_jkr() -> None:
+    a = np.linspace(0.01, 0.2, 9) * R
+    general = closed_form.adhesive_half_space(a, E_STAR, Paraboloid(R), 0.03)
+    np.testing.assert_allclose(general, closed_form.jkr(a, E_STAR, R, 0.03), rtol=1e-12)
+
+
+def test_thin_layers_obey_dP_equal_S_ddelta() -> None:
+    a = np.array([1.0, 1.0 + 1e-6]) * 1e-4
+    h = 1e-5
+    for (delta, P), slope in (
+        (closed_form.thin_layer(a, 3e12, R), math.pi * 3e12 * a[0] ** 2),
+        (closed_form.thin_incompressible_layer(a, 1e5, h, R), 3 * math.pi * 1e5 * a[0] ** 4 / (8 * h**3)),
+    ):
+        assert np.diff(P)[0] / np.diff(delta)[0] == pytest.approx(slope, rel=1e-5)  # forward difference of 1e-6
+
+
+def test_tabor_number_of_the_papers_cases() -> None:
+    E_star = 5e9 / (1 - 0.4**2)
+    assert closed_form.tabor(100e-6, 50, E_star, 0.3e-9) == pytest.approx(639, abs=0.5)
+    assert closed_form.tabor(1e-3, 10, E_star, 0.3e-9) == pytest.approx(471, abs=0.5)
+
+
+@pytest.mark.parametrize("quantity", ["depth", "load", "radius"])
+@pytest.mark.parametrize("spacing", ["radius", "depth", "given"])
+def test_loading_reaches_what_was_asked(quantity: str, spacing: str) -> None:
+    if (quantity, spacing) == ("radius", "depth"):
+        return
+    top = {"depth": 1e-2 * R, "load": 1e-2 * E_STAR * R**2, "radius": 0.1 * R}[quantity]
+    loading = (
+        Loading.given(quantity, (0.2 * top, 0.7 * top, top))
+        if spacing == "given"
+        else Loading(quantity, top, 10, spacing)
+    )
+    for indenter in SHAPES:
+        if quantity == "radius" and indenter.a0 > 0:
+            loading = Loading(quantity, 0.3 * R, 10, "radius")
+        series = ClosedForm()(Problem(indenter, Specimen((), HalfSpace(Elastic(E_STAR, 0.0))), loading)).series
+        column = {"depth": series.delta, "load": series.P, "radius": series.a}[quantity]
+        assert column[-1] == pytest.approx(loading.maximum, rel=1e-12)
+        if loading.spacing == "given":
+            np.testing.assert_allclose(column, loading.values, rtol=1e-11)
+        if loading.spacing == "depth":
+            np.testing.assert_allclose(np.diff(series.delta), series.delta[0], rtol=1e-9)
+        if loading.spacing == "radius":
+            np.testing.assert_allclose(np.diff(series.a), series.a[0] - indenter.a0, rtol=1e-9)

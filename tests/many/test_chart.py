@@ -1,0 +1,196 @@
+"""Speed against accuracy: the reference, the measurements, the front, and the verb."""
+
+from __future__ import annotations
+
+import csv
+import json
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import CASES
+
+from jkrcli.adhesion.curve import transform
+from jkrcli.adhesion.slopes import slopes
+from jkrcli.base.errors import InputError, Refusal, SolveError
+from jkrcli.bodies.indenters import Paraboloid, Sphere
+from jkrcli.bodies.materials import Elastic
+from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
+from jkrcli.case import load_case
+from jkrcli.case.numerics import method_of
+from jkrcli.many.study.chart import DEFAULT, SETTINGS, automatic, beside_front, front, settings_of
+from jkrcli.many.study.chart_measure import Cost, process_cost, typical
+from jkrcli.many.study.chart_peers import read_peers
+from jkrcli.many.study.chart_reference import reference_of
+from jkrcli.methods.choose import choose
+from jkrcli.methods.layered.layered import Layered
+
+LAYER = Problem(
+    Paraboloid(1e-3), Specimen((Layer(Elastic(5e9, 0.4), 1e-6),), Rigid()), Loading("radius", 1e-5, points=60)
+)
+HERTZ = Problem(Paraboloid(1e-4), Specimen((), HalfSpace(Elastic(5e9, 0.4))), Loading("depth", 3e-6, points=60))
+
+
+# ---------------------------------------------------------------------- the exact solution
+def test_reference_on_a_half_space_is_the_closed_form() -> None:
+    reference = reference_of(HERTZ, 50.0)
+    assert reference.name == "closed form"
+    delta = np.linspace(1e-7, 3e-6, 50)
+    load = 4 / 3 * HERTZ.E_star * np.sqrt(1e-4) * delta**1.5
+    # a cubic in logarithms through 400 points: fourth order in a spacing of 1/120 of the radius
+    assert reference.load_error(delta, load) < 1e-9
+    assert reference.load_error(delta, 1.01 * load) == pytest.approx(0.01, rel=1e-6)
+
+
+@pytest.mark.parametrize("problem", [HERTZ, LAYER, replace(LAYER, indenter=Sphere(1e-3))])
+def test_errors_of_an_exact_series_vanish_and_those_of_a_scaled_one_are_known(problem: Problem) -> None:
+    """Moduli larger by a factor s: P at equal depth is s times as large, the pull-off force of Hertz the same."""
+    w = 50.0 if problem is HERTZ else 10.0
+    series = Layered(1e-9)(problem).series
+    reference = reference_of(problem, w)
+    errors = reference.errors(transform(series, slopes(series, "exact"), w))
+    assert errors.load < 1e-8
+    assert errors.curve is not None
+    assert errors.curve < 1e-6  # of the interpolated reference
+    assert errors.pull_off is not None
+    assert errors.pull_off < 1e-6
+    stiffer = series.scaled(1.02)
+    scaled = reference.errors(transform(stiffer, slopes(stiffer, "exact"), w))
+    assert scaled.load == pytest.approx(0.02, rel=1e-5)
+    assert scaled.curve is not None
+    assert scaled.curve > 1e-3
+    if problem is HERTZ:
+        assert scaled.pull_off == pytest.approx(0.0, abs=1e-6)
+
+
+def test_there_is_no_reference_for_a_finite_body() -> None:
+    finite = replace(LAYER, specimen=replace(LAYER.specimen, radius=5e-5, side="free"))
+    with pytest.raises(Refusal, match=r"finite radius of 5e-05 m.*leave radius and side out, or see jkr study conv"):
+        reference_of(finite, 10.0)
+
+
+# ---------------------------------------------------------------------- measuring
+def test_cost_of_a_process_is_its_own() -> None:
+    """A tenth of a second of work and 200 MB; the memory of this process is not counted in."""
+    work = "import time, sys\nblock = b'x' * 200_000_000\nwhile time.process_time() < 0.3: pass"
+    cost = process_cost([sys.executable, "-S", "-c", work])
+    assert 0.3 <= cost.cpu_s < 0.8
+    assert cost.wall_s >= 0.3
+    assert cost.memory_mib is not None
+    assert 190 < cost.memory_mib < 260
+    idle = process_cost([sys.executable, "-S", "-c", ""])
+    assert idle.memory_mib is not None
+    assert idle.memory_mib < 50
+
+
+def test_a_process_that_fails_says_so() -> None:
+    with pytest.raises(SolveError, match=r"ended with code 3: no such luck"):
+        process_cost([sys.executable, "-S", "-c", "import sys; print('no such luck', file=sys.stderr); sys.exit(3)"])
+
+
+def test_long_runs_are_not_repeated_and_short_ones_give_the_median() -> None:
+    seconds = iter([1.0, 3.0, 0.5, 9.0])
+    assert typical(lambda: Cost(next(seconds), 0.0), 3).cpu_s == 1.0
+    assert typical(lambda: Cost(next(seconds), 0.0), 3).cpu_s == 9.0  # the next call would fail
+
+
+# ---------------------------------------------------------------------- the front
+def test_front_holds_what_nothing_beats() -> None:
+    points = [(1.0, 1e-2), (2.0, 1e-3), (3.0, 1e-3), (4.0, 1e-5), (5.0, 1e-4)]
+    assert front(points) == [0, 1, 3]
+    assert beside_front((2.9, 1e-3), points)
+    assert not beside_front((3.1, 1e-3), points)  # 1e-3 can be had in 2.0, quicker by more than a half
+
+
+def test_every_setting_is_a_valid_case_and_fits_its_method() -> None:
+    model = load_case(CASES / "thin-layer.toml").model
+    settings = settings_of(model, ())
+    assert {setting.method for setting in settings} >= {"closed-form", "layered", "fem"}
+    for setting in settings:
+        assert setting.of(model).method == setting.method
+        method_of(setting.of(model), setting.method)
+    assert [s.words for s in settings if s.words.startswith("the case")] == ["the case's own mesh"]
+    assert all(setting.method == "layered" for setting in settings_of(model, ("layered",)))
+    assert len({(setting.method, setting.words) for setting in SETTINGS}) == len(SETTINGS)
+
+
+@pytest.mark.parametrize("name", ["halfspace", "thin-layer", "gel", "coating"])
+def test_auto_takes_the_least_method_that_is_exact_enough(name: str) -> None:
+    """The rule of choose: of closed-form, layered, hybrid, fem the first with an expected error <= 1e-3 within 10 s."""
+    case = load_case(CASES / f"{name}.toml")
+    taken = automatic(case)
+    options = choose(case.model.problem(), "auto", lambda method: method_of(case.model, method)).options
+    able = [o.name for o in options if o.forecast and isinstance(o.forecast.error, float) and o.forecast.error <= 1e-3
+            and o.forecast.seconds <= 10]  # fmt: skip
+    assert taken == able[0]
+    assert taken == ("closed-form" if name == "halfspace" else "layered")
+
+
+# ---------------------------------------------------------------------- peers
+def stored(tmp_path: Path, **changes: object) -> Path:
+    run = {"peer": "Slow", "version": "1", "body": "thin-layer", "settings": "coarse", "unknowns": 9, "cpu_s": 60.0,
+           "wall_s": 70.0, "memory_mib": 100.0, "after_imports_cpu_s": None,
+           "errors": {"load": 1e-3, "curve": None, "pull_off": 0.02}}  # fmt: skip
+    data = {"format": "jkr-peers", "version": 1, "yardstick_cpu_s": [2.0, 2.5], "runs": [run]} | changes
+    path = tmp_path / "peers.json"
+    path.write_text(json.dumps(data))
+    return path
+
+
+def test_peers_are_scaled_by_the_yardstick(tmp_path: Path) -> None:
+    """On a machine twice as fast as then (yardstick 1 instead of 2 s) the peer would need half of its time."""
+    (peer,) = read_peers(stored(tmp_path), 1.0)
+    assert peer.whole.cpu_s == 30.0
+    assert peer.after_imports_cpu_s is None
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"version": 2}, "must be jkr-peers version 1, got jkr-peers 2"),
+        ({"runs": [{}]}, "is not a file of peers' timings (KeyError('after_imports_cpu_s'))"),
+    ],
+)
+def test_a_wrong_file_of_peers_is_refused(tmp_path: Path, changes: dict, words: str) -> None:
+    path = stored(tmp_path, **changes)
+    with pytest.raises(InputError) as caught:
+        read_peers(path, 1.0)
+    assert str(caught.value) == f"{path}: {words}"
+
+
+def test_the_stored_peers_can_be_read() -> None:
+    peers = read_peers(CASES.parent / "docs" / "peers" / "timings.json", 1.0)
+    assert {peer.body for peer in peers} == {"halfspace", "thin-layer"}
+    assert all(peer.whole.cpu_s > 0 and peer.errors.load > 0 for peer in peers)
+
+
+# ---------------------------------------------------------------------- the verb
+def test_the_verb_writes_table_json_and_picture(jkr, tmp_path: Path, monkeypatch) -> None:
+    two = [
+        setting for setting in SETTINGS if setting.method == "layered" and setting.words in (DEFAULT, "tolerance 1e-2")
+    ]
+    monkeypatch.setattr("jkrcli.many.study.chart.SETTINGS", two)
+    peers = stored(tmp_path)
+    outcome = jkr("study", "chart", CASES / "thin-layer.toml", "--methods", "layered", "--repeat", 1, "--peers", peers,
+                  "-o", "out")  # fmt: skip
+    assert outcome.code == 0, outcome.err
+    assert "against   layered, tolerance 1e-10" in outcome.out
+    assert "Slow 1, coarse" in outcome.out
+    data = json.loads(Path("out/thin-layer-chart.json").read_text())
+    assert data["auto"] == {"method": "layered", "beside_front": True}
+    rows = list(csv.DictReader(Path("out/thin-layer-chart.csv").read_text().splitlines()))
+    assert len(rows) == len(data["points"]) == 3 * 2  # exact, integral and loocv of two tolerances
+    default = [row for row in rows if row["setting"] == DEFAULT and row["slopes"] == "exact"]
+    assert float(default[0]["P_error"]) < 1e-8
+    assert float(default[0]["whole_cpu_s"]) > float(default[0]["after_imports_cpu_s"]) > 0
+    assert Path("out/thin-layer-chart.png").read_bytes()[:4] == b"\x89PNG"
+
+
+def test_the_verb_says_what_is_missing(jkr) -> None:
+    text = (CASES / "thin-layer.toml").read_text()
+    Path("case.toml").write_text(text[: text.index("[adhesion]")])
+    outcome = jkr("study", "chart", "case.toml")
+    assert outcome.code == 2
+    assert outcome.err == "jkr: error: case.toml: names no work of adhesion > 0: give --w\n"

@@ -1,0 +1,203 @@
+"""Mesh convergence and the paper's figures: observed orders, what is written, what is refused."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from jkrcli.adhesion.curve import Outside
+from jkrcli.base.errors import InputError
+from jkrcli.bodies.indenters import Paraboloid
+from jkrcli.bodies.materials import Elastic
+from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
+from jkrcli.many.study.converge import coarser, converge, edge_size, richardson
+from jkrcli.methods.fem.method import FEM
+
+MATERIAL = Elastic(1.0, 0.3)
+HERTZ = Problem(Paraboloid(100.0), Specimen((), HalfSpace(MATERIAL)), Loading("radius", 1.0, 40))
+W = 1e-5  # pull-off at a = 0.68
+
+
+@given(order=st.floats(0.5, 4.0), limit=st.floats(-10, 10), factor=st.sampled_from([-1.0, 0.3, 2.0]))
+def test_richardson_finds_order_and_limit_of_a_power(order: float, limit: float, factor: float) -> None:
+    values = [limit + factor * h**order for h in (1.0, 0.5, 0.25, 0.125)]
+    found = richardson(values)
+    assert not isinstance(found, str)
+    assert found[0] == pytest.approx(order, abs=1e-9)  # rounding of 10 against differences above 1e-4 of it
+    assert found[1] == pytest.approx(limit, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("values", "reason"),
+    [
+        ([1.0, 2.0], "needs three meshes with a value"),
+        ([1.0, None, 2.0], "needs three meshes with a value"),
+        ([1.0, 2.0, 3.0], "the differences do not shrink from mesh to mesh"),
+        ([1.0, 2.0, 1.5], "the differences do not shrink from mesh to mesh"),
+        ([1.0, 1.0, 1.0], "the differences do not shrink from mesh to mesh"),
+    ],
+)
+def test_no_order_without_a_reason(values: list[float | None], reason: str) -> None:
+    assert richardson(values) == reason
+
+
+def test_hertz_converges_with_node_based_radii() -> None:
+    """First order in the radius (a node's), better than second in the load at equal depth (measured: 1.0 and 2.4)."""
+    found = converge(HERTZ, FEM(edge_correction=False), W, 4)
+    sizes = np.array([level.size for level in found.levels])
+    np.testing.assert_allclose(sizes[:-1] / sizes[1:], 2, rtol=0.1)  # vertices are fitted between fixed points
+    assert [level.kept for level in found.levels] == sorted(level.kept for level in found.levels)
+    assert found.order("a") == pytest.approx(1, abs=0.3)
+    assert found.order("P") > 1.7
+    a, P, force = (found.errors(quantity)[-1] for quantity in ("a", "P", "pull_off"))
+    assert abs(a) < 1e-2  # a fraction of the spacing of 0.04 a
+    assert abs(P) < 5e-4
+    assert abs(force) < 1e-2
+    assert found.exact.P == pytest.approx(4 / 3 * MATERIAL.E_star * 10 * found.depth**1.5, rel=1e-6)  # Hertz
+
+
+def test_a_finite_body_is_extrapolated() -> None:
+    specimen = Specimen((Layer(MATERIAL, 1.0),), Rigid(), radius=2.5, side="free")
+    problem = Problem(HERTZ.indenter, specimen, HERTZ.loading)
+    found = converge(problem, FEM(order=1, element="quadrilateral", spacing=0.06, edge_correction=False), W, 3)
+    assert found.exact is None
+    order, limit = found.extrapolated["P"]
+    assert (found.order("P"), found.reference("P")) == (order, limit)
+    assert order == pytest.approx(2, abs=0.5)  # first-order elements; the corner of free side and base costs some
+    fine = FEM(edge_correction=False, estimate_error=False)(problem).series
+    second_order = math.exp(np.interp(math.log(found.depth), np.log(fine.delta), np.log(fine.P)))
+    assert limit == pytest.approx(second_order, rel=1e-3)
+
+
+def test_too_coarse_a_mesh_has_a_reason_for_its_missing_pull_off() -> None:
+    problem = Problem(HERTZ.indenter, HERTZ.specimen, Loading("radius", 1.0, 4, "radius"))
+    method = FEM(contact="incremental", spacing=0.2, edge_correction=False)
+    found = converge(problem, method, W, 2)
+    assert isinstance(found.levels[0].state.point, Outside)
+    assert found.levels[0].state.curve is None
+    assert found.values("pull_off")[0] is None
+    assert found.errors("pull_off")[0] is None
+    assert "needs at least" in found.levels[0].state.point.reason
+
+
+def test_coarser_doubles_every_element_and_knows_its_limit() -> None:
+    zones = FEM(layout="zones", element_size=0.02)
+    twice = coarser(zones, HERTZ, 2)
+    assert (twice.element_size, twice.zone_sizes) == (0.04, (0.04, 0.1, 1.0))
+    assert edge_size(twice, HERTZ, 1.0) == pytest.approx(0.04, rel=0.05)
+    assert coarser(FEM(), HERTZ, 2).spacing == 0.08
+    with pytest.raises(InputError) as caught:
+        coarser(FEM(), HERTZ, 16)
+    assert str(caught.value) == (
+        "levels: the coarsest mesh would have mesh.spacing = 0.64, at most 0.49 is possible: "
+        "take fewer levels or a finer mesh in the case"
+    )
+
+
+# ---------------------------------------------------------------------- command line
+CASE = """
+[indenter]
+shape = "{shape}"
+radius = "100 um"
+[specimen{table}]
+E = "5 MPa"
+nu = 0.4
+{more}
+[loading]
+depth = "{depth}"
+points = 30
+[adhesion]
+w = {w}
+[mesh]
+element_size = "{size}"
+layout = "zones"
+growth = 0.4
+"""
+
+
+@pytest.fixture(name="cases")
+def _cases(tmp_path: Path) -> Path:
+    """The three cases that the figures need, with coarse meshes."""
+    folder = tmp_path / "cases"
+    folder.mkdir()
+    half = {"shape": "sphere", "table": ".half_space", "more": "", "depth": "3 um", "w": "0.05", "size": "1 um"}
+    thin = half | {"table": "", "depth": "0.1 um", "w": "0.002", "size": "0.4 um"}
+    body = 'base = "bonded"\n[[specimen.layers]]\nthickness = "1 um"\nE = "5 MPa"\nnu = {}\n'
+    (folder / "halfspace.toml").write_text(CASE.format(**half))
+    for name, nu, w in (("thin-layer", 0.4, "0.002"), ("gel", 0.499, '["2 mJ/m^2", "3 mJ/m^2"]')):
+        text = CASE.format(**thin | {"w": w}).replace('E = "5 MPa"\nnu = 0.4\n', body.format(nu))
+        (folder / f"{name}.toml").write_text(text)
+    return folder
+
+
+def test_study_converge_writes_table_and_summary(jkr, cases: Path, tmp_path: Path) -> None:
+    outcome = jkr("study", "converge", cases / "halfspace.toml", "--levels", 2, "-o", "out", "--no-plots", "--json")
+    assert (outcome.code, outcome.err) == (0, "")
+    assert sorted(path.suffix for path in (tmp_path / "out").iterdir()) == [".csv", ".json"]
+    rows = list(csv.DictReader((tmp_path / "out" / "halfspace-convergence.csv").read_text().splitlines()))
+    data = json.loads((tmp_path / "out" / "halfspace-convergence.json").read_text())
+    assert [float(row["P_N"]) for row in rows] == [level["P_N"] for level in data["levels"]]
+    assert [int(row["points_kept"]) for row in rows] == [level["points"]["kept"] for level in data["levels"]]
+    assert data["depth_m"] == pytest.approx(3e-6, rel=0.2)
+    assert set(data["exact"]) == set(data["extrapolated"]) == {"contact radius", "load", "pull-off force"}
+    assert json.loads(outcome.out) == data
+
+
+@pytest.mark.slow
+def test_study_converge_draws_its_panels(jkr, cases: Path, tmp_path: Path) -> None:
+    assert jkr("study", "converge", cases / "thin-layer.toml", "--levels", 3, "-o", "out").code == 0
+    drawn = sorted(path.name for path in (tmp_path / "out").iterdir() if path.stat().st_size > 10_000)
+    assert drawn == ["thin-layer-convergence.png", "thin-layer-convergence.svg"]
+
+
+@pytest.mark.slow
+def test_study_figures_draws_the_gel_with_measured_points(jkr, cases: Path, tmp_path: Path) -> None:
+    (tmp_path / "points.csv").write_text("displacement (nm), load (uN)\n-5,-0.6\n0,-0.5\n30,2\n")
+    words = ("--cases", cases, "-o", "figures", "--only", "fig8")
+    outcome = jkr("study", "figures", *words, "--measured", "points.csv", "--shift", "10 nm")
+    assert (outcome.code, outcome.err) == (0, "")
+    assert sorted(path.name for path in (tmp_path / "figures").iterdir()) == ["fig8.png", "fig8.svg"]
+
+
+def test_study_converge_prints_a_row_per_mesh_and_the_orders(jkr, cases: Path) -> None:
+    outcome = jkr("study", "converge", cases / "gel.toml", "--levels", 2, "--contact", "incremental", "--w", "1 mJ/m^2",
+                  "--no-plots")  # fmt: skip
+    assert (outcome.code, outcome.err) == (0, "")
+    lines = outcome.out.splitlines()
+    assert lines[1].endswith("w = 1 mJ/m^2; errors against the exact solution")
+    assert len(lines) == 3 + 2 + 3 + 2
+    assert (
+        "no order: needs three meshes with an error above round-off; not extrapolated: needs three meshes with a value"
+        in lines[5]
+    )
+
+
+@pytest.mark.slow
+def test_study_figures_draws_all(jkr, tmp_path: Path) -> None:
+    shipped = Path(__file__).parents[2] / "cases"
+    assert jkr("study", "figures", "--cases", shipped, "-o", "figures").code == 0
+    drawn = {path.stem for path in (tmp_path / "figures").iterdir()}
+    assert drawn == {"fig5", "fig7", "fig8", "fig10"}
+
+
+def test_wrong_input_to_the_studies(jkr, cases: Path, tmp_path: Path) -> None:
+    half = cases / "halfspace.toml"
+    (cases / "dry.toml").write_text(half.read_text().replace("[adhesion]\nw = 0.05\n", ""))
+    (tmp_path / "points.csv").write_text("displacement, load (uN)\n-5,-0.6\n0,-0.5\n")
+    for words, line in (
+        (("converge", "cases/dry.toml"), "cases/dry.toml: names no work of adhesion > 0: give --w"),
+        (("converge", "cases/halfspac.toml"),
+         'cases/halfspac.toml: case file not found, did you mean "cases/halfspace.toml"?'),
+        (("figures", "--cases", "nowhere"), "nowhere/halfspace.toml: case file not found"),
+        (("figures", "--measured", "points.csv"), 'points.csv: column 1 "displacement" (displacement) names no unit: '
+         "give --unit delta=um, or write it into the header"),
+    ):  # fmt: skip
+        outcome = jkr("study", *words)
+        assert (outcome.code, outcome.err) == (2, f"jkr: error: {line}\n")

@@ -1,0 +1,216 @@
+"""The failure map: no cell is silently wrong; contact that is no disc is said so."""
+
+from __future__ import annotations
+
+import datetime
+import json
+import re
+import time
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from jkrcli.base.errors import Refusal
+from jkrcli.base.executors import completed, executor
+from jkrcli.bodies.indenters import PowerLaw
+from jkrcli.bodies.materials import Elastic
+from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Specimen
+from jkrcli.many.study import failures as study
+from jkrcli.many.study.failures import BUGS, CRASHED, REFUSED, RIGHT, SAID, SILENT, TOO_SLOW, Verdict, judge
+from jkrcli.many.study.failures_cells import AXES, Cell, draw
+from jkrcli.many.study.watchdog import TooSlowError, cpu_limit
+from jkrcli.methods import Forecast
+from jkrcli.methods.layered.contact import LayeredContact
+from jkrcli.methods.layered.disc import disc_warnings
+from jkrcli.methods.layered.fields import profile
+from jkrcli.methods.layered.layered import Layered
+from jkrcli.series import ErrorBudget, Series, Solution
+
+PLAIN = Cell("layered", "paraboloid", "bonded", 0.4, 2.0, 1.0, 0.1, 30, 0, 20, 0.0, 1.0, 1.0, 0)
+TODAY = int(f"{datetime.date.today():%Y%m%d}")
+
+
+# ---------------------------------------------------------------------- the study's own judgement
+class Wrong:
+    """A method that is off by ``factor`` and claims ``stated``."""
+
+    def __init__(self, factor: float, stated: float, warnings: tuple[str, ...] = ()):
+        self.factor, self.stated, self.warnings = factor, stated, warnings
+
+    def refusal(self, problem: Problem) -> None:
+        return None
+
+    def forecast(self, problem: Problem) -> Forecast:
+        return Forecast(0.01, 1.0, self.stated)
+
+    def __call__(self, problem: Problem) -> Solution:
+        exact = Layered()(problem).series
+        P = exact.P * self.factor
+        series = Series(exact.a, exact.delta, P, exact.S, exact.dS, errors={"P": P * self.stated})
+        return Solution(series, ErrorBudget(self.stated, 0.0, 0.0), "wrong", warnings=self.warnings)
+
+
+@pytest.mark.parametrize(
+    ("factor", "stated", "warnings", "outcome"),
+    [
+        (1.0, 1e-8, (), RIGHT),
+        (1.001, 1e-2, (), RIGHT),  # within what it states
+        (1.001, 1e-4, (), SILENT),  # ten times what it states
+        (1.001, 1e-4, ("mind the gap",), SAID),
+    ],
+)
+def test_a_wrong_method_is_found_out(monkeypatch, factor: float, stated: float, warnings, outcome: str) -> None:
+    monkeypatch.setattr(study, "method_of", lambda cell: Wrong(factor, stated, warnings))
+    verdict = judge(PLAIN)
+    assert verdict.outcome == outcome
+    assert verdict.error == pytest.approx(factor - 1, abs=1e-6)
+
+
+def test_an_exception_that_is_not_ours_is_a_crash(monkeypatch) -> None:
+    def broken(cell: Cell) -> None:
+        raise ZeroDivisionError("by zero")
+
+    monkeypatch.setattr(study, "method_of", broken)
+    verdict = judge(PLAIN)
+    assert (verdict.outcome, verdict.words) == (CRASHED, "ZeroDivisionError: by zero")
+
+
+def test_cells_fill_the_axes_and_follow_the_seed() -> None:
+    cells = [draw(np.random.default_rng(seed), "layered") for seed in range(300)]
+    for name, (least, largest, _) in AXES.items():
+        values = np.array([getattr(cell, name) for cell in cells if getattr(cell, name) > 0])
+        if values.size:  # noise is drawn for slopes only
+            decades = np.log(largest / least)
+            assert np.log(values.min() / least) < 0.1 * decades
+            assert np.log(largest / values.max()) < 0.1 * decades
+    assert draw(np.random.default_rng(3), "fem") == draw(np.random.default_rng(3), "fem")
+    assert any(cell.nu == 0.5 for cell in cells)
+
+
+# ---------------------------------------------------------------------- a limit of time, and workers
+def endless(cell: Cell) -> None:
+    while True:
+        pass
+
+
+def test_a_cell_that_does_not_end_is_too_slow(monkeypatch) -> None:
+    monkeypatch.setattr(study, "LIMIT", 0.2)
+    monkeypatch.setattr(study, "method_of", endless)
+    start = time.process_time()
+    verdict = judge(PLAIN)
+    assert (verdict.outcome, verdict.words) == (TOO_SLOW, "took more than 0.2 CPU s")
+    assert time.process_time() - start < 2  # CPU seconds: the limit, and the exact solution
+
+
+def test_the_limit_counts_work_and_not_waiting() -> None:
+    with cpu_limit(0.05):
+        time.sleep(0.2)
+    with pytest.raises(TooSlowError), cpu_limit(0.05):
+        endless(PLAIN)
+
+
+def stuck(limit: float) -> None:
+    """A call into a library that never comes back: the exception cannot reach it."""
+    with cpu_limit(limit):
+        re.match(r"(a+)+$", "a" * 60 + "b")
+
+
+@pytest.mark.slow
+def test_a_library_that_never_returns_ends_its_process_and_the_rest_is_done() -> None:
+    with executor(2) as pool:
+        found = dict(completed(pool, stuck, [0.2], "stuck"))
+    assert "process that worked on it died" in str(found[0])
+
+
+@pytest.mark.slow
+def test_verdicts_do_not_depend_on_the_number_of_workers() -> None:
+    cells = study.random_cells(10, 4, ("closed-form", "layered", "slopes"))
+    with executor(2) as pool:
+        assert study.failures(cells, pool) == verdicts_on(cells)
+
+
+# ---------------------------------------------------------------------- a sample of cells
+def verdicts_on(cells: Sequence[Cell]) -> list[Verdict]:
+    with executor(1) as pool:
+        return study.failures(cells, pool)
+
+
+@pytest.mark.parametrize("seed", [1, TODAY], ids=["seed 1", f"seed of today, {TODAY}"])
+def test_no_cell_is_silently_wrong(seed: int) -> None:
+    """On a failure: ``jkr study failures --seed SEED --methods ...`` shows the same cells."""
+    verdicts = verdicts_on(study.random_cells(8, seed, ("closed-form", "layered", "slopes")))
+    assert [v for v in verdicts if v.outcome in BUGS] == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [1, TODAY], ids=["seed 1", f"seed of today, {TODAY}"])
+def test_no_cell_of_any_method_is_silently_wrong_and_at_most_half_are_refused(seed: int) -> None:
+    verdicts = verdicts_on(study.random_cells(150, seed))
+    assert [v for v in verdicts if v.outcome in BUGS] == []
+    assert sum(verdict.outcome == REFUSED for verdict in verdicts) <= len(verdicts) / 2
+
+
+# ---------------------------------------------------------------------- contact that is no disc
+def lifting(largest: float) -> Problem:
+    """f = B r^4, flat at its tip, on a coating ten times stiffer than the half-space below it (h = 1 um)."""
+    specimen = Specimen((Layer(Elastic(1e9, 0.3), 1e-6),), HalfSpace(Elastic(1e8, 0.3)))
+    return Problem(PowerLaw(2.5e15, 4.0), specimen, Loading("radius", largest, 10))
+
+
+def test_a_contact_that_lifts_off_in_the_middle_is_said_so() -> None:
+    """The pressure in the middle is positive at a = h/2 and negative at 2 h: read from the pressure itself."""
+    for a, pulls in ((0.5e-6, False), (2e-6, True)):
+        middle = profile(lifting(a), a, 0.0, np.array([0.03 * a])).pressure[0]
+        assert (middle < 0) == pulls
+        warnings = Layered()(lifting(a)).warnings
+        assert len(warnings) == pulls
+    assert "the middle pulls with" in warnings[0]
+    assert "not a full disc" in warnings[0]
+
+
+def test_a_displacement_that_falls_is_refused_with_the_radius_that_works() -> None:
+    """A cone on a coating 700 times stiffer than its substrate."""
+    specimen = Specimen((Layer(Elastic(1.0, 0.141), 1.0),), HalfSpace(Elastic(0.0013937, 0.3)))
+    problem = Problem(PowerLaw(0.1, 1.0), specimen, Loading("radius", 2.0, 60))
+    with pytest.raises(Refusal, match=r"falls beyond the contact radius 1 m: .*; ask for a smaller radius"):
+        Layered()(problem)
+    assert len(Layered()(replace(problem, loading=Loading("radius", 0.99, 60))).series) == 60
+
+
+def test_bodies_that_grow_stiffer_with_depth_are_not_searched() -> None:
+    """Nothing bends like a plate there, and the pressure is positive."""
+    problem = lifting(2e-6)
+    stiffer = replace(problem, specimen=Specimen(problem.specimen.layers, HalfSpace(Elastic(1e10, 0.3))))
+    contact = LayeredContact(stiffer.indenter, stiffer.specimen)
+    assert disc_warnings(contact, stiffer.specimen, 2e-6, contact.spectrum.kernel) == ()
+    assert profile(stiffer, 2e-6, 0.0).pressure.min() > 0
+
+
+# ---------------------------------------------------------------------- the verb
+def test_the_verb_writes_table_and_counts(jkr) -> None:
+    words = ("study", "failures", "--cells", 5, "--seed", 3, "--methods", "closed-form", "--no-plots", "--json")
+    outcome = jkr(*words, "-o", "out")
+    data = json.loads(outcome.out)
+    assert data["format"] == "jkr-failures"
+    assert sum(data["counts"]["closed-form"].values()) == 5
+    header, *rows = Path("out/failures.csv").read_text().splitlines()
+    assert header.startswith("method,outcome,nu,a_over_h,")
+    assert len(rows) == 5
+    assert all(len(row.split(",")) == len(header.split(",")) for row in rows)
+    assert jkr(*words, "-o", "out").out == outcome.out  # ours are replaced, and a seed gives the same cells
+
+
+@pytest.mark.slow
+def test_the_verb_draws_every_pair_of_axes(jkr) -> None:
+    assert jkr("study", "failures", "--cells", 3, "--seed", 3, "--methods", "closed-form").code == 0
+    assert Path("failures-closed-form.png").read_bytes()[:4] == b"\x89PNG"
+
+
+def test_the_verb_exits_with_one_where_a_cell_is_silently_wrong(jkr, monkeypatch) -> None:
+    monkeypatch.setattr(study, "method_of", lambda cell: Wrong(1.1, 1e-6))
+    outcome = jkr("study", "failures", "--cells", 3, "--seed", 3, "--methods", "closed-form", "--no-plots")
+    assert outcome.code == 1
+    assert "  silent: P errs by 0.1, stated 1.1e-06: Cell(" in outcome.out

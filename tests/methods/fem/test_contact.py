@@ -1,0 +1,135 @@
+"""The contact problem on a condensed surface: against brute force, nested against increments, loads and depths."""
+
+import itertools
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from jkrcli.base.clock import StageClock
+from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat
+from jkrcli.bodies.materials import Elastic
+from jkrcli.methods.fem.contact import SurfaceContact, nested_events, solve_depths, solve_loads
+from jkrcli.methods.fem.domain import Body
+from jkrcli.methods.fem.layout import scaled_layout
+from jkrcli.methods.fem.model import Recipe
+from jkrcli.methods.fem.surface import Surface
+
+SOFT = Elastic(2.0, 0.35)
+
+
+def half_space_model(order, element="triangle", a0=0.0):
+    body = Body((200.0,), (SOFT,), 200.0, True, "free", True, True, completed=True)
+    return Recipe(scaled_layout(body, element, 1.0, a0, 0.1, 0.1, 0.2), order, (), 1.0).build(StageClock())
+
+
+@pytest.fixture(scope="module")
+def models():
+    return {order: half_space_model(order) for order in (1, 2)}
+
+
+def plain_surface(C):
+    n = len(C)
+    return Surface(C, np.arange(1.0, n + 1), np.ones(n, dtype=bool), np.ones(n), 0, 0.0, 0.0)
+
+
+def brute_force(C, f, delta):
+    """All active sets: the one whose forces and gaps are both nonnegative."""
+    n = f.size
+    for size in range(n + 1):
+        for chosen in itertools.combinations(range(n), size):
+            A = list(chosen)
+            p = np.zeros(n)
+            p[A] = np.linalg.solve(C[np.ix_(A, A)], delta - f[A])
+            gap = f - delta + C @ p
+            if p.min(initial=0) >= -1e-12 and gap.min() >= -1e-12:
+                return p
+    raise AssertionError("no solution")
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.integers(0, 10**6))
+def test_increments_find_the_one_solution_of_any_positive_definite_problem(seed):
+    rng = np.random.default_rng(seed)
+    root = rng.normal(size=(6, 6))
+    C = root @ root.T + 0.2 * np.eye(6)
+    f, delta = rng.uniform(0, 1, 6), 0.6
+    (step,) = solve_depths(SurfaceContact(plain_surface(C), f), [delta])
+    np.testing.assert_allclose(step.p, brute_force(C, f, delta), atol=1e-8 * max(step.p.max(), 1e-300))
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_nested_events_are_solutions_of_the_contact_problem(models, order):
+    contact = models[order].contact(Paraboloid(10.0))
+    events = nested_events(contact, 0.0, "radius", 1.0)
+    assert events.valid
+    assert events.violation < 1e-12  # forces and gaps of the right sign, to round-off
+    steps = solve_depths(contact, events.delta)
+    np.testing.assert_allclose([s.P for s in steps], events.P, rtol=1e-10)
+    assert max(s.violation for s in steps) < 1e-12
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_stiffness_of_an_event_is_the_slope_up_to_the_next_node(models, order):
+    contact = models[order].contact(Paraboloid(10.0))
+    slopes = np.diff(contact.P) / np.diff(contact.delta)
+    np.testing.assert_allclose(slopes, contact.S[:-1], rtol=1e-7)  # piecewise linear; differences lose digits
+
+
+def test_prescribed_loads_and_depths_are_inverse(models):
+    contact = models[2].contact(Paraboloid(10.0))
+    depths = np.linspace(0.005, 0.09, 9)
+    loads = [s.P for s in solve_depths(contact, depths)]
+    np.testing.assert_allclose([s.delta for s in solve_loads(contact, loads)], depths, rtol=1e-8)
+
+
+def test_events_end_at_the_first_one_that_reaches_the_goal(models):
+    contact = models[2].contact(Paraboloid(10.0))
+    for goal, maximum in (("depth", 0.05), ("load", 0.02), ("radius", 0.5)):
+        events = nested_events(contact, 0.0, goal, maximum)
+        values = {"depth": events.delta, "load": events.P, "radius": events.a}[goal]
+        assert values[-2] < maximum <= values[-1] * (1 + 1e-9)
+
+
+def test_spare_events_follow_the_goal(models):
+    contact = models[2].contact(Paraboloid(10.0))
+    plain, spare = nested_events(contact, 0.0, "depth", 0.05), nested_events(contact, 0.0, "depth", 0.05, 2)
+    assert spare.a.size == plain.a.size + 2
+    assert spare.valid
+    np.testing.assert_array_equal(spare.a[:-2], plain.a)
+
+
+def test_events_are_at_vertices_only(models):
+    events = nested_events(models[2].contact(Paraboloid(10.0)), 0.0, "radius", 1.0)
+    assert np.isin(events.a, models[2].surface.radii[models[2].surface.is_vertex]).all()
+
+
+def test_an_annular_contact_is_noticed_by_nested_and_solved_by_increments(models):
+    surface = models[1].surface
+    contact = SurfaceContact(surface, (surface.radii - 0.5) ** 2 / 2)
+    assert not nested_events(contact, 0.0, "radius", 1.0).valid
+    (step,) = solve_depths(contact, [0.01])
+    touching = surface.radii[step.active]
+    assert touching.min() > 0.2
+    assert touching.max() < 0.8
+    assert step.violation < 1e-9
+
+
+def test_the_axis_vertex_of_second_order_elements_is_exempt(models):
+    assert models[1].surface.exempt == 0
+    assert models[2].surface.exempt == 1
+
+
+def test_a_flat_end_starts_with_its_whole_face():
+    model = half_space_model(2, a0=0.4)
+    contact = model.contact(RoundedFlat(0.4, 3.0))
+    events = nested_events(contact, 0.4, "radius", 1.0)
+    assert events.a[0] > 0.4
+    assert events.valid
+    flat = np.count_nonzero(model.surface.radii <= 0.4 * (1 + 1e-9))
+    assert contact.S[flat - 1] == pytest.approx(2 * SOFT.E_star * 0.4, rel=0.01)  # node-based radius: 0.25 spacings
+
+
+def test_a_blunt_profile_is_a_growing_disc(models):
+    assert nested_events(models[2].contact(PowerLaw(1.0, 4.0)), 0.0, "radius", 1.0).valid

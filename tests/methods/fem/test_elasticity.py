@@ -1,0 +1,111 @@
+"""Elasticity: states of uniform strain are exact on any mesh, rigid lift costs nothing, supports balance the load."""
+
+import numpy as np
+import pytest
+
+from jkrcli.base.errors import Refusal
+from jkrcli.bodies.materials import Elastic
+from jkrcli.methods.fem.blocks import ringed_quads
+from jkrcli.methods.fem.elasticity import assemble
+from jkrcli.methods.fem.grid import make_grid
+from jkrcli.methods.fem.mesh import triangles
+from jkrcli.methods.fem.surface import condense, factorise
+
+HEIGHT, WIDTH = 1.5, 2.0
+CASES = [
+    (element, order, mixed)
+    for element in ("triangle", "quadrilateral")
+    for order in (1, 2)
+    for mixed in ((), (0,))
+    if not (order == 1 and mixed)
+]
+
+
+def body(element):
+    """An irregular mesh of the same cylinder."""
+    if element == "triangle":
+        surface = np.array([0.0, 0.2, 0.7, 1.0, 1.6, WIDTH])
+        return triangles(surface, HEIGHT, [], "0.3+0.1*x")
+    r = np.array([0.0, 0.3, 0.5])
+    return make_grid(*ringed_quads(r, r * 0.8, np.array([1.1, WIDTH]), np.array([0.9, HEIGHT])), np.array([]))
+
+
+def displacement(system, radial, axial, pressure):
+    """u_r = radial * r, u_z = axial * z, and a constant pressure."""
+    r, z = system.nodes.T
+    count = system.K.shape[0] - 2 * len(system.nodes)
+    return np.concatenate([radial * r, axial * z, np.full(count, pressure)])
+
+
+@pytest.mark.parametrize(("element", "order", "mixed"), CASES)
+def test_uniform_strain_is_exact_on_any_mesh(element, order, mixed):
+    material, radial, axial = Elastic(3.0, 0.35), 0.02, -0.05
+    system = assemble(body(element), [material], order, mixed=mixed)
+    lam, mu = material.lame, material.G
+    dilatation = 2 * radial + axial
+    u = displacement(system, radial, axial, -lam * dilatation)
+    forces = system.K @ u
+    r, z = system.nodes.T
+    inside = (r > 0) & (r < WIDTH) & (z < 0) & (z > -HEIGHT)
+    everywhere = np.concatenate([inside, (r < WIDTH) & (z < 0) & (z > -HEIGHT)])
+    scale = np.abs(forces).max()
+    N = len(system.nodes)
+    assert np.abs(forces[: 2 * N][everywhere]).max() < 1e-13 * scale  # equilibrium inside, to round-off
+    assert np.abs(forces[2 * N :]).max(initial=0.0) < 1e-13 * scale  # p = -lambda div u holds
+    volume = np.pi * WIDTH**2 * HEIGHT
+    energy = volume * (lam * dilatation**2 + 2 * mu * (2 * radial**2 + axial**2))
+    assert u @ forces == pytest.approx(energy, rel=1e-12)
+    sigma_zz = lam * dilatation + 2 * mu * axial
+    assert forces[system.normal].sum() == pytest.approx(sigma_zz * np.pi * WIDTH**2, rel=1e-12)
+
+
+@pytest.mark.parametrize(("element", "order", "mixed"), CASES)
+def test_rigid_lift_has_no_energy_and_the_stiffness_is_symmetric(element, order, mixed):
+    system = assemble(body(element), [Elastic(3.0, 0.35)], order, mixed=mixed)
+    N = len(system.nodes)
+    lift = np.zeros(system.K.shape[0])
+    lift[N : 2 * N] = 1.0
+    scale = abs(system.K).max()
+    assert np.abs(system.K @ lift).max() < 1e-12 * scale
+    assert abs(system.K - system.K.T).max() < 1e-12 * scale
+
+
+@pytest.mark.parametrize(("element", "order", "mixed"), CASES)
+@pytest.mark.parametrize("nu", [0.0, 0.3, 0.4999])
+def test_a_confined_cylinder_has_the_oedometer_stiffness(element, order, mixed, nu):
+    """Roller sides and a sliding base: uniform axial strain; P = (lambda + 2 mu) area / height per displacement."""
+    if nu == 0.0 and mixed:
+        pytest.skip("lambda = 0 needs no pressure")
+    material = Elastic(2.0, nu)
+    system = assemble(body(element), [material], order, bonded=False, side="roller", mixed=mixed)
+    surface = condense(system, factorise(system, system.surface.size))
+    forces = np.linalg.solve(surface.C, np.ones(surface.radii.size))
+    expected = (material.lame + 2 * material.G) * np.pi * WIDTH**2 / HEIGHT
+    assert forces.sum() == pytest.approx(expected, rel=1e-10)  # exact but for the condition of nu = 0.4999 (1e4)
+
+
+def test_areas_are_the_shape_functions_integrals():
+    system = assemble(body("triangle"), [Elastic(1.0, 0.3)], 2)
+    assert system.areas.sum() == pytest.approx(np.pi * WIDTH**2, rel=1e-13)
+    assert abs(system.areas[0]) < 1e-15 * system.areas.sum()  # the axis vertex of a quadratic edge
+
+
+def test_incompressible_layers_need_the_mixed_form():
+    with pytest.raises(Refusal, match=r"nu: 0\.5 needs the mixed form"):
+        assemble(body("triangle"), [Elastic(1.0, 0.5)], 2)
+
+
+@pytest.mark.parametrize(("element", "order", "mixed"), CASES)
+def test_condensation_agrees_with_full_solves_and_the_base_carries_the_load(element, order, mixed):
+    system = assemble(body(element), [Elastic(3.0, 0.35)], order, mixed=mixed)
+    n = 4
+    factor = factorise(system, n)
+    surface = condense(system, factor)
+    loads = np.zeros(system.K.shape[0])
+    loads[system.normal[2]] = -1.0
+    u = factor.solve(loads)
+    assert factor.residual(u, loads) < 1e-12
+    np.testing.assert_allclose(-u[system.normal[:n]], surface.C[:, 2], rtol=1e-11)
+    assert system.vertical_reaction(u) == pytest.approx(1.0, rel=1e-11)
+    assert np.array_equal(surface.C, surface.C.T)
+    assert np.linalg.eigvalsh(surface.C).min() > 0

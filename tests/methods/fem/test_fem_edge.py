@@ -1,0 +1,153 @@
+"""The edge of the contact between vertices: one strip for body and half-space, S and dS/da from the touches."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from jkrcli.adhesion.curve import transform
+from jkrcli.adhesion.slopes import slopes
+from jkrcli.bodies.indenters import Paraboloid, RoundedFlat
+from jkrcli.bodies.materials import Elastic
+from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
+from jkrcli.many.study.converge import converge
+from jkrcli.methods.fem.domain import half_space_like
+from jkrcli.methods.fem.edge import CUT
+from jkrcli.methods.fem.method import FEM
+from jkrcli.methods.fem.model import Recipe
+from jkrcli.methods.fem.strip import ROWS, strip_below
+from jkrcli.methods.layered.layered import Layered
+
+UNIT = Problem(Paraboloid(10.0), Specimen((), HalfSpace(Elastic(1.0, 0.3))), Loading("radius", 1.0))
+BONDED = Specimen((Layer(Elastic(1.0, 0.4), 1.0),), Rigid())
+LAYER = Problem(Paraboloid(1000.0), BONDED, Loading("radius", 5.0))
+COATING = replace(UNIT, specimen=Specimen((Layer(Elastic(10.0, 0.3), 0.3),), HalfSpace(Elastic(1.0, 0.4))))
+FLAT = replace(UNIT, indenter=RoundedFlat(0.5, 20.0), specimen=Specimen((Layer(Elastic(1.0, 0.3), 1.0),), Rigid()))
+
+
+def exactly(problem: Problem, a: np.ndarray):
+    return Layered()(replace(problem, loading=Loading.given("radius", tuple(a)))).series
+
+
+def test_a_strip_is_filled_by_its_triangles():
+    r = np.array([0.0, 0.1, 0.25, 0.5])
+    strip = strip_below(r, 10.0)
+    x, z = strip.points.reshape(-1, 2)[strip.cells].transpose(2, 0, 1)
+    areas = 0.5 * ((x[:, 1] - x[:, 0]) * (z[:, 2] - z[:, 0]) - (x[:, 2] - x[:, 0]) * (z[:, 1] - z[:, 0]))
+    assert (areas > 0).all()
+    depth = -strip.points[-1, :, 1]
+    assert areas.sum() == pytest.approx(np.trapezoid(depth, r), rel=1e-14)
+    assert depth == pytest.approx(ROWS * 0.8 * np.array([0.1, 0.1, 0.15, 0.25]))  # the smaller neighbouring step
+    assert -strip_below(r, 0.1).points[-1, :, 1].min() == pytest.approx(0.1)  # no deeper than asked
+
+
+@pytest.mark.parametrize("element", ["triangle", "quadrilateral"])
+def test_body_and_calibration_share_their_surface(element):
+    method = FEM(element=element, spacing=0.1, growth=0.3)
+    reach = method.reach(LAYER)
+    recipe = Recipe(method._layout(LAYER, reach), 2, (), reach)
+    other = recipe.on_half_space(half_space_like(recipe.body, CUT * reach))
+    grids = [recipe.layout.grid(), other.layout.grid()]
+    radii = [grid.surface_radii() for grid in grids]
+    n = int(np.searchsorted(radii[0], reach * (1 + 1e-9)))
+    np.testing.assert_array_equal(radii[0][:n], radii[1][:n])
+    if element == "triangle":
+        below = [grid.points[(grid.points[:, 0] < reach) & (grid.points[:, 1] > -0.05)] for grid in grids]
+        ours, theirs = ({tuple(point) for point in points} for points in below)
+        assert len(ours & theirs) > 1.5 * n  # the surface and its strip where that is shallower, to the last digit
+
+
+def test_a_calibration_of_fine_thin_layers_stays_small():
+    """Lines of the paper's uniform mesh are not carried through a whole half-space."""
+    problem = replace(LAYER, loading=Loading("depth", 0.15))
+    method = FEM(layout="zones", element="quadrilateral", order=1, width=30.0)
+    layout = method._layout(problem, method.reach(problem))
+    other = layout.on(half_space_like(layout.body, CUT * layout.law.reach * layout.unit))
+    assert other.expected_cells() < layout.expected_cells()  # 61,000 of 73,000; millions with the body's own law
+
+
+@pytest.mark.parametrize("problem", [UNIT, COATING, LAYER], ids=["half-space", "coating", "layer"])
+def test_slopes_are_as_accurate_as_stated(problem):
+    solution = FEM()(problem)
+    series = solution.series
+    use = series.delta >= solution.facts["judged_from_m"]
+    exact = exactly(problem, series.a[use])
+    S, dS = series.S[use] / exact.S - 1, series.dS[use] / exact.dS - 1
+    assert np.abs(S).max() < 5e-4  # measured 3e-5 to 2e-4
+    assert np.abs(dS).max() < 2e-3  # measured 2e-4 to 1e-3
+    assert np.mean(np.abs(S) <= series.errors["S"][use] / series.S[use]) > 0.9
+    assert np.mean(np.abs(dS) <= series.errors["dS"][use] / series.dS[use]) > 0.9
+
+
+def test_auto_smooths_what_a_fit_can_and_keeps_the_slopes_at_a_flat_end():
+    quick = FEM(spacing=0.08, growth=0.3)
+    series = quick(FLAT).series
+    smooth, flat = slopes(quick(LAYER).series), slopes(series)
+    assert smooth.method == "integral"
+    assert "within their stated error" in smooth.reason
+    assert flat.method == "exact"
+    exact = exactly(FLAT, series.a)
+    beyond = series.a > 1.02 * FLAT.indenter.a0
+    errors = {name: np.abs(slopes(series, name).dS / exact.dS - 1)[beyond].max() for name in ("exact", "loocv")}
+    assert errors["exact"] < errors["loocv"]
+
+
+@pytest.mark.parametrize("problem", [UNIT, COATING, FLAT], ids=["half-space", "coating", "flat end on a layer"])
+def test_the_band_holds_the_exact_curve(problem):
+    series = FEM()(problem).series
+    exact = exactly(problem, series.a)
+    w = 0.05 * exact.P[-1] / (np.pi * 10)
+    found, curve = (transform(each, slopes(each), w) for each in (series, exact))
+    for name in ("P", "delta"):
+        inside = np.abs(getattr(found, name) - getattr(curve, name)) <= found.errors[name]
+        assert inside.mean() >= 0.9  # half-widths of 90 %; measured 0.97 and more
+
+
+def test_without_an_error_estimate_there_are_no_slopes():
+    assert FEM(estimate_error=False)(UNIT).series.S is None
+    assert FEM(edge_correction=False)(UNIT).series.S is None
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("side", ["free", "roller", "clamped"])
+@pytest.mark.parametrize(("h", "a"), [(5.0, 1.0), (1.0, 5.0)], ids=["thick", "disc"])
+def test_cylinders_from_two_to_thirty_radii_reach_the_wide_layer(side, h, a):
+    """By 30 a the difference is below the stated error; a thin disc is there at 2 a."""
+    layers = (Layer(Elastic(1.0, 0.4), h),)
+    distances = []
+    for ratio in (2.0, 3.0, 5.0, 10.0, 30.0):
+        body = Specimen(layers, Rigid(), ratio * a, side)
+        solution = FEM()(Problem(Paraboloid(1000.0), body, Loading("radius", a)))
+        series = solution.series
+        use = series.delta >= solution.facts["judged_from_m"]
+        depths = Loading.given("depth", tuple(series.delta[use]))
+        wide = Layered()(Problem(Paraboloid(1000.0), Specimen(layers, Rigid()), depths)).series
+        distances.append(np.abs(series.P[use] / wide.P - 1).max())
+    assert distances[-1] < solution.budget.series
+    if h > a:
+        assert distances[0] > 10 * distances[-2] > 100 * distances[-1] / 10
+        assert distances[1:] == sorted(distances[1:], reverse=True)  # a roller crosses zero at 2 a
+    else:
+        assert max(distances) < solution.budget.series
+
+
+@pytest.mark.slow
+def test_the_corner_of_a_free_side_on_a_bonded_base_costs_no_order():
+    body = Specimen((Layer(Elastic(1.0, 0.4), 1.0),), Rigid(), 1.3, "free")
+    problem = Problem(Paraboloid(1000.0), body, Loading.given("depth", (2e-4, 5e-4)))
+    P = np.array([FEM(spacing=s, growth=3.75 * s, estimate_error=False)(problem).series.P[-1]
+                  for s in (0.08, 0.04, 0.02, 0.01)])  # fmt: skip
+    assert np.abs(P[:-1] / P[-1] - 1) == pytest.approx(np.zeros(3), abs=3e-5)  # relative; measured 2e-5, 7e-6, 2e-6
+
+
+def test_a_convergence_study_meshes_every_level_once(monkeypatch):
+    from jkrcli.methods.fem.layout import Layout
+
+    meshed = []
+    grid = Layout.grid
+    monkeypatch.setattr(Layout, "grid", lambda layout: meshed.append(layout.law.slope) or grid(layout))
+    found = converge(UNIT, FEM(spacing=0.1, growth=0.3), 1e-3, 2)
+    assert meshed == [0.2, 0.1]
+    assert 0 < found.time_exponent < 3

@@ -1,0 +1,187 @@
+"""Meshes: geometry, sizes, names, and what happens without gmsh's system libraries."""
+
+import builtins
+import signal
+import xml.etree.ElementTree as ET
+
+import numpy as np
+import pytest
+
+from jkrcli.base.errors import InputError, Refusal
+from jkrcli.bodies.indenters import Paraboloid, RoundedFlat, Sphere
+from jkrcli.bodies.materials import Elastic
+from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
+from jkrcli.methods.fem.blocks import ringed_quads, tensor_quads
+from jkrcli.methods.fem.export import write_vtu
+from jkrcli.methods.fem.grid import make_grid
+from jkrcli.methods.fem.mesh import triangles, write_msh
+from jkrcli.methods.fem.method import FEM
+from jkrcli.methods.fem.sizes import SizeLaw, graded_points
+
+SOFT, STIFF = Elastic(1.0, 0.3), Elastic(10.0, 0.2)
+LAW = SizeLaw(
+    reach=1.1,
+    growth=0.3,
+    far_growth=0.3,
+    inner=0.1,
+    slope=0.2,
+    zones=((2.0, 0.3), (20.0, 2.0)),
+    layers=((0.0, 0.5, 0.2, 50.0),),
+)
+
+
+def problem(length=1.0, layers=(), base=None, indenter=None, **specimen):
+    base = base or HalfSpace(SOFT)
+    return Problem(indenter or Paraboloid(10 * length), Specimen(layers, base, **specimen), Loading("radius", length))
+
+
+def area(grid):
+    x, y = grid.points[grid.cells].transpose(2, 0, 1)
+    return 0.5 * np.sum(x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1), axis=1)
+
+
+def length(grid, name):
+    ends = grid.points[grid.boundaries[name]]
+    return np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1).sum()
+
+
+def test_the_law_reads_the_same_as_text_and_as_numbers():
+    names = {"Max": max, "Min": min, "Sqrt": np.sqrt}
+    for r, z in [(0.0, 0.0), (0.7, -0.2), (1.5, -0.4), (30.0, -3.0)]:
+        assert eval(LAW.text(), {**names, "x": r, "y": z}) == pytest.approx(float(LAW(r, z)), rel=1e-14)  # same formula
+
+
+def test_graded_points_are_geometric_where_the_size_is_proportional():
+    x = graded_points(1.0, 8.0, lambda r: 0.1 * r)
+    ratios = x[1:] / x[:-1]
+    assert np.ptp(ratios) < 1e-9  # exact for a linear law, up to round-off of the sampled integral
+    assert ratios[0] == pytest.approx(np.exp(0.1), rel=0.03)  # the count is rounded: 21 intervals
+
+
+def test_graded_points_are_even_where_the_size_is_constant():
+    assert np.diff(graded_points(0.0, 1.0, lambda r: 0.1 + 0 * r)) == pytest.approx(0.1, rel=1e-9)
+
+
+@pytest.mark.parametrize("interfaces", [[], [0.3], [0.05, 0.3]])
+def test_triangles_fill_the_rectangle_and_respect_interfaces(interfaces):
+    surface = graded_points(0.0, 6.0, lambda r: LAW(r, 0 * r))
+    grid = triangles(surface, 4.0, interfaces, LAW.text())
+    assert area(grid).sum() == pytest.approx(24.0, rel=1e-12)  # no gaps, no overlaps
+    tops, ends = [0.0, *interfaces], [*interfaces, 4.0]
+    for layer, (top, end) in enumerate(zip(tops, ends, strict=True)):
+        z = -grid.points[grid.cells[grid.materials == layer], 1]
+        assert z.min() == pytest.approx(top, abs=1e-12)
+        assert z.max() == pytest.approx(end, rel=1e-12)
+    for name, expected in {"surface": 6.0, "base": 6.0, "axis": 4.0, "side": 4.0}.items():
+        assert length(grid, name) == pytest.approx(expected, rel=1e-12)
+    np.testing.assert_allclose(grid.surface_radii(), surface, rtol=1e-12, atol=1e-14)
+    assert np.median(grid.quality()) > 0.85  # slender only in the layer that is thinner than the sizes asked for
+    assert not grid.points.flags.writeable
+
+
+def test_structured_quadrilaterals_fill_the_rectangle():
+    r = np.array([0.0, 0.5, 1.0])
+    plain = make_grid(*tensor_quads(r, np.array([0.0, 0.4, 1.0])), np.array([0.4]))
+    ringed = make_grid(*ringed_quads(r, r, np.array([2.0, 5.0]), np.array([3.0, 9.0])), np.array([]))
+    assert area(plain).sum() == pytest.approx(1.0, rel=1e-14)
+    assert plain.materials.tolist() == [0, 1, 0, 1]
+    assert area(ringed).sum() == pytest.approx(45.0, rel=1e-14)
+    assert (area(ringed) > 0).all()
+
+
+@pytest.mark.parametrize("element", ["triangle", "quadrilateral"])
+def test_scaled_surface_spacing_is_proportional_to_the_radius(element):
+    r = FEM(element=element, spacing=0.1, order=1, growth=0.2).mesh(problem()).surface_radii()
+    near = (r[:-1] > 0.1) & (r[1:] < 1.0)
+    ratio = np.diff(r)[near] / r[:-1][near]
+    assert ratio == pytest.approx(0.1, rel=0.12)  # e^0.1 - 1 = 0.105, and the rounded count
+
+
+def test_the_edge_of_a_flat_end_is_a_vertex_with_small_elements_on_both_sides():
+    grid = FEM().mesh(problem(indenter=RoundedFlat(0.6, 5.0)))
+    r = grid.surface_radii()
+    at = np.argmin(np.abs(r - 0.6))
+    assert r[at] == pytest.approx(0.6, rel=1e-11)
+    assert np.diff(r)[[at - 1, at]].max() < 0.002  # 0.04 * 0.05 * (1.1 - 0.6)
+
+
+@pytest.mark.parametrize("options", [{}, {"element": "quadrilateral"}, {"layout": "zones", "element_size": 0.05}])
+def test_the_mesh_scales_with_the_unit_of_length(options):
+    stack = (Layer(STIFF, 0.7),)
+    small = tuple(Layer(x.material, x.thickness * 1e-6) for x in stack)
+    metres = FEM(**options).mesh(problem(1.0, stack))
+    options = options | {key: 1e-6 * options[key] for key in ("element_size",) if key in options}
+    microns = FEM(**options).mesh(problem(1e-6, small))
+    assert np.array_equal(metres.cells, microns.cells)
+    np.testing.assert_allclose(microns.points * 1e6, metres.points, rtol=1e-10, atol=1e-10)  # 12 digits are kept
+
+
+def test_the_papers_half_space_has_about_its_number_of_quadrilaterals():
+    case = Problem(Sphere(1e-4), Specimen((), HalfSpace(Elastic(5e9, 0.4))), Loading("depth", 3e-6))
+    method = FEM(layout="zones", element="quadrilateral", order=1, depth=2e-3, width=1.2e-3)
+    grid = method.mesh(case)
+    assert len(grid.cells) == pytest.approx(413_132, rel=0.1)  # Sec. 4.1: the same sizes, another arrangement
+    r = grid.surface_radii()
+    assert np.diff(r[r <= 0.17e-4]) == pytest.approx(0.0005e-4, rel=0.01)
+    assert grid.depth == pytest.approx(2e-3, rel=1e-12)
+    assert grid.width == pytest.approx(1.2e-3, rel=1e-12)
+
+
+def test_zones_on_a_thin_layer_are_the_papers_uniform_mesh():
+    case = Problem(Paraboloid(1000.0), Specimen((Layer(SOFT, 1.0),), Rigid()), Loading("depth", 0.15))
+    grid = FEM(layout="zones", element="quadrilateral", order=1, width=30.0).mesh(case)
+    assert len(grid.cells) == pytest.approx(75_000, rel=0.2)  # Sec. 4.2; ours is coarser beside the contact
+    assert np.diff(np.unique(grid.points[:, 1])) == pytest.approx(0.02, rel=1e-6)
+
+
+def test_too_many_quadrilaterals_are_refused_with_the_remedy():
+    method = FEM(layout="zones", element="quadrilateral", element_size=2e-5)
+    with pytest.raises(Refusal, match=r"too many quadrilaterals .*: take a larger mesh.element_size, or tri"):
+        method.mesh(problem())
+
+
+def test_missing_system_libraries_are_one_clear_line(monkeypatch):
+    real = builtins.__import__
+
+    def broken(name, *args, **kwargs):
+        if name == "gmsh":
+            raise OSError("libGLU.so.1: cannot open shared object file")
+        return real(name, *args, **kwargs)
+
+    monkeypatch.setattr(builtins, "__import__", broken)
+    with pytest.raises(InputError) as error:
+        FEM().mesh(problem())
+    assert error.value.lines == (
+        "gmsh cannot be loaded (libGLU.so.1: cannot open shared object file): install its system libraries with "
+        "'apt-get install libgl1 libglu1-mesa libxcursor1 libxft2 libxinerama1 libgomp1', or use a method that needs "
+        "no mesh (closed-form, layered) or structured quadrilaterals",
+    )
+    assert FEM(element="quadrilateral").mesh(problem()).element == "quadrilateral"
+
+
+def test_meshing_leaves_the_interrupt_handler_alone():
+    before = signal.getsignal(signal.SIGINT)
+    FEM().mesh(problem())
+    assert signal.getsignal(signal.SIGINT) is before
+
+
+@pytest.mark.parametrize("element", ["triangle", "quadrilateral"])
+def test_meshes_are_written_for_gmsh_and_paraview(tmp_path, element):
+    import gmsh
+
+    grid = FEM(element=element, spacing=0.2, order=1, growth=0.3).mesh(problem(layers=(Layer(STIFF, 0.7),)))
+    write_msh(grid, tmp_path / "body.msh")
+    write_vtu(grid, tmp_path / "body.vtu", {"radius": grid.points[:, 0]})
+    gmsh.initialize(readConfigFiles=False, interruptible=False)
+    try:
+        gmsh.option.setNumber("General.Terminal", 0)
+        gmsh.open(str(tmp_path / "body.msh"))
+        names = {gmsh.model.getPhysicalName(*group) for group in gmsh.model.getPhysicalGroups()}
+        cells = sum(len(tags) for tags in gmsh.model.mesh.getElements(2)[1])
+    finally:
+        gmsh.finalize()
+    assert names == {"layer-1", "layer-2", "surface", "base", "axis", "side"}
+    assert cells == len(grid.cells)
+    piece = ET.parse(tmp_path / "body.vtu").getroot().find(".//Piece")
+    assert piece is not None
+    assert int(piece.attrib["NumberOfCells"]) == len(grid.cells)

@@ -1,0 +1,150 @@
+"""Finite elements to a tolerance: every true error below it, every estimate near its error, nothing solved twice."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from jkrcli.base.errors import InputError, Refusal
+from jkrcli.bodies.indenters import Indenter, Paraboloid, PowerLaw, RoundedFlat, Sphere
+from jkrcli.bodies.materials import Elastic
+from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
+from jkrcli.case import store
+from jkrcli.methods.fem.adapt import COMPANION
+from jkrcli.methods.fem.method import FEM
+from jkrcli.methods.fem.model import Recipe
+from jkrcli.methods.layered.layered import Layered
+from jkrcli.series import Solution
+
+CASES = Path(__file__).parents[3] / "cases"
+HALF_SPACE = Specimen((), HalfSpace(Elastic(1.0, 0.3)))
+
+
+def layer(E: float, nu: float, thickness: float) -> Layer:
+    return Layer(Elastic(E, nu), thickness)
+
+
+def problem(indenter: Indenter, specimen: Specimen, a: float) -> Problem:
+    return Problem(indenter, specimen, Loading("radius", a))
+
+
+PROBLEMS = {
+    "half-space": problem(Paraboloid(10.0), HALF_SPACE, 1.0),
+    "sphere": problem(Sphere(10.0), HALF_SPACE, 1.0),
+    "cone": problem(PowerLaw(0.1, 1.0), HALF_SPACE, 1.0),
+    "fourth power": problem(PowerLaw(0.05, 4.0), HALF_SPACE, 1.0),
+    "rounded flat": problem(RoundedFlat(0.5, 20.0), HALF_SPACE, 1.0),
+    "stiff coating": problem(Paraboloid(10.0), Specimen((layer(10.0, 0.3, 0.3),), HalfSpace(Elastic(1.0, 0.4))), 1.0),
+    "soft coating": problem(Sphere(10.0), Specimen((layer(0.1, 0.45, 0.3),), HalfSpace(Elastic(1.0, 0.25))), 1.0),
+    "layer, a/h = 5": problem(Paraboloid(1000.0), Specimen((layer(1.0, 0.4, 1.0),), Rigid()), 5.0),
+    "wide layer": problem(Paraboloid(1000.0), Specimen((layer(1.0, 0.4, 1.0),), Rigid()), 17.0),
+    "sliding layer": problem(Paraboloid(10.0), Specimen((layer(1.0, 0.4, 1.0),), Rigid(bonded=False)), 1.0),
+    "gel": problem(Paraboloid(1000.0), Specimen((layer(1.0, 0.499, 1.0),), Rigid()), 3.0),
+    "soft interlayer": problem(
+        Paraboloid(10.0), Specimen((layer(1.0, 0.3, 0.3), layer(0.1, 0.5, 0.1), layer(5.0, 0.3, 1.0)), Rigid()), 1.0
+    ),
+    "flat on a layer": problem(RoundedFlat(0.5, 20.0), Specimen((layer(1.0, 0.3, 1.0),), Rigid()), 1.0),
+}
+
+# The radius is calibrated on a half-space: where elements at the edge are no small part of the thickness, its error
+# falls but linearly. At a/h = 17, 1e-4 would take a million unknowns and more.
+LESS_WIDE = problem(Paraboloid(1000.0), Specimen((layer(1.0, 0.4, 1.0),), Rigid()), 10.0)
+
+
+def true_error(solution: Solution, asked: Problem) -> float:
+    """Largest relative error of P at equal depth and of a, where the budget judges."""
+    series = solution.series
+    use = series.delta >= solution.facts["judged_from_m"]
+    depths = Loading.given("depth", tuple(series.delta[use]))
+    exact = Layered()(replace(asked, loading=depths)).series
+    return float(max(np.abs(series.P[use] / exact.P - 1).max(), np.abs(series.a[use] / exact.a - 1).max()))
+
+
+@pytest.mark.parametrize(("name", "tolerance"), [("half-space", 1e-3), ("layer, a/h = 5", 1e-2), ("gel", 1e-3)])
+def test_the_error_is_below_the_tolerance(name: str, tolerance: float) -> None:
+    solution = FEM(tolerance=tolerance)(PROBLEMS[name])
+    error, stated = true_error(solution, PROBLEMS[name]), solution.budget.series
+    assert isinstance(stated, float)
+    assert error < stated <= tolerance
+    assert stated < 20 * error
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("tolerance", [1e-2, 1e-3, 1e-4])
+def test_thirteen_bodies_at_three_tolerances(tolerance: float) -> None:
+    """Each error below the one asked for, nine of ten estimates between 1 and 20 times the error."""
+    near = 0
+    problems = PROBLEMS if tolerance > 1e-4 else PROBLEMS | {"wide layer": LESS_WIDE}
+    for name, asked in problems.items():
+        solution = FEM(tolerance=tolerance)(asked)
+        error, stated = true_error(solution, asked), solution.budget.series
+        assert isinstance(stated, float)
+        assert error < tolerance, name
+        assert stated <= tolerance, name
+        near += error <= stated <= 20 * error
+    assert near >= 0.9 * len(problems)
+
+
+def test_a_finer_mesh_is_judged_against_the_one_before(monkeypatch: pytest.MonkeyPatch) -> None:
+    sizes = []
+    build = Recipe.build
+
+    def counted(recipe: Recipe, clock):
+        sizes.append(recipe.layout.law.slope)
+        return build(recipe, clock)
+
+    monkeypatch.setattr(Recipe, "build", counted)
+    monkeypatch.setattr("jkrcli.methods.fem.adapt.USUAL", 1e-5)  # a guess that is much too coarse
+    solution = FEM(tolerance=5e-4)(PROBLEMS["half-space"])
+    assert len(sizes) >= 3  # a first mesh, its companion, and at least one finer
+    assert sizes[1] == pytest.approx(COMPANION * sizes[0])
+    assert sizes[2:] == sorted(sizes[2:], reverse=True)
+    assert sizes[-1] < sizes[0]
+    assert len(set(sizes)) == len(sizes)
+    assert solution.budget.series <= 5e-4
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (
+            {"depth": 20.0, "width": 12.0},
+            r"mesh.tolerance: 0.001 is not reached: with \d+ unknowns the estimated error",
+        ),
+        ({"contact": "incremental"}, r"mesh.tolerance: 0.001 is not reached: with \d+ unknowns the estimated error"),
+    ],
+    ids=["the user's truncation", "radii of nodes"],
+)
+def test_a_tolerance_out_of_reach_is_refused_with_what_was_reached(options, message, monkeypatch) -> None:
+    monkeypatch.setattr("jkrcli.methods.fem.adapt.FINEST", 0.02)
+    with pytest.raises(Refusal, match=message):
+        FEM(tolerance=1e-3, **options)(PROBLEMS["half-space"])
+
+
+@pytest.mark.parametrize("options", [{"layout": "zones"}, {"estimate_error": False}])
+def test_what_a_tolerance_needs(options) -> None:
+    with pytest.raises(InputError) as error:
+        FEM(tolerance=1e-3, **options)
+    assert error.value.lines == ('mesh.tolerance: needs the layout "scaled" and estimate_error = true',)
+
+
+def test_the_forecast_states_the_tolerance() -> None:
+    forecast = FEM(tolerance=1e-2).forecast(PROBLEMS["half-space"])
+    assert forecast.error == 1e-2
+    assert forecast.seconds < FEM(tolerance=1e-4).forecast(PROBLEMS["half-space"]).seconds / 10
+
+
+def test_run_takes_a_tolerance_and_records_it(jkr, tmp_path: Path) -> None:
+    case = CASES / "gel.toml"
+    outcome = jkr("run", case, "--method", "fem", "--tolerance", "1e-2", "-o", "gel.h5")
+    assert outcome.code == 0, outcome.err
+    stored = store.read(tmp_path / "gel.h5")
+    assert "tolerance = 0.01" in stored.case
+    assert stored.budget.series < 1e-2
+    assert set(stored.errors) == {"a", "P", "S", "dS"}
+    outcome = jkr("run", case, "--tolerance", "5", "-o", "no.h5")
+    assert outcome.code == 2
+    assert outcome.err == f"jkr: error: {case}: mesh.tolerance: must be >= 1e-06 and <= 0.1, got 5.0\n"

@@ -1,0 +1,275 @@
+"""The hybrid against exact layer solutions, its own limits and identities, and what it says about its error."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from finite_bodies import FINITE, cylinder, stack
+from numpy.testing import assert_allclose
+
+from jkrcli.base.errors import InputError, Refusal
+from jkrcli.bodies.grading import Exponential, Linear
+from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere
+from jkrcli.bodies.materials import Elastic, Graded, TransverselyIsotropic
+from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
+from jkrcli.methods import method_class
+from jkrcli.methods.choose import choose
+from jkrcli.methods.hybrid.contact import Body, KernelContact
+from jkrcli.methods.hybrid.kernel import Levels, count_for
+from jkrcli.methods.hybrid.method import Hybrid
+from jkrcli.methods.hybrid.region import Region
+from jkrcli.methods.layered.contact import COLUMNS
+from jkrcli.methods.layered.kernel import LayeredSpectrum, rule
+from jkrcli.methods.layered.layered import Layered
+from jkrcli.series import Series, Solution
+
+PARABOLOID = Paraboloid(1000.0)
+
+
+WIDE = {  # body, largest contact radius
+    "bonded, a/h = 2": (stack((1.0, 0.4, 1.0)), 2.0),
+    "bonded, a/h = 1": (stack((1.0, 0.3, 1.0)), 1.0),
+    "bonded, a/h = 0.3": (stack((1.0, 0.45, 1.0)), 0.3),
+    "sliding": (stack((1.0, 0.3, 1.0), base=Rigid(False)), 2.0),
+    "soft coating": (stack((1.0, 0.4, 1.0), base=HalfSpace(Elastic(10.0, 0.25))), 2.0),
+    "stiff coating": (stack((1.0, 0.4, 1.0), base=HalfSpace(Elastic(0.1, 0.25))), 1.0),
+    "1:10": (stack((1.0, 0.4, 1.0), (10.0, 0.3, 1.0)), 2.0),
+    "10:1": (stack((10.0, 0.4, 1.0), (1.0, 0.3, 1.0)), 2.0),
+    "nu = 0.499": (stack((1.0, 0.499, 1.0)), 5.0),
+    "nu = 1/2": (stack((1.0, 0.5, 1.0)), 5.0),
+    "nu = 1/2 below": (stack((1.0, 0.3, 1.0), (2.0, 0.5, 1.0)), 2.0),
+    "nu = 0 above 1/2": (stack((1.0, 0.0, 1.0), (2.0, 0.5, 1.0)), 1.0),
+}
+
+
+def solve(specimen: Specimen, a: float, tolerance: float, indenter: object = PARABOLOID) -> Solution:
+    return Hybrid(tolerance)(Problem(indenter, specimen, Loading("radius", a, 20)))  # type: ignore[arg-type]
+
+
+def exact(specimen: Specimen, a: float, indenter: object = PARABOLOID) -> Series:
+    return Layered(1e-9)(Problem(indenter, specimen, Loading("radius", a, 20))).series  # type: ignore[arg-type]
+
+
+def difference(series: Series, other: Series, names: tuple[str, ...] = COLUMNS) -> float:
+    """Largest relative difference of any of the columns."""
+    return max(float(np.abs(getattr(series, name) / getattr(other, name) - 1).max()) for name in names)
+
+
+def stated(solution: Solution) -> float:
+    series = solution.series
+    return max(float((series.errors[name] / getattr(series, name)).max()) for name in COLUMNS)
+
+
+def reference(specimen: Specimen, a: float) -> np.ndarray:
+    """delta, P, S, S' by elements of degree 14, of which the estimates of 1e-4 know nothing."""
+    levels = Body(PARABOLOID, specimen, 1e-8).levels(a)
+    contact = KernelContact(PARABOLOID, specimen.surface.E_star, levels.kernel(14), a)
+    return contact.columns(np.linspace(0, a, 21)[1:], 1e-10)
+
+
+# ---------------------------------------------------------------------------------------------- accuracy and cost
+@pytest.mark.parametrize("name", ["bonded, a/h = 2", "soft coating", "1:10", "10:1"])
+def test_a_ten_thousandth_at_two_thousand_unknowns(name: str) -> None:
+    specimen, a = WIDE[name]
+    solution = solve(specimen, a, 1e-3)
+    assert solution.facts["unknowns"] <= 2000
+    assert difference(solution.series, exact(specimen, a), ("P", "S", "dS")) < 1e-4
+
+
+def test_nearly_incompressible_at_few_unknowns() -> None:
+    specimen, a = WIDE["nu = 0.499"]
+    solution = solve(specimen, a, 1e-3)
+    assert solution.facts["unknowns"] <= 2000
+    assert difference(solution.series, exact(specimen, a)) < 1e-4  # ten times better than asked
+
+
+@pytest.mark.parametrize("name", WIDE)
+def test_wide_bodies_within_the_tolerance(name: str) -> None:
+    specimen, a = WIDE[name]
+    solution = solve(specimen, a, 1e-4)
+    true = difference(solution.series, exact(specimen, a))
+    assert true <= stated(solution) * 1.2 <= 1.2e-4  # an estimate, not a bound
+
+
+@pytest.mark.slow
+def test_estimates_are_between_one_and_twenty_times_the_error_in_nine_of_ten() -> None:
+    ratios = []
+    for specimen, a in WIDE.values():
+        solution = solve(specimen, a, 1e-4)
+        ratios.append(stated(solution) / difference(solution.series, exact(specimen, a)))
+    for specimen in FINITE.values():
+        solution, expected = solve(specimen, 1.0, 1e-4), reference(specimen, 1.0)
+        true = max(
+            np.abs(getattr(solution.series, n) / row - 1).max() for n, row in zip(COLUMNS, expected, strict=True)
+        )
+        ratios.append(stated(solution) / true)
+    assert np.mean([1 <= ratio <= 20 for ratio in ratios]) >= 0.9, np.round(ratios, 1)
+
+
+@pytest.mark.parametrize(("nu", "a", "column", "value"), [(0.4, 5, "S", 161.406225), (0.5, 10, "P", 73.0846865)])
+def test_tabulated_values(nu: float, a: float, column: str, value: float) -> None:
+    """Bonded layer h = 1, E = 1, paraboloid R = 1000, from the exact solution (nine digits)."""
+    series = solve(stack((1.0, nu, 1.0)), a, 1e-4).series
+    assert getattr(series, column)[-1] == pytest.approx(value, rel=1e-4)
+
+
+def test_the_kernel_converges_exponentially_and_is_symmetric() -> None:
+    specimen, a = WIDE["bonded, a/h = 1"]
+    region = Region.of(specimen, a, 1e-10)
+    levels = Levels(region, count_for(region, 1e-9), 1.0)
+    t = rule(2 * levels.count)[0][levels.count :]
+    expected = LayeredSpectrum(specimen).kernel(2 * a).square(t * a) * a
+    errors = [np.abs(levels.correction(p).K - expected).max() / np.abs(expected).max() for p in (4, 6, 8, 10)]
+    assert (np.divide(errors[:-1], errors[1:]) > 5).all()
+    assert errors[-1] < 1e-6
+    assert levels.correction(10).asymmetry < 1e-7
+
+
+@pytest.mark.parametrize("name", ["free", "clamped", "free, nu = 1/2", "free, 10:1"])
+def test_better_than_second_order_where_a_free_side_meets_a_held_one(name: str) -> None:
+    """In two dimensions the second order is one over the number of unknowns."""
+    region = Region.of(FINITE[name], 1.0, 1e-9)
+    levels = Levels(region, count_for(region, 1e-7), 1.0)
+    best = levels.correction(14).K
+    found = [levels.correction(p) for p in (4, 6, 8, 10)]
+    errors = [np.abs(c.K - best).max() for c in found]
+    order = -np.polyfit(np.log([c.unknowns for c in found]), np.log(errors), 1)[0]
+    assert order > 2  # that is fourth order in the size
+
+
+# ---------------------------------------------------------------------------------------------- identities
+def test_a_split_layer_is_the_whole_layer() -> None:
+    whole, split = stack((1.0, 0.4, 2.0)), stack((1.0, 0.4, 0.7), (1.0, 0.4, 1.3))
+    assert difference(solve(whole, 1.5, 1e-6).series, solve(split, 1.5, 1e-6).series) < 2e-6  # both stated errors
+
+
+def test_units_do_not_matter() -> None:
+    length, modulus = 1e-4, 1e6
+    one = Problem(Paraboloid(5.0), cylinder(1.5, 1.0, "free", below=3.0), Loading("depth", 0.05, 7))
+    layers = tuple(
+        Layer(Elastic(x.material.E * modulus, x.material.nu), x.thickness * length) for x in one.specimen.layers
+    )
+    small = replace(one.specimen, layers=layers, radius=1.5 * length)
+    other = Problem(Paraboloid(5.0 * length), small, Loading("depth", 0.05 * length, 7))
+    a, b = Hybrid(1e-4)(one).series, Hybrid(1e-4)(other).series
+    force = modulus * length**2
+    for name, scale in (("a", length), ("delta", length), ("P", force), ("S", force / length), ("dS", modulus)):
+        assert_allclose(getattr(b, name), scale * getattr(a, name), rtol=1e-8)  # rounding through the search
+
+
+@pytest.mark.parametrize(
+    "indenter",
+    [Sphere(3.0, Elastic(3.0, 0.3)), PowerLaw(0.1, 1.0), RoundedFlat(0.5, 9.0), Paraboloid(20.0, Elastic(0.5, 0.5))],
+)
+def test_any_indenter(indenter: object) -> None:
+    specimen = stack((1.0, 0.4, 1.0))
+    solution = solve(specimen, 1.2, 1e-5, indenter)
+    wanted = exact(specimen, 1.2, indenter)
+    assert difference(solution.series, wanted) < 1e-5
+    assert solution.series.S0 == pytest.approx(wanted.S0, rel=1e-5)
+
+
+@pytest.mark.parametrize(
+    "loading", [Loading("depth", 0.05, 9, "depth"), Loading("load", 0.1, 5), Loading.given("load", (0.01, 0.1))]
+)
+def test_loadings_end_where_they_should(loading: Loading) -> None:
+    series = Hybrid(1e-5)(Problem(Paraboloid(5.0), FINITE["free, tall"], loading)).series
+    column = series.delta if loading.to == "depth" else series.P
+    assert column[-1] == pytest.approx(loading.maximum, rel=1e-7)  # a hundredth of the tolerance
+    if loading.spacing == "given":
+        assert_allclose(column, loading.values, rtol=1e-7)
+
+
+def test_a_cylinder_becomes_a_layer_as_it_gets_wider() -> None:
+    layer = stack((1.0, 0.3, 1.0))
+    wanted, distances = exact(layer, 1.0), []
+    for L in (2.0, 4.0, 8.0, 30.0):
+        solution = solve(replace(layer, radius=L, side="free"), 1.0, 1e-5)
+        distances.append(difference(solution.series, wanted))
+    assert (np.diff(distances) < 0).all()
+    assert distances[-1] < stated(solution)
+
+
+# ---------------------------------------------------------------------------------------------- moduli that vary
+def test_graded_and_transversely_isotropic_layers_below_the_contact() -> None:
+    top = Layer(Elastic(1.0, 0.3), 0.5)
+    graded = Specimen((top, Layer(Graded(Linear(1.0, 5.0, 1.0), 0.4), 1.0)), Rigid())
+    solution = solve(graded, 1.0, 1e-5)
+    wanted = Layered(1e-5)(Problem(PARABOLOID, graded, Loading("radius", 1.0, 20))).series
+    assert difference(solution.series, wanted) < 2e-5  # what both state
+    isotropic = TransverselyIsotropic(2.0, 2.0, 0.25, 0.25, 0.8)
+    same = Specimen((top, Layer(isotropic, 1.0)), Rigid())
+    plain = Specimen((top, Layer(Elastic(2.0, 0.25), 1.0)), Rigid())
+    assert difference(solve(same, 1.0, 1e-4).series, solve(plain, 1.0, 1e-4).series) < 1e-9  # the same matrices
+
+
+def test_a_cylinder_graded_from_the_contact_on() -> None:
+    """A modulus that hardly varies gives the homogeneous cylinder, a wide cylinder the graded layer."""
+    tiny = Graded(Linear(1.0, 1.0 + 1e-7, 1.0), 0.3)
+    nearly = Specimen((Layer(tiny, 1.0),), Rigid(), 1.5, "free")
+    plain = cylinder(1.5, 1.0, "free")
+    assert difference(solve(nearly, 1.0, 1e-4).series, solve(plain, 1.0, 1e-6).series) < 1e-4
+    graded = Specimen((Layer(Graded(Exponential(3.0, 1.0, 1.0), 0.4), 1.0),), Rigid())
+    wanted = Layered(1e-5)(Problem(PARABOLOID, graded, Loading("radius", 1.0, 20))).series
+    solution = solve(replace(graded, radius=15.0, side="clamped"), 1.0, 1e-4)
+    assert difference(solution.series, wanted) < stated(solution)
+
+
+# ---------------------------------------------------------------------------------------------- choice and refusals
+def test_it_is_the_method_of_finite_bodies() -> None:
+    problem = Problem(PARABOLOID, FINITE["free"], Loading("radius", 1.0))
+    choice = choose(problem, "auto", lambda name: method_class(name)())
+    assert choice.name == "hybrid"
+    assert choice.reason.startswith("the least model that represents this body")
+
+
+def test_refusals() -> None:
+    def reason(specimen: Specimen, loading: Loading | None = None) -> str | None:
+        return Hybrid().refusal(Problem(PARABOLOID, specimen, loading or Loading("radius", 1.0)))
+
+    assert reason(Specimen((), HalfSpace(Elastic(1.0, 0.3)))) == (
+        "a homogeneous half-space needs no correction: use method closed-form or layered"
+    )
+    graded = Layer(Graded(Linear(1.0, 2.0, 1.0), 0.3), 1.0)
+    assert reason(Specimen((graded,), Rigid())) == (
+        "the correction is not smooth where the modulus changes from the contact on: use method layered"
+    )
+    across = Layer(TransverselyIsotropic(2.0, 1.0, 0.3, 0.2, 0.5), 1.0)
+    assert reason(Specimen((across,), Rigid(), 2.0, "free")) == (
+        "the exact part needs an isotropic material at the contact: use method fem"
+    )
+    assert reason(cylinder(1.0, 1.0, "free"), Loading("radius", 0.99)) == (
+        "loading: before a contact radius of 990 mm the contact comes too near to the side (a at most 0.98 of the "
+        "body's radius, 1 m): load less, or use method fem"
+    )
+    assert reason(FINITE["free"]) is None
+
+
+def test_what_is_refused_under_an_elastic_indenter() -> None:
+    """The remedy is a method that can do it: fem knows only rigid ones on such bodies."""
+
+    def reason(specimen: Specimen, loading: Loading) -> str | None:
+        return Hybrid().refusal(Problem(Paraboloid(10.0, Elastic(1.0, 0.3)), specimen, loading))
+
+    across = Layer(TransverselyIsotropic(2.0, 1.0, 0.3, 0.2, 0.5), 1.0)
+    assert reason(Specimen((across,), Rigid(), 2.0, "free"), Loading("radius", 1.0)) == (
+        "the exact part needs an isotropic material at the contact: use method fem (with a rigid indenter)"
+    )
+    assert reason(cylinder(1.0, 1.0, "free"), Loading("radius", 0.99)) == (
+        "loading: before a contact radius of 990 mm the contact comes too near to the side (a at most 0.98 of the "
+        "body's radius, 1 m): load less, or use method fem (with a rigid indenter)"
+    )
+
+
+def test_a_load_beyond_the_side_is_refused() -> None:
+    problem = Problem(PARABOLOID, FINITE["free"], Loading("load", 1.0))
+    with pytest.raises(Refusal, match="before a load of 1 N the contact comes too near to the side"):
+        Hybrid(1e-3)(problem)
+
+
+def test_a_tolerance_out_of_range_is_an_input_error() -> None:
+    with pytest.raises(InputError) as caught:
+        Hybrid(1e-9)
+    assert caught.value.lines == ("hybrid.tolerance: must be between 1e-8 and 1e-2, got 1e-09",)

@@ -1,0 +1,130 @@
+"""What the hybrid costs: foretold, bounded, refused before it is begun; and whether its discs hold."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from finite_bodies import FINITE, cylinder, stack
+
+from jkrcli.base.errors import Refusal
+from jkrcli.bodies.indenters import Paraboloid, PowerLaw
+from jkrcli.bodies.materials import Elastic
+from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
+from jkrcli.methods.hybrid.contact import Body
+from jkrcli.methods.hybrid.method import Hybrid
+from jkrcli.methods.hybrid.refinement import Judged, Step
+from jkrcli.methods.hybrid.region import Region
+from jkrcli.methods.layered.layered import Layered
+
+PARABOLOID = Paraboloid(1000.0)
+BODIES = {
+    "sliding, nu = 0.4986": (stack((1.0, 0.4986, 1.0), base=Rigid(False)), 2.0),
+    "sliding, nu = 1/2, thin": (stack((1.0, 0.5, 1.0), base=Rigid(False)), 15.0),
+    "thin": (stack((1.0, 0.4997, 1.0)), 16.0),
+    "on something 4000 times as stiff": (stack((1.0, 0.5, 1.0), base=HalfSpace(Elastic(4000.0, 0.3))), 0.36),
+    "two layers": (stack((1.0, 0.3, 1.0), (270.0, 0.3, 2.0)), 1.6),
+    "clamped": (FINITE["clamped, nu = 0.499"], 1.0),
+}
+
+
+def seconds(method: Hybrid, problem: Problem) -> float:
+    start = time.process_time()
+    method(problem)
+    return time.process_time() - start
+
+
+@pytest.mark.parametrize("name", BODIES)
+def test_the_forecast_holds(name: str) -> None:
+    """Within a factor of 3 where it matters; another factor of 2 for machine and load."""
+    specimen, a = BODIES[name]
+    problem = Problem(PARABOLOID, specimen, Loading("radius", a, 20))
+    forecast = Hybrid().forecast(problem).seconds
+    assert seconds(Hybrid(), problem) < 6 * forecast
+    assert forecast < 3.0
+
+
+def test_a_contact_beyond_the_limits_is_refused_before_it_is_begun() -> None:
+    problem = Problem(PARABOLOID, cylinder(2000.0, 1.0, "free", 0.5), Loading("radius", 1000.0))
+    start = time.process_time()
+    reason = Hybrid().refusal(problem)
+    assert time.process_time() - start < 0.5
+    assert reason is not None
+    assert reason.startswith("contact radii up to 1 km need elements of degree ")
+    assert reason.endswith(
+        "(limits 60 s, 4096 MiB): the contact is large against the nearest interface or side (1 m away); ask for a "
+        "smaller contact or a larger hybrid.tolerance, or use method fem"
+    )
+    with pytest.raises(Refusal):
+        Hybrid()(problem)
+
+
+def test_a_refusal_for_accuracy_comes_soon() -> None:
+    """In a slender rod the pressures hardly matter beside the rod's own compliance: rounding sets the limit."""
+    rod = Specimen(stack((1.0, 0.1, 80.0), (0.0025, 0.3, 160.0)).layers, Rigid(False), 1.06, "roller")
+    problem = Problem(PARABOLOID, rod, Loading("radius", 1.0, 10))
+    start = time.process_time()
+    with pytest.raises(Refusal, match=r"hybrid: the estimated relative error is .* above the tolerance 1\.0e-05"):
+        Hybrid()(problem)
+    assert time.process_time() - start < 5.0  # 0.8 on an idle core
+
+
+def judged(elements: float, parameters: float, cut: float) -> Judged:
+    rows = (np.full((4, 1), error) for error in (elements, parameters, cut))
+    return Judged(np.ones(1), *rows)
+
+
+def test_the_largest_error_is_what_is_refined() -> None:
+    sliding = Region.of(stack((1.0, 0.3, 1.0), base=Rigid(False)), 1.0, 1e-6)
+    first = Step()
+    finer = first.after(judged(1e-3, 1e-4, 1e-4), 1e-5, sliding)
+    assert finer is not None
+    assert (finer.degree, finer.more, finer.sharper) == (first.degree + 2, 0, 1.0)
+    fuller = first.after(judged(1e-6, 1e-4, 1e-5), 1e-5, sliding)
+    assert fuller is not None
+    assert (fuller.degree, fuller.sharper) == (first.degree, 1.0)
+    assert fuller.more >= 1
+    wider = first.after(judged(1e-6, 1e-6, 2e-5), 1e-5, sliding)
+    assert wider is not None
+    assert (wider.degree, wider.more, wider.sharper) == (first.degree, 0, pytest.approx(8.0))
+
+
+def test_what_no_longer_gets_better_is_given_up() -> None:
+    region = Region.of(FINITE["free"], 1.0, 1e-6)
+    step = Step().after(judged(1e-2, 0.0, 0.0), 1e-5, region)
+    assert step is not None
+    assert step.after(judged(9e-3, 0.0, 0.0), 1e-5, region) is None  # hopeless
+    near = Step().after(judged(2e-5, 0.0, 0.0), 1e-5, region)
+    assert near is not None
+    again = near.after(judged(1.9e-5, 0.0, 0.0), 1e-5, region)
+    assert again is not None
+    assert again.after(judged(1.8e-5, 0.0, 0.0), 1e-5, region) is None
+
+
+def test_a_plate_that_lifts_is_said_so_by_both_methods() -> None:
+    """A blunt profile on a coating 10^4 times as stiff as its base: no pressure in the middle."""
+    specimen = stack((1.0, 0.3, 1.0), (1e-3, 0.3, 4.0))
+    problem = Problem(PowerLaw(1e-3, 4.0), specimen, Loading("radius", 3.0, 10))
+    exact, found = Layered()(problem), Hybrid(1e-4)(problem)
+    assert "the middle pulls with" in exact.warnings[0]
+    assert "the middle pulls with" in found.warnings[0]
+    wide = replace(specimen, radius=40.0, side="clamped")
+    assert "the middle pulls with" in Hybrid(1e-4)(replace(problem, specimen=wide)).warnings[0]
+
+
+def test_levels_say_what_they_cost() -> None:
+    """Unknowns as they are, but for those that supports hold: up to a third of so few."""
+    for specimen in FINITE.values():
+        levels = Body(PARABOLOID, specimen, 1e-5).levels(1.0)
+        assert levels.cost(8).unknowns == pytest.approx(levels.correction(8).unknowns, rel=0.35)
+
+
+def test_a_contact_of_a_billion_thicknesses_is_refused_without_its_elements() -> None:
+    """Found by fuzzing: the lines alone would have taken 14 GiB."""
+    specimen = Specimen((Layer(Elastic(1e6, 0.4), 1e-9),), Rigid(), 10.0)
+    problem = Problem(Paraboloid(1e3), specimen, Loading("radius", 1.0))
+    reason = Hybrid().refusal(problem)
+    assert reason is not None
+    assert "ask for a smaller contact" in reason

@@ -1,0 +1,135 @@
+"""The parts of the hybrid: fields of the half-space, line elements, the stiffness, and intervals."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from numpy.testing import assert_allclose
+
+from jkrcli.bodies.materials import Elastic
+from jkrcli.bodies.problem import HalfSpace, Layer, Rigid, Specimen
+from jkrcli.methods.hybrid.halfspace import RingField, point_force
+from jkrcli.methods.hybrid.lines import Line
+from jkrcli.methods.hybrid.region import Region
+from jkrcli.methods.hybrid.sizes import CORNER, Resolution, lines
+from jkrcli.methods.hybrid.system import Mesh
+
+T = np.array([0.2, 0.7])
+STEP = 1e-5
+
+
+def field(r: float, z: float, nu: float) -> RingField:
+    return RingField.at(np.array([r]), np.array([z]), T, nu)
+
+
+def slopes(name: str, r: float, z: float, nu: float) -> tuple[np.ndarray, np.ndarray]:
+    """Central differences along r and z."""
+    along_r = getattr(field(r + STEP, z, nu), name) - getattr(field(r - STEP, z, nu), name)
+    along_z = getattr(field(r, z + STEP, nu), name) - getattr(field(r, z - STEP, nu), name)
+    return along_r / (2 * STEP), along_z / (2 * STEP)
+
+
+@pytest.mark.parametrize("nu", [0.0, 0.3, 0.5])
+@pytest.mark.parametrize(("r", "z"), [(0.4, 0.6), (1.5, 0.3), (0.05, 1.0)])
+def test_strains_and_balance_of_the_half_space(r: float, z: float, nu: float) -> None:
+    """Differences of step 1e-5 are good to 1e-8 of fields whose lengths are of order one."""
+    f = field(r, z, nu)
+    (r_r, r_z), (z_r, z_z) = slopes("u_r", r, z, nu), slopes("u_z", r, z, nu)
+    for strain, expected in zip(f.strains, (r_r, f.u_r / r, z_z, r_z + z_r), strict=True):
+        assert_allclose(strain, expected, rtol=1e-6, atol=1e-7)
+    (rr_r, _), (rz_r, rz_z), (_, zz_z) = (slopes(name, r, z, nu) for name in ("s_rr", "s_rz", "s_zz"))
+    assert_allclose(rr_r + rz_z + (f.s_rr - f.s_tt) / r, 0, atol=1e-6)
+    assert_allclose(rz_r + zz_z + f.s_rz / r, 0, atol=1e-6)
+    assert_allclose(f.p, -nu / (1 + nu) * (f.s_rr + f.s_tt + f.s_zz), atol=1e-12)
+
+
+def test_the_surface_of_the_half_space() -> None:
+    """u_z = 1/sqrt(r^2 - t^2) outside the ring and 0 inside; pressed there by -(E*/2) t/(t^2 - r^2)^(3/2)."""
+    r = np.array([0.1, 0.5, 1.1])
+    f = RingField.at(r, np.full(3, 1e-12), T, 0.3)
+    outside = r > T[:, None]
+    assert_allclose(f.u_z, np.where(outside, 1 / np.sqrt(np.abs(r**2 - T[:, None] ** 2)), 0), atol=1e-9)
+    t, half = T[:, None], 0.5 / (1 - 0.3**2)
+    assert_allclose(f.s_zz, np.where(outside, 0, half * t / np.abs(t**2 - r**2) ** 1.5), atol=1e-7)
+    assert_allclose(f.s_rz, 0, atol=1e-8)
+
+
+def test_far_away_the_ring_is_a_point_force() -> None:
+    """Of pi E*: the total of any of the pressures, their transform at k = 0 being E*/2."""
+    r, z, nu = np.array([300.0]), np.array([400.0]), 0.3
+    f, (u_r, u_z) = RingField.at(r, z, T, nu), point_force(r, z, 1.0, nu)
+    force = np.pi / (1 - nu**2)
+    assert_allclose(f.u_z, np.broadcast_to(force * u_z, (2, 1)), rtol=1e-5)  # (t/distance)^2 and rounding
+    assert_allclose(f.u_r, np.broadcast_to(force * u_r, (2, 1)), rtol=1e-5)
+
+
+@given(st.lists(st.integers(1, 7), min_size=1, max_size=5), st.integers(0, 2**31))
+def test_line_elements_reproduce_polynomials(degrees: list[int], seed: int) -> None:
+    """Of the lowest degree on the line, their derivatives and integrals, at Gauss points and elsewhere."""
+    random = np.random.default_rng(seed)
+    line = Line(np.concatenate([[0.0], np.cumsum(random.uniform(0.2, 1.0, len(degrees)))]), np.array(degrees))
+    polynomial = np.polynomial.Polynomial(random.normal(size=min(degrees) + 1))
+    x, w = line.rule
+    values, slope = line.basis
+    nodal = polynomial(line.nodes)
+    assert_allclose(values @ nodal, polynomial(x), atol=1e-10)
+    assert_allclose(slope @ nodal, polynomial.deriv()(x), atol=1e-8)
+    integral = polynomial.integ()
+    assert w @ polynomial(x) == pytest.approx(integral(line.edges[-1]) - integral(0.0), abs=1e-10)
+    elsewhere = np.sort(random.uniform(0, line.edges[-1], 5))
+    joined = np.ones(len(degrees) - 1, dtype=bool)
+    assert_allclose(line.at(elsewhere, joined)[0] @ nodal, polynomial(elsewhere), atol=1e-10)
+    assert_allclose(line.at(x, joined)[2], line.pressure(joined), atol=1e-12)
+
+
+def body(nu: float = 0.3, side: str | None = "free", layers: int = 1) -> Specimen:
+    stack = tuple(Layer(Elastic(1.0 + i, nu), 1.0 / layers) for i in range(layers))
+    return Specimen(stack, Rigid(), 2.0 if side else None, side)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("nu", [0.3, 0.5])
+def test_stiffness(nu: float) -> None:
+    """Symmetric; rigid motion along the axis costs nothing; a uniform compression costs its energy."""
+    region = Region.of(body(nu), 1.0, 1e-5)
+    mesh = Mesh(region, *lines(region, Resolution(4)))
+    K = mesh.stiffness
+    assert abs(K - K.T).max() < 1e-12
+    _, z = np.meshgrid(mesh.r.nodes, mesh.z.nodes)
+    rigid = np.zeros(K.shape[0])
+    rigid[mesh.nodes : 2 * mesh.nodes] = 1.0
+    assert_allclose(K @ rigid, 0, atol=1e-10)
+    uniform = np.zeros(K.shape[0])
+    uniform[mesh.nodes : 2 * mesh.nodes] = z.ravel()
+    shear = 0.5 / (1 + nu)
+    modulus = 2 * shear if nu == 0.5 else (1 - nu) / ((1 + nu) * (1 - 2 * nu))  # without the pressure's part
+    assert uniform @ K @ uniform == pytest.approx(np.pi * 2.0**2 * modulus, rel=1e-12)
+
+
+def test_intervals() -> None:
+    """Interfaces are edges; next to a singular corner the intervals shrink by the ratio and their degrees fall."""
+    region = Region.of(body(layers=3), 1.0, 1e-5)
+    r, z = lines(region, Resolution(8))
+    assert np.isin(np.round(region.tops, 12), np.round(z.edges, 12)).all()
+    assert (r.edges[-1], z.edges[-1]) == (region.width, region.depth)
+    assert (np.diff(z.edges) > 0).all()
+    gaps = np.diff(r.edges)[-4:]
+    assert_allclose(gaps[1:3] / gaps[:2], CORNER, rtol=1e-9)
+    assert list(r.degrees[-4:]) == [5, 4, 3, 2]
+    smooth = Region.of(replace(body(), side="roller"), 1.0, 1e-5)
+    assert set(lines(smooth, Resolution(8))[1].degrees) == {8}
+
+
+def test_regions_of_unbounded_bodies() -> None:
+    bonded = Region.of(body(side=None), 0.5, 1e-5)
+    assert (bonded.cut_beside, bonded.algebraic) == (True, False)
+    assert bonded.width > 20 * bonded.depth
+    assert bonded.nearer().width < bonded.width
+    assert bonded.nearer().depth == bonded.depth
+    coated = Region.of(Specimen(body().layers, HalfSpace(Elastic(5.0, 0.3))), 0.5, 1e-5)
+    assert coated.algebraic
+    assert coated.depth == pytest.approx(coated.width)
+    assert coated.nearer().depth == pytest.approx(coated.nearer().width)

@@ -1,0 +1,246 @@
+"""Transversely isotropic layers and half-spaces: constants, element, half-space fields, layers by two methods."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.linalg import expm
+
+from jkrcli.base.errors import InputError
+from jkrcli.bodies.indenters import Paraboloid
+from jkrcli.bodies.materials import Elastic, TransverselyIsotropic
+from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
+from jkrcli.case import parse_case
+from jkrcli.formulas.closed_form import hertz
+from jkrcli.methods.fem.elasticity import assemble
+from jkrcli.methods.fem.mesh import triangles
+from jkrcli.methods.fem.method import FEM
+from jkrcli.methods.fem.point_force import PointForce
+from jkrcli.methods.fem.truncation import boussinesq_displacement, boussinesq_side_traction
+from jkrcli.methods.layered.layered import Layered
+from jkrcli.methods.layered.spectrum import compliance_ratio, deviation
+from jkrcli.methods.layered.transverse import Medium
+
+ISOTROPIC, AS_FIVE = Elastic(2.6, 0.3), TransverselyIsotropic(2.6, 2.6, 0.3, 0.3, 1.0)
+REAL, CONJUGATE = TransverselyIsotropic(1.0, 3.0, 0.2, 0.3, 0.5), TransverselyIsotropic(5.0, 1.0, 0.2, 0.1, 3.0)
+FIBRES = TransverselyIsotropic(5.0, 1.0, 0.2, 0.1, 0.3)
+SHEAR_STIFF = TransverselyIsotropic(0.18251, 0.44968, 0.75576, 0.50840, 9.56748)  # D^2/A^2 = -18
+MATERIALS = [AS_FIVE, REAL, CONJUGATE, FIBRES, SHEAR_STIFF]
+PARABOLOID = Paraboloid(100.0)
+COLUMNS = ("delta", "P", "S", "dS")
+
+
+# ---------------------------------------------------------------------- constants
+def test_isotropic_constants_are_those_of_the_isotropic_material():
+    lam, G = ISOTROPIC.lame, ISOTROPIC.G
+    assert AS_FIVE.stiffness == pytest.approx((lam + 2 * G, lam, lam, lam + 2 * G, G), rel=1e-14)
+    assert AS_FIVE.E_star == pytest.approx(ISOTROPIC.E_star, rel=1e-14)
+    assert AS_FIVE.surface.E_star == AS_FIVE.E_star
+
+
+@given(
+    st.floats(0.1, 10), st.floats(0.1, 10), st.floats(-0.9, 0.9), st.floats(-0.99, 0.99), st.floats(0.1, 10)
+)  # fmt: skip
+def test_stiffness_is_the_inverse_of_the_compliance(E_p, E_z, nu_p, share, G_z):
+    nu_zp = share * np.sqrt((1 - nu_p) * E_z / (2 * E_p))
+    C11, C12, C13, C33, _ = TransverselyIsotropic(E_p, E_z, nu_p, nu_zp, G_z).stiffness
+    C = np.array([[C11, C12, C13], [C12, C11, C13], [C13, C13, C33]])
+    S = np.array(
+        [
+            [1 / E_p, -nu_p / E_p, -nu_zp / E_z],
+            [-nu_p / E_p, 1 / E_p, -nu_zp / E_z],
+            [-nu_zp / E_z, -nu_zp / E_z, 1 / E_z],
+        ]
+    )
+    assert C @ S == pytest.approx(np.eye(3), abs=1e-11)  # the condition number reaches 1e4
+    assert np.linalg.eigvalsh(C).min() > 0
+
+
+@pytest.mark.parametrize(
+    ("constants", "line"),
+    [
+        ((0.0, 1.0, 0.3, 0.3, 1.0), "E_p: must be > 0 Pa, got 0"),
+        ((1.0, 1.0, 0.3, 0.3, -1.0), "G_z: must be > 0 Pa, got -1"),
+        ((1.0, 1.0, 1.0, 0.3, 1.0), "nu_p: must be > -1 and < 1, got 1"),
+        (
+            (1.0, 1.0, 0.5, 0.5, 1.0),
+            "nu_zp: must lie between -0.5 and 0.5 for a positive strain energy (2 nu_zp^2 E_p/E_z < 1 - nu_p), got 0.5",
+        ),
+    ],
+)
+def test_constants_of_no_material(constants, line):
+    with pytest.raises(InputError) as caught:
+        TransverselyIsotropic(*constants)
+    assert caught.value.lines == (line,)
+
+
+# ---------------------------------------------------------------------- finite elements
+@pytest.mark.parametrize("order", [1, 2])
+def test_the_element_with_isotropic_constants_is_the_isotropic_one(order):
+    grid = triangles(np.array([0.0, 0.2, 0.7, 1.0, 1.6, 2.0]), 1.5, np.array([0.4]), "0.3+0.1*x")
+    one, other = (assemble(grid, [Elastic(1.0, 0.4), material], order).K for material in (ISOTROPIC, AS_FIVE))
+    assert abs(one - other).max() < 1e-14 * abs(one).max()
+
+
+@pytest.mark.parametrize("material", [REAL, CONJUGATE])
+def test_a_paraboloid_on_the_half_space(material):
+    """P(delta) of Hertz with the indentation modulus, over a factor of ten in a; measured: 3e-5 to 8e-5."""
+    solution = FEM(estimate_error=False)(Problem(PARABOLOID, Specimen((), HalfSpace(material)), Loading("radius", 1.0)))
+    series = solution.series
+    some = series.a > 0.1
+    _, P = hertz(np.sqrt(100.0 * series.delta[some]), material.E_star, 100.0)
+    assert np.max(np.abs(series.P[some] / P - 1)) < 2e-4
+
+
+def test_the_point_force_with_isotropic_constants_is_boussinesqs():
+    r, z = np.array([0.0, 0.1, 1.0, 3.0]), np.array([-0.5, -1.0, -0.3, -2.0])
+    force = PointForce(AS_FIVE)
+    for found, exact in zip(force.displacement(r, z), boussinesq_displacement(r, z, ISOTROPIC), strict=True):
+        assert found == pytest.approx(exact, rel=1e-6)  # equal roots are taken 1e-4 apart
+    for found, exact in zip(force.side_traction(r, z), boussinesq_side_traction(r, z, ISOTROPIC), strict=True):
+        assert found == pytest.approx(exact, rel=1e-5)
+
+
+@pytest.mark.parametrize("material", [REAL, CONJUGATE, FIBRES])
+def test_the_point_force_obeys_hookes_law_and_sinks_as_it_should(material):
+    r, z, step = np.array([0.1, 1.0, 3.0]), np.array([-1.0, -0.3, -2.0]), 1e-5
+    force = PointForce(material)
+    assert force.displacement(r, 0 * r)[1] * np.pi * material.E_star * r == pytest.approx(-np.ones(3), rel=1e-12)
+    along_r = [np.subtract(*pair) / (2 * step) for pair in zip(
+        force.displacement(r + step, z), force.displacement(r - step, z), strict=True)]  # fmt: skip
+    along_z = [np.subtract(*pair) / (2 * step) for pair in zip(
+        force.displacement(r, z + step), force.displacement(r, z - step), strict=True)]  # fmt: skip
+    C11, C12, C13, _, C44 = material.stiffness
+    s_rr = C11 * along_r[0] + C12 * force.displacement(r, z)[0] / r + C13 * along_z[1]
+    s_rz = C44 * (along_z[0] + along_r[1])
+    found = force.side_traction(r, z)
+    assert found[0] == pytest.approx(s_rr, rel=1e-5, abs=1e-8)  # central differences
+    assert found[1] == pytest.approx(s_rz, rel=1e-5, abs=1e-8)
+
+
+# ---------------------------------------------------------------------- layered
+@pytest.mark.parametrize("material", MATERIALS)
+def test_the_way_through_a_layer_is_a_matrix_exponential(material):
+    medium = Medium.of(material)
+    B, A = medium.generator(np.eye(5)), np.sqrt(medium.squares[0])
+    m = np.array([1.0, 0.3, 0.2, -0.1, 0.05])[:, None]
+    for y in (1e-6, 0.1, 0.9, 1.1, 3.0, 20.0):
+        exact = expm(y * (B - A * np.eye(5))) @ m
+        assert medium.through(m, np.array([y])) == pytest.approx(exact, rel=1e-10)
+    still = np.array(medium.half_space)[:, None]
+    assert medium.generator(still) == pytest.approx(medium.generator(still)[0] * still, rel=1e-13)
+
+
+@pytest.mark.parametrize("ratio", [-100.0, -18.0, -3.0, -0.1, 0.3, 0.9, 0.99])
+def test_the_way_through_a_layer_at_any_ratio_of_the_roots(ratio):
+    """D^2/A^2 far below -1: stiffness in shear far above the others."""
+    c = max(0.0, -0.5 - ratio)
+    e = 2 + 2 * ratio + 2 * c
+    medium = Medium(c, ((1 - ratio) ** 2 - c**2) / e, e)
+    assert medium.squares == pytest.approx((4, 4 * ratio), rel=1e-9)
+    B, m = medium.generator(np.eye(5)), np.array([1.0, 0.3, 0.2, -0.1, 0.05])[:, None]
+    for y in (1e-3, 0.05, 0.099, 0.101, 0.23, 0.5, 0.9, 0.99, 1.01, 1.5):
+        exact = expm(y * (B - 2 * np.eye(5))) @ m
+        assert medium.through(m, np.array([y])) == pytest.approx(exact, rel=1e-11, abs=1e-11 * np.abs(exact).max())
+
+
+@pytest.mark.parametrize("base", [Rigid(), Rigid(False), HalfSpace(Elastic(4.0, 0.3))])
+def test_isotropic_constants_give_the_isotropic_spectrum(base):
+    k = np.geomspace(1e-3, 20, 20)
+    for above in ((), (Layer(Elastic(1.0, 0.4), 0.5),)):
+        one, other = (Specimen((*above, Layer(material, 1.0)), base) for material in (ISOTROPIC, AS_FIVE))
+        assert compliance_ratio(other, k) == pytest.approx(compliance_ratio(one, k), rel=1e-11)
+        assert deviation(other, k) == pytest.approx(deviation(one, k), rel=1e-9, abs=1e-13)
+
+
+def test_a_layer_on_its_own_half_space_is_the_half_space():
+    k = np.geomspace(1e-3, 20, 20)
+    for material in MATERIALS:
+        specimen = Specimen((Layer(material, 1.0),), HalfSpace(material))
+        assert deviation(specimen, k) == pytest.approx(np.zeros(k.size), abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("layers", "base"),
+    [
+        ((Layer(REAL, 1.0),), Rigid()),
+        ((Layer(SHEAR_STIFF, 1.0),), Rigid()),
+        pytest.param((Layer(CONJUGATE, 1.0),), Rigid(False), marks=pytest.mark.slow),
+        pytest.param((Layer(FIBRES, 1.0),), HalfSpace(REAL), marks=pytest.mark.slow),
+        pytest.param((Layer(Elastic(1.0, 0.4), 0.5), Layer(FIBRES, 1.0)), Rigid(), marks=pytest.mark.slow),
+    ],
+)
+def test_two_methods_agree_within_the_stated_errors(layers, base):
+    specimen = Specimen(layers, base)
+    solution = FEM()(Problem(PARABOLOID, specimen, Loading("radius", 1.0)))
+    series = solution.series
+    radii = tuple(series.a[series.a > 0.1][::5])
+    exact = Layered()(Problem(PARABOLOID, specimen, Loading.given("radius", radii))).series
+    P, a = (
+        np.exp(np.interp(np.log(exact.delta), np.log(series.delta), np.log(column))) for column in (series.P, series.a)
+    )
+    assert np.max(np.abs(P / exact.P - 1)) < solution.budget.discretisation
+    assert np.max(np.abs(a / exact.a - 1)) < solution.budget.total
+
+
+def test_the_moduli_scale_loads_and_not_depths():
+    specimen = Specimen((Layer(FIBRES, 1.0),), HalfSpace(REAL))
+    loading = Loading.given("radius", (0.7,))
+    weak, stiff = (Layered()(Problem(PARABOLOID, body, loading)).series for body in (specimen, specimen.scaled(7.0)))
+    assert stiff.P == pytest.approx(7 * weak.P, rel=1e-12)
+    assert stiff.delta == pytest.approx(weak.delta, rel=1e-12)
+
+
+# ---------------------------------------------------------------------- cases
+def case(keys):
+    return (
+        "[indenter]\nshape = 'paraboloid'\nradius = '100 um'\n[specimen]\nbase = 'bonded'\n[[specimen.layers]]\n"
+        f"thickness = '10 um'\n{keys}\n[loading]\nradius = '5 um'\n"
+    ).encode()
+
+
+FIVE = "E_p = '5 MPa'\nE_z = '1 MPa'\nnu_p = 0.2\nnu_zp = 0.1\nG_z = '300 kPa'"
+
+
+def test_a_case_with_five_constants_reads_back():
+    parsed = parse_case(case(FIVE), "my.toml")
+    found = parsed.model.problem()
+    assert found.specimen.layers[0].material == TransverselyIsotropic(5e6, 1e6, 0.2, 0.1, 3e5)
+    again = parse_case(parsed.to_toml().encode(), "again.toml").model.problem()
+    assert again == found
+    assert again.key == found.key
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "lines"),
+    [
+        (
+            "E_z = ",
+            "E_zz = ",
+            ['.E_zz: unknown key, did you mean "E_z"? (allowed: E_p, E_z, nu_p, nu_zp, G_z, thickness, name)'],
+        ),
+        ("nu_p = 0.2\n", "", [".nu_p: is required"]),
+        (
+            "nu_zp = 0.1",
+            "nu_zp = 0.3",
+            [
+                ": nu_zp: must lie between -0.2828 and 0.2828 for a positive strain energy "
+                "(2 nu_zp^2 E_p/E_z < 1 - nu_p), got 0.3"
+            ],
+        ),
+    ],
+)
+def test_wrong_constants_in_a_case(old, new, lines):
+    with pytest.raises(InputError) as caught:
+        parse_case(case(FIVE.replace(old, new)), "my.toml")
+    assert caught.value.lines == tuple(f"my.toml: specimen.layers[0]{line}" for line in lines)
+
+
+def test_from_the_case_to_the_curve(jkr, tmp_path):
+    (tmp_path / "my.toml").write_bytes(case(FIVE))
+    solved = jkr("run", "my.toml", "--method", "layered")
+    assert solved.code == 0
+    assert "transversely isotropic, E = 5 MPa in the plane, 1 MPa along z, h = 10 um" in solved.out
+    assert jkr("transform", "my.h5", "--w", "10 mJ/m^2").code == 0

@@ -1,0 +1,437 @@
+"""Moduli that vary over depth: laws, spectrum, tail and contact against closed forms, other discretisations and fem."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.integrate import quad, solve_ivp
+from scipy.linalg import expm
+
+from jkrcli.base.errors import InputError, Refusal
+from jkrcli.bodies.grading import Exponential, Linear, Power, Tabulated
+from jkrcli.bodies.indenters import Paraboloid
+from jkrcli.bodies.materials import Elastic, Graded
+from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
+from jkrcli.case import parse_case
+from jkrcli.methods.closed_form import ClosedForm
+from jkrcli.methods.fem.method import FEM
+from jkrcli.methods.layered.contact import LayeredContact
+from jkrcli.methods.layered.fields import profile
+from jkrcli.methods.layered.kernel import LayeredSpectrum
+from jkrcli.methods.layered.layered import GRADED, Layered
+from jkrcli.methods.layered.product import product_matrix
+from jkrcli.methods.layered.solver import Panels
+from jkrcli.methods.layered.spectrum import compliance_ratio, deviation
+from jkrcli.methods.layered.tail import Tail, surface_series
+
+LAWS = [
+    Linear(1.0, 5.0, 1.0),
+    Linear(5.0, 1.0, 1.0),
+    Exponential(1.0, 5.0, 1.0),
+    Power(1.0, 0.3, 0.7),
+    Tabulated((0.0, 0.3, 1.0), (1.0, 3.0, 2.0)),
+]
+BASES = [Rigid(), Rigid(False), HalfSpace(Elastic(4.0, 0.3))]
+COLUMNS = ("delta", "P", "S", "dS")
+
+
+def layer(law, nu, base):
+    """One graded layer of thickness 1."""
+    return Specimen((Layer(Graded(law, nu), 1.0),), base)
+
+
+def problem(specimen, *radii):
+    return Problem(Paraboloid(100.0), specimen, Loading.given("radius", radii))
+
+
+def worst(one, other):
+    """Largest relative difference of any column of two series."""
+    return max(np.max(np.abs(getattr(one, name) / getattr(other, name) - 1)) for name in COLUMNS)
+
+
+# ---------------------------------------------------------------------- laws
+@pytest.mark.parametrize("law", LAWS)
+def test_the_taylor_series_is_that_of_the_law(law):
+    z = 0.02
+    E = law.at(np.array([0.0, z]))
+    series = np.polynomial.polynomial.polyval(z, law.taylor(12))
+    assert series == pytest.approx(E[1] / E[0], rel=1e-13)  # (0.02/0.3)^12 is below rounding
+
+
+@given(
+    st.lists(st.floats(0.01, 100.0), min_size=2, max_size=6),
+    st.floats(0.0, 1.0),
+    st.sampled_from(["linear", "exponential", "table"]),
+)
+def test_a_layer_knows_its_least_and_largest_modulus(moduli, depth, kind):
+    law = {
+        "linear": Linear(moduli[0], moduli[1], 1.0),
+        "exponential": Exponential(moduli[0], moduli[1], 1.0),
+        "table": Tabulated(tuple(np.linspace(0, 1, len(moduli))), tuple(moduli)),
+    }[kind]
+    low, high = Layer(Graded(law, 0.3), 1.0).moduli
+    assert low * (1 - 1e-12) <= law.at(np.array(depth)) <= high * (1 + 1e-12)
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_scaling_multiplies_every_modulus(law):
+    z = np.linspace(0, 1, 7)
+    assert Graded(law, 0.3).scaled(3.0).at(z) == pytest.approx(3 * law.at(z), rel=1e-14)
+    assert Graded(law, 0.3).surface == Elastic(float(law.at(np.array(0.0))), 0.3)
+
+
+@pytest.mark.parametrize(
+    ("make", "line"),
+    [
+        (lambda: Linear(0.0, 1.0, 1.0), "top: must be > 0 Pa, got 0"),
+        (lambda: Exponential(1.0, -2.0, 1.0), "bottom: must be > 0 Pa, got -2"),
+        (lambda: Power(1.0, 0.0, 1.0), "length: must be > 0 m, got 0"),
+        (
+            lambda: Tabulated((0.0, 1.0), (1.0, 2.0, 3.0)),
+            "a table needs as many moduli as depths, at least two of each, got 3 and 2",
+        ),
+        (lambda: Tabulated((0.1, 1.0), (1.0, 2.0)), "depth: must start at 0 m and increase, got [0.1, 1.0]"),
+        (lambda: Tabulated((0.0, 1.0), (1.0, 0.0)), "E: every modulus must be > 0 Pa, got 0"),
+        (
+            lambda: Layer(Graded(Linear(1.0, 2.0, 0.5), 0.3), 1.0),
+            "the law of E ends at a depth of 0.5 m, above the bottom of the layer (thickness 1 m)",
+        ),
+    ],
+)  # fmt: skip
+def test_wrong_laws(make, line):
+    with pytest.raises(InputError) as caught:
+        make()
+    assert caught.value.lines == (line,)
+
+
+# ---------------------------------------------------------------------- spectrum
+def _generator(nu):
+    """B of dm/dzeta = B m, written down independently of the package's."""
+    c, beta, e = nu / (1 - nu), (1 - 2 * nu) / (2 * (1 - nu)), 2 / (1 - nu)
+    return np.array([[0, e, 0, 0, 0], [1, 0, 0, -2, 0], [beta, 0, 0, 2 * c, e], [0, c, -1, 0, 0], [0, beta, 1, 0, 0]])
+
+
+@pytest.mark.parametrize("nu", [0.0, 0.3, 0.5])
+@pytest.mark.parametrize("bonded", [True, False])
+def test_the_exponential_law_is_a_matrix_exponential(nu, bonded):
+    """In units of the local modulus the minors obey dm/dz = (k B - gamma D) m upwards: constant coefficients."""
+    law, k = Exponential(1.0, 5.0, 1.0), np.geomspace(0.01, 15, 12)
+    start = np.eye(5)[0 if bonded else 1]
+    decay = law.rate * np.diag([0.0, 1, 1, 1, 2])
+    exact = []
+    for value in k:
+        m = expm(value * _generator(nu) - decay) @ start
+        exact.append(m[2] / ((1 - nu) * m[0]))
+    found = compliance_ratio(layer(law, nu, Rigid(bonded)), k)
+    assert found == pytest.approx(exact, rel=1e-9)  # extrapolated to 1e-10
+
+
+@pytest.mark.parametrize("nu", [0.3, 0.5])
+@pytest.mark.parametrize("law", [Linear(1.0, 5.0, 1.0), Linear(5.0, 1.0, 1.0), Power(1.0, 0.3, 0.7)])
+def test_the_spectrum_solves_the_riccati_equation(law, nu):
+    """Against an adaptive integration of F itself, in fixed units: F' = k (...) upwards with G(z) in it."""
+    c, beta, e = nu / (1 - nu), (1 - 2 * nu) / (2 * (1 - nu)), 2 / (1 - nu)
+
+    def upwards(x, F, k):
+        G = float(law.at(np.array(1 - x)))
+        rr, zz, rz = F
+        return [
+            k * (1 / G - 2 * rz - e * G * rr**2),
+            k * (beta / G + 2 * c * rz - e * G * rz**2),
+            k * (c * rr - zz - e * G * rr * rz),
+        ]
+
+    k = np.array([0.1, 1.0, 6.0])
+    top = float(law.at(np.array(0.0)))
+    exact = []
+    for value in k:
+        solved = solve_ivp(upwards, (0, 1), [0.0, 0, 0], "DOP853", rtol=1e-12, atol=1e-15, args=(value,))
+        exact.append(solved.y[1, -1] * top / (1 - nu))
+    assert compliance_ratio(layer(law, nu, Rigid()), k) == pytest.approx(exact, rel=1e-9)
+
+
+@pytest.mark.parametrize("base", BASES)
+def test_a_split_layer_is_the_whole_layer(base):
+    whole = layer(Linear(1.0, 5.0, 1.0), 0.4, base)
+    parts = (Linear(1.0, 2.0, 0.25), 0.25), (Linear(2.0, 5.0, 0.75), 0.75)
+    split = Specimen(tuple(Layer(Graded(law, 0.4), h) for law, h in parts), base)
+    k = np.concatenate([[0.0], np.geomspace(1e-3, 300, 25)])
+    one, two = compliance_ratio(whole, k), compliance_ratio(split, k)
+    assert one[1:] == pytest.approx(two[1:], rel=1e-9)  # each is extrapolated to 1e-10
+
+
+@pytest.mark.parametrize("base", BASES)
+def test_a_constant_law_is_the_homogeneous_layer(base):
+    k = np.geomspace(1e-3, 100, 25)
+    homogeneous = Specimen((Layer(Elastic(2.0, 0.45), 1.0),), base)
+    for law in (Linear(2.0, 2.0, 1.0), Power(2.0, 0.5, 0.0), Tabulated((0.0, 0.4, 1.0), (2.0, 2.0, 2.0))):
+        assert compliance_ratio(layer(law, 0.45, base), k) == pytest.approx(compliance_ratio(homogeneous, k), rel=1e-11)
+        assert Tail.of(layer(law, 0.45, base)) is None
+
+
+def test_gibson_soil_is_a_winkler_foundation():
+    """An incompressible half-space with G = m z sinks by p/(2 m) under any pressure p (Gibson, Geotechnique 17 (1967)).
+
+    Here G = m (z + l), so that the limit is k l -> 0; the compliance 2 g/(E*_top k) tends to 1/(2 m), and half the
+    distance to it for half of l (within a third: the next term carries a logarithm) shows that the limit is met.
+    """
+    nu, k, m = 0.5, 1.0, 1.0
+    distance = []
+    for length in (2e-2, 1e-2):
+        top = 2 * (1 + nu) * m * length
+        deep = Specimen((Layer(Graded(Power(top, length, 1.0), nu), 12.0),), Rigid())
+        C = 2 * compliance_ratio(deep, np.array([k]))[0] / (deep.surface.E_star * k)
+        distance.append(abs(2 * m * C - 1))
+    assert distance[1] < 0.1
+    assert 0.45 < distance[1] / distance[0] < 0.67
+
+
+def test_a_graded_layer_below_does_not_spoil_the_decay():
+    """Under a homogeneous layer g - 1 decays like exp(-2 k h), to full relative accuracy."""
+    stack = Specimen((Layer(Elastic(1.0, 0.3), 1.0), Layer(Graded(Linear(2.0, 5.0, 1.0), 0.3), 1.0)), Rigid())
+    ratio = deviation(stack, np.array([30.0, 31.0]))
+    assert ratio[1] / ratio[0] == pytest.approx(np.exp(-2) * (31 / 30) ** 2, rel=0.01)  # next order: 1/(k h)
+
+
+# ---------------------------------------------------------------------- tail
+@pytest.mark.parametrize("nu", [0.0, 0.3, 0.5])
+def test_the_first_term_of_the_tail(nu):
+    for law, slope in ((Linear(1.0, 5.0, 1.0), 4.0), (Power(1.0, 0.3, 0.7), 0.7 / 0.3)):
+        assert surface_series(Graded(law, nu), 3)[1] == pytest.approx(-slope * (1 - nu / 2) / (1 - nu), rel=1e-14)
+
+
+@pytest.mark.parametrize("law", LAWS[:4])
+def test_what_the_tail_leaves_decays_with_the_seventh_power(law):
+    specimen = layer(law, 0.45, Rigid())
+    tail = Tail.of(specimen)
+    k = tail.rate * np.array([8.0, 16.0])
+    rest = deviation(specimen, k) - tail(k)
+    assert abs(rest[1] / rest[0]) < 2.0**-6.5
+    assert abs(rest[1]) < 1e-6
+
+
+@pytest.mark.parametrize("s", [0.01, 0.3, 2.0])
+def test_the_transform_of_the_tail(s):
+    tail = Tail.of(layer(Linear(1.0, 5.0, 1.0), 0.45, Rigid()))
+    exact, error = quad(lambda k: tail(np.array([k]))[0], 0, np.inf, weight="cos", wvar=s)
+    assert tail.transform(np.array([s]))[0] == pytest.approx(exact, rel=1e-6, abs=10 * error)
+
+
+def test_product_integration_of_a_logarithm():
+    """int int x^2 t^2 K over [0, a]^2 and int t^2 K(a, t) with K = -(ln|x - t| + ln(x + t))/2, by nested quadrature."""
+    panels = Panels.through(np.array([0.1, 0.3, 0.35, 1.0]), 4, 0.2)
+    K, n = product_matrix(lambda s: -np.log(s), panels), panels.x.size
+
+    def inner(x, a):
+        parts = [(lambda t: -(t**2) * np.log(abs(x - t)) / 2, p, q) for p, q in ((0, x), (x, a)) if q > p]
+        parts.append((lambda t: -(t**2) * np.log(x + t) / 2, 0, a))
+        return sum(quad(f, p, q, epsabs=1e-13)[0] for f, p, q in parts)
+
+    for i, a in ((1, 0.3), (3, 1.0)):
+        stop = panels.stops[i]
+        moment = panels.w[:stop] * panels.x[:stop] ** 2
+        both = quad(lambda x, a=a: x**2 * inner(x, a), 0, a, epsabs=1e-12)[0]
+        assert moment @ K[:stop, :stop] @ moment == pytest.approx(both, rel=1e-8)  # 14 nodes: 3e-9
+        assert moment @ K[:stop, n + i] == pytest.approx(inner(a, a), rel=1e-6)  # 14 nodes: 1e-7
+
+
+# ---------------------------------------------------------------------- layered
+CONTACTS = [
+    (Linear(1.0, 5.0, 1.0), 0.45, Rigid()),
+    (Exponential(1.0, 5.0, 1.0), 0.5, Rigid()),
+    (Exponential(10.0, 1.0, 1.0), 0.3, HalfSpace(Elastic(1.0, 0.3))),
+    (Power(1.0, 0.1, 0.5), 0.4, HalfSpace(Elastic(3.0, 0.4))),
+]
+
+
+def stack(law, nu, base, count):
+    """``count`` homogeneous sublayers that become thinner towards the surface, each with the modulus of its middle."""
+    edges = np.linspace(0, 1, count + 1) ** 2
+    middle = law.at((edges[1:] + edges[:-1]) / 2)
+    layers = (Layer(Elastic(float(E), nu), h) for E, h in zip(middle, np.diff(edges), strict=True))
+    return Specimen(tuple(layers), base)
+
+
+@pytest.mark.slow
+def test_stacks_of_sublayers_come_near_with_the_second_power():
+    law, nu, base = CONTACTS[2]
+    exact = Layered()(problem(layer(law, nu, base), 0.5)).series
+    errors = [worst(Layered(1e-6)(problem(stack(law, nu, base, n), 0.5)).series, exact) for n in (4, 8)]
+    assert errors[1] < 0.3 * errors[0] < 0.03
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("law", "nu", "base"), CONTACTS)
+def test_contact_is_the_limit_of_homogeneous_sublayers(law, nu, base):
+    """Extrapolated from 8, 16, 24, 32 sublayers, which leaves about 1e-6."""
+    squares = np.array([1.0, 4, 9, 16])
+    weights = [np.prod([s / (s - t) for t in squares if t != s]) for s in squares]
+    radii = (0.05, 0.2, 0.5)
+    series = [Layered(1e-6)(problem(stack(law, nu, base, n), *radii)).series for n in (8, 16, 24, 32)]
+    found = Layered()(problem(layer(law, nu, base), *radii))
+    for name in COLUMNS:
+        limit = sum(w * getattr(s, name) for w, s in zip(weights, series, strict=True))
+        assert getattr(found.series, name) == pytest.approx(limit, rel=3e-6)
+
+
+@pytest.mark.parametrize(("law", "nu", "base"), CONTACTS)
+def test_the_stated_error_holds(law, nu, base):
+    """Against the same radii among many more, whose panels are finer: no common node."""
+    few = Layered()(problem(layer(law, nu, base), 0.5, 1.0, 1.5))
+    many = Layered()(problem(layer(law, nu, base), *np.linspace(0, 1.5, 31)[1:])).series
+    stated = few.budget.discretisation
+    assert stated <= GRADED
+    for name in COLUMNS:
+        values = getattr(many, name)[[9, 19, 29]]
+        assert np.max(np.abs(getattr(few.series, name) / values - 1)) <= stated
+
+
+def test_the_slope_of_the_stiffness_is_its_derivative():
+    a, step = 0.5, 0.02
+    series = Layered()(problem(layer(*CONTACTS[0]), a - step, a, a + step)).series
+    assert series.dS[1] == pytest.approx((series.S[2] - series.S[0]) / (2 * step), rel=3e-4)  # step^2 S'''/(6 S')
+
+
+def test_a_change_of_units_changes_nothing():
+    law, nu, base = CONTACTS[2]
+    unit = Layered()(problem(layer(law, nu, base), 0.5)).series
+    lengths, stress = 1e-5, 1e6
+    small = Specimen((Layer(Graded(Exponential(10e6, 1e6, lengths), nu), lengths),), HalfSpace(Elastic(1e6, nu)))
+    scaled = Problem(Paraboloid(100 * lengths), small, Loading.given("radius", (0.5 * lengths,)))
+    series = Layered()(scaled).series
+    factors = {"delta": lengths, "P": stress * lengths**2, "S": stress * lengths, "dS": stress}
+    for name, factor in factors.items():
+        assert getattr(series, name) == pytest.approx(factor * getattr(unit, name), rel=1e-9)
+
+
+def test_the_moduli_scale_loads_and_not_depths():
+    law, nu, base = CONTACTS[2]
+    one = layer(law, nu, base)
+    weak, stiff = (Layered()(problem(specimen, 0.7)).series for specimen in (one, one.scaled(7.0)))
+    assert stiff.P == pytest.approx(7 * weak.P, rel=1e-12)
+    assert stiff.delta == pytest.approx(weak.delta, rel=1e-12)
+
+
+def test_an_elastic_indenter_is_a_softer_contact():
+    """A far stiffer one changes nothing; one as stiff as the surface halves E* where the layer is thick."""
+    specimen = layer(Linear(1.0, 1.5, 1.0), 0.3, Rigid())
+    rigid = Layered()(problem(specimen, 0.02)).series
+    loading = Loading.given("radius", (0.02,))
+    hard, equal = (Layered()(Problem(Paraboloid(100.0, Elastic(E, 0.3)), specimen, loading)).series for E in (1e9, 1.0))
+    assert worst(hard, rigid) < 1e-5  # GRADED
+    assert equal.P[0] / rigid.P[0] == pytest.approx(0.5, rel=0.02)  # a/h = 0.02
+
+
+# ---------------------------------------------------------------------- finite elements
+@pytest.mark.parametrize(
+    ("law", "nu", "base"),
+    [
+        CONTACTS[0],
+        CONTACTS[1],
+        pytest.param(*CONTACTS[2], marks=pytest.mark.slow),
+        pytest.param(Linear(5.0, 1.0, 1.0), 0.499, Rigid(), marks=pytest.mark.slow),
+        pytest.param(LAWS[4], 0.3, Rigid(False), marks=pytest.mark.slow),
+    ],
+)
+def test_finite_elements_agree_within_the_stated_errors(law, nu, base):
+    """P and a at equal depth, at radii over a factor of ten; nu near and at 1/2 in the mixed form."""
+    specimen = layer(law, nu, base)
+    solution = FEM()(Problem(Paraboloid(100.0), specimen, Loading("radius", 1.0)))
+    series = solution.series
+    some = series.a > 0.1 * series.a[-1]
+    exact = Layered()(problem(specimen, *series.a[some][::5])).series
+    P, a = (
+        np.exp(np.interp(np.log(exact.delta), np.log(series.delta), np.log(column))) for column in (series.P, series.a)
+    )
+    assert np.max(np.abs(P / exact.P - 1)) < solution.budget.discretisation
+    assert np.max(np.abs(a / exact.a - 1)) < solution.budget.total
+
+
+# ---------------------------------------------------------------------- cases, files, refusals
+def case(layer_keys, base="base = 'bonded'"):
+    """A case file with one layer of 10 um."""
+    return (
+        "[indenter]\nshape = 'paraboloid'\nradius = '100 um'\n[specimen]\n" + base
+        + f"\n[[specimen.layers]]\nthickness = '10 um'\n{layer_keys}\n[loading]\nradius = '5 um'\n"
+    ).encode()  # fmt: skip
+
+
+GOOD_CASES = {
+    "{law='linear', top='1 MPa', bottom='5 MPa'}": Linear(1e6, 5e6, 1e-5),
+    "{law='exponential', top='1 MPa', bottom='5 MPa'}": Exponential(1e6, 5e6, 1e-5),
+    "{law='power', top='1 MPa', length='5 um', exponent=-0.5}": Power(1e6, 5e-6, -0.5),
+    "{depth=[0, '4 um', '10 um'], E=['1 MPa', 2e6, '1 MPa']}": Tabulated((0.0, 4e-6, 1e-5), (1e6, 2e6, 1e6)),
+}
+
+
+@pytest.mark.parametrize("keys", GOOD_CASES)
+def test_a_case_says_the_law_and_reads_back(keys):
+    parsed = parse_case(case(f"E = {keys}\nnu = 0.3"), "my.toml")
+    found = parsed.model.problem()
+    assert found.specimen.layers[0].material == Graded(GOOD_CASES[keys], 0.3)
+    again = parse_case(parsed.to_toml().encode(), "again.toml").model.problem()
+    assert again == found
+    assert again.key == found.key
+
+
+WRONG_CASES = {
+    "{law='linar', top=1, bottom=2}": (
+        '.E: law must be one of linear, exponential, power, table, got "linar", did you mean "linear"?'
+    ),
+    "{law='linear', top=1, botom=2}": '.E.botom: unknown key, did you mean "bottom"? (allowed: law, top, bottom)',
+    "{law='linear', top=0, bottom=2}": ".E.top: must be > 0, got 0 Pa",
+    "{top=1, bottom=2}": ".E: needs a law, one of linear, exponential, power, table, got keys top, bottom",
+    "{depth=[0, '4 um'], E=[1, 2]}": (
+        ": the law of E ends at a depth of 4e-06 m, above the bottom of the layer (thickness 1e-05 m)"
+    ),
+    "{depth=[0, '4 um'], E=[1, 2, 3]}": ".E: a table needs as many moduli as depths, at least two of each, got 3 and 2",
+    "[1, 2]": ".E: must be a modulus, got [1, 2]",
+}
+
+
+@pytest.mark.parametrize("keys", WRONG_CASES)
+def test_wrong_laws_in_a_case(keys):
+    with pytest.raises(InputError) as caught:
+        parse_case(case(f"E = {keys}\nnu = 0.3"), "my.toml")
+    assert caught.value.lines == (f"my.toml: specimen.layers[0]{WRONG_CASES[keys]}",)
+
+
+def test_a_half_space_is_homogeneous():
+    text = case("E = 1\nnu = 0.3", "half_space = {E = {law = 'linear', top = 1, bottom = 2}, nu = 0.3}")
+    with pytest.raises(InputError) as caught:
+        parse_case(text, "my.toml")
+    assert caught.value.lines == (
+        "my.toml: specimen.half_space.E: a half-space is homogeneous: put a graded layer on it, so thick that the rest "
+        "does not matter",
+    )
+
+
+def test_what_is_refused():
+    specimen = layer(*CONTACTS[0])
+    with pytest.raises(Refusal, match="profile: under a modulus that varies right below the contact"):
+        profile(problem(specimen, 0.5), 0.5, 0.0)
+    assert "single isotropic layers only" in ClosedForm().refusal(problem(specimen, 0.5))
+    steep = LayeredContact(Paraboloid(100.0), layer(Linear(1.0, 1e3, 1.0), 0.3, Rigid()))
+    radii = np.array([30.0])
+    with pytest.raises(Refusal, match="times the length over which the layers act"):
+        steep.nested(radii, steep.plan(radii, GRADED))
+
+
+def test_the_spectrum_is_resolved_with_few_evaluations():
+    """The panels in k do not chase the noise of the extrapolation."""
+    assert LayeredSpectrum(layer(*CONTACTS[0])).panels[0].size < 40
+
+
+def test_from_the_case_to_the_curve(jkr, tmp_path):
+    (tmp_path / "my.toml").write_bytes(case("E = {law = 'linear', top = '1 MPa', bottom = '3 MPa'}\nnu = 0.4"))
+    solved = jkr("run", "my.toml", "--method", "layered")
+    assert solved.code == 0
+    assert "E graded from 1 MPa at the top, linear, nu = 0.4, h = 10 um" in solved.out
+    shown = jkr("show", "--case", "my.h5")
+    assert (
+        parse_case(shown.out.encode(), "shown").model.problem()
+        == parse_case((tmp_path / "my.toml").read_bytes(), "my.toml").model.problem()
+    )
+    assert jkr("transform", "my.h5", "--w", "10 mJ/m^2").code == 0

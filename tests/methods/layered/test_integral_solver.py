@@ -1,0 +1,144 @@
+"""The nested Fredholm solver: kernel, quadrature, identities."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+
+from jkrcli.base.errors import SolveError
+from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
+from jkrcli.bodies.materials import Elastic
+from jkrcli.bodies.problem import HalfSpace, Layer, Rigid, Specimen
+from jkrcli.methods.layered.contact import LayeredContact, Plan, checked
+from jkrcli.methods.layered.kernel import LayeredSpectrum, phase_allowed, resolved
+from jkrcli.methods.layered.solver import AbelImage, Panels, panel_means, solve
+from jkrcli.methods.layered.spectrum import deviation
+
+BONDED = Specimen((Layer(Elastic(1.0, 0.4), 1.0),), Rigid())
+INCOMPRESSIBLE = Specimen((Layer(Elastic(1.0, 0.5), 1.0),), Rigid())
+COATED = Specimen((Layer(Elastic(1.0, 0.4), 1.0),), HalfSpace(Elastic(10.0, 0.25)))
+STIFF_COATING = Specimen((Layer(Elastic(1e4, 0.3), 1.0),), HalfSpace(Elastic(1.0, 0.5)))
+THREE = Specimen(
+    (Layer(Elastic(1.0, 0.5), 1.0), Layer(Elastic(100.0, 0.3), 2.0), Layer(Elastic(0.1, 0.499), 3.0)), Rigid()
+)
+BODIES = [BONDED, INCOMPRESSIBLE, COATED, STIFF_COATING, THREE]
+TABLE = TableProfile(tuple(np.linspace(0, 5, 12)), tuple(np.linspace(0, 5, 12) ** 3 / 200))
+
+
+@pytest.mark.parametrize("specimen", BODIES)
+def test_kernel_is_its_integral(specimen: Specimen) -> None:
+    """Against brute force in k: 90 panels in geometric progression with 60 nodes each."""
+    spectrum = LayeredSpectrum(specimen)
+    kernel = spectrum.kernel(6.0)
+    edges = np.concatenate([[0.0], spectrum.bandwidth(1e-12) * 1.4 ** np.arange(-88.0, 3)])
+    u, v = np.polynomial.legendre.leggauss(60)
+    k = (edges[1:, None] + edges[:-1, None] + np.diff(edges)[:, None] * u).ravel() / 2
+    weights = (np.diff(edges)[:, None] * v / 2).ravel() * deviation(specimen, k)
+    x = np.array([0.0, 0.3, 2.5, 3.0])
+    expected = (np.cos(np.outer(x, k)) * weights) @ np.cos(np.outer(x, k)).T
+    rounding = 1e-14 * np.sum(np.abs(weights))  # of some thousand terms
+    assert kernel(x, x) == pytest.approx(expected, abs=1e-12 + rounding)  # |g - 1| < 1e-12 is left out
+    assert kernel.square(x) == pytest.approx(expected, abs=1e-12 + rounding)
+
+
+def test_kernel_of_a_half_space_is_zero() -> None:
+    kernel = LayeredSpectrum(Specimen((), HalfSpace(Elastic(1.0, 0.3)))).kernel(10.0)
+    assert not kernel.square(np.linspace(0, 5, 7)).any()
+    assert kernel.scale == np.inf
+
+
+def test_rough_spectrum_is_reported() -> None:
+    with pytest.raises(SolveError, match="not smooth near k"):
+        resolved(lambda k: np.sign(k - 1 / 3), np.array([0.0]), np.array([1.0]))
+
+
+@pytest.mark.parametrize(("order", "width"), [(1, 0.2), (2, 0.2), (3, 0.4)])
+def test_order_of_the_quadrature(order: int, width: float) -> None:
+    """Gauss panels of m nodes are of order 2 m."""
+    contact, radii = LayeredContact(Paraboloid(100.0), COATED), np.array([4.0])
+    exact = contact.nested(radii, Plan(14, 1.0, 0))
+    errors = [abs(contact.nested(radii, Plan(order, w, 0)).dS[0] / exact.dS[0] - 1) for w in (width, width / 2)]
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(2 * order, abs=0.4)  # pre-asymptotic by some percent
+
+
+def test_phase_allowed_bounds_the_error_of_gauss_quadrature() -> None:
+    for order in (3, 8, 19):
+        phase = float(phase_allowed(order, 1e-8))
+        x, w = np.polynomial.legendre.leggauss(order)
+        error = abs(w @ np.cos(phase * x / 2) / 2 - np.sin(phase / 2) / (phase / 2))
+        assert 1e-9 < error <= 1e-8  # the leading term, which bounds an alternating series
+
+
+@pytest.mark.parametrize(
+    "indenter", [Paraboloid(3.0), Sphere(6.0), PowerLaw(0.1, 1.0), PowerLaw(0.1, 1.5), RoundedFlat(1.0, 4.0), TABLE]
+)
+def test_panel_means_integrate_exactly(indenter: object) -> None:
+    """sum w F q over the nodes is int F q for polynomials q of degree order - 1, kinks of F or not."""
+    image = AbelImage.of(indenter)  # type: ignore[arg-type]
+    panels = Panels.through(np.array([0.7, 1.9, 4.1]), 3, 1.3)
+    F = panel_means(image, panels)
+    for degree in range(3):
+        expected = quad(
+            lambda x, n=degree: float(image.F(np.array(x))) * x**n,
+            0,
+            4.1,
+            points=[b for b in image.breaks if b < 4.1] or None,
+            epsrel=1e-11,
+            limit=400,
+        )[0]
+        # F starts like (x - b)^(3/2) at kinks just left of a panel
+        assert np.sum(panels.w * F * panels.x**degree) == pytest.approx(expected, rel=1e-8)
+
+
+def test_nested_radii_agree_with_single_ones() -> None:
+    contact, radii = LayeredContact(Paraboloid(100.0), THREE), np.array([0.01, 0.5, 1.7, 6.0])
+    together, _ = contact.refined(radii, 1e-10)
+    for n, a in enumerate(radii):
+        alone, _ = contact.refined(np.array([a]), 1e-10)
+        for name in ("delta", "P", "S", "dS"):
+            assert getattr(together, name)[n] == pytest.approx(getattr(alone, name)[0], rel=2e-10)  # both tolerances
+
+
+@pytest.mark.parametrize("specimen", BODIES)
+@pytest.mark.parametrize("a", [0.02, 1.0, 12.0])
+def test_derivatives(specimen: Specimen, a: float) -> None:
+    """S' equals the central difference of S, and S equals dP/d(delta), to 1e-6: step^2 = 1e-8 relative, times O(10)."""
+    contact, step = LayeredContact(Paraboloid(1000.0), specimen), 1e-4
+    found, _ = contact.refined(np.array([a * (1 - step), a, a * (1 + step)]), 1e-11)
+    assert (found.S[2] - found.S[0]) / (2 * step * a) == pytest.approx(found.dS[1], rel=1e-6)
+    assert (found.P[2] - found.P[0]) / (found.delta[2] - found.delta[0]) == pytest.approx(found.S[1], rel=1e-6)
+
+
+def test_density_reproduces_the_load() -> None:
+    contact = LayeredContact(Paraboloid(1000.0), THREE)
+    found, _ = contact.refined(np.array([0.5, 3.0]), 1e-10)
+    for n in range(2):
+        _, w, phi = found.density(n)
+        assert np.pi * contact.E_star * (w @ phi) == pytest.approx(found.P[n], rel=1e-12)  # the same discrete system
+        _, w, phi = found.density(n, 0.01)
+        expected = found.P[n] - 0.01 * found.S[n]
+        assert np.pi * contact.E_star * (w @ phi) == pytest.approx(expected, rel=1e-11)
+
+
+def test_too_coarse_quadrature_is_reported() -> None:
+    spectrum = LayeredSpectrum(INCOMPRESSIBLE)
+    panels = Panels.through(np.array([20.0]), 2, 5.0)
+    with pytest.raises(SolveError, match="nodes"):
+        solve(spectrum.kernel(40.0), panels, AbelImage.of(Paraboloid(100.0)), 1.0)
+
+
+def test_rounding_estimate_bounds_the_scatter() -> None:
+    """Quadratures in k that agree but for rounding: thin incompressible layer, where it is amplified 2e4 times."""
+    contact, radii = LayeredContact(Paraboloid(1000.0), INCOMPRESSIBLE), np.array([10.0, 50.0])
+    runs = [contact.nested(radii, Plan(10, 1.0, 0), order) for order in (20, 24, 32)]
+    for name in ("delta", "P", "S", "dS"):
+        values = np.array([getattr(run, name) for run in runs])
+        scatter = np.ptp(values, axis=0) / values[0]
+        assert (scatter <= runs[0].rounding).all()
+    assert runs[0].rounding[1] < 1e-8  # no more than what is asked for by default
+
+
+def test_checked_radii_hold_the_ends_of_wide_gaps() -> None:
+    radii = np.concatenate([np.linspace(0.01, 0.1, 50), [7.0], np.linspace(7.01, 7.1, 50)])
+    assert {0, 50, 100} <= set(checked(radii))

@@ -1,0 +1,462 @@
+"""The exact layer solution against published and independent values, exact limits, units, and its own estimate."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from numpy.testing import assert_allclose
+
+import jkrcli.methods.layered.contact as contact
+import jkrcli.methods.layered.search as search
+from jkrcli.base.errors import InputError, JkrError, Refusal
+from jkrcli.bodies.grading import Linear
+from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
+from jkrcli.bodies.materials import Elastic, Graded
+from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Quantity, Rigid, Specimen
+from jkrcli.formulas.closed_form import adhesive_half_space, half_space, thin_incompressible_layer, thin_layer
+from jkrcli.methods.layered.contact import LayeredContact, Plan
+from jkrcli.methods.layered.layered import Layered, largest_radius, unbounded
+from jkrcli.methods.layered.search import _response
+from jkrcli.methods.radii import Response
+from jkrcli.series import Solution
+
+SHAPES = [
+    Sphere(3.0),
+    Paraboloid(20.0),
+    PowerLaw(0.1, 1.0),
+    PowerLaw(0.05, 1.5),
+    PowerLaw(0.01, 4.0),
+    RoundedFlat(0.5, 9.0),
+]
+
+
+def bonded(nu: float, h: float = 1.0, E: float = 1.0) -> Specimen:
+    return Specimen((Layer(Elastic(E, nu), h),), Rigid())
+
+
+def at(specimen: Specimen, indenter: object, *radii: float) -> Solution:
+    return Layered()(Problem(indenter, specimen, Loading.given("radius", radii)))  # type: ignore[arg-type]
+
+
+def columns(solution: Solution) -> np.ndarray:
+    """delta, P, S, S' as rows."""
+    series = solution.series
+    return np.array([series.delta, series.P, series.S, series.dS])
+
+
+# Bonded layer h = 1, E = 1, paraboloid R = 1000: nu, a, delta_H, P_H, S, S'. An independent derivation and code agree
+# with these to 4e-9, and to 1e-8 in the row nu = 0.499, a = 17.
+BONDED = [
+    (0.3, 1, 6.47622320e-4, 1.84464242e-3, 5.45829589, 9.44605887),
+    (0.3, 10, 5.12936590e-2, 11.1026348, 433.311411, 85.6121336),
+    (0.4, 5, 1.25071576e-2, 0.985685421, 161.406225, 65.6992864),
+    (0.4, 17, 1.43251446e-1, 137.017051, 1920.29771, 227.381428),
+    (0.499, 5, 9.07657701e-3, 2.17599480, 642.010619, 396.169639),
+    (0.499, 17, 8.99039295e-2, 1145.31347, 34080.9813, 6469.41500),
+    (0.5, 10, 3.12260204e-2, 73.0846865, 6743.95044, 2361.15699),
+]
+
+
+@pytest.mark.parametrize(("nu", "a", "delta", "P", "S", "dS"), BONDED)
+def test_bonded_layer(nu: float, a: float, delta: float, P: float, S: float, dS: float) -> None:
+    found = columns(at(bonded(nu), Paraboloid(1000.0), a))[:, 0]
+    assert found == pytest.approx([delta, P, S, dS], rel=1.2e-8)  # nine digits, and the note above
+
+
+def test_coated_half_space() -> None:
+    specimen = Specimen((Layer(Elastic(1.0, 0.4), 1.0),), HalfSpace(Elastic(10.0, 0.25)))
+    found = columns(at(specimen, Paraboloid(10.0), 1.0))[:, 0]
+    assert found == pytest.approx([0.06695912, 0.20065158, 5.57071289, 9.04575131], rel=1e-7)  # seven digits
+
+
+def test_indentation_factors_of_hayes() -> None:
+    """Hayes et al. (1972), kappa = S/(2 E* a); the exact digits, as his own are good to 0.3 %."""
+    a = np.array([0.2, 0.4, 0.6, 0.8, 1.0])
+    S = at(bonded(0.3), Paraboloid(1000.0), *a).series.S
+    expected = [1.20656, 1.47261, 1.78475, 2.12598, 2.48352]
+    assert S / (2 * Elastic(1.0, 0.3).E_star * a) == pytest.approx(expected, abs=6e-6)  # half a digit
+    S = at(bonded(0.5), Paraboloid(1000.0), 1.0).series.S
+    assert S[0] / (2 * Elastic(1.0, 0.5).E_star) == pytest.approx(3.61874, abs=6e-6)
+
+
+@pytest.mark.parametrize("nu", [0.0, 0.3, 0.5])
+def test_frictionless_base_is_the_same_for_any_poisson_ratio(nu: float) -> None:
+    specimen = Specimen((Layer(Elastic(1.0, nu), 1.0),), Rigid(bonded=False))
+    a = np.array([0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0])
+    factor = at(specimen, Paraboloid(1000.0), *a).series.S / (2 * specimen.surface.E_star * a)
+    expected = [1.07991, 1.17103, 1.50609, 2.19862, 3.72761, 8.42109, 16.2696]
+    assert factor == pytest.approx(expected, rel=3.1e-6)  # half a unit of the last of six digits
+
+
+@pytest.mark.parametrize(("indenter", "force"), [(Paraboloid(6e-3), -1.4887e-3), (Sphere(6e-3), -1.4833e-3)])
+def test_pull_off_of_the_gel(indenter: Paraboloid | Sphere, force: float) -> None:
+    """Gel of Jiang et al. Sec. 4.3, laterally unbounded, w = 40 mJ/m2, by Eq. 13 with the exact S and S'."""
+    a = np.linspace(0.4e-3, 0.7e-3, 601)
+    series = at(bonded(0.499, 0.36e-3, 15e3), indenter, *a).series
+    P = series.P - series.S * np.sqrt(4 * np.pi * 0.04 * a / series.dS)
+    assert P.min() == pytest.approx(force, abs=5e-8)  # five digits; the grid leaves 1e-11 N
+
+
+@pytest.mark.parametrize("indenter", SHAPES)
+def test_half_space(indenter: object) -> None:
+    material, a = Elastic(2.0, 0.3), np.linspace(0.6, 2.0, 8)
+    series = at(Specimen((), HalfSpace(material)), indenter, *a).series
+    delta, P = half_space(a, material.E_star, indenter)  # type: ignore[arg-type, misc]
+    assert series.delta == pytest.approx(delta, rel=1e-13)
+    assert_allclose(series.P, P, rtol=1e-12)  # means of F over panels, in rounding
+    assert_allclose(series.S, 2 * material.E_star * a, rtol=1e-13)
+    assert series.dS == pytest.approx(2 * material.E_star + 0 * a, rel=1e-13)
+    assert series.a0 == indenter.a0  # type: ignore[attr-defined]
+    assert_allclose(series.S0, 2 * material.E_star * indenter.a0, rtol=1e-13)  # type: ignore[attr-defined]
+
+
+@pytest.mark.parametrize("indenter", SHAPES)
+def test_thick_layer_tends_to_the_half_space(indenter: object) -> None:
+    """To first order in a/h the layer changes S by (2/pi) a int (1 - g) dk, 1e-6 of it at a/h = 1e-6."""
+    series = at(bonded(0.45, 1e6), indenter, 1.0).series
+    delta, P = half_space(series.a, Elastic(1.0, 0.45).E_star, indenter)  # type: ignore[arg-type, misc]
+    assert series.delta == pytest.approx(delta, rel=2e-6)
+    assert_allclose(series.P, P, rtol=2e-6)
+
+
+def test_thin_layers_tend_to_their_closed_forms() -> None:
+    """Eq. 20 and its incompressible counterpart are the limits a/h -> infinity; corrections fall like h/a."""
+    K = (1 - 0.3) / (1.3 * 0.4)
+    errors = []
+    for a in (20.0, 40.0):
+        series = at(bonded(0.3), Paraboloid(1e4), a).series
+        errors.append(series.P[0] / thin_layer(series.a, K, 1e4)[1][0] - 1)
+    assert errors[0] / errors[1] == pytest.approx(2, rel=0.1)
+    errors = []
+    for a in (25.0, 50.0):
+        series = at(bonded(0.5), Paraboloid(1e4), a).series
+        errors.append(series.P[0] / thin_incompressible_layer(series.a, 1 / 3, 1.0, 1e4)[1][0] - 1)
+    assert errors[0] / errors[1] == pytest.approx(2, rel=0.2)
+
+
+def test_stiff_substrate_is_a_rigid_base_and_split_layers_are_whole() -> None:
+    material, indenter = Elastic(1.0, 0.45), Paraboloid(100.0)
+    whole = columns(at(bonded(0.45), indenter, 0.1, 2.0, 9.0))
+    stiff = Specimen((Layer(material, 1.0),), HalfSpace(Elastic(1e12, 0.3)))
+    assert columns(at(stiff, indenter, 0.1, 2.0, 9.0)) == pytest.approx(whole, rel=1e-9)  # 1e-12 times S/(2 E* a)
+    split = Specimen(tuple(Layer(material, h) for h in (0.01, 0.29, 0.7)), Rigid())
+    assert columns(at(split, indenter, 0.1, 2.0, 9.0)) == pytest.approx(whole, rel=2e-9)  # two tolerances' worth
+
+
+@pytest.mark.parametrize("contrast", [1e-15, 1e-11, 1e-8, 1e-5])
+def test_nearly_equal_substrate_is_nearly_a_half_space(contrast: float) -> None:
+    specimen = Specimen((Layer(Elastic(1.0, 0.3), 1.0),), HalfSpace(Elastic(1.0 + contrast, 0.3)))
+    series = at(specimen, Paraboloid(100.0), 0.1, 3.0, 30.0).series
+    stiffening = series.S / (2 * Elastic(1.0, 0.3).E_star * series.a) - 1
+    assert (np.abs(stiffening) <= contrast + 1e-14).all()  # between both half-spaces, and rounding
+    assert stiffening[2] > 0.9 * contrast - 1e-14  # a/h = 30 feels the substrate almost alone
+
+
+def test_elastic_indenter_on_a_half_space_is_eq_4() -> None:
+    steel, glass = Elastic(210.0, 0.3), Elastic(70.0, 0.2)
+    series = at(Specimen((), HalfSpace(glass)), Sphere(5.0, steel), 1.0).series
+    problem = Problem(Sphere(5.0, steel), Specimen((), HalfSpace(glass)), Loading("radius", 1.0))
+    assert_allclose(series.P, half_space(series.a, problem.E_star, problem.indenter)[1], rtol=1e-12)  # type: ignore[index]
+
+
+def test_elastic_indenter_softens_a_layer() -> None:
+    """The indenter's own compliance adds in series in the limit of a thick layer, and dominates on a stiff one."""
+    soft = Elastic(1e-6, 0.5)
+    series = at(bonded(0.3), Paraboloid(100.0, soft), 3.0).series
+    delta, P = half_space(series.a, soft.E_star, Paraboloid(100.0))  # type: ignore[misc]
+    assert series.delta == pytest.approx(delta, rel=1e-5)  # the layer is 1e-6 as compliant
+    assert_allclose(series.P, P, rtol=1e-5)
+
+
+@pytest.mark.parametrize("indenter", [*SHAPES[:1], *SHAPES[2:]])
+def test_change_of_units(indenter: object) -> None:
+    """Lengths by 1e-6 and pressures by 1e9: every column scales, whatever the loading."""
+    length, pressure = 1e-6, 1e9
+    small = {
+        Sphere: lambda s: Sphere(s.R * length),
+        PowerLaw: lambda s: PowerLaw(s.B * length ** (1 - s.d), s.d),
+        RoundedFlat: lambda s: RoundedFlat(s.b * length, s.edge_radius * length),
+    }[type(indenter)](indenter)
+    layers = (Layer(Elastic(3.0, 0.5), 1.0), Layer(Elastic(0.1, 0.3), 2.0))
+    other = tuple(Layer(layer.material.scaled(pressure), layer.thickness * length) for layer in layers)
+    for loading, factor in [
+        (Loading("depth", 0.1, 7), length),
+        (Loading("load", 0.2, 7, "depth"), pressure * length**2),
+        (Loading("radius", 0.9, 7), length),
+    ]:
+        one = Layered()(Problem(indenter, Specimen(layers, Rigid()), loading)).series  # type: ignore[arg-type]
+        scaled = Loading(loading.to, loading.maximum * factor, loading.points, loading.spacing)
+        two = Layered()(Problem(small, Specimen(other, Rigid()), scaled)).series
+        assert two.a / length == pytest.approx(one.a, rel=1e-9)  # radii are searched to 1e-10 in depth or load
+        assert two.delta / length == pytest.approx(one.delta, rel=2e-9)
+        assert two.P / (pressure * length**2) == pytest.approx(one.P, rel=3e-9)
+        assert two.dS / pressure == pytest.approx(one.dS, rel=3e-9)
+
+
+def test_modulus_scales_out() -> None:
+    series = at(bonded(0.4), Paraboloid(50.0), 0.5, 3.0).series
+    stiff = at(bonded(0.4, E=7.0), Paraboloid(50.0), 0.5, 3.0).series
+    assert columns_of(series.scaled(7.0)) == pytest.approx(columns_of(stiff), rel=1e-13)
+
+
+def columns_of(series: object) -> np.ndarray:
+    return np.array([getattr(series, name) for name in ("delta", "P", "S", "dS")])
+
+
+def test_adhesive_rounded_flat_starts_at_its_flat_end() -> None:
+    """Eq. 13 on a half-space equals the closed form for an indenter whose S(a0) is not zero."""
+    indenter, material, w = RoundedFlat(1.0, 8.0), Elastic(1.0, 0.3), 1e-3
+    series = at(Specimen((), HalfSpace(material)), indenter, 1.01, 1.5, 2.0).series
+    shift = np.sqrt(4 * np.pi * w * series.a / series.dS)
+    delta, P = adhesive_half_space(series.a, material.E_star, indenter, w)  # type: ignore[misc]
+    assert series.delta - shift == pytest.approx(delta, rel=1e-11)
+    assert series.P - series.S * shift == pytest.approx(P, rel=1e-11)
+
+
+# -- loading --------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("indenter", [Sphere(50.0), PowerLaw(0.05, 1.0), PowerLaw(1e-3, 4.0), RoundedFlat(0.5, 30.0)])
+@pytest.mark.parametrize(
+    "specimen", [bonded(0.5), Specimen((Layer(Elastic(1e3, 0.3), 1.0),), HalfSpace(Elastic(1.0, 0.5)))]
+)
+def test_loading_reaches_what_it_asks_for(indenter: object, specimen: Specimen) -> None:
+    """Depths and loads are met to the 1e-10 of the search plus the 1e-8 of the quadrature."""
+
+    def solve(loading: Loading) -> Solution:
+        return Layered()(Problem(indenter, specimen, loading))  # type: ignore[arg-type]
+
+    series = solve(Loading("depth", 0.2, 20)).series
+    assert series.delta[-1] == pytest.approx(0.2, rel=1e-8)
+    a0 = indenter.a0  # type: ignore[attr-defined]
+    assert series.a == pytest.approx(np.linspace(a0, series.a[-1], 21)[1:], rel=1e-13)
+    load = float(series.P[-1])
+    again = solve(Loading("load", load, 20, "depth")).series
+    assert again.delta == pytest.approx(0.2 * np.arange(1, 21) / 20, rel=1e-8)
+    assert again.P[-1] == pytest.approx(load, rel=1e-8)
+    values = (1e-3 * load, 0.1 * load, load)
+    assert_allclose(solve(Loading.given("load", values)).series.P, values, rtol=1e-8)
+    assert solve(Loading("depth", 0.2, 1)).series.a == pytest.approx(series.a[-1:], rel=1e-9)
+
+
+KINKED = TableProfile((0.0, 0.0158, 0.0176, 0.0233, 0.0678), (0.0, 0.000198, 0.000306, 0.00103, 0.00826))
+SHARPER = TableProfile((0.0, 0.0265, 0.03165, 0.04129), (0.0, 0.000116, 0.00208, 0.005774))
+
+
+@pytest.mark.parametrize(
+    ("indenter", "loading"),
+    [
+        (KINKED, Loading("depth", 0.0104, 20, "depth")),
+        (KINKED, Loading.given("depth", (1e-5, 1e-4, 2e-4, 3e-4, 1e-3, 2e-3, 5e-3, 0.0104))),
+        (KINKED, Loading.given("load", (1e-3, 0.1, 1.0, 3.0, 5.0, 10.0, 30.0, 100.0))),
+        (SHARPER, Loading.given("depth", tuple(np.geomspace(1.09e-6, 0.0109, 20)))),  # tangents out of order at first
+    ],
+    ids=["depth", "depths", "loads", "sharper"],
+)
+def test_targets_are_met_where_the_slope_of_a_profile_changes_at_once(indenter: TableProfile, loading: Loading) -> None:
+    """Plain Newton steps over all targets cycle at its kinks. On a half-space F(a) is the depth."""
+    series = Layered()(Problem(indenter, Specimen((), HalfSpace(Elastic(1e6, 0.3))), loading)).series
+    values = loading.values or tuple(0.0104 * np.arange(1, 21) / 20)
+    assert (series.P if loading.to == "load" else series.delta) == pytest.approx(values, rel=1e-9)
+    assert indenter.abel(series.a) == pytest.approx(series.delta, rel=1e-12)
+
+
+@pytest.mark.parametrize(("specimen", "most"), [(Specimen((), HalfSpace(Elastic(1.0, 0.3))), 3), (bonded(0.45), 4)])
+def test_radii_for_depths_are_found_with_few_responses(
+    monkeypatch: pytest.MonkeyPatch, specimen: Specimen, most: int
+) -> None:
+    """One table and two or three Newton steps for all depths at once, besides the search for the largest radius."""
+    sizes: list[int] = []
+
+    def counting(contact: object, to: Quantity, accuracy: float) -> Response:
+        response = _response(contact, to, accuracy)  # type: ignore[arg-type]
+
+        def counted(radii: np.ndarray) -> np.ndarray:
+            sizes.append(radii.size)
+            return response(radii)
+
+        return counted
+
+    monkeypatch.setattr(search, "_response", counting)
+    Layered()(Problem(Sphere(5.0), specimen, Loading("depth", 0.2, 20, "depth")))
+    assert sum(size >= 20 for size in sizes) <= most
+
+
+def test_largest_radius_ignores_the_sides() -> None:
+    loading = Loading("depth", 0.01)
+    free = Specimen(bonded(0.4).layers, Rigid(), radius=30.0, side="free")
+    wanted = largest_radius(Problem(Paraboloid(1000.0), bonded(0.4), loading))
+    assert largest_radius(Problem(Paraboloid(1000.0), free, loading)) == wanted
+    assert Layered().refusal(unbounded(Problem(Paraboloid(1000.0), free, loading))) is None
+
+
+@pytest.mark.parametrize(
+    ("indenter", "loading", "message"),
+    [
+        (Sphere(5.0), Loading("radius", 6.0), "lies beyond the profile, which ends at r = 5 m"),
+        (Sphere(5.0), Loading.given("radius", (1.0, 6.0)), "beyond the profile"),
+        (TableProfile((0.0, 1.0, 2.0), (0.0, 0.1, 0.4)), Loading("depth", 3.0), "give a larger profile"),
+        (
+            TableProfile((0.0, 1.0, 2.0), (0.0, 0.1, 0.4)),
+            Loading("load", 1e3, spacing="depth"),
+            "give a larger profile",
+        ),
+        (RoundedFlat(2.0, 5.0), Loading("radius", 1.0), "flat end of the indenter"),
+        (Paraboloid(1e3), Loading("radius", 1e5), "times the length over which"),
+    ],
+)
+def test_impossible_loadings_are_refused(indenter: object, loading: Loading, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        Layered()(Problem(indenter, bonded(0.4), loading))  # type: ignore[arg-type]
+
+
+# -- the method -----------------------------------------------------------------------------------------------------
+
+
+def test_finite_specimens_are_refused() -> None:
+    problem = Problem(Paraboloid(10.0), Specimen(bonded(0.3).layers, Rigid(), radius=5.0), Loading("radius", 1.0))
+    assert "radius of 5 m" in (Layered().refusal(problem) or "")
+    with pytest.raises(Refusal, match="use the method hybrid"):
+        Layered()(problem)
+
+
+def test_tolerance_is_checked() -> None:
+    with pytest.raises(InputError, match="between 1e-12 and 1e-2"):
+        Layered(tolerance=0.5)
+
+
+def test_tolerance_out_of_reach_is_an_error_with_the_remedy() -> None:
+    """A very thin incompressible layer, S/(2 E* a) of 5e5, is beyond 1e-8 in double precision."""
+    problem = Problem(Paraboloid(1e5), bonded(0.5), Loading("radius", 150.0, 10))
+    with pytest.raises(Refusal, match=r"set layered\.tolerance to "):
+        Layered()(problem)
+    assert float(Layered(1e-6)(problem).budget.discretisation) < 1e-6
+
+
+def test_solution_says_what_was_done() -> None:
+    problem = Problem(Paraboloid(1000.0), bonded(0.4), Loading("radius", 5.0))
+    solution, forecast = Layered()(problem), Layered().forecast(problem)
+    assert solution.facts["a_over_h"] == pytest.approx(5.0)
+    assert solution.facts["nodes"] >= 200
+    assert f"{solution.facts['nodes']} nodes" in forecast.note
+    assert set(solution.timings) == {"spectrum", "radii", "solve", "full disc"}
+    assert 0 < float(solution.budget.total) <= 1e-8
+    assert 0.003 < forecast.seconds < 1
+    relative = solution.series.errors["P"] / solution.series.P
+    assert np.max(relative) == pytest.approx(float(solution.budget.discretisation))
+
+
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-6, 1e-10])
+def test_tolerance_is_met_and_costs(tolerance: float) -> None:
+    problem = Problem(PowerLaw(0.01, 1.5), bonded(0.45), Loading("radius", 8.0, 30))
+    fine, found = Layered(1e-12)(problem), Layered(tolerance)(problem)
+    true = np.max(np.abs(columns(found) / columns(fine) - 1))
+    assert true <= float(found.budget.discretisation) <= tolerance
+
+
+layers = st.builds(
+    Layer,
+    st.builds(
+        Elastic, st.floats(-2, 2).map(lambda x: 10**x), st.sampled_from([-0.5, 0.0, 0.3, 0.45, 0.499, 0.4999, 0.5])
+    ),
+    st.floats(-1, 1).map(lambda x: 10**x),
+)
+bases = st.one_of(
+    st.sampled_from([Rigid(), Rigid(bonded=False)]),
+    st.builds(HalfSpace, st.builds(Elastic, st.floats(-2, 2).map(lambda x: 10**x), st.sampled_from([0.3, 0.5]))),
+)
+stacks = st.builds(Specimen, st.lists(layers, min_size=1, max_size=6).map(tuple), bases)
+REFUSED: list[str] = []
+
+
+def estimate_bounds_the_error(specimen: Specimen, log_a: float, points: int, d: float) -> None:
+    """Against twice the nodes per panel and twice the nodes in k; moduli differ by up to 1e4 from layer to layer."""
+    a = specimen.top_thickness * 10**log_a
+    contact = LayeredContact(PowerLaw(0.1 * a ** (1 - d), d), specimen)
+    radii = np.linspace(0, a, points + 1)[1:]
+    try:
+        found, errors = contact.refined(radii, 1e-8)
+    except JkrError as reason:
+        REFUSED.append(str(reason))
+        return
+    assert errors.max() <= 1e-8
+    plan = contact.plan(radii, 1e-8)
+    exact = contact.nested(radii, Plan(2 * found.panels.order, plan.widest, 0), order=48, inner=40)
+    for name in ("delta", "P", "S", "dS"):
+        true = np.abs(getattr(found, name) / getattr(exact, name) - 1)
+        assert (true <= errors).all(), f"{name}: {np.max(true / errors):.3g} times the estimate"
+
+
+draw = given(
+    stacks, st.floats(-3, np.log10(50)), st.sampled_from([1, 3, 20, 100]), st.sampled_from([1.0, 1.5, 2.0, 4.0])
+)
+quiet = (HealthCheck.too_slow, HealthCheck.data_too_large)
+test_estimate_bounds_the_error = settings(max_examples=25, deadline=None, suppress_health_check=quiet)(
+    draw(estimate_bounds_the_error)
+)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("a", "limit"), [(0.1, 0.05), (5.0, 0.05), (20.0, 0.2)])
+@pytest.mark.parametrize("count", [1, 3])
+def test_hundred_radii_are_fast(a: float, limit: float, count: int) -> None:
+    """CPU seconds, best of three: twice to five times what a free core of 2020 takes."""
+    stack = (Layer(Elastic(1.0, 0.5), 1.0), Layer(Elastic(100.0, 0.3), 2.0), Layer(Elastic(0.1, 0.5), 3.0))
+    problem = Problem(Paraboloid(1000.0), Specimen(stack[:count], Rigid()), Loading("radius", a))
+    assert min(sum(Layered()(problem).timings.values()) for _ in range(3)) < limit
+
+
+@pytest.mark.slow
+def test_estimate_bounds_the_error_of_200_stacks() -> None:
+    REFUSED.clear()
+    settings(max_examples=200, deadline=None, suppress_health_check=quiet)(draw(estimate_bounds_the_error))()
+    assert len(REFUSED) <= 4, REFUSED  # 2 %
+
+
+# -- refinement -----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("points", [1, 7])
+def test_few_radii_on_a_steeply_graded_layer(points: int) -> None:
+    """Refined by narrower panels: higher orders lose accuracy. Against 28 radii, whose panels are finer anyway."""
+    specimen = Specimen((Layer(Graded(Linear(1.6827, 20.3, 1.0), 0.23), 1.0),), Rigid())
+    few, many = (Layered()(Problem(Paraboloid(3.0), specimen, Loading("radius", 2.472, n))) for n in (points, 28))
+    stated = few.budget.discretisation + many.budget.discretisation
+    assert stated < 2e-5
+    for name in ("delta", "P", "S", "dS"):
+        found, exact = getattr(few.series, name), getattr(many.series, name)[28 // points - 1 :: 28 // points]
+        assert np.max(np.abs(found / exact - 1)) < stated
+
+
+@pytest.mark.parametrize(
+    ("frequency", "radius", "message"),
+    [
+        (0.1, 20.0, "13 nodes do not resolve the kernel, the error is not known; ask for more points or a smaller"),
+        (0.1, 5.0, "above the tolerance 1.0e-08; ask for a smaller contact radius"),
+        (0.5, 5.0, "above the tolerance 1.0e-08; set layered.tolerance to {}, or ask for a smaller contact radius"),
+    ],
+)
+def test_a_remedy_is_a_tolerance_above_the_one_missed_and_allowed(
+    monkeypatch: pytest.MonkeyPatch, frequency: float, radius: float, message: str
+) -> None:
+    monkeypatch.setattr(contact, "FREQUENCY", frequency)
+    with pytest.raises(Refusal) as caught:
+        at(bonded(0.5), Paraboloid(1000.0), radius)
+    found = str(caught.value)
+    before, _, after = message.partition("{}")
+    assert before in found
+    assert found.endswith(after) or not after
+    if after:
+        assert 1e-8 < float(found.partition(before)[2].removesuffix(after)) <= 1e-2
+
+
+def test_rounding_is_no_error_where_the_check_fails(monkeypatch: pytest.MonkeyPatch) -> None:
+    attempt = LayeredContact._attempt
+    monkeypatch.setattr(
+        LayeredContact, "_attempt", lambda *args, order, inner: attempt(*args, order, inner) if order == 24 else None
+    )
+    with pytest.raises(Refusal) as caught:
+        at(bonded(0.5), Paraboloid(1000.0), 1.0)
+    assert "do not resolve the kernel, the error is not known; ask for more points" in str(caught.value)

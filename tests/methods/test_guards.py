@@ -1,0 +1,155 @@
+"""What would cost too much is refused before it begins, with its estimate; what costs much is announced."""
+
+from __future__ import annotations
+
+import math
+import os
+import resource
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from jkrcli.base.errors import Refusal
+from jkrcli.base.executors import available_cores
+from jkrcli.case import load_case
+from jkrcli.case.solving import solve
+from jkrcli.methods import Forecast, guards
+from jkrcli.methods.guards import Limits, admit, duration, free_memory
+
+CASES = Path(__file__).parents[2] / "cases"
+CASE = """
+method = "{method}"
+[indenter]
+shape = "sphere"
+radius = "6 mm"
+[[specimen.layers]]
+thickness = "0.36 mm"
+E = "15 kPa"
+nu = 0.45
+[loading]
+radius = "1.2 mm"
+points = {points}
+[mesh]
+spacing = {spacing}
+"""
+
+
+REMEDY = "ask for fewer points, larger elements or a cheaper method, or raise the limit by"
+
+
+@pytest.mark.parametrize(
+    ("forecast", "limits", "message"),
+    [
+        (
+            Forecast(7200.0, 10.24, 0.0),
+            Limits(1, 1),
+            f"x would need about 0.01 GiB of memory and 2 h of CPU time, the limit is 1 h: {REMEDY} --limit-time 2.6",
+        ),
+        (
+            Forecast(1.0, 20480.0, 0.0),
+            Limits(8, 1),
+            f"x would need about 20 GiB of memory and 1 s of CPU time, the limit is 8 GiB: {REMEDY} --limit-memory 26",
+        ),
+        (
+            Forecast(1.0, math.nan, 0.0),
+            Limits(8, 1),
+            f"x would need about nan GiB of memory and 1 s of CPU time, the limit is 8 GiB: {REMEDY} "
+            "--limit-memory nan",
+        ),
+    ],
+    ids=["hours", "memory", "no number"],
+)
+def test_refused_with_its_estimate(forecast: Forecast, limits: Limits, message: str) -> None:
+    with pytest.raises(Refusal) as refused:
+        admit("x", forecast, limits)
+    assert str(refused.value) == message
+
+
+@pytest.mark.parametrize(
+    ("seconds", "mib", "told"),
+    [
+        (1.0, 100.0, None),
+        (100.0, 100.0, "x needs about 0.0977 GiB of memory and 2 min of CPU time"),
+        (1.0, 4096.0, "x needs about 4 GiB of memory and 1 s of CPU time"),
+    ],
+)
+def test_told_where_it_is_much(seconds: float, mib: float, told: str | None) -> None:
+    assert admit("x", Forecast(seconds, mib, 0.0), Limits(64, 1)) == told
+
+
+def test_the_least_of_all_limits_counts(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "memory.max").write_text(f"{300 << 20}\n", encoding="ascii")
+    (tmp_path / "memory.current").write_text(f"{100 << 20}\n", encoding="ascii")
+    monkeypatch.setattr(guards, "CGROUP", tmp_path)
+    assert free_memory() == 200
+    (tmp_path / "memory.max").write_text("max\n", encoding="ascii")
+    free = free_memory()
+    assert 200 < free < math.inf
+    soft, hard = resource.getrlimit(resource.RLIMIT_AS)
+    used = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0]) * resource.getpagesize()
+    resource.setrlimit(resource.RLIMIT_AS, (used + (100 << 20), hard))
+    try:
+        assert free_memory() == pytest.approx(100, abs=20)  # MiB; this test itself may take some
+    finally:
+        resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
+
+
+@pytest.mark.parametrize(
+    ("seconds", "words"), [(0.5, "0.5 s"), (40.0, "40 s"), (90.0, "2 min"), (5400.0, "1.5 h"), (12240.0, "3.4 h")]
+)
+def test_duration(seconds: float, words: str) -> None:
+    assert duration(seconds) == words
+
+
+@pytest.mark.parametrize(
+    ("method", "points", "spacing", "words"),
+    [
+        ("fem", 100, 2e-4, ("run", "x.toml")),
+        ("fem", 100, 2e-4, ("mesh", "x.toml")),
+        ("layered", 100_000, 0.1, ("run", "x.toml")),
+        ("hybrid", 100_000, 0.1, ("run", "x.toml")),
+        ("auto", 100_000, 0.1, ("run", "x.toml")),
+        ("layered", 100_000, 0.1, ("fit", "x.toml", "m.csv")),
+    ],
+)
+def test_command_line_refuses_what_is_too_large(
+    jkr: Callable, method: str, points: int, spacing: float, words: tuple[str, ...]
+) -> None:
+    Path("x.toml").write_text(CASE.format(method=method, points=points, spacing=spacing), encoding="utf-8")
+    Path("m.csv").write_text("delta_m,P_N\n" + "1e-6,1e-6\n" * 9, encoding="utf-8")
+    done = jkr(*words, *(() if words[0] == "fit" else ("--limit-memory", "4")))
+    assert done.code == 2, done.err
+    assert done.err.startswith("jkr: error: method ")
+    assert done.err.count("\n") == 1
+    assert " would need about " in done.err
+    assert "raise the limit by --limit-memory" in done.err
+    assert not list(Path().glob("*.h5"))
+
+
+def test_limits_can_be_set_on_the_command_line(jkr: Callable) -> None:
+    case = CASES / "gel.toml"
+    assert jkr("run", case, "--limit-memory", "0.001").code == 2
+    assert jkr("run", case, "--limit-time", "1e-9").code == 2
+    assert jkr("run", case, "--limit-memory", "0.5", "--limit-time", "0.1").code == 0
+
+
+def test_library_tells_and_refuses_alike() -> None:
+    case, told = load_case(CASES / "gel.toml"), []
+    solve(case, "layered", announce=told.append)
+    assert told == []
+    with pytest.raises(Refusal, match=r"method layered would need about .* the limit is 1e-06 GiB"):
+        solve(case, "layered", Limits(memory=1e-6))
+
+
+def test_systems_without_limits_and_affinity(jkr, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Python has them on Linux only, or nearly so: what is missing limits nothing."""
+    monkeypatch.setitem(sys.modules, "resource", None)
+    monkeypatch.delattr(os, "sched_getaffinity")
+    monkeypatch.setattr(guards, "CGROUP", Path("none"))
+    assert guards.free_memory() > 0
+    assert available_cores() == (os.cpu_count() or 1)
+    Path("x.toml").write_text(CASE.format(method="layered", points=20, spacing=0.1))
+    assert jkr("run", "x.toml").code == 0
+    assert jkr("transform", "x.h5", "--w", "0.1", "--no-plots").code == 0

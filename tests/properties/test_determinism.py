@@ -1,0 +1,97 @@
+"""The same case gives the same numbers to the last bit, whatever surrounds the process."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from jkrcli.case import store
+
+CASES = Path(__file__).parents[2] / "cases"
+FINITE = """
+method = "fem"
+[indenter]
+shape = "sphere"
+radius = "1 mm"
+[[specimen.layers]]
+thickness = "0.4 mm"
+E = "15 kPa"
+nu = 0.4
+[loading]
+radius = "0.1 mm"
+[mesh]
+spacing = 0.4
+estimate_error = false
+"""
+SURROUNDINGS = {
+    "threads": {"OPENBLAS_NUM_THREADS": "2", "OMP_NUM_THREADS": "2", "MKL_NUM_THREADS": "2"},
+    "locale and zone": {"LC_ALL": "de_DE.UTF-8", "LANG": "de_DE.UTF-8", "TZ": "Pacific/Auckland"},
+    "hashes and buffers": {"PYTHONHASHSEED": "12345", "PYTHONUNBUFFERED": "1", "PYTHONIOENCODING": "ascii"},
+}
+
+
+def run(case: Path, folder: Path, **environment: str) -> Path:
+    """Solve and transform a case in a process of its own, within ``folder``; returns the folder."""
+    folder.mkdir()
+    for words in (("run", str(case), "-o", "x.h5"), ("transform", "x.h5", "--w", "0.05", "--no-plots")):
+        done = subprocess.run(
+            [sys.executable, "-m", "jkrcli", *words],
+            cwd=folder,
+            env=os.environ | environment,
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        assert done.returncode == 0, done.stderr
+    return folder
+
+
+def same(one: Path, other: Path) -> None:
+    """All numbers of two series files and the text of two tables are equal, bit by bit."""
+    a, b = store.read(one / "x.h5"), store.read(other / "x.h5")
+    assert a.columns.keys() == b.columns.keys()
+    for name in a.columns:
+        assert np.array_equal(a.columns[name], b.columns[name]), name
+        if name in a.errors:
+            assert np.array_equal(a.errors[name], b.errors[name]), name
+    assert (a.case, a.key, a.budget, dict(a.facts)) == (b.case, b.key, b.budget, dict(b.facts))
+    for name in ("x-w0.05.csv", "x-w0.05.json"):
+        assert (one / name).read_bytes() == (other / name).read_bytes()
+
+
+def cases(tmp_path: Path) -> dict[str, Path]:
+    finite = tmp_path / "finite.toml"
+    finite.write_text(FINITE, encoding="utf-8")
+    return {"layered": CASES / "gel.toml", "fem": finite}
+
+
+@pytest.mark.parametrize("method", ["layered", "fem"])
+def test_surroundings_change_no_bit(method: str, tmp_path: Path) -> None:
+    case = cases(tmp_path)[method]
+    everything = {name: value for values in SURROUNDINGS.values() for name, value in values.items()}
+    same(run(case, tmp_path / "usual"), run(case, tmp_path / "elsewhere", **everything))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", SURROUNDINGS)
+def test_each_surrounding_changes_no_bit(name: str, tmp_path: Path) -> None:
+    case = cases(tmp_path)["fem"]
+    same(run(case, tmp_path / "usual"), run(case, tmp_path / "elsewhere", **SURROUNDINGS[name]))
+
+
+def test_order_and_place_of_files_change_no_bit(tmp_path: Path) -> None:
+    first = run(CASES / "gel.toml", tmp_path / "first")
+    for name in ("b", "a"):
+        shutil.copy(first / "x.h5", first / f"{name}.h5")
+    words = [sys.executable, "-m", "jkrcli", "transform", "--w", "0.05", "--no-plots"]
+    subprocess.run([*words, "b.h5", "x.h5", "a.h5"], cwd=first, capture_output=True, check=True)
+    there = [str(first / name) for name in ("a.h5", "b.h5")]
+    subprocess.run([*words, *there, "-o", "."], cwd=tmp_path, capture_output=True, check=True)
+    tables = {(folder / f"{name}-w0.05.csv").read_bytes() for folder in (first, tmp_path) for name in "ab"}
+    assert tables == {(first / "x-w0.05.csv").read_bytes()}

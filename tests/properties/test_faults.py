@@ -1,0 +1,350 @@
+"""Killed, interrupted, disk full, two at once: old results stay as they were or new ones are whole, nothing between."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import random
+import resource
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from fuzzing import outcome
+
+from jkrcli.base import files
+from jkrcli.case import store
+from jkrcli.cli import call
+
+LAYER = """
+method = "layered"
+[indenter]
+shape = "paraboloid"
+radius = "6 mm"
+[[specimen.layers]]
+thickness = "0.36 mm"
+E = "15 kPa"
+nu = 0.45
+[loading]
+radius = "1.2 mm"
+points = {points}
+"""
+SWEEP = """
+base = "new.toml"
+[[axes]]
+key = "specimen.layers[0].thickness"
+from = "0.2 mm"
+to = "0.5 mm"
+count = 12
+[[axes]]
+key = "adhesion.w"
+values = [0.01, 0.02]
+"""
+MOMENTS = 20
+
+
+@dataclass(frozen=True)
+class Job:
+    """A command that writes ``target`` among others, and the one that left what was there before."""
+
+    before: tuple[str, ...]
+    command: tuple[str, ...]
+    target: str
+
+
+JOBS = {
+    "run": Job(("run", "old.toml", "-o", "x.h5"), ("run", "new.toml", "-o", "x.h5"), "x.h5"),
+    "transform": Job(
+        ("transform", "old/y.h5", "--w", "0.02", "-o", "."), ("transform", "y.h5", "--w", "0.02"), "y-w0.02.csv"
+    ),
+    "fit": Job(("fit", "old/y.h5", "m.csv", "-o", "."), ("fit", "y.h5", "m.csv"), "y-fit.h5"),
+    "sweep": Job(
+        ("sweep", "old.toml.sweep", "-o", "t"), ("sweep", "s.toml", "-o", "t", "--workers", "1"), "t/table.csv"
+    ),
+}
+
+
+def prepare(folder: Path) -> Path:
+    """A folder with cases, series files and a measured curve."""
+    folder.mkdir()
+    (folder / "old").mkdir()
+    (folder / "old.toml").write_text(LAYER.format(points=20), encoding="utf-8")
+    (folder / "new.toml").write_text(LAYER.format(points=60), encoding="utf-8")
+    (folder / "s.toml").write_text(SWEEP, encoding="utf-8")
+    (folder / "old.toml.sweep").write_text(SWEEP.replace("count = 12", "count = 2"), encoding="utf-8")
+    with contextlib.chdir(folder):
+        assert call(["run", "old.toml", "-o", "old/y.h5", "-q"]) == 0
+        assert call(["run", "new.toml", "-o", "y.h5", "-q"]) == 0
+        assert call(["transform", "y.h5", "--w", "0.02", "-o", "old", "--no-plots", "-q"]) == 0
+        measured("old/y-w0.02.csv")
+    return folder
+
+
+def measured(curve: str) -> None:
+    """Readings along an adhesive curve of the body, with some noise, beyond the first radii of the coarse series."""
+    a, delta, P = np.loadtxt(curve, delimiter=",", skiprows=1, usecols=(0, 1, 2)).T
+    noise = 1e-3 * np.random.default_rng(1).standard_normal((2, a.size))
+    columns = np.column_stack([a, delta + noise[0] * np.ptp(delta), P + noise[1] * np.ptp(P)])
+    np.savetxt("m.csv", columns[a > 3e-4], delimiter=",", header="a_m,delta_m,P_N", comments="")
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    """Every visible result below ``folder``, by its name."""
+    found = sorted(path for path in folder.rglob("*") if path.is_file() and not path.name.startswith(".jkr-"))
+    return {str(path.relative_to(folder)): path.read_bytes() for path in found}
+
+
+def temporaries(folder: Path) -> list[Path]:
+    return list(folder.rglob(".jkr-*"))
+
+
+def _whole(name: str, content: bytes, folder: Path) -> bool:
+    """Whether a file that is neither the old nor the expected new one (it holds times) is complete all the same."""
+    if name.endswith(".jsonl") or "/solves/" in name:
+        return True  # a journal is made to be cut off; its restart is tested
+    if not name.endswith(".h5"):
+        return False
+    if content.find(b"jkr-series") < 0:
+        return files.is_hdf5(folder / name, "file") and files.is_ours(folder / name)
+    return store.read(folder / name).raw.a.size in (20, 60)
+
+
+def judge(folder: Path, old: dict[str, bytes], new: dict[str, bytes]) -> None:
+    """Every file is the old one, or the new one whole; none of the old ones is gone."""
+    now = contents(folder)
+    assert old.keys() <= now.keys()
+    for name, content in now.items():
+        assert content in (old.get(name), new.get(name)) or _whole(name, content, folder), name
+
+
+def start(command: tuple[str, ...], folder: Path) -> subprocess.Popen[str]:
+    words = [sys.executable, "-m", "jkrcli", *command, "-q"]
+    return subprocess.Popen(
+        words, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
+    )
+
+
+def finish(command: tuple[str, ...], folder: Path) -> float:
+    """Run to the end; returns how long it took [s]."""
+    begin = time.monotonic()
+    process = start(command, folder)
+    _, err = process.communicate(timeout=300)
+    assert process.returncode == 0, err
+    return time.monotonic() - begin
+
+
+def stop(process: subprocess.Popen[str], how: signal.Signals, when: Callable[[], bool]) -> str:
+    """Send a signal to the process and its children as soon as ``when`` holds, if it still runs; returns stderr."""
+    while process.poll() is None and not when():
+        time.sleep(0.002)
+    with contextlib.suppress(ProcessLookupError):
+        os.killpg(process.pid, how)
+    _, err = process.communicate(timeout=300)
+    return err
+
+
+def kills(tmp_path: Path, name: str, how: signal.Signals, moments: int) -> None:
+    """Kill a job at random moments, and as soon as it writes; look at what is left; run it once more to the end."""
+    job, chance = JOBS[name], random.Random(f"{name} {how}")
+    whole = prepare(tmp_path / "whole")
+    assert call_in(whole, *job.before) == 0
+    old = contents(whole)
+    seconds = finish(job.command, whole)
+    new = contents(whole)
+    for number in range(moments):
+        folder = tmp_path / f"{number}"
+        shutil.copytree(whole, folder)
+        for path in contents(folder):
+            (folder / path).unlink()
+        for path, content in old.items():
+            (folder / path).write_bytes(content)
+        end = time.monotonic() + chance.uniform(0, 1.1 * seconds)
+
+        def due(end: float = end, folder: Path = folder, writing: bool = number % 2 == 1) -> bool:
+            return bool(temporaries(folder)) if writing else time.monotonic() >= end
+
+        stop(start(job.command, folder), how, due)
+        judge(folder, old, new)
+        if how == signal.SIGINT:
+            assert not temporaries(folder)
+        if number in (0, 1, moments - 1):
+            finish(job.command, folder)
+            assert not temporaries(folder)
+            assert (folder / job.target).exists()
+            if not job.target.endswith(".h5"):
+                assert (folder / job.target).read_bytes() == new[job.target]
+        shutil.rmtree(folder)
+
+
+def call_in(folder: Path, *words: str) -> int:
+    with contextlib.chdir(folder):
+        return call([*words, "-q"])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGINT], ids=["kill", "interrupt"])
+@pytest.mark.parametrize("name", JOBS)
+def test_killed_at_twenty_moments(name: str, how: signal.Signals, tmp_path: Path) -> None:
+    kills(tmp_path, name, how, MOMENTS)
+
+
+def test_killed_while_writing(tmp_path: Path) -> None:
+    job, folder = JOBS["transform"], prepare(tmp_path / "x")
+    assert call_in(folder, *job.before) == 0
+    old = contents(folder)
+    stop(start(job.command, folder), signal.SIGKILL, lambda: bool(temporaries(folder)))
+    finish(job.command, folder)  # the next start removes what was left
+    assert not temporaries(folder)
+    new = contents(folder)
+    judge(folder, old, new)
+    assert new["y-w0.02.csv"] != old["y-w0.02.csv"]
+
+
+def test_restarted_sweep_goes_on(tmp_path: Path) -> None:
+    folder, job = prepare(tmp_path / "x"), JOBS["sweep"]
+    journal = folder / "t" / "journal.jsonl"
+
+    def begun() -> bool:
+        return journal.exists() and journal.read_bytes().count(b"\n") > 4
+
+    stop(start(job.command, folder), signal.SIGKILL, begun)
+    done = journal.read_bytes().count(b"\n") - 1
+    with journal.open("ab") as file:
+        file.write(b'["cut off in the mid')
+    process = start(job.command[:-2], folder)
+    _, err = process.communicate(timeout=300)
+    assert process.returncode == 0, err
+    lines = (folder / job.target).read_text(encoding="utf-8").splitlines()
+    assert len(lines) == 25
+    assert all(",ok," in line for line in lines[1:])
+    entries = journal.read_bytes().splitlines()
+    assert len(entries) == 25, "no case was solved twice"
+    assert done >= 4
+
+
+# ---------------------------------------------------------------------- disks and folders
+@contextlib.contextmanager
+def file_size(most: int) -> Iterator[None]:
+    """No file may grow beyond ``most`` bytes: what a full disk does, at any byte."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (most, hard))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+
+
+PLOTTED = [pytest.param(name, (), id=f"{name} with plots", marks=pytest.mark.slow) for name in ("transform", "fit")]
+UNPLOTTED = [("run", ()), ("transform", ("--no-plots",)), ("fit", ("--no-plots",)), ("sweep", ())]
+
+
+@pytest.mark.parametrize(("name", "options"), [*UNPLOTTED, *PLOTTED])
+def test_disk_full_at_every_write(name: str, options: tuple[str, ...], tmp_path: Path) -> None:
+    folder, job = prepare(tmp_path / "x"), JOBS[name]
+    job = replace(job, before=(*job.before, *options), command=(*job.command, *options))
+    with contextlib.chdir(folder):
+        assert call([*job.before, "-q"]) == 0
+        old = contents(folder)
+        shutil.copytree(folder, tmp_path / "whole")
+        assert call_in(tmp_path / "whole", *job.command) == 0
+        new = contents(tmp_path / "whole")
+        written = {len(content) for path, content in new.items() if content != old.get(path)}
+        for most in sorted({0, 1, *(size // 2 for size in written), *(size - 1 for size in written)}):
+            with file_size(most):
+                code = outcome(*job.command, "-q")
+            assert code == (1 if most < max(written) - 200 else code)  # times in a file change its size a little
+            assert not temporaries(folder)
+            judge(folder, old, new)
+
+
+def test_full_disk(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    disk = tmp_path / "disk"
+    disk.mkdir()
+    mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=16k", "tmpfs", str(disk)], capture_output=True)
+    if mounted.returncode:
+        pytest.skip("needs the right to mount a file system")
+    try:
+        folder = prepare(tmp_path / "x")
+        shutil.copy(folder / "old" / "y.h5", disk / "x.h5")
+        old = (disk / "x.h5").read_bytes()
+        with contextlib.chdir(folder):
+            assert outcome("run", "new.toml", "-o", disk / "x.h5") == 1
+            capfd.readouterr()
+            call(["run", "new.toml", "-o", str(disk / "x.h5")])
+        assert capfd.readouterr().err == f"jkr: error: {disk}/x.h5: cannot be written (No space left on device)\n"
+        assert (disk / "x.h5").read_bytes() == old
+        assert not temporaries(disk)
+    finally:
+        subprocess.run(["umount", str(disk)], check=True)
+
+
+def test_standard_output_full(tmp_path: Path) -> None:
+    prepare(tmp_path / "x")
+    with Path("/dev/full").open("w", encoding="utf-8") as full:
+        words = [sys.executable, "-m", "jkrcli", "show", "y.h5"]
+        done = subprocess.run(words, cwd=tmp_path / "x", stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+    assert (done.returncode, done.stderr) == (1, "jkr: error: output: No space left on device\n")
+
+
+def test_unwritable_folder(tmp_path: Path) -> None:
+    folder = prepare(tmp_path / "x")
+    locked = folder / "locked"
+    locked.mkdir()
+    shutil.copy(folder / "old" / "y.h5", locked / "x.h5")
+    old = (locked / "x.h5").read_bytes()
+    locked.chmod(0o555)
+    root = os.geteuid() == 0
+    with contextlib.chdir(folder):
+        try:
+            if root:
+                os.seteuid(65534)
+            assert outcome("run", "new.toml", "-o", "locked/x.h5") == 2
+        finally:
+            if root:
+                os.seteuid(0)
+    assert (locked / "x.h5").read_bytes() == old
+
+
+def test_read_only_input_is_enough(tmp_path: Path) -> None:
+    folder = prepare(tmp_path / "x")
+    for name in ("new.toml", "y.h5"):
+        (folder / name).chmod(0o444)
+    before = {name: (folder / name).stat().st_mtime_ns for name in ("new.toml", "y.h5")}
+    assert call_in(folder, "run", "new.toml", "-o", "z.h5") == 0
+    assert call_in(folder, "transform", "y.h5", "--w", "0.02", "--no-plots") == 0
+    assert {name: (folder / name).stat().st_mtime_ns for name in before} == before
+
+
+def test_two_processes_with_one_target(tmp_path: Path) -> None:
+    folder = prepare(tmp_path / "x")
+    both = [start(("run", f"{case}.toml", "-o", "x.h5"), folder) for case in ("old", "new", "old")]
+    for process in both:
+        _, err = process.communicate(timeout=300)
+        assert process.returncode == 0, err
+    assert store.read(folder / "x.h5").raw.a.size in (20, 60)
+    assert not temporaries(folder)
+
+
+def test_temporary_files_of_the_living_stay(tmp_path: Path) -> None:
+    """Only those of processes of this machine that are no more are removed."""
+    mark = files._mark()
+    gone = subprocess.Popen([sys.executable, "-c", ""])
+    gone.wait()
+    names = {
+        f"{mark}{gone.pid}-a.h5": False,
+        f"{mark}{os.getpid()}-a.h5": True,
+        f".jkr-elsewhere-{gone.pid}-a.h5": True,
+        f"{mark}x-a.h5": True,
+        ".x.h5": True,
+    }
+    for name in names:
+        (tmp_path / name).touch()
+    files.check_target(tmp_path / "x.h5")
+    assert {name: (tmp_path / name).exists() for name in names} == names

@@ -1,0 +1,331 @@
+"""Any bytes for a file: a result, or exit code 2 with one line per mistake. Never a traceback, a hang, a memory hog.
+
+``make test`` tries some hundred inputs of each kind from a fixed seed and from one of the date; the slow tests 10,000.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import random
+import tomllib
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import h5py
+import hypothesis.strategies as st
+import numpy as np
+import pytest
+import tomli_w
+from fuzzing import FIXED, TODAY, bounded, bytes_changed, chances, fuzz, mutate, outcome
+
+from jkrcli.base.errors import JkrError
+from jkrcli.case import load_case, parse_case, store
+from jkrcli.case.numerics import method_of
+from jkrcli.methods.choose import survey
+from jkrcli.methods.closed_form import ClosedForm
+from jkrcli.series import PressureTable
+
+CASES = Path(__file__).parents[2] / "cases"
+SHORT = pytest.mark.parametrize("start", [FIXED, TODAY], ids=["fixed", "today"])
+MANY = 10_000
+QUICK = 0.1  # CPU seconds of a solve that is tried as well
+
+SMALL = {
+    "paraboloid": {"shape": "paraboloid", "radius": "6 mm", "counter_radius": "1 m"},
+    "power": {"shape": "power", "coefficient": 2e3, "exponent": 2.5},
+    "cone": {"shape": "cone", "half_angle": "80 deg"},
+    "flat": {"shape": "flat", "flat_radius": "10 um", "edge_radius": "1 mm"},
+    "table": {"shape": "table", "r": [0.0, 1e-5, 2e-5, 4e-5], "f": [0.0, 1e-7, 4e-7, 16e-7]},
+    "elastic": {"shape": "sphere", "radius": "100 um", "E": "70 GPa", "nu": 0.2},
+}
+HALF_SPACE = {"specimen": {"half_space": {"E": "5 MPa", "nu": 0.4}}, "loading": {"radius": "20 um", "points": 20}}
+
+
+def trees() -> list[dict[str, Any]]:
+    """Valid cases: those that are shipped, and one for every shape."""
+    shipped = [tomllib.loads(path.read_text(encoding="utf-8")) for path in sorted(CASES.glob("*.toml"))]
+    return [*shipped, *({"indenter": indenter, **HALF_SPACE} for indenter in SMALL.values())]
+
+
+def sweeps() -> list[dict[str, Any]]:
+    """Valid sweeps, each with its base case in place."""
+    found = []
+    for path in sorted((CASES / "sweeps").glob("*.toml")):
+        tree = tomllib.loads(path.read_text(encoding="utf-8"))
+        if isinstance(tree["base"], str):
+            tree["base"] = tomllib.loads((path.parent / tree["base"]).read_text(encoding="utf-8"))
+        found.append(tree)
+    return found
+
+
+def toml_of(tree: dict[str, Any], chance: random.Random) -> bytes:
+    """A changed file: mostly its tables, now and then its bytes as well."""
+    content = tomli_w.dumps(mutate(tree, chance)).encode()
+    return bytes_changed(content, chance) if chance.random() < 0.3 else content
+
+
+def files_like(valid: list[dict[str, Any]]) -> st.SearchStrategy[bytes]:
+    return chances().map(lambda chance: toml_of(chance.choice(valid), chance)) | st.binary(max_size=200)
+
+
+@pytest.fixture(name="write")
+def _write(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str, bytes], Path]:
+    monkeypatch.chdir(tmp_path)
+
+    def write(name: str, content: bytes) -> Path:
+        path = tmp_path / name
+        path.write_bytes(content)
+        return path
+
+    return write
+
+
+Judge = Callable[[bytes], None]
+
+
+# ---------------------------------------------------------------------- cases
+@pytest.fixture(name="judge_case")
+def _judge_case(write: Callable[[str, bytes], Path]) -> Judge:
+    """Validation, all refusals and forecasts; where that promises to be quick, the coarse expectation as well."""
+
+    def judge(content: bytes) -> None:
+        path = write("x.toml", content)
+        with bounded(), contextlib.suppress(JkrError):
+            model = load_case(path).model
+            layered = survey(model.problem(), partial(method_of, model))[1].forecast
+            if layered is not None and layered.seconds > QUICK:
+                return
+        outcome("check", path, "--json", json_out=True)
+
+    return judge
+
+
+@SHORT
+def test_cases(start: int, judge_case: Judge) -> None:
+    fuzz(files_like(trees()), judge_case, 40, start)
+
+
+@pytest.mark.slow
+def test_many_cases(judge_case: Judge) -> None:
+    fuzz(files_like(trees()), judge_case, MANY, TODAY)
+
+
+# ---------------------------------------------------------------------- series files
+def series_bytes(folder: Path) -> bytes:
+    """A valid series file."""
+    case = parse_case(tomli_w.dumps({"indenter": SMALL["paraboloid"], **HALF_SPACE}).encode(), "body")
+    problem = case.model.problem()
+    solution = ClosedForm()(problem)
+    table = PressureTable(np.linspace(0, 2e-5, 5), np.ones((len(solution.series), 5)))
+    store.write(folder / "valid.h5", replace(solution, pressure=table), case.to_toml(), problem.key, "jkr run")
+    return (folder / "valid.h5").read_bytes()
+
+
+def structure_changed(path: Path, chance: random.Random) -> None:
+    """Groups, columns and attributes of a series file deleted, replaced, made huge, or linked elsewhere."""
+    with h5py.File(path, "r+") as file:
+        for _ in range(chance.choice((1, 1, 2))):
+            names: list[str] = []
+            file.visit(names.append)
+            name = chance.choice(names)
+            match chance.randrange(9):
+                case 0:
+                    del file[name]
+                case 1:
+                    del file[name]
+                    file[name] = _value(chance)
+                case 2:
+                    del file[name]
+                    file.create_dataset(name, shape=(10**12,), chunks=(10**6,), dtype=chance.choice(("f8", "S9", "i1")))
+                case 3:
+                    del file[name]
+                    file.create_group(name)
+                case 4:
+                    del file[name]
+                    elsewhere = (h5py.ExternalLink("/etc/passwd", "/x"), h5py.SoftLink("/series"), h5py.SoftLink("/no"))
+                    file[name] = chance.choice(elsewhere)
+                case 5 if _is_small(file[name]):
+                    values = file[name][()]
+                    odd = (np.nan, -np.inf, 0.0, -1.0, 1e308, 5e-324, 1e30, 1e-30)
+                    values.flat[chance.randrange(values.size)] = chance.choice(odd)
+                    file[name][...] = values
+                case _:
+                    item = chance.choice((file, file[name]))
+                    key = chance.choice([*item.attrs, "x", "unit", "a0_m", "S0_N_per_m", "format"])
+                    item.attrs[key] = _value(chance)
+
+
+def _is_small(item: Any) -> bool:
+    return isinstance(item, h5py.Dataset) and item.ndim > 0 and 0 < item.size < 1000 and item.dtype.kind == "f"
+
+
+def _value(chance: random.Random) -> Any:
+    records = np.zeros(2, dtype=[("a", "f8")])
+    words = np.array(["x"], dtype=h5py.string_dtype())
+    numbers = (
+        0,
+        -1,
+        np.nan,
+        np.inf,
+        1e308,
+        True,
+        1 + 2j,
+        np.zeros(3),
+        np.zeros((2, 2)),
+        np.arange(30),
+        -np.arange(30.0),
+    )
+    texts = ("", "m", b"\xff\xfe", "a\nb", "[indenter]\nshape = 1", np.array([b"x", b"y"]), words)
+    return chance.choice((*numbers, *texts, h5py.Empty("f8"), records, np.void(b"12")))
+
+
+@pytest.fixture(name="judge_series")
+def _judge_series(write: Callable[[str, bytes], Path], tmp_path: Path) -> Callable[[random.Random], None]:
+    valid = series_bytes(tmp_path)
+    foreign = [np.lib.format.MAGIC_PREFIX + b"\1\0", b"CDF\1", b"PK\3\4", b"", b"\x89HDF\r\n\x1a\n", b"\0" * 4096]
+
+    def judge(chance: random.Random) -> None:
+        kind = chance.random()
+        path = write("x.h5", valid if kind < 0.5 else bytes_changed(valid, chance))
+        if kind < 0.5:
+            structure_changed(path, chance)
+        elif kind < 0.53:
+            path.write_bytes(chance.choice(foreign) + chance.randbytes(chance.randrange(600)))
+        if outcome("show", path, "--json", json_out=True) == 0:
+            outcome("transform", path, "--w", "0.05", "--no-plots", "--force", "--json", json_out=True)
+            with contextlib.suppress(JkrError):
+                store.read_pressure(path)
+
+    return judge
+
+
+@SHORT
+def test_series_files(start: int, judge_series: Judge) -> None:
+    fuzz(chances(), judge_series, 100, start)
+
+
+@pytest.mark.slow
+def test_many_series_files(judge_series: Judge) -> None:
+    fuzz(chances(), judge_series, MANY, TODAY)
+
+
+# ---------------------------------------------------------------------- tables
+def hertz() -> list[list[float]]:
+    a = np.linspace(1e-6, 2e-5, 12)
+    return np.column_stack([a, a**2 / 6e-3, 4 * 6e6 * a**3 / (3 * 6e-3)]).tolist()
+
+
+def adhesive() -> list[list[float]]:
+    a = np.linspace(1e-6, 2e-5, 12)
+    root = np.sqrt(2 * np.pi * 0.05 * a / 6e6)
+    return np.column_stack([a, a**2 / 6e-3 - root, 4 * 6e6 * a**3 / (3 * 6e-3) - 2 * 6e6 * a * root]).tolist()
+
+
+HEADS = [
+    ["a_m", "delta_m", "P_N"], ["a (m)", "delta (m)", "P (N)"], ["contact radius [m]", "U2 [m]", "RF2 [N]"],
+    ["a", "delta", "P"], ["A_m^2", "delta_m", "P_N"], ["a_um", "delta_um", "P_mN"], ["t_s", "delta_m", "P_N"],
+    ["a_m", "P_N", "segment"], ["curve", "delta_m", "P_N"],
+]  # fmt: skip
+CELLS = ["", "nan", "inf", "-inf", "1e999", "x", "1,5", "1.5", "-1", "0", "1e-400", "9" * 400, '"', "0x10", "١", "1d-6",
+         "retract", "approach", "#", "1e-6 m", "\0", "\x1b[0m", "é"]  # fmt: skip
+
+
+def table_of(rows: list[list[float]], chance: random.Random) -> bytes:
+    """A table in some dialect with some cells, rows and bytes changed."""
+    head = chance.choice(HEADS[:3] if chance.random() < 0.7 else HEADS)
+    text = [list(head), *([f"{value:.9g}" for value in row] for row in rows)]
+    for _ in range(chance.choice((0, 1, 2, 5))):
+        row = chance.choice(text)
+        match chance.randrange(6):
+            case 0 if row:
+                row[chance.randrange(len(row))] = chance.choice(CELLS)
+            case 1 if row:
+                row.pop()
+            case 2:
+                row.append(chance.choice(CELLS))
+            case 3:
+                chance.shuffle(text)
+            case 4:
+                text.insert(chance.randrange(len(text)), list(row))
+            case 5 if row[-1:] and row[0][:1].isdigit():
+                row[chance.randrange(len(row))] = f"{10.0 ** chance.uniform(-320, 300):.6g}"
+    mark, end = chance.choice((",", ";", "\t", "  ")), chance.choice(("\n", "\r\n", "\r"))
+    content = end.join(mark.join(row) for row in text)
+    if chance.random() < 0.2:
+        content = content.replace(".", ",")
+    data = content.encode(chance.choice(("utf-8", "utf-8", "utf-8-sig", "utf-16")), errors="replace")
+    return bytes_changed(data, chance) if chance.random() < 0.3 else data
+
+
+def tables_like(rows: list[list[float]]) -> st.SearchStrategy[bytes]:
+    return (
+        chances().map(lambda chance: table_of(rows, chance))
+        | st.binary(max_size=200)
+        | st.text(max_size=200).map(lambda text: text.encode("utf-8", errors="surrogatepass"))
+    )
+
+
+@pytest.fixture(name="judge_import")
+def _judge_import(write: Callable[[str, bytes], Path]) -> Judge:
+    body = ("--shape", "paraboloid", "--radius", "6 mm", "--E", "5 MPa", "--nu", "0.4", "-o", "x.h5", "--json")
+
+    def judge(content: bytes) -> None:
+        if outcome("import", write("x.csv", content), *body, json_out=True) == 0:
+            outcome("transform", "x.h5", "--w", "0.05", "--no-plots", "--force", "--json", json_out=True)
+
+    return judge
+
+
+@SHORT
+def test_imports(start: int, judge_import: Judge) -> None:
+    fuzz(tables_like(hertz()), judge_import, 100, start)
+
+
+@pytest.mark.slow
+def test_many_imports(judge_import: Judge) -> None:
+    fuzz(tables_like(hertz()), judge_import, MANY, TODAY)
+
+
+@pytest.fixture(name="judge_measured")
+def _judge_measured(write: Callable[[str, bytes], Path], tmp_path: Path) -> Judge:
+    body = write("body.h5", series_bytes(tmp_path))
+
+    def judge(content: bytes) -> None:
+        if outcome("work", body, write("x.csv", content), "--no-plots", "--force", "--json", json_out=True) == 0:
+            outcome("fit", body, "x.csv", "--no-plots", "--force", "--json", json_out=True)
+
+    return judge
+
+
+@SHORT
+def test_measured_curves(start: int, judge_measured: Judge) -> None:
+    fuzz(tables_like(adhesive()), judge_measured, 50, start)
+
+
+@pytest.mark.slow
+def test_many_measured_curves(judge_measured: Judge) -> None:
+    fuzz(tables_like(adhesive()), judge_measured, MANY, TODAY)
+
+
+# ---------------------------------------------------------------------- sweeps
+@pytest.fixture(name="judge_sweep")
+def _judge_sweep(write: Callable[[str, bytes], Path]) -> Judge:
+    """The plan and its first case: axes, samples, units and the base case are all looked into."""
+
+    def judge(content: bytes) -> None:
+        outcome("sweep", write("x.toml", content), "--show-case", 0)
+
+    return judge
+
+
+@SHORT
+def test_sweeps(start: int, judge_sweep: Judge) -> None:
+    fuzz(files_like(sweeps()), judge_sweep, 60, start)
+
+
+@pytest.mark.slow
+def test_many_sweeps(judge_sweep: Judge) -> None:
+    fuzz(files_like(sweeps()), judge_sweep, MANY, TODAY)

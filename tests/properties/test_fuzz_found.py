@@ -1,0 +1,306 @@
+"""What fuzzing found, each kept as a test of its own: the whole line that the user is told now."""
+
+from __future__ import annotations
+
+import os
+import pickle
+import shutil
+import subprocess
+import sys
+import time
+import tracemalloc
+from collections.abc import Callable
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+
+from jkrcli.base.errors import InputError, Refusal, SolveError
+from jkrcli.base.files import read_bytes
+from jkrcli.base.units import parse
+from jkrcli.case import load_case, parse_case, store
+from jkrcli.methods.closed_form import ClosedForm
+
+CASES = Path(__file__).parents[2] / "cases"
+GOOD = """
+[indenter]
+shape = "sphere"
+radius = "100 um"
+[specimen.half_space]
+E = "5 GPa"
+nu = 0.4
+[loading]
+depth = "3 um"
+"""
+
+
+def lines_of(content: str) -> tuple[str, ...]:
+    with pytest.raises(InputError) as caught:
+        parse_case(content.encode(), "x.toml")
+    return caught.value.lines
+
+
+# ---------------------------------------------------------------------- case files
+FOUND = {
+    "number with thousands of digits": (
+        GOOD + "points = " + "9" * 5000,
+        "x.toml: is not valid TOML: a number has thousands of digits",
+    ),
+    "brackets without end": (
+        GOOD + "points = " + "[" * 5000,
+        "x.toml: is not valid TOML: brackets are nested too deeply",
+    ),
+    "key of many parts": (
+        GOOD + "a" + ".a" * 5000 + " = 1",
+        "x.toml: line 10: a key must not have more than 50 parts",
+    ),
+    "line end in a key": (
+        '"a\\nb" = 1' + GOOD,
+        "x.toml: a\\nb: unknown key (allowed: title, method, indenter, specimen, loading, adhesion, mesh, contact, "
+        "layered, hybrid)",
+    ),
+    "escape sequence in a value": (
+        GOOD.replace('"100 um"', '"\\u001b[31m"'),
+        'x.toml: indenter.radius: must be a length, such as "100 um", got "\\x1b[31m"',
+    ),
+    "size beyond what exists": (
+        GOOD.replace('"100 um"', "1e300"),
+        "x.toml: indenter.radius: must lie within 1e-30 and 1e+30 in SI units, got 1e+300 m",
+    ),
+    "size below what exists": (
+        GOOD.replace('"3 um"', '"1e-300 um"'),
+        "x.toml: loading.depth: must lie within 1e-30 and 1e+30 in SI units, got 1e-300 um",
+    ),
+    "exponent that overflows": (
+        GOOD.replace('"sphere"', '"power"').replace('radius = "100 um"', "coefficient = 1.0\nexponent = 1e6"),
+        "x.toml: indenter.exponent: must be >= 1 and <= 20, got 1000000.0",
+    ),
+    "null character in a file name": (
+        GOOD.replace('"sphere"', '"table"').replace('radius = "100 um"', 'file = "a\\u0000b"'),
+        "x.toml: indenter: a\\x00b: profile file cannot be read (embedded null byte)",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", FOUND)
+def test_found_in_case_files(name: str) -> None:
+    content, line = FOUND[name]
+    assert lines_of(content) == (line,)
+
+
+def test_long_text_with_blanks_is_refused_at_once() -> None:
+    """The pattern of quantities takes the square of the length."""
+    begin = time.process_time()
+    with pytest.raises(ValueError, match="must be a length"):
+        parse("1" + " " * 200_000 + "x", "length")
+    assert time.process_time() - begin < 1  # CPU seconds; it was minutes
+
+
+def test_key_of_many_parts_in_a_comment_or_text_is_fine() -> None:
+    dots = "a." * 100
+    parse_case(f'title = "{dots}"\n# {dots}\n{GOOD}'.encode(), "x.toml")
+
+
+def test_small_files_take_little_memory() -> None:
+    """A reader with a limit of 1 GiB asked for all of it at once."""
+    tracemalloc.start()
+    try:
+        read_bytes(CASES / "gel.toml", "case file")
+        assert tracemalloc.get_traced_memory()[1] < 1 << 20  # bytes
+    finally:
+        tracemalloc.stop()
+
+
+def test_indenter_too_flat_to_tell_a_radius() -> None:
+    case = GOOD.replace('"sphere"', '"flat"').replace(
+        'radius = "100 um"', 'flat_radius = "3e9 um"\nedge_radius = "1 mm"'
+    )
+    problem = parse_case(case.encode(), "x.toml").model.problem()
+    with pytest.raises((SolveError, Refusal)):
+        ClosedForm()(problem)
+
+
+def test_check_of_an_expensive_body_says_so(jkr: Callable) -> None:
+    text = (CASES / "gel.toml").read_text(encoding="utf-8").replace("points = 100", "points = 4000")
+    Path("x.toml").write_text(text, encoding="utf-8")
+    done = jkr("check", "x.toml")
+    assert done.code == 0, done.err
+    assert "  reaches   unknown: the coarse solution would take about " in done.out
+
+
+def test_errors_keep_their_lines_between_processes() -> None:
+    error = pickle.loads(pickle.dumps(InputError(["one", "two\nhalves"])))
+    assert error.lines == ("one", "two\\nhalves")
+
+
+# ---------------------------------------------------------------------- nothing but what was named
+def test_a_case_cannot_run_code(jkr: Callable) -> None:
+    text = GOOD.replace('"5 GPa"', "\"__import__('pathlib').Path('made').touch()\"")
+    Path("x.toml").write_text(text, encoding="utf-8")
+    assert jkr("run", "x.toml").code == 2
+    assert not Path("made").exists()
+
+
+def test_a_profile_is_looked_for_beside_the_case_and_its_place_is_shown(jkr: Callable) -> None:
+    text = GOOD.replace('"sphere"', '"table"').replace('radius = "100 um"', 'file = "../p.csv"')
+    Path("deep").mkdir()
+    Path("deep/x.toml").write_text(text, encoding="utf-8")
+    assert jkr("check", "deep/x.toml").err == (
+        "jkr: error: deep/x.toml: indenter: deep/../p.csv: profile file not found\n"
+    )
+    Path("p.csv").write_text("r_m,f_m\n0,0\n1e-5,1e-7\n5e-5,25e-7\n1e-4,1e-5\n", encoding="utf-8")
+    assert jkr("check", "deep/x.toml").code == 0
+
+
+# ---------------------------------------------------------------------- series files
+@pytest.fixture(name="path")
+def _path(tmp_path: Path) -> Path:
+    case = load_case(CASES / "halfspace.toml")
+    problem = case.model.problem()
+    store.write(tmp_path / "x.h5", ClosedForm()(problem), case.to_toml(), problem.key, "")
+    return tmp_path / "x.h5"
+
+
+def _external_link(file: h5py.File) -> None:
+    del file["series/a"]
+    file["series/a"] = h5py.ExternalLink("/etc/passwd", "/x")
+
+
+def _soft_link(file: h5py.File) -> None:
+    del file["errors"]
+    file["errors"] = h5py.SoftLink("/series")
+
+
+def _foreign_storage(file: h5py.File) -> None:
+    del file["series/P"]
+    file.create_dataset("series/P", shape=(1,), dtype="f8", external=[("/etc/hostname", 0, 8)])
+
+
+def _virtual(file: h5py.File) -> None:
+    layout = h5py.VirtualLayout(shape=(3,), dtype="f8")
+    layout[:] = h5py.VirtualSource("elsewhere.h5", "x", shape=(3,))
+    del file["series/P"]
+    file.create_virtual_dataset("series/P", layout)
+
+
+def _huge_case(file: h5py.File) -> None:
+    del file["case"]
+    file.create_dataset("case", shape=(), dtype=f"S{1 << 30}")
+
+
+def _list_of_facts(file: h5py.File) -> None:
+    file["facts"].attrs["nodes"] = np.arange(3)
+
+
+def _absurd(file: h5py.File) -> None:
+    file["series/P"][3] = 1e308
+
+
+SERIES = {
+    _external_link: '"series/a" is a link, not data of this file',
+    _soft_link: '"errors" is a link, not data of this file',
+    _foreign_storage: '"series/P" lies in another file',
+    _virtual: '"series/P" lies in another file',
+    _huge_case: "case: must be a text of at most 16 MiB",
+    _list_of_facts: "attribute facts.nodes must be a number or a text, got ndarray",
+    _absurd: "series/P: row 4 must be a number up to 1e+60, got 1e+308",
+}
+
+
+@pytest.mark.parametrize("change", SERIES, ids=lambda change: change.__name__.strip("_"))
+def test_found_in_series_files(change: Callable[[h5py.File], None], path: Path) -> None:
+    with h5py.File(path, "r+") as file:
+        change(file)
+    with pytest.raises(InputError) as caught:
+        store.read(path)
+    assert caught.value.lines == (f"{path}: {SERIES[change]}",)
+
+
+@pytest.mark.parametrize(
+    ("r", "pressure", "line"),
+    [
+        (None, np.ones((2, 2)), 'dataset "contact/r" is missing'),
+        (np.ones(2), None, 'dataset "contact/pressure" is missing'),
+        (np.ones(3), np.ones((2, 2)), "contact/pressure: must be rows of 3 numbers, got float64 of shape (2, 2)"),
+        (np.ones(2), np.array([[1, np.nan]]), "contact/pressure: row 1 must be a finite number, got nan"),
+    ],
+)
+def test_found_in_pressures(r: np.ndarray | None, pressure: np.ndarray | None, line: str, path: Path) -> None:
+    with h5py.File(path, "r+") as file:
+        for name, values in (("r", r), ("pressure", pressure)):
+            if values is not None:
+                file[f"contact/{name}"] = values
+    with pytest.raises(InputError) as caught:
+        store.read_pressure(path)
+    assert caught.value.lines == (f"{path}: {line}",)
+
+
+# ---------------------------------------------------------------------- tables and sweeps
+def test_reading_beyond_what_exists(jkr: Callable) -> None:
+    rows = "".join(f"{i}e-6,{i**2}e-9,{i**3}e-9\n" for i in range(1, 9))
+    Path("x.csv").write_text(f"a_m,delta_m,P_N\n{rows}9e-6,8e-8,1e300\n", encoding="utf-8")
+    done = jkr("import", "x.csv", "--radius", "1 mm", "--E", "1 MPa", "--nu", "0.5")
+    assert (done.code, done.err) == (2, "jkr: error: x.csv: line 10: load must be up to 1e+30, got 1e+300\n")
+
+
+@pytest.mark.parametrize("table", ["[[axes]]\nkey = 'adhesion.w'\nfrom = 1\nto = 2\n", "[samples]\n"])
+def test_too_many_cases_are_counted_before_they_are_made(table: str, jkr: Callable) -> None:
+    base = "[base.indenter]\nshape = 'sphere'\nradius = 1e-4\n[base.specimen.half_space]\nE = 5e9\nnu = 0.4\n"
+    of = "[samples.of]\n'adhesion.w' = {distribution = 'uniform', from = 1, to = 2}\n" if "samples" in table else ""
+    text = f"{base}[base.loading]\ndepth = 3e-6\n{table}count = 1000000000\n{of}"
+    Path("x.toml").write_text(text, encoding="utf-8")
+    done = jkr("sweep", "x.toml")
+    assert (done.code, done.err) == (
+        2,
+        "jkr: error: x.toml: makes 1,000,000,000 cases, at most 2,000,000 are allowed in one sweep\n",
+    )
+
+
+def test_arithmetic_that_overflows_is_told_in_one_line(jkr: Callable, path: Path) -> None:
+    with h5py.File(path, "r+") as file:
+        file["series/S"][5] = 1e59
+        file["series/dS_da"][6] = 1e-59
+        file["series/P"][7] = 1e59
+    done = jkr("transform", path, "--w", "0.05", "--no-plots")
+    assert done.code in (1, 2)
+    assert done.err.count("\n") == 1
+
+
+def test_count_beyond_an_index(jkr: Callable) -> None:
+    text = "base = 'x.toml'\n[[axes]]\nkey = 'adhesion.w'\nfrom = 1\nto = 2\ncount = 9223372036854775808\n"
+    Path("x.toml").write_text(text, encoding="utf-8")
+    assert jkr("sweep", "x.toml").code == 2
+
+
+def test_output_in_a_poor_encoding(tmp_path: Path, path: Path) -> None:
+    shutil.copy(path, tmp_path / "δ.h5")
+    words = [sys.executable, "-m", "jkrcli", "show", "δ.h5"]
+    environment = os.environ | {"PYTHONIOENCODING": "latin-1"}
+    done = subprocess.run(words, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.startswith("\\u03b4.h5: 100 rows")
+
+
+def test_estimate_without_words(jkr: Callable, path: Path) -> None:
+    with h5py.File(path, "r+") as file:
+        file["errors"].attrs["truncation"] = ""
+    assert store.read(path).budget.truncation == "not stated in the file"
+    assert jkr("show", path, "--json").code == 0
+
+
+def test_names_that_the_terminal_cannot_show(jkr: Callable, path: Path) -> None:
+    Path("a\nb.h5").write_bytes(path.read_bytes()[:1000])
+    done = jkr("show", "a\nb.h5")
+    assert done.code == 2
+    assert done.err.startswith("jkr: error: a\\nb.h5: the HDF5 file is ")
+    assert done.err.count("\n") == 1
+
+
+def test_a_long_stretch_of_equal_elements_does_not_overflow() -> None:
+    """Found by many_cases: more than 709 points of one size on a line."""
+    from jkrcli.methods.fem.sizes import graded_points
+
+    points = graded_points(0.0, 1.0, lambda x: np.full_like(x, 1e-3))
+    assert points.size == 1001
+    np.testing.assert_allclose(np.diff(points), 1e-3, rtol=1e-9)

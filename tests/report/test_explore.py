@@ -1,0 +1,185 @@
+"""``jkr explore``: the page holds the curve's own rule, loads nothing, and is refused where it cannot be made."""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from conftest import CASES
+from scipy.interpolate import CubicHermiteSpline
+
+from jkrcli.adhesion.analysis import analyse
+from jkrcli.base.files import is_ours
+from jkrcli.case import store
+from jkrcli.cli import call
+from jkrcli.data.measured import Curve
+from jkrcli.report.explorer import payload
+from jkrcli.report.explorer.payload import MOST_POINTS
+
+pytest.importorskip("plotly")
+ROUND_OFF = 1e-13  # logs, splines and exponentials of both sides, a few rounding errors each
+
+
+@pytest.fixture(name="solved", scope="module")
+def _solved(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("solved")
+    assert call(["run", str(CASES / "gel.toml"), "-o", str(folder / "gel.h5")]) == 0
+    return folder / "gel.h5"
+
+
+@pytest.fixture(name="gel")
+def _gel(solved: Path, tmp_path: Path) -> Path:
+    shutil.copy(solved, tmp_path)
+    return tmp_path / "gel.h5"
+
+
+def content(path: Path) -> dict[str, Any]:
+    """What the page at ``path`` was given."""
+    found = re.search(r'<script id="content" type="application/json">(.*?)</script>', path.read_text())
+    assert found is not None
+    return json.loads(found[1])
+
+
+def evaluated(held: dict[str, Any], a: np.ndarray, w: float, factor: float) -> tuple[np.ndarray, np.ndarray]:
+    """delta and P as the page has them: Hermite splines through its knots, then Eq. 13 at unit modulus."""
+    knots = held["knots"]
+    x, z = np.log(a), np.log(a - knots["a0"])
+    delta, P = (np.exp(CubicHermiteSpline(knots["z"], *knots[name].values())(z)) for name in ("delta", "P"))
+    S, t = (np.exp(CubicHermiteSpline(knots["x"], *knots[name].values())(x)) for name in ("S", "t"))
+    q = np.sqrt(w / factor)
+    return delta - q * t, factor * (P - q * S * t)
+
+
+@pytest.mark.parametrize("slopes", ["auto", "integral", "loocv"])
+@pytest.mark.parametrize(("w", "factor"), [(0.035, 1.0), (0.2, 0.3), (0.004, 7.0)])
+def test_the_knots_are_the_curve(gel: Path, slopes: str, w: float, factor: float) -> None:
+    stored = store.read(gel)
+    held = payload(analyse(stored, [0.04], slopes)[0], [])
+    curve = analyse(stored, [w], slopes, factor)[0].curve
+    a = np.geomspace(curve.a[0], curve.a[-1], 37)
+    for ours, theirs in zip(evaluated(held, a, w, factor), curve.at(a), strict=True):
+        np.testing.assert_allclose(ours, theirs, rtol=0, atol=ROUND_OFF * np.abs(theirs).max())
+
+
+@pytest.mark.parametrize(("w", "factor"), [(0.035, 1.0), (0.2, 0.3)])
+def test_the_band_is_the_curves(gel: Path, w: float, factor: float) -> None:
+    stored = store.read(gel)
+    held = payload(analyse(stored, [0.04], "integral")[0], [])
+    curve = analyse(stored, [w], "integral", factor)[0].curve
+    powers = np.sqrt(w / factor) ** np.arange(3)
+    for name, by in (("delta", 1.0), ("P", factor)):
+        # S and S' correlate: the terms cancel to 1e-7 of their size, so half the digits of the width are left
+        np.testing.assert_allclose(by * np.sqrt(powers @ held["band"][name]), curve.errors[name], rtol=1e-7)
+
+
+def test_the_page_is_whole(jkr: Callable, gel: Path) -> None:
+    outcome = jkr("explore", "gel.h5", "--w", "40 mJ/m^2")
+    assert (outcome.code, outcome.err) == (0, "")
+    page = gel.with_name("gel-explore.html")
+    assert outcome.out.splitlines()[0] == "gel.h5: 100 points"
+    assert page.stat().st_size < 6e6
+    assert is_ours(page)
+    text = page.read_text()
+    assert "default-src 'none'" in text  # the browser itself refuses any network
+    own = text[: text.index("plotly.js v")]  # the library comes last
+    assert not re.findall(r"""(?:src|href)\s*=\s*["'](?!data:)|url\(|@import|https?:""", own)
+    assert "{{" not in own
+    assert content(page)["controls"]["w"]["value"] == 0.04
+    assert jkr("explore", "gel.h5").code == 0  # ours: replaced without --force
+    assert content(page)["controls"]["w"]["value"] == 0.035
+
+
+def test_json_names_the_page(jkr: Callable, gel: Path) -> None:
+    found = json.loads(jkr("explore", "gel.h5", "-o", "look.html", "--json").out)
+    assert found == {
+        "file": "gel.h5", "page": "look.html", "bytes": Path("look.html").stat().st_size, "w_J_per_m2": 0.035,
+        "measured_curves": 0, "measured_points": 0,
+    }  # fmt: skip
+
+
+def test_measured_curves_are_overlaid(jkr: Callable, gel: Path) -> None:
+    Path("one.csv").write_text("delta_m,P_N\n1e-6,2e-4\n2e-6,3e-4\n3e-6,5e-4\n4e-6,7e-4\n5e-6,9e-4\n")
+    outcome = jkr("explore", "gel.h5", "one.csv")
+    assert (outcome.code, outcome.err) == (0, "")
+    assert outcome.out.splitlines()[0] == "gel.h5: 100 points, 5 measured points in 1 curves"
+    (curve,) = content(gel.with_name("gel-explore.html"))["measured"]
+    assert (curve["delta"], curve["P"], curve["a"]) == (
+        [1e-6, 2e-6, 3e-6, 4e-6, 5e-6],
+        [2e-4, 3e-4, 5e-4, 7e-4, 9e-4],
+        None,
+    )
+
+
+def test_the_reading_options_hold(jkr: Callable, gel: Path) -> None:
+    Path("one.csv").write_text("depth;force\n" + "".join(f"{i},5;{i}0\n" for i in range(1, 7)))
+    words = ["--column", "delta=depth", "--column", "P=force", "--unit", "delta=um", "--unit", "P=uN", "--flip", "P"]
+    outcome = jkr("explore", "gel.h5", "one.csv", *words)
+    assert (outcome.code, outcome.err) == (0, "")
+    (curve,) = content(gel.with_name("gel-explore.html"))["measured"]
+    assert curve["delta"] == pytest.approx([(i + 0.5) * 1e-6 for i in range(1, 7)])
+    assert curve["P"] == pytest.approx([-i * 1e-5 for i in range(1, 7)])
+
+
+def test_many_points_are_thinned(gel: Path) -> None:
+    rows = np.linspace(1e-6, 2e-6, 3 * MOST_POINTS)
+    held = payload(analyse(store.read(gel), [0.04])[0], [Curve("long", delta=rows, P=rows)])
+    assert held["measured_points"] == 3 * MOST_POINTS
+    assert len(held["measured"][0]["P"]) == MOST_POINTS
+    assert held["measured"][0]["P"][:2] == [rows[0], rows[3]]
+
+
+def test_a_title_cannot_end_the_script(jkr: Callable, gel: Path) -> None:
+    case = jkr("show", "--case", "gel.h5").out
+    title = "</script><script>alert(1)</script>{{library}}"
+    Path("evil.toml").write_text(re.sub(r'title = ".*"', f'title = "{title}"', case))
+    assert jkr("run", "evil.toml").code == 0
+    assert jkr("explore", "evil.h5").code == 0
+    assert content(Path("evil-explore.html"))["title"] == title
+
+
+def test_without_a_work_one_is_found_whose_pull_off_is_seen(jkr: Callable, gel: Path) -> None:
+    case = jkr("show", "--case", "gel.h5").out
+    Path("bare.toml").write_text(case[: case.index("[adhesion]")])
+    assert jkr("run", "bare.toml").code == 0
+    w = json.loads(jkr("explore", "bare.h5", "--json").out)["w_J_per_m2"]
+    found = json.loads(jkr("pull-off", "bare.h5", "--w", w, "--json").out)
+    third = store.read(Path("bare.h5")).raw.a[100 // 3]
+    # w has two digits; the radius of pull-off goes with w^(1/3) to w^(1/2)
+    assert found["results"][0]["controls"][0]["pull_off"]["a_m"] == pytest.approx(third, rel=0.03)
+
+
+def test_a_foreign_file_is_kept(jkr: Callable, gel: Path) -> None:
+    Path("gel-explore.html").write_text("<!doctype html><p>my notes on jkr")
+    outcome = jkr("explore", "gel.h5")
+    assert outcome.code == 2
+    assert outcome.err == (
+        "jkr: error: gel-explore.html: exists and was not written by jkr; give --force to replace it, or another name\n"
+    )
+    assert jkr("explore", "gel.h5", "--force").code == 0
+
+
+@pytest.mark.parametrize(
+    ("words", "line"),
+    [
+        (["--w", "0"], "explore: --w must be > 0 J/m^2 to begin with, got 0"),
+        (["nothing.csv"], "nothing.csv: table not found"),
+    ],
+)
+def test_wrong_input_is_one_line(jkr: Callable, gel: Path, words: list[str], line: str) -> None:
+    outcome = jkr("explore", "gel.h5", *words)
+    assert (outcome.code, outcome.err) == (2, f"jkr: error: {line}\n")
+    assert not gel.with_name("gel-explore.html").exists()
+
+
+def test_a_missing_library_is_one_line(jkr: Callable, gel: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "plotly.offline", None)
+    outcome = jkr("explore", "gel.h5")
+    assert outcome.code == 2
+    assert outcome.err == 'jkr: error: explore: needs the optional package plotly: pip install "jkrcli[explore]"\n'

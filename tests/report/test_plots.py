@@ -1,0 +1,263 @@
+"""Every figure as it would be printed: nothing cut, no label on another, no legend or inset on a curve, the same bytes.
+
+The figures are those that the verbs draw: ``plots.save`` is replaced by a collector.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+from fit_data import sphere
+from matplotlib.axes import Axes
+from matplotlib.axis import Axis
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.legend import Legend
+from matplotlib.text import Text
+from matplotlib.transforms import Bbox
+
+from jkrcli.adhesion.analysis import Analysis, analyse, specification
+from jkrcli.adhesion.curve import CriticalPoint
+from jkrcli.case import store
+from jkrcli.many.study.chart import Measured, Setting
+from jkrcli.many.study.chart_measure import Cost
+from jkrcli.many.study.chart_reference import Errors
+from jkrcli.many.study.failures import OUTCOMES
+from jkrcli.many.study.plots_chart import chart_figure
+from jkrcli.many.study.plots_failures import LOOKS
+from jkrcli.report import plots
+from jkrcli.report.plots.curve import curve_figure, physical_units
+from jkrcli.report.plots.fields import differences_figure
+from jkrcli.series.differences import Difference
+
+CASES = Path(__file__).parents[2] / "cases"
+BODY = """
+[indenter]
+shape = "paraboloid"
+radius = "10 um"
+[specimen.half_space]
+E = "0.75 MPa"
+nu = 0.5
+[loading]
+radius = "{radius}"
+points = 40
+[adhesion]
+w = "{w}"
+"""
+SLACK = 1.0  # pixels at 100 dpi: round-off of text extents
+SMALLEST = 7.0  # points, of any text in print
+
+
+@pytest.fixture(name="drawn")
+def _drawn(jkr: Callable, monkeypatch: pytest.MonkeyPatch) -> Callable[..., list[Figure]]:
+    """Run ``jkr`` and return the figures that it would have saved, each once."""
+
+    def run(*words: object) -> list[Figure]:
+        figures: list[Figure] = []
+        with monkeypatch.context() as patch:
+            patch.setattr(plots, "save", lambda figure, path: figure in figures or figures.append(figure))
+            done = jkr(*words)
+        assert done.code in (0, 1), done.err
+        return figures
+
+    return run
+
+
+@pytest.fixture(name="body")
+def _body(jkr: Callable) -> str:
+    Path("body.toml").write_text(BODY.format(radius="9 um", w="100 mJ/m^2"))
+    assert jkr("run", "body.toml", "--method", "layered").code == 0
+    return "body.h5"
+
+
+@mpl.rc_context(plots.STYLE)  # ticks that are made on drawing take their looks from here, as they do in plots.save
+def troubles(figure: Figure, smallest: float = SMALLEST) -> list[str]:
+    """What a reader would complain about."""
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    renderer = canvas.get_renderer()
+    found = [f"{text.get_fontsize()} pt: {text.get_text()}" for text in figure.findobj(Text)
+             if text.get_text().strip() and text.get_visible() and text.get_fontsize() < smallest]  # fmt: skip
+    for axes in figure.axes:
+        if not axes.axison:
+            continue
+        box = axes.get_tightbbox(renderer)
+        assert box is not None
+        if not _inside(box, figure.bbox):
+            found.append(f"cut: {box} of {figure.bbox}")
+        for axis in (axes.xaxis, axes.yaxis):
+            found += [f"{axis.axis_name} labels overlap: {words}" for words in _overlapping(axis)]
+        if any(legend.get_window_extent(renderer).overlaps(_shrunk(box)) for legend in figure.legends):
+            found.append(f"the legend covers {axes.get_xlabel()} or what is above")
+        inner = axes.get_legend()
+        covers: list[Legend | Axes] = [*axes.child_axes, *([inner] if inner else [])]
+        found += [f"{type(cover).__name__} covers a curve" for cover in covers
+                  if _covered(axes, cover.get_window_extent(renderer))]  # fmt: skip
+    return found
+
+
+def _inside(box: Bbox, whole: Bbox) -> bool:
+    return box.x0 >= -SLACK and box.y0 >= -SLACK and box.x1 <= whole.x1 + SLACK and box.y1 <= whole.y1 + SLACK
+
+
+def _shrunk(box: Bbox) -> Bbox:
+    return Bbox.from_extents(box.x0 + SLACK, box.y0 + SLACK, box.x1 - SLACK, box.y1 - SLACK)
+
+
+def _overlapping(axis: Axis) -> list[str]:
+    low, high = sorted(axis.get_view_interval())
+    shown = [tick.label1 for tick in axis.get_major_ticks() if low <= tick.get_loc() <= high and tick.label1.get_text()]
+    shown = [label for label in shown if label.get_visible()]
+    boxes = [label.get_window_extent() for label in shown]
+    return [f"{one.get_text()}, {two.get_text()}" for (one, a), (two, b)
+            in itertools.pairwise(zip(shown, boxes, strict=True)) if a.overlaps(_shrunk(b))]  # fmt: skip
+
+
+def _covered(axes: Axes, box: Bbox) -> bool:
+    """Whether a drawn curve, straight reference lines apart, passes through ``box``, where it is not clipped."""
+    seen = Bbox.intersection(box, axes.bbox)
+    if seen is None:
+        return False
+    for line in axes.lines:
+        points = np.column_stack(line.get_data()).astype(float)
+        if len(points) > 2 and line.get_transform() == axes.transData:
+            pixels = line.get_transform().transform(points)
+            x, y = np.linspace(pixels[:-1], pixels[1:], 20).reshape(-1, 2).T
+            if np.any((x > seen.x0) & (x < seen.x1) & (y > seen.y0) & (y < seen.y1)):
+                return True
+    return False
+
+
+def analysed(jkr: Callable, case: str) -> Analysis:
+    """A shipped case by the layered method, with its first work of adhesion."""
+    assert jkr("run", CASES / f"{case}.toml", "--method", "layered", "-o", "x.h5").code == 0
+    stored = store.read(Path("x.h5"))
+    return analyse(stored, specification(stored).w[:1])[0]
+
+
+# ---------------------------------------------------------------------- adhesive curves
+@pytest.mark.parametrize(
+    ("case", "enlarged"),
+    [("halfspace", True), ("gel", True), ("thin-layer", True), ("coating", False)],
+)
+def test_tension_is_enlarged_where_it_is_less_than_a_fifth_of_the_loads(
+    jkr: Callable, case: str, enlarged: bool
+) -> None:
+    """The inset lies where no curve passes and holds the pull-off point."""
+    result = analysed(jkr, case)
+    units = physical_units(result.curve)
+    figure = curve_figure(result, units)
+    assert troubles(figure) == []
+    point = result.pull_off["load"]
+    assert isinstance(point, CriticalPoint)
+    insets = [inset for axes in figure.axes for inset in axes.child_axes]
+    assert len(insets) == (2 if enlarged else 0)
+    for inset, (x, y) in zip(insets, (("delta", "P"), ("P", "a")), strict=False):
+        for name, (low, high) in ((x, inset.get_xlim()), (y, inset.get_ylim())):
+            assert low < getattr(point, name) / getattr(units, name) < high
+
+
+def test_a_band_is_drawn_where_it_can_be_seen_only(jkr: Callable, body: str) -> None:
+    def words(errors: float) -> list[str]:
+        curve = replace(result.curve, errors={"P": np.full(40, errors), "delta": np.zeros(40)})
+        figure = curve_figure(replace(result, curve=curve), physical_units(curve))
+        return [text.get_text() for text in figure.legends[0].get_texts()]
+
+    result = analyse(store.read(Path(body)), [0.1])[0]
+    span = float(np.ptp(result.curve.P))
+    assert "90 % band of P" in words(0.02 * span)
+    assert "90 % band of P" not in words(0.005 * span)
+
+
+def test_units_are_those_of_the_larger_of_both_curves(jkr: Callable) -> None:
+    """The coating's adhesive curve ends at 0.3 um, the nonadhesive one at 1.4 um."""
+    units = physical_units(analysed(jkr, "coating").curve)
+    assert units.labels == ("displacement δ (µm)", "load P (µN)", "contact radius a (µm)")
+
+
+def test_figures_are_the_same_to_the_byte(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    x = np.array([1e-9, 1e-8])
+    for name in ("one", "two"):
+        for ending in (".png", ".svg"):
+            plots.save(differences_figure([Difference("P", "delta_m", x, x, 1.0)], 1e-3), Path(name + ending))
+    for ending in (".png", ".svg"):
+        assert Path("one" + ending).read_bytes() == Path("two" + ending).read_bytes()
+
+
+# ---------------------------------------------------------------------- the verbs
+def write_measured() -> None:
+    """A noisy curve with its contact radii, and the same with time going on."""
+    rows = sphere(noise=0.01, seed=5)
+    a = np.linspace(3.2e-6, 6.8e-6, len(rows))
+    table = np.column_stack([np.arange(len(rows)), a * 1e6, rows.delta * 1e9, rows.P * 1e6]).tolist()
+    lines = [",".join(map(repr, row)) for row in table]
+    Path("timed.csv").write_text("\n".join(["t_s,a_um,delta_nm,P_uN", *lines]))
+    Path("probe.csv").write_text("\n".join(["delta_nm,P_uN", *(line.split(",", 2)[2] for line in lines)]))
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("transform", "body.h5", "--dimensionless", "half-space"),
+        ("transform", "body.h5", "--w", 0),
+        ("cycle", "body.h5"),
+        ("cycle", "body.h5", "--stiffness", "1 N/m", "--w-retract", "150 mJ/m^2"),
+        ("profile", "body.h5", "--load", 0),
+        ("profile", "body.h5", "--a", "2 um", "--w", 0),
+        ("fit", "body.h5", "probe.csv"),
+        ("work", "body.h5", "timed.csv"),
+        ("work", "body.h5", "probe.csv"),
+        ("compare", "body.h5", "softer.h5", "--plot", "x.png"),
+        ("mesh", CASES / "gel.toml"),
+        ("study", "pull-off-map", "--q", 0.01, "--q", 100),
+        pytest.param(("study", "converge", CASES / "halfspace.toml", "--levels", 2), marks=pytest.mark.slow),
+        pytest.param(("fields", "body.h5", "--a", "3 um"), marks=pytest.mark.slow),
+        pytest.param(("study", "noise", "--seeds", 2, "--points", 30), marks=pytest.mark.slow),
+        pytest.param(("study", "figures", "--cases", CASES), marks=pytest.mark.slow),
+    ],
+    ids=lambda words: " ".join(map(str, words)).replace(str(CASES), "cases"),
+)
+def test_figures_of_the_verbs_are_fit_for_print(
+    jkr: Callable, drawn: Callable[..., list[Figure]], body: str, words: tuple[object, ...]
+) -> None:
+    write_measured()
+    Path("softer.toml").write_text(BODY.format(radius="8.8 um", w="100 mJ/m^2"))
+    if "softer.h5" in words:
+        assert jkr("run", "softer.toml", "--method", "fem", "-o", "softer.h5").code == 0
+    figures = drawn(*words)
+    assert figures
+    for figure in figures:
+        assert troubles(figure) == []
+        assert figure.get_size_inches()[0] in (plots.WIDE, plots.MIDDLE, plots.NARROW)
+
+
+def test_a_map_of_failures_knows_every_outcome() -> None:
+    assert set(LOOKS) == set(OUTCOMES)
+
+
+@pytest.mark.slow
+def test_a_map_of_failures_is_readable(drawn: Callable[..., list[Figure]]) -> None:
+    (figure,) = drawn("study", "failures", "--cells", 3, "--seed", 3, "--methods", "closed-form")
+    assert troubles(figure, smallest=6) == []  # an atlas for the screen, one panel for each pair of axes
+
+
+def test_a_chart_of_alike_costs_has_readable_ticks() -> None:
+    """Costs within a few per cent: the axis still spans a decade, its labels are plain numbers."""
+    points = [
+        Measured(Setting("layered", "default"), "exact", 100, Cost(0.9 + 0.01 * i, 1.0), Cost(4e-3, 0.1), 1e-3, 1e-9,
+                 Errors(10.0 ** -i, pull_off=1e-5))
+        for i in range(3)
+    ]  # fmt: skip
+    figure = chart_figure(points, [], "sphere R = 100 um")
+    assert troubles(figure) == []
+    low, high = figure.axes[0].get_xlim()
+    assert high / low >= 10
+    assert "1" in [label.get_text() for label in figure.axes[0].get_xticklabels()]
+    assert figure.get_suptitle() == "sphere R = 100 µm"

@@ -1,0 +1,23 @@
+"""A number, or why there is none."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TypeAlias
+
+
+@dataclass(frozen=True)
+class Unknown:
+    """Stands where a number is not known; ``reason``: a phrase for the reader, without a full stop."""
+
+    reason: str
+
+    def __str__(self) -> str:
+        return self.reason
+
+    def __bool__(self) -> bool:
+        """Never true, so that ``value or otherwise`` reads as it should."""
+        return False
+
+
+Estimate: TypeAlias = float | Unknown  # mostly a relative error

@@ -1,10 +1,11 @@
-"""Shared by all tests: the command line in process."""
+"""Shared by all tests: the command line in process, and other tunings for the length of one test."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, is_dataclass, replace
 from pathlib import Path
+from pkgutil import resolve_name
 
 import pytest
 
@@ -33,3 +34,17 @@ def _jkr(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.Capture
         return Outcome(code, captured.out, captured.err)
 
     return run
+
+
+@pytest.fixture(name="tuned")
+def _tuned(monkeypatch: pytest.MonkeyPatch) -> Callable[[str, object], None]:
+    """Set a module's constant, or one field of a frozen set of tunings there, for the length of a test: by its dotted
+    name, as in ``tuned("jkrcli.methods.fem.mesh.TUNING.most_cells", 4000)``."""
+
+    def change(name: str, value: object) -> None:
+        holder, _, last = name.rpartition(".")
+        if is_dataclass(tuning := resolve_name(holder)):
+            name, value = holder, replace(tuning, **{last: value})
+        monkeypatch.setattr(name, value)
+
+    return change

@@ -70,7 +70,7 @@ Change = Tree | Callable[[tuple[str, ...]], Tree]
 class Kind:
     """``says``: the message, {} for values; each of ``remedies``: a change of the ``case`` that does as it says, maybe
     by those values; ``near``: how far P(delta) may then lie from that of a wide body, None: not compared; ``limits``:
-    constants that are lowered so that a small body meets them."""
+    constants, or fields of tunings, that are lowered so that a small body meets them."""
 
     says: str
     case: Tree

@@ -51,10 +51,10 @@ SLOW = {
 
 
 @pytest.mark.parametrize("name", [pytest.param(n, marks=pytest.mark.slow) if n in SLOW else n for n in KINDS])
-def test_who_follows_a_refusal_gets_a_solution(jkr, monkeypatch: pytest.MonkeyPatch, name: str) -> None:
+def test_who_follows_a_refusal_gets_a_solution(jkr, tuned, name: str) -> None:
     kind = KINDS[name]
     for constant, value in kind.limits.items():
-        monkeypatch.setattr(constant, value)
+        tuned(constant, value)
     refused = merged(BASE, kind.case)
     outcome = run(jkr, refused)
     assert outcome.code == 2

@@ -6,6 +6,7 @@ import time
 from dataclasses import replace
 
 import numpy as np
+import odrpack
 import pytest
 from fit_data import (
     A_C,
@@ -292,7 +293,6 @@ def test_odrpack_finds_the_same() -> None:
 
     It takes the curve as a line through 4000 radii: parameters to 1e-4; errors to 2 % (it counts every delta as free).
     """
-    odrpack = pytest.importorskip("odrpack")
     curve, radii = sphere(500, 0.01, 3, 0.2), np.linspace(0.55 * A_C, 1.3 * A_END, 4000)
 
     def load(x, beta):

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import h5py
 import numpy as np
+import pyarrow.parquet
 import pytest
 from conftest import CASES
 from hypothesis import given
@@ -316,7 +317,7 @@ def test_hdf5_and_parquet_hold_the_same_table(jkr, tmp_path: Path) -> None:
         assert group["status"].asstr()[()].tolist() == [row["status"] for row in table]
     expected = [float(row["pull_off.load.P_N"]) if row["pull_off.load.P_N"] else np.nan for row in table]
     np.testing.assert_array_equal(numbers, expected)
-    parquet = pytest.importorskip("pyarrow.parquet").read_table(tmp_path / "r" / "table.parquet")
+    parquet = pyarrow.parquet.read_table(tmp_path / "r" / "table.parquet")
     assert parquet.column_names == list(table[0])
     assert parquet["pull_off.load.P_N"].to_pylist() == [None if np.isnan(x) else x for x in expected]
 

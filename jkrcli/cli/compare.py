@@ -68,9 +68,9 @@ def compare(
         _print(first, second, rtol, found, judged, agree)
     if plot is not None:
         from ..report import plots
-        from ..report.plots import fields as plots_fields
+        from ..report.plots.study import differences_figure
 
-        plots.save(plots_fields.differences_figure(found, rtol), plot)
+        plots.save(differences_figure(found, rtol), plot)
     ctx.exit(0 if agree else 1)
 
 

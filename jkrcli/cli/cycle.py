@@ -82,9 +82,9 @@ def cycle(
     write_text(targets[".csv"], tables.csv(columns))
     if not no_plots:
         from ..report import plots
-        from ..report.plots import stability as plots_stability
+        from ..report.plots.curve import cycle_figure
 
-        figure = plots_stability.cycle_figure(columns, control(stiffness))
+        figure = cycle_figure(columns, control(stiffness))
         for end in ENDINGS[1:]:
             plots.save(figure, targets[end])
     if as_json:

@@ -84,7 +84,7 @@ def fields(
     state = contact_state(method, problem, radius, delta)
     figure = None
     if not no_plots:
-        from ..report.plots.contact_zone import contact_zone_figure
+        from ..report.plots.body import contact_zone_figure
 
         figure = contact_zone_figure(state, problem.indenter, w, component)
     _write(state, targets)

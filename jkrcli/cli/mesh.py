@@ -16,7 +16,7 @@ from ..methods.fem.export import write_vtu
 from ..methods.fem.mesh import write_msh
 from ..methods.guards import Limits, admit
 from ..report import plots
-from ..report.plots import fields as plots_fields
+from ..report.plots.body import mesh_figure
 from .options import limit_memory_option, limit_time_option
 from .voice import note, say
 
@@ -53,7 +53,7 @@ def mesh(case: Path, output: Path, limit_memory: float | None, limit_time: float
             write(grid, temporary)
             with temporary.open("a") as file:
                 file.write(MARKS[ending])
-    plots.save(plots_fields.mesh_figure(grid, reach), targets[".png"])
+    plots.save(mesh_figure(grid, reach), targets[".png"])
     quality = grid.quality()
     touched = int(np.sum(grid.surface_radii() <= reach))
     say(f"{case}: {len(grid.cells)} {grid.element}s, {len(grid.points)} vertices")

@@ -17,7 +17,7 @@ from ..case import store
 from ..methods.layered.fields import profile as solve_profile
 from ..methods.layered.layered import unbounded
 from ..report import plots, tables
-from ..report.plots import fields as plots_fields
+from ..report.plots.body import profile_figure
 from .options import Length, Load, WorkOfAdhesion
 from .voice import say
 
@@ -58,7 +58,7 @@ def profile(
         radius = stable_radius(analyse(stored, [w])[0].curve, load)
     columns = _columns(unbounded(case.problem), radius, w)
     write_text(targets[".csv"], tables.csv(columns))
-    figure = plots_fields.profile_figure(columns, radius, w)
+    figure = profile_figure(columns, radius, w)
     for ending in (".png", ".svg"):
         plots.save(figure, targets[ending])
     say(f"{file}: a = {show(radius, 'length')}, w = {show(w, 'work')}")

@@ -61,9 +61,9 @@ def study_pull_off_map(
     write_text(targets[".csv"], tables.csv(columns))
     if not no_plots:
         from ..report import plots
-        from ..report.plots import stability as plots_stability
+        from ..report.plots.study import map_figure
 
-        figure = plots_stability.map_figure(columns)
+        figure = map_figure(columns)
         for end in (".png", ".svg"):
             plots.save(figure, targets[end])
     if as_json:

@@ -21,7 +21,7 @@ from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Spe
 from jkrcli.methods.fem.method import FEM
 from jkrcli.methods.fem.state import ContactState, contact_state
 from jkrcli.methods.layered.fields import profile
-from jkrcli.report.plots.contact_zone import contact_zone_figure, magnification
+from jkrcli.report.plots.body import contact_zone_figure, magnification
 
 R, E, NU, W, A = 100e-6, 1e6, 0.3, 0.02, 10e-6
 E_STAR = E / (1 - NU**2)

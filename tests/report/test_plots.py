@@ -6,11 +6,12 @@ The figures are those that the verbs draw: ``plots.save`` is replaced by a colle
 from __future__ import annotations
 
 import itertools
+import subprocess
+import sys
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
-import matplotlib as mpl
 import numpy as np
 import pytest
 from fit_data import sphere
@@ -33,7 +34,7 @@ from jkrcli.many.study.plots_chart import chart_figure
 from jkrcli.many.study.plots_failures import LOOKS
 from jkrcli.report import plots
 from jkrcli.report.plots.curve import curve_figure, physical_units
-from jkrcli.report.plots.fields import differences_figure
+from jkrcli.report.plots.study import differences_figure
 from jkrcli.series.differences import Difference
 
 CASES = Path(__file__).parents[2] / "cases"
@@ -76,7 +77,7 @@ def _body(jkr: Callable) -> str:
     return "body.h5"
 
 
-@mpl.rc_context(plots.STYLE)  # ticks that are made on drawing take their looks from here, as they do in plots.save
+@plots.style()  # ticks that are made on drawing take their looks from here, as they do in plots.save
 def troubles(figure: Figure, smallest: float = SMALLEST) -> list[str]:
     """What a reader would complain about."""
     canvas = FigureCanvasAgg(figure)
@@ -189,6 +190,17 @@ def test_figures_are_the_same_to_the_byte(tmp_path: Path, monkeypatch: pytest.Mo
             plots.save(differences_figure([Difference("P", "delta_m", x, x, 1.0)], 1e-3), Path(name + ending))
     for ending in (".png", ".svg"):
         assert Path("one" + ending).read_bytes() == Path("two" + ending).read_bytes()
+
+
+def test_settings_in_the_current_folder_change_no_figure(jkr: Callable, body: str) -> None:
+    """matplotlib takes a matplotlibrc of the folder that it is started in; LaTeX, asked for there, is not installed."""
+    words = [sys.executable, "-m", "jkrcli", "transform", "body.h5", "-o"]
+    subprocess.run([*words, "plain"], check=True, capture_output=True)
+    Path("matplotlibrc").write_text("text.usetex: True\nfont.family: monospace\nsavefig.dpi: 20\nlines.marker: x\n")
+    subprocess.run([*words, "styled"], check=True, capture_output=True)
+    for ending in (".png", ".svg"):
+        one, two = (Path(folder, f"body-w0.1{ending}").read_bytes() for folder in ("plain", "styled"))
+        assert one == two
 
 
 # ---------------------------------------------------------------------- the verbs

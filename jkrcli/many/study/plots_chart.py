@@ -5,12 +5,23 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-import matplotlib as mpl
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
-from ...report.plots import BLACK, BLUE, GREEN, ORANGE, PURPLE, STYLE, WIDE, legend_below, log_ends, log_ticks, pretty
+from ...report.plots import (
+    BLACK,
+    BLUE,
+    GREEN,
+    ORANGE,
+    PURPLE,
+    WIDE,
+    Axes,
+    Figure,
+    drawing,
+    legend_below,
+    log_ends,
+    log_ticks,
+    pretty,
+)
 from .chart import Measured, front
 from .chart_peers import Peer
 
@@ -55,8 +66,7 @@ PANELS = (
 
 def chart_figure(points: Sequence[Measured], peers: Sequence[Peer], title: str) -> Figure:
     """Four panels, P(delta) above and the pull-off force below; the line is the Pareto front of this program."""
-    with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(WIDE, 6.0), layout="constrained")
+    with drawing(WIDE, 6.0) as figure:
         axes = figure.subplots(2, 2, sharey="row")
         for place, panel in zip(axes.ravel(), PANELS, strict=True):
             _draw(place, panel, points, peers)

@@ -5,12 +5,9 @@ from __future__ import annotations
 import itertools
 from collections.abc import Sequence
 
-import matplotlib as mpl
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
-from ...report.plots import BLACK, BLUE, GREEN, ORANGE, PURPLE, STYLE
+from ...report.plots import BLACK, BLUE, GREEN, ORANGE, PURPLE, Axes, Figure, drawing
 from .failures import CRASHED, REFUSED, RIGHT, SAID, SILENT, TOO_SLOW, UNJUDGED, Verdict
 from .failures_cells import AXES, BODIES, SHAPES
 
@@ -32,6 +29,7 @@ COMMON = ("nu", "a_over_h", "contrast", "points", "shape", "body", "length_unit"
 RELEVANT = {"fem": ("nodes", "increments", *COMMON), "slopes": ("noise", *COMMON)}
 CATEGORIES = {"shape": SHAPES, "body": BODIES}
 PANEL = 1.25  # inch
+SMALL = {"font.size": 7, "xtick.labelsize": 6, "ytick.labelsize": 6, "axes.grid": False}
 SPACING = {"left": 0.09, "right": 0.99, "bottom": 0.09, "top": 0.99, "hspace": 0.12, "wspace": 0.12}
 LEAST = {"increments": 1.0, "noise": 1e-7}  # where none stands on a logarithmic axis
 
@@ -41,8 +39,7 @@ def failures_figure(verdicts: Sequence[Verdict], method: str) -> Figure:
     mine = [verdict for verdict in verdicts if verdict.cell.method == method]
     names = RELEVANT.get(method, COMMON)
     n = len(names) - 1
-    with mpl.rc_context({**STYLE, "font.size": 7, "xtick.labelsize": 6, "ytick.labelsize": 6, "axes.grid": False}):
-        figure = Figure(figsize=(PANEL * n + 0.8, PANEL * n + 0.8))
+    with drawing(PANEL * n + 0.8, PANEL * n + 0.8, SMALL, layout=None) as figure:
         axes = figure.subplots(n, n, squeeze=False, gridspec_kw=SPACING)
         for (row, below), (column, beside) in itertools.product(enumerate(names[1:]), enumerate(names[:-1])):
             if column > row:

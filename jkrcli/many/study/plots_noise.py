@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import matplotlib as mpl
 import numpy as np
-from matplotlib.figure import Figure
 
-from ...report.plots import BLUE, NARROW, ORANGE, STYLE, WIDE, legend_below
+from ...report.plots import BLUE, NARROW, ORANGE, WIDE, Figure, drawing, legend_below
 from .noise import Cell
 
 WAYS = {"integral": (ORANGE, "o-"), "loocv": (BLUE, "s--")}
@@ -20,8 +18,7 @@ FLOOR = 1e-6  # of the errors drawn, and the place of "no noise" on the axis
 def noise_figure(cells: Sequence[Cell]) -> Figure:
     """One column per body: median error of the pull-off force above, pointwise coverage of the 90 % band below."""
     bodies = list(dict.fromkeys(cell.body for cell in cells))
-    with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(WIDE if len(bodies) > 1 else NARROW, 4.6), layout="constrained")
+    with drawing(WIDE if len(bodies) > 1 else NARROW, 4.6) as figure:
         axes = figure.subplots(2, len(bodies), sharex=True, sharey="row", squeeze=False)
         for column, body in enumerate(bodies):
             _panel(axes[:, column], [cell for cell in cells if cell.body == body])

@@ -1,23 +1,24 @@
-"""The one door to matplotlib: one style, fit for print; figures without pyplot, global state or a clock."""
+"""Figures in one style, fit for print, and the one door to matplotlib: no pyplot, no global state, no clock."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import contextlib
+from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import matplotlib as mpl
 import numpy as np
-from matplotlib.axes import Axes
+from matplotlib.axes import Axes as Axes
 from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
+from matplotlib.figure import Figure as Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from ... import __version__
+from ...base.arrays import Array
 from ...base.files import atomic
 from ...base.units import scale
-from ...series import Array
 
 WIDE, MIDDLE, NARROW = 7.0, 4.8, 3.4  # two columns of a journal, one and a half, one [inch]: printed unscaled
 STYLE: dict[Any, Any] = {
@@ -44,6 +45,26 @@ BLUE, ORANGE, GREEN, BLACK = "#0072B2", "#D55E00", "#009E73", "#000000"
 PURPLE, SKY = "#CC79A7", "#56B4E9"
 FEW = 100.0  # ends of a logarithmic axis less far apart have ticks within the decades
 COLORS = (BLUE, ORANGE, GREEN, PURPLE, SKY, BLACK)
+
+
+@contextlib.contextmanager
+def style(changes: dict[Any, Any] | None = None) -> Iterator[None]:
+    """The settings of all figures, with ``changes``; none is taken from a matplotlibrc, wherever that lies."""
+    defaults = {name: value for name, value in mpl.rcParamsDefault.items() if name != "backend"}
+    with mpl.rc_context(defaults | STYLE | (changes or {})):
+        yield
+
+
+@contextlib.contextmanager
+def drawing(
+    width: float,
+    height: float,
+    changes: dict[Any, Any] | None = None,
+    layout: Literal["constrained"] | None = "constrained",
+) -> Iterator[Figure]:
+    """An empty figure [inch] to draw on in the common style, with ``changes``."""
+    with style(changes):
+        yield Figure(figsize=(width, height), layout=layout)
 
 
 def pretty(text: str) -> str:
@@ -87,6 +108,6 @@ def save(figure: Figure, path: Path) -> None:
     """Write a figure atomically; PNG or SVG by the ending, reproducible to the byte, marked as ours."""
     mark = f"jkr {__version__}"
     metadata = {"Software": mark} if path.suffix == ".png" else {"Creator": mark, "Date": None}
-    with mpl.rc_context(STYLE), atomic(path) as temporary:
+    with style(), atomic(path) as temporary:
         FigureCanvasAgg(figure)
         figure.savefig(temporary, dpi=300, metadata=metadata)

@@ -1,26 +1,25 @@
-"""The figure of an adhesive curve: load over displacement and contact radius over load, the tension enlarged."""
+"""Figures of an adhesive curve, its tension enlarged, and of the trace that a device records along it."""
 
 from __future__ import annotations
 
 import itertools
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-import matplotlib as mpl
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from ...adhesion.analysis import Analysis
 from ...adhesion.curve import AdhesiveCurve, CriticalPoint
 from ...adhesion.stability import GRIPPED, STABLE, UNSTABLE, branch
+from ...base.arrays import Array
 from ...base.units import scale, show
-from ...series import Array
 from ..scaling import Scales
-from . import BLACK, BLUE, ORANGE, STYLE, WIDE, legend_below, pretty
+from . import BLACK, BLUE, GREEN, ORANGE, WIDE, Axes, Figure, drawing, legend_below, pretty, scaled
 
 BRANCHES = {STABLE: ("o-", ""), GRIPPED: ("--", "stable under displacement control only"), UNSTABLE: (":", "unstable")}
+PHASES = {"approach": (BLUE, 2.4), "turn": (GREEN, 1.8), "retraction": (ORANGE, 1.1)}  # the last drawn the thinnest
 SPACING = 0.06  # between markers, of the diagonal of the axes
 DWARFED = 0.2  # tension that takes less than this share of the loads is drawn again, larger
 VISIBLE = 0.01  # half-width of a band that can be seen, of the height of the axes
@@ -63,8 +62,7 @@ def units_of(scales: Scales) -> Units:
 
 def curve_figure(result: Analysis, units: Units) -> Figure:
     """The paper's Fig. 5, nonadhesive and adhesive; insets show the tension where it is small against the loads."""
-    with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(WIDE, 3.4), layout="constrained")
+    with drawing(WIDE, 3.4) as figure:
         panels = figure.subplots(1, 2)
         for axes, (x, y, empty) in zip(panels, PANELS, strict=True):
             _draw(axes, result, units, x, y)
@@ -145,3 +143,38 @@ def _enlarge(axes: Axes, result: Analysis, units: Units, x: str, y: str, place: 
     inset.tick_params(labelsize=7, pad=1.5, length=2)
     for axis in (inset.xaxis, inset.yaxis):
         axis.set_major_locator(MaxNLocator(3))
+
+
+def cycle_figure(columns: Mapping[str, Array], title: str) -> Figure:
+    """Load and contact radius over what the device controls (the displacement under load control), jumps dotted.
+
+    ``columns``: as ``stability.trace`` gives them, with "phase" and "part".
+    """
+    over = "device_m" if "device_m" in columns else "delta_m"
+    soft = not np.array_equal(columns[over], columns["delta_m"])
+    name = "device position δ + P/k" if soft else "displacement δ"
+    with drawing(WIDE, 3.4) as figure:
+        panels = figure.subplots(1, 2)
+        x, x_unit = scaled(columns[over], "length")
+        for axes, column, dimension, label in (
+            (panels[0], "P_N", "load", "load P"),
+            (panels[1], "a_m", "length", "contact radius a"),
+        ):
+            y, y_unit = scaled(columns[column], dimension)
+            _phases(axes, x, y, columns)
+            axes.axhline(0, color="0.7", lw=0.6, zorder=0)
+            axes.set_xlabel(f"{name} ({x_unit})")
+            axes.set_ylabel(f"{label} ({y_unit})")
+        legend_below(figure, panels, 4)
+        figure.suptitle(title)
+        return figure
+
+
+def _phases(axes: Axes, x: Array, y: Array, columns: Mapping[str, Array]) -> None:
+    """One line per part, in the colour of its phase, over a dotted line that shows where the jumps between them lie."""
+    axes.plot(x, y, ":", color=BLACK, lw=0.9, label="jump")
+    for part in range(1, int(columns["part"][-1]) + 1):
+        rows = columns["part"] == part
+        label = str(columns["phase"][rows][0]).removeprefix("free ")
+        colour, width = PHASES[label]
+        axes.plot(x[rows], y[rows], color=colour, lw=width, label=label)

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import matplotlib as mpl
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from ...base.arrays import Array
 from ...base.units import scale
 from ...identify.fit.result import Fit
 from ...identify.fit.statistics import rise
-from ...series import Array
-from . import BLACK, BLUE, GREEN, MIDDLE, ORANGE, SKY, STYLE, WIDE, legend_below, pretty
+from . import BLACK, BLUE, GREEN, MIDDLE, ORANGE, SKY, WIDE, Axes, Figure, drawing, legend_below, pretty
 
 LABELS = {"a": "contact radius a", "delta": "displacement δ", "P": "load P"}
 DIMENSIONS = {"a": "length", "delta": "length", "P": "load"}
@@ -23,8 +20,7 @@ MARKS = {"a": (GREEN, "s"), "delta": (BLUE, "^"), "P": (ORANGE, "o")}
 def fit_figure(found: Fit) -> Figure:
     """Three panels, or two where the data tell no joint region of E* and w."""
     region = found.covariance is not None and {"modulus", "w"} <= set(found.free)
-    with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(WIDE if region else MIDDLE, 2.8), layout="constrained")
+    with drawing(WIDE if region else MIDDLE, 2.8) as figure:
         panels = figure.subplots(1, 3 if region else 2)
         _curve(panels[0], found)
         _residuals(panels[1], found)

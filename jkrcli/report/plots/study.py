@@ -1,20 +1,21 @@
-"""Charts of studies: panels of lines given as data, drawn in the style of all figures."""
+"""Figures of comparisons and studies: panels of lines given as data, differences of two results, the pull-off map."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import itertools
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-import matplotlib as mpl
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
+import numpy as np
 
-from ...series import Array
-from . import MIDDLE, STYLE, WIDE, legend_below
+from ...base.arrays import Array
+from ...series.differences import Difference
+from . import COLORS, MIDDLE, NARROW, WIDE, Axes, Figure, drawing, legend_below
 
 HEIGHT = 3.0  # of a row of panels [inch]
 UNNAMED = "_nolegend_"  # label of a line that the legend leaves out
 MARKERS = 30  # at most, on a line
+LIMITS = {1.5: "thick: 3/2", 2.0: "thin, compressible: 2", 3.0: "thin, incompressible: 3"}  # of the pull-off map
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,8 +48,7 @@ class Panel:
 def panels_figure(panels: Sequence[Panel], title: str = "") -> Figure:
     """The panels two by two, lettered, each with its legend, or with one for all where it is the same."""
     rows = (len(panels) + 1) // 2
-    with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(WIDE if len(panels) > 1 else MIDDLE, HEIGHT * rows), layout="constrained")
+    with drawing(WIDE if len(panels) > 1 else MIDDLE, HEIGHT * rows) as figure:
         axes = figure.subplots(rows, min(2, len(panels)), squeeze=False).ravel()
         for place, panel, letter in zip(axes, panels, "abcdefgh", strict=False):
             _draw(place, panel, f"({letter}) " if len(panels) > 1 else "")
@@ -80,3 +80,43 @@ def _draw(axes: Axes, panel: Panel, letter: str) -> None:
         axes.plot(line.x, line.y, line.style, color=line.color, label=line.label, ms=3.5, mfc="none", lw=1.0,
                   markevery=every)  # fmt: skip
     axes.set(xlabel=panel.xlabel, ylabel=panel.ylabel, title=letter + panel.title, xlim=panel.xlim, ylim=panel.ylim)
+
+
+def differences_figure(found: Sequence[Difference], rtol: float) -> Figure:
+    """Relative differences over what they are compared at, in logs, with the limit."""
+    with drawing(NARROW, 3.2) as figure:
+        axes = figure.subplots()
+        for difference, color in zip(found, itertools.cycle(COLORS), strict=False):
+            size = np.maximum(np.abs(difference.relative), 1e-17)
+            label = f"{difference.column}({_symbol(difference.over)})"
+            axes.loglog(difference.x, size, ".-", color=color, ms=4, lw=0.8, label=label)
+        axes.axhline(rtol, color="0.4", lw=0.8, ls=":", label=f"rtol {rtol:g}")
+        axes.set_xlabel(" or ".join(f"{_symbol(over)} (m)" for over in dict.fromkeys(item.over for item in found)))
+        axes.set_ylabel("relative difference")
+        legend_below(figure, [axes], 3)
+        return figure
+
+
+def _symbol(column: str) -> str:
+    """The symbol of a column: "delta_m" is δ."""
+    return column.removesuffix("_m").replace("delta", "δ")
+
+
+def map_figure(columns: Mapping[str, Array]) -> Figure:
+    """The pull-off map: -P_min/(pi w R) over w R^2/(E* h^3), one line per Poisson's ratio, with its limits."""
+    with drawing(MIDDLE, 3.4) as figure:
+        axes = figure.subplots()
+        q, force = columns["w_R2_over_Estar_h3"], columns["minus_P_over_pi_w_R"]
+        for value, words in LIMITS.items():
+            axes.axhline(value, color="0.6", lw=0.8, ls="--")
+            axes.annotate(words, (0.99, value), xycoords=("axes fraction", "data"), ha="right", va="bottom", size=8,
+                          color="0.4")  # fmt: skip
+        for i, nu in enumerate(dict.fromkeys(columns["nu"].tolist())):
+            rows = columns["nu"] == nu
+            axes.semilogx(q[rows], force[rows], ".-", color=COLORS[i % len(COLORS)], ms=4, label=f"ν = {nu:g}")
+        axes.set_xlabel("w R² / (E* h³)")
+        axes.set_ylabel("pull-off force / (π w R)")
+        axes.set_ylim(1.4, 3.15)
+        axes.set_title(f"layer on a rigid base, {columns['base'][0]}")
+        legend_below(figure, [axes], 4)
+        return figure

@@ -4,15 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-import matplotlib as mpl
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
+from ...base.arrays import Array
 from ...base.units import scale
 from ...identify.work import WorkAlong, typical
-from ...series import Array
-from . import BLUE, GREEN, NARROW, ORANGE, STYLE, WIDE, legend_below, log_ends, log_ticks, pretty
+from . import BLUE, GREEN, NARROW, ORANGE, WIDE, Axes, Figure, drawing, legend_below, log_ends, log_ticks, pretty
 
 GROUPS = {"measured": (GREEN, "o"), "advancing": (BLUE, "^"), "receding": (ORANGE, "v")}  # told apart in grey too
 MOST = 3000  # points of a group that are drawn; of more every n-th
@@ -26,8 +23,7 @@ def work_figure(found: Sequence[WorkAlong]) -> Figure:
     """
     groups = _groups(found)
     timed = "measured" not in groups
-    with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(WIDE if timed else NARROW, 3.0), layout="constrained")
+    with drawing(WIDE if timed else NARROW, 3.0) as figure:
         axes = figure.subplots(1, 2 if timed else 1, squeeze=False)[0]
         w, unit = scale(typical(found), "work")
         _over_radius(axes[0], groups, w)

@@ -12,7 +12,8 @@ from ..adhesion.curve import Outside
 from ..adhesion.stability import Cycle, Jump, control, trace, turning_radius
 from ..adhesion.stability import cycle as run_cycle
 from ..base.errors import InputError
-from ..base.files import check_target, make_folder, write_text
+from ..base.files import check_target, make_folder
+from ..base.table import write_csv
 from ..base.units import show
 from ..case import store
 from ..case.store import Stored
@@ -79,7 +80,7 @@ def cycle(
     if isinstance(found, Outside):
         raise InputError(f"{file}: {found.reason}")
     columns = trace(found, points)
-    write_text(targets[".csv"], tables.csv(columns))
+    write_csv(targets[".csv"], columns)
     if not no_plots:
         from ..report import plots
         from ..report.plots.curve import cycle_figure

@@ -11,7 +11,8 @@ import numpy as np
 from ..adhesion.analysis import analyse, specification
 from ..adhesion.states import stable_radius
 from ..base.errors import InputError
-from ..base.files import atomic, check_target, make_folder, write_text
+from ..base.files import atomic, check_target, make_folder
+from ..base.table import write_csv
 from ..base.units import show
 from ..case import store
 from ..report import tables
@@ -110,7 +111,7 @@ def _write(state: ContactState, targets: dict[str, Path]) -> None:
         write_vtu(state.grid, temporary, data | {"von_mises_Pa": state.mises})
         with temporary.open("a") as file:
             file.write(MARKS[".vtu"])
-    write_text(targets[".csv"], tables.csv(tractions(state)))
+    write_csv(targets[".csv"], tractions(state))
 
 
 def tractions(state: ContactState) -> dict[str, np.ndarray]:

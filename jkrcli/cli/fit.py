@@ -116,6 +116,7 @@ def fit(
     jkr fit data.h5 map.jpk-force-map --contact estimate --free P0 --workers 2
     """
     from ..base.files import check_target, make_folder, write_text
+    from ..base.table import write_csv
     from ..identify.fit import archive, report
     from ..identify.fit.request import settings_of, uncertain_of
     from ..identify.fit.source import body_of
@@ -143,7 +144,7 @@ def fit(
     for _, target in drawn:
         for ending in PICTURES:
             check_target(target.with_name(target.name + ending), force, inputs)
-    write_text(targets[".csv"], report.table(found))
+    write_csv(targets[".csv"], report.columns(found))
     write_text(targets[".json"], tables.as_json(report.summary(found, str(body_file))))
     archive.write(targets[".h5"], found, str(body_file))
     _draw(drawn)

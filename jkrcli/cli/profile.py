@@ -10,13 +10,14 @@ import numpy as np
 from ..adhesion.analysis import analyse, specification
 from ..adhesion.states import stable_radius
 from ..base.errors import InputError
-from ..base.files import check_target, make_folder, write_text
+from ..base.files import check_target, make_folder
+from ..base.table import write_csv
 from ..base.units import show
 from ..bodies.problem import Problem
 from ..case import store
 from ..methods.layered.fields import profile as solve_profile
 from ..methods.layered.layered import unbounded
-from ..report import plots, tables
+from ..report import plots
 from ..report.plots.body import profile_figure
 from .options import Length, Load, WorkOfAdhesion
 from .voice import say
@@ -57,7 +58,7 @@ def profile(
         assert load is not None
         radius = stable_radius(analyse(stored, [w])[0].curve, load)
     columns = _columns(unbounded(case.problem), radius, w)
-    write_text(targets[".csv"], tables.csv(columns))
+    write_csv(targets[".csv"], columns)
     figure = profile_figure(columns, radius, w)
     for ending in (".png", ".svg"):
         plots.save(figure, targets[ending])

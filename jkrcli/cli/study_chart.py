@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import Any
 
 import click
-import numpy as np
 
 from ..base.errors import InputError
 from ..base.files import check_target, make_folder, write_text
+from ..base.table import write_csv
 from ..bodies.words import describe
 from ..case import Case, load_case
 from ..many.study.chart import (
@@ -124,7 +124,7 @@ def study_chart(
         automatic(loaded),
     )
     data = as_dict(found)
-    write_text(targets[".csv"], tables.csv(_columns(found)))
+    write_csv(targets[".csv"], _columns(found))
     write_text(targets[".json"], tables.as_json(data))
     if not no_plots:
         _draw(found, targets)
@@ -190,11 +190,11 @@ def as_dict(found: Found) -> dict[str, Any]:
     }
 
 
-def _columns(found: Found) -> dict[str, np.ndarray]:
+def _columns(found: Found) -> dict[str, list[Any]]:
     rows = [
         {
             "method": point.setting.method,
-            "setting": point.setting.words.replace(",", ";"),
+            "setting": point.setting.words,
             "slopes": point.slopes,
             "unknowns": point.unknowns,
             "whole_cpu_s": point.whole.cpu_s,
@@ -211,7 +211,7 @@ def _columns(found: Found) -> dict[str, np.ndarray]:
         for point in found.points
     ]
     names = list(rows[0]) if rows else ["method", "setting", "slopes", "unknowns"]
-    return {name: np.array(["" if row[name] is None else row[name] for row in rows], dtype=object) for name in names}
+    return {name: [row[name] for row in rows] for name in names}
 
 
 def _print(found: Found) -> None:

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import click
-import numpy as np
 
 from ..adhesion.curve import Outside
 from ..base.errors import InputError
 from ..base.files import check_target, make_folder, write_text
+from ..base.table import write_csv
 from ..base.units import show
 from ..bodies.words import describe
 from ..case import load_case
@@ -73,7 +74,7 @@ def study_converge(
     with pool_for(method.forecast(problem).seconds, workers, scheduler) as pool:
         found = converge(problem, method, w, levels, executor=pool)
     data = as_dict(found)
-    write_text(targets[".csv"], tables.csv(_columns(found)))
+    write_csv(targets[".csv"], _columns(found))
     write_text(targets[".json"], tables.as_json(data))
     if not no_plots:
         _draw(found, targets)
@@ -125,22 +126,20 @@ def as_dict(found: Convergence) -> dict[str, Any]:
     }
 
 
-def _columns(found: Convergence) -> dict[str, np.ndarray]:
+def _columns(found: Convergence) -> dict[str, Sequence[Any]]:
     """A row per mesh; the pull-off cell is empty where it lies outside the series."""
     levels = found.levels
-    pull_off = ["" if force is None else force for force in found.values("pull_off")]
-    columns = {
+    return {
         "size_m": [level.size for level in levels],
         "elements": [level.elements for level in levels],
         "unknowns": [level.unknowns for level in levels],
         "a_m": found.values("a"),
         "P_N": found.values("P"),
-        "pull_off_P_N": pull_off,
+        "pull_off_P_N": found.values("pull_off"),
         "points_kept": [level.kept for level in levels],
         "points_dropped": [level.dropped for level in levels],
         "cpu_s": [level.seconds for level in levels],
     }
-    return {name: np.array(values, dtype=object) for name, values in columns.items()}
 
 
 def _print(found: Convergence) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import datetime
-import math
 from collections.abc import Sequence
 from dataclasses import fields
 from pathlib import Path
@@ -12,6 +11,7 @@ from typing import Any
 import click
 
 from ..base.files import check_target, make_folder, write_text
+from ..base.table import write_csv
 from ..many.study.failures import BUGS, OUTCOMES, TOO_SLOW, Verdict, counts, failures, random_cells
 from ..many.study.failures_cells import Cell
 from ..methods import METHODS
@@ -65,7 +65,7 @@ def study_failures(
     with pool_for(PER_CELL * cells, workers, scheduler) as pool:
         verdicts = failures(random_cells(cells, seed, methods), pool)
     data = as_dict(verdicts, seed)
-    write_text(targets[".csv"], _csv(verdicts))
+    write_csv(targets[".csv"], _columns(verdicts))
     write_text(targets[".json"], tables.as_json(data))
     _draw(verdicts, pictures)
     if as_json:
@@ -101,20 +101,13 @@ def as_dict(verdicts: Sequence[Verdict], seed: int) -> dict[str, Any]:
     }
 
 
-def _csv(verdicts: Sequence[Verdict]) -> str:
+def _columns(verdicts: Sequence[Verdict]) -> dict[str, list[Any]]:
     names = [*FIRST, *(field.name for field in fields(Cell) if field.name not in FIRST), "error", "stated", "words"]
-    rows = [",".join(_text(_value(verdict, name)) for name in names) for verdict in verdicts]
-    return "\n".join([",".join(names), *rows]) + "\n"
+    return {name: [_value(verdict, name) for verdict in verdicts] for name in names}
 
 
 def _value(verdict: Verdict, name: str) -> Any:
     return getattr(verdict, name) if hasattr(verdict, name) else getattr(verdict.cell, name)
-
-
-def _text(value: Any) -> str:
-    if value is None or (isinstance(value, float) and not math.isfinite(value)):
-        return ""
-    return repr(value) if isinstance(value, float) else str(value).replace(",", ";").replace("\n", " ")
 
 
 def _print(verdicts: Sequence[Verdict], seed: int) -> None:

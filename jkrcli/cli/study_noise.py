@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import asdict
+from dataclasses import fields
 from pathlib import Path
 
 import click
 
-from ..base.files import check_target, make_folder, write_text
+from ..base.files import check_target, make_folder
+from ..base.table import write_csv
 from ..many.study.noise import BODIES, METHODS, NOISE, POINTS, Cell, noise_study
 from ..report import plots
 from .parallel import parallel_options, pool_for
 
 PER_RUN = 0.1  # CPU seconds of one fit
-HEADER = "body,points,noise,method,median,worst,coverage,band,failures"
 
 
 @click.command("noise")
@@ -52,7 +52,7 @@ def study_noise(
     runs = seeds * len(chosen) * len(points or POINTS) * len(NOISE) * len(METHODS)
     with pool_for(PER_RUN * runs, workers, scheduler) as pool:
         cells = noise_study(chosen, points or POINTS, NOISE, METHODS, seeds, pool)
-    write_text(targets[".csv"], _csv(cells))
+    write_csv(targets[".csv"], {item.name: [getattr(cell, item.name) for cell in cells] for item in fields(Cell)})
     from ..many.study.plots_noise import noise_figure
 
     figure = noise_figure(cells)
@@ -60,11 +60,6 @@ def study_noise(
         plots.save(figure, targets[ending])
     _print(cells)
     click.echo(f"  written {output / 'noise-study'}{{.csv,.png,.svg}}")
-
-
-def _csv(cells: Sequence[Cell]) -> str:
-    rows = [",".join(str(value) if _known(value) else "" for value in asdict(cell).values()) for cell in cells]
-    return "\n".join([HEADER, *rows]) + "\n"
 
 
 def _known(value: object) -> bool:

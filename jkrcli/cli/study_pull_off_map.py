@@ -8,7 +8,8 @@ import click
 import numpy as np
 
 from ..base.errors import InputError
-from ..base.files import check_target, make_folder, write_text
+from ..base.files import check_target, make_folder
+from ..base.table import write_csv
 from ..many.study.pull_off_map import map_columns, pull_off_map
 from ..report import tables
 from .parallel import parallel_options, pool_for
@@ -58,7 +59,7 @@ def study_pull_off_map(
     wanted = qs or tuple(10.0 ** (np.arange(-12, 17) / 4))
     with pool_for(PER_RATIO * len(nus), workers, scheduler) as pool:
         columns = map_columns(pull_off_map(nus, base == "bonded", wanted, pool))
-    write_text(targets[".csv"], tables.csv(columns))
+    write_csv(targets[".csv"], columns)
     if not no_plots:
         from ..report import plots
         from ..report.plots.study import map_figure

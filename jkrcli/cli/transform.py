@@ -11,6 +11,7 @@ from ..adhesion.analysis import Analysis, analyse, specification
 from ..adhesion.curve import CriticalPoint
 from ..base.errors import InputError
 from ..base.files import check_target, make_folder, write_text
+from ..base.table import write_csv
 from ..base.units import show
 from ..case import store
 from ..case.store import Stored
@@ -116,7 +117,7 @@ def _write(result: Analysis, target: Path, scales: Scales | None, with_plots: bo
 
         units = plots_curve.physical_units(result.curve) if scales is None else plots_curve.units_of(scales)
         figure = plots_curve.curve_figure(result, units)
-    write_text(target.with_name(target.name + ".csv"), tables.csv(columns))
+    write_csv(target.with_name(target.name + ".csv"), columns)
     write_text(target.with_name(target.name + ".json"), tables.as_json(summary))
     if figure is not None:
         for ending in ENDINGS[2:]:

@@ -134,8 +134,9 @@ def _curves(path: Path, reading: Reading, evaluation: Evaluation, workers: int) 
 def _write(target: Path, found: list[WorkAlong], summary: dict[str, Any], with_plots: bool) -> None:
     """Table, summary and plots of one file; the figure is drawn before anything is written."""
     from ..base.files import write_text
+    from ..base.table import write_csv
     from ..report import tables
-    from ..report.work import table
+    from ..report.work import columns
 
     figure = None
     if with_plots:
@@ -143,7 +144,7 @@ def _write(target: Path, found: list[WorkAlong], summary: dict[str, Any], with_p
         from ..report.plots import work as plots_work
 
         figure = plots_work.work_figure(found)
-    write_text(target.with_name(target.name + ".csv"), table(found))
+    write_csv(target.with_name(target.name + ".csv"), columns(found))
     write_text(target.with_name(target.name + ".json"), tables.as_json(summary))
     if figure is not None:
         for ending in ENDINGS[2:]:

@@ -40,15 +40,8 @@ def curve_columns(curve: AdhesiveCurve) -> dict[str, Array]:
     return columns | {"branch": branch(curve)}
 
 
-def csv(columns: dict[str, Array]) -> str:
-    """One header line, then a line per row, numbers with full precision."""
-    rows = zip(*(np.asarray(values).tolist() for values in columns.values()), strict=True)
-    lines = [",".join(columns), *(",".join(map(str, row)) for row in rows)]
-    return "\n".join(lines) + "\n"
-
-
 def read_curve(path: Path) -> dict[str, Array]:
-    """The columns of numbers in a CSV file written by ``csv``; InputError with the line where a row is wrong."""
+    """The columns of numbers in the CSV file of a curve; InputError with the line where a row is wrong."""
     lines = read_bytes(path, "curve").decode("utf-8", errors="replace").splitlines()
     names = lines[0].split(",") if lines else []
     if names[:1] != ["a_m"]:

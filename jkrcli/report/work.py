@@ -16,26 +16,25 @@ from ..data.measured.contact import saturation
 from ..identify.work.along import WorkAlong
 from ..identify.work.body import ABOVE, BELOW, NONE, OK
 from ..series import Array
-from .tables import csv
 
 FORMAT, VERSION = "jkr-work", 1
 QUARTILES = (0.25, 0.5, 0.75)
 MANY = 0.1  # of the rows: as many without a work of adhesion are said in a warning
 
 
-def table(found: Sequence[WorkAlong]) -> str:
-    """The CSV file: all rows of all curves, a curve at a time. Cells without a value are empty; quantities that no
-    curve has make no column."""
+def columns(found: Sequence[WorkAlong]) -> dict[str, list[Any]]:
+    """The table of all rows of all curves, a curve at a time, by columns; None where there is no value. Quantities
+    that no curve has make no column."""
     held = {name for item in found for name, (values, _) in _numbers(item).items() if values is not None}
-    texts = (csv(_labels(item) | _cells(item, held)) for item in found)
-    return "".join(text if i == 0 else text.split("\n", 1)[1] for i, text in enumerate(texts))
+    each = [_labels(item) | _cells(item, held) for item in found]
+    return {name: [cell for item in each for cell in item[name]] for name in each[0]}
 
 
-def _labels(item: WorkAlong) -> dict[str, Array]:
+def _labels(item: WorkAlong) -> dict[str, list[Any]]:
     """Curve, segment (may be empty) and state of each row."""
     curve, size = item.curve, len(item.curve)
-    segments = [""] * size if curve.segment is None else [_quoted(word) for word in curve.segment.tolist()]
-    return {"curve": np.full(size, _quoted(curve.name)), "segment": np.array(segments), "state": item.state}
+    segments = [None] * size if curve.segment is None else curve.segment.tolist()
+    return {"curve": [curve.name] * size, "segment": segments, "state": item.state.tolist()}
 
 
 def _numbers(item: WorkAlong) -> dict[str, tuple[Array | None, Array]]:
@@ -56,18 +55,13 @@ def _numbers(item: WorkAlong) -> dict[str, tuple[Array | None, Array]]:
     }
 
 
-def _cells(item: WorkAlong, held: AbstractSet[str]) -> dict[str, Array]:
-    """The columns named in ``held``, numbers with full precision, cells without a value empty."""
+def _cells(item: WorkAlong, held: AbstractSet[str]) -> dict[str, list[Any]]:
+    """The columns named in ``held``."""
     return {
-        name: np.where(rows, "" if values is None else np.array(list(map(repr, values.tolist()))), "")
+        name: [None] * rows.size if values is None else np.where(rows, values, np.nan).tolist()
         for name, (values, rows) in _numbers(item).items()
         if name in held
     }
-
-
-def _quoted(name: str) -> str:
-    """A name as a cell of a CSV file."""
-    return name if not set(name) & set(',"') else '"' + name.replace('"', '""') + '"'
 
 
 def summary(found: Sequence[WorkAlong], body: Analysis, path: Path, skipped: Sequence[str]) -> dict[str, Any]:

@@ -15,6 +15,7 @@ from jkrcli.adhesion.expectation import expect
 from jkrcli.adhesion.slopes import slopes
 from jkrcli.adhesion.states import stable_radius
 from jkrcli.base.errors import InputError, Refusal
+from jkrcli.base.table import write_csv
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
@@ -148,7 +149,7 @@ def test_states_lie_on_the_curve_and_the_stable_one_is_the_larger() -> None:
 
 def test_csv_reads_back_to_the_last_bit(tmp_path) -> None:
     columns = tables.curve_columns(curve_of(PROBLEM))
-    (tmp_path / "x.csv").write_text(tables.csv(columns))
+    write_csv(tmp_path / "x.csv", columns)
     for name, values in tables.read_curve(tmp_path / "x.csv").items():
         np.testing.assert_array_equal(values, columns[name])
 

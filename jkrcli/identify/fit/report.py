@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Sequence
 from typing import Any
 
@@ -49,15 +47,10 @@ def _row(item: Fit | Failure) -> dict[str, Any]:
     return row | told | {"warnings": "; ".join(item.warnings)}
 
 
-def table(found: Sequence[Fit | Failure]) -> str:
-    """All rows as CSV: one header line, full precision, empty cells where there is no value."""
+def columns(found: Sequence[Fit | Failure]) -> dict[str, list[Any]]:
+    """The table of all rows by columns; None where there is no value."""
     lines = rows(found)
-    names = list(dict.fromkeys(name for row in lines for name in row))
-    text = io.StringIO()
-    writer = csv.DictWriter(text, names, restval="", lineterminator="\n")
-    writer.writeheader()
-    writer.writerows({name: "" if value is None else value for name, value in row.items()} for row in lines)
-    return text.getvalue()
+    return {name: [row.get(name) for row in lines] for name in dict.fromkeys(name for row in lines for name in row)}
 
 
 def summary(found: Sequence[Fit | Failure], body: str) -> dict[str, Any]:

@@ -12,13 +12,14 @@ from pathlib import Path
 
 from ...base.errors import InputError, JkrError
 from ...base.executors import available_cores, completed, dashboard, executor
-from ...base.files import check_target, make_folder, write_text
+from ...base.files import check_target, make_folder
+from ...base.table import write_csv
 from ...methods.guards import duration
 from ..cache import at_unit_modulus
 from .journal import Journal, opened
 from .plan import Group, Plan
 from .solving import Row, failed, least, solve_group
-from .table import STEM, Table, csv_text, endings, write
+from .table import STEM, Table, endings, write
 
 JOURNAL, FAILED_TABLE, SOLVES = "journal.jsonl", "failed.csv", "solves"
 PER_CASE = 0.012  # CPU seconds of a case besides its solve: validation, adhesive curve, critical points
@@ -173,8 +174,8 @@ def _write_failed(plan: Plan, folder: Path, table: Table) -> list[Path]:
     if not table.failed:
         path.unlink(missing_ok=True)
         return []
-    rows = [(number, reason, rerun(plan, number)) for number, reason in table.failed]
-    write_text(path, csv_text(("case", "reason", "command"), rows))
+    numbers, reasons = zip(*table.failed, strict=True)
+    write_csv(path, {"case": numbers, "reason": reasons, "command": [rerun(plan, number) for number in numbers]})
     return [path]
 
 

@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import csv
 import importlib.util
-import io
 import json
-from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -15,7 +12,8 @@ import h5py
 import numpy as np
 
 from ... import __version__
-from ...base.files import atomic, hdf5, write_text
+from ...base.files import atomic, hdf5
+from ...base.table import write_csv
 from .journal import Journal
 from .plan import Plan
 from .solving import FAILED
@@ -66,36 +64,23 @@ def endings() -> tuple[str, ...]:
 
 def write(folder: Path, table: Table) -> list[Path]:
     """Write the table in every form, each whole or not at all; returns the files."""
-    writers = {".csv": _write_csv, ".h5": _write_hdf5, ".parquet": _write_parquet}
+    writers = {".csv": write_csv, ".h5": _write_hdf5, ".parquet": _write_parquet}
     paths = [folder / f"{STEM}{ending}" for ending in endings()]
     for path in paths:
-        writers[path.suffix](path, table)
+        writers[path.suffix](path, table.columns)
     return paths
-
-
-def _write_csv(path: Path, table: Table) -> None:
-    write_text(path, csv_text(tuple(table.columns), zip(*table.columns.values(), strict=True)))
-
-
-def csv_text(names: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
-    """One header line, a line per row; numbers with full precision, empty cells where there is no value."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(names)
-    writer.writerows(rows)
-    return text.getvalue()
 
 
 def _is_numeric(values: list[Any]) -> bool:
     return all(value is None or (isinstance(value, int | float) and not isinstance(value, bool)) for value in values)
 
 
-def _write_hdf5(path: Path, table: Table) -> None:
+def _write_hdf5(path: Path, columns: dict[str, list[Any]]) -> None:
     with hdf5(path) as file:
         file.attrs["format"], file.attrs["version"], file.attrs["jkr"] = np.bytes_(FORMAT), VERSION, __version__
         file.attrs["missing"] = MISSING
         group = file.create_group("table", track_order=True)
-        for name, values in table.columns.items():
+        for name, values in columns.items():
             if name == "case":
                 group.create_dataset(name, data=np.array(values, dtype=np.int64))
             elif _is_numeric(values):
@@ -105,13 +90,13 @@ def _write_hdf5(path: Path, table: Table) -> None:
                 group.create_dataset(name, data=words, dtype=h5py.string_dtype("utf-8"))
 
 
-def _write_parquet(path: Path, table: Table) -> None:
+def _write_parquet(path: Path, columns: dict[str, list[Any]]) -> None:
     import pyarrow
     from pyarrow import parquet
 
-    arrays = [_arrow(values, name == "case") for name, values in table.columns.items()]
+    arrays = [_arrow(values, name == "case") for name, values in columns.items()]
     with atomic(path) as temporary:
-        parquet.write_table(pyarrow.Table.from_arrays(arrays, names=list(table.columns)), temporary)
+        parquet.write_table(pyarrow.Table.from_arrays(arrays, names=list(columns)), temporary)
 
 
 def _arrow(values: list[Any], whole: bool) -> Any:

@@ -1,0 +1,34 @@
+"""The one form of all CSV files that are written."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from .files import write_text
+
+
+def write_csv(path: Path, columns: Mapping[str, Iterable[Any]]) -> None:
+    """Write columns of one length: a line of their names, then a line per row.
+
+    Numbers have full precision; cells without a value (None, NaN, infinite) are empty; words with commas are quoted.
+    """
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(columns)
+    writer.writerows(zip(*(map(_cell, _plain(values)) for values in columns.values()), strict=True))
+    write_text(path, text.getvalue())
+
+
+def _plain(values: Any) -> Iterable[Any]:
+    """The numbers of an array as Python's own, which are written alike everywhere."""
+    plain: Iterable[Any] = values.tolist() if hasattr(values, "tolist") else values
+    return plain
+
+
+def _cell(value: Any) -> Any:
+    return None if isinstance(value, float) and not math.isfinite(value) else value

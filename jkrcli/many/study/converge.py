@@ -16,7 +16,7 @@ from ...adhesion.curve import AdhesiveCurve, CriticalPoint, Outside, transform
 from ...adhesion.slopes import slopes
 from ...base.errors import InputError
 from ...bodies.problem import Problem
-from ...methods.fem.method import FEM, GROWTH
+from ...methods.fem.method import FEM
 from ...methods.layered.layered import Layered
 from ...series import Array, Series, Solution
 from .ordered import in_order
@@ -153,8 +153,7 @@ def coarser(method: FEM, problem: Problem, factor: float) -> FEM:
     """The method with every element ``factor`` times as large, as far as the mesher's limits let it."""
     if factor == 1:
         return method
-    own_growth = method.growth if method.growth is not None else GROWTH[method.layout][method.order]
-    growth = min(factor * own_growth, STEEPEST_GROWTH)
+    growth = min(factor * method.growth_of_sizes, STEEPEST_GROWTH)
     if method.layout == "scaled":
         spacing = factor * method.spacing
         if spacing > COARSEST_SPACING:

@@ -12,7 +12,7 @@ from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from functools import cache
 from importlib.util import find_spec
-from typing import Any, Literal, Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from scipy.sparse import csc_matrix, tril
@@ -20,9 +20,9 @@ from scipy.sparse.linalg import SuperLU, splu
 from threadpoolctl import ThreadpoolController
 
 from ...base.errors import InputError, SolveError
+from .options import Solver
 
 Array = np.ndarray
-Solver = Literal["auto", "superlu", "cholmod"]
 SMALL = 20_000  # unknowns, up to which CHOLMOD gains less than its import costs
 SYMMETRIC = {"SymmetricMode": True}
 ONLY_THE_GIVEN_ORDER = {"supernodal": 2, "nmethods": 1, "postorder": False}

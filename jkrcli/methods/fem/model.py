@@ -12,9 +12,9 @@ from ...bodies.materials import Graded
 from .contact import SurfaceContact
 from .domain import Body
 from .elasticity import ElasticSystem, assemble
-from .factor import Solver
 from .grid import Grid
 from .layout import Layout
+from .options import Solver
 from .surface import Factor, Surface, condense, factorise
 from .truncation import missing_displacement
 

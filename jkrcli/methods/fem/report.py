@@ -3,22 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ...bodies.problem import Problem
 from .contact import Events, Increment
 from .model import Model
-
-if TYPE_CHECKING:
-    from .method import FEM
+from .options import FEMOptions
 
 LOCKING = 0.45
 
 
 def facts(
-    method: FEM,
+    method: FEMOptions,
     problem: Problem,
     model: Model,
     events: Events,
@@ -79,14 +77,14 @@ def _formulation(model: Model) -> str:
     return f"displacement and pressure in layers {', '.join(str(i + 1) for i in mixed)} (nu = {nu:g})"
 
 
-def _contact_reason(method: FEM, events: Events, incremental: bool) -> str:
+def _contact_reason(method: FEMOptions, events: Events, incremental: bool) -> str:
     if incremental and method.contact == "nested":
         return f"the contact is not a growing disc of nodes (violation {events.violation:.1e}): solved by increments"
     return "as asked"
 
 
 def warnings(
-    method: FEM, problem: Problem, events: Events, increments: Sequence[Increment], dropped: int
+    method: FEMOptions, problem: Problem, events: Events, increments: Sequence[Increment], dropped: int
 ) -> Iterator[str]:
     """Sentences on what may spoil the result; ``dropped``: of the ``increments``, those without an own radius."""
     nu = max(material.surface.nu for material in problem.specimen.materials)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,10 +14,8 @@ from .contact import Increment
 from .ending import Columns
 from .increments import nodal_forces, pressures, raw_series
 from .level import Level
+from .options import FEMOptions
 from .report import facts, warnings
-
-if TYPE_CHECKING:
-    from .method import FEM
 
 Array = np.ndarray
 
@@ -68,7 +65,7 @@ class Run:
         return Series(a, delta, P, S, dS, errors=errors, a0=a0, S0=S0)
 
 
-def finished(method: FEM, run: Run, judged: Assessment, clock: StageClock) -> Solution:
+def finished(method: FEMOptions, run: Run, judged: Assessment, clock: StageClock) -> Solution:
     """Series, pressures, facts and warnings."""
     level, problem = run.level, run.problem
     with clock("contact"):

@@ -15,7 +15,8 @@ from scipy.sparse import csr_matrix
 
 from ...base.errors import SolveError
 from .elasticity import ElasticSystem
-from .factor import Solver, SparseFactor, sparse_factor
+from .factor import SparseFactor, sparse_factor
+from .options import Solver
 from .ordering import nested_dissection
 
 Array = np.ndarray

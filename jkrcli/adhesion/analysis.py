@@ -9,13 +9,14 @@ from functools import cached_property
 import numpy as np
 
 from ..base.errors import InputError
+from ..base.unknown import Unknown, known
 from ..bodies.problem import Problem
 from ..case import parse_case
 from ..case.store import Stored
 from ..series import ErrorBudget, Series, first_of_plateaus
 from .comparison import Comparison, compare_half_space
 from .critical import Errors, point_error
-from .curve import AdhesiveCurve, CriticalPoint, Outside, transform
+from .curve import AdhesiveCurve, CriticalPoint, transform
 from .slopes import Slopes, slopes, smoothed
 from .validity import Validity, check, end_of_body, judge, unresolved
 
@@ -51,10 +52,10 @@ class Analysis:
         return self.curve.w
 
     @cached_property
-    def pull_off(self) -> dict[str, CriticalPoint | Outside]:
+    def pull_off(self) -> dict[str, CriticalPoint | Unknown]:
         """Where contact is lost under control of the load and of the displacement."""
         if self.w == 0:
-            nothing = Outside("there is no adhesion at w = 0")
+            nothing = Unknown("there is no adhesion at w = 0")
             return {"load": nothing, "displacement": nothing}
         return {
             "load": self.curve.pull_off(LOAD_CONTROL),
@@ -62,7 +63,7 @@ class Analysis:
         }
 
     @cached_property
-    def pull_off_errors(self) -> dict[str, Errors | str]:
+    def pull_off_errors(self) -> dict[str, Errors | Unknown]:
         """90 % half-widths of delta [m] and P [N] of each pull-off point that there is, or why they are unknown."""
         controls = {"load": LOAD_CONTROL, "displacement": DISPLACEMENT_CONTROL}
         return {
@@ -98,18 +99,18 @@ class Analysis:
     def warnings(self) -> list[str]:
         """Everything that a reader of the numbers should know, each with its number."""
         outside = [f"pull-off under {name} control: {point.reason}" for name, point in self.pull_off.items()
-                   if isinstance(point, Outside) and self.w > 0]  # fmt: skip
+                   if isinstance(point, Unknown) and self.w > 0]  # fmt: skip
         flags = self.curve.slopes.flags
         if self.curve.slopes.method != "exact":
             flags += unresolved(self.case.problem.indenter, self.curve.a)
         found = [*self.stored.warnings, *flags, *check(self.validity), *outside]
-        difference = self.comparison.pull_off if self.comparison is not None else None
+        difference = None if self.comparison is None else known(self.comparison.pull_off)
         budget = self.budget
         parts = (budget.discretisation, budget.truncation, budget.radius, budget.smoothing)
-        stated = max(2 * sum(part for part in parts if not isinstance(part, str)), 1e-6)
-        point, known = self.pull_off["load"], self.pull_off_errors.get("load")
-        if isinstance(point, CriticalPoint) and known is not None and not isinstance(known, str):
-            stated = max(stated, known["P"] / abs(point.P))
+        stated = max(2 * sum(part for part in parts if not isinstance(part, Unknown)), 1e-6)
+        point, half_widths = self.pull_off["load"], self.pull_off_errors.get("load")
+        if isinstance(point, CriticalPoint) and half_widths is not None and not isinstance(half_widths, Unknown):
+            stated = max(stated, half_widths["P"] / abs(point.P))
         if difference is not None and abs(difference) > stated:
             found.append(
                 f"the pull-off force differs from the closed form by {abs(difference):.2g}, "

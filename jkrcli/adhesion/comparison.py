@@ -7,16 +7,19 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..base.arrays import Array
+from ..base.unknown import Estimate, Unknown
 from ..bodies.indenters import Indenter, Sphere
 from ..bodies.problem import Problem
 from ..formulas import closed_form
-from ..series import Array, Series
+from ..series import Series
 from .curve import AdhesiveCurve, CriticalPoint, transform
 from .slopes.result import Slopes
 
 WINDOW = 1.8  # the nearest point of the exact curve is looked for within this factor of the radius
 COARSE, FINE = 129, 17  # points of the exact curve in that window, and in each refinement around the nearest
 REFINEMENTS = 17  # by FINE // 2 each: down to round-off of the radius
+OUTSIDE = Unknown("pull-off lies outside the series")
 HALVINGS = 70  # of the interval that holds the logarithm of a radius
 
 
@@ -25,14 +28,14 @@ class Comparison:
     """Relative differences to the closed form of the same profile, and that closed form's own curve for plots.
 
     ``load``: worst of P_H at equal displacement above a tenth of the largest. ``pull_off``: of the pull-off force
-    (None where it lies outside the series). ``curve``: greatest distance between the adhesive curves, in units of the
-    exact pull-off force and of its displacement. ``parabola``: for the sphere, by how much its exact pull-off force is
-    smaller than the paraboloid's (Eq. 18): physics, not an error.
+    (unknown where it lies outside the series). ``curve``: greatest distance between the adhesive curves, in units of
+    the exact pull-off force and of its displacement. ``parabola``: for the sphere, by how much its exact pull-off force
+    is smaller than the paraboloid's (Eq. 18): physics, not an error.
     """
 
     load: float
-    pull_off: float | None
-    curve: float | None
+    pull_off: Estimate
+    curve: Estimate
     parabola: float | None
     exact: AdhesiveCurve
 
@@ -46,9 +49,9 @@ def compare_half_space(computed: AdhesiveCurve, problem: Problem) -> Comparison 
     load = _load_difference(series, problem)
     exact_point = _exact_pull_off(problem, computed.w, float(series.a[-1]))
     if exact_point is None:
-        return Comparison(load, None, None, None, exact)
+        return Comparison(load, OUTSIDE, OUTSIDE, None, exact)
     point = computed.pull_off(0.0)
-    pull_off = point.P / exact_point.P - 1 if isinstance(point, CriticalPoint) else None
+    pull_off = point.P / exact_point.P - 1 if isinstance(point, CriticalPoint) else OUTSIDE
     parabola = None
     if isinstance(problem.indenter, Sphere):
         parabola = 1 - exact_point.P / (-1.5 * np.pi * computed.w * problem.indenter.R)

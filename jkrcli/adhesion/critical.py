@@ -12,37 +12,38 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from ..base.arrays import Array
 from ..base.errors import InputError
-from ..series import Array
-from .curve import ORDER_FACTOR, AdhesiveCurve, CriticalPoint, Outside, thinned, transform
+from ..base.unknown import Unknown
+from .curve import ORDER_FACTOR, AdhesiveCurve, CriticalPoint, thinned, transform
 from .slopes import NEGLIGIBLE, slopes_function
 
 STEP = 1e-3  # of the radius, for the curvature of the controlled quantity
 Errors = Mapping[str, float]
 
 
-def point_error(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> Errors | str:
+def point_error(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> Errors | Unknown:
     """90 % half-widths of "delta" [m] and "P" [N] at the lowest ``point`` under control by a device of ``stiffness``
     [N/m] (0: load, inf: displacement), or why they are unknown."""
     if curve.w == 0:
-        return "unknown: there is no adhesion at w = 0"
+        return Unknown("unknown: there is no adhesion at w = 0")
     between = curve.interpolation_error
-    if isinstance(between, str):
+    if isinstance(between, Unknown):
         return between
     if not curve.errors:
-        return f"unknown: {curve.slopes.error}"
+        return Unknown(f"unknown: {curve.slopes.error}")
     here = {name: between * abs(getattr(point, name)) for name in ("delta", "P")}
     if curve.slopes.joint is None:
-        moved: Errors | str = _by_others(curve, point, stiffness)
+        moved: Errors | Unknown = _by_others(curve, point, stiffness)
         at_radius = {name: float(value) for name, value in curve.error_at(np.array(point.a)).items()}
     else:
         moved, at_radius = _propagated(curve, point, stiffness), {"delta": 0.0, "P": 0.0}
-    if isinstance(moved, str):
+    if isinstance(moved, Unknown):
         return moved
     return {name: here[name] + at_radius[name] + moved[name] for name in here}
 
 
-def _propagated(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> Errors | str:
+def _propagated(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> Errors | Unknown:
     """First-order propagation of the joint covariance of the columns and of their rates."""
     slopes, a = curve.slopes, point.a
     assert slopes.joint is not None
@@ -59,7 +60,7 @@ def _propagated(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) ->
         F, controlled = delta_rate + P_rate / stiffness, beside[0] + beside[1] / stiffness
     rise = float(controlled[1] - controlled[0])
     if rise == 0:
-        return "unknown: the curve is flat there"
+        return Unknown("unknown: the curve is flat there")
     place = -F * float(along[1] - along[0]) / rise
     total = {"delta": delta + rates[0] * place, "P": P + rates[1] * place}
     return {name: slopes.quantile * math.sqrt(max(g @ covariance @ g, 0.0)) for name, g in total.items()}
@@ -83,28 +84,28 @@ def _gradients(curve: AdhesiveCurve, a: float) -> tuple[Array, Array, Array, Arr
     return delta, P, delta_rate, P_rate
 
 
-def _by_others(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> Errors | str:
+def _by_others(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> Errors | Unknown:
     """How far the point moves where every second row is left out: scatter from row to row moves it as much, a smooth
     rule ``ORDER_FACTOR`` times as much as it errs. Smoothing splines do not see what rows share: their point is also
     compared with that of the slopes "integral"."""
     slopes = curve.slopes
-    smooth = isinstance(slopes.error, float) and slopes.error <= NEGLIGIBLE
+    smooth = not isinstance(slopes.error, Unknown) and slopes.error <= NEGLIGIBLE
     found = [
         (other, ORDER_FACTOR if smooth else 1)
         for other in (thinned(curve, first).pull_off(stiffness) for first in (0, 1))
-        if not isinstance(other, Outside)
+        if not isinstance(other, Unknown)
     ]
     if slopes.method != "exact":
         try:
             integral = slopes_function("integral")(curve.series)
         except InputError as error:
-            return f"unknown: {error}"
+            return Unknown(f"unknown: {error}")
         other = transform(curve.series, integral, curve.w).pull_off(stiffness)
-        if isinstance(other, Outside):
-            return "unknown: by the slopes 'integral' the point lies outside the series"
+        if isinstance(other, Unknown):
+            return Unknown("unknown: by the slopes 'integral' the point lies outside the series")
         found.append((other, 1))
     if not found:
-        return "unknown: with every second row left out the point lies outside the series"
+        return Unknown("unknown: with every second row left out the point lies outside the series")
     return {
         name: max(abs(getattr(other, name) - getattr(point, name)) / factor for other, factor in found)
         for name in ("delta", "P")

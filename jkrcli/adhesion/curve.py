@@ -15,9 +15,11 @@ import numpy as np
 from scipy.interpolate import CubicHermiteSpline, CubicSpline
 from scipy.optimize import brentq
 
+from ..base.arrays import Array
 from ..base.errors import InputError
 from ..base.units import show
-from ..series import Array, Estimate, Series
+from ..base.unknown import Estimate, Unknown
+from ..series import Series
 from .slopes.result import Slopes
 
 SAMPLES = 8  # per interval, where critical points are looked for
@@ -41,13 +43,6 @@ class CriticalPoint:
     delta: float
     P: float
     kind: Literal["minimum", "maximum"] = "minimum"
-
-
-@dataclass(frozen=True)
-class Outside:
-    """The point asked for does not lie in the series; ``reason``: a sentence with numbers and the remedy."""
-
-    reason: str
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,10 +91,10 @@ class AdhesiveCurve:
         Slopes with noise add theirs.
         """
         if len(self.series) < FEWEST:
-            return f"unknown: fewer than {FEWEST} points"
+            return Unknown(f"unknown: fewer than {FEWEST} points")
         beyond = self.a - self.series.a0
         if np.max(beyond[1:] / beyond[:-1]) > WIDEST:
-            return f"unknown: neighbouring radii differ by more than a factor of {WIDEST:g}"
+            return Unknown(f"unknown: neighbouring radii differ by more than a factor of {WIDEST:g}")
         change = max(self._change_without(first) for first in (1, 2))
         return change if len(self.series) < FEW else change / ORDER_FACTOR
 
@@ -148,10 +143,11 @@ class AdhesiveCurve:
             a = math.exp(brentq(along, x[i], x[i + 1], xtol=1e-14, rtol=1e-14))
             yield min(max(a, self.a[0]), self.a[-1]), bool(signs[i + 1] > signs[i])
 
-    def pull_off(self, stiffness: float) -> CriticalPoint | Outside:
+    def pull_off(self, stiffness: float) -> CriticalPoint | Unknown:
         """The last stable point on retraction; ``stiffness`` [N/m] as in ``critical`` (0: load control).
 
         Where the curve has several minima, the lowest: at the others contact shrinks to a smaller stable radius.
+        Unknown, with numbers and the remedy, where it does not lie in the series.
         """
         control = _control(stiffness)
         minima = [point for point in self.critical(stiffness) if point.kind == "minimum"]
@@ -159,7 +155,7 @@ class AdhesiveCurve:
         lowest = min(ends, key=lambda end: control(*self.at(ends[end])))
         best = min(minima, key=lambda point: control(point.delta, point.P), default=None)
         if best is None or control(best.delta, best.P) > control(*self.at(ends[lowest])):
-            return Outside(self._outside_reason(stiffness, lowest, float(ends[lowest])))
+            return Unknown(self._outside_reason(stiffness, lowest, float(ends[lowest])))
         return best
 
     def _outside_reason(self, stiffness: float, end: str, a: float) -> str:

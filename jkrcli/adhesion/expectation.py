@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from ..base.errors import Refusal
+from ..base.unknown import Unknown
 from ..bodies.problem import HalfSpace, Loading, Problem, Specimen
 from ..methods.layered.layered import Layered
-from .curve import CriticalPoint, Outside, transform
+from .curve import CriticalPoint, transform
 from .slopes import slopes
 from .validity import Validity, judge
 
@@ -27,7 +28,7 @@ class Expectation:
     delta: float
     P: float
     half_space_error: float | None
-    adhesion: tuple[tuple[float, CriticalPoint | Outside, Validity], ...]
+    adhesion: tuple[tuple[float, CriticalPoint | Unknown, Validity], ...]
 
 
 def expect(problem: Problem, works: tuple[float, ...], z0: float) -> Expectation:
@@ -48,7 +49,7 @@ def expect(problem: Problem, works: tuple[float, ...], z0: float) -> Expectation
     a, delta, P = (float(column[-1]) for column in (series.a, series.delta, series.P))
     adhesion = []
     for w in works:
-        point = transform(series, found, w).pull_off(0.0) if w > 0 else Outside("there is no adhesion at w = 0")
+        point = transform(series, found, w).pull_off(0.0) if w > 0 else Unknown("there is no adhesion at w = 0")
         judged = judge(
             a=a,
             delta=delta,

@@ -12,17 +12,17 @@ from functools import cached_property
 
 import numpy as np
 
+from ..base.arrays import Array
 from ..base.errors import InputError
 from ..base.units import show
-from ..series import Array
-from .curve import AdhesiveCurve, CriticalPoint, Outside
+from ..base.unknown import Estimate, Unknown
+from .curve import AdhesiveCurve, CriticalPoint
 from .stability_path import Path, grow, largest_stable, shrink
 from .states import DISPLACEMENT_CONTROL, LOAD_CONTROL, State, position, radii_at_position, state
 
-Energy = float | str  # in J, or why there is none
 STABLE, GRIPPED, UNSTABLE = "stable", "displacement-control", "unstable"
-UNBOUNDED = "under load control the device goes on pulling after contact is lost: there is no bound"
-NO_ADHESION = "there is no adhesion at w = 0"
+UNBOUNDED = Unknown("under load control the device goes on pulling after contact is lost: there is no bound")
+NO_ADHESION = Unknown("there is no adhesion at w = 0")
 
 
 def branch(curve: AdhesiveCurve) -> Array:
@@ -78,36 +78,37 @@ class Cycle:
         return jumps(self.retraction)
 
     @cached_property
-    def energy_lost(self) -> Energy:
+    def energy_lost(self) -> Estimate:
         """Energy lost per cycle [J]: the area of the loop of P over the device's position, the same over delta.
 
         At w = 0 on approach the unknown piece below the first radius is its chord.
         """
         missing = self._no_energy()
-        if missing:
+        if missing is not None:
             return missing
         return self.approach.work + self._first_chord() + self._straight(*self._held) + self.retraction.work
 
     @cached_property
-    def separation(self) -> Energy:
+    def separation(self) -> Estimate:
         """Work of separation [J]: done by the device on retraction, from the last zero load to loss of contact."""
         missing = self._no_energy()
-        if missing:
+        if missing is not None:
             return missing
         free = [a for a in self.retraction.curve.radii(P=0.0) if self.retraction.holds(a)]
         if free:
             return self.retraction.beyond(free[0]).work
         high, low = self._held
         if not high.P > 0 >= low.P:
-            return "no state of zero load is passed on retraction: load further"
+            return Unknown("no state of zero load is passed on retraction: load further")
         unloaded = State(self.turn, low.delta - low.P * (high.delta - low.delta) / (high.P - low.P), 0.0)
         return self._straight(unloaded, low) + self.retraction.work
 
-    def _no_energy(self) -> str | None:
+    def _no_energy(self) -> Unknown | None:
         if self.stiffness == LOAD_CONTROL:
             return UNBOUNDED
         if self.retraction.ends != "lost":
-            return f"contact is not lost within the series, which begins at a = {show(self.retraction.last, 'length')}"
+            first = show(self.retraction.last, "length")
+            return Unknown(f"contact is not lost within the series, which begins at a = {first}")
         return None
 
     def _first_chord(self) -> float:
@@ -135,11 +136,11 @@ class Behaviour:
 
     stiffness: float
     critical: tuple[CriticalPoint, ...]
-    pull_off: CriticalPoint | Outside
-    jump_in: State | Outside
+    pull_off: CriticalPoint | Unknown
+    jump_in: State | Unknown
     partial: tuple[Jump, ...]
-    energy_lost: Energy
-    separation: Energy
+    energy_lost: Estimate
+    separation: Estimate
 
     @property
     def control(self) -> str:
@@ -150,28 +151,27 @@ class Behaviour:
 def behaviour(curve: AdhesiveCurve, stiffness: float) -> Behaviour:
     """What ``curve`` says about a device of ``stiffness`` [N/m] (0: load control, infinite: displacement)."""
     if curve.w == 0:
-        nothing = Outside(NO_ADHESION)
-        return Behaviour(stiffness, (), nothing, nothing, (), NO_ADHESION, NO_ADHESION)
+        return Behaviour(stiffness, (), NO_ADHESION, NO_ADHESION, (), NO_ADHESION, NO_ADHESION)
     critical, pull_off = curve.critical(stiffness), _pull_off(curve, stiffness)
     start = largest_stable(curve, stiffness)
     partial = () if start is None else jumps(shrink(curve, stiffness, start))
     whole = cycle(curve, curve, stiffness)
-    if isinstance(whole, Outside):
-        energies: tuple[Energy, Energy] = (whole.reason, whole.reason)
-        jump_in: State | Outside = whole
+    if isinstance(whole, Unknown):
+        energies: tuple[Estimate, Estimate] = (whole, whole)
+        jump_in: State | Unknown = whole
     else:
         energies, jump_in = (whole.energy_lost, whole.separation), whole.begin
-    if isinstance(pull_off, Outside) and stiffness != LOAD_CONTROL:
-        energies = (pull_off.reason, pull_off.reason)
+    if isinstance(pull_off, Unknown) and stiffness != LOAD_CONTROL:
+        energies = (pull_off, pull_off)
     between = tuple(jump for jump in partial if jump.end is not None)
     return Behaviour(stiffness, critical, pull_off, jump_in, between, *energies)
 
 
-def _pull_off(curve: AdhesiveCurve, stiffness: float) -> CriticalPoint | Outside:
+def _pull_off(curve: AdhesiveCurve, stiffness: float) -> CriticalPoint | Unknown:
     found = curve.pull_off(stiffness)
-    if isinstance(found, Outside) or position(found.delta, found.P, stiffness) <= 0:
+    if isinstance(found, Unknown) or position(found.delta, found.P, stiffness) <= 0:
         return found
-    return Outside(
+    return Unknown(
         f"contact shrinks at P = {found.P:.4g} N, delta = {found.delta:.4g} m below the smallest radius of the series, "
         f"a = {curve.a[0]:.4g} m, where some must remain: the series would have to begin at a smaller radius"
     )
@@ -179,10 +179,10 @@ def _pull_off(curve: AdhesiveCurve, stiffness: float) -> CriticalPoint | Outside
 
 def cycle(
     approach: AdhesiveCurve, retraction: AdhesiveCurve, stiffness: float, turn: float | None = None
-) -> Cycle | Outside:
+) -> Cycle | Unknown:
     """The cycle of a device of ``stiffness`` [N/m] that turns at the contact radius ``turn`` [m], by default the last.
 
-    ``approach`` and ``retraction`` are curves of one series; w must not be smaller on retraction. Outside where the
+    ``approach`` and ``retraction`` are curves of one series; w must not be smaller on retraction. Unknown where the
     first stable contact is not in the series.
     """
     if retraction.w < approach.w:
@@ -191,7 +191,7 @@ def cycle(
             f"after {show(approach.w, 'work')}"
         )
     inwards = grow(approach, stiffness)
-    if isinstance(inwards, Outside):
+    if isinstance(inwards, Unknown):
         return inwards
     turn = inwards.last if turn is None else turn
     return Cycle(inwards.up_to(turn), turn, shrink(retraction, stiffness, turn))
@@ -202,7 +202,7 @@ def turning_radius(
 ) -> float:
     """The contact radius [m] at which the approach first meets a ``load`` [N] or a ``depth`` delta [m]."""
     inwards = grow(curve, stiffness)
-    if isinstance(inwards, Outside):
+    if isinstance(inwards, Unknown):
         raise InputError(f"cycle: {inwards.reason}")
     held, value = (LOAD_CONTROL, load) if depth is None else (DISPLACEMENT_CONTROL, depth)
     if value is None:

@@ -8,10 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import brentq
 
+from ..base.arrays import Array
 from ..base.errors import InputError, SolveError
 from ..base.units import show
-from ..series import Array, Series
-from .curve import AdhesiveCurve, CriticalPoint, Outside, transform
+from ..base.unknown import Unknown
+from ..series import Series
+from .curve import AdhesiveCurve, CriticalPoint, transform
 from .slopes.result import Slopes
 from .states import LOAD_CONTROL
 
@@ -47,12 +49,12 @@ def work_from_pull_off(
     if not (math.isfinite(load) and load > 0):
         raise InputError(f"load: the measured pull-off force must be > 0 N, got {load:g}")
 
-    def point(w: float) -> CriticalPoint | Outside:
+    def point(w: float) -> CriticalPoint | Unknown:
         return transform(series, slopes, w).pull_off(stiffness)
 
     def excess(log_w: float) -> float:
         found = point(math.exp(log_w))
-        if isinstance(found, Outside):
+        if isinstance(found, Unknown):
             raise SolveError(f"load: the search for w left the series: {found.reason}")
         return -found.P / load - 1
 
@@ -75,7 +77,7 @@ def work_from_pull_off(
         raise InputError(_out_of_reach(load, (1 + excess(low)) * load, (1 + excess(high)) * load))
     w = math.exp(brentq(excess, low, high, xtol=1e-14, rtol=1e-14)) if low < high else math.exp(low)
     found = point(w)
-    if isinstance(found, Outside) or abs(-found.P / load - 1) > MET:
+    if isinstance(found, Unknown) or abs(-found.P / load - 1) > MET:
         raise InputError(
             f"load: no work of adhesion gives a pull-off force of {show(load, 'load')}: where the last stable branch "
             f"changes, at w = {show(w, 'work')}, the force jumps past it"

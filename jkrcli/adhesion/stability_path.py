@@ -14,7 +14,8 @@ import numpy as np
 
 from ..base.errors import InputError
 from ..base.units import show
-from .curve import AdhesiveCurve, CriticalPoint, Outside
+from ..base.unknown import Unknown
+from .curve import AdhesiveCurve, CriticalPoint
 from .states import position, radii_at_position
 
 GAUSS_X, GAUSS_W = np.polynomial.legendre.leggauss(8)
@@ -68,14 +69,14 @@ class Path:
         )
 
 
-def grow(curve: AdhesiveCurve, stiffness: float) -> Path | Outside:
+def grow(curve: AdhesiveCurve, stiffness: float) -> Path | Unknown:
     """The states passed on approach, from where the undeformed gap closes (D = delta = 0) to the end of the series.
 
     JKR forces have no range: nothing happens before, and there the contact spreads to the first stable radius. At
     w = 0 contact begins at a point and the path at the first radius of the series.
     """
     begin = float(curve.a[0]) if curve.w == 0 else _first_contact(curve, stiffness)
-    if isinstance(begin, Outside):
+    if isinstance(begin, Unknown):
         return begin
     critical = curve.critical(stiffness)
     stretches = []
@@ -144,15 +145,15 @@ def _cut(stretches: tuple[Stretch, ...], a: float) -> tuple[Stretch, ...]:
     raise InputError(f"cycle: the turn at a = {show(a, 'length')} is not passed by stable contact on approach")
 
 
-def _first_contact(curve: AdhesiveCurve, stiffness: float) -> float | Outside:
+def _first_contact(curve: AdhesiveCurve, stiffness: float) -> float | Unknown:
     if position(*curve.at(curve.a[:1]), stiffness)[0] > 0:
-        return Outside(
+        return Unknown(
             f"contact at delta = 0 settles below the smallest radius of the series, a = {curve.a[0]:.4g} m: "
             "the series would have to begin at a smaller radius"
         )
     radii = radii_at_position(curve, stiffness, 0.0)
     if not radii:
-        return Outside(
+        return Unknown(
             f"contact at delta = 0 spreads beyond the largest radius of the series, a = {curve.a[-1]:.4g} m: "
             "the series would have to reach a larger radius: load further"
         )

@@ -21,6 +21,7 @@ from typing import Any
 import numpy as np
 
 from ..base.errors import InputError
+from ..base.unknown import Estimate, Unknown
 from ..bodies.indenters import Indenter, TableProfile
 from ..bodies.materials import Elastic, contact_modulus
 from ..bodies.problem import HalfSpace, Layer, Problem
@@ -34,8 +35,8 @@ MAX_DELTA_OVER_H = 0.1
 MAX_A_OVER_L = 0.1
 ROUND_OFF = 1e-6  # of the ratios: a limit that is just met gives no warning
 MAX_NU_COMPRESSIBLE = 0.45  # Reedy (2006): thin-layer theory agrees with finite elements below it
-Ratio = float | str  # a number, or why there is none
-NO_TIP_RADIUS = "the indenter has no tip radius (pointed, flat or blunter than a parabola)"
+NO_TIP_RADIUS = Unknown("the indenter has no tip radius (pointed, flat or blunter than a parabola)")
+NO_RANGE, NO_ADHESION = Unknown("no equilibrium distance z0 given"), Unknown("no adhesion (w = 0)")
 
 
 @dataclass(frozen=True)
@@ -47,13 +48,13 @@ class Validity:
     ``end_is_cut``: the specimen goes on where the model ends; the ends of a finite specimen are part of its solution.
     """
 
-    tabor: Ratio
+    tabor: Estimate
     regime: str
-    a_over_R: Ratio
-    a_over_R_pull_off: Ratio
-    delta_over_h: Ratio
-    a_over_h: Ratio
-    a_over_L: Ratio
+    a_over_R: Estimate
+    a_over_R_pull_off: Estimate
+    delta_over_h: Estimate
+    a_over_h: Estimate
+    a_over_L: Estimate
     end_is_cut: bool = True
 
 
@@ -87,17 +88,17 @@ def judge(
     None or infinite for a half-space. ``L``: size [m] of the body or mesh, None for an unbounded exact solution.
     ``z0``: equilibrium distance of the adhesive forces [m]; ``w`` in J/m^2, ``E_star`` in Pa.
     """
-    no_layer = "no layer: the specimen is a half-space"
+    no_layer = Unknown("no layer: the specimen is a half-space")
     thickness = None if h is None or math.isinf(h) else h
     number = _tabor(R, w, E_star, z0)
     return Validity(
         number,
         _words(number),
         _ratio(a, R, NO_TIP_RADIUS),
-        "no pull-off radius given" if a_pull_off is None else _ratio(a_pull_off, R, NO_TIP_RADIUS),
+        Unknown("no pull-off radius given") if a_pull_off is None else _ratio(a_pull_off, R, NO_TIP_RADIUS),
         _ratio(delta, thickness, no_layer),
         _ratio(a, thickness, no_layer),
-        _ratio(a, L, "the body is unbounded in this method"),
+        _ratio(a, L, Unknown("the body is unbounded in this method")),
         end_is_cut,
     )
 
@@ -111,7 +112,7 @@ def regime(number: float) -> str:
     return "JKR does not hold: use DMT (the limit of stiff, small or weakly adhering bodies)"
 
 
-def layer_tabor(problem: Problem, w: float, z0: float | None) -> dict[str, Ratio]:
+def layer_tabor(problem: Problem, w: float, z0: float | None) -> dict[str, Estimate | str]:
     """Counterparts of the Tabor number on a layer and what they mean, under names for a summary; empty elsewhere.
 
     One layer on a rigid base, "tabor_thin_layer": sqrt(2 w/K)/z0 where it is bonded and compressible; to be read where
@@ -129,7 +130,7 @@ def layer_tabor(problem: Problem, w: float, z0: float | None) -> dict[str, Ratio
     return {"tabor_thin_layer": number, "regime_thin_layer": _words(number)}
 
 
-def _coating_tabor(problem: Problem, base: HalfSpace, w: float, z0: float | None) -> dict[str, Ratio]:
+def _coating_tabor(problem: Problem, base: HalfSpace, w: float, z0: float | None) -> dict[str, Estimate | str]:
     R, indenter = problem.indenter.tip_radius, problem.indenter.material
     coating = _tabor(R, w, problem.E_star, z0)
     substrate = _tabor(R, w, contact_modulus(base.material.surface, indenter), z0)
@@ -138,23 +139,27 @@ def _coating_tabor(problem: Problem, base: HalfSpace, w: float, z0: float | None
     return {"tabor_of_coating": coating, "tabor_of_substrate": substrate, "regime_coated": words}
 
 
-def _thin_tabor(layer: Layer, bonded: bool, w: float, z0: float | None) -> Ratio:
+def _thin_tabor(layer: Layer, bonded: bool, w: float, z0: float | None) -> Estimate:
     if not bonded:
-        return "the layer slides on its base: the literature has bonded layers only"
+        return Unknown("the layer slides on its base: the literature has bonded layers only")
     if not isinstance(layer.material, Elastic):
-        return "the layer is not homogeneous and isotropic: the literature has only such layers"
+        return Unknown("the layer is not homogeneous and isotropic: the literature has only such layers")
     if layer.material.nu > MAX_NU_COMPRESSIBLE:
-        return f"nu = {layer.material.nu:g} is above {MAX_NU_COMPRESSIBLE:g}: the layer is not compressible (Eq. 22)"
-    if z0 is None or w == 0:
-        return "no equilibrium distance z0 given" if z0 is None else "no adhesion (w = 0)"
+        return Unknown(
+            f"nu = {layer.material.nu:g} is above {MAX_NU_COMPRESSIBLE:g}: the layer is not compressible (Eq. 22)"
+        )
+    if z0 is None:
+        return NO_RANGE
+    if w == 0:
+        return NO_ADHESION
     if min(w, z0) <= 0:
         raise InputError(f"Tabor number: w and z0 must be > 0, got {w:g} and {z0:g}")
     K = foundation_modulus(layer.material.E, layer.material.nu, layer.thickness)
     return math.sqrt(2 * w / K) / z0
 
 
-def _words(number: Ratio) -> str:
-    return regime(number) if isinstance(number, float) else f"unknown: {number}"
+def _words(number: Estimate) -> str:
+    return f"unknown: {number}" if isinstance(number, Unknown) else regime(number)
 
 
 def check(judged: Validity) -> list[str]:
@@ -167,8 +172,8 @@ def check(judged: Validity) -> list[str]:
     ]
 
 
-def _above(value: Ratio, limit: float, name: str, meaning: str) -> list[str]:
-    if isinstance(value, str) or value <= limit * (1 + ROUND_OFF):
+def _above(value: Estimate, limit: float, name: str, meaning: str) -> list[str]:
+    if isinstance(value, Unknown) or value <= limit * (1 + ROUND_OFF):
         return []
     return [f"{name} = {value:.3g} at the largest contact radius is above {limit:g}: {meaning}"]
 
@@ -180,24 +185,24 @@ def _cut_warning(judged: Validity) -> list[str]:
 
 
 def _tabor_warning(judged: Validity) -> list[str]:
-    if isinstance(judged.tabor, str) or judged.tabor >= TABOR_JKR:
+    if isinstance(judged.tabor, Unknown) or judged.tabor >= TABOR_JKR:
         return []
     return [f"Tabor number {judged.tabor:.3g} is below {TABOR_JKR:g}: {judged.regime}"]
 
 
-def _tabor(R: float | None, w: float, E_star: float, z0: float | None) -> Ratio:
+def _tabor(R: float | None, w: float, E_star: float, z0: float | None) -> Estimate:
     if R is None:
         return NO_TIP_RADIUS
     if z0 is None:
-        return "no equilibrium distance z0 given"
+        return NO_RANGE
     if w == 0:
-        return "no adhesion (w = 0)"
+        return NO_ADHESION
     if min(R, w, E_star, z0) <= 0:
         raise InputError(f"Tabor number: R, w, E* and z0 must be > 0, got {R:g}, {w:g}, {E_star:g}, {z0:g}")
     return tabor(R, w, E_star, z0)
 
 
-def _ratio(value: float, size: float | None, reason: str) -> Ratio:
+def _ratio(value: float, size: float | None, reason: Unknown) -> Estimate:
     if size is None or math.isinf(size):
         return reason
     if size <= 0:

@@ -21,3 +21,8 @@ class Unknown:
 
 
 Estimate: TypeAlias = float | Unknown  # mostly a relative error
+
+
+def known(value: Estimate) -> float | None:
+    """The number, or None where it is not known."""
+    return None if isinstance(value, Unknown) else value

@@ -17,6 +17,7 @@ from .. import __version__
 from ..base.errors import InputError
 from ..base.files import hdf5, is_hdf5
 from ..base.units import MOST
+from ..base.unknown import Estimate, Unknown
 from ..series import COLUMNS, ErrorBudget, PressureTable, RawSeries, Series, Solution, first_of_plateaus
 
 FORMAT, VERSION = "jkr-series", 1
@@ -160,7 +161,7 @@ def _dataset(group: h5py.Group, name: str, values: np.ndarray | None, unit: str,
 
 def _attributes_to(item: h5py.Group | h5py.Dataset, values: Mapping[Any, Any]) -> None:
     for name, value in values.items():
-        item.attrs[str(name)] = _fixed(value) if isinstance(value, str) else value
+        item.attrs[str(name)] = _fixed(str(value)) if isinstance(value, str | Unknown) else value
 
 
 def _fixed(text: str) -> np.ndarray:
@@ -309,12 +310,12 @@ def _first(path: Path, series: h5py.Group, name: str) -> float | None:
     return value
 
 
-def _estimate(value: Any) -> float | str:
+def _estimate(value: Any) -> Estimate:
     if isinstance(value, str | bytes) and value:
-        return _text(value)
+        return Unknown(_text(value))
     if value is None or isinstance(value, str | bytes):
-        return "not stated in the file"
-    return float(value) if np.isfinite(float(value)) else f"stated as {float(value)} in the file"
+        return Unknown("not stated in the file")
+    return float(value) if np.isfinite(float(value)) else Unknown(f"stated as {float(value)} in the file")
 
 
 def _attributes(path: Path, file: h5py.File, name: str) -> dict[str, Any]:

@@ -9,10 +9,11 @@ from typing import Any
 import click
 
 from ..adhesion import validity
-from ..adhesion.curve import CriticalPoint, Outside
+from ..adhesion.curve import CriticalPoint
 from ..adhesion.expectation import Expectation, expect
 from ..base.errors import Refusal
 from ..base.units import show
+from ..base.unknown import Estimate, Unknown
 from ..bodies.words import describe
 from ..case import CaseModel, load_case
 from ..case.numerics import method_of
@@ -47,12 +48,12 @@ def check(case: Path, as_json: bool) -> None:
     _print(expected)
 
 
-def _expected(model: CaseModel) -> Expectation | str:
+def _expected(model: CaseModel) -> Expectation | Unknown:
     """What to expect, or why that is not known."""
     try:
         return expect(model.problem(), model.adhesion.w, model.adhesion.z0)
     except Refusal as error:
-        return str(error)
+        return Unknown(str(error))
 
 
 def _option(option: Option) -> str:
@@ -63,8 +64,8 @@ def _option(option: Option) -> str:
     return f"about {cost(option)}, {option.forecast.memory_mib:.0f} MiB{note}{against}"
 
 
-def _as_dict(expected: Expectation | str) -> dict[str, Any]:
-    if isinstance(expected, str):
+def _as_dict(expected: Expectation | Unknown) -> dict[str, Any]:
+    if isinstance(expected, Unknown):
         return {"expectation": expected}
     return {
         "a_m": expected.a,
@@ -72,13 +73,13 @@ def _as_dict(expected: Expectation | str) -> dict[str, Any]:
         "P_N": expected.P,
         "half_space_error": expected.half_space_error,
         "adhesion": [
-            {"w_J_per_m2": w, "pull_off": tables.point(p), "validity": asdict(v)} for w, p, v in expected.adhesion
+            {"w_J_per_m2": w, "pull_off": tables.point(p), "validity": vars(v)} for w, p, v in expected.adhesion
         ],
     }
 
 
-def _print(expected: Expectation | str) -> None:
-    if isinstance(expected, str):
+def _print(expected: Expectation | Unknown) -> None:
+    if isinstance(expected, Unknown):
         click.echo(f"  reaches   unknown: {expected}")
         return
     click.echo(
@@ -92,7 +93,7 @@ def _print(expected: Expectation | str) -> None:
         )
     for w, point, judged in expected.adhesion:
         click.echo(f"  w = {show(w, 'work')}: pull-off (load control): {_pull_off(point)}")
-        regime = f": {judged.regime}" if isinstance(judged.tabor, float) else ""
+        regime = f": {judged.regime}" if not isinstance(judged.tabor, Unknown) else ""
         click.echo(f"            Tabor number {_ratio(judged.tabor)}{regime}")
         click.echo(f"            a/R = {_ratio(judged.a_over_R)}, a/h = {_ratio(judged.a_over_h)}, "
                    f"delta/h = {_ratio(judged.delta_over_h)}")  # fmt: skip
@@ -100,11 +101,11 @@ def _print(expected: Expectation | str) -> None:
         click.echo(f"jkr: warning: {warning}", err=True)
 
 
-def _pull_off(point: CriticalPoint | Outside) -> str:
-    if isinstance(point, Outside):
+def _pull_off(point: CriticalPoint | Unknown) -> str:
+    if isinstance(point, Unknown):
         return point.reason
     return f"P = {show(point.P, 'load')} at a = {show(point.a, 'length')}"
 
 
-def _ratio(value: float | str) -> str:
-    return f"{value:.3g}" if isinstance(value, float) else f"none ({value})"
+def _ratio(value: Estimate) -> str:
+    return f"none ({value})" if isinstance(value, Unknown) else f"{value:.3g}"

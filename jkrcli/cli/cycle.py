@@ -8,13 +8,13 @@ from typing import Any
 import click
 
 from ..adhesion.analysis import analyse, specification
-from ..adhesion.curve import Outside
 from ..adhesion.stability import Cycle, Jump, control, trace, turning_radius
 from ..adhesion.stability import cycle as run_cycle
 from ..base.errors import InputError
 from ..base.files import check_target, make_folder
 from ..base.table import write_csv
 from ..base.units import show
+from ..base.unknown import Unknown
 from ..case import store
 from ..case.store import Stored
 from ..report import tables
@@ -77,7 +77,7 @@ def cycle(
     if to_load is not None or to_depth is not None:
         turn = turning_radius(inwards, stiffness, load=to_load, depth=to_depth)
     found = run_cycle(inwards, outwards, stiffness, turn)
-    if isinstance(found, Outside):
+    if isinstance(found, Unknown):
         raise InputError(f"{file}: {found.reason}")
     columns = trace(found, points)
     write_csv(targets[".csv"], columns)
@@ -135,7 +135,7 @@ def _print(file: Path, found: Cycle) -> None:
     if found.retraction.ends != "lost":
         say("  contact is not lost within the series: the trace ends at its smallest radius")
     for name, value in (("energy lost per cycle", found.energy_lost), ("work of separation", found.separation)):
-        say(f"  {name}: {value if isinstance(value, str) else f'{value:.4g} J'}")
+        say(f"  {name}: {value if isinstance(value, Unknown) else f'{value:.4g} J'}")
 
 
 def _jump(jump: Jump) -> str:

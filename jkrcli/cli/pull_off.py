@@ -9,13 +9,14 @@ from typing import Any
 import click
 
 from ..adhesion.analysis import Analysis, analyse, specification
-from ..adhesion.curve import CriticalPoint, Outside
-from ..adhesion.stability import Behaviour, Energy, behaviour, control
+from ..adhesion.curve import CriticalPoint
+from ..adhesion.stability import Behaviour, behaviour, control
 from ..adhesion.stability_inverse import FoundWork, work_from_pull_off
 from ..adhesion.states import DISPLACEMENT_CONTROL, LOAD_CONTROL, State
 from ..adhesion.validity import check
 from ..base.errors import InputError
 from ..base.units import show
+from ..base.unknown import Estimate, Unknown
 from ..case import store
 from ..report import tables
 from .options import Load, QuantityOption, WorkOfAdhesion, modulus_factor_option, slopes_option
@@ -164,14 +165,14 @@ def _text(found: Behaviour) -> list[str]:
     return lines
 
 
-def _point(point: CriticalPoint | State | Outside) -> str:
-    if isinstance(point, Outside):
+def _point(point: CriticalPoint | State | Unknown) -> str:
+    if isinstance(point, Unknown):
         return f"none: {point.reason}"
     return f"P = {show(point.P, 'load'):<12} delta = {show(point.delta, 'length'):<12} a = {show(point.a, 'length')}"
 
 
-def _energy(value: Energy) -> str:
-    return f"none: {value}" if isinstance(value, str) else f"{value:.4g} J"
+def _energy(value: Estimate) -> str:
+    return f"none: {value}" if isinstance(value, Unknown) else f"{value:.4g} J"
 
 
 def _validity(result: Analysis) -> list[str]:

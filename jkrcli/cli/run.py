@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import shlex
 import time
+from operator import attrgetter
 from pathlib import Path
 
 import click
@@ -12,6 +13,7 @@ import click
 from ..adhesion.validity import check, end_of_body, judge
 from ..base.files import check_series_target
 from ..base.units import show
+from ..base.unknown import Unknown
 from ..bodies.problem import Problem
 from ..bodies.words import describe
 from ..case import Case, load_case, store
@@ -68,7 +70,9 @@ def run(
     seconds = time.process_time() - start
     warnings = [*solution.warnings, *_geometry(problem, solution)]
     if as_json:
-        click.echo(json.dumps(_as_json(target, choice, solution, warnings, seconds), indent=2))
+        click.echo(
+            json.dumps(_as_json(target, choice, solution, warnings, seconds), indent=2, default=attrgetter("reason"))
+        )
     else:
         _print(loaded, target, choice, solution, seconds)
     for warning in warnings:
@@ -120,5 +124,5 @@ def _print(case: Case, target: Path, choice: Choice, solution: Solution, seconds
         f"P = {show(series.P[-1], 'load')} in {len(series)} points"
     )
     total = solution.budget.total
-    say(f"  error     {total if isinstance(total, str) else f'{total:.1e} relative (estimated)'}")
+    say(f"  error     {total if isinstance(total, Unknown) else f'{total:.1e} relative (estimated)'}")
     say(f"  written   {target} ({seconds:.2f} s CPU)")

@@ -12,6 +12,7 @@ import click
 from ..base.errors import InputError
 from ..base.files import check_target, make_folder, write_text
 from ..base.table import write_csv
+from ..base.unknown import known
 from ..bodies.words import describe
 from ..case import Case, load_case
 from ..many.study.chart import (
@@ -203,7 +204,7 @@ def _columns(found: Found) -> dict[str, list[Any]]:
             "after_imports_cpu_s": point.after_imports.cpu_s,
             "after_imports_wall_s": point.after_imports.wall_s,
             "slopes_cpu_s": point.slopes_cpu_s,
-            "stated_error": point.stated if isinstance(point.stated, float) else None,
+            "stated_error": known(point.stated),
             "P_error": point.errors.load,
             "curve_error": point.errors.curve,
             "pull_off_error": point.errors.pull_off,

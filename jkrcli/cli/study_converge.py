@@ -9,11 +9,11 @@ from typing import Any
 
 import click
 
-from ..adhesion.curve import Outside
 from ..base.errors import InputError
 from ..base.files import check_target, make_folder, write_text
 from ..base.table import write_csv
 from ..base.units import show
+from ..base.unknown import Unknown
 from ..bodies.words import describe
 from ..case import load_case
 from ..case.numerics import method_of
@@ -117,7 +117,7 @@ def as_dict(found: Convergence) -> dict[str, Any]:
         ],
         "exact": {WORDS[name]: found.exact.value(name) for name in QUANTITIES} if found.exact is not None else None,
         "extrapolated": {
-            WORDS[name]: {"reason": limit} if isinstance(limit, str) else {"order": limit[0], "value": limit[1]}
+            WORDS[name]: {"reason": limit} if isinstance(limit, Unknown) else {"order": limit[0], "value": limit[1]}
             for name, limit in found.extrapolated.items()
         },
         "order": {WORDS[name]: found.order(name) for name in QUANTITIES},
@@ -160,14 +160,16 @@ def _print(found: Convergence) -> None:
     for name in QUANTITIES:
         order, limit = found.order(name), found.extrapolated[name]
         dimension = "length" if name == "a" else "load"
-        words = f"observed order {order:.2f}" if isinstance(order, float) else f"no order: {order}"
+        words = f"no order: {order}" if isinstance(order, Unknown) else f"observed order {order:.2f}"
         ends = (
-            f"not extrapolated: {limit}" if isinstance(limit, str) else f"extrapolated {show(limit[1], dimension, 6)}"
+            f"not extrapolated: {limit}"
+            if isinstance(limit, Unknown)
+            else f"extrapolated {show(limit[1], dimension, 6)}"
         )
         click.echo(f"  {WORDS[name]:<15} {words}; {ends}")
     click.echo(f"  {'CPU seconds':<15} grow like the number of unknowns to the power {found.time_exponent:.2f}")
     for level in found.levels:
-        if isinstance(level.state.point, Outside):
+        if isinstance(level.state.point, Unknown):
             click.echo(
                 f"jkr: warning: elements of {show(level.size, 'length', 3)}: {level.state.point.reason}", err=True
             )

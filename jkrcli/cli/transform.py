@@ -13,6 +13,7 @@ from ..base.errors import InputError
 from ..base.files import check_target, make_folder, write_text
 from ..base.table import write_csv
 from ..base.units import show
+from ..base.unknown import Estimate, Unknown
 from ..case import store
 from ..case.store import Stored
 from ..report import tables
@@ -128,7 +129,7 @@ def _write(result: Analysis, target: Path, scales: Scales | None, with_plots: bo
 def _known(result: Analysis, control: str) -> str:
     """The 90 % half-width of the pull-off force, relative to it."""
     found, point = result.pull_off_errors[control], result.pull_off[control]
-    if isinstance(found, str) or not isinstance(point, CriticalPoint) or point.P == 0:
+    if isinstance(found, Unknown) or not isinstance(point, CriticalPoint) or point.P == 0:
         return "± ?"  # the JSON file says why
     percent = 100 * found["P"] / abs(point.P)
     return f"± {float(f'{percent:.2g}'):g} %"
@@ -152,7 +153,7 @@ def _print(job: _Job, results: list[Analysis], endings: tuple[str, ...]) -> None
             elif result.w > 0:
                 say(f"    pull-off, {name + ' control:':<22} not in the series (see the warning)")
         tabor = result.validity.tabor
-        if isinstance(tabor, float):
+        if not isinstance(tabor, Unknown):
             say(f"    Tabor number {tabor:.3g}: {result.validity.regime}")
         _print_comparison(result)
         budget = result.budget
@@ -170,9 +171,9 @@ def _print_comparison(result: Analysis) -> None:
     if found is None:
         return
     parts = [f"P_H(delta) within {found.load:.2e}"]
-    if found.pull_off is not None:
+    if not isinstance(found.pull_off, Unknown):
         parts.append(f"pull-off force {found.pull_off:+.2e}")
-    if found.curve is not None:
+    if not isinstance(found.curve, Unknown):
         parts.append(f"curve within {found.curve:.2e} pull-off units")
     say(f"    against the closed form of the same indenter: {', '.join(parts)}")
     if found.parabola is not None:
@@ -182,5 +183,5 @@ def _print_comparison(result: Analysis) -> None:
         )
 
 
-def _estimate(value: float | str) -> str:
-    return value if isinstance(value, str) else f"{value:.1e}"
+def _estimate(value: Estimate) -> str:
+    return str(value) if isinstance(value, Unknown) else f"{value:.1e}"

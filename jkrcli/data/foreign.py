@@ -11,13 +11,14 @@ from typing import Any, Literal
 import numpy as np
 
 from ..base.errors import InputError
+from ..base.unknown import Unknown
 from ..bodies.indenters import Indenter, Sphere
 from ..series import Array, ErrorBudget, RawSeries, Series, Solution, filter_plateaus
 from .columns import Vocabulary, asked, check_different, words
 from .text_table import TextTable, read_table, some
 
 LEAST_ROWS = 5
-UNKNOWN = "unknown: made by another program"
+UNKNOWN = Unknown("unknown: made by another program")
 # What the columns are called elsewhere, lower case, without unit; Abaqus histories and CalculiX results among them.
 ALIASES = {
     "a": ("a", "a_h", "radius", "contact radius", "contact_radius", "contactradius", "r_c", "rc"),

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 from ..bodies.problem import Problem
-from ..series import Estimate, Solution
+from ..series import Solution
 
 METHODS = {
     "closed-form": "jkrcli.methods.closed_form:ClosedForm",
@@ -23,7 +23,7 @@ class Forecast:
 
     seconds: float
     memory_mib: float
-    error: Estimate
+    error: float
     note: str = ""
 
 

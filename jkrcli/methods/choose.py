@@ -76,9 +76,9 @@ def choose(problem: Problem, wanted: str, build: Callable[[str], Method]) -> Cho
 
 
 def _accurate(option: Option) -> bool:
-    """Whether the expected error is known and small enough not to be noticed beside anything measured."""
+    """Whether the expected error is small enough not to be noticed beside anything measured."""
     assert option.forecast is not None
-    return isinstance(option.forecast.error, float) and option.forecast.error <= NOTICEABLE
+    return option.forecast.error <= NOTICEABLE
 
 
 def survey(problem: Problem, build: Callable[[str], Method], names: Sequence[str] = LEAST_FIRST) -> list[Option]:
@@ -123,5 +123,4 @@ def _before(option: Option, chosen: Option) -> bool:
 def cost(option: Option) -> str:
     """``0.02 s, error 1e-8`` of an option that is possible."""
     assert option.forecast is not None
-    error = option.forecast.error
-    return f"{option.forecast.seconds:.1g} s, error " + (error if isinstance(error, str) else f"{error:.0e}")
+    return f"{option.forecast.seconds:.1g} s, error {option.forecast.error:.0e}"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import asdict
+from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
@@ -11,12 +11,13 @@ import numpy as np
 
 from ..adhesion.analysis import Analysis
 from ..adhesion.critical import Errors
-from ..adhesion.curve import AdhesiveCurve, CriticalPoint, Outside
-from ..adhesion.stability import Behaviour, Energy, Jump, behaviour, branch
+from ..adhesion.curve import AdhesiveCurve, CriticalPoint
+from ..adhesion.stability import Behaviour, Jump, behaviour, branch
 from ..adhesion.states import DISPLACEMENT_CONTROL, LOAD_CONTROL, State
 from ..adhesion.validity import layer_tabor
 from ..base.errors import InputError
 from ..base.files import read_bytes
+from ..base.unknown import Estimate, Unknown, known
 from ..series import Array
 
 SUMMARY_FORMAT, SUMMARY_VERSION = "jkr-summary", 1
@@ -93,33 +94,33 @@ def summary(result: Analysis) -> dict[str, Any]:
         "comparison": None if comparison is None else {
             "reference": "closed form of the same indenter on a half-space",
             "load": comparison.load,
-            "pull_off": comparison.pull_off,
-            "curve": comparison.curve,
+            "pull_off": known(comparison.pull_off),
+            "curve": known(comparison.curve),
             "sphere_against_parabola": comparison.parabola,
         },
         "warnings": result.warnings,
     }  # fmt: skip
 
 
-def point(found: CriticalPoint | State | Outside) -> dict[str, Any]:
+def point(found: CriticalPoint | State | Unknown) -> dict[str, Any]:
     """A critical point or state by its columns; all None with the reason where it lies outside the series."""
-    if isinstance(found, Outside):
+    if isinstance(found, Unknown):
         return {"P_N": None, "delta_m": None, "a_m": None, "reason": found.reason}
     return {"P_N": found.P, "delta_m": found.delta, "a_m": found.a}
 
 
-def _errors(found: Errors | str | None) -> dict[str, Any]:
+def _errors(found: Errors | Unknown | None) -> dict[str, Any]:
     """The half-widths beside a point; None with the reason where they are unknown, nothing where there is no point."""
     if found is None:
         return {}
-    if isinstance(found, str):
-        return {"P_err_N": None, "delta_err_m": None, "error": found}
+    if isinstance(found, Unknown):
+        return {"P_err_N": None, "delta_err_m": None, "error": found.reason}
     return {"P_err_N": found["P"], "delta_err_m": found["delta"]}
 
 
 def validity(result: Analysis) -> dict[str, Any]:
     """The numbers by which the result is judged, those of a layer last."""
-    return asdict(result.validity) | layer_tabor(result.case.problem, result.w, result.case.z0)
+    return vars(result.validity) | layer_tabor(result.case.problem, result.w, result.case.z0)
 
 
 def stability(result: Analysis) -> dict[str, Any]:
@@ -145,16 +146,16 @@ def jump(found: Jump) -> dict[str, Any]:
     return {"from": point(found.start), "to": None if found.end is None else point(found.end)}
 
 
-def energies(lost: Energy, separation: Energy) -> dict[str, Any]:
+def energies(lost: Estimate, separation: Estimate) -> dict[str, Any]:
     """Energy lost per cycle and work of separation [J], each null with its reason where there is none."""
     held: dict[str, Any] = {}
     for name, energy in (("energy_lost", lost), ("work_of_separation", separation)):
-        held[f"{name}_J"] = None if isinstance(energy, str) else energy
-        if isinstance(energy, str):
+        held[f"{name}_J"] = known(energy)
+        if isinstance(energy, Unknown):
             held[f"{name}_reason"] = energy
     return held
 
 
 def as_json(data: dict[str, Any]) -> str:
-    """JSON with no NaN or infinity in it, ever."""
-    return json.dumps(data, indent=2, allow_nan=False) + "\n"
+    """JSON with no NaN or infinity in it, ever; a reason where a number is unknown."""
+    return json.dumps(data, indent=2, allow_nan=False, default=attrgetter("reason")) + "\n"

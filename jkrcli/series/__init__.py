@@ -8,11 +8,12 @@ from typing import Any
 
 import numpy as np
 
+from ..base.arrays import Array
 from ..base.errors import InputError
+from ..base.unknown import Estimate, Unknown
 
-Array = np.ndarray
-Estimate = float | str  # a relative error, or the reason why it is unknown
 COLUMNS = ("a", "delta", "P", "S", "dS")
+NO_SMOOTHING = Unknown("no smoothing was done")
 
 
 def _frozen(name: str, values: Array | None, size: int | None = None) -> Array | None:
@@ -119,18 +120,19 @@ class ErrorBudget:
     discretisation: Estimate
     truncation: Estimate
     radius: Estimate
-    smoothing: Estimate = "no smoothing was done"
+    smoothing: Estimate = NO_SMOOTHING
 
     @property
     def series(self) -> Estimate:
         """The error of the series itself: the sum of discretisation, truncation and radius, or the first reason."""
         parts = (self.discretisation, self.truncation, self.radius)
-        return next((part for part in parts if isinstance(part, str)), None) or float(sum(map(float, parts)))
+        reason = next((part for part in parts if isinstance(part, Unknown)), None)
+        return float(sum(part for part in parts if not isinstance(part, Unknown))) if reason is None else reason
 
     @property
     def total(self) -> Estimate:
         """Series and smoothing together; the reason, where the series' error is unknown."""
-        if isinstance(self.series, str) or isinstance(self.smoothing, str):
+        if isinstance(self.series, Unknown) or isinstance(self.smoothing, Unknown):
             return self.series
         return self.series + self.smoothing
 

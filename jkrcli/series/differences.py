@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
+from ..base.arrays import Array
 from ..base.errors import InputError
-from . import Array, Series
+from . import Series
 
 
 @dataclass(frozen=True, eq=False)

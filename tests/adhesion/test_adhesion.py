@@ -8,9 +8,10 @@ import math
 import numpy as np
 import pytest
 
-from jkrcli.adhesion.curve import CriticalPoint, Outside, scales_half_space, scales_thin_layer, transform
+from jkrcli.adhesion.curve import CriticalPoint, scales_half_space, scales_thin_layer, transform
 from jkrcli.adhesion.slopes import Slopes, slopes
 from jkrcli.base.errors import InputError
+from jkrcli.base.unknown import Unknown
 from jkrcli.bodies.indenters import Sphere
 from jkrcli.formulas.closed_form import (
     adhesive_half_space,
@@ -116,7 +117,7 @@ def test_thin_layers(law: str, exponent: int, factor: float) -> None:
         assert (point.P / P_unit, point.a / a_unit) == pytest.approx((-1, 1), rel=1e-7)  # a minimum: root of round-off
         assert point.delta == pytest.approx(0, abs=1e-7 * delta_unit)
         outside = curve(series, w).pull_off(math.inf)  # delta falls down to a = 0
-        assert isinstance(outside, Outside)
+        assert isinstance(outside, Unknown)
         assert f"smallest radius of the series, a = {a[0] / 1e-9:.4g} nm (P = " in outside.reason
         assert 'ask for smaller radii: loading.spacing = "log", by fem a smaller mesh.smallest (or' in outside.reason
 
@@ -241,9 +242,9 @@ def test_interpolation_error_is_told_at_the_last_interval_too(points: int) -> No
 def test_interpolation_error_of_power_laws_is_round_off_and_unknown_for_few_points() -> None:
     assert curve(half_space(30)).interpolation_error < 1e-13
     assert curve(half_space(30), 0.0).interpolation_error < 1e-13
-    assert curve(half_space(4)).interpolation_error == "unknown: fewer than 5 points"
+    assert curve(half_space(4)).interpolation_error == Unknown("unknown: fewer than 5 points")
     wide = sphere_curve(np.geomspace(2e-9, 2e-5, 8)).interpolation_error
-    assert wide == "unknown: neighbouring radii differ by more than a factor of 2.7"
+    assert wide == Unknown("unknown: neighbouring radii differ by more than a factor of 2.7")
 
 
 @pytest.mark.parametrize(

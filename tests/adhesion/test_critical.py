@@ -12,8 +12,9 @@ import pytest
 from scipy.integrate import cumulative_trapezoid
 
 from jkrcli.adhesion.critical import point_error
-from jkrcli.adhesion.curve import AdhesiveCurve, CriticalPoint, Outside, transform
+from jkrcli.adhesion.curve import AdhesiveCurve, CriticalPoint, transform
 from jkrcli.adhesion.slopes import slopes, smoothed
+from jkrcli.base.unknown import Unknown
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import Layer, Loading, Problem, Rigid, Specimen
@@ -67,7 +68,7 @@ def test_a_known_change_of_the_columns_moves_the_point_as_predicted(exact: Serie
     joint = mode[:, :, None] * mode[:, None, :]
     known = replace(before.slopes, joint=joint, covariance=joint[:, :4, :4], quantile=1.0)
     found = point_error(transform(before.series, known, W), start, stiffness)
-    assert not isinstance(found, str)
+    assert not isinstance(found, Unknown)
     between = before.interpolation_error
     assert isinstance(between, float)
     for name in ("delta", "P"):
@@ -88,7 +89,7 @@ def test_noisy_points_lie_within_what_is_stated(exact: Series, control: str, noi
         point = ours.pull_off(stiffness)
         assert isinstance(point, CriticalPoint)
         found = point_error(ours, point, stiffness)
-        assert not isinstance(found, str)
+        assert not isinstance(found, Unknown)
         ratios.append(abs(point.P - truth.P) / found["P"])
         at_radius.append(abs(point.P - truth.P) / float(ours.error_at(np.array(point.a))["P"]))
     assert np.mean(np.array(ratios) <= 1) >= 0.75
@@ -97,13 +98,13 @@ def test_noisy_points_lie_within_what_is_stated(exact: Series, control: str, noi
         assert np.mean(np.array(at_radius) <= 1) < 0.75  # what the band alone would claim
 
 
-def missed(ours: AdhesiveCurve, truth: CriticalPoint | Outside) -> tuple[CriticalPoint, float, float]:
+def missed(ours: AdhesiveCurve, truth: CriticalPoint | Unknown) -> tuple[CriticalPoint, float, float]:
     """The pull-off under displacement control, the error of its load, and the stated one."""
     point = ours.pull_off(math.inf)
     assert isinstance(truth, CriticalPoint)
     assert isinstance(point, CriticalPoint)
     found = point_error(ours, point, math.inf)
-    assert not isinstance(found, str)
+    assert not isinstance(found, Unknown)
     return point, abs(point.P - truth.P), found["P"]
 
 
@@ -165,4 +166,4 @@ def test_smoothing_splines_are_measured_against_the_other_slopes() -> None:
 
 def test_no_adhesion_has_no_such_error(exact: Series) -> None:
     nothing = transform(exact, slopes(exact, "integral"), 0.0)
-    assert point_error(nothing, CriticalPoint(1.0, 0.1, 0.1), 0.0) == "unknown: there is no adhesion at w = 0"
+    assert point_error(nothing, CriticalPoint(1.0, 0.1, 0.1), 0.0) == Unknown("unknown: there is no adhesion at w = 0")

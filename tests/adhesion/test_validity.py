@@ -6,6 +6,7 @@ import pytest
 
 from jkrcli.adhesion.validity import NO_TIP_RADIUS, check, judge, regime
 from jkrcli.base.errors import InputError
+from jkrcli.base.unknown import Unknown
 
 SOUND = {"a": 1e-5, "delta": 1e-6, "E_star": 5e9 / 0.84, "w": 50.0, "R": 1e-4, "h": None, "L": None, "z0": 0.3e-9}
 
@@ -56,11 +57,11 @@ def test_what_cannot_be_judged_says_why() -> None:
     judged = judge(**{**SOUND, "R": None})
     assert judged.tabor == judged.a_over_R == NO_TIP_RADIUS
     assert judged.regime == f"unknown: {NO_TIP_RADIUS}"
-    assert judged.delta_over_h == judged.a_over_h == "no layer: the specimen is a half-space"
-    assert judged.a_over_L == "the body is unbounded in this method"
+    assert judged.delta_over_h == judged.a_over_h == Unknown("no layer: the specimen is a half-space")
+    assert judged.a_over_L == Unknown("the body is unbounded in this method")
     assert check(judged) == []
-    assert judge(**{**SOUND, "z0": None}).tabor == "no equilibrium distance z0 given"
-    assert judge(**{**SOUND, "w": 0.0}).tabor == "no adhesion (w = 0)"
+    assert judge(**{**SOUND, "z0": None}).tabor == Unknown("no equilibrium distance z0 given")
+    assert judge(**{**SOUND, "w": 0.0}).tabor == Unknown("no adhesion (w = 0)")
 
 
 def test_change_of_units() -> None:

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from jkrcli.base.errors import InputError
+from jkrcli.base.unknown import Unknown
 from jkrcli.case import load_case, store
 from jkrcli.methods.closed_form import ClosedForm
 from jkrcli.series import ErrorBudget, PressureTable, RawSeries, Series, Solution
@@ -41,7 +42,7 @@ def test_raw_increments_pressure_and_reasons_come_back(tmp_path: Path) -> None:
     raw = RawSeries(np.array([0.0, 1, 1, 2]), np.array([1.0, 2, 3, 4]), np.array([1.0, 2, 3, 4]))
     series = Series(np.array([1.0, 2]), np.array([2.0, 4]), np.array([2.0, 4]), a0=0.5, S0=None)
     pressure = PressureTable(np.array([0.0, 1]), np.ones((4, 2)))
-    budget = ErrorBudget(1e-3, "nobody asked", 0.0)
+    budget = ErrorBudget(1e-3, Unknown("nobody asked"), 0.0)
     solution = Solution(
         series, budget, "fem", raw, pressure, {"nodes": 7, "solver": "SuperLU"}, {"mesh": 0.1}, ("mind",)
     )
@@ -53,7 +54,7 @@ def test_raw_increments_pressure_and_reasons_come_back(tmp_path: Path) -> None:
     np.testing.assert_array_equal(kept.delta, [2, 4])
     assert (kept.a0, kept.S0) == (0.5, None)
     assert stored.budget == budget
-    assert stored.budget.total == "nobody asked"
+    assert stored.budget.total == Unknown("nobody asked")
     assert (stored.facts, stored.timings, stored.warnings) == (
         {"nodes": 7, "solver": "SuperLU"},
         {"mesh": 0.1},

@@ -7,11 +7,12 @@ import math
 import numpy as np
 import pytest
 
-from jkrcli.adhesion.curve import AdhesiveCurve, Outside, transform
+from jkrcli.adhesion.curve import AdhesiveCurve, transform
 from jkrcli.adhesion.slopes import slopes
 from jkrcli.adhesion.stability import UNBOUNDED, Cycle, cycle, trace, turning_radius
 from jkrcli.adhesion.states import state
 from jkrcli.base.errors import InputError
+from jkrcli.base.unknown import Unknown
 from jkrcli.formulas.closed_form import hertz, thin_layer
 from jkrcli.series import Series
 
@@ -143,7 +144,7 @@ def test_work_of_separation_from_the_zero_load_within_the_turn() -> None:
 
 def test_a_turn_below_zero_load_has_no_work_of_separation() -> None:
     found = cycle(half_space(50.0), half_space(50.0), RIGID, turn=8.5e-6)
-    assert found.separation == "no state of zero load is passed on retraction: load further"
+    assert found.separation == Unknown("no state of zero load is passed on retraction: load further")
     assert isinstance(found.energy_lost, float)
 
 
@@ -176,7 +177,9 @@ def test_a_thin_layer_is_traced_to_the_end_of_its_series() -> None:
     found = cycle(curve, curve, RIGID)
     assert found.jumps_out == ()
     assert (
-        found.energy_lost == found.separation == ("contact is not lost within the series, which begins at a = 283.3 nm")
+        found.energy_lost
+        == found.separation
+        == Unknown("contact is not lost within the series, which begins at a = 283.3 nm")
     )
     columns = trace(found, 30)
     assert columns["a_m"][-1] == a[0]
@@ -228,7 +231,7 @@ def test_adhesion_must_not_be_weaker_on_retraction() -> None:
 def test_no_cycle_where_first_contact_lies_outside_the_series() -> None:
     late = half_space(50.0, first=9e-6)
     found = cycle(late, late, RIGID)
-    assert isinstance(found, Outside)
+    assert isinstance(found, Unknown)
     assert "settles below the smallest radius of the series, a = 9e-06 m" in found.reason
 
 

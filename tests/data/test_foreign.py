@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from jkrcli.base.errors import InputError
+from jkrcli.base.unknown import Unknown
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
 from jkrcli.data.columns import split_name
 from jkrcli.data.foreign import Reading, radius_from_area, read_measured, read_series, surface_area
@@ -95,7 +96,7 @@ def test_every_guise_gives_the_same_series(tmp_path: Path, text: str, reading: R
         np.testing.assert_allclose(found[touching], exact, rtol=1e-13)
     np.testing.assert_allclose(solution.series.a, A[KEPT], rtol=1e-13)
     assert (solution.method, solution.facts["dropped"]) == ("import", raw.a.size - 5)
-    assert solution.budget.total == "unknown: made by another program"
+    assert solution.budget.total == Unknown("unknown: made by another program")
 
 
 LENGTHS, LOADS = st.sampled_from(["m", "mm", "um", "nm", "cm"]), st.sampled_from(["N", "kN", "mN", "uN", "nN"])

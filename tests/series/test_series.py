@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from jkrcli.base.errors import InputError
+from jkrcli.base.unknown import Unknown
 from jkrcli.series import ErrorBudget, RawSeries, Series, filter_plateaus, first_of_plateaus
 
 A = np.array([1.0, 2.0, 3.0])
@@ -62,5 +63,5 @@ def test_budget_adds_numbers_and_passes_on_the_reason() -> None:
     assert ErrorBudget(1e-3, 2e-3, 0.0).total == pytest.approx(3e-3)
     assert ErrorBudget(1e-3, 2e-3, 0.0, 4e-3).total == pytest.approx(7e-3)
     assert ErrorBudget(1e-3, 2e-3, 0.0, 4e-3).series == pytest.approx(3e-3)
-    assert ErrorBudget(1e-3, "not known", 0.0, 4e-3).total == "not known"
+    assert ErrorBudget(1e-3, Unknown("not known"), 0.0, 4e-3).total == Unknown("not known")
     assert ErrorBudget(0.0, 0.0, 0.0, 0.0).total == 0.0

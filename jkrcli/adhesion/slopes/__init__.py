@@ -9,8 +9,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from ...base.arrays import Array
 from ...base.errors import InputError
-from ...series import Array, RawSeries, Series
+from ...base.unknown import Unknown
+from ...series import RawSeries, Series
 from .result import Slopes
 
 SLOPES = {
@@ -49,7 +51,7 @@ def _carried(series: Series) -> Slopes:
     """The slopes that the series carries; or, where their stated error is noticeable and the fit "integral" stays
     within it, that fit: it smooths the scatter of differences. At a flat end, where S' jumps, it errs more."""
     exact = slopes_function("exact")(series)
-    if not isinstance(exact.error, float) or exact.error <= NEGLIGIBLE or "dS" not in series.errors:
+    if isinstance(exact.error, Unknown) or exact.error <= NEGLIGIBLE or "dS" not in series.errors:
         return replace(exact, reason="the series carries exact slopes")
     if series.a0 > 0:
         return replace(exact, reason="the series carries slopes, and a smooth fit errs at the edge of the flat end")
@@ -112,8 +114,8 @@ def _surer(series: Series) -> Slopes:
 
 
 def _number(found: Slopes) -> float:
-    return found.error if isinstance(found.error, float) else math.inf
+    return math.inf if isinstance(found.error, Unknown) else found.error
 
 
 def _words(found: Slopes) -> str:
-    return f"{found.error:.1g}" if isinstance(found.error, float) else found.error
+    return str(found.error) if isinstance(found.error, Unknown) else f"{found.error:.1g}"

@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...series import Array, RawSeries, filter_plateaus
+from ...base.arrays import Array
+from ...series import RawSeries, filter_plateaus
 
 MANY = 0.2  # share of increments with the radius of the one before
 HALF_WIDTH_90 = 0.45  # of an interval in which nothing is known about the place, as a 90 % half-width

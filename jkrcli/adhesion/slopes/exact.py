@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 from ...base.errors import Refusal
+from ...base.unknown import Unknown
 from ...series import Series
 from .result import TWO_SIDED_90, Slopes, covariance_from_errors, shift_error
+
+NOT_STATED = Unknown("no error is stated")
 
 
 def exact(series: Series) -> Slopes:
@@ -15,5 +18,5 @@ def exact(series: Series) -> Slopes:
             "gives them (closed-form, layered, hybrid; fem with edge correction and error estimate)"
         )
     covariance = covariance_from_errors(series, series.S, series.dS)
-    error = "no error is stated" if covariance is None else shift_error(series.dS, covariance, TWO_SIDED_90)
+    error = NOT_STATED if covariance is None else shift_error(series.dS, covariance, TWO_SIDED_90)
     return Slopes(series.S, series.dS, "exact", error=error, covariance=covariance)

@@ -15,8 +15,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.special import stdtrit
 
+from ...base.arrays import Array
 from ...base.errors import InputError, Refusal
-from ...series import Array, RawSeries, Series
+from ...series import RawSeries, Series
 from .events import has_plateaus, touch_events
 from .model import Grid, LogSplineModel, interpolate
 from .penalised import FREEZE, Fit, minimise

@@ -18,8 +18,9 @@ from dataclasses import replace
 import numpy as np
 from scipy.interpolate import CubicSpline
 
+from ...base.arrays import Array
 from ...base.errors import InputError, Refusal
-from ...series import Array, Series
+from ...series import Series
 from .result import Slopes, covariance_from_errors, shift_error
 from .smoothing import Criterion, SmoothingSpline, linear_fit, smoothing_spline
 

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import BSpline
 
-from ...series import Array
+from ...base.arrays import Array
 
 DEGREE = 5
 BELOW = 2.5  # the splines reach this far in x below the first point, a factor 12 in radius

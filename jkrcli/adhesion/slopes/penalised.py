@@ -21,7 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
-from ...series import Array
+from ...base.arrays import Array
 
 Residuals = Callable[[Array], tuple[Array, Array]]
 LAMBDA_RANGE = (1e-15, 100.0)  # in units of the mean diagonal of J^T J over the block; the second leaves none of it

@@ -7,7 +7,9 @@ from statistics import NormalDist
 
 import numpy as np
 
-from ...series import Array, Estimate, Series
+from ...base.arrays import Array
+from ...base.unknown import Estimate
+from ...series import Series
 
 TWO_SIDED_90 = NormalDist().inv_cdf(0.95)  # half-width of a 90 % interval in standard deviations
 

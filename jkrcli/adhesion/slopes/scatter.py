@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from ...series import Array
+from ...base.arrays import Array
 
 TRACE = 1e-3  # the smallest share of the scatter that a column is taken to carry
 MAX_TREND = 4.0  # exponent of the variance over the radius

@@ -22,9 +22,9 @@ import numpy as np
 from scipy.linalg import LinAlgError, cho_solve_banded, cholesky_banded
 from scipy.optimize import minimize_scalar
 
+from ...base.arrays import Array
 from ...base.errors import InputError
 
-Array = np.ndarray
 Criterion = Literal["loocv", "gcv"]
 LAMBDA_RANGE = (1e-8, 1e13)  # in units of the mean spacing; beyond them T or the penalty drowns in round-off
 GRID_POINTS = 22

@@ -39,7 +39,7 @@ def variance_factor(residuals: Array, dof: int, loss: Loss, width: float) -> flo
     """Factor of (J^T J)^-1: the residual variance, or its counterpart for M-estimates (Huber 1981, Sec. 7.6)."""
     turn = 1.0 if loss == "linear" else width
     psi, slope = influence(residuals / turn, loss)
-    return float(np.sum(psi**2) / dof * turn**2 / max(np.mean(slope), 1e-3) ** 2)
+    return float(np.sum(psi**2) / dof * turn**2 / max(float(np.mean(slope)), 1e-3) ** 2)
 
 
 def covariance(jacobian: Array, factor: float) -> Array | None:

@@ -11,13 +11,13 @@ from typing import Any
 
 from ...adhesion.analysis import analyse
 from ...base.errors import JkrError
+from ...base.unknown import Estimate
 from ...bodies.problem import Problem
 from ...case import Case, store
 from ...case.models import CaseModel
 from ...case.numerics import method_of
 from ...methods import METHODS
 from ...methods.choose import choose
-from ...series import Estimate
 from .chart_measure import Cost, process_cost, timed, typical
 from .chart_reference import Errors, Reference
 

@@ -12,9 +12,10 @@ from functools import cached_property, partial
 
 import numpy as np
 
-from ...adhesion.curve import AdhesiveCurve, CriticalPoint, Outside, transform
+from ...adhesion.curve import AdhesiveCurve, CriticalPoint, transform
 from ...adhesion.slopes import slopes
 from ...base.errors import InputError
+from ...base.unknown import Estimate, Unknown
 from ...bodies.problem import Problem
 from ...methods.fem.method import FEM
 from ...methods.layered.layered import Layered
@@ -36,7 +37,7 @@ class State:
 
     a: float
     P: float
-    point: CriticalPoint | Outside
+    point: CriticalPoint | Unknown
     curve: AdhesiveCurve | None
 
     def value(self, quantity: str) -> float | None:
@@ -73,20 +74,20 @@ class Convergence:
         return [level.state.value(quantity) for level in self.levels]
 
     @cached_property
-    def extrapolated(self) -> dict[str, tuple[float, float] | str]:
+    def extrapolated(self) -> dict[str, tuple[float, float] | Unknown]:
         """Order and limit of Richardson's extrapolation, from the three finest meshes; else the reason."""
         return {quantity: richardson(self.values(quantity)) for quantity in QUANTITIES}
 
-    def order(self, quantity: str) -> float | str:
+    def order(self, quantity: str) -> Estimate:
         """Observed order: the slope of the errors over the sizes in logarithms, where an exact value is known; else
         the one of Richardson's extrapolation; else the reason why there is none."""
         limit = self.extrapolated[quantity]
         if self.exact is None:
-            return limit if isinstance(limit, str) else limit[0]
+            return limit if isinstance(limit, Unknown) else limit[0]
         pairs = [(level.size, abs(error)) for level, error in zip(self.levels, self.errors(quantity), strict=True)
                  if error is not None and abs(error) > ROUND_OFF]  # fmt: skip
         if len(pairs) < 3:
-            return "needs three meshes with an error above round-off"
+            return Unknown("needs three meshes with an error above round-off")
         sizes, errors = np.log(np.array(pairs)).T
         return float(np.polyfit(sizes, errors, 1)[0])
 
@@ -107,7 +108,7 @@ class Convergence:
         if self.exact is not None:
             return self.exact.value(quantity)
         limit = self.extrapolated[quantity]
-        return self.values(quantity)[-1] if isinstance(limit, str) else limit[1]
+        return self.values(quantity)[-1] if isinstance(limit, Unknown) else limit[1]
 
 
 def converge(
@@ -167,14 +168,14 @@ def coarser(method: FEM, problem: Problem, factor: float) -> FEM:
     return replace(method, element_size=factor * size, zone_sizes=zones, growth=growth)  # type: ignore[arg-type]
 
 
-def richardson(values: Sequence[float | None]) -> tuple[float, float] | str:
+def richardson(values: Sequence[float | None]) -> tuple[float, float] | Unknown:
     """Observed order and limit of values on meshes that halve their sizes, from the last three; else why not."""
     last = values[-3:]
     if len(last) < 3 or any(value is None for value in last):
-        return "needs three meshes with a value"
+        return Unknown("needs three meshes with a value")
     first, second = (b - a for a, b in itertools.pairwise(last))  # type: ignore[operator]
     if abs(second) <= ROUND_OFF * abs(last[-1]) or first / second <= 1:  # type: ignore[arg-type]
-        return "the differences do not shrink from mesh to mesh"
+        return Unknown("the differences do not shrink from mesh to mesh")
     order = math.log(first / second) / math.log(RATIO)
     return order, last[-1] + second / (RATIO**order - 1)  # type: ignore[operator]
 
@@ -196,24 +197,24 @@ def _increments(solution: Solution) -> tuple[Array, Array, Array]:
     return rows.a, rows.delta, rows.P
 
 
-def _state(a: Array, delta: Array, P: Array, curve: AdhesiveCurve | Outside, depth: float) -> State:
+def _state(a: Array, delta: Array, P: Array, curve: AdhesiveCurve | Unknown, depth: float) -> State:
     """Values at ``depth``: the load between rows in logarithms; so the radius, which of increments is a node's."""
     at = math.log(depth * (1 + ROUND_OFF))
     touching = a > 0
     x = np.log(delta[touching])
     load = math.exp(np.interp(at, x, np.log(P[touching])))
     radius = math.exp(np.interp(at, x, np.log(a[touching])))
-    if isinstance(curve, Outside):
+    if isinstance(curve, Unknown):
         return State(radius, load, curve, None)
     return State(radius, load, curve.pull_off(0.0), curve)
 
 
-def _adhesive(series: Series, w: float, slopes_name: str) -> AdhesiveCurve | Outside:
+def _adhesive(series: Series, w: float, slopes_name: str) -> AdhesiveCurve | Unknown:
     """The adhesive curve, or why a mesh is too coarse for one."""
     try:
         return transform(series, slopes(series, slopes_name), w)
     except InputError as error:
-        return Outside(error.lines[0])
+        return Unknown(error.lines[0])
 
 
 def _exact(problem: Problem, w: float, depth: float) -> State | None:

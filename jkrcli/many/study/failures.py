@@ -19,6 +19,7 @@ from ...adhesion.slopes import Slopes, slopes, smoothed
 from ...adhesion.validity import unresolved
 from ...base.errors import JkrError
 from ...base.executors import completed
+from ...base.unknown import Unknown
 from ...bodies.problem import Loading, Problem
 from ...methods import METHODS, Method, method_class
 from ...methods.layered.fields import profile
@@ -226,7 +227,7 @@ def _band(curve: AdhesiveCurve, exact: AdhesiveCurve, unit: CriticalPoint) -> Of
     """The error of P in pull-off forces, and the stated one, where a tenth of the points lie further from theirs."""
     common = (curve.a >= exact.a[0]) & (curve.a <= exact.a[-1])
     error = np.abs(curve.P[common] - exact.at(curve.a[common])[1]) / abs(unit.P)
-    assert not isinstance(curve.interpolation_error, str)
+    assert not isinstance(curve.interpolation_error, Unknown)
     stated = curve.errors["P"][common] / abs(unit.P) + curve.interpolation_error + exact.interpolation_error
     order = np.argsort(error / stated)
     i = order[int(OF_THE_CURVE * (order.size - 1))]
@@ -254,7 +255,7 @@ def _fitted(raw: RawSeries, given: Series) -> tuple[Series, Slopes]:
 
 def _stated(curve: AdhesiveCurve, point: CriticalPoint) -> float | None:
     """Relative error of the pull-off force that the curve states: its band and its interpolation; None: unknown."""
-    if not curve.errors or isinstance(curve.interpolation_error, str):
+    if not curve.errors or isinstance(curve.interpolation_error, Unknown):
         return None
     band = float(curve.error_at(np.array(point.a))["P"]) / abs(point.P)
     return band + curve.interpolation_error

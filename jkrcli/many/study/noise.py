@@ -14,9 +14,10 @@ from functools import partial
 
 import numpy as np
 
-from ...adhesion.curve import AdhesiveCurve, Outside, transform
+from ...adhesion.curve import AdhesiveCurve, transform
 from ...adhesion.slopes import slopes, slopes_function, smoothed
 from ...base.errors import InputError
+from ...base.unknown import Unknown
 from ...bodies.indenters import Paraboloid
 from ...bodies.materials import Elastic
 from ...bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
@@ -143,7 +144,7 @@ def _run(
     except InputError:
         return None
     found, expected = curve.pull_off(0.0), truth.pull_off(0.0)
-    if isinstance(found, Outside) or isinstance(expected, Outside):
+    if isinstance(found, Unknown) or isinstance(expected, Unknown):
         return None
     error = found.P / expected.P - 1
     if not curve.errors:

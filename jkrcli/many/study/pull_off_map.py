@@ -16,10 +16,11 @@ from functools import partial
 import numpy as np
 
 from ... import __version__
-from ...adhesion.curve import AdhesiveCurve, Outside, transform
+from ...adhesion.curve import AdhesiveCurve, transform
 from ...adhesion.slopes import slopes
 from ...adhesion.states import LOAD_CONTROL
 from ...base.errors import InputError, SolveError
+from ...base.unknown import Unknown
 from ...bodies.indenters import Paraboloid
 from ...bodies.materials import Elastic
 from ...bodies.problem import Layer, Loading, Problem, Rigid, Specimen
@@ -81,7 +82,7 @@ def _column(bonded: bool, qs: Sequence[float], nu: float) -> list[MapPoint]:
 
 def _point(nu: float, bonded: bool, q: float, curve: AdhesiveCurve) -> MapPoint:
     point = curve.pull_off(LOAD_CONTROL)
-    if isinstance(point, Outside):
+    if isinstance(point, Unknown):
         raise SolveError(f"pull-off map: nu = {nu:g}, q = {q:g}: {point.reason}")
     base = "bonded" if bonded else "frictionless"
     return MapPoint(nu, base, q, -point.P / (math.pi * q), point.a, point.delta)

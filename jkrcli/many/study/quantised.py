@@ -7,9 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...adhesion.curve import Outside, transform
+from ...adhesion.curve import transform
 from ...adhesion.slopes import slopes_function, smoothed
 from ...base.errors import InputError
+from ...base.unknown import Unknown
 from ...formulas.closed_form import hertz
 from ...series import RawSeries, Series, filter_plateaus
 
@@ -78,4 +79,4 @@ def _pull_off(raw: RawSeries, way: str, w: float) -> float:
     except InputError:
         return np.nan
     found = curve.pull_off(0.0)
-    return np.nan if isinstance(found, Outside) else found.P
+    return np.nan if isinstance(found, Unknown) else found.P

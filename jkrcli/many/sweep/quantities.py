@@ -11,22 +11,16 @@ from typing import Any
 import numpy as np
 
 from ...adhesion.analysis import Analysis
-from ...adhesion.curve import CriticalPoint, Outside
+from ...adhesion.curve import CriticalPoint
 from ...adhesion.stability import behaviour
 from ...adhesion.states import DISPLACEMENT_CONTROL, State
 from ...base.errors import InputError
+from ...base.unknown import Unknown
 from ...report import tables
 
 Value = float | int | str
 Section = Callable[[Analysis], Mapping[str, Any]]
 POINT = ("P_N", "delta_m", "a_m")
-
-
-@dataclass(frozen=True)
-class Missing:
-    """There is no such number, because of ``reason``."""
-
-    reason: str
 
 
 def _at_end(result: Analysis) -> dict[str, Any]:
@@ -50,17 +44,17 @@ def _pull_off(result: Analysis) -> dict[str, Any]:
     return points
 
 
-def _over_classical(result: Analysis) -> float | Missing:
+def _over_classical(result: Analysis) -> float | Unknown:
     """-P/(pi w R) under load control: 3/2 on a half-space."""
     found, R = result.pull_off["load"], result.case.problem.indenter.tip_radius
-    if isinstance(found, Outside):
-        return Missing(found.reason)
-    return Missing("the indenter has no tip radius") if R is None else -found.P / (math.pi * result.w * R)
+    if isinstance(found, Unknown):
+        return Unknown(found.reason)
+    return Unknown("the indenter has no tip radius") if R is None else -found.P / (math.pi * result.w * R)
 
 
-def _point(name: str, found: CriticalPoint | State | Outside) -> dict[str, Any]:
+def _point(name: str, found: CriticalPoint | State | Unknown) -> dict[str, Any]:
     told = tables.point(found)
-    return {f"{name}.{key}": Missing(told["reason"]) if told[key] is None else told[key] for key in POINT}
+    return {f"{name}.{key}": Unknown(told["reason"]) if told[key] is None else told[key] for key in POINT}
 
 
 def _stability(result: Analysis) -> dict[str, Any]:
@@ -72,9 +66,8 @@ def _stability(result: Analysis) -> dict[str, Any]:
 def _comparison(result: Analysis) -> dict[str, Any]:
     comparison = result.comparison
     if comparison is None:
-        return {"pull_off": Missing("")}
-    found = comparison.pull_off
-    return {"pull_off": Missing("pull-off lies outside the series") if found is None else found}
+        return {"pull_off": Unknown("")}
+    return {"pull_off": comparison.pull_off}
 
 
 ERRORS = ("discretisation", "truncation", "radius", "smoothing", "total")
@@ -120,7 +113,7 @@ class Wanted:
         """Whether any column means nothing without a work of adhesion."""
         return bool(self.stiffness) or any(name.split(".")[0] in NEED_W for name in self.names)
 
-    def values(self, result: Analysis) -> list[Value | Missing]:
+    def values(self, result: Analysis) -> list[Value | Unknown]:
         """One value per column."""
         sections = {name: SECTIONS[name][0](result) for name in dict.fromkeys(n.split(".")[0] for n in self.names)}
         told = [
@@ -131,28 +124,26 @@ class Wanted:
         return [*told, *(value for point in (*devices, *along) for value in point.values())]
 
 
-def _value(name: str, told: Any) -> Value | Missing:
-    """A number (or word, where the column holds words); a text in place of a number says why there is none."""
-    if isinstance(told, Missing) or name in WORDS:
+def _value(name: str, told: Any) -> Value | Unknown:
+    """A number (or word, where the column holds words), or why there is none."""
+    if isinstance(told, Unknown):
+        return Unknown("") if name.startswith(OF_THE_KIND) else told
+    if name in WORDS or isinstance(told, int):
         return told
-    if isinstance(told, str):
-        return Missing("" if name.startswith(OF_THE_KIND) else told)
-    if isinstance(told, int):
-        return told
-    return float(told) if math.isfinite(told) else Missing(f"{name} is not finite")
+    return float(told) if math.isfinite(told) else Unknown(f"{name} is not finite")
 
 
-def _by_device(result: Analysis, stiffness: float) -> CriticalPoint | Outside:
-    return Outside("there is no adhesion at w = 0") if result.w == 0 else result.curve.pull_off(stiffness)
+def _by_device(result: Analysis, stiffness: float) -> CriticalPoint | Unknown:
+    return Unknown("there is no adhesion at w = 0") if result.w == 0 else result.curve.pull_off(stiffness)
 
 
-def _along(result: Analysis, a: float) -> dict[str, Value | Missing]:
+def _along(result: Analysis, a: float) -> dict[str, Value | Unknown]:
     """The curve at contact radius ``a`` [m]; index H: without adhesion."""
     curve = result.curve
     try:
         delta, P = (float(value) for value in curve.at(np.array(a)))
     except InputError as error:
-        return dict.fromkeys(ALONG, Missing(str(error)))
+        return dict.fromkeys(ALONG, Unknown(str(error)))
     rule, x, z = curve.rule, math.log(a), math.log(a - curve.rule.a0)
     P_H, delta_H, S = (math.exp(float(item)) for item in (rule.P_H(z), rule.delta_H(z), rule.S(x)))
     dS = 4 * math.pi * a * math.exp(-2 * float(rule.t(x)))  # t = sqrt(4 pi a/S') at w = 1

@@ -11,6 +11,7 @@ from typing import Any
 
 from ...adhesion.analysis import Fitted, Specification, adhesive
 from ...base.errors import JkrError
+from ...base.unknown import Unknown
 from ...bodies.problem import Problem
 from ...case import CaseModel
 from ...case.numerics import method_of
@@ -18,7 +19,7 @@ from ...case.store import Stored
 from ...methods.choose import LEAST_FIRST, NOTICEABLE, PATIENCE, Choice, choose, survey
 from ..cache import at_unit_modulus, solved
 from .plan import Group, Recipe
-from .quantities import Missing, Value
+from .quantities import Value
 
 OK, FAILED = "ok", "failed"
 
@@ -80,9 +81,7 @@ def least(body: Problem, model: CaseModel) -> Choice:
     build = partial(method_of, model)
     for name in LEAST_FIRST if model.method == "auto" else ():
         forecast = survey(body, build, [name])[0].forecast
-        if forecast is None or isinstance(forecast.error, str):
-            continue
-        if forecast.error <= NOTICEABLE and forecast.seconds <= PATIENCE:
+        if forecast is not None and forecast.error <= NOTICEABLE and forecast.seconds <= PATIENCE:
             return Choice(name, build(name), "the least model that represents this body")
     return choose(body, model.method, build)
 
@@ -98,8 +97,8 @@ def _row(recipe: Recipe, fitted: Fitted, number: int, values: Mapping[str, Any],
         told = recipe.wanted.values(result)
     except Exception as error:
         return _failed(recipe, number, error, share + time.process_time() - start)
-    reasons = dict.fromkeys(value.reason for value in told if isinstance(value, Missing) and value.reason)
-    cells = tuple(None if isinstance(value, Missing) else value for value in told)
+    reasons = dict.fromkeys(value.reason for value in told if isinstance(value, Unknown) and value.reason)
+    cells = tuple(None if isinstance(value, Unknown) else value for value in told)
     return Row(number, OK, "; ".join(reasons), cells, share + time.process_time() - start)
 
 

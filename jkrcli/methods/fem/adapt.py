@@ -14,9 +14,10 @@ import numpy as np
 
 from ...base.clock import StageClock
 from ...base.errors import Refusal
+from ...base.unknown import Estimate, Unknown
 from ...bodies.indenters import Indenter
 from ...bodies.problem import Problem
-from ...series import Estimate, Solution
+from ...series import Solution
 from .budget import JUDGED_DEPTH
 from .level import Level
 from .run import Run, finished
@@ -81,7 +82,7 @@ def sized(method: FEM, spacing: float) -> FEM:
 
 def _shrinkage(tolerance: float, reached: Estimate, truncation: Estimate) -> float:
     """By what the spacing is to shrink; what the truncation takes of the tolerance is lost."""
-    if isinstance(reached, str) or isinstance(truncation, str) or truncation >= tolerance:
+    if isinstance(reached, Unknown) or isinstance(truncation, Unknown) or truncation >= tolerance:
         return LEAST
     wanted = (AIM * (tolerance - truncation) / (reached - truncation)) ** (1 / ORDER)
     return min(max(wanted, LEAST), MOST)
@@ -96,7 +97,7 @@ def _run(method: FEM, problem: Problem, clock: StageClock, before: Run, reached:
 
 
 def _unreached(tolerance: float, reached: Estimate, run: Run) -> Refusal:
-    error = reached if isinstance(reached, str) else f"the estimated error is {reached:.1e}"
+    error = reached if isinstance(reached, Unknown) else f"the estimated error is {reached:.1e}"
     unknowns = run.level.model.system.free.size
     return Refusal(
         f"mesh.tolerance: {tolerance:g} is not reached: with {unknowns} unknowns {error}; ask for a larger one, leave "

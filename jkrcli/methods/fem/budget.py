@@ -7,18 +7,19 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ...series import ErrorBudget, Estimate
+from ...base.arrays import Array
+from ...base.unknown import Estimate, Unknown
+from ...series import ErrorBudget
 from .contact import Events, SurfaceContact, solve_depths
 from .ending import Columns, power_interpolated
 from .increments import raw_series
 from .level import Level
 from .model import Model
 
-Array = np.ndarray
 JUDGED_DEPTH = 0.01  # of the largest: below it few nodes are in contact, and the budget leaves the rows out
 LOADS, RADII = 1.4, 2.0  # errors in what doubling the sizes changes: first order leaves 1, and meshes differ by luck
 ROUND_OFF = 1e-12  # radii come from a search
-TOO_FEW = "fewer than four vertices in contact"
+TOO_FEW = Unknown("fewer than four vertices in contact")
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,10 +55,10 @@ def estimate(
     budget = ErrorBudget(
         discretisation=float(load[judged].max()),
         truncation=truncation,
-        radius=radius if isinstance(radius, str) else float(radius[judged].max()),
+        radius=radius if isinstance(radius, Unknown) else float(radius[judged].max()),
     )
     judged_from = float(delta[judged][0])
-    if isinstance(radius, str) or isinstance(truncation, str):
+    if isinstance(radius, Unknown) or isinstance(truncation, Unknown):
         return Assessment(budget, judged_from)
     errors = {"P": load + truncation, "a": radius} | _slopes(fine, coarse, columns, loads)
     return Assessment(budget, judged_from, errors)
@@ -98,13 +99,13 @@ def load_at(contact: SurfaceContact, delta: Array) -> Array:
     return contact.S[k] * delta - contact.T[k]
 
 
-def _radius(coarse: Events, events: Events, a: Array, delta: Array, caution: float) -> Array | str:
+def _radius(coarse: Events, events: Events, a: Array, delta: Array, caution: float) -> Array | Unknown:
     """What larger elements change at equal depth (a vertex radius is off by a fraction of the spacing), plus where
     the series' radii differ from the events' (increments). Below the meshes' first events, where the spacing is
     uniform, the change grows like the inverse radius."""
     first, last = max(coarse.delta[0], events.delta[0]), min(coarse.delta[-1], events.delta[-1])
     if first >= last or delta[-1] < first:
-        return "no radius common to the mesh and its coarser companion"
+        return Unknown("no radius common to the mesh and its coarser companion")
     fine = _radius_at(events, delta)
     samples = np.unique(np.clip(np.concatenate([delta, coarse.delta, events.delta]), first, last))
     changes = np.abs(_radius_at(coarse, samples) / _radius_at(events, samples) - 1)

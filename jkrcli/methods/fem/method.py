@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 from ...base.clock import StageClock
 from ...base.errors import JkrError, Refusal
+from ...base.unknown import Unknown
 from ...bodies.problem import HalfSpace, Problem
 from ...series import ErrorBudget, Solution
 from .. import Forecast
@@ -221,7 +222,7 @@ class FEM(FEMOptions):
 
     def _assessed(self, run: Run, clock: StageClock) -> Assessment:
         if not self.estimate_error:
-            reason = "not estimated: estimate_error is off"
+            reason = Unknown("not estimated: estimate_error is off")
             return Assessment(ErrorBudget(reason, reason, reason))
         with clock("error estimate"):
             recipe = run.level.model.recipe.coarser(DOUBLED)

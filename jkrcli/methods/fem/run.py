@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...base.clock import StageClock
+from ...base.unknown import Estimate
 from ...bodies.problem import Problem
-from ...series import Estimate, RawSeries, Series, Solution, filter_plateaus
+from ...series import RawSeries, Series, Solution, filter_plateaus
 from .budget import Assessment, estimate, truncation_of
 from .contact import Increment
 from .ending import Columns

@@ -7,6 +7,7 @@ import json
 import re
 from collections.abc import Mapping
 from importlib import resources
+from operator import attrgetter
 from typing import Any
 
 from ... import __version__
@@ -21,7 +22,7 @@ def page(content: Mapping[str, Any]) -> str:
         "title": html.escape(f"{content['stem']}: {content['body']}"),
         "style": _own("page.css"),
         "library": _library(),
-        "content": _safe(json.dumps(content, allow_nan=False, separators=(",", ":"))),
+        "content": _safe(json.dumps(content, allow_nan=False, separators=(",", ":"), default=attrgetter("reason"))),
         "script": "\n".join(map(_own, SCRIPTS)),
         "mark": f"<!-- jkr {__version__} -->",
     }

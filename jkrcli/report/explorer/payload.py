@@ -21,6 +21,7 @@ from ...adhesion.curve import AdhesiveCurve, CriticalPoint, transform
 from ...adhesion.slopes.result import Slopes
 from ...adhesion.validity import TABOR_DMT, TABOR_JKR, regime
 from ...base.units import SI, UNITS, decades, scale
+from ...base.unknown import Unknown
 from ...bodies.words import describe
 from ...data.measured import Curve
 from ...series import Array, Series
@@ -142,7 +143,7 @@ def _form(left: Array, matrices: Array, right: Array) -> Array:
 def _tabor(result: Analysis) -> dict[str, Any] | None:
     """The Tabor number at the start's w and modulus, and what it means above each limit; it goes with (w/s)^(2/3)."""
     number = result.validity.tabor
-    if isinstance(number, str):
+    if isinstance(number, Unknown):
         return None
     limits = (TABOR_JKR, TABOR_DMT, 0.0)
     words = [regime(2 * limit if limit else TABOR_DMT / 2) for limit in limits]

@@ -1,11 +1,13 @@
-"""The one form of all CSV files that are written."""
+"""The one form of all tables (CSV) and summaries (JSON) that are written."""
 
 from __future__ import annotations
 
 import csv
 import io
+import json
 import math
 from collections.abc import Iterable, Mapping
+from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
@@ -32,3 +34,8 @@ def _plain(values: Any) -> Iterable[Any]:
 
 def _cell(value: Any) -> Any:
     return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def as_json(data: Mapping[str, Any]) -> str:
+    """JSON with no NaN or infinity in it, ever; a reason where a number is unknown."""
+    return json.dumps(data, indent=2, allow_nan=False, default=attrgetter("reason")) + "\n"

@@ -19,11 +19,12 @@ from ..case import CaseModel, load_case
 from ..case.numerics import method_of
 from ..methods.choose import Option, choose, cost, objection, survey
 from ..report import tables
+from .output import answer, json_option
 
 
 @click.command()
 @click.argument("case", type=click.Path(path_type=Path))
-@click.option("--json", "as_json", is_flag=True, help="Print as JSON.")
+@json_option
 def check(case: Path, as_json: bool) -> None:
     """Validate CASE and say which method it needs and why, what each would cost, and what to expect.
 
@@ -39,7 +40,7 @@ def check(case: Path, as_json: bool) -> None:
     expected = _expected(model)
     if as_json:
         data = {"case": str(case), "problem": describe(problem), "method": choice.name, "reason": choice.reason}
-        click.echo(tables.as_json(data | {"options": [asdict(o) for o in options]} | _as_dict(expected)).rstrip())
+        answer(data | {"options": [asdict(o) for o in options]} | _as_dict(expected))
         return
     click.echo(describe(problem))
     click.echo(f"  method    {choice.name}: {choice.brief}")

@@ -8,10 +8,10 @@ import click
 
 from ..adhesion.analysis import specification
 from ..base.errors import InputError
-from ..base.files import check_target
 from ..case import store
 from ..report import tables
 from ..series.differences import Difference, curve_differences, series_differences
+from .output import PICTURES, Output, answer, output_options
 from .voice import say
 
 COLUMNS = ("P", "a", "S", "dS")
@@ -26,8 +26,7 @@ COLUMNS = ("P", "a", "S", "dS")
 @click.option("--column", "columns", multiple=True, type=click.Choice(COLUMNS), help="What counts [default: P].")
 @click.option("--overlap", type=click.FloatRange(0, 1), default=0.9, show_default=True, help="Least common range.")
 @click.option("--plot", type=click.Path(path_type=Path), help="Draw the differences (.png or .svg).")
-@click.option("--force", is_flag=True, help="Replace an existing plot that jkr did not write.")
-@click.option("--json", "as_json", is_flag=True, help="Print as JSON.")
+@output_options(force="Replace an existing plot that jkr did not write.", json="Print as JSON.")
 @click.pass_context
 def compare(
     ctx: click.Context,
@@ -37,8 +36,7 @@ def compare(
     columns: tuple[str, ...],
     overlap: float,
     plot: Path | None,
-    force: bool,
-    as_json: bool,
+    output: Output,
 ) -> None:
     """Compare two series files (P and a at equal displacement, S and S' at equal radius), or two CSV curves.
 
@@ -49,7 +47,9 @@ def compare(
     jkr compare today.h5 yesterday.h5 --rtol 1e-12 --column P --column a
     """
     if plot is not None:
-        _check_plot(plot, force, [first, second])
+        if plot.suffix not in PICTURES:
+            raise InputError(f"--plot: must end in .png or .svg, got {plot}")
+        output.file(plot, [first, second])
     found = _curves(first, second) if first.suffix == ".csv" else _series(first, second)
     counting = columns or ("P",)
     judged = [d for d in found if first.suffix == ".csv" or d.column in counting]
@@ -62,8 +62,8 @@ def compare(
                 f"load both as far, or allow it with --overlap {d.coverage:.2f}"
             )
     agree = all(d.worst <= rtol for d in judged)
-    if as_json:
-        click.echo(tables.as_json(_as_dict(first, second, rtol, found, judged, agree)).rstrip())
+    if output.json:
+        answer(_as_dict(first, second, rtol, found, judged, agree))
     else:
         _print(first, second, rtol, found, judged, agree)
     if plot is not None:
@@ -72,12 +72,6 @@ def compare(
 
         plots.save(differences_figure(found, rtol), plot)
     ctx.exit(0 if agree else 1)
-
-
-def _check_plot(plot: Path, force: bool, inputs: list[Path]) -> None:
-    if plot.suffix not in (".png", ".svg"):
-        raise InputError(f"--plot: must end in .png or .svg, got {plot}")
-    check_target(plot, force, inputs)
 
 
 def _series(first: Path, second: Path) -> list[Difference]:

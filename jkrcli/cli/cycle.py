@@ -11,18 +11,15 @@ from ..adhesion.analysis import analyse, specification
 from ..adhesion.stability import Cycle, Jump, control, trace, turning_radius
 from ..adhesion.stability import cycle as run_cycle
 from ..base.errors import InputError
-from ..base.files import check_target, make_folder
-from ..base.table import write_csv
 from ..base.units import show
 from ..base.unknown import Unknown
 from ..case import store
 from ..case.store import Stored
 from ..report import tables
 from .options import Length, Load, WorkOfAdhesion, modulus_factor_option, slopes_option
+from .output import PICTURES, Output, answer, into_folder, output_options
 from .pull_off import Stiffness
 from .voice import say
-
-ENDINGS = (".csv", ".png", ".svg")
 
 
 @click.command()
@@ -35,10 +32,8 @@ ENDINGS = (".csv", ".png", ".svg")
 @click.option("--points", type=click.IntRange(2, 100_000), default=200, show_default=True, help="Rows per branch.")
 @slopes_option
 @modulus_factor_option
-@click.option("-o", "--output", type=click.Path(path_type=Path, file_okay=False), help="Folder [default: the file's].")
-@click.option("--no-plots", is_flag=True, help="Write the CSV only.")
-@click.option("--force", is_flag=True, help="Replace existing files that jkr did not write.")
-@click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON.")
+@into_folder()
+@output_options(plots="Write the CSV only.", json="Print the figures as JSON.")
 def cycle(
     file: Path,
     w_approach: float | None,
@@ -49,10 +44,7 @@ def cycle(
     points: int,
     slopes: str,
     modulus_factor: float,
-    output: Path | None,
-    no_plots: bool,
-    force: bool,
-    as_json: bool,
+    output: Output,
 ) -> None:
     """Trace what a device records that presses the bodies of a series FILE together and pulls them apart again.
 
@@ -67,11 +59,7 @@ def cycle(
         raise InputError("cycle: give at most one of --to-load and --to-depth")
     stored = store.read(file)
     works = _works(stored, w_approach, w_retract)
-    folder = output if output is not None else file.parent
-    make_folder(folder)
-    targets = {end: folder / f"{file.stem}-cycle{end}" for end in (ENDINGS[:1] if no_plots else ENDINGS)}
-    for target in targets.values():
-        check_target(target, force, [file])
+    targets = output.files(output.folder(file.parent) / f"{file.stem}-cycle", (".csv", *PICTURES), [file])
     inwards, outwards = (result.curve for result in analyse(stored, works, slopes, modulus_factor))
     turn = None
     if to_load is not None or to_depth is not None:
@@ -80,19 +68,17 @@ def cycle(
     if isinstance(found, Unknown):
         raise InputError(f"{file}: {found.reason}")
     columns = trace(found, points)
-    write_csv(targets[".csv"], columns)
-    if not no_plots:
-        from ..report import plots
+    figure = None
+    if output.plots:
         from ..report.plots.curve import cycle_figure
 
         figure = cycle_figure(columns, control(stiffness))
-        for end in ENDINGS[1:]:
-            plots.save(figure, targets[end])
-    if as_json:
-        click.echo(tables.as_json(_as_dict(file, found)).rstrip())
+    targets.write(columns, figure=figure)
+    if output.json:
+        answer(_as_dict(file, found))
     else:
         _print(file, found)
-        say(f"  written {folder / file.stem}-cycle{{{','.join(targets)}}}")
+        say(f"  written {targets}")
 
 
 def _works(stored: Stored, approach: float | None, retract: float | None) -> tuple[float, float]:

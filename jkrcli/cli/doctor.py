@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import asdict
 
 import click
 
 from .. import __version__
 from .machine import examine
+from .output import answer, json_option
 
 MARKS = {"ok": "ok      ", "optional": "optional", "missing": "MISSING "}
 
 
 @click.command()
-@click.option("--json", "as_json", is_flag=True, help="Print as JSON.")
+@json_option
 def doctor(as_json: bool) -> int:
     """Look at versions, the mesher's system libraries, optional parts, threads, memory and temporary files.
 
@@ -26,9 +26,7 @@ def doctor(as_json: bool) -> int:
     findings = examine()
     sound = all(finding.state != "missing" for finding in findings)
     if as_json:
-        click.echo(
-            json.dumps({"jkr": __version__, "sound": sound, "findings": [asdict(f) for f in findings]}, indent=2)
-        )
+        answer({"jkr": __version__, "sound": sound, "findings": [asdict(f) for f in findings]})
         return int(not sound)
     click.echo(f"jkr {__version__}")
     for finding in findings:

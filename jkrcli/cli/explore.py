@@ -9,33 +9,30 @@ import click
 
 from ..adhesion.analysis import analyse, specification
 from ..base.errors import InputError
-from ..base.files import check_target, write_text
+from ..base.files import write_text
 from ..case import store
 from ..data import measured
-from ..report import tables
 from ..report.explorer import page, payload, start_work
 from .measured import reading_of, reading_options
 from .options import WorkOfAdhesion, slopes_option
+from .output import ONE_FILE, Output, answer, into_file, output_options
 from .voice import say
 
 
 @click.command()
 @click.argument("file", type=click.Path(path_type=Path))
 @click.argument("data", nargs=-1, type=click.Path(path_type=Path))
-@click.option("-o", "--output", type=click.Path(path_type=Path), help="The page [default: <file>-explore.html].")
+@into_file("The page [default: <file>-explore.html].")
 @click.option("--w", "work", type=WorkOfAdhesion(), help="To begin with [default: the case's first].")
 @slopes_option
 @reading_options
-@click.option("--force", is_flag=True, help="Replace an existing file that jkr did not write.")
-@click.option("--json", "as_json", is_flag=True, help="Print what was written as JSON.")
+@output_options(force=ONE_FILE, json="Print what was written as JSON.")
 def explore(
     file: Path,
     data: tuple[Path, ...],
-    output: Path | None,
     work: float | None,
     slopes: str,
-    force: bool,
-    as_json: bool,
+    output: Output,
     **reading: Any,
 ) -> None:
     """Make one self-contained page with sliders from a series FILE, with measured DATA (CSV) drawn over the curve.
@@ -50,8 +47,7 @@ def explore(
     """
     if work == 0:
         raise InputError("explore: --w must be > 0 J/m^2 to begin with, got 0")
-    target = output if output is not None else file.with_name(f"{file.stem}-explore.html")
-    check_target(target, force, [file, *data])
+    target = output.file(file.with_name(f"{file.stem}-explore.html"), [file, *data])
     stored = store.read(file)
     curves = [curve for path in data for curve in measured.read(path, reading_of(dict(reading)))]
     works = (work,) if work is not None else tuple(w for w in specification(stored).w if w > 0)[:1]
@@ -61,9 +57,9 @@ def explore(
     text = page(payload(result, curves, slopes))
     write_text(target, text)
     size, points = len(text.encode()), sum(map(len, curves))
-    if as_json:
+    if output.json:
         summary = {"file": str(file), "page": str(target), "bytes": size, "w_J_per_m2": result.w}
-        click.echo(tables.as_json(summary | {"measured_curves": len(curves), "measured_points": points}).rstrip())
+        answer(summary | {"measured_curves": len(curves), "measured_points": points})
         return
     overlaid = f", {points} measured points in {len(curves)} curves" if curves else ""
     say(f"{file}: {len(result.curve.series)} points{overlaid}")

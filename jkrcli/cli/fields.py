@@ -11,19 +11,16 @@ import numpy as np
 from ..adhesion.analysis import analyse, specification
 from ..adhesion.states import stable_radius
 from ..base.errors import InputError
-from ..base.files import atomic, check_target, make_folder
-from ..base.table import write_csv
+from ..base.files import atomic
 from ..base.units import show
 from ..case import store
-from ..report import tables
 from .mesh import MARKS
 from .options import Length, Load, WorkOfAdhesion
+from .output import PICTURES, Files, Output, answer, into_folder, output_options
 from .voice import say
 
 if TYPE_CHECKING:
     from ..methods.fem.state import ContactState
-
-ENDINGS = (".vtu", ".csv", ".png", ".svg")
 
 
 @click.command()
@@ -35,20 +32,15 @@ ENDINGS = (".vtu", ".csv", ".png", ".svg")
 )
 @click.option("--component", type=click.Choice(["zz", "rr", "tt", "rz", "mises"]), default="zz", show_default=True,
               help="Stress in the picture; the .vtu holds all.")  # fmt: skip
-@click.option("-o", "--output", type=click.Path(path_type=Path, file_okay=False), help="Folder [default: the file's].")
-@click.option("--no-plots", is_flag=True, help="Write .vtu and .csv only.")
-@click.option("--force", is_flag=True, help="Replace existing files that jkr did not write.")
-@click.option("--json", "as_json", is_flag=True, help="Print the summary as JSON.")
+@into_folder()
+@output_options(plots="Write .vtu and .csv only.", json="Print the summary as JSON.")
 def fields(
     file: Path,
     radius: float | None,
     load: float | None,
     work: float | None,
     component: str,
-    output: Path | None,
-    no_plots: bool,
-    force: bool,
-    as_json: bool,
+    output: Output,
 ) -> None:
     """Displacement and stress in the body of a series FILE at one state of adhesive contact, by finite elements.
 
@@ -65,11 +57,7 @@ def fields(
     stored = store.read(file)
     works = specification(stored).w
     w = work if work is not None else (works or (0.0,))[0]
-    folder = output if output is not None else file.parent
-    make_folder(folder)
-    targets = {ending: folder / f"{file.stem}-fields{ending}" for ending in ENDINGS[: 2 if no_plots else 4]}
-    for target in targets.values():
-        check_target(target, force, [file])
+    targets = output.files(output.folder(file.parent) / f"{file.stem}-fields", (".vtu", ".csv", *PICTURES), [file])
     from ..case import parse_case
     from ..case.numerics import fem_of
     from ..methods.fem.state import contact_state
@@ -84,34 +72,29 @@ def fields(
     problem = result.case.problem
     state = contact_state(method, problem, radius, delta)
     figure = None
-    if not no_plots:
+    if output.plots:
         from ..report.plots.body import contact_zone_figure
 
         figure = contact_zone_figure(state, problem.indenter, w, component)
-    _write(state, targets)
-    if figure is not None:
-        from ..report import plots
-
-        for ending in ENDINGS[2:]:
-            plots.save(figure, targets[ending])
+    _write_vtu(state, targets[".vtu"])
+    targets.write(tractions(state), figure=figure)
     summary = _summary(file, w, P, state)
-    if as_json:
-        click.echo(tables.as_json(summary).rstrip())
-        return
-    _print(file, w, state, summary, folder / f"{file.stem}-fields{{{','.join(targets)}}}")
+    if output.json:
+        answer(summary)
+    else:
+        _print(file, w, state, summary, targets)
 
 
-def _write(state: ContactState, targets: dict[str, Path]) -> None:
+def _write_vtu(state: ContactState, target: Path) -> None:
     from ..methods.fem.export import write_vtu
 
     flat = np.zeros(len(state.displacement))
     data = {"displacement_m": np.column_stack([state.displacement, flat])}
     data |= {f"sigma_{name}_Pa": values for name, values in zip(("rr", "tt", "zz", "rz"), state.stress, strict=True)}
-    with atomic(targets[".vtu"]) as temporary:
+    with atomic(target) as temporary:
         write_vtu(state.grid, temporary, data | {"von_mises_Pa": state.mises})
         with temporary.open("a") as file:
             file.write(MARKS[".vtu"])
-    write_csv(targets[".csv"], tractions(state))
 
 
 def tractions(state: ContactState) -> dict[str, np.ndarray]:
@@ -146,7 +129,7 @@ def _summary(file: Path, w: float, P: float, state: ContactState) -> dict[str, A
     }  # fmt: skip
 
 
-def _print(file: Path, w: float, state: ContactState, summary: dict[str, Any], written: str | Path) -> None:
+def _print(file: Path, w: float, state: ContactState, summary: dict[str, Any], written: Files) -> None:
     say(f"{file}: a = {show(state.a, 'length')}, w = {show(w, 'work')}, delta = {show(state.delta, 'length')}")
     say(
         f"  load         {show(state.P, 'load')}, of the series {show(summary['P_series_N'], 'load')}: "

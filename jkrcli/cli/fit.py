@@ -12,6 +12,7 @@ from ..base.errors import InputError
 from ..methods.guards import Limits
 from .measured import reading_of, reading_options
 from .options import Scale, limit_memory_option, limit_time_option, slopes_option
+from .output import PICTURES, Files, Output, answer, into_folder, output_options
 from .parallel import parallel_options, pool_for
 from .voice import say, warn
 
@@ -20,8 +21,6 @@ if TYPE_CHECKING:
     from ..identify.fit import Body, Fit, Settings
     from ..identify.fit.many import Failure
 
-ENDINGS = (".csv", ".json", ".h5")
-PICTURES = (".png", ".svg")
 SHOWN = 10  # curves that are told line by line, and drawn
 SECONDS = 0.1  # CPU seconds of a curve, about
 
@@ -78,10 +77,8 @@ class Names(click.ParamType):
 @limit_memory_option
 @limit_time_option
 @parallel_options
-@click.option("-o", "--output", type=click.Path(path_type=Path, file_okay=False), help="Folder [default: BODY's].")
-@click.option("--no-plots", is_flag=True, help=f"Draw nothing (else up to {SHOWN} curves are drawn).")
-@click.option("--force", is_flag=True, help="Replace existing files that jkr did not write.")
-@click.option("--json", "as_json", is_flag=True, help="Print the summary as JSON.")
+@into_folder("Folder [default: BODY's].")
+@output_options(plots=f"Draw nothing (else up to {SHOWN} curves are drawn).", json="Print the summary as JSON.")
 def fit(
     body_file: Path,
     measured: tuple[Path, ...],
@@ -93,12 +90,9 @@ def fit(
     slopes: str,
     workers: int | None,
     scheduler: str | None,
-    output: Path | None,
-    no_plots: bool,
-    force: bool,
     limit_memory: float | None,
     limit_time: float,
-    as_json: bool,
+    output: Output,
     **options: Any,
 ) -> None:
     """Find E*, w and the zero points that bring the adhesive curves of BODY nearest to each MEASURED curve.
@@ -115,21 +109,12 @@ def fit(
     jkr fit coating.toml probe.csv --free E:skin --bound E:skin="1 MPa..1 GPa"
     jkr fit data.h5 map.jpk-force-map --contact estimate --free P0 --workers 2
     """
-    from ..base.files import check_target, make_folder, write_text
-    from ..base.table import write_csv
     from ..identify.fit import archive, report
     from ..identify.fit.request import settings_of, uncertain_of
     from ..identify.fit.source import body_of
-    from ..report import tables
 
-    folder = body_file.parent if output is None else output
-    stem = folder / f"{body_file.stem}-fit"
-    if output is not None:
-        make_folder(output)
     inputs = (body_file, *measured)
-    targets = {ending: stem.with_name(stem.name + ending) for ending in ENDINGS}
-    for target in targets.values():
-        check_target(target, force, inputs)
+    targets = output.files(output.folder(body_file.parent) / f"{body_file.stem}-fit", (".csv", ".json", ".h5"), inputs)
     reading = reading_of(options)
     options["noise"] = dict(options["noise"])
     body = body_of(body_file, slopes, Limits(limit_memory, limit_time))
@@ -140,18 +125,15 @@ def fit(
             body, names, fix, start, bound, uncertain=uncertain_of(body, uncertain, settings), **options
         )
     found = _fits(body, measured, reading, settings, workers, scheduler)
-    drawn = [] if no_plots else _pictures(found, stem)
-    for _, target in drawn:
-        for ending in PICTURES:
-            check_target(target.with_name(target.name + ending), force, inputs)
-    write_csv(targets[".csv"], report.columns(found))
-    write_text(targets[".json"], tables.as_json(report.summary(found, str(body_file))))
+    named = _pictures(found) if output.plots else []
+    drawn = [(item, output.files(Path(f"{targets.stem}-{name}"), PICTURES, inputs)) for item, name in named]
+    targets.write(report.columns(found), report.summary(found, str(body_file)))
     archive.write(targets[".h5"], found, str(body_file))
     _draw(drawn)
-    _tell(found, as_json, str(body_file))
-    if not as_json:
+    _tell(found, output.json, str(body_file))
+    if not output.json:
         pictures = f", {len(drawn)} picture{'s' if len(drawn) > 1 else ''}" if drawn else ""
-        say(f"written {stem}{{{','.join(ENDINGS)}}}{pictures}")
+        say(f"written {targets}{pictures}")
 
 
 def _fits(
@@ -180,35 +162,30 @@ def _fits(
     return found
 
 
-def _pictures(found: list[Fit | Failure], stem: Path) -> list[tuple[Fit, Path]]:
-    """Fits to draw, with the names of their pictures without ending."""
+def _pictures(found: list[Fit | Failure]) -> list[tuple[Fit, str]]:
+    """Fits to draw, each with what its pictures are called after."""
     from ..identify.fit import Fit
 
     fits = [item for item in found if isinstance(item, Fit)]
     if len(fits) > SHOWN:
         return []
     names = [Path(item.file).stem if len(fits) == 1 else f"{Path(item.file).stem}-{item.name}" for item in fits]
-    return [(item, stem.with_name(f"{stem.name}-{re.sub(r'[^-_.a-zA-Z0-9]+', '-', name)}"))
-            for item, name in zip(fits, names, strict=True)]  # fmt: skip
+    return [(item, re.sub(r"[^-_.a-zA-Z0-9]+", "-", name)) for item, name in zip(fits, names, strict=True)]
 
 
-def _draw(drawn: list[tuple[Fit, Path]]) -> None:
+def _draw(drawn: list[tuple[Fit, Files]]) -> None:
     if drawn:
-        from ..report import plots
-        from ..report.plots import fit as plots_fit
+        from ..report.plots.fit import fit_figure
     for item, target in drawn:
-        figure = plots_fit.fit_figure(item)
-        for ending in PICTURES:
-            plots.save(figure, target.with_name(target.name + ending))
+        target.write(figure=fit_figure(item))
 
 
 def _tell(found: list[Fit | Failure], as_json: bool, body: str) -> None:
     from ..identify.fit import Fit, report
-    from ..report import tables
 
     fits = [item for item in found if isinstance(item, Fit)]
     if as_json:
-        click.echo(tables.as_json(report.summary(found, body)).rstrip())
+        answer(report.summary(found, body))
     else:
         for item in fits[:SHOWN]:
             say("\n".join(report.words(item)))

@@ -14,16 +14,16 @@ import click
 import tomli_w
 
 from ..base.errors import InputError
-from ..base.files import check_series_target, read_bytes
+from ..base.files import read_bytes
 from ..base.units import show
 from ..bodies.words import describe
 from ..case import Case, load_case, parse_case, store
 from ..case.models import CaseModel, LoadingTable
 from ..data.foreign import DIMENSIONS, Reading, read_series
 from ..data.text_table import SEPARATORS
-from ..report import tables
 from ..series import Solution
 from .options import KeyValue, Length
+from .output import ONE_FILE, Output, answer, into_file, output_options
 from .voice import say
 
 KEYS = tuple(DIMENSIONS)
@@ -43,7 +43,7 @@ class KeyNumber(KeyValue):
 
 @click.command("import")
 @click.argument("table", type=click.Path(path_type=Path))
-@click.option("-o", "--output", type=click.Path(path_type=Path), help="Series file [default: <table>.h5 here].")
+@into_file("Series file [default: <table>.h5 here].")
 @click.option("--case", type=click.Path(path_type=Path), help="Case with indenter and specimen; it needs no loading.")
 @click.option(
     "--shape", type=click.Choice(["sphere", "paraboloid"]), help="Indenter, without a case [default: sphere]."
@@ -68,19 +68,16 @@ class KeyNumber(KeyValue):
 @click.option("--separator", type=click.Choice(list(SEPARATORS)), help="Between the columns [default: found out].")
 @click.option("--decimal", type=click.Choice([".", ","]), help="Decimal mark [default: found out].")
 @click.option("--sort", is_flag=True, help="Order the rows by displacement first.")
-@click.option("--force", is_flag=True, help="Replace an existing file that jkr did not write.")
-@click.option("--json", "as_json", is_flag=True, help="Print the summary as JSON.")
+@output_options(force=ONE_FILE, json="Print the summary as JSON.")
 @click.pass_context
 def import_(
     ctx: click.Context,
     table: Path,
-    output: Path | None,
     case: Path | None,
     columns: Sequence[tuple[str, str]],
     units: Sequence[tuple[str, str]],
     factors: Sequence[tuple[str, float]],
-    force: bool,
-    as_json: bool,
+    output: Output,
     **options: Any,
 ) -> None:
     """Read the contact radius (or area), displacement and load that another program computed from the text TABLE.
@@ -95,16 +92,15 @@ def import_(
     jkr import run.csv --case my.toml --column P=RF2 --column a=4 --unit P=uN --unit a=um --factor P=180
     """
     body = {key: options.pop(key) for key in ("shape", "radius", "modulus", "nu", "thickness", "base")}
-    target = output if output is not None else Path(f"{table.stem}.h5")
-    check_series_target(target, force, [table, *([case] if case else [])])
+    target = output.series(Path(f"{table.stem}.h5"), [table, *([case] if case else [])])
     held = _case(case, body)
     reading = Reading(dict(columns), dict(units), dict(factors), **options)
     solution = read_series(table, held.model.indenter.build(), reading)
     loaded = _with_loading(held, solution)
     problem = loaded.model.problem()
     store.write(target, solution, loaded.to_toml(), problem.key, shlex.join(ctx.find_root().obj))
-    if as_json:
-        click.echo(tables.as_json(_as_dict(target, solution)).rstrip())
+    if output.json:
+        answer(_as_dict(target, solution))
         return
     series = solution.series
     say(describe(problem))

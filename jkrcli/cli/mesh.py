@@ -8,16 +8,16 @@ import click
 import numpy as np
 
 from .. import __version__
-from ..base.files import atomic, check_target, make_folder
+from ..base.files import atomic
 from ..base.units import show
 from ..case import load_case
 from ..case.numerics import fem_of
 from ..methods.fem.export import write_vtu
 from ..methods.fem.mesh import write_msh
 from ..methods.guards import Limits, admit
-from ..report import plots
 from ..report.plots.body import mesh_figure
 from .options import limit_memory_option, limit_time_option
+from .output import Output, into_folder, output_options
 from .voice import note, say
 
 # What tells jkr that it wrote a file, where the format keeps comments.
@@ -26,13 +26,11 @@ MARKS = {".msh": f"$Comments\njkr {__version__}\n$EndComments\n", ".vtu": f"\n<!
 
 @click.command()
 @click.argument("case", type=click.Path(path_type=Path))
-@click.option(
-    "-o", "--output", type=click.Path(path_type=Path, file_okay=False), default=".", show_default=True, help="Folder."
-)
+@into_folder("Folder.", default=".", show_default=True)
 @limit_memory_option
 @limit_time_option
-@click.option("--force", is_flag=True, help="Replace existing files that jkr did not write.")
-def mesh(case: Path, output: Path, limit_memory: float | None, limit_time: float, force: bool) -> None:
+@output_options()
+def mesh(case: Path, limit_memory: float | None, limit_time: float, output: Output) -> None:
     """Mesh CASE as method fem would and write <stem>-mesh.msh (gmsh), .vtu (ParaView) and .png.
 
     \b
@@ -40,10 +38,7 @@ def mesh(case: Path, output: Path, limit_memory: float | None, limit_time: float
     """
     model = load_case(case).model
     problem = model.problem()
-    make_folder(output)
-    targets = {ending: output / f"{case.stem}-mesh{ending}" for ending in (".msh", ".vtu", ".png")}
-    for target in targets.values():
-        check_target(target, force, [case])
+    targets = output.files(output.folder(Path()) / f"{case.stem}-mesh", (*MARKS, ".png"), [case])
     method = fem_of(model)
     if cost := admit("method fem on this mesh", method.forecast(problem), Limits(limit_memory, limit_time)):
         note(cost)
@@ -53,7 +48,7 @@ def mesh(case: Path, output: Path, limit_memory: float | None, limit_time: float
             write(grid, temporary)
             with temporary.open("a") as file:
                 file.write(MARKS[ending])
-    plots.save(mesh_figure(grid, reach), targets[".png"])
+    targets.write(figure=mesh_figure(grid, reach))
     quality = grid.quality()
     touched = int(np.sum(grid.surface_radii() <= reach))
     say(f"{case}: {len(grid.cells)} {grid.element}s, {len(grid.points)} vertices")
@@ -62,4 +57,4 @@ def mesh(case: Path, output: Path, limit_memory: float | None, limit_time: float
         f"{touched} surface vertices within the expected contact of {show(reach, 'length')}"
     )
     say(f"  quality   {quality.min():.3f} to {quality.max():.3f}, median {np.median(quality):.3f} (1 is best)")
-    say(f"  written   {output / case.stem}-mesh{{.msh,.vtu,.png}}")
+    say(f"  written   {targets}")

@@ -10,16 +10,14 @@ import numpy as np
 from ..adhesion.analysis import analyse, specification
 from ..adhesion.states import stable_radius
 from ..base.errors import InputError
-from ..base.files import check_target, make_folder
-from ..base.table import write_csv
 from ..base.units import show
 from ..bodies.problem import Problem
 from ..case import store
 from ..methods.layered.fields import profile as solve_profile
 from ..methods.layered.layered import unbounded
-from ..report import plots
 from ..report.plots.body import profile_figure
 from .options import Length, Load, WorkOfAdhesion
+from .output import PICTURES, Output, into_folder, output_options
 from .voice import say
 
 
@@ -30,11 +28,9 @@ from .voice import say
 @click.option(
     "--w", "work", type=WorkOfAdhesion(), help="Work of adhesion; 0: nonadhesive [default: the case's first]."
 )
-@click.option("-o", "--output", type=click.Path(path_type=Path, file_okay=False), help="Folder [default: the file's].")
-@click.option("--force", is_flag=True, help="Replace existing files that jkr did not write.")
-def profile(
-    file: Path, radius: float | None, load: float | None, work: float | None, output: Path | None, force: bool
-) -> None:
+@into_folder()
+@output_options()
+def profile(file: Path, radius: float | None, load: float | None, work: float | None, output: Output) -> None:
     """Pressure p(r) inside and surface displacement and gap around the contact of a series FILE, at one state.
 
     The state is solved exactly on the laterally unbounded body of the file's case, whatever method wrote the series.
@@ -49,21 +45,14 @@ def profile(
     stored = store.read(file)
     case = specification(stored)
     w = work if work is not None else (case.w or (0.0,))[0]
-    folder = output if output is not None else file.parent
-    make_folder(folder)
-    targets = {ending: folder / f"{file.stem}-profile{ending}" for ending in (".csv", ".png", ".svg")}
-    for target in targets.values():
-        check_target(target, force, [file])
+    targets = output.files(output.folder(file.parent) / f"{file.stem}-profile", (".csv", *PICTURES), [file])
     if radius is None:
         assert load is not None
         radius = stable_radius(analyse(stored, [w])[0].curve, load)
     columns = _columns(unbounded(case.problem), radius, w)
-    write_csv(targets[".csv"], columns)
-    figure = profile_figure(columns, radius, w)
-    for ending in (".png", ".svg"):
-        plots.save(figure, targets[ending])
+    targets.write(columns, figure=profile_figure(columns, radius, w))
     say(f"{file}: a = {show(radius, 'length')}, w = {show(w, 'work')}")
-    say(f"  written {folder / file.stem}-profile{{.csv,.png,.svg}}")
+    say(f"  written {targets}")
 
 
 def _columns(problem: Problem, a: float, w: float, points: int = 200) -> dict[str, np.ndarray]:

@@ -20,6 +20,7 @@ from ..base.unknown import Estimate, Unknown
 from ..case import store
 from ..report import tables
 from .options import Load, QuantityOption, WorkOfAdhesion, modulus_factor_option, slopes_option
+from .output import answer, json_option
 
 SIZES = {"a/R": "a_over_R", "a/R at pull-off": "a_over_R_pull_off", "a/h": "a_over_h", "a/L": "a_over_L"}
 Answer = tuple[dict[str, Any], list[str]]  # for machines, for people
@@ -55,7 +56,7 @@ class Stiffness(QuantityOption):
 @click.option("--load", "force", type=Load(), help='A measured pull-off force, "12 uN": which w does it mean?')
 @slopes_option
 @modulus_factor_option
-@click.option("--json", "as_json", is_flag=True, help="Print as JSON.")
+@json_option
 def pull_off(
     files: tuple[Path, ...],
     works: tuple[float, ...],
@@ -92,7 +93,7 @@ def pull_off(
         else:
             results += [_inverse(analyses[0], abs(force), stiffness) for stiffness in stiffnesses or (LOAD_CONTROL,)]
     if as_json:
-        click.echo(tables.as_json({"results": [data for data, _ in results]}).rstrip())
+        answer({"results": [data for data, _ in results]})
         return
     for _, lines in results:
         click.echo("\n".join(lines))

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import json
 import shlex
 import time
-from operator import attrgetter
 from pathlib import Path
 
 import click
 
 from ..adhesion.validity import check, end_of_body, judge
-from ..base.files import check_series_target
 from ..base.units import show
 from ..base.unknown import Unknown
 from ..bodies.problem import Problem
@@ -23,29 +20,27 @@ from ..methods.choose import Choice
 from ..methods.guards import Limits
 from ..series import Solution
 from .options import limit_memory_option, limit_time_option
+from .output import ONE_FILE, Output, answer, into_file, output_options
 from .voice import detail, note, say, warn
 
 
 @click.command()
 @click.argument("case", type=click.Path(path_type=Path))
-@click.option("-o", "--output", type=click.Path(path_type=Path), help="Series file [default: <case>.h5 here].")
+@into_file("Series file [default: <case>.h5 here].")
 @click.option("--method", type=click.Choice(["auto", *METHODS]), help="Method, instead of the case's.")
 @click.option("--tolerance", type=float, help="Of finite elements, instead of the case's mesh.tolerance, e.g. 1e-3.")
 @limit_memory_option
 @limit_time_option
-@click.option("--force", is_flag=True, help="Replace an existing file that jkr did not write.")
-@click.option("--json", "as_json", is_flag=True, help="Print the summary as JSON.")
+@output_options(force=ONE_FILE, json="Print the summary as JSON.")
 @click.pass_context
 def run(
     ctx: click.Context,
     case: Path,
-    output: Path | None,
     method: str | None,
     tolerance: float | None,
     limit_memory: float | None,
     limit_time: float,
-    force: bool,
-    as_json: bool,
+    output: Output,
 ) -> None:
     """Solve the nonadhesive contact of CASE (TOML) and write load, displacement and contact radius to HDF5.
 
@@ -60,8 +55,7 @@ def run(
     loaded = load_case(case)
     if tolerance is not None:
         loaded = loaded.with_mesh(tolerance=tolerance)
-    target = output if output is not None else Path(f"{case.stem}.h5")
-    check_series_target(target, force, [case])
+    target = output.series(Path(f"{case.stem}.h5"), [case])
     choice, solution = solve(loaded, method, Limits(limit_memory, limit_time), note)
     for stage, used in solution.timings.items():
         detail(f"{stage}: {used:.3f} s CPU")
@@ -69,10 +63,8 @@ def run(
     store.write(target, solution, loaded.to_toml(), problem.key, shlex.join(ctx.find_root().obj))
     seconds = time.process_time() - start
     warnings = [*solution.warnings, *_geometry(problem, solution)]
-    if as_json:
-        click.echo(
-            json.dumps(_as_json(target, choice, solution, warnings, seconds), indent=2, default=attrgetter("reason"))
-        )
+    if output.json:
+        answer(_as_json(target, choice, solution, warnings, seconds))
     else:
         _print(loaded, target, choice, solution, seconds)
     for warning in warnings:

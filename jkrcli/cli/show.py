@@ -10,13 +10,13 @@ import click
 from ..base.units import show as quantity
 from ..case import store
 from ..case.store import Stored
-from ..report import tables
+from .output import answer, json_option
 
 
 @click.command()
 @click.argument("files", nargs=-1, required=True, type=click.Path(path_type=Path))
 @click.option("--case", "case_only", is_flag=True, help="Print the resolved case alone: a case file that runs again.")
-@click.option("--json", "as_json", is_flag=True, help="Print as JSON.")
+@json_option
 def show(files: tuple[Path, ...], case_only: bool, as_json: bool) -> None:
     """Print what each series FILE holds: method, range, error budget, mesh and solver facts, timings, versions.
 
@@ -26,7 +26,7 @@ def show(files: tuple[Path, ...], case_only: bool, as_json: bool) -> None:
     """
     held = [store.read(path) for path in files]
     if as_json:
-        click.echo(tables.as_json({"files": [_as_dict(stored) for stored in held]}).rstrip())
+        answer({"files": [_as_dict(stored) for stored in held]})
         return
     for stored in held:
         click.echo(stored.case.rstrip() if case_only else _text(stored))

@@ -10,8 +10,6 @@ import click
 from ..adhesion.analysis import Analysis, analyse, specification
 from ..adhesion.curve import CriticalPoint
 from ..base.errors import InputError
-from ..base.files import check_target, make_folder, write_text
-from ..base.table import write_csv
 from ..base.units import show
 from ..base.unknown import Estimate, Unknown
 from ..case import store
@@ -19,9 +17,8 @@ from ..case.store import Stored
 from ..report import tables
 from ..report.scaling import Scales, own_scales, scales_of
 from .options import Scale, WorkOfAdhesion, modulus_factor_option, slopes_option
+from .output import PICTURES, Files, Output, answer, into_folder, output_options, refuse_doubles
 from .voice import say, warn
-
-ENDINGS = (".csv", ".json", ".png", ".svg")
 
 
 @click.command()
@@ -29,23 +26,18 @@ ENDINGS = (".csv", ".json", ".png", ".svg")
 @click.option("--w", "works", multiple=True, type=WorkOfAdhesion(), help='J/m^2 or "35 mJ/m^2" [default: the case\'s].')
 @slopes_option
 @modulus_factor_option
-@click.option("-o", "--output", type=click.Path(path_type=Path, file_okay=False), help="Folder [default: the file's].")
+@into_folder()
 @click.option("--dimensionless", type=click.Choice(["half-space", "thin-layer"]), help="Also in units of Eq. 15, 19.")
 @click.option("--scale", "own", multiple=True, type=Scale(), help='Own units: a="1 um", delta=..., P=..., all three.')
-@click.option("--no-plots", is_flag=True, help="Write CSV and JSON only.")
-@click.option("--force", is_flag=True, help="Replace existing files that jkr did not write.")
-@click.option("--json", "as_json", is_flag=True, help="Print the summaries as JSON.")
+@output_options(plots="Write CSV and JSON only.", json="Print the summaries as JSON.")
 def transform(
     files: tuple[Path, ...],
     works: tuple[float, ...],
     slopes: str,
     modulus_factor: float,
-    output: Path | None,
     dimensionless: str | None,
     own: tuple[tuple[str, float], ...],
-    no_plots: bool,
-    force: bool,
-    as_json: bool,
+    output: Output,
 ) -> None:
     """Apply the explicit JKR transformation (Eq. 13) to each FILE for each work of adhesion.
 
@@ -58,54 +50,37 @@ def transform(
     if own and dimensionless:
         raise InputError("transform: give either --dimensionless or --scale, got both")
     users = own_scales(dict(own)) if own else None
-    jobs = [_Job.of(path, works, output, modulus_factor) for path in files]
-    _refuse_equal_targets([target for job in jobs for target in job.targets])
-    endings = ENDINGS[:2] if no_plots else ENDINGS
-    for job in jobs:
-        if output is not None:
-            make_folder(output)
-        for target in job.targets:
-            for ending in endings:
-                check_target(target.with_name(target.name + ending), force, files)
+    held = [store.read(path) for path in files]
+    wanted = [works or _works(stored) for stored in held]
+    suffix = "" if modulus_factor == 1 else f"-modulus{modulus_factor:g}"
+    stems = [
+        [(output.where or path.parent) / f"{path.stem}-w{w:g}{suffix}" for w in some]
+        for path, some in zip(files, wanted, strict=True)
+    ]
+    refuse_doubles([stem for some in stems for stem in some], "give each its own -o and w once")
+    output.folder(Path())
+    targets = [[output.files(stem, (".csv", ".json", *PICTURES), files) for stem in some] for some in stems]
     summaries = []
-    for job in jobs:
-        results = analyse(job.stored, job.works, slopes, modulus_factor)
-        for result, target in zip(results, job.targets, strict=True):
+    for stored, some, written in zip(held, wanted, targets, strict=True):
+        results = analyse(stored, some, slopes, modulus_factor)
+        for result, target in zip(results, written, strict=True):
             scales = scales_of(result, dimensionless) if dimensionless else users
-            summaries.append(_write(result, target, scales, not no_plots))
-        if not as_json:
-            _print(job, results, endings)
-    if as_json:
-        click.echo(tables.as_json({"results": summaries}).rstrip())
+            summaries.append(_write(result, target, scales, output.plots))
+        if not output.json:
+            _print(results, written)
+    if output.json:
+        answer({"results": summaries})
 
 
-class _Job:
-    """One input file: what it holds, for which works of adhesion, and the names (without ending) of what is written."""
-
-    def __init__(self, stored: Stored, works: tuple[float, ...], folder: Path, modulus_factor: float):
-        self.stored = stored
-        self.works = works
-        ending = "" if modulus_factor == 1 else f"-modulus{modulus_factor:g}"
-        self.targets = [folder / f"{stored.path.stem}-w{w:g}{ending}" for w in works]
-
-    @classmethod
-    def of(cls, path: Path, works: tuple[float, ...], output: Path | None, modulus_factor: float) -> _Job:
-        stored = store.read(path)
-        wanted = works or specification(stored).w
-        if not wanted:
-            raise InputError(f"{path}: its case names no work of adhesion: give --w")
-        return cls(stored, wanted, output if output is not None else path.parent, modulus_factor)
+def _works(stored: Stored) -> tuple[float, ...]:
+    """The works of adhesion that the case of a series names."""
+    named = specification(stored).w
+    if not named:
+        raise InputError(f"{stored.path}: its case names no work of adhesion: give --w")
+    return named
 
 
-def _refuse_equal_targets(targets: list[Path]) -> None:
-    seen: set[Path] = set()
-    for target in targets:
-        if target.resolve() in seen:
-            raise InputError(f"{target}.csv: would be written twice; rename a file, or give each its own -o and w once")
-        seen.add(target.resolve())
-
-
-def _write(result: Analysis, target: Path, scales: Scales | None, with_plots: bool) -> dict[str, Any]:
+def _write(result: Analysis, target: Files, scales: Scales | None, with_plots: bool) -> dict[str, Any]:
     """Write table, summary and plots of one curve; the figure is drawn before anything is written."""
     columns, summary = tables.curve_columns(result.curve), tables.summary(result)
     if scales is not None:
@@ -113,16 +88,11 @@ def _write(result: Analysis, target: Path, scales: Scales | None, with_plots: bo
         summary["scales"] = {"name": scales.name, "P_N": scales.P, "delta_m": scales.delta, "a_m": scales.a}
     figure = None
     if with_plots:
-        from ..report import plots
         from ..report.plots import curve as plots_curve
 
         units = plots_curve.physical_units(result.curve) if scales is None else plots_curve.units_of(scales)
         figure = plots_curve.curve_figure(result, units)
-    write_csv(target.with_name(target.name + ".csv"), columns)
-    write_text(target.with_name(target.name + ".json"), tables.as_json(summary))
-    if figure is not None:
-        for ending in ENDINGS[2:]:
-            plots.save(figure, target.with_name(target.name + ending))
+    target.write(columns, summary, figure)
     return summary
 
 
@@ -135,13 +105,11 @@ def _known(result: Analysis, control: str) -> str:
     return f"± {float(f'{percent:.2g}'):g} %"
 
 
-def _print(job: _Job, results: list[Analysis], endings: tuple[str, ...]) -> None:
-    slopes = results[0].curve.slopes
+def _print(results: list[Analysis], targets: list[Files]) -> None:
+    path, slopes = results[0].stored.path, results[0].curve.slopes
     kept = len(results[0].curve.series)
-    say(
-        f"{job.stored.path}: {kept} points kept, {results[0].dropped} dropped; slopes {slopes.method} ({slopes.reason})"
-    )
-    for result, target in zip(results, job.targets, strict=True):
+    say(f"{path}: {kept} points kept, {results[0].dropped} dropped; slopes {slopes.method} ({slopes.reason})")
+    for result, target in zip(results, targets, strict=True):
         say(f"  w = {show(result.w, 'work')}")
         for name, point in result.pull_off.items():
             if isinstance(point, CriticalPoint):
@@ -161,9 +129,9 @@ def _print(job: _Job, results: list[Analysis], endings: tuple[str, ...]) -> None
             f"    estimated error: {_estimate(budget.total)} "
             f"(series {_estimate(budget.series)}, slopes {_estimate(budget.smoothing)})"
         )
-        say(f"    written {target}{{{','.join(endings)}}}")
+        say(f"    written {target}")
     for warning in dict.fromkeys(text for result in results for text in result.warnings):
-        warn(f"{job.stored.path}: {warning}")
+        warn(f"{path}: {warning}")
 
 
 def _print_comparison(result: Analysis) -> None:

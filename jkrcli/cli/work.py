@@ -10,13 +10,13 @@ import click
 from ..base.errors import InputError
 from .measured import reading_of, reading_options
 from .options import Scale, modulus_factor_option, slopes_option
+from .output import PICTURES, Files, Output, answer, into_folder, output_options, refuse_doubles
 from .voice import say, warn
 
 if TYPE_CHECKING:
     from ..data.measured import Reading
     from ..identify.work import Evaluation, WorkAlong
 
-ENDINGS = (".csv", ".json", ".png", ".svg")
 CHUNK = 20  # curves in one task
 SHOWN = 10  # curves of a file that are told line by line
 
@@ -32,21 +32,16 @@ SHOWN = 10  # curves of a file that are told line by line
 @modulus_factor_option
 @slopes_option
 @reading_options
-@click.option("-o", "--output", type=click.Path(path_type=Path, file_okay=False), help="Folder [default: the file's].")
+@into_folder()
 @click.option("--workers", type=click.IntRange(min=1), default=1, show_default=True, help="Local processes.")
-@click.option("--no-plots", is_flag=True, help="Write CSV and JSON only.")
-@click.option("--force", is_flag=True, help="Replace existing files that jkr did not write.")
-@click.option("--json", "as_json", is_flag=True, help="Print the summaries as JSON.")
+@output_options(plots="Write CSV and JSON only.", json="Print the summaries as JSON.")
 def work(
     series: Path,
     measured: tuple[Path, ...],
     modulus_factor: float,
     slopes: str,
-    output: Path | None,
     workers: int,
-    no_plots: bool,
-    force: bool,
-    as_json: bool,
+    output: Output,
     **options: Any,
 ) -> None:
     """The work of adhesion along each MEASURED file, on the body of the SERIES file.
@@ -63,21 +58,16 @@ def work(
     jkr work data.h5 map.jpk-force-map --contact estimate --segment retract
     """
     from ..adhesion.analysis import Fitted, adhesive, specification
-    from ..base.files import check_target, make_folder
     from ..case import store
     from ..data.measured.speed import check_window
     from ..identify.work import Body, Evaluation, typical
-    from ..report import tables
     from ..report.work import summary
 
     check_window(options["window"])
-    targets = _targets(measured, output)
-    if output is not None:
-        make_folder(output)
-    endings = ENDINGS[:2] if no_plots else ENDINGS
-    for target in targets:
-        for ending in endings:
-            check_target(target.with_name(target.name + ending), force, (series, *measured))
+    stems = [(output.where or path.parent) / f"{path.stem}-work" for path in measured]
+    refuse_doubles(stems, "give each its own -o")
+    output.folder(Path())
+    targets = [output.files(stem, (".csv", ".json", *PICTURES), (series, *measured)) for stem in stems]
     stored = store.read(series)
     fitted = Fitted.of(stored, specification(stored), slopes).scaled(modulus_factor)
     reading = reading_of(options)
@@ -90,22 +80,13 @@ def work(
         found, skipped = _curves(path, reading, evaluation, workers)
         body = adhesive(fitted, typical(found), modulus_factor)
         summaries.append(summary(found, body, path, skipped))
-        _write(target, found, summaries[-1], not no_plots)
-        if not as_json:
+        _write(target, found, summaries[-1], output.plots)
+        if not output.json:
             _print(found)
-            say(f"  written {target}{{{','.join(endings)}}}")
+            say(f"  written {target}")
         _warn(path, found, skipped, summaries[-1]["warnings"])
-    if as_json:
-        click.echo(tables.as_json({"results": summaries}).rstrip())
-
-
-def _targets(measured: tuple[Path, ...], output: Path | None) -> list[Path]:
-    """The names, without ending, of what is written."""
-    targets = [(path.parent if output is None else output) / f"{path.stem}-work" for path in measured]
-    for i, target in enumerate(targets):
-        if target.resolve() in {other.resolve() for other in targets[:i]}:
-            raise InputError(f"{target}.csv: would be written twice; rename a file, or give each its own -o")
-    return targets
+    if output.json:
+        answer({"results": summaries})
 
 
 def _curves(path: Path, reading: Reading, evaluation: Evaluation, workers: int) -> tuple[list[WorkAlong], list[str]]:
@@ -131,24 +112,16 @@ def _curves(path: Path, reading: Reading, evaluation: Evaluation, workers: int) 
     return found, skipped
 
 
-def _write(target: Path, found: list[WorkAlong], summary: dict[str, Any], with_plots: bool) -> None:
+def _write(target: Files, found: list[WorkAlong], summary: dict[str, Any], with_plots: bool) -> None:
     """Table, summary and plots of one file; the figure is drawn before anything is written."""
-    from ..base.files import write_text
-    from ..base.table import write_csv
-    from ..report import tables
     from ..report.work import columns
 
     figure = None
     if with_plots:
-        from ..report import plots
-        from ..report.plots import work as plots_work
+        from ..report.plots.work import work_figure
 
-        figure = plots_work.work_figure(found)
-    write_csv(target.with_name(target.name + ".csv"), columns(found))
-    write_text(target.with_name(target.name + ".json"), tables.as_json(summary))
-    if figure is not None:
-        for ending in ENDINGS[2:]:
-            plots.save(figure, target.with_name(target.name + ending))
+        figure = work_figure(found)
+    target.write(columns(found), summary, figure)
 
 
 def _print(found: list[WorkAlong]) -> None:

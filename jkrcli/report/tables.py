@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json
-from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +15,7 @@ from ..adhesion.states import DISPLACEMENT_CONTROL, LOAD_CONTROL, State
 from ..adhesion.validity import layer_tabor
 from ..base.errors import InputError
 from ..base.files import read_bytes
+from ..base.table import as_json as as_json
 from ..base.unknown import Estimate, Unknown, known
 from ..series import Array
 
@@ -154,8 +153,3 @@ def energies(lost: Estimate, separation: Estimate) -> dict[str, Any]:
         if isinstance(energy, Unknown):
             held[f"{name}_reason"] = energy
     return held
-
-
-def as_json(data: dict[str, Any]) -> str:
-    """JSON with no NaN or infinity in it, ever; a reason where a number is unknown."""
-    return json.dumps(data, indent=2, allow_nan=False, default=attrgetter("reason")) + "\n"

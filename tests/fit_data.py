@@ -15,7 +15,7 @@ from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.data.measured import Curve
 from jkrcli.identify.fit import Body, Parameter, Settings
-from jkrcli.methods.closed_form import ClosedForm
+from jkrcli.methods.closed_form.method import ClosedForm
 from jkrcli.methods.layered.layered import Layered
 
 R, E_STAR, W = 10e-6, 1e6, 0.1  # the identification of Perepelkin et al., Nanomaterials 10 (2020) 15

@@ -2,7 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+
+
+def nearest(word: object, allowed: Iterable[object], cutoff: float = 0.5) -> str | None:
+    """The one of ``allowed`` that ``word`` may be a misspelling of; None where none is as like it as ``cutoff``."""
+    import difflib
+
+    return next(iter(difflib.get_close_matches(str(word), list(map(str, allowed)), 1, cutoff)), None)
+
+
+def did_you_mean(word: object, allowed: Iterable[object], cutoff: float = 0.5) -> str:
+    """The hint ``, did you mean "..."?`` for a word that is none of ``allowed``; empty where nothing is near."""
+    close = nearest(word, allowed, cutoff)
+    return "" if close is None else f', did you mean "{close}"?'
 
 
 def printable(text: str) -> str:

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from .errors import InputError, JkrError
+from .errors import InputError, JkrError, nearest
 
 CSV_HEADS = (  # our tables carry no mark but their own header
     b"a_m,delta_m,P_N,delta_H_m,P_H_N,S_N_per_m",
@@ -70,13 +70,9 @@ def _opened(path: Path, what: str) -> Iterator[BinaryIO]:
 
 
 def _nearby(path: Path) -> str:
-    import difflib
-
     with contextlib.suppress(OSError):
-        names = [p.name for p in path.parent.iterdir() if p.suffix == path.suffix]
-        close = difflib.get_close_matches(path.name, names, 1, 0.6)
-        if close:
-            return f', did you mean "{path.parent / close[0]}"?'
+        close = nearest(path.name, [p.name for p in path.parent.iterdir() if p.suffix == path.suffix], 0.6)
+        return "" if close is None else f', did you mean "{path.parent / close}"?'
     return ""
 
 

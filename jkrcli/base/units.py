@@ -7,10 +7,16 @@ the complete list of what is allowed.
 
 from __future__ import annotations
 
-import difflib
 import math
+import operator
 import re
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from decimal import Decimal
+from functools import cache
+from typing import Annotated, Any, TypeAlias, Union, get_args, get_origin, get_type_hints
+
+from .errors import InputError, did_you_mean
 
 PREFIX = {"p": -12, "n": -9, "u": -6, "m": -3, "": 0, "k": 3, "M": 6, "G": 9, "T": 12}
 
@@ -60,6 +66,88 @@ def parse(text: str, dimension: str) -> float:
     return float(number.scaleb(table[unit]))
 
 
+@dataclass(frozen=True)
+class Ranged:
+    """A finite number of ``dimension`` with ``above < x < below`` and ``least <= x <= most``; stands in ``Annotated``.
+
+    From such annotations come the keys of a case file (``jkrcli.case``) and the checks of ``check_ranges``.
+    """
+
+    dimension: str
+    above: float | None = None
+    least: float | None = None
+    below: float | None = None
+    most: float | None = None
+
+    def __contains__(self, number: float) -> bool:
+        return all(test(number, limit) for _, limit, test in self._bounds())
+
+    @property
+    def rule(self) -> str:
+        """``> 0 and <= 0.5``."""
+        return " and ".join(f"{sign}{limit:g}" for sign, limit, _ in self._bounds())
+
+    def _bounds(self) -> Iterator[tuple[str, float, Callable[[float, float], bool]]]:
+        signs = ("> ", self.above, operator.gt), (">= ", self.least, operator.ge), ("< ", self.below, operator.lt)
+        for sign, limit, test in (*signs, ("<= ", self.most, operator.le)):
+            if limit is not None:
+                yield sign, limit, test
+
+    def read(self, value: Any) -> float:
+        """The SI value of a number [SI] or text with a unit; ValueError with a full sentence where it is wrong."""
+        number = _number(value, self.dimension)
+        given = value if isinstance(value, str) else f"{value} {SI[self.dimension]}".strip()
+        if not math.isfinite(number):
+            raise ValueError(f"must be a finite number, got {given}")
+        if self.dimension != "number" and number != 0 and not 1 / MOST <= abs(number) <= MOST:
+            raise ValueError(f"must lie within {1 / MOST:g} and {MOST:g} in SI units, got {given}")
+        if number not in self:
+            bare = self.dimension == "angle" and not isinstance(value, str)
+            hint = '; a bare number is in rad, write "70 deg"' if bare else ""
+            raise ValueError(f"must be {self.rule}, got {given}{hint}")
+        return number
+
+
+Length: TypeAlias = Annotated[float, Ranged("length", above=0)]
+AnyLength: TypeAlias = Annotated[float, Ranged("length")]
+Modulus: TypeAlias = Annotated[float, Ranged("modulus", above=0)]
+Force: TypeAlias = Annotated[float, Ranged("load", above=0)]
+Work: TypeAlias = Annotated[float, Ranged("work", least=0)]
+Poisson: TypeAlias = Annotated[float, Ranged("number", above=-1, most=0.5)]
+
+
+def _number(value: Any, dimension: str) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float | str):
+        found = str(value).lower() if isinstance(value, bool) else value
+        raise ValueError(f"must be {WORDS[dimension]}, got {found}")  # noqa: TRY004 (a sentence for the user)
+    if isinstance(value, str):
+        return parse(value, dimension)
+    try:
+        return float(value)
+    except OverflowError:
+        raise ValueError("must be a finite number, got one with more than 300 digits") from None
+
+
+def check_ranges(options: Any, where: str) -> None:
+    """InputError where a field of the dataclass ``options`` is outside the range in its annotation; None is allowed."""
+    kind: Any = type(options)
+    for name, ranged in _ranges(kind).items():
+        value = getattr(options, name)
+        if value is not None and value not in ranged:
+            raise InputError(f"{where}.{name}: must be {ranged.rule}, got {value:g}")
+
+
+@cache
+def _ranges(kind: Any) -> dict[str, Ranged]:
+    """The ranges of the fields of ``kind`` that are one number, or one or None."""
+    found: dict[str, Ranged] = {}
+    for name, annotation in get_type_hints(kind, include_extras=True).items():
+        for part in get_args(annotation) if get_origin(annotation) is Union else (annotation,):
+            for note in getattr(part, "__metadata__", ()):
+                found |= {name: note} if isinstance(note, Ranged) else {}
+    return found
+
+
 def show(value: float, dimension: str, digits: int = 4) -> str:
     """``value`` [SI] in the unit that keeps the number between 1 and 1000: ``show(3e-6, "length") == "3 um"``."""
     value = float(f"{value:.{digits}g}")  # rounded first: 0.99999 um is 1 um, not 1000 nm
@@ -100,6 +188,4 @@ def _hint(unit: str, dimension: str) -> str:
     allowed = list(UNITS.get(dimension, ())) or (["rad", "deg"] if dimension == "angle" else [])
     if not allowed:
         return ", no unit is allowed here"
-    close = difflib.get_close_matches(unit, allowed, 1, 0.6)
-    suggestion = f', did you mean "{close[0]}"?' if close else ""
-    return f"{suggestion} (allowed: {', '.join(allowed)})"
+    return f"{did_you_mean(unit, allowed, 0.6)} (allowed: {', '.join(allowed)})"

@@ -16,7 +16,7 @@ from pydantic import ValidationError
 from ..base.errors import InputError
 from ..base.files import read_bytes
 from .indenter import SHAPES
-from .models import CaseModel, RootTable
+from .models import CaseModel, RootTable, case_model
 
 Root = TypeVar("Root", bound=RootTable)
 MOST_BYTES = 16 << 20  # read at about 1 MiB/s
@@ -36,7 +36,7 @@ class Case:
         """The case with other values in its table mesh; InputError where they are wrong."""
         tree = self.model.model_dump(exclude_none=True)
         tree["mesh"] |= values
-        return Case(validated(CaseModel, tree, self.source), self.source)
+        return Case(validated(case_model(), tree, self.source), self.source)
 
     def to_toml(self) -> str:
         """The resolved case, every default written out, SI numbers: reads back to the same numbers."""
@@ -51,7 +51,7 @@ def load_case(path: str | Path) -> Case:
 
 def parse_case(content: bytes, source: str, folder: Path | None = None) -> Case:
     """Validate the bytes of a case file; ``folder`` is where relative names of profile tables are looked up."""
-    return Case(validated(CaseModel, parse_toml(content, source), source, folder), source)
+    return Case(validated(case_model(), parse_toml(content, source), source, folder), source)
 
 
 def parse_toml(content: bytes, source: str) -> dict[str, Any]:

@@ -1,14 +1,17 @@
-"""Building blocks of the case tables: numbers with dimension and range, and the strict table itself."""
+"""Building blocks of the case tables: types that read numbers with dimension and range, and the strict table itself."""
 
 from __future__ import annotations
 
-import math
-from typing import Annotated, Any, ClassVar, get_args
+import functools
+import operator
+import types
+from typing import Annotated, Any, ClassVar, Union, get_args, get_origin
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict
 from pydantic_core import PydanticCustomError
 
 from ..base import units
+from ..base.units import Ranged
 
 
 def wrong(message: str) -> PydanticCustomError:
@@ -16,56 +19,37 @@ def wrong(message: str) -> PydanticCustomError:
     return PydanticCustomError("jkr", "{message}", {"message": message})
 
 
-def _read(value: Any, dimension: str) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float | str):
-        raise wrong(
-            f"must be {units.WORDS[dimension]}, got {value if not isinstance(value, bool) else str(value).lower()}"
-        )
-    if isinstance(value, str):
+def readable(annotation: Any) -> Any:
+    """The type that reads ``annotation`` from a file: numbers as their ``Ranged`` says, tuples from lists."""
+    origin, parts = get_origin(annotation), get_args(annotation)
+    if origin is Annotated:
+        notes = [BeforeValidator(_reader(note)) for note in annotation.__metadata__ if isinstance(note, Ranged)]
+        return Annotated[(readable(parts[0]), *notes)] if notes else readable(parts[0])
+    if origin is tuple:
+        return Annotated[tuple[tuple(map(readable, parts))], BeforeValidator(as_tuple)]
+    if origin in (Union, types.UnionType):
+        return functools.reduce(operator.or_, map(readable, parts))
+    return annotation
+
+
+def _reader(ranged: Ranged) -> Any:
+    def read(value: Any) -> float:
         try:
-            return units.parse(value, dimension)
+            return ranged.read(value)
         except ValueError as error:
             raise wrong(str(error)) from None
-    try:
-        return float(value)
-    except OverflowError:
-        raise wrong("must be a finite number, got one with more than 300 digits") from None
+
+    return read
 
 
-def quantity(
-    dimension: str, *, above: float | None = None, below: float | None = None, least: float | None = None,
-    most: float | None = None,
-) -> Any:  # fmt: skip
-    """A finite number of ``dimension``, SI or text with a unit: ``above < x < below`` or ``least <= x <= most``."""
-    bounds = [("> ", above, float.__gt__), (">= ", least, float.__ge__), ("< ", below, float.__lt__),
-              ("<= ", most, float.__le__)]  # fmt: skip
-    rule = " and ".join(f"{sign}{limit:g}" for sign, limit, _ in bounds if limit is not None)
-
-    def check(value: Any) -> float:
-        number = _read(value, dimension)
-        given = value if isinstance(value, str) else f"{value} {units.SI[dimension]}".strip()
-        if not math.isfinite(number):
-            raise wrong(f"must be a finite number, got {given}")
-        if dimension != "number" and number != 0 and not 1 / units.MOST <= abs(number) <= units.MOST:
-            raise wrong(f"must lie within {1 / units.MOST:g} and {units.MOST:g} in SI units, got {given}")
-        if not all(test(number, float(limit)) for _, limit, test in bounds if limit is not None):
-            hint = (
-                '; a bare number is in rad, write "70 deg"'
-                if dimension == "angle" and not isinstance(value, str)
-                else ""
-            )
-            raise wrong(f"must be {rule}, got {given}{hint}")
-        return number
-
-    return Annotated[float, BeforeValidator(check)]
+def quantity(dimension: str, **bounds: float) -> Any:
+    """A finite number of ``dimension``, SI or text with a unit, within the ``bounds`` of ``Ranged``."""
+    return readable(Annotated[float, Ranged(dimension, **bounds)])
 
 
-Length = quantity("length", above=0)
-AnyLength = quantity("length")
-Modulus = quantity("modulus", above=0)
-Force = quantity("load", above=0)
-Work = quantity("work", least=0)
-Poisson = quantity("number", above=-1, most=0.5)
+Length, AnyLength, Modulus, Force, Work, Poisson = map(
+    readable, (units.Length, units.AnyLength, units.Modulus, units.Force, units.Work, units.Poisson)
+)
 
 
 def as_tuple(value: Any) -> Any:

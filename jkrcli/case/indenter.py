@@ -27,6 +27,9 @@ class IndenterTable(Table):
             raise wrong("an elastic indenter needs both E and nu (leave both out for a rigid one)")
         return self
 
+    def build(self) -> Indenter:
+        raise AssertionError("each shape builds its own")
+
     @property
     def material(self) -> Elastic | None:
         return None if self.E is None or self.nu is None else Elastic(self.E, self.nu)

@@ -19,6 +19,9 @@ CONSTANTS = ("E_p", "E_z", "nu_p", "nu_zp", "G_z")
 class LawTable(Table):
     """E of a graded layer."""
 
+    def build(self, thickness: float) -> grading.Law:
+        raise AssertionError("each law builds its own")
+
 
 class LinearTable(LawTable):
     """From ``top`` to ``bottom`` of the layer on a straight line."""

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator
-from typing import Annotated, Any, Literal, Self, get_args
+from collections.abc import Iterable, Iterator
+from functools import cache
+from typing import Annotated, Any, Literal, Self, cast, get_args
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import BeforeValidator, Field, create_model, model_validator
 
+from ..base.errors import InputError
 from ..bodies.problem import HalfSpace, Loading, Problem, Quantity, Rigid, Specimen
-from .fields import Force, Length, Table, Work, as_tuple, one_or_more, quantity, wrong
-from .indenter import AnyIndenter
+from ..methods import METHODS, Descriptor
+from .fields import Force, Length, Table, Work, as_tuple, one_or_more, readable, wrong
+from .indenter import AnyIndenter, IndenterTable
 from .materials import AnyHalfSpace, AnyLayer
 
 
@@ -89,54 +92,6 @@ class AdhesionTable(Table):
         return self
 
 
-ThreeNumbers = Annotated[
-    tuple[quantity("number", above=0), quantity("number", above=0), quantity("number", above=0)],
-    BeforeValidator(as_tuple),
-]
-
-
-class MeshTable(Table):
-    """The finite-element mesh; everything has a default (left out: chosen from the problem)."""
-
-    layout: Literal["scaled", "zones"] = "scaled"
-    element: Literal["triangle", "quadrilateral"] = "triangle"
-    order: Literal[1, 2] = 2
-    formulation: Literal["auto", "displacement", "mixed"] = "auto"
-    element_size: Length | None = None
-    zone_sizes: ThreeNumbers = (0.02, 0.05, 0.5)
-    depth: Length | None = None
-    width: Length | None = None
-    contact_radius: Length | None = None
-    spacing: quantity("number", above=0, below=0.5) = 0.04
-    smallest: quantity("number", above=0, below=1) = 0.05
-    growth: quantity("number", above=0, below=0.6) | None = None
-    margin: quantity("number", above=1, below=10) = 1.1
-    edge_correction: bool = True
-    estimate_error: bool = True
-    tolerance: quantity("number", least=1e-6, most=0.1) | None = None
-    solver: Literal["auto", "superlu", "cholmod"] = "auto"
-
-    @model_validator(mode="after")
-    def _sizes(self) -> Self:
-        if self.element_size is not None and self.layout == "scaled":
-            raise wrong('element_size belongs to layout "zones"; the layout "scaled" takes spacing')
-        if self.tolerance is not None and (self.layout == "zones" or not self.estimate_error):
-            raise wrong('tolerance needs the layout "scaled" and estimate_error = true')
-        return self
-
-
-class ContactTable(Table):
-    algorithm: Literal["nested", "incremental"] = "nested"
-
-
-class LayeredTable(Table):
-    tolerance: quantity("number", least=1e-12, most=1e-2) = 1e-8
-
-
-class HybridTable(Table):
-    tolerance: quantity("number", least=1e-8, most=1e-2) = 1e-5
-
-
 class RootTable(Table):
     """A whole file."""
 
@@ -154,22 +109,68 @@ class RootTable(Table):
 
 
 class CaseModel(RootTable):
-    """A whole case file. Physics: indenter, specimen, loading, adhesion; numerics: method, mesh, contact, layered."""
+    """A whole case file: indenter, specimen, loading, adhesion, and the method with its tables.
+
+    Its shapes, methods and their tables are those that are registered: ``case_model`` completes it.
+    """
 
     title: str = ""
-    method: Literal["auto", "closed-form", "layered", "hybrid", "fem"] = "auto"
-    indenter: AnyIndenter
+    method: str = "auto"
+    indenter: IndenterTable
     specimen: SpecimenTable
     loading: LoadingTable
     adhesion: AdhesionTable = AdhesionTable()
-    mesh: MeshTable = MeshTable()
-    contact: ContactTable = ContactTable()
-    layered: LayeredTable = LayeredTable()
-    hybrid: HybridTable = HybridTable()
 
     def problem(self) -> Problem:
         """The physics of the case."""
         return Problem(self.indenter.build(), self.specimen.build(), self.loading.build())
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickled by value: the completed model has no name of its own."""
+        return _restored, (self.model_dump(exclude_none=True),)
+
+
+def case_model() -> type[CaseModel]:
+    """The model of a whole case file with the registered shapes of indenters and methods."""
+    return _completed(tuple(METHODS.values()))
+
+
+def _restored(tree: dict[str, Any]) -> CaseModel:
+    return case_model().model_validate(tree)
+
+
+@cache
+def _completed(methods: tuple[Descriptor, ...]) -> type[CaseModel]:
+    names = Literal.__getitem__(("auto", *(method.name for method in methods)))
+    fields: dict[str, Any] = {"method": (names, "auto"), "indenter": (AnyIndenter, ...)}
+    fields |= {table: (kind, kind()) for table, kind in _option_tables(methods).items()}
+    return create_model("CaseModel", __base__=CaseModel, **fields)
+
+
+def _option_tables(methods: Iterable[Descriptor]) -> dict[str, type[Table]]:
+    """The tables of the methods' options, those of the method with most of them first."""
+    keys: dict[str, dict[str, Any]] = {}
+    owners: dict[str, Descriptor] = {}
+    for method in sorted(methods, key=lambda method: (-len(method.places), method.effort)):
+        for place in method.places.values():
+            keys.setdefault(place.table, {})[place.key] = (readable(place.annotation), place.default)
+            owners[place.table] = method
+    return {table: _option_table(table, keys[table], owners[table]) for table in keys}
+
+
+def _option_table(table: str, keys: dict[str, Any], method: Descriptor) -> type[Table]:
+    """The table named ``table``; its keys together are what the method's options accept."""
+
+    def accepted(self: Table) -> Table:
+        given = {name: getattr(self, place.key) for name, place in method.places.items() if place.table == table}
+        try:
+            cast(Any, method.options)(**given)
+        except InputError as error:
+            raise wrong(str(error).removeprefix(f"{table}: ")) from None
+        return self
+
+    check: Any = model_validator(mode="after")(accepted)
+    return create_model(table, __base__=Table, __validators__={"accepted": check}, **keys)
 
 
 def _tables_in(annotation: Any) -> Iterator[type[Table]]:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from ..methods import Method, method_class
+from ..methods import METHODS, Method, method_class
 from .models import CaseModel
 
 if TYPE_CHECKING:
@@ -13,18 +13,15 @@ if TYPE_CHECKING:
 
 def method_of(model: CaseModel, name: str) -> Method:
     """The method called ``name`` with the options that the case gives it."""
-    match name:
-        case "layered":
-            return method_class(name)(tolerance=model.layered.tolerance)
-        case "hybrid":
-            return method_class(name)(tolerance=model.hybrid.tolerance)
-        case "fem":
-            return fem_of(model)
-    return method_class(name)()
+    return method_class(name)(**options_of(model, name))
 
 
 def fem_of(model: CaseModel) -> FEM:
-    """The finite-element method as the tables mesh and contact say."""
-    from ..methods.fem.method import FEM
+    """The finite-element method as the case's tables say."""
+    return method_class("fem")(**options_of(model, "fem"))
 
-    return FEM(contact=model.contact.algorithm, **model.mesh.model_dump(exclude_none=True))
+
+def options_of(model: CaseModel, name: str) -> dict[str, Any]:
+    """The options of the method called ``name`` that the case gives, or that have a default."""
+    values = {option: getattr(getattr(model, place.table), place.key) for option, place in METHODS[name].places.items()}
+    return {option: value for option, value in values.items() if value is not None}

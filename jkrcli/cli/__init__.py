@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import difflib
 import importlib
 import io
 import keyword
@@ -15,7 +14,7 @@ from collections.abc import Sequence
 import click
 
 from .. import __version__
-from ..base.errors import InputError, JkrError, printable
+from ..base.errors import InputError, JkrError, did_you_mean, printable
 from .voice import level_options
 
 # One BLAS thread, set before numpy is first imported: the same numbers everywhere, and faster at these sizes.
@@ -83,8 +82,7 @@ class Verbs(click.Group):
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
         if args and args[0] not in VERBS and not args[0].startswith("-"):
-            close = difflib.get_close_matches(args[0], VERBS, 1, 0.5)
-            hint = f', did you mean "{close[0]}"?' if close else ""
+            hint = did_you_mean(args[0], VERBS)
             raise click.UsageError(f'unknown command "{args[0]}"{hint} (commands: {", ".join(VERBS)})', ctx)
         return super().resolve_command(ctx, args)
 

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import difflib
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
-from ..base.errors import InputError
+from ..base.errors import InputError, did_you_mean
 from ..base.units import MOST
 from ..series import Array
 from .text_table import TextTable, unit_power
@@ -80,8 +79,7 @@ def asked(table: TextTable, key: str, name: str) -> int:
         return matches[0]
     if name.isdigit() and 1 <= int(name) <= len(table.names):
         return int(name) - 1
-    close = difflib.get_close_matches(name, titles, 1, 0.5)
-    hint = f', did you mean "{close[0]}"?' if close else ""
+    hint = did_you_mean(name, titles)
     raise InputError(f'{table.path}: no single column "{name}" for {key}{hint} ({choice(table)})')
 
 

@@ -1,20 +1,20 @@
-"""Methods behind one interface: each is a frozen dataclass that is called with a problem and returns a solution."""
+"""Methods behind one interface: each is a frozen dataclass that is called with a problem and returns a solution.
+
+A method makes itself known by a ``Descriptor``, from which the names, the order of "auto" and the tables of a case file
+follow; its solver is imported when it is asked for. Every folder here with a file ``options.py`` holds a method, and
+that file registers it and must be light; a method of one's own may do so in any module that has been imported.
+"""
 
 from __future__ import annotations
 
 import importlib
-from dataclasses import dataclass
-from typing import Any, Protocol
+from dataclasses import dataclass, fields
+from functools import cached_property
+from pathlib import Path
+from typing import Any, Protocol, get_type_hints
 
 from ..bodies.problem import Problem
 from ..series import Solution
-
-METHODS = {
-    "closed-form": "jkrcli.methods.closed_form:ClosedForm",
-    "layered": "jkrcli.methods.layered.layered:Layered",
-    "hybrid": "jkrcli.methods.hybrid.method:Hybrid",
-    "fem": "jkrcli.methods.fem.method:FEM",
-}
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,79 @@ class Method(Protocol):
     def forecast(self, problem: Problem) -> Forecast: ...
 
 
+@dataclass(frozen=True)
+class InTable:
+    """Annotation of an option that stands in a table of its own in a case file: ``table.key``."""
+
+    table: str
+    key: str
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where an option stands in a case file, its annotation and its default."""
+
+    table: str
+    key: str
+    annotation: Any
+    default: Any
+
+
+@dataclass(frozen=True)
+class Descriptor:
+    """What is known of a method before its solver is imported.
+
+    ``sentence``: what it does. ``solver``: its class, or "module:class", imported when called. ``effort``: the least
+    model that represents a body is tried first. ``options``: a dataclass of the method's options, with a default each
+    and ranges in the annotations, which stand in the case file's table ``table`` (its name where empty; or
+    ``InTable``). ``automatic``: whether "auto" may choose it.
+    """
+
+    name: str
+    sentence: str
+    solver: type | str
+    effort: float
+    options: type | None = None
+    table: str = ""
+    automatic: bool = True
+
+    @cached_property
+    def places(self) -> dict[str, Place]:
+        """The options by name."""
+        if self.options is None:
+            return {}
+        hints = get_type_hints(self.options, include_extras=True)
+        return {item.name: self._place(item.name, hints[item.name], item.default) for item in fields(self.options)}
+
+    def _place(self, name: str, annotation: Any, default: Any) -> Place:
+        elsewhere = [note for note in getattr(annotation, "__metadata__", ()) if isinstance(note, InTable)]
+        where = elsewhere[0] if elsewhere else InTable(self.table or self.name, name)
+        return Place(where.table, where.key, annotation, default)
+
+
+METHODS: dict[str, Descriptor] = {}  # by name, least effort first
+
+
+def register(descriptor: Descriptor) -> None:
+    """Make a method known by its name, among those that need less and more effort."""
+    found = sorted([*METHODS.values(), descriptor], key=lambda method: method.effort)
+    METHODS.clear()
+    METHODS.update({method.name: method for method in found})
+
+
 def method_class(name: str) -> Any:
     """The class of the method called ``name``; imports its module, and only that."""
-    module, attribute = METHODS[name].split(":")
+    solver = METHODS[name].solver
+    if isinstance(solver, type):
+        return solver
+    module, attribute = solver.split(":")
     return getattr(importlib.import_module(module), attribute)
+
+
+def least_first() -> tuple[str, ...]:
+    """Names of the methods that "auto" may choose, in the order in which it asks them."""
+    return tuple(method.name for method in METHODS.values() if method.automatic)
+
+
+for _folder in sorted(Path(__file__).parent.glob("*/options.py")):
+    importlib.import_module(f"{__name__}.{_folder.parent.name}.options")

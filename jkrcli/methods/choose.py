@@ -1,7 +1,7 @@
 """Model no more than a scene needs: the least method that can represent a problem, and why.
 
 The rule of "auto", from the charts of speed against accuracy (``jkr study chart``, which checks it): of the methods in
-the order of ``LEAST_FIRST`` the first that represents the body with an expected error of at most ``NOTICEABLE`` within
+the order of ``least_first`` the first that represents the body with an expected error of at most ``NOTICEABLE`` within
 ``PATIENCE``. Each runs with its default mesh or tolerance, the point of its own front beyond which more time buys an
 accuracy that no measurement sees. Slopes: exact where the series carries them, else the surer of "integral" and
 "loocv" (``jkrcli.adhesion.slopes``). The choice lies on the Pareto front of whole-process time and error of P or next
@@ -15,9 +15,8 @@ from dataclasses import dataclass
 
 from ..base.errors import InputError, Refusal
 from ..bodies.problem import Problem
-from . import Forecast, Method
+from . import METHODS, Forecast, Method, least_first
 
-LEAST_FIRST = ("closed-form", "layered", "hybrid", "fem")
 PATIENCE = 10.0  # CPU seconds; a simpler model that would take longer gives way to a quicker one
 NOTICEABLE = 1e-3  # a simpler model with a larger relative error gives way to a better one
 
@@ -60,7 +59,7 @@ class Choice:
 
 
 def choose(problem: Problem, wanted: str, build: Callable[[str], Method]) -> Choice:
-    """The method ``wanted``, or for "auto" the first of ``LEAST_FIRST`` that represents the problem accurately."""
+    """The method ``wanted``, or for "auto" the first of ``least_first`` that represents the problem accurately."""
     if wanted != "auto":
         method = build(wanted)
         if reason := method.refusal(problem):
@@ -81,10 +80,10 @@ def _accurate(option: Option) -> bool:
     return option.forecast.error <= NOTICEABLE
 
 
-def survey(problem: Problem, build: Callable[[str], Method], names: Sequence[str] = LEAST_FIRST) -> list[Option]:
-    """Cost or refusal of every method, cheapest first; nothing is solved."""
+def survey(problem: Problem, build: Callable[[str], Method], names: Sequence[str] = ()) -> list[Option]:
+    """Cost or refusal of the methods ``names`` (none: those that "auto" may choose); nothing is solved."""
     options = []
-    for name in names:
+    for name in names or least_first():
         method = build(name)
         refusal = method.refusal(problem)
         options.append(Option(name, None if refusal else method.forecast(problem), refusal))
@@ -117,7 +116,7 @@ def objection(option: Option) -> str | None:
 
 
 def _before(option: Option, chosen: Option) -> bool:
-    return LEAST_FIRST.index(option.name) < LEAST_FIRST.index(chosen.name)
+    return METHODS[option.name].effort < METHODS[chosen.name].effort
 
 
 def cost(option: Option) -> str:

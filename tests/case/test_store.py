@@ -11,7 +11,7 @@ import pytest
 from jkrcli.base.errors import InputError
 from jkrcli.base.unknown import Unknown
 from jkrcli.case import load_case, store
-from jkrcli.methods.closed_form import ClosedForm
+from jkrcli.methods.closed_form.method import ClosedForm
 from jkrcli.series import ErrorBudget, PressureTable, RawSeries, Series, Solution
 
 CASE = load_case(Path(__file__).parents[2] / "cases" / "halfspace.toml")

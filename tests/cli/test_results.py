@@ -21,7 +21,7 @@ from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.methods import Forecast, method_class
 from jkrcli.methods.choose import choose
-from jkrcli.methods.closed_form import ClosedForm
+from jkrcli.methods.closed_form.method import ClosedForm
 from jkrcli.methods.layered.layered import Layered
 from jkrcli.report import tables
 from jkrcli.series import ErrorBudget, Series

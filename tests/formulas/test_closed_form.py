@@ -13,7 +13,7 @@ from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Specimen
 from jkrcli.formulas import closed_form
-from jkrcli.methods.closed_form import ROUND_OFF, ClosedForm
+from jkrcli.methods.closed_form.method import ROUND_OFF, ClosedForm
 
 E_STAR, R = 7.0e5, 2e-3
 SHAPES = [Sphere(R), Paraboloid(R), PowerLaw(0.3, 1.0), PowerLaw(5e6, 4.0), RoundedFlat(0.1 * R, R)]

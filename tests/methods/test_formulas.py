@@ -9,7 +9,7 @@ from jkrcli.base.errors import Refusal
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw, TableProfile
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
-from jkrcli.methods.closed_form import WORST, ClosedForm
+from jkrcli.methods.closed_form.method import WORST, ClosedForm
 from jkrcli.methods.layered.layered import Layered
 
 R, H = 1000.0, 1.0

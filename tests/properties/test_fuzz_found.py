@@ -20,7 +20,7 @@ from jkrcli.base.errors import InputError, Refusal, SolveError
 from jkrcli.base.files import read_bytes
 from jkrcli.base.units import parse
 from jkrcli.case import load_case, parse_case, store
-from jkrcli.methods.closed_form import ClosedForm
+from jkrcli.methods.closed_form.method import ClosedForm
 
 CASES = Path(__file__).parents[2] / "cases"
 GOOD = """

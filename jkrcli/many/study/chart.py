@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 import tempfile
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -15,8 +15,8 @@ from ...base.unknown import Estimate
 from ...bodies.problem import Problem
 from ...case import Case, store
 from ...case.models import CaseModel
-from ...case.numerics import method_of
-from ...methods import METHODS
+from ...case.numerics import fem_of, method_of
+from ...methods import METHODS, method_class
 from ...methods.choose import choose
 from .chart_measure import Cost, process_cost, timed, typical
 from .chart_reference import Errors, Reference
@@ -92,7 +92,7 @@ def settings_of(model: CaseModel, methods: Sequence[str]) -> list[Setting]:
     found = [setting for setting in SETTINGS if not methods or setting.method in methods]
     known = {setting.method for setting in SETTINGS}
     found += [Setting(name, DEFAULT) for name in METHODS if name not in known and (not methods or name in methods)]
-    if model.mesh != type(model.mesh)() and (not methods or "fem" in methods):
+    if replace(fem_of(model), contact="nested") != method_class("fem")() and (not methods or "fem" in methods):
         found.append(Setting("fem", "the case's own mesh"))
     return sorted(found, key=lambda setting: list(METHODS).index(setting.method))
 

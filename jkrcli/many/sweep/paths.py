@@ -9,7 +9,7 @@ from pathlib import Path as File
 from typing import Any
 
 from ...base.errors import InputError
-from ...case import CaseModel, validated
+from ...case import CaseModel, case_model, validated
 
 Path = tuple[str | int, ...]
 Tables = dict[str, Any]
@@ -60,7 +60,7 @@ def _keep_layers(tables: Tables, count: Any) -> None:
 
 def model_of(tables: Tables, source: str, folder: File | None) -> CaseModel:
     """The case of these tables; InputError with a line per mistake, each led by ``source``."""
-    return validated(CaseModel, tables, source, folder)
+    return validated(case_model(), tables, source, folder)
 
 
 def value_at(model: CaseModel, key: str) -> Any:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -14,7 +13,7 @@ from ...adhesion.analysis import Analysis
 from ...adhesion.curve import CriticalPoint
 from ...adhesion.stability import behaviour
 from ...adhesion.states import DISPLACEMENT_CONTROL, State
-from ...base.errors import InputError
+from ...base.errors import InputError, did_you_mean
 from ...base.unknown import Unknown
 from ...report import tables
 
@@ -156,9 +155,7 @@ def names_of(asked: Sequence[str], source: str) -> tuple[str, ...]:
     for word in asked:
         found = [name for name in NAMES if name == word or name.startswith(f"{word}.")]
         if not found:
-            allowed = [*SECTIONS, *NAMES]
-            close = difflib.get_close_matches(word, allowed, 1, 0.5)
-            hint = f', did you mean "{close[0]}"?' if close else ""
+            hint = did_you_mean(word, [*SECTIONS, *NAMES])
             raise InputError(
                 f'{source}: outputs.quantities: unknown quantity "{word}"{hint} (groups: {", ".join(SECTIONS)}; '
                 f"single ones: {', '.join(NAMES)})"

@@ -16,7 +16,8 @@ from ...bodies.problem import Problem
 from ...case import CaseModel
 from ...case.numerics import method_of
 from ...case.store import Stored
-from ...methods.choose import LEAST_FIRST, NOTICEABLE, PATIENCE, Choice, choose, survey
+from ...methods import least_first
+from ...methods.choose import NOTICEABLE, PATIENCE, Choice, choose, survey
 from ..cache import at_unit_modulus, solved
 from .plan import Group, Recipe
 from .quantities import Value
@@ -79,7 +80,7 @@ def _solved(body: Problem, model: CaseModel, kept: Path | None) -> Stored:
 def least(body: Problem, model: CaseModel) -> Choice:
     """What ``choose`` chooses, without asking the methods behind the first that will do: that would cost more."""
     build = partial(method_of, model)
-    for name in LEAST_FIRST if model.method == "auto" else ():
+    for name in least_first() if model.method == "auto" else ():
         forecast = survey(body, build, [name])[0].forecast
         if forecast is not None and forecast.error <= NOTICEABLE and forecast.seconds <= PATIENCE:
             return Choice(name, build(name), "the least model that represents this body")

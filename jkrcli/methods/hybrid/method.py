@@ -10,7 +10,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from ...base.clock import StageClock
-from ...base.errors import InputError, JkrError, Refusal
+from ...base.errors import JkrError, Refusal
 from ...base.units import show
 from ...bodies.materials import Graded, TransverselyIsotropic
 from ...bodies.problem import HalfSpace, Problem
@@ -24,6 +24,7 @@ from ..layered.solver import Nested
 from ..radii import check_radius
 from .contact import EDGE, ROUGH, Body, KernelContact, fem_for
 from .kernel import STEP, Levels
+from .options import HybridOptions
 from .refinement import LOWEST
 
 Array = np.ndarray
@@ -39,7 +40,7 @@ SEARCH = 1e-3  # of the tolerance: accuracy to which a depth or load is met
 
 
 @dataclass(frozen=True)
-class Hybrid:
+class Hybrid(HybridOptions):
     """The half-space of the material at the contact exactly, and finite elements for what the rest of the body changes.
 
     Valid for stacks of isotropic layers (-1 < nu <= 1/2) on a rigid base, bonded or frictionless, or a half-space, wide
@@ -47,12 +48,6 @@ class Hybrid:
     Any convex indenter, rigid or elastic. S and S' exact, as in ``layered``. ``tolerance``: relative error of delta, P,
     S and S' at every radius, estimated from coarser elements, fewer parameters and a nearer cut.
     """
-
-    tolerance: float = 1e-5
-
-    def __post_init__(self) -> None:
-        if not 1e-8 <= self.tolerance <= 1e-2:
-            raise InputError(f"hybrid.tolerance: must be between 1e-8 and 1e-2, got {self.tolerance:g}")
 
     def refusal(self, problem: Problem) -> str | None:
         """Why the correction cannot be computed, with the remedy; None where it can."""

@@ -7,11 +7,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...base.clock import StageClock
-from ...base.errors import InputError, Refusal
+from ...base.errors import Refusal
 from ...bodies.problem import Problem, Specimen
 from ...series import ErrorBudget, Series, Solution
 from .. import Forecast
 from .contact import COLUMNS, MARGIN, LayeredContact
+from .options import LayeredOptions
 from .search import largest_for_contact, radii_for_contact
 from .solver import Nested
 
@@ -24,7 +25,7 @@ GRADED_SECONDS = 0.3  # to resolve the spectrum then
 
 
 @dataclass(frozen=True)
-class Layered:
+class Layered(LayeredOptions):
     """Fredholm equation of the contact problem, all radii from one Cholesky factor; no mesh, S and S' exact.
 
     Valid for any stack of bonded layers, isotropic (-1 < nu <= 1/2), graded over depth or transversely isotropic, on a
@@ -32,12 +33,6 @@ class Layered:
     not matter; any convex indenter, rigid or elastic. ``tolerance``: relative error of delta, P, S and S' at every
     radius, estimated by a second quadrature; no smaller than ``GRADED`` where any layer is graded.
     """
-
-    tolerance: float = 1e-8
-
-    def __post_init__(self) -> None:
-        if not 1e-12 <= self.tolerance <= 1e-2:
-            raise InputError(f"layered.tolerance: must be between 1e-12 and 1e-2, got {self.tolerance:g}")
 
     def refusal(self, problem: Problem) -> str | None:
         """Why the problem is none of a laterally unbounded stack, with the remedy; None where it is one."""

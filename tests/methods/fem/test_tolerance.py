@@ -128,7 +128,7 @@ def test_a_tolerance_out_of_reach_is_refused_with_what_was_reached(options, mess
 def test_what_a_tolerance_needs(options) -> None:
     with pytest.raises(InputError) as error:
         FEM(tolerance=1e-3, **options)
-    assert error.value.lines == ('mesh.tolerance: needs the layout "scaled" and estimate_error = true',)
+    assert error.value.lines == ('mesh: tolerance needs the layout "scaled" and estimate_error = true',)
 
 
 def test_the_forecast_states_the_tolerance() -> None:

@@ -272,4 +272,4 @@ def test_a_load_beyond_the_side_is_refused() -> None:
 def test_a_tolerance_out_of_range_is_an_input_error() -> None:
     with pytest.raises(InputError) as caught:
         Hybrid(1e-9)
-    assert caught.value.lines == ("hybrid.tolerance: must be between 1e-8 and 1e-2, got 1e-09",)
+    assert caught.value.lines == ("hybrid.tolerance: must be >= 1e-08 and <= 0.01, got 1e-09",)

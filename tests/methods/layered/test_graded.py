@@ -15,7 +15,7 @@ from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.materials import Elastic, Graded
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.case import parse_case
-from jkrcli.methods.closed_form import ClosedForm
+from jkrcli.methods.closed_form.method import ClosedForm
 from jkrcli.methods.fem.method import FEM
 from jkrcli.methods.layered.contact import LayeredContact
 from jkrcli.methods.layered.fields import profile

@@ -8,16 +8,16 @@ from typing import ClassVar
 
 import numpy as np
 
-from ..base.clock import StageClock
-from ..base.errors import InputError, Refusal, SolveError
-from ..bodies.indenters import Paraboloid, Sphere
-from ..bodies.materials import Elastic
-from ..bodies.problem import Layer, Loading, Problem, Rigid
-from ..formulas import closed_form
-from ..series import ErrorBudget, Series, Solution
-from . import Forecast
-from .layered.layered import Layered, unbounded
-from .radii import half_space_guess, radii_of_loading
+from ...base.clock import StageClock
+from ...base.errors import InputError, Refusal, SolveError
+from ...bodies.indenters import Paraboloid, Sphere
+from ...bodies.materials import Elastic
+from ...bodies.problem import Layer, Loading, Problem, Rigid
+from ...formulas import closed_form
+from ...series import ErrorBudget, Series, Solution
+from .. import Forecast
+from ..layered.layered import Layered, unbounded
+from ..radii import half_space_guess, radii_of_loading
 
 Array = np.ndarray
 ROUND_OFF = 1e-14

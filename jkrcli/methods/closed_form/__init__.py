@@ -1,0 +1,1 @@
+"""The method ``closed-form``: bodies whose solution is a formula."""

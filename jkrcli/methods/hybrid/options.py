@@ -1,0 +1,30 @@
+"""The options of the method ``hybrid``, and what is known of it before it is imported."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated
+
+from ...base.units import Ranged, check_ranges
+from .. import Descriptor, register
+
+
+@dataclass(frozen=True)
+class HybridOptions:
+    """``tolerance``: relative error of delta, P, S and S' at every radius."""
+
+    tolerance: Annotated[float, Ranged("number", least=1e-8, most=1e-2)] = 1e-5
+
+    def __post_init__(self) -> None:
+        check_ranges(self, "hybrid")
+
+
+register(
+    Descriptor(
+        "hybrid",
+        "The contact equation with a kernel that finite elements compute: cylinders and other smooth changes.",
+        "jkrcli.methods.hybrid.method:Hybrid",
+        effort=30,
+        options=HybridOptions,
+    )
+)

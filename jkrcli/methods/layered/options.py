@@ -1,0 +1,30 @@
+"""The options of the method ``layered``, and what is known of it before it is imported."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated
+
+from ...base.units import Ranged, check_ranges
+from .. import Descriptor, register
+
+
+@dataclass(frozen=True)
+class LayeredOptions:
+    """``tolerance``: relative error of delta, P, S and S' at every radius."""
+
+    tolerance: Annotated[float, Ranged("number", least=1e-12, most=1e-2)] = 1e-8
+
+    def __post_init__(self) -> None:
+        check_ranges(self, "layered")
+
+
+register(
+    Descriptor(
+        "layered",
+        "The exact contact equation of any stack of layers much wider than the contact; no mesh.",
+        "jkrcli.methods.layered.layered:Layered",
+        effort=20,
+        options=LayeredOptions,
+    )
+)

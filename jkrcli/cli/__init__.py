@@ -14,11 +14,12 @@ from collections.abc import Sequence
 import click
 
 from .. import __version__
-from ..base.errors import InputError, JkrError, did_you_mean, printable
+from ..base.errors import InputError, JkrError, printable
+from ..base.threads import ONE_THREAD
 from .voice import level_options
 
 # One BLAS thread, set before numpy is first imported: the same numbers everywhere, and faster at these sizes.
-os.environ.update(dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "1"))
+os.environ.update(ONE_THREAD)
 
 # What numpy warns of where a result would be no number: an error here, because nothing good can follow.
 ARITHMETIC = "(overflow|divide by zero|invalid value) encountered"

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from concurrent.futures import Executor
 from contextlib import AbstractContextManager
 from typing import Any
 
 import click
 
-from ..base.executors import executor
+from ..base.executors import Pool, executor
+from .voice import progress
 
 PER_WORKER = 5.0  # CPU seconds of work that make it worth starting processes
 
@@ -25,7 +25,7 @@ def parallel_options(command: Callable[..., Any]) -> Callable[..., Any]:
     return workers(scheduler(command))
 
 
-def pool_for(seconds: float, workers: int | None, scheduler: str | None) -> AbstractContextManager[Executor]:
+def pool_for(seconds: float, workers: int | None, scheduler: str | None) -> AbstractContextManager[Pool]:
     """The executor for work of about so many CPU ``seconds``: by default this process alone where that is little."""
     few = workers is None and scheduler is None and seconds < 2 * PER_WORKER
-    return executor(1 if few else workers, scheduler)
+    return executor(1 if few else workers, scheduler, progress)

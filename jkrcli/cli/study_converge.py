@@ -72,7 +72,7 @@ def study_converge(
         method = replace(method, contact=contact)  # type: ignore[arg-type]
     problem = loaded.model.problem()
     with pool_for(method.forecast(problem).seconds, workers, scheduler) as pool:
-        found = converge(problem, method, w, levels, executor=pool)
+        found = converge(problem, method, w, levels, pool=pool)
     data = as_dict(found)
     write_csv(targets[".csv"], _columns(found))
     write_text(targets[".json"], tables.as_json(data))

@@ -14,7 +14,7 @@ from ..many.sweep.solving import FAILED
 from ..many.sweep.table import Table
 from ..report import tables
 from .parallel import parallel_options
-from .voice import note, say, warn
+from .voice import note, progress, say, warn
 
 
 @click.command()
@@ -60,7 +60,7 @@ def sweep(
         _print_row(plan, _number(plan, only, "--only"), as_json)
     else:
         folder = output if output is not None else Path(f"{sweep_file.stem}-results")
-        means = Means(workers, scheduler, hours, retry_failed)
+        means = Means(workers, scheduler, hours, retry_failed, progress)
         table, paths = carry_out(plan, folder, means, force, note)
         _print_summary(plan, table, paths, as_json)
 

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
+import sys
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import click
@@ -69,3 +72,20 @@ def detail(text: str) -> None:
 def warn(text: str) -> None:
     """A sentence that a reader of the numbers should know."""
     click.echo(f"jkr: warning: {printable(text)}", err=True)
+
+
+@contextlib.contextmanager
+def progress(label: str, total: int) -> Iterator[Callable[[bool], None]]:
+    """A bar on stderr, on a terminal alone; what it gives is called as an item is finished: whether it failed."""
+    failed = 0
+    with click.progressbar(
+        range(total), label=label, file=sys.stderr, hidden=not sys.stderr.isatty(), show_percent=False, show_pos=True,
+        item_show_func=lambda count: f"{count} failed" if count else None,
+    ) as bar:  # fmt: skip
+
+        def step(wrong: bool) -> None:
+            nonlocal failed
+            failed += wrong
+            bar.update(1, failed)
+
+        yield step

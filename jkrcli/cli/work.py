@@ -11,7 +11,7 @@ from ..base.errors import InputError
 from .measured import reading_of, reading_options
 from .options import Scale, modulus_factor_option, slopes_option
 from .output import PICTURES, Files, Output, answer, into_folder, output_options, refuse_doubles
-from .voice import say, warn
+from .voice import progress, say, warn
 
 if TYPE_CHECKING:
     from ..data.measured import Reading
@@ -97,7 +97,7 @@ def _curves(path: Path, reading: Reading, evaluation: Evaluation, workers: int) 
 
     outcomes: list[Any] = list(each(path, reading))
     rows = [i for i, item in enumerate(outcomes) if not isinstance(item, InputError)]
-    with executor(workers) as pool:
+    with executor(workers, progress=progress) as pool:
         for i, outcome in completed(pool, evaluation, [outcomes[row] for row in rows], path.name, CHUNK):
             outcomes[rows[i]] = outcome
     skipped: list[str] = []

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import signal
 import subprocess
 import sys
 import threading
 import time
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
 
 from jkrcli.base.errors import InputError, JkrError, SolveError
-from jkrcli.base.executors import completed, executor, run_chunk
-from jkrcli.base.progress import Progress
+from jkrcli.base.executors import completed, executor, in_order, run_chunk
 
 DEADLINE = 60.0  # seconds to wait for processes on a machine that others use too
 
@@ -155,40 +156,26 @@ def _runs(pid: int) -> bool:
         return False
 
 
-class Terminal:
-    """A stream that says it is a terminal, or none."""
+def test_progress_is_told_of_every_item_and_of_failures() -> None:
+    told: list[object] = []
 
-    def __init__(self, terminal: bool):
-        self.terminal, self.text = terminal, ""
+    @contextlib.contextmanager
+    def progress(label: str, total: int) -> Iterator[Callable[[bool], None]]:
+        told.append((label, total))
+        yield told.append
+        told.append("end")
 
-    def isatty(self) -> bool:
-        return self.terminal
-
-    def write(self, text: str) -> int:
-        self.text += text
-        return len(text)
-
-    def flush(self) -> None:
-        pass
+    with executor(1, progress=progress) as pool:
+        list(completed(pool, square, [1, 3, 2], "squares"))
+    assert (told[0], told[-1]) == (("squares", 3), "end")
+    assert sorted(map(bool, told[1:-1])) == [False, False, True]
 
 
-def test_progress_is_shown_on_terminals_alone() -> None:
-    shown, hidden = Terminal(True), Terminal(False)
-    for stream in (shown, hidden):
-        progress = Progress("cases", 2, stream)  # type: ignore[arg-type]
-        progress.step(failed=False)
-        progress.step(failed=True)
-        progress.close()
-    assert hidden.text == ""
-    assert shown.text.endswith("\x1b[Kcases [########################] 2/2, 1 failed\n")
-
-
-def test_progress_tells_the_time_left() -> None:
-    progress = Progress("cases", 4, Terminal(False))  # type: ignore[arg-type]
-    progress.step(failed=False)
-    assert progress.line(10.0) == "cases [######------------------] 1/4, 30 s left"
-    assert progress.line(600.0).endswith(" 30 min left")
-    assert progress.line(6e4).endswith(" 50.0 h left")
+def test_results_in_order_and_the_first_exception_is_raised() -> None:
+    with executor(1) as pool:
+        assert in_order(pool, square, [4, 1, 2], "squares") == in_order(None, square, [4, 1, 2], "") == [16, 1, 4]
+        with pytest.raises(InputError, match="three: is not allowed"):
+            in_order(pool, square, [1, 3, 5], "squares")
 
 
 def test_threads_are_no_workers() -> None:

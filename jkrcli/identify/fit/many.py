@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from concurrent.futures import Executor
 from dataclasses import dataclass
 from functools import partial
 
 from ...base.errors import InputError, JkrError
-from ...base.executors import completed
+from ...base.executors import Pool, completed
 from ...data.measured import Curve
 from .body import Body
 from .fitting import fit
@@ -26,11 +25,11 @@ class Failure:
     lines: tuple[str, ...]
 
 
-def fit_all(body: Body, curves: Sequence[Curve], settings: Settings, executor: Executor) -> list[Fit | Failure]:
+def fit_all(body: Body, curves: Sequence[Curve], settings: Settings, pool: Pool) -> list[Fit | Failure]:
     """Fits of all curves in their order; any exception but the project's own is a bug and shows itself."""
     found: list[Fit | Failure | None] = [None] * len(curves)
     work = partial(_one, body, settings)
-    for index, result in completed(executor, work, curves, "fitting", chunk=CHUNK):
+    for index, result in completed(pool, work, curves, "fitting", chunk=CHUNK):
         if isinstance(result, JkrError):
             lines = result.lines if isinstance(result, InputError) else (str(result),)
             found[index] = Failure(curves[index], lines)

@@ -6,7 +6,6 @@ import itertools
 import math
 import time
 from collections.abc import Sequence
-from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 
@@ -15,12 +14,12 @@ import numpy as np
 from ...adhesion.curve import AdhesiveCurve, CriticalPoint, transform
 from ...adhesion.slopes import slopes
 from ...base.errors import InputError
+from ...base.executors import Pool, in_order
 from ...base.unknown import Estimate, Unknown
 from ...bodies.problem import Problem
 from ...methods.fem.method import FEM
 from ...methods.layered.layered import Layered
 from ...series import Array, Series, Solution
-from .ordered import in_order
 
 RATIO = 2.0  # between the element sizes of neighbouring meshes
 COARSEST_SPACING, STEEPEST_GROWTH = 0.49, 0.59
@@ -112,18 +111,18 @@ class Convergence:
 
 
 def converge(
-    problem: Problem, method: FEM, w: float, count: int, slopes_name: str = "auto", executor: Executor | None = None
+    problem: Problem, method: FEM, w: float, count: int, slopes_name: str = "auto", pool: Pool | None = None
 ) -> Convergence:
     """Solve ``problem`` on ``count`` meshes, the finest being that of ``method``, and transform for ``w`` [J/m^2].
 
-    ``executor``: works on the meshes (default: this process).
+    ``pool``: works on the meshes (default: this process).
     """
     if count < 2:
         raise InputError(f"levels: must be >= 2 meshes, got {count}")
     method = replace(method, estimate_error=False, tolerance=None)
     factors = [RATIO**k for k in reversed(range(count))]
     methods = [coarser(method, problem, factor) for factor in factors]
-    meshes = in_order(executor, partial(_timed, problem), methods, "meshes")
+    meshes = in_order(pool, partial(_timed, problem), methods, "meshes")
     depth = min(float(_increments(mesh.solution)[1][-1]) for mesh in meshes)
     largest = float(meshes[-1].solution.series.a[-1])
     levels = []

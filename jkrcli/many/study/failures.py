@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -18,7 +17,7 @@ from ...adhesion.curve import AdhesiveCurve, CriticalPoint, transform
 from ...adhesion.slopes import Slopes, slopes, smoothed
 from ...adhesion.validity import unresolved
 from ...base.errors import JkrError
-from ...base.executors import completed
+from ...base.executors import Pool, completed
 from ...base.unknown import Unknown
 from ...bodies.problem import Loading, Problem
 from ...methods import METHODS, Method, method_class
@@ -75,10 +74,10 @@ def random_cells(count: int, seed: int, methods: Sequence[str] = ()) -> list[Cel
     return [draw(rng, str(rng.choice(names, p=weights / weights.sum()))) for _ in range(count)]
 
 
-def failures(cells: Sequence[Cell], executor: Executor) -> list[Verdict]:
+def failures(cells: Sequence[Cell], pool: Pool) -> list[Verdict]:
     """The verdicts on the cells, in their order; a cell whose process dies counts as a crash."""
     found: dict[int, Verdict] = {}
-    for index, verdict in completed(executor, judge, cells, "failures", CHUNK):
+    for index, verdict in completed(pool, judge, cells, "failures", CHUNK):
         found[index] = verdict if isinstance(verdict, Verdict) else Verdict(cells[index], CRASHED, str(verdict))
     return [found[index] for index in range(len(cells))]
 

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Iterable
-from concurrent.futures import Executor
 from dataclasses import dataclass
 from functools import partial
 
@@ -17,13 +16,13 @@ import numpy as np
 from ...adhesion.curve import AdhesiveCurve, transform
 from ...adhesion.slopes import slopes, slopes_function, smoothed
 from ...base.errors import InputError
+from ...base.executors import Pool, in_order
 from ...base.unknown import Unknown
 from ...bodies.indenters import Paraboloid
 from ...bodies.materials import Elastic
 from ...bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from ...methods import method_class
 from ...series import Array, RawSeries, Series
-from .ordered import in_order
 
 POINTS = (30, 60, 200)
 NOISE = (0.0, 1e-4, 1e-3, 1e-2, 3e-2)
@@ -93,11 +92,11 @@ def noise_study(
     noise: Iterable[float] = NOISE,
     methods: Iterable[str] = METHODS,
     seeds: int = SEEDS,
-    executor: Executor | None = None,
+    pool: Pool | None = None,
 ) -> list[Cell]:
-    """All cells, worked on by ``executor`` (default: this process); a noise-free cell needs one run only."""
+    """All cells, worked on by ``pool`` (default: this process); a noise-free cell needs one run only."""
     asked = list(itertools.product(bodies, points, noise, methods))
-    return in_order(executor, partial(_figures, seeds), asked, "noise study")
+    return in_order(pool, partial(_figures, seeds), asked, "noise study")
 
 
 def _figures(seeds: int, asked: tuple[Body, int, float, str]) -> Cell:

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from concurrent.futures import Executor
 from dataclasses import dataclass
 from functools import partial
 
@@ -20,13 +19,13 @@ from ...adhesion.curve import AdhesiveCurve, transform
 from ...adhesion.slopes import slopes
 from ...adhesion.states import LOAD_CONTROL
 from ...base.errors import InputError, SolveError
+from ...base.executors import Pool, in_order
 from ...base.unknown import Unknown
 from ...bodies.indenters import Paraboloid
 from ...bodies.materials import Elastic
 from ...bodies.problem import Layer, Loading, Problem, Rigid, Specimen
 from ...methods.layered.layered import Layered
 from ...series import Array, Series
-from .ordered import in_order
 
 POINTS_PER_DECADE = 40  # of the contact radius: twice as many change the pull-off force by 4e-8
 TOLERANCE = 1e-6  # relative, of the series: a/h near 100 at nu = 1/2 leaves 1e-7
@@ -45,18 +44,16 @@ class MapPoint:
     delta_R_over_h2: float
 
 
-def pull_off_map(
-    nus: Iterable[float], bonded: bool, qs: Sequence[float], executor: Executor | None = None
-) -> list[MapPoint]:
+def pull_off_map(nus: Iterable[float], bonded: bool, qs: Sequence[float], pool: Pool | None = None) -> list[MapPoint]:
     """The points of the map for each Poisson's ratio and each q (any order, repeated ones once), by exact slopes.
 
-    One unit series per Poisson's ratio serves every q; ``executor`` works on them (default: this process).
+    One unit series per Poisson's ratio serves every q; ``pool`` works on them (default: this process).
     Errors: InputError for q outside the range or nu not allowed.
     """
     wanted = sorted(set(qs))
     if not wanted or not (wanted[0] >= MIN_Q and wanted[-1] <= MAX_Q):
         raise InputError(f"q: must be between {MIN_Q:g} and {MAX_Q:g}, got {', '.join(f'{q:g}' for q in qs)}")
-    columns = in_order(executor, partial(_column, bonded, wanted), list(dict.fromkeys(nus)), "pull-off map")
+    columns = in_order(pool, partial(_column, bonded, wanted), list(dict.fromkeys(nus)), "pull-off map")
     return [point for column in columns for point in column]
 
 

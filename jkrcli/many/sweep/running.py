@@ -5,13 +5,12 @@ from __future__ import annotations
 import math
 import shlex
 from collections.abc import Callable, Iterable
-from concurrent.futures import Executor
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
 from ...base.errors import InputError, JkrError
-from ...base.executors import available_cores, completed, dashboard, executor
+from ...base.executors import Progress, available_cores, completed, executor, silent
 from ...base.files import check_target, make_folder
 from ...base.table import write_csv
 from ...methods.guards import duration
@@ -33,12 +32,14 @@ Say = Callable[[str], None]
 @dataclass(frozen=True)
 class Means:
     """By what a sweep is carried out: local ``workers`` (None: as many as serve) or a Dask ``scheduler``; ``hours``:
-    core hours beyond which nothing is begun; ``retry``: failed cases of earlier runs are tried again."""
+    core hours beyond which nothing is begun; ``retry``: failed cases of earlier runs are tried again; ``progress``: how
+    it is shown."""
 
     workers: int | None = None
     scheduler: str | None = None
     hours: float = 10.0
     retry: bool = False
+    progress: Progress = silent
 
 
 @dataclass(frozen=True)
@@ -145,21 +146,17 @@ def _solve(plan: Plan, work: Work, folder: Path, journal: Journal, means: Means,
     workers = means.workers
     if workers is None and means.scheduler is None:
         workers = max(1, min(available_cores(), math.ceil(work.seconds / PER_WORKER)))
-    with executor(workers, means.scheduler) as pool:
-        if page := dashboard(pool):
-            say(f"dashboard {page}")
-        function = partial(solve_group, plan.recipe, kept)
+    with executor(workers, means.scheduler, means.progress) as pool:
+        if pool.dashboard:
+            say(f"dashboard {pool.dashboard}")
+        function, chunk = partial(solve_group, plan.recipe, kept), work.chunk(pool.workers)
         try:
-            for index, result in completed(pool, function, work.groups, plan.title or "sweep", _chunk(work, pool)):
+            for index, result in completed(pool, function, work.groups, plan.title or "sweep", chunk):
                 for row in _rows(plan, work.groups[index], result):
                     journal.append(plan.identity(row.number), row)
         except KeyboardInterrupt:
             say(f"{len(journal.rows):,} cases are kept; the same command goes on from there")
             raise
-
-
-def _chunk(work: Work, pool: Executor) -> int:
-    return work.chunk(max(getattr(pool, "workers", 1), 1))
 
 
 def _rows(plan: Plan, group: Group, result: list[Row] | Exception) -> Iterable[Row]:

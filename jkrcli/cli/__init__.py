@@ -14,7 +14,7 @@ from collections.abc import Sequence
 import click
 
 from .. import __version__
-from ..base.errors import InputError, JkrError, printable
+from ..base.errors import InputError, JkrError, did_you_mean, printable
 from ..base.threads import ONE_THREAD
 from .voice import level_options
 

@@ -133,7 +133,7 @@ def identify(
     jkrcli.identify.fit.Settings. Raises InputError where the data cannot be fitted.
     """
     from .identify.fit import fit
-    from .identify.fit.request import settings_of
+    from .identify.fit.settings import settings_of
     from .identify.fit.source import body_of
 
     source = body_of(Path(body) if isinstance(body, str) else body, slopes)

@@ -14,7 +14,7 @@ from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.data.measured import Curve
-from jkrcli.identify.fit import Body, Parameter, Settings
+from jkrcli.identify.fit import FittedBody, Parameter, Settings
 from jkrcli.methods.closed_form.method import ClosedForm
 from jkrcli.methods.layered.layered import Layered
 
@@ -42,12 +42,12 @@ def sphere(points: int = 200, noise: float = 0.0, seed: int = 0, shift: float = 
     return Curve("sphere", delta=delta, P=P + noise * P_C * random.standard_normal(points))
 
 
-def half_space(E: float = 1.5e6, reach: float = 1.4 * A_END, points: int = 100, extensible: bool = False) -> Body:
+def half_space(E: float = 1.5e6, reach: float = 1.4 * A_END, points: int = 100, extensible: bool = False) -> FittedBody:
     """A body whose moduli are twice those of the data (E* = 2 MPa)."""
     specimen = Specimen((), HalfSpace(Elastic(E, 0.5)))
     problem = Problem(Paraboloid(R), specimen, Loading("radius", reach, points))
     series = ClosedForm()(problem).series
-    return Body.of(problem, series, slopes(series, "exact"), extensible)
+    return FittedBody.of(problem, series, slopes(series, "exact"), extensible)
 
 
 def thin_layer(nu: float = 0.499) -> Problem:
@@ -63,9 +63,9 @@ def coating(E: float = 20e6) -> Problem:
 
 
 @cache
-def body_of(problem: Problem) -> Body:
+def body_of(problem: Problem) -> FittedBody:
     series = Layered(1e-9)(problem).series
-    return Body.of(problem, series, slopes(series, "exact"))
+    return FittedBody.of(problem, series, slopes(series, "exact"))
 
 
 def measured(problem: Problem, w: float, factor: float = 1.0, delta0: float = 0.0, top: float = 3.0) -> Curve:

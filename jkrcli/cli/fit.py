@@ -18,8 +18,8 @@ from .voice import say, warn
 
 if TYPE_CHECKING:
     from ..data.measured import Curve
-    from ..identify.fit import Body, Fit, Settings
-    from ..identify.fit.many import Failure
+    from ..identify.fit import Fit, FittedBody, Settings
+    from ..identify.fit.fitting import Failure
 
 SHOWN = 10  # curves that are told line by line, and drawn
 SECONDS = 0.1  # CPU seconds of a curve, about
@@ -110,7 +110,7 @@ def fit(
     jkr fit data.h5 map.jpk-force-map --contact estimate --free P0 --workers 2
     """
     from ..identify.fit import archive, report
-    from ..identify.fit.request import settings_of, uncertain_of
+    from ..identify.fit.settings import settings_of, uncertain_of
     from ..identify.fit.source import body_of
 
     inputs = (body_file, *measured)
@@ -137,12 +137,17 @@ def fit(
 
 
 def _fits(
-    body: Body, paths: tuple[Path, ...], reading: Any, settings: Settings, workers: int | None, scheduler: str | None
+    body: FittedBody,
+    paths: tuple[Path, ...],
+    reading: Any,
+    settings: Settings,
+    workers: int | None,
+    scheduler: str | None,
 ) -> list[Fit | Failure]:
     """Fits of all curves in all files; InputError where there is none at all."""
     from ..data.measured import each
     from ..data.text_table import some
-    from ..identify.fit.many import Failure, fit_all
+    from ..identify.fit.fitting import Failure, fit_all
 
     curves: list[Curve] = []
     unread: list[str] = []

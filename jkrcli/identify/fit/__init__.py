@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from .body import Body
+from .body import FittedBody
 from .fitting import fit
-from .parameters import Parameter
-from .result import Estimate, Fit
-from .settings import Settings
+from .result import Fit, FittedValue
+from .settings import Parameter, Settings
 
-__all__ = ["Body", "Estimate", "Fit", "Parameter", "Settings", "fit"]
+__all__ = ["Fit", "FittedBody", "FittedValue", "Parameter", "Settings", "fit"]

@@ -11,7 +11,7 @@ import numpy as np
 
 from ... import __version__
 from ...base.files import hdf5
-from .many import Failure
+from .fitting import Failure
 from .report import FORMAT, VERSION, summary
 from .result import Fit
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -15,17 +16,29 @@ from ...bodies.problem import HalfSpace, Layer, Loading, Problem
 from ...methods.layered.layered import Layered, unbounded
 from ...series import Series
 from .family import Family
-from .parameters import checked_names
 
-STEP, ROUNDED = 1e-4, 0.01  # of the logs of body parameters, for their derivatives; and where these are taken
-COARSER, COARSEST = 100, 1e-3  # tolerances, on the way to the solution
 BASE = "base"  # name of an elastic half-space below the layers
-REMEMBERED = 256  # families
-PER_DECADE = 20  # radii to which a body is solved anew
+REMEMBERED = 256  # choice: families kept; more only saves solves
+
+
+@dataclass(frozen=True)
+class ResolvingTuning:
+    """How bodies are solved anew with other layers or to other radii."""
+
+    step: float = 1e-4  # theory: of logs of parameters, for derivatives: the square root of the solve's 1e-8
+    rounded: float = 0.01  # choice: of the same logs; derivatives at rounded values are found again
+    coarser: float = 100.0  # choice: factor of the tolerance where a body cannot be solved, on the way to the solution
+    coarsest: float = 1e-3  # choice: tolerance at which it is given up
+    per_decade: int = 20  # choice: radii to which a body is solved, so that many curves share one solve
+    points: int = 100  # choice: least radii of a series that is solved to another radius
+    tolerance: float = 1e-8  # choice: of the solves, far below the noise of any record
+
+
+TUNING = ResolvingTuning()
 
 
 @dataclass(frozen=True, eq=False)
-class Body:
+class FittedBody:
     """``problem``: bodies and nominal values; ``series``, ``slopes``: its nonadhesive solution, by any method.
 
     Only bodies that the method ``layered`` represents can be solved anew: ``with_values``. ``extensible``: may also be
@@ -37,10 +50,10 @@ class Body:
     slopes: Slopes
     family: Family
     extensible: bool = False
-    tolerance: float = 1e-8
+    tolerance: float = TUNING.tolerance
 
     @classmethod
-    def of(cls, problem: Problem, series: Series, found: Slopes, extensible: bool = False) -> Body:
+    def of(cls, problem: Problem, series: Series, found: Slopes, extensible: bool = False) -> FittedBody:
         return cls(problem, series, found, Family.of(series, found), extensible)
 
     @property
@@ -70,25 +83,27 @@ class Body:
             return part.thickness
         return part.material.surface.E if quantity == "E" else part.material.surface.nu
 
-    def with_values(self, values: dict[str, float]) -> Body:
-        """The body solved anew by ``layered`` at the same radii with other ``values`` ("E:film": 2e6, ...)."""
+    def with_values(self, values: dict[str, float]) -> FittedBody:
+        """The body solved anew by ``layered`` at the same radii with other ``values`` ("E:film": 2e6, ...), if any."""
+        if not values:
+            return self
         problem = changed(self, values)
         return replace(self, problem=problem, family=self._solved(problem))
 
-    def rated(self, values: dict[str, float], varied: Sequence[str]) -> Body:
+    def rated(self, values: dict[str, float], varied: Sequence[str]) -> FittedBody:
         """As ``with_values``, with the family's derivatives by the logs of the values of ``varied``.
 
         They are taken at rounded values, so that steps near the solution need no more solves for them.
         """
-        body, near = self.with_values(values), {name: _rounded(value) for name, value in values.items()}
+        body, near = self.with_values(values), {name: _nearby(value) for name, value in values.items()}
         base = self._solved(changed(self, near))
-        others = [self._solved(changed(self, near | {name: near[name] * math.exp(STEP)})) for name in varied]
-        return replace(body, family=body.family.with_rates([other.rate_from(base, STEP) for other in others]))
+        others = [self._solved(changed(self, near | {name: near[name] * math.exp(TUNING.step)})) for name in varied]
+        return replace(body, family=body.family.with_rates([other.rate_from(base, TUNING.step) for other in others]))
 
-    def to_radius(self, a: float) -> Body:
+    def to_radius(self, a: float) -> FittedBody:
         """The same problem solved by ``layered`` up to contact radius ``a`` [m] or little more, with as many points."""
-        points = max(len(self.series), 100)
-        a = 10 ** (math.ceil(math.log10(a) * PER_DECADE) / PER_DECADE)  # so that many curves share one solve
+        points = max(len(self.series), TUNING.points)
+        a = 10 ** (math.ceil(math.log10(a) * TUNING.per_decade) / TUNING.per_decade)
         problem = replace(unbounded(self.problem), loading=Loading("radius", a, points, "radius"))
         return _reaching(problem, self.tolerance)
 
@@ -105,13 +120,13 @@ class Body:
 
 
 @lru_cache(maxsize=REMEMBERED)
-def _reaching(problem: Problem, tolerance: float) -> Body:
+def _reaching(problem: Problem, tolerance: float) -> FittedBody:
     series = Layered(tolerance)(problem).series
-    return Body.of(problem, series, slopes(series, "exact"), True)
+    return FittedBody.of(problem, series, slopes(series, "exact"), True)
 
 
-def _rounded(value: float) -> float:
-    return math.exp(ROUNDED * round(math.log(value) / ROUNDED))
+def _nearby(value: float) -> float:
+    return math.exp(TUNING.rounded * round(math.log(value) / TUNING.rounded))
 
 
 @lru_cache(maxsize=REMEMBERED)
@@ -123,13 +138,13 @@ def solved(problem: Problem, tolerance: float) -> Family:
     try:
         series = Layered(tolerance)(problem).series
     except JkrError as error:
-        if tolerance * COARSER < COARSEST:
-            return solved(problem, tolerance * COARSER)
+        if tolerance * TUNING.coarser < TUNING.coarsest:
+            return solved(problem, tolerance * TUNING.coarser)
         raise SolveError(f"the body could not be solved anew: {error}") from None
     return Family.of(series, slopes(series, "exact"))
 
 
-def changed(body: Body, values: dict[str, float]) -> Problem:
+def changed(body: FittedBody, values: dict[str, float]) -> Problem:
     """The problem of ``body`` with other moduli [Pa], thicknesses [m] and Poisson's ratios."""
     specimen = body.problem.specimen
     layers, base = list(specimen.layers), specimen.base
@@ -155,9 +170,18 @@ def _with(material: Any, quantity: str, value: float) -> Any:
     return replace(material, nu=value)
 
 
-def check_parameters(body: Body, names: Sequence[str]) -> None:
+def check_parameters(body: FittedBody, names: Sequence[str]) -> None:
     """Refuse parameters of layers that the body does not have or that cannot be solved anew."""
     own = [name for name in names if ":" in name]
     if own and not body.own_parameters:
         raise InputError(f"fit: {own[0]}: a finite cylinder is not solved anew; fit its modulus, or leave radius out")
     checked_names(own, body.own_parameters)
+
+
+def checked_names(names: Sequence[str], allowed: Sequence[str]) -> None:
+    """Refuse a name that is none of ``allowed``, with the nearest that is."""
+    for name in names:
+        if name not in allowed:
+            close = difflib.get_close_matches(name, allowed, 1, 0.4)
+            hint = f', did you mean "{close[0]}"?' if close else ""
+            raise InputError(f'fit: unknown parameter "{name}"{hint} (allowed: {", ".join(allowed)})')

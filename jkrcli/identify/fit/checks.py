@@ -3,21 +3,31 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
 from ...adhesion.validity import check, judge
 from ...base.units import show
 from .result import Fit
-from .solve import Minimum
+from .search import Minimum
 
-APART = 0.99  # correlation beyond which two parameters can hardly be told apart
-VAGUE = 0.3  # relative standard error beyond which a value is little more than its order
-RESOLVED = 1e-5  # residuals below this part of the curve are those of the series and its interpolation
-EXPECTED_SCATTER = (0.5, 2.0)  # of the residuals in units of the user's noise
-REACHED = 1.1  # in contact radius: how near to pull-off the data must come
-FAR_FROM_CASE = 30.0  # factor of the case's moduli beyond which units are more likely wrong than the case
-Z0 = 0.3e-9  # m, equilibrium distance for the Tabor number
+
+@dataclass(frozen=True)
+class WarningThresholds:
+    """Where a reader is warned; nothing else depends on them."""
+
+    apart: float = 0.99  # choice: correlation beyond which two parameters can hardly be told apart
+    vague: float = 0.3  # choice: relative standard error beyond which a value is little more than its order
+    resolved: float = 1e-5  # choice: residuals below this part of the curve are those of the series' interpolation
+    least_scatter: float = 0.5  # choice: of the residuals in units of the user's noise
+    most_scatter: float = 2.0  # choice: the same
+    reached: float = 1.1  # choice: in contact radius, how near to pull-off the data must come
+    far_from_case: float = 30.0  # choice: factor of the case's moduli that makes wrong units likelier than the case
+    z0: float = 0.3e-9  # choice: [m], the paper's equilibrium distance, for the Tabor number
+
+
+THRESHOLDS = WarningThresholds()
 
 
 def warnings_of(found: Fit, minimum: Minimum) -> list[str]:
@@ -43,7 +53,7 @@ def _told_apart(found: Fit, minimum: Minimum) -> Iterator[str]:
     for i, j in zip(*np.triu_indices(len(found.free), 1), strict=True):
         one, two = found.free[i], found.free[j]
         pair = {one, two}
-        if abs(matrix[i, j]) > APART and (pair <= {"modulus", "w"} or any(":" in name for name in pair)):
+        if abs(matrix[i, j]) > THRESHOLDS.apart and (pair <= {"modulus", "w"} or any(":" in name for name in pair)):
             yield (
                 f"the data can hardly tell {_word(one)} and {_word(two)} apart (correlation {matrix[i, j]:.4f}): "
                 "fix one, or measure up to pull-off and to larger loads"
@@ -53,13 +63,13 @@ def _told_apart(found: Fit, minimum: Minimum) -> Iterator[str]:
         positive = item.dimension in ("work", "modulus") or name == "modulus"
         if item.low == 0 and item.high is not None:
             yield f"{_word(name)} is not told from 0: it is at most {show(item.high, item.dimension)}"
-        elif positive and item.error is not None and item.error > VAGUE * item.value > 0:
+        elif positive and item.error is not None and item.error > THRESHOLDS.vague * item.value > 0:
             yield f"{_word(name)} is uncertain by {item.error / item.value:.0%} (standard error)"
 
 
 def _far_from_case(found: Fit) -> Iterator[str]:
     factor = found.value("modulus")
-    if "modulus" in found.free and not 1 / FAR_FROM_CASE <= factor <= FAR_FROM_CASE:
+    if "modulus" in found.free and not 1 / THRESHOLDS.far_from_case <= factor <= THRESHOLDS.far_from_case:
         yield f"the moduli are {factor:.3g} times those of the case: check the units of the data and of the case"
 
 
@@ -69,7 +79,7 @@ def _word(name: str) -> str:
 
 def _structured(found: Fit) -> Iterator[str]:
     told = found.structure
-    if told.suspicious and _relative_residual(found) > RESOLVED:
+    if told.suspicious and _relative_residual(found) > THRESHOLDS.resolved:
         yield (
             f"the residuals are structured (lag-1 autocorrelation {told.lag1:.2f}, {told.runs} runs where "
             f"{told.expected:.0f} are expected): the body, the indenter or the rows are not what the data show; "
@@ -84,7 +94,7 @@ def _relative_residual(found: Fit) -> float:
 
 
 def _scatter(found: Fit) -> Iterator[str]:
-    low, high = EXPECTED_SCATTER
+    low, high = THRESHOLDS.least_scatter, THRESHOLDS.most_scatter
     if found.settings.noise and not low <= found.scatter <= high:
         more = "more" if found.scatter > high else "less"
         yield f"the data scatter {found.scatter:.2g} times as far as the noise given, {more} than it explains"
@@ -103,7 +113,7 @@ def _pull_off(found: Fit) -> Iterator[str]:
         return
     radius = float(found.line["a"][int(np.argmin(found.line["P"]))])
     least = float(np.min(found.a))
-    if least > REACHED * radius:
+    if least > THRESHOLDS.reached * radius:
         yield (
             f"no pull-off in the data: they end at a = {show(least, 'length')}, contact is lost at "
             f"{show(radius, 'length')}; w rests on the shape of the curve"
@@ -125,7 +135,7 @@ def _validity(found: Fit, minimum: Minimum) -> list[str]:
     thickness = next(free, problem.specimen.top_thickness)
     judged = judge(
         a=a, delta=float(D[0]), E_star=found.value("E_star"), w=found.value("w") if _adhesion(found) else 0.0,
-        R=problem.indenter.tip_radius, h=thickness, L=problem.specimen.radius, z0=Z0, end_is_cut=False,
+        R=problem.indenter.tip_radius, h=thickness, L=problem.specimen.radius, z0=THRESHOLDS.z0, end_is_cut=False,
     )  # fmt: skip
     return check(judged)
 

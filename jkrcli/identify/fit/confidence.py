@@ -1,24 +1,26 @@
-"""Confidence of the fitted parameters: covariance, profile likelihood, bootstrap."""
+"""Confidence of what was fitted: covariance, profile likelihood, bootstrap, uncertain inputs of the body."""
 
 from __future__ import annotations
 
+import contextlib
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.optimize import brentq
 
-from ...base.errors import JkrError
-from ...series import Array
-from .body import Body, changed
-from .parameters import Parameter
-from .result import Estimate
-from .settings import Settings
-from .solve import Minimum, Objective, fixed_at, minimise
+from ...base.arrays import Array
+from ...base.errors import InputError, JkrError
+from .body import changed
+from .model import Objective
+from .result import FittedValue
+from .search import Minimum, minimise
+from .settings import Parameter, Settings
 from .statistics import covariance, t_quantile, variance_factor
 
-WIDENED = 6  # doublings of the step in which a profile must reach its limit
-GRADIENT = 1e-5  # of the unknowns, for what follows from them
+DOUBLINGS = 6  # choice: of the step in which a profile must reach its limit, else it has none
+STEP = 1e-5  # theory: of the unknowns, for central differences: about the cube root of round-off
 
 Interval = tuple[float | None, float | None]
 
@@ -28,31 +30,36 @@ class Confidence:
     """``estimates`` with their intervals; ``covariance`` of the free parameters, SI; ``samples`` of a bootstrap;
     ``scatter``: standard deviation of the residuals; ``dof``: degrees of freedom."""
 
-    estimates: tuple[Estimate, ...]
+    estimates: tuple[FittedValue, ...]
     covariance: Array | None
     samples: Array | None
     scatter: float
     dof: int
 
 
-def intervals(minimum: Minimum, settings: Settings) -> Confidence:
-    """Estimates of all parameters and of what follows from them, with intervals as ``settings`` ask for them."""
+def confidence_of(minimum: Minimum, settings: Settings) -> Confidence:
+    """All parameters and what follows from them, with intervals as ``settings`` ask for them."""
     objective, free = minimum.objective, minimum.objective.free
     residuals = minimum.found.residuals
     columns = len(objective.points.columns)
     dof = max(residuals.shape[1] * (columns - 1) - free.size, 1)  # a foot point takes one number from every point
     factor = variance_factor(residuals, dof, settings.loss, minimum.width)
-    inner = covariance(minimum.jacobian(), factor)
+    inner = covariance(minimum.found.jacobian(free), factor)
     samples = _bootstrap(minimum, settings) if settings.confidence == "bootstrap" else None
     t = t_quantile(settings.level, dof)
-    told = _Told(minimum, settings, inner, samples, t, factor)
-    estimates = (*(told.parameter(i) for i in range(len(objective.parameters))), *told.derived())
-    return Confidence(estimates, told.outer_covariance(), told.outer_samples(), math.sqrt(factor), dof)
+    spread = _Spread(minimum, settings, inner, samples, t, factor)
+    estimates = (*(spread.parameter(i) for i in range(len(objective.parameters))), *spread.derived())
+    if settings.uncertain:
+        changes = {name: _changes(minimum, settings, name, sigma) for name, sigma in settings.uncertain.items()}
+        estimates = tuple(
+            _wider(item, {name: change[item.name] for name, change in changes.items()}, t) for item in estimates
+        )
+    return Confidence(estimates, spread.outer_covariance(), spread.outer_samples(), math.sqrt(factor), dof)
 
 
 @dataclass(frozen=True, eq=False)
-class _Told:
-    """What is known after the fit, in the optimiser's unknowns."""
+class _Spread:
+    """How far the optimiser's unknowns may be off: covariance ``inner`` and bootstrap ``samples`` of the free ones."""
 
     minimum: Minimum
     settings: Settings
@@ -78,19 +85,21 @@ class _Told:
         free = [self.parameters[i] for i in self.minimum.objective.free]
         return np.array([[p.outer(v) for p, v in zip(free, row, strict=True)] for row in self.samples])
 
-    def parameter(self, i: int) -> Estimate:
+    def parameter(self, i: int) -> FittedValue:
         """The estimate of parameter ``i``: intervals are made in its unknown and carried over."""
         p, x = self.parameters[i], float(self.minimum.x[i])
         if not p.free:
-            return Estimate(p.name, p.outer(x), False, p.dimension)
-        low, high = self._interval(i)
+            return FittedValue(p.name, p.outer(x), False, p.dimension)
         sigma = self._sigma(i)
         error = None if sigma is None else p.derivative(x) * sigma
-        low, high = (None if end is None else p.outer(end) for end in (low, high))
-        return Estimate(p.name, p.outer(x), True, p.dimension, error, low, high)
+        low, high = (None if end is None else p.outer(end) for end in self._interval(i))
+        return FittedValue(p.name, p.outer(x), True, p.dimension, error, low, high)
+
+    def _position(self, i: int) -> int:
+        return int(np.flatnonzero(self.minimum.objective.free == i)[0])
 
     def _sigma(self, i: int) -> float | None:
-        position = int(np.flatnonzero(self.minimum.objective.free == i)[0])
+        position = self._position(i)
         if self.samples is not None:
             return float(np.std(self.samples[:, position], ddof=1))
         return None if self.inner is None else float(np.sqrt(self.inner[position, position]))
@@ -98,8 +107,8 @@ class _Told:
     def _interval(self, i: int) -> Interval:
         x, sigma = float(self.minimum.x[i]), self._sigma(i)
         if self.samples is not None:
-            column = self.samples[:, int(np.flatnonzero(self.minimum.objective.free == i)[0])]
-            low, high = np.quantile(column, [(1 - self.settings.level) / 2, (1 + self.settings.level) / 2])
+            tails = [(1 - self.settings.level) / 2, (1 + self.settings.level) / 2]
+            low, high = np.quantile(self.samples[:, self._position(i)], tails)
             return float(low), float(high)
         if self.settings.confidence == "profile":
             return self._profile(i, -1), self._profile(i, 1)
@@ -110,8 +119,8 @@ class _Told:
         x, limit = float(self.minimum.x[i]), self.minimum.cost + 0.5 * self.t**2 * self.factor
         sigma = self._sigma(i)
         step = side * (self.t * sigma if sigma is not None else 0.1)
-        p = self.parameters[i]
-        objective = fixed_at(self.minimum.objective, p.name)
+        positive = self.parameters[i].kind == "positive"
+        objective = self.minimum.objective.held(self.parameters[i].name)
         start = self.minimum.x.copy()
 
         def excess(k: float) -> float:
@@ -120,47 +129,43 @@ class _Told:
                 return 0.5 * float(np.sum(objective.distances(start).residuals ** 2)) - limit
             return minimise(objective, start, self.settings.loss, self.minimum.width).cost - limit
 
-        for k in 2.0 ** np.arange(WIDENED):
-            if p.kind == "positive" and x + k * step < 0:
+        for k in 2.0 ** np.arange(DOUBLINGS):
+            if positive and x + k * step < 0:
                 k = -x / step
             try:
                 if excess(k) >= 0:
                     return x + step * float(brentq(excess, 0.0 if k <= 1 else k / 2, k, xtol=1e-3, rtol=1e-3))
             except JkrError:
                 return None
-            if p.kind == "positive" and x + k * step <= 0:
+            if positive and x + k * step <= 0:
                 return 0.0
         return None
 
-    def derived(self) -> list[Estimate]:
+    def derived(self) -> list[FittedValue]:
         """E* of the materials that touch and the moduli of the layers, where they follow from free parameters."""
-        here = _follows(self.minimum, self.minimum.x)
         found = []
-        for name, value in here.items():
-            gradient = self._gradient(name)
-            parents = np.flatnonzero(gradient)
-            if parents.size == 0:
-                found.append(Estimate(name, value, False, "modulus"))
-                continue
-            error, low, high = self._of_log(value, gradient, parents)
-            found.append(Estimate(name, value, True, "modulus", error, low, high))
+        gradients = self._log_gradients()
+        for name, value in _follows(self.minimum.objective, self.minimum.x).items():
+            parents = np.flatnonzero(gradients[name])
+            error, low, high = self._of_log(value, gradients[name], parents) if parents.size else (None, None, None)
+            found.append(FittedValue(name, value, parents.size > 0, "modulus", error, low, high))
         return found
 
-    def _gradient(self, name: str) -> Array:
-        """d(log value)/dx by all unknowns; only moduli and layers enter."""
-        found = np.zeros(self.minimum.x.size)
-        for i in self.minimum.objective.free:
+    def _log_gradients(self) -> dict[str, Array]:
+        """d(log value)/dx by all unknowns of what follows from the parameters; only moduli and layers enter."""
+        objective, x = self.minimum.objective, self.minimum.x
+        found = {name: np.zeros(x.size) for name in _follows(objective, x)}
+        for i in objective.free:
             if self.parameters[i].kind == "log":
-                ends = []
-                for sign in (-1, 1):
-                    x = self.minimum.x.copy()
-                    x[i] += sign * GRADIENT
-                    ends.append(math.log(_follows(self.minimum, x)[name]))
-                found[i] = (ends[1] - ends[0]) / (2 * GRADIENT)
-        found[np.abs(found) < GRADIENT] = 0.0
+                unit = STEP * (np.arange(x.size) == i)
+                low, high = _follows(objective, x - unit), _follows(objective, x + unit)
+                for name, gradient in found.items():
+                    rate = (math.log(high[name]) - math.log(low[name])) / (2 * STEP)
+                    gradient[i] = rate if abs(rate) >= STEP else 0.0
         return found
 
     def _of_log(self, value: float, gradient: Array, parents: Array) -> tuple[float | None, float | None, float | None]:
+        """Standard error and interval of a ``value`` by the ``gradient`` of its log."""
         free = self.minimum.objective.free
         if parents.size == 1:
             i = int(parents[0])
@@ -176,11 +181,9 @@ class _Told:
         return value * sigma, value * math.exp(-self.t * sigma), value * math.exp(self.t * sigma)
 
 
-def _follows(minimum: Minimum, x: Array) -> dict[str, float]:
+def _follows(objective: Objective, x: Array) -> dict[str, float]:
     """E* [Pa] and the moduli E of all layers [Pa] that are no parameters themselves."""
-    objective = minimum.objective
-    values = {p.name: p.outer(float(v)) for p, v in zip(objective.parameters, x, strict=True)}
-    body: Body = objective.body
+    values, body = objective.values(x), objective.body
     problem = changed(body, {name: value for name, value in values.items() if ":" in name})
     s = values.get("modulus", 1.0)
     found = {"E_star": s * problem.E_star}
@@ -190,24 +193,50 @@ def _follows(minimum: Minimum, x: Array) -> dict[str, float]:
     return {name: value for name, value in found.items() if name not in values}
 
 
-def values_at(minimum: Minimum, x: Array) -> dict[str, float]:
-    """All parameters and what follows from them at the unknowns ``x``, SI."""
-    pairs = zip(minimum.objective.parameters, x, strict=True)
-    return {p.name: p.outer(float(v)) for p, v in pairs} | _follows(minimum, x)
-
-
 def _bootstrap(minimum: Minimum, settings: Settings) -> Array:
     """Free unknowns of fits to rows drawn with replacement, shape (samples, free)."""
     random = np.random.default_rng(settings.seed)
-    objective, free = minimum.objective, minimum.objective.free
+    objective = minimum.objective
     n = len(objective.points)
     found = []
     for _ in range(settings.samples):
         rows = random.integers(0, n, n)
         values = {name: column[rows] for name, column in objective.points.values.items()}
-        drawn: Objective = replace(objective, points=replace(objective.points, values=values))
-        try:
-            found.append(minimise(drawn, minimum.x, settings.loss, minimum.width).x[free])
-        except JkrError:
-            continue
+        drawn = replace(objective, points=replace(objective.points, values=values))
+        with contextlib.suppress(JkrError):
+            found.append(minimise(drawn, minimum.x, settings.loss, minimum.width).x[objective.free])
     return np.array(found)
+
+
+# ---------------------------------------------------------------------- uncertain inputs of the body, to first order
+def _changes(minimum: Minimum, settings: Settings, name: str, sigma: float) -> dict[str, float]:
+    """Change of every estimate by a change of the input ``name`` by its standard deviation ``sigma``.
+
+    The input is moved to both sides, where that is possible, the body solved anew and the data fitted again.
+    """
+    objective = minimum.objective
+    centre = objective.body.nominal(name)
+    ends = [(centre, minimum)]
+    for value in (centre - sigma, centre + sigma):
+        with contextlib.suppress(InputError):  # beyond what the quantity can be, as nu > 1/2
+            moved = replace(objective, body=objective.body.with_values({name: value}))
+            ends.append((value, minimise(moved, minimum.x, settings.loss, minimum.width)))
+    if len(ends) == 1:
+        raise InputError(f"{name} cannot be {sigma:g} off its value {centre:g} to either side")
+    (one, low), (two, high) = (
+        (value, found.objective.values(found.x) | _follows(found.objective, found.x)) for value, found in ends[-2:]
+    )
+    return {key: (high[key] - low[key]) / (two - one) * sigma for key in low}
+
+
+def _wider(item: FittedValue, systematic: Mapping[str, float], t: float) -> FittedValue:
+    """The estimate with its ``systematic`` errors by name added in quadrature."""
+    total = math.hypot(*systematic.values())
+    if total == 0:
+        return item
+    error = None if item.error is None else math.hypot(item.error, total)
+    low = None if item.low is None else item.value - math.hypot(item.value - item.low, t * total)
+    high = None if item.high is None else item.value + math.hypot(item.high - item.value, t * total)
+    if low is not None and item.dimension in ("modulus", "work"):
+        low = max(low, 0.0)
+    return replace(item, error=error, low=low, high=high, systematic={k: abs(v) for k, v in systematic.items()})

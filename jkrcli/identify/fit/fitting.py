@@ -1,27 +1,53 @@
-"""Fit one measured curve: rows, the search for the minimum, confidence, warnings."""
+"""Fits of measured curves: one curve, or many on one body, each on its own."""
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
-from ...base.errors import InputError, SolveError
+from ...base.errors import InputError, JkrError, SolveError
+from ...base.executors import Pool, completed
 from ...data.measured import Curve
-from .body import Body, check_parameters
+from .body import FittedBody, check_parameters
 from .checks import warnings_of
-from .confidence import intervals
-from .distances import arc
+from .confidence import confidence_of
+from .model import arc
 from .points import Points, points_of
 from .result import Fit
-from .search import search
+from .search import robust, search
 from .settings import Settings
-from .solve import Minimum, minimise
-from .statistics import TURNS, correlation, robust_scale, structure
-from .uncertain import widened
+from .statistics import structure
+
+CHUNK = 20  # choice: curves per task
 
 
-def fit(body: Body, curve: Curve, settings: Settings) -> Fit:
+@dataclass(frozen=True, eq=False)
+class Failure:
+    """A curve that could not be fitted; ``lines``: why, one sentence each."""
+
+    curve: Curve
+    lines: tuple[str, ...]
+
+
+def fit_all(body: FittedBody, curves: Sequence[Curve], settings: Settings, pool: Pool) -> list[Fit | Failure]:
+    """Fits of all curves in their order; any exception but the project's own is a bug and shows itself."""
+    found: dict[int, Fit | Failure] = {}
+    work = partial(fit, body, settings=settings)
+    for index, result in completed(pool, work, curves, "fitting", chunk=CHUNK):
+        if isinstance(result, JkrError):
+            lines = result.lines if isinstance(result, InputError) else (str(result),)
+            found[index] = Failure(curves[index], lines)
+        elif isinstance(result, Exception):
+            raise result
+        else:
+            found[index] = result
+    return [found[index] for index in sorted(found)]
+
+
+def fit(body: FittedBody, curve: Curve, settings: Settings) -> Fit:
     """The parameters of ``settings`` that bring the curves of ``body`` nearest to a measured ``curve``.
 
     Raises InputError where the data do not allow it, SolveError where it does not converge; both name the curve.
@@ -35,64 +61,51 @@ def fit(body: Body, curve: Curve, settings: Settings) -> Fit:
         raise SolveError(f"{curve.where}: {error}") from None
 
 
-def _fit(body: Body, curve: Curve, settings: Settings) -> Fit:
+def _fit(body: FittedBody, curve: Curve, settings: Settings) -> Fit:
     check_parameters(body, [parameter.name for parameter in settings.parameters])
     zero = settings.parameter("P0")
     level = 0.0 if zero is None else None if zero.free else zero.value
     points = points_of(curve, settings.segment, settings.branch, len(settings.free), level)
     settings, words = _told_by(settings, points)
-    minimum = _robust(search(body, points, settings), settings)
-    confidence = intervals(minimum, settings)
-    estimates = widened(minimum, confidence, settings) if settings.uncertain else confidence.estimates
-    residuals, u = minimum.found.residuals, minimum.found.u
-    readings = minimum.found.readings
+    minimum = robust(search(body, points, settings), settings.loss)
+    confidence = confidence_of(minimum, settings)
+    distances = minimum.found
+    u, readings = distances.u, distances.readings
     along = arc(readings)
-    line = readings.along(along[along <= max(readings.family.high, u.max())])[0] * readings.scales[:, None]
+    along = along[along <= max(readings.family.high, u.max())]
+    line = readings.along(along)[0] * readings.scales[:, None]
     found = Fit(
         name=curve.name,
         file="" if curve.origin is None else str(curve.origin),
         where=curve.where,
-        estimates=estimates,
+        estimates=confidence.estimates,
         free=tuple(parameter.name for parameter in settings.free),
         covariance=confidence.covariance,
-        correlation=None if confidence.covariance is None else correlation(confidence.covariance),
         samples=confidence.samples,
         data=points.values,
         rows=points.rows,
         left_out=points.left_out,
         a=np.exp(u),
-        residuals=residuals,
-        scales=dict(zip(points.columns, map(float, minimum.objective.scales), strict=True)),
+        residuals=distances.residuals,
+        scales=dict(zip(points.columns, map(float, readings.scales), strict=True)),
         scatter=confidence.scatter,
         dof=confidence.dof,
-        structure=structure(residuals[-1][np.argsort(u)]),
-        line={"a": np.exp(along[: line.shape[1]])} | dict(zip(points.columns, line, strict=True)),
+        structure=structure(distances.residuals[-1][np.argsort(u)]),
+        line={"a": np.exp(along)} | dict(zip(points.columns, line, strict=True)),
         evaluations=minimum.evaluations,
         settings=settings,
-        warnings=words,
+        warnings=(),
     )
     return replace(found, warnings=(*words, *warnings_of(found, minimum)))
 
 
 def _told_by(settings: Settings, points: Points) -> tuple[Settings, tuple[str, ...]]:
     """With the parameters that the measured columns do not tell fixed, and words on what cannot be told."""
-    absent = set()
-    if "delta" not in points.columns:
-        absent |= {"delta0", "compliance"}
-    if "P" not in points.columns:
-        absent.add("P0")
-    parameters = [replace(p, free=False, value=0.0) if p.name in absent else p for p in settings.parameters]
-    words: list[str] = []
-    both = [p for p in parameters if p.name in ("modulus", "w") and p.free]
-    if "P" not in points.columns and len(both) == 2:
-        words.append("a and delta alone tell w/E* only: the moduli are taken as the case has them")
-        parameters = [replace(p, free=False, value=1.0) if p.name == "modulus" else p for p in parameters]
-    return replace(settings, parameters=tuple(parameters)), tuple(words)
-
-
-def _robust(minimum: Minimum, settings: Settings) -> Minimum:
-    """With a robust loss: from the least squares on, its turn set twice by the scatter of the residuals."""
-    for _ in range(2 * (settings.loss != "linear")):
-        width = TURNS[settings.loss] * max(robust_scale(minimum.found.residuals), 1e-12)
-        minimum = replace(minimise(minimum.objective, minimum.x, settings.loss, width), width=width)
-    return minimum
+    absent = set() if "delta" in points.columns else {"delta0", "compliance"}
+    fixed = dict.fromkeys(absent if "P" in points.columns else absent | {"P0"}, 0.0)
+    words: tuple[str, ...] = ()
+    if "P" not in points.columns and {"modulus", "w"} <= {p.name for p in settings.free}:
+        words = ("a and delta alone tell w/E* only: the moduli are taken as the case has them",)
+        fixed["modulus"] = 1.0
+    parameters = (replace(p, free=False, value=fixed[p.name]) if p.name in fixed else p for p in settings.parameters)
+    return replace(settings, parameters=tuple(parameters)), words

@@ -1,20 +1,42 @@
-"""What an instrument reads at contact radius a, for given parameters, with every derivative in closed form.
+"""The statistical model of a record: what an instrument reads at contact radius a, and how far a record lies from it.
 
 delta_read = delta0 + delta(a) + compliance P(a)        P_read = P0 + P(a)        a_read = a
+
+Every measured point has its own unknown contact radius. At its foot point the distance vector is normal to the curve of
+readings, so that these unknowns drop out of the problem (variable projection): a change of the parameters moves the
+distance by the normal part of the change of the readings alone. With two columns that derivative is exact; with three
+it leaves out the turning of the normal plane, which does not enter the gradient.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.spatial import cKDTree
 
-from ...series import Array
+from ...base.arrays import Array
+from .body import FittedBody
 from .family import Family
-from .parameters import Parameter
+from .points import Points
+from .settings import Parameter
 
-COLUMNS = ("a", "delta", "P")
+
+@dataclass(frozen=True)
+class FootPointTuning:
+    """Where foot points are looked for on the curve of readings, and how closely; radii by their logs."""
+
+    vertices: int = 400  # choice: of the polyline on which the nearest vertex of each point starts its foot point
+    beyond_last: float = 0.4  # choice: beyond the series, for curves on their way to the solution
+    below_fold: float = 0.5  # choice: below the radius of stationary displacement, far enough for noise at the fold
+    steps: int = 8  # choice: guard; Newton's method needs two or three
+    longest_step: float = 0.1  # choice: guard, some vertices
+    least_bend: float = 0.2  # choice: guard, of the squared speed along the curve, where a point is far off it
+    close: float = 1e-6  # theory: errors of the distance are its square
+
+
+TUNING = FootPointTuning()
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,14 +59,12 @@ class Readings:
 
     def along(self, u: Array) -> tuple[Array, Array, Array]:
         """Scaled readings and their first and second derivatives by u = log a, each of shape (columns, n)."""
-        parts = self.family.at(u)
         s, w = self.value("modulus"), self.value("w")
         found = []
-        for order, (D, T, H, V) in enumerate(parts):
+        for order, (D, T, H, V) in enumerate(self.family.at(u)):
             delta, P = D - np.sqrt(w / s) * T, s * H - np.sqrt(w * s) * V
-            offsets = (self.value("delta0"), self.value("P0")) if order == 0 else (0.0, 0.0)
-            rows = {"a": np.exp(u), "delta": offsets[0] + delta + self.value("compliance") * P, "P": offsets[1] + P}
-            found.append(np.stack([rows[name] for name in self.columns]) / self.scales[:, None])
+            delta0, P0 = (self.value("delta0"), self.value("P0")) if order == 0 else (0.0, 0.0)
+            found.append(self._scaled(np.exp(u), delta0 + delta + self.value("compliance") * P, P0 + P))
         return found[0], found[1], found[2]
 
     def by_parameters(self, u: Array) -> Array:
@@ -52,31 +72,133 @@ class Readings:
         (D, T, H, V), _, _ = self.family.at(u)
         s, w, compliance = self.value("modulus"), self.value("w"), self.value("compliance")
         root, q = np.sqrt(s), np.sqrt(w)
-        P = s * H - q * root * V
         one, zero = np.ones_like(u), np.zeros_like(u)
         half = 1 / (2 * q) if q > 0 else 0.0  # a free w stays above 0
-        pairs = {  # d(delta), dP before compliance
-            "modulus": (q / root * T / 2, s * H - q * root * V / 2),
-            "w": (-T / root * half, -root * V * half),
-            "P0": (zero, zero),
-            "delta0": (zero, zero),
-            "compliance": (zero, zero),
+
+        def through_machine(delta: Array, P: Array) -> tuple[Array, Array]:
+            return delta + compliance * P, P
+
+        rates = {  # of the readings of delta and P
+            "modulus": through_machine(q / root * T / 2, s * H - q * root * V / 2),
+            "w": through_machine(-T / root * half, -root * V * half),
+            "delta0": (one, zero),
+            "P0": (zero, one),
+            "compliance": (s * H - q * root * V, zero),
         }
-        direct = {"delta0": (one, zero), "P0": (zero, one), "compliance": (P, zero)}
         of_body = iter(self.family.relative_rates(u))
         found = []
         for parameter in self.parameters:
             if parameter.of_body:
                 rD, rT, rH, rV = next(of_body) if parameter.free else np.zeros((4, u.size))
-                ddelta, dP = D * rD - q / root * T * rT, s * H * rH - q * root * V * rV
+                rows = through_machine(D * rD - q / root * T * rT, s * H * rH - q * root * V * rV)
             else:
-                ddelta, dP = pairs[parameter.name]
-            more = direct.get(parameter.name, (zero, zero))
-            rows = {"a": zero, "delta": ddelta + compliance * dP + more[0], "P": dP + more[1]}
-            found.append(np.stack([rows[name] for name in self.columns]) / self.scales[:, None])
+                rows = rates[parameter.name]
+            found.append(self._scaled(zero, *rows))
         return np.stack(found)
 
+    def _scaled(self, a: Array, delta: Array, P: Array) -> Array:
+        rows = {"a": a, "delta": delta, "P": P}
+        return np.stack([rows[name] for name in self.columns]) / self.scales[:, None]
 
-def scaled(columns: Sequence[str], values: dict[str, Array], scales: Array) -> Array:
-    """Measured values in units of their scales, shape (columns, n)."""
-    return np.stack([values[name] for name in columns]) / np.asarray(scales)[:, None]
+
+# ---------------------------------------------------------------------- foot points
+@dataclass(frozen=True, eq=False)
+class Distances:
+    """Distances of n points: ``u`` log of the foot points' radii, ``residuals`` (k, n), scaled.
+
+    Two columns: k = 1, the signed normal distance; three: k = 3, the distance vector. ``tangent``: unit vectors along
+    the curve at the foot points (columns, n).
+    """
+
+    readings: Readings
+    u: Array
+    residuals: Array
+    tangent: Array
+
+    def jacobian(self, chosen: Array) -> Array:
+        """Derivatives of all residuals by the ``chosen`` unknowns, shape (k n, chosen)."""
+        rates = self.readings.by_parameters(self.u)
+        if len(self.readings.columns) == 2:
+            rows = -np.einsum("cn,pcn->pn", _normal(self.tangent), rates)[:, None]
+        else:
+            along = np.einsum("cn,pcn->pn", self.tangent, rates)
+            rows = -(rates - along[:, None] * self.tangent)
+        return rows[chosen].reshape(len(chosen), -1).T
+
+
+def distances(readings: Readings, points: Array) -> Distances:
+    """Nearest points of the curve to the scaled measured ``points`` (columns, n)."""
+    u = arc(readings)
+    u = u[cKDTree(readings.along(u)[0].T).query(points.T)[1]]  # of the nearest vertices
+    for _ in range(TUNING.steps):
+        X, first, second = readings.along(u)
+        gap = points - X
+        length2 = np.einsum("cn,cn->n", first, first)
+        slope = np.einsum("cn,cn->n", first, gap)
+        bend = length2 - np.einsum("cn,cn->n", second, gap)
+        step = slope / np.maximum(bend, TUNING.least_bend * length2)
+        step = np.clip(step, -TUNING.longest_step, TUNING.longest_step)
+        u = u + step
+        if np.max(np.abs(step)) < TUNING.close:
+            break
+    X, first, _ = readings.along(u)
+    tangent, gap = first / np.sqrt(np.einsum("cn,cn->n", first, first)), points - X
+    if len(readings.columns) == 2:
+        gap = np.einsum("cn,cn->n", _normal(tangent), gap)[None]
+    return Distances(readings, u, gap, tangent)
+
+
+def _normal(tangent: Array) -> Array:
+    return np.stack([-tangent[1], tangent[0]])
+
+
+def arc(readings: Readings) -> Array:
+    """log a of the vertices of the part of the curve on which points are looked for."""
+    family = readings.family
+    whole = np.linspace(family.low - TUNING.below_fold, family.high, TUNING.vertices // 2)
+    s, w = readings.value("modulus"), readings.value("w")
+    (D, T, _, _), _, _ = family.at(whole)
+    fold = whole[np.argmin(D - np.sqrt(w / s) * T)]
+    return np.linspace(max(fold - TUNING.below_fold, whole[0]), family.high + TUNING.beyond_last, TUNING.vertices)
+
+
+# ---------------------------------------------------------------------- what is minimised
+@dataclass(frozen=True, eq=False)
+class Objective:
+    """Scaled distances of ``points`` as a function of the free unknowns; the others keep their values."""
+
+    body: FittedBody
+    parameters: tuple[Parameter, ...]
+    points: Points
+    scales: Array
+
+    @property
+    def free(self) -> Array:
+        """Indices of the free parameters."""
+        return np.flatnonzero([parameter.free for parameter in self.parameters])
+
+    def held(self, *names: str) -> Objective:
+        """The same objective with these parameters held at whatever values the unknowns give them."""
+        parameters = (replace(p, free=False, value=p.value or 1.0) if p.name in names else p for p in self.parameters)
+        return replace(self, parameters=tuple(parameters))
+
+    def values(self, x: Array) -> dict[str, float]:
+        """All parameters by name at the unknowns ``x``, SI."""
+        return {p.name: p.outer(float(v)) for p, v in zip(self.parameters, x, strict=True)}
+
+    def distances(self, x: Array, rated: bool = True) -> Distances:
+        """The distances at all unknowns ``x``; where layers vary the body is solved anew, without their derivatives
+        where not ``rated``."""
+        own = {name: value for name, value in self.values(x).items() if ":" in name}
+        varied = [p.name for p in self.parameters if p.of_body and p.free]
+        body = self.body.rated(own, varied) if rated and varied else self.body.with_values(own)
+        columns = self.points.columns
+        target = np.stack([self.points.values[name] for name in columns]) / self.scales[:, None]
+        return distances(Readings(body.family, self.parameters, x, columns, self.scales), target)
+
+    def natural_units(self) -> dict[str, float]:
+        """Sizes of unknowns by the nonadhesive body at half of its largest radius: delta, P, and w that shifts it by
+        its own displacement."""
+        middle = np.array([self.body.family.high - math.log(2)])
+        D, T, H, _ = self.body.family.at(middle)[0][:, 0]
+        return {"w": (D / T) ** 2, "delta0": D, "P0": H, "compliance": D / H}

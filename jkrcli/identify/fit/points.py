@@ -3,30 +3,39 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
+from ...base.arrays import Array
 from ...base.errors import InputError
 from ...data.measured import Curve
-from ...series import Array
-from .model import COLUMNS
+from .settings import BranchName, SegmentName
+from .statistics import NORMAL_MEDIAN
 
-Branch = Literal["all", "compressive"]
-Segment = Literal["approach", "retract", "both"]
-LEAST = 8  # points, and at least twice as many as free parameters
-LOST, LEVEL = 0.3, 0.02  # of the pull-off force: readings above -LOST F beyond a jump, and on the base line
-SEVERAL = 5  # readings on the way of a jump would be too many
-FLAT = 0.2  # of the pull-off force: readings that vary less stand still
-ADHESION, NOISE = 6.0, 3.0  # standard deviations: adhesion that stands out, readings that do not
-LONG = 10  # rows of a base line
-LARGEST_NOISE = 0.1  # of the curve: beyond it rows are not in order of recording
-OPPOSITE = -0.3  # correlation of columns with wrong signs
-THIRD = np.sqrt(20.0)  # standard deviation of a third difference of independent numbers
-MAD = 0.6745
-BALANCE = 0.05  # least ratio of the axes' scatters in units of the curve: an axis is never taken as exact
+COLUMNS = ("a", "delta", "P")
+
+
+@dataclass(frozen=True)
+class RowsTuning:
+    """How rows out of contact are told from rows of the curve, and noise from the curve."""
+
+    least: int = 8  # choice: points, and at least twice as many as free parameters
+    lost: float = 0.3  # choice: of the pull-off force, how near to no load a reading beyond a jump is out of contact
+    level: float = 0.02  # choice: of the pull-off force, how near to no load any reading is on the base line
+    several: int = 5  # choice: readings that no jump leaves on its way
+    flat: float = 0.2  # choice: of the pull-off force: readings that vary less stand still
+    adhesion: float = 6.0  # theory: standard deviations of normal noise that no reading of thousands reaches
+    noise: float = 3.0  # theory: standard deviations that one reading in 370 exceeds
+    long: int = 10  # choice: rows of a base line
+    largest_noise: float = 0.1  # choice: of the curve: beyond it rows are not in order of recording
+    opposite: float = -0.3  # choice: correlation of columns of which one has the wrong sign
+    balance: float = 0.05  # choice: least ratio of the axes' scatters in units of the curve: no axis is taken as exact
+
+
+TUNING = RowsTuning()
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +59,9 @@ class Points:
         return self.rows.size
 
 
-def points_of(curve: Curve, segment: Segment | None, branch: Branch, unknowns: int, zero: float | None) -> Points:
+def points_of(
+    curve: Curve, segment: SegmentName | None, branch: BranchName, unknowns: int, zero: float | None
+) -> Points:
     """The rows of ``curve`` to be fitted, in order of recording.
 
     ``segment = None``: the retraction where the curve names one, else all rows. ``zero``: load reading of no load [N],
@@ -71,7 +82,7 @@ def points_of(curve: Curve, segment: Segment | None, branch: Branch, unknowns: i
         "out of contact": (~touching).sum(),
         "of the adhesive part": (touching & ~taken).sum(),
     })  # fmt: skip
-    least = max(LEAST, 2 * unknowns)
+    least = max(TUNING.least, 2 * unknowns)
     if taken.sum() < least:
         out = f" ({', '.join(words)} left out)" if words else ""
         raise InputError(f"{curve.where}: {int(taken.sum())} rows to fit{out}, at least {least} are needed")
@@ -84,14 +95,14 @@ def _left_out(counts: Mapping[str, int]) -> tuple[str, ...]:
     return tuple(f"{count} row{'s' if count > 1 else ''} {why}" for why, count in counts.items() if count)
 
 
-def _of_branch(curve: Curve, values: Mapping[str, Array], branch: Branch, level: float) -> Array:
+def _of_branch(curve: Curve, values: Mapping[str, Array], branch: BranchName, level: float) -> Array:
     if branch == "compressive" and "P" not in values:
         raise InputError(f"{curve.where}: the compressive branch cannot be told without the load")
     size = next(iter(values.values())).size
     return values["P"] > level if branch == "compressive" else np.ones(size, dtype=bool)
 
 
-def _of_segment(curve: Curve, segment: Segment | None) -> Array:
+def _of_segment(curve: Curve, segment: SegmentName | None) -> Array:
     if curve.segment is None:
         if segment in ("approach", "retract"):
             raise InputError(f'{curve.where}: names no segments, cannot take "{segment}" alone')
@@ -120,10 +131,11 @@ def _in_contact(values: Mapping[str, Array], level: float) -> Array:
         return touching
     P, delta, noise = values["P"], values["delta"], _third(values["P"])
     lowest = int(np.argmin(P))
-    if level - P[lowest] > ADHESION * noise or noise > LARGEST_NOISE * np.ptp(P):
-        return ~_lost(delta < delta[lowest], (P - level) / (level - P[lowest]), NOISE * noise / (level - P[lowest]))
-    quiet = np.abs(P - level) < NOISE * noise
-    return touching & ((delta > delta[quiet].max()) if quiet.sum() > LONG else True)
+    force = level - P[lowest]
+    if force > TUNING.adhesion * noise or noise > TUNING.largest_noise * np.ptp(P):
+        return ~_lost(delta < delta[lowest], (P - level) / force, TUNING.noise * noise / force)
+    quiet = np.abs(P - level) < TUNING.noise * noise
+    return touching & ((delta > delta[quiet].max()) if quiet.sum() > TUNING.long else True)
 
 
 def _lost(beyond: Array, P: Array, near: float) -> Array:
@@ -132,8 +144,8 @@ def _lost(beyond: Array, P: Array, near: float) -> Array:
     Contact is lost in a jump, on whose way lie few readings. Many of them there are a curve that a stiff device follows
     further, as on thin layers: then only what stands ``near`` the base line is out of contact.
     """
-    risen, standing = P > -LOST, P > -max(near, LEVEL)
-    jump = (beyond & risen & ~standing).sum() < SEVERAL
+    risen, standing = P > -TUNING.lost, P > -max(near, TUNING.level)
+    jump = (beyond & risen & ~standing).sum() < TUNING.several
     return beyond & (risen if jump else standing)
 
 
@@ -149,7 +161,7 @@ def _level(values: Mapping[str, Array]) -> float:
     level, least = float(np.median(far)), float(np.min(P))
     before = delta < delta[int(np.argmin(P))]
     between = before & (P < level - 0.1 * (level - least)) & (P > level - 0.5 * (level - least))
-    return level if np.ptp(far) < FLAT * (level - least) and between.sum() < 3 else 0.0
+    return level if np.ptp(far) < TUNING.flat * (level - least) and between.sum() < 3 else 0.0
 
 
 def _check_signs(curve: Curve, values: Mapping[str, Array]) -> None:
@@ -159,7 +171,7 @@ def _check_signs(curve: Curve, values: Mapping[str, Array]) -> None:
             raise InputError(f"{curve.where}: {name} has the same value {column[0]:g} in all rows")
     for one, two in itertools.combinations(values, 2):
         together = float(np.corrcoef(values[one], values[two])[0, 1])
-        if together < OPPOSITE:
+        if together < TUNING.opposite:
             raise InputError(
                 f"{curve.where}: {two} falls as {one} rises (correlation {together:.2f}): one of them has the wrong "
                 "sign; displacement into the specimen and compression are positive (--flip delta, --flip P)"
@@ -170,15 +182,16 @@ def scatter(values: Mapping[str, Array], units: Mapping[str, float]) -> dict[str
     """Standard deviation of the readings of each column from its third differences along the record.
 
     ``units``: size of the curve on each axis. Where rows are not in order of recording the differences show the curve
-    rather than the noise: beyond ``LARGEST_NOISE`` of the unit on any axis the units themselves are returned. No axis
-    is taken as more exact than ``BALANCE`` of the other, relative to the units.
+    rather than the noise: beyond ``largest_noise`` of the unit on any axis the units themselves are returned. No axis
+    is taken as more exact than ``balance`` of the other, relative to the units.
     """
     relative = {name: _third(values[name]) / units[name] for name in values}
     largest = max(relative.values())
-    if largest > LARGEST_NOISE or largest == 0:
+    if largest > TUNING.largest_noise or largest == 0:
         return {name: units[name] for name in values}
-    return {name: max(part, BALANCE * largest) * units[name] for name, part in relative.items()}
+    return {name: max(part, TUNING.balance * largest) * units[name] for name, part in relative.items()}
 
 
 def _third(column: Array) -> float:
-    return float(np.median(np.abs(np.diff(column, 3)))) / (MAD * THIRD) if column.size > 4 else np.inf
+    """Standard deviation of independent normal numbers by their third differences, whose own is sqrt(20) times it."""
+    return float(np.median(np.abs(np.diff(column, 3)))) / (NORMAL_MEDIAN * math.sqrt(20)) if column.size > 4 else np.inf

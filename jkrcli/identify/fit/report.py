@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from typing import Any
 
 from ...base.units import SI, show
-from .many import Failure
-from .result import Estimate, Fit
+from .fitting import Failure
+from .result import Fit, FittedValue
 
 FORMAT, VERSION = "jkr-fit", 1
 UNIT_NAMES = {"modulus": "_Pa", "work": "_J_per_m2", "length": "_m", "load": "_N", "number": ""}
@@ -90,7 +90,7 @@ def _summary(item: Fit | Failure) -> dict[str, Any]:
     }
 
 
-def _estimate(item: Estimate) -> dict[str, Any]:
+def _estimate(item: FittedValue) -> dict[str, Any]:
     found = {"value": item.value, "unit": "m/N" if item.name == "compliance" else SI[item.dimension], "free": item.free}
     if item.free:
         found |= {"standard_error": item.error, "low": item.low, "high": item.high}
@@ -112,7 +112,7 @@ def words(item: Fit) -> list[str]:
     return lines
 
 
-def _words(estimate: Estimate, level: float) -> str:
+def _words(estimate: FittedValue, level: float) -> str:
     dimension = estimate.dimension
     text = f"{show(estimate.value, dimension, 5):<14}"
     if estimate.error is None:

@@ -5,14 +5,16 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+import numpy as np
+
+from ...base.arrays import Array
 from ...base.errors import InputError
-from ...series import Array
 from .settings import Settings
 from .statistics import Structure
 
 
 @dataclass(frozen=True)
-class Estimate:
+class FittedValue:
     """A parameter or what follows from it, SI. ``error``: standard error, ``low, high``: the confidence interval;
     None where the data do not tell, or where it is fixed. ``systematic``: from uncertain inputs, by name."""
 
@@ -31,21 +33,20 @@ class Fit:
     """One fitted curve: plain numbers, light to send between processes.
 
     ``name`` of the curve in its ``file``, ``where``: both, for messages. ``estimates``: the parameters, then what
-    follows from them (E_star, moduli of layers); ``covariance, correlation``:
-    of the free parameters ``free``, SI, None where the data do not tell them apart; ``samples``: their bootstrap
-    values (n, free). ``data``: the readings that were used, of the ``rows`` of the curve; ``left_out``: why others were
-    not. ``a``: contact radius at each foot point [m]; ``residuals`` (k, n): signed normal distances (k = 1), or for
-    three columns distance vectors (k = 3), in units of ``scales``; ``scatter``: their standard deviation, ``dof`` their
-    degrees of freedom. ``line``: the fitted curve, readings by column and "a". ``warnings``: sentences with numbers.
+    follows from them (E_star, moduli of layers); ``covariance``: of the free parameters ``free``, SI, None where the
+    data do not tell them apart; ``samples``: their bootstrap values (n, free). ``data``: the readings that were used,
+    of the ``rows`` of the curve; ``left_out``: why others were not. ``a``: contact radius at each foot point [m];
+    ``residuals`` (k, n): signed normal distances (k = 1), or for three columns distance vectors (k = 3), in units of
+    ``scales``; ``scatter``: their standard deviation, ``dof`` their degrees of freedom. ``line``: the fitted curve,
+    readings by column and "a". ``warnings``: sentences with numbers.
     """
 
     name: str
     file: str
     where: str
-    estimates: tuple[Estimate, ...]
+    estimates: tuple[FittedValue, ...]
     free: tuple[str, ...]
     covariance: Array | None
-    correlation: Array | None
     samples: Array | None
     data: Mapping[str, Array]
     rows: Array
@@ -61,13 +62,22 @@ class Fit:
     settings: Settings
     warnings: tuple[str, ...]
 
+    @property
+    def correlation(self) -> Array | None:
+        """Correlation coefficients of the free parameters."""
+        if self.covariance is None:
+            return None
+        sigma = np.sqrt(np.diag(self.covariance))
+        return self.covariance / np.outer(sigma, sigma)
+
     def correlated(self, one: str, two: str) -> float | None:
         """Correlation coefficient of two free parameters; None where there is none."""
-        if self.correlation is None or not {one, two} <= set(self.free):
+        matrix = self.correlation
+        if matrix is None or not {one, two} <= set(self.free):
             return None
-        return float(self.correlation[self.free.index(one), self.free.index(two)])
+        return float(matrix[self.free.index(one), self.free.index(two)])
 
-    def estimate(self, name: str) -> Estimate:
+    def estimate(self, name: str) -> FittedValue:
         """The estimate called ``name``."""
         known = {item.name: item for item in self.estimates}
         if name not in known:

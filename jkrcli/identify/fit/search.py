@@ -1,63 +1,337 @@
-"""The search for the minimum: starts, bodies whose layers vary, and radii that the data reach."""
+"""The search for the parameters whose curve lies nearest to the points: starts, least squares, bodies solved anew.
+
+A start is a curve of the body, named by the radius at which it is pulled off under load control, which fixes the shape
+sqrt(w/s), and by the radius that the largest load reaches, which fixes the factor s of all moduli. Zero points follow
+by averages.
+"""
 
 from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
 
 import numpy as np
+from scipy.optimize import least_squares
 
-from ...base.errors import InputError, JkrError
+from ...base.arrays import Array
+from ...base.errors import InputError, JkrError, SolveError
 from ...base.units import show
-from ...series import Array
-from .body import Body
-from .distances import arc
-from .model import Readings
+from .body import FittedBody
+from .family import Family
+from .model import Distances, Objective, Readings, arc
+from .points import TUNING as ROWS
 from .points import Points, scatter
-from .settings import Settings
-from .solve import Minimum, Objective, fixed_at, minimise
-from .start import Known, Start, starts
-from .statistics import robust_scale
-
-NEAR, FAR, ALIEN = 1e-3, 0.1, 0.5  # of the size of the curve: next to nothing, much, no fit at all
-NOISE = 2.0  # standard deviations of the readings: residuals that leave nothing to explain
-BEYOND, FAR_BEYOND = 1.02, 1.3  # how far the data may reach beyond a series, as noise does, and starts may
-ROOM, LEAST_USED = 1.25, 0.5  # of the radii that the data reach: how far a body is solved anew, and when
-SOLVES = 5
-ON_THE_FLOOR, TRIED = 8, 4  # starts that are looked at closely, and followed to the end
-# Factors of nominal values, where one or two parameters of layers are free; of more only the nominal values.
-SCANNED: dict[int, dict[str, tuple[float, ...]]] = {
-    1: {"E": (0.05, 0.2, 1.0, 4.0, 16.0), "h": (0.2, 0.45, 1.0, 2.2, 5.0)},
-    2: {"E": (0.1, 1.0, 10.0), "h": (0.3, 1.0, 3.0)},
-}
-Tried = list[tuple[dict[str, float], Start]]
+from .settings import Loss, Settings
+from .statistics import TURNS, robust_scale
 
 
-def search(body: Body, points: Points, settings: Settings) -> Minimum:
+@dataclass(frozen=True)
+class SearchTuning:
+    """Where starts are looked for, how they are followed, and when a minimum is taken for the answer."""
+
+    # Least squares
+    converged: float = 1e-13  # choice: relative change of unknowns and cost; leaves only round-off
+    converged_layers: float = 1e-9  # choice: the same where layers vary, by solves that are themselves good to 1e-8
+    converged_robust: float = 1e-7  # choice: the same with a robust loss, whose turn is an estimate
+    evaluations: int = 200  # choice: guard
+    reach: float = 7.0  # choice: guard, how far logs may move from their start
+    body_reach: float = 9.0  # choice: guard, the same of layers from their nominal values
+    faint: float = 1e-8  # theory: w > 0, in natural units: at 0 the shift by its root has no derivative by w
+    # Starts
+    nodes: int = 200  # choice: vertices of a curve that is tried, a hundredth of its size apart
+    beyond: float = 1.2  # choice: of log a, how far beyond a series that can be extended curves are tried
+    slightly: float = 0.05  # choice: the same of one that cannot
+    shapes: int = 24  # choice: values of sqrt(w/s); neighbours differ by less than least squares bridges
+    factors: int = 24  # choice: values of s, likewise
+    readings: int = 60  # choice: rows of the record that starts are compared with
+    alternatives: int = 4  # choice: starts kept for each body
+    load_zeros: tuple[float, ...] = (0.0, -0.3, 0.3, -0.8, 0.8)  # choice: zeros of the load, in ranges of the loads
+    # Factors of nominal values where one or two parameters of layers are free; of more only the nominal values.
+    scanned: Mapping[int, Mapping[str, tuple[float, ...]]] = field(  # choice: factors that least squares bridges
+        default_factory=lambda: {
+            1: {"E": (0.05, 0.2, 1.0, 4.0, 16.0), "h": (0.2, 0.45, 1.0, 2.2, 5.0)},
+            2: {"E": (0.1, 1.0, 10.0), "h": (0.3, 1.0, 3.0)},
+        }
+    )
+    looked_at: int = 8  # choice: starts whose cost is computed in full
+    followed: int = 4  # choice: starts that are followed to their minimum
+    # Minima, in sizes of the curve
+    least_size: float = 0.05  # choice: of the data's range, the least size of a curve
+    near: float = 1e-3  # choice: residuals that are next to nothing: no other start is tried
+    noise: float = 2.0  # theory: standard deviations of the readings that leave nothing to explain
+    far: float = 0.1  # choice: noise beyond which the record does not tell a good fit from a bad one
+    alien: float = 0.5  # choice: residuals that are no fit at all
+    # Radii
+    past_end: float = 1.02  # choice: how far the data may reach beyond a series, as noise does
+    far_past_end: float = 1.3  # choice: the same of starts, before the body is solved anew
+    room: float = 1.25  # choice: of the radii that the data reach, where a body is solved anew
+    least_used: float = 0.5  # choice: part of the series below which it is solved anew to smaller radii
+    solves: int = 5  # choice: guard
+
+
+TUNING = SearchTuning()
+
+
+# ---------------------------------------------------------------------- least squares
+@dataclass(frozen=True, eq=False)
+class Minimum:
+    """Where the sum of losses is least: ``x`` all unknowns, ``found`` the distances there, ``cost`` half that sum.
+
+    ``at_bound``: names of parameters that end on a bound; ``width``: of the robust loss, in scaled units.
+    """
+
+    objective: Objective
+    x: Array
+    found: Distances
+    cost: float
+    at_bound: tuple[str, ...]
+    evaluations: int
+    width: float = 1.0
+
+
+def minimise(objective: Objective, start: Array, loss: Loss = "linear", width: float = 1.0) -> Minimum:
+    """The least sum of squares (or of a robust ``loss`` that turns at ``width``) from the unknowns ``start``.
+
+    SciPy's trust region (method "trf", bounds respected). SolveError where it does not converge.
+    """
+    free = objective.free
+    begin = np.array(start, dtype=float)
+    low, high = _bounds(objective, begin)
+    begin[free] = np.clip(begin, low, high)[free]
+    natural = objective.natural_units()
+    units = np.array([1.0 if p.kind == "log" else natural[p.name] for p in objective.parameters])[free]
+    remembered: list[tuple[Array, Distances]] = []
+
+    def unknowns(y: Array) -> Array:
+        x = begin.copy()
+        x[free] = y * units
+        return x
+
+    def at(y: Array) -> Distances:
+        if not (remembered and np.array_equal(remembered[0][0], y)):
+            remembered[:] = [(y.copy(), objective.distances(unknowns(y)))]
+        return remembered[0][1]
+
+    bounds = low[free] / units, high[free] / units
+    varied = any(objective.parameters[i].of_body for i in free)
+    close = TUNING.converged_layers if varied else TUNING.converged
+    close = close if loss == "linear" else TUNING.converged_robust
+    found = least_squares(
+        lambda y: at(y).residuals.ravel(), _inside(begin[free] / units, *bounds),
+        lambda y: at(y).jacobian(free) * units, bounds=bounds, method="trf", x_scale="jac",
+        loss=loss, f_scale=width, ftol=close, xtol=close, gtol=close, max_nfev=TUNING.evaluations,
+    )  # fmt: skip
+    if found.status <= 0:
+        raise SolveError(
+            f"the fit did not converge in {TUNING.evaluations} steps; give starting values or fix a parameter"
+        )
+    held = tuple(objective.parameters[i].name for i, mask in zip(free, found.active_mask, strict=True) if mask != 0)
+    return Minimum(objective, unknowns(found.x), at(found.x), float(found.cost), held, int(found.nfev), width)
+
+
+def robust(minimum: Minimum, loss: Loss) -> Minimum:
+    """With a robust loss: from the least squares on, its turn set twice by the scatter of the residuals."""
+    for _ in range(2 * (loss != "linear")):
+        width = TURNS[loss] * max(robust_scale(minimum.found.residuals), 1e-12)
+        minimum = minimise(minimum.objective, minimum.x, loss, width)
+    return minimum
+
+
+def _bounds(objective: Objective, start: Array) -> tuple[Array, Array]:
+    """Bounds of the unknowns; logs stay near their start, those of layers around their nominal values."""
+    low, high = [], []
+    units = objective.natural_units()
+    for p, x in zip(objective.parameters, start, strict=True):
+        middle, reach = (
+            (p.inner(objective.body.nominal(p.name)), TUNING.body_reach) if p.of_body else (float(x), TUNING.reach)
+        )
+        least, most = (middle - reach, middle + reach) if p.kind == "log" else (-np.inf, np.inf)
+        if p.kind == "positive":
+            least = TUNING.faint * units[p.name]
+        low.append(max(p.inner(p.low) if p.kind != "linear" else p.low, least))
+        high.append(min(p.inner(p.high) if np.isfinite(p.high) else np.inf, most))
+    return np.array(low), np.array(high)
+
+
+def _inside(y: Array, low: Array, high: Array) -> Array:
+    """Strictly between the bounds, as the trust region wants it."""
+    room = np.where(np.isfinite(high - low), high - low, np.maximum(np.abs(y), 1.0))
+    return np.clip(y, low + 1e-8 * room, high - 1e-8 * room)
+
+
+# ---------------------------------------------------------------------- starts
+@dataclass(frozen=True)
+class Start:
+    """Values of parameters to begin with, SI, by name; ``reach``: the largest contact radius [m] of the data with
+    them; ``cost``: mean square distance in units of the data's ranges, for comparison of starts."""
+
+    values: Mapping[str, float]
+    reach: float
+    cost: float
+
+
+def starts(family: Family, points: Points, known: Mapping[str, float], beyond: bool) -> list[Start]:
+    """The best starting values found, best first; InputError where no curve of the series resembles the data.
+
+    ``known``: the values that are fixed, SI. ``beyond``: curves that go beyond the series count too.
+    """
+    if "a" in points.columns:
+        return [_with_radii(family, points, known)]
+    delta, P = _stable_rows(points.values["delta"], points.values["P"])
+    u = np.linspace(family.low, family.high + (TUNING.beyond if beyond else TUNING.slightly), TUNING.nodes)
+    (D, T, H, V), (dD, dT, dH, dV), _ = family.at(u)
+    found = []
+    for P0, shape in itertools.product(_load_zeros(points, known), _shapes(dH / dV)):
+        stable = slice(int(np.argmin(H - shape * V)), None)
+        delta_P_and_rates = [(X - shape * Y)[stable] for X, Y in ((D, T), (H, V), (dD, dT), (dH, dV))]
+        curve = StableBranch(shape, u[stable], *delta_P_and_rates)
+        found += curve.match(delta, P - P0, {**known, "P0": P0})
+    found.sort(key=lambda start: start.cost)
+    if not found:
+        raise InputError("no curve of the series resembles the data: check signs, units and the indenter")
+    return found[: TUNING.alternatives]
+
+
+def _stable_rows(delta: Array, P: Array) -> tuple[Array, Array]:
+    """A few readings spread over those that are stable under load control: not beyond the least load, if enough."""
+    rows = np.flatnonzero(delta >= delta[int(np.argmin(P))])
+    rows = rows if rows.size >= ROWS.least else np.arange(P.size)
+    some = rows[np.unique(np.linspace(0, rows.size - 1, TUNING.readings).astype(int))]
+    return delta[some], P[some]
+
+
+@dataclass(frozen=True, eq=False)
+class StableBranch:
+    """The branch of one curve at s = 1 that is stable under load control, by increasing load."""
+
+    shape: float
+    u: Array
+    delta: Array
+    P: Array
+    ddelta: Array
+    dP: Array
+
+    def match(self, delta: Array, P: Array, known: Mapping[str, float]) -> list[Start]:
+        """Starts with this shape, for the few factors that are possible, the best only."""
+        if self.P.size < 4:
+            return []
+        factors = np.array([f for f in self._factors(P, known) if np.isfinite(f) and f > 0])
+        if factors.size == 0:
+            return []
+        compliance = known.get("compliance") or 0.0
+        load = P / factors[:, None]
+        model = np.interp(load, self.P, self.delta)
+        slope = np.interp(load, self.P, self.ddelta / np.maximum(self.dP, 1e-30 * self.dP.max()))
+        force, length = np.ptp(P), np.ptp(delta)
+        weight = 1 / (length**2 + (slope / factors[:, None] * force) ** 2)
+        gap = delta - compliance * P - model
+        zero = np.sum(weight * gap, axis=1) / np.sum(weight, axis=1)
+        zero = np.full(factors.size, known["delta0"]) if "delta0" in known else zero
+        beyond = (load - np.clip(load, self.P[0], self.P[-1])) * factors[:, None] / force
+        cost = np.mean(weight * (gap - zero[:, None]) ** 2 + beyond**2, axis=1)
+        best = int(np.argmin(cost))
+        s = float(factors[best])
+        reach = float(np.exp(np.interp(load[best].max(), self.P, self.u)))
+        return [Start(_values(s, self.shape**2 * s, zero[best], known["P0"], compliance), reach, float(cost[best]))]
+
+    def _factors(self, P: Array, known: Mapping[str, float]) -> Iterator[float]:
+        if "modulus" in known:
+            yield known["modulus"]
+        elif "w" in known and self.shape > 0:
+            yield known["w"] / self.shape**2
+        else:
+            end = P.max() if P.max() >= -P.min() else P.min()
+            loads = self.P[np.linspace(0, self.P.size - 1, TUNING.factors).astype(int)]
+            yield from (end / load for load in loads if load * end > 0)
+
+
+def _values(modulus: float, w: float, delta0: float, P0: float, compliance: float) -> dict[str, float]:
+    named = {"modulus": modulus, "w": w, "delta0": delta0, "P0": P0, "compliance": compliance}
+    return {name: float(value) for name, value in named.items()}
+
+
+def _shapes(stationary: Array) -> Array:
+    """sqrt(w/s) of curves that are pulled off at radii across the series, and of almost no adhesion."""
+    shapes = np.unique(stationary[stationary > 0])
+    some = shapes[np.linspace(0, shapes.size - 1, min(TUNING.shapes, shapes.size)).astype(int)]
+    return np.concatenate([[0.0], some])
+
+
+def _load_zeros(points: Points, known: Mapping[str, float]) -> tuple[float, ...]:
+    if "P0" in known:
+        return (known["P0"],)
+    if points.baseline is not None:
+        return (points.baseline,)
+    return tuple(part * float(np.ptp(points.values["P"])) for part in TUNING.load_zeros)
+
+
+def _with_radii(family: Family, points: Points, known: Mapping[str, float]) -> Start:
+    """Known radii: the load is linear in s, sqrt(w s), P0; the displacement in sqrt(w/s), delta0."""
+    (D, T, H, V), _, _ = family.at(np.clip(np.log(points.values["a"]), family.low - 0.5, family.high + 0.5))
+    compliance, P0, load = known.get("compliance") or 0.0, known.get("P0") or 0.0, None
+    s, w = known.get("modulus"), known.get("w")
+    if "P" in points.columns:
+        load = points.values["P"]
+        columns, wanted = [H, -V, np.ones_like(H)], load - P0
+        if "P0" in known:
+            columns.pop()
+        found = _linear_fit(columns, wanted)
+        P0 = P0 if "P0" in known else found[2]
+        s = max(found[0], 1e-3 * np.ptp(load) / np.ptp(H)) if s is None else s
+        w = max(found[1], 0.0) ** 2 / s if w is None else w
+    s = 1.0 if s is None else s
+    delta0 = known.get("delta0") or 0.0
+    if "delta" in points.columns:
+        delta = points.values["delta"] - D - (0.0 if load is None else compliance * (load - P0))
+        if w is None:
+            columns = [-T] if "delta0" in known else [-T, np.ones_like(T)]
+            found = _linear_fit(columns, delta - delta0)
+            w, delta0 = max(found[0], 0.0) ** 2 * s, (delta0 if "delta0" in known else found[1])
+        elif "delta0" not in known:
+            delta0 = float(np.mean(delta + np.sqrt(w / s) * T))
+    assert w is not None
+    gaps, reach = [], float(points.values["a"].max())
+    if load is not None:
+        gaps.append((load - P0 - s * H + np.sqrt(w * s) * V) / np.ptp(load))
+    if "delta" in points.columns:
+        gaps.append((delta - delta0 + np.sqrt(w / s) * T) / np.ptp(points.values["delta"]))
+    return Start(_values(s, w, delta0, P0, compliance), reach, float(np.mean(np.square(gaps))))
+
+
+def _linear_fit(columns: list[Array], wanted: Array) -> Array:
+    """Coefficients of the linear least squares by ``columns``, each in units of its size."""
+    matrix = np.stack(columns, axis=1)
+    size = np.linalg.norm(matrix, axis=0)
+    return np.linalg.lstsq(matrix / size, wanted, rcond=None)[0] / size
+
+
+# ---------------------------------------------------------------------- bodies and radii
+def search(body: FittedBody, points: Points, settings: Settings) -> Minimum:
     """The best fit, on the body solved anew to other radii where the data ask for it and it may be.
 
     InputError where no curve of the body comes near the data, or where they leave the radii of its series.
     """
     body = _among_radii(body, points)
-    for _ in range(SOLVES):
-        tried = _starts(body, points, settings)
+    for _ in range(TUNING.solves):
+        tried = _all_starts(body, points, settings)
         high = float(body.series.a[-1])
-        if body.extensible and tried[0][1].reach > high * FAR_BEYOND:
-            body = body.to_radius(ROOM * tried[0][1].reach)
+        if body.extensible and tried[0].reach > high * TUNING.far_past_end:
+            body = body.to_radius(TUNING.room * tried[0].reach)
             continue
         minimum = _best(body, points, settings, tried)
         reach = float(np.exp(minimum.found.u.max()))
-        if not body.extensible or LEAST_USED * high <= reach <= high * BEYOND:
+        if not body.extensible or TUNING.least_used * high <= reach <= high * TUNING.past_end:
             break
-        body = body.to_radius(ROOM * reach)
+        body = body.to_radius(TUNING.room * reach)
     else:
-        minimum = _best(body, points, settings, _starts(body, points, settings))
+        minimum = _best(body, points, settings, _all_starts(body, points, settings))
     u = minimum.found.u
     _check_reach(minimum.objective.body, float(np.exp(u.min())), float(np.exp(u.max())))
     return minimum
 
 
-def _among_radii(body: Body, points: Points) -> Body:
+def _among_radii(body: FittedBody, points: Points) -> FittedBody:
     """The body with a series that reaches the measured radii, where most of them lie far outside it.
 
     InputError where it may not be solved anew: starts would be sought where the series says nothing.
@@ -66,47 +340,77 @@ def _among_radii(body: Body, points: Points) -> Body:
         return body
     least, middle, most = (float(a) for a in np.quantile(points.values["a"], (0.0, 0.5, 1.0)))
     low, high = (float(a) for a in body.series.a[[0, -1]])
-    if low / FAR_BEYOND <= middle <= high * FAR_BEYOND:
+    if low / TUNING.far_past_end <= middle <= high * TUNING.far_past_end:
         return body
     if body.extensible:
-        return body.to_radius(ROOM * most)
+        return body.to_radius(TUNING.room * most)
     _check_reach(body, least, most)
     return body
 
 
-def _check_reach(body: Body, least: float, reach: float) -> None:
+def _check_reach(body: FittedBody, least: float, reach: float) -> None:
     """The contact radii of the data lie within those of the series, but for noise."""
     low, high = (float(a) for a in body.series.a[[0, -1]])
-    if low / BEYOND <= least and reach <= high * BEYOND:
+    above = reach > high * TUNING.past_end
+    if low / TUNING.past_end <= least and not above:
         return
-    end, remedy = (high, "load further") if reach > high * BEYOND else (low, "begin at smaller radii")
+    end, remedy = (high, "load further") if above else (low, "begin at smaller radii")
     raise InputError(
         f"the data reach contact radii of {show(least, 'length')} to {show(reach, 'length')}, the series ends at "
         f"{show(end, 'length')}: {remedy}, or fit with the case file; or units or signs are wrong"
     )
 
 
-def _best(body: Body, points: Points, settings: Settings, tried: Tried) -> Minimum:
+def _all_starts(body: FittedBody, points: Points, settings: Settings) -> list[Start]:
+    """Starts on every body that is tried, with the values of its own parameters, best first."""
+    known = {p.name: p.value for p in settings.parameters if not (p.of_body or p.free) and p.value is not None}
+    tried = []
+    reason: JkrError | None = None
+    for own in _bodies(body, settings):
+        try:
+            found = starts(body.with_values(own).family, points, known, body.extensible)
+            tried += [replace(start, values={**start.values, **own}) for start in found]
+        except JkrError as error:
+            reason = error
+    if not tried:
+        assert reason is not None
+        raise reason
+    return sorted(tried, key=lambda start: start.cost)
+
+
+def _bodies(body: FittedBody, settings: Settings) -> Iterator[dict[str, float]]:
+    """Values of the body's own parameters to begin with: the fixed ones, and around the nominal of the free ones."""
+    own = [p for p in settings.parameters if p.of_body]
+    fixed = {p.name: float(p.value) for p in own if not p.free and p.value is not None}
+    free = [p for p in own if p.free]
+    factors = (TUNING.scanned[len(free)][p.name[0]] if len(free) in TUNING.scanned else (1.0,) for p in free)
+    for chosen in itertools.product(*factors):
+        values = {p.name: body.nominal(p.name) * factor for p, factor in zip(free, chosen, strict=True)}
+        if all(p.low <= values[p.name] <= p.high for p in free) or set(chosen) == {1.0}:
+            yield fixed | {p.name: float(np.clip(values[p.name], p.low, p.high)) for p in free}
+
+
+def _best(body: FittedBody, points: Points, settings: Settings, tried: list[Start]) -> Minimum:
     """The minimum from the nearest start; where it stays far from the data the lowest of those from all starts.
 
     Starts are those found in the data and, where given, the user's. InputError where all stay far.
     """
-    unknowns = [_unknowns(settings, values, start) for values, start in tried[:ON_THE_FLOOR]]
-    sizes = _sizes(body, tried[0][0], points, settings, unknowns[0])
+    unknowns = [_unknowns(settings, start) for start in tried[: TUNING.looked_at]]
+    sizes = _sizes(body, points, settings, tried[0], unknowns[0])
     scales = scatter(points.values, sizes) | dict(settings.noise)
     objective = Objective(body, settings.parameters, points, np.array([scales[name] for name in points.columns]))
     if any(p.value is not None for p in settings.free):
-        unknowns.append(_from_user(settings, unknowns[0]))
+        given = ((p.value, x, p) for p, x in zip(settings.parameters, unknowns[0], strict=True))
+        unknowns.append(np.array([x if value is None else p.inner(value) for value, x, p in given]))
     far = max(scales[name] / sizes[name] for name in points.columns)
     found: list[Minimum] = []
-    for x in _on_the_floor(objective, unknowns)[:TRIED]:
-        minimum = minimise(objective, x)
-        found.append(minimum)
-        if _is_good(minimum, far):
+    for x in _by_cost(objective, unknowns)[: TUNING.followed]:
+        found.append(minimise(objective, x))
+        if _is_good(found[-1], far):
             break
     minimum = min(found, key=lambda item: item.cost)
     distance = far * robust_scale(minimum.found.residuals)
-    if distance > ALIEN:
+    if distance > TUNING.alien:
         raise InputError(
             f"no curve of this body comes nearer to the data than {distance:.2g} of its size: "
             "check units, signs, zero points, the indenter and the layers"
@@ -120,76 +424,32 @@ def _is_good(minimum: Minimum, far: float) -> bool:
     ``far``: the scales in sizes of the curve, 1 where the record did not tell the noise.
     """
     distance = robust_scale(minimum.found.residuals)
-    return distance * far < NEAR or (distance < NOISE and far < FAR)
+    return distance * far < TUNING.near or (distance < TUNING.noise and far < TUNING.far)
 
 
-def _from_user(settings: Settings, x: Array) -> Array:
-    """Unknowns with the user's starting values, where there are any, in place of those found."""
-    pairs = zip(settings.parameters, x, strict=True)
-    return np.array([v if p.value is None else p.inner(p.value) for p, v in pairs])
-
-
-def _on_the_floor(objective: Objective, unknowns: list[Array]) -> list[Array]:
+def _by_cost(objective: Objective, unknowns: list[Array]) -> list[Array]:
     """Starts sorted by their cost; where layers vary, after the other parameters were fitted with the layers held."""
-    own = [p for p in objective.parameters if p.of_body and p.free]
-    others = [p for p in objective.parameters if not p.of_body and p.free]
-    costs = []
-    for i, x in enumerate(unknowns):
-        if own and others:
-            held = objective
-            for p in own:
-                held = fixed_at(held, p.name)
-            minimum = minimise(held, x)
-            unknowns[i] = minimum.x
-            costs.append(minimum.cost)
-        else:
-            costs.append(float(np.sum(objective.distances(x, rated=False).residuals ** 2)))
-    return [unknowns[i] for i in np.argsort(costs)]
+    own = [p.name for p in objective.parameters if p.of_body and p.free]
+    held = objective.held(*own)
+    if not own or held.free.size == 0:
+        costs = [float(np.sum(objective.distances(x, rated=False).residuals ** 2)) for x in unknowns]
+        return [unknowns[i] for i in np.argsort(costs)]
+    found = [minimise(held, x) for x in unknowns]
+    return [found[i].x for i in np.argsort([minimum.cost for minimum in found])]
 
 
-def _starts(body: Body, points: Points, settings: Settings) -> Tried:
-    """Values of the body's own parameters with starts for the others, best first."""
-    known = Known(**{p.name: p.value for p in settings.parameters if not p.of_body and not p.free})
-    tried = []
-    reason: JkrError | None = None
-    for values in _bodies(body, settings):
-        try:
-            family = body.with_values(values).family if values else body.family
-            tried += [(values, start) for start in starts(family, points, known, body.extensible)]
-        except JkrError as error:
-            reason = error
-    if not tried:
-        assert reason is not None
-        raise reason
-    return sorted(tried, key=lambda item: item[1].cost)
+def _unknowns(settings: Settings, start: Start) -> Array:
+    values = (start.values[p.name] if p.free or p.value is None else p.value for p in settings.parameters)
+    return np.array([p.inner(value) for p, value in zip(settings.parameters, values, strict=True)])
 
 
-def _bodies(body: Body, settings: Settings) -> Iterator[dict[str, float]]:
-    """Values of the body's own parameters to begin with: the fixed ones, and around the nominal of the free ones."""
-    own = [p for p in settings.parameters if p.of_body]
-    fixed = {p.name: float(p.value) for p in own if not p.free and p.value is not None}
-    free = [p for p in own if p.free]
-    factors = (SCANNED[len(free)][p.name[0]] if len(free) in SCANNED else (1.0,) for p in free)
-    for chosen in itertools.product(*factors):
-        values = {p.name: body.nominal(p.name) * factor for p, factor in zip(free, chosen, strict=True)}
-        if all(p.low <= values[p.name] <= p.high for p in free) or set(chosen) == {1.0}:
-            yield fixed | {p.name: float(np.clip(values[p.name], p.low, p.high)) for p in free}
-
-
-def _unknowns(settings: Settings, values: Mapping[str, float], start: Start) -> Array:
-    found = {name: getattr(start, name) for name in ("modulus", "w", "delta0", "P0", "compliance")} | dict(values)
-    return np.array([
-        p.inner(found[p.name] if p.free or p.value is None else p.value) for p in settings.parameters
-    ])  # fmt: skip
-
-
-def _sizes(body: Body, values: Mapping[str, float], points: Points, settings: Settings, x: Array) -> dict[str, float]:
+def _sizes(body: FittedBody, points: Points, settings: Settings, start: Start, x: Array) -> dict[str, float]:
     """The size of the start's curve on each axis: its pull-off, or a part of the data's range where that is larger."""
-    family = body.with_values(dict(values)).family if values else body.family
-    readings = Readings(family, settings.parameters, x, points.columns, np.ones(len(points.columns)))
+    held = body.with_values({p.name: start.values[p.name] for p in settings.parameters if p.of_body})
+    readings = Readings(held.family, settings.parameters, x, points.columns, np.ones(len(points.columns)))
     offsets = {"delta": readings.value("delta0"), "P": readings.value("P0")}
     curve = readings.along(arc(readings))[0]
     return {
-        name: max(offsets.get(name, 0.0) - float(np.min(row)), 0.05 * float(np.ptp(points.values[name])))
+        name: max(offsets.get(name, 0.0) - float(np.min(row)), TUNING.least_size * float(np.ptp(points.values[name])))
         for name, row in zip(points.columns, curve, strict=True)
     }

@@ -1,18 +1,90 @@
-"""What is asked of a fit: parameters, rows, noise, loss and confidence."""
+"""What is asked of a fit: parameters with units and bounds, rows, noise, loss and confidence."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Any, Literal
 
 from ...base.errors import InputError
-from .parameters import Parameter
-from .points import Branch, Segment
+from ...base.units import parse
+from .body import FittedBody, checked_names
 
+Kind = Literal["log", "positive", "linear"]
+BranchName = Literal["all", "compressive"]
+SegmentName = Literal["approach", "retract", "both"]
 Loss = Literal["linear", "soft_l1", "huber", "cauchy"]
-Confidence = Literal["covariance", "profile", "bootstrap"]
+ConfidenceName = Literal["covariance", "profile", "bootstrap"]
+DIMENSIONS = {"modulus": "number", "w": "work", "delta0": "length", "P0": "load", "compliance": "number"}
+KINDS: dict[str, Kind] = {"modulus": "log", "w": "positive", "delta0": "linear", "P0": "linear", "compliance": "linear"}
+OF_A_LAYER = {"E": "modulus", "h": "length", "nu": "number"}
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One quantity of the model, SI: free between ``low`` and ``high``, or fixed at ``value``.
+
+    ``value = None``: free, and the start is found from the data. Names: those of ``DIMENSIONS``, "E:layer" and
+    "h:layer" for modulus and thickness of a named layer.
+    """
+
+    name: str
+    free: bool
+    value: float | None = None
+    low: float = -math.inf
+    high: float = math.inf
+
+    def __post_init__(self) -> None:
+        if not self.free and self.value is None:
+            raise InputError(f"{self.name}: is fixed and needs a value")
+        least = -math.inf if self.kind == "linear" else 0.0
+        if self.value is not None:
+            self._check(self.value)
+        if not max(self.low, least) < self.high:
+            raise InputError(f"{self.name}: bounds must increase and leave room, got {self.low:g} to {self.high:g}")
+
+    def _check(self, value: float) -> None:
+        above = value > 0 if self.kind == "log" else value >= 0 or self.kind == "linear"
+        if not (math.isfinite(value) and above):
+            allowed = {"log": "> 0", "positive": "finite and >= 0", "linear": "finite"}[self.kind]
+            raise InputError(f"{self.name}: must be {allowed}, got {value:g}")
+        if self.free and not self.low <= value <= self.high:
+            raise InputError(f"{self.name}: the start {value:g} is outside its bounds {self.low:g} to {self.high:g}")
+
+    @property
+    def kind(self) -> Kind:
+        """The scale on which it is fitted: "log", or as it is, "positive" where it cannot be less than 0.
+
+        w as it is: its effect on a curve without adhesion is of first order in w (the shift by its root is along it).
+        """
+        return KINDS.get(self.name, "log")
+
+    @property
+    def dimension(self) -> str:
+        return DIMENSIONS.get(self.name) or OF_A_LAYER[self.name.partition(":")[0]]
+
+    @property
+    def of_body(self) -> bool:
+        """Whether the body must be solved anew when it changes."""
+        return self.name not in DIMENSIONS
+
+    def inner(self, value: float) -> float:
+        """The optimiser's unknown for ``value``."""
+        if self.kind == "log":
+            return math.log(value) if value > 0 else -math.inf
+        return max(value, 0.0) if self.kind == "positive" else value
+
+    def outer(self, x: float) -> float:
+        """The value of the optimiser's unknown ``x``."""
+        if self.kind == "log":
+            return math.exp(x)
+        return max(x, 0.0) if self.kind == "positive" else x
+
+    def derivative(self, x: float) -> float:
+        """d(value)/dx."""
+        return math.exp(x) if self.kind == "log" else 1.0
+
 
 AS_IN_THE_CASE = {"modulus": 1.0, "delta0": 0.0, "P0": 0.0, "compliance": 0.0}
 
@@ -29,11 +101,11 @@ class Settings:
     """
 
     parameters: tuple[Parameter, ...]
-    segment: Segment | None = None
-    branch: Branch = "all"
+    segment: SegmentName | None = None
+    branch: BranchName = "all"
     noise: Mapping[str, float] = field(default_factory=dict)
     loss: Loss = "linear"
-    confidence: Confidence = "covariance"
+    confidence: ConfidenceName = "covariance"
     level: float = 0.95
     uncertain: Mapping[str, float] = field(default_factory=dict)
     samples: int = 200
@@ -60,3 +132,105 @@ class Settings:
     def parameter(self, name: str) -> Parameter | None:
         """The parameter called ``name``, None where it plays no part."""
         return next((parameter for parameter in self.parameters if parameter.name == name), None)
+
+
+ALIAS = "E_star"  # the common modulus by its value rather than as a factor
+USUALLY_FREE = ("modulus", "w", "delta0")
+BETWEEN = ".."
+
+
+def settings_of(
+    body: FittedBody,
+    free: Iterable[str] = (),
+    fix: Iterable[tuple[str, str]] = (),
+    start: Iterable[tuple[str, str]] = (),
+    bound: Iterable[tuple[str, str]] = (),
+    **options: Any,
+) -> Settings:
+    """The settings for ``body``; texts such as ("w", "50 mJ/m^2"), ("E:film", "1 MPa..1 GPa"); InputError names them.
+
+    Free are the common modulus, w and delta0, but for those that ``fix`` names, and what ``free`` adds. Where that is
+    a quantity of a layer, the common modulus stays as in the case unless it is named too.
+    """
+    fixed, starts, bounds = (_by_name(body, pairs) for pairs in (fix, start, bound))
+    wanted = list(dict.fromkeys(_own_name(body, name) for name in free))
+    of_layers = any(":" in name for name in wanted)
+    usual = [name for name in USUALLY_FREE if not (name == "modulus" and of_layers)]
+    names = [name for name in DIMENSIONS if name in (*usual, *wanted)] + [name for name in wanted if ":" in name]
+    if both := sorted(set(wanted) & set(fixed)):
+        raise InputError(f"fit: {both[0]} is both free and fixed")
+    names = [name for name in names if name not in fixed]
+    if idle := sorted({*starts, *bounds} - set(names)):
+        raise InputError(f"fit: {idle[0]} is not free: a start or a bound has no meaning (free: {', '.join(names)})")
+    found = []
+    for name in names:
+        low, high = _ends(body, name, bounds[name]) if name in bounds else (-math.inf, math.inf)
+        value = _value(body, name, *starts[name]) if name in starts else None
+        found.append(Parameter(name, True, value, low, high))
+    found += [Parameter(name, False, _value(body, name, *text)) for name, text in fixed.items()]
+    return Settings(tuple(found), **options)
+
+
+def uncertain_of(body: FittedBody, pairs: Iterable[tuple[str, str]], settings: Settings) -> dict[str, float]:
+    """Standard deviations of inputs by name: "nu" and "thickness" of the layer at the contact, or "nu:film", "h:film",
+    "E:base", absolute ("0.02", "50 nm") or relative ("5%")."""
+    found = {}
+    for name, text in pairs:
+        whole = {"nu": f"nu:{body.layer_names[0]}", "thickness": f"h:{body.layer_names[0]}"}.get(name, name)
+        allowed = (*body.own_parameters, *(f"nu:{layer}" for layer in body.layer_names if body.own_parameters))
+        checked_names([whole], allowed)
+        fitted = settings.parameter(whole)
+        if fitted is not None:
+            raise InputError(f"fit: {whole} is {'free' if fitted.free else 'fixed'}, it cannot be uncertain as well")
+        value = _share(text, body.nominal(whole)) if text.endswith("%") else _parsed(name, text, _dimension(whole))
+        if not (math.isfinite(value) and value > 0):
+            raise InputError(f"fit: the uncertainty of {name} must be > 0, got {text}")
+        found[whole] = value
+    return found
+
+
+def _share(text: str, value: float) -> float:
+    return _parsed("uncertain", text[:-1], "number") / 100 * abs(value)
+
+
+def _by_name(body: FittedBody, pairs: Iterable[tuple[str, str]]) -> dict[str, tuple[str, str]]:
+    """Parameter -> (name as the user wrote it, text)."""
+    found: dict[str, tuple[str, str]] = {}
+    for name, text in pairs:
+        own = _own_name(body, name)
+        if own in found:
+            raise InputError(f"fit: {name} is given twice")
+        found[own] = (name, text)
+    return found
+
+
+def _own_name(body: FittedBody, name: str) -> str:
+    if name == ALIAS:
+        return "modulus"
+    checked_names([name], (*DIMENSIONS, ALIAS, *body.own_parameters))
+    return name
+
+
+def _value(body: FittedBody, name: str, written: str, text: str) -> float:
+    value = _parsed(written, text, "modulus" if written == ALIAS else _dimension(name))
+    return value / body.problem.E_star if written == ALIAS else value
+
+
+def _ends(body: FittedBody, name: str, pair: tuple[str, str]) -> tuple[float, float]:
+    written, text = pair
+    low, mark, high = text.partition(BETWEEN)
+    if not mark:
+        raise InputError(f'fit: the bounds of {written} must be LOW{BETWEEN}HIGH, one may be left out, got "{text}"')
+    ends = [_value(body, name, written, part.strip()) if part.strip() else None for part in (low, high)]
+    return -math.inf if ends[0] is None else ends[0], math.inf if ends[1] is None else ends[1]
+
+
+def _dimension(name: str) -> str:
+    return Parameter(name, True).dimension
+
+
+def _parsed(name: str, text: str, dimension: str) -> float:
+    try:
+        return parse(text, dimension)
+    except ValueError as error:
+        raise InputError(f"fit: {name}: {error}") from None

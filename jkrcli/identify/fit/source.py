@@ -10,10 +10,10 @@ from ...case import Case, load_case, store
 from ...case.solving import solve
 from ...case.store import Stored
 from ...methods.guards import Limits
-from .body import Body
+from .body import FittedBody
 
 
-def body_of(source: Case | Stored | Path, slopes: str = "auto", limits: Limits | None = None) -> Body:
+def body_of(source: Case | Stored | Path, slopes: str = "auto", limits: Limits | None = None) -> FittedBody:
     """The body of a case, of what a series file holds, or of either's file. A case may be solved anew to the radii that
     the data ask for, a series ends where it ends."""
     if isinstance(source, Path):
@@ -22,6 +22,6 @@ def body_of(source: Case | Stored | Path, slopes: str = "auto", limits: Limits |
         problem = source.model.problem()
         _, solution = solve(source, limits=limits)
         found = slopes_of(solution.series, slopes)
-        return Body.of(problem, solution.series, found, problem.specimen.radius is None)
+        return FittedBody.of(problem, solution.series, found, problem.specimen.radius is None)
     fitted = Fitted.of(source, specification(source), slopes)
-    return Body.of(fitted.case.problem, fitted.series, fitted.slopes)
+    return FittedBody.of(fitted.case.problem, fitted.series, fitted.slopes)

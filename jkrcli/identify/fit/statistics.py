@@ -8,18 +8,17 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import stats
 
-from ...series import Array
+from ...base.arrays import Array
 from .settings import Loss
 
-MAD = 0.6745
-SUSPICIOUS = 1e-4  # probability of so much structure by chance
-UNRESOLVED = 1e-10  # least ratio of singular values of the scaled Jacobian that still tells parameters apart
-TURNS = {"soft_l1": 1.345, "huber": 1.345, "cauchy": 2.385, "linear": math.inf}  # 95 % efficiency at normal noise
+NORMAL_MEDIAN = 0.6745  # theory: median of |x| of a normal x of standard deviation 1
+# Theory: turns of the losses at 95 % efficiency for normal noise (Holland and Welsch 1977).
+TURNS = {"soft_l1": 1.345, "huber": 1.345, "cauchy": 2.385, "linear": math.inf}
 
 
 def robust_scale(residuals: Array) -> float:
     """Standard deviation of normal residuals, from their median size."""
-    return float(np.median(np.abs(residuals))) / MAD
+    return float(np.median(np.abs(residuals))) / NORMAL_MEDIAN
 
 
 def influence(z: Array, loss: Loss) -> tuple[Array, Array]:
@@ -48,15 +47,9 @@ def covariance(jacobian: Array, factor: float) -> Array | None:
     if not (size > 0).all():
         return None
     _, singular, right = np.linalg.svd(jacobian / size, full_matrices=False)
-    if singular[-1] < UNRESOLVED * singular[0]:
+    if singular[-1] < 1e-10 * singular[0]:  # theory: what round-off of 1e-16 leaves of its square
         return None
     return factor * (right.T / singular**2) @ right / np.outer(size, size)
-
-
-def correlation(matrix: Array) -> Array:
-    """Correlation coefficients of a covariance matrix."""
-    sigma = np.sqrt(np.diag(matrix))
-    return matrix / np.outer(sigma, sigma)
 
 
 def t_quantile(level: float, dof: int) -> float:
@@ -81,7 +74,7 @@ class Structure:
 
     @property
     def suspicious(self) -> bool:
-        return self.probability < SUSPICIOUS
+        return self.probability < 1e-4  # choice: one in ten thousand by chance
 
 
 def structure(residuals: Array) -> Structure:

@@ -6,6 +6,7 @@ VENV    ?= .venv
 CASE    ?= cases/halfspace.toml
 W       ?=
 RESULTS ?= results
+SEED    ?= 1
 
 JKR     := $(VENV)/bin/jkr
 READY   := $(VENV)/.ready
@@ -14,12 +15,12 @@ CASES   := $(notdir $(basename $(wildcard cases/*.toml)))
 SOURCES := $(shell find jkrcli -name '*.py')
 
 .DEFAULT_GOAL := help
-.PHONY: help setup run test test-all test-minimal lint cases bench figures noise-study chart chart-peers failures sweep audit clean requirements
+.PHONY: help setup run test test-all test-minimal fuzz lint cases bench figures noise-study chart chart-peers failures sweep audit clean requirements
 .DELETE_ON_ERROR:
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "  make %-14s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
-	@echo "  variables: CASE=my.toml  W='50 40' (J/m^2)  RESULTS=folder  PYTHON=python3.12"
+	@echo "  variables: CASE=my.toml  W='50 40' (J/m^2)  RESULTS=folder  SEED=7  PYTHON=python3.12"
 
 setup: $(READY) ## virtual environment and the system libraries that the mesher needs
 
@@ -40,6 +41,9 @@ test: $(READY) ## the fast tests
 
 test-all: $(READY) ## every test
 	$(VENV)/bin/python -m pytest -n auto
+
+fuzz: $(READY) ## wrong files and random bodies of a SEED that the tests do not try (an hour)
+	$(VENV)/bin/python -m pytest -n auto --fuzz-seed $(SEED) tests/properties/test_fuzz.py tests/many/test_failures.py
 
 test-minimal: $(READY) ## the fast tests with the required packages only, in an environment of their own
 	$(PYTHON) -m venv --clear $(VENV)-minimal

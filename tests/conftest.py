@@ -14,6 +14,18 @@ from jkrcli.cli import call
 CASES = Path(__file__).parent.parent / "cases"
 
 
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption(
+        "--fuzz-seed", type=int, default=20_000, help="Of the inputs that tests draw (make fuzz SEED=...)."
+    )
+
+
+@pytest.fixture(name="seed")
+def _seed(request: pytest.FixtureRequest) -> int:
+    """What random inputs are drawn from: the same in every run that does not ask for others."""
+    return int(request.config.getoption("--fuzz-seed"))
+
+
 @dataclass(frozen=True)
 class Outcome:
     """What a command left behind."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import datetime
 import json
 import re
 import time
@@ -31,7 +30,6 @@ from jkrcli.methods.layered.layered import Layered
 from jkrcli.series import ErrorBudget, Series, Solution
 
 PLAIN = Cell("layered", "paraboloid", "bonded", 0.4, 2.0, 1.0, 0.1, 30, 0, 20, 0.0, 1.0, 1.0, 0)
-TODAY = int(f"{datetime.date.today():%Y%m%d}")
 
 
 # ---------------------------------------------------------------------- the study's own judgement
@@ -139,17 +137,15 @@ def verdicts_on(cells: Sequence[Cell]) -> list[Verdict]:
         return study.failures(cells, pool)
 
 
-@pytest.mark.parametrize("seed", [1, TODAY], ids=["seed 1", f"seed of today, {TODAY}"])
 def test_no_cell_is_silently_wrong(seed: int) -> None:
-    """On a failure: ``jkr study failures --seed SEED --methods ...`` shows the same cells."""
-    verdicts = verdicts_on(study.random_cells(8, seed, ("closed-form", "layered", "slopes")))
+    """On a failure: the study of failures with this seed and these methods shows the same cells."""
+    verdicts = verdicts_on(study.random_cells(16, seed, ("closed-form", "layered", "slopes")))
     assert [v for v in verdicts if v.outcome in BUGS] == []
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", [1, TODAY], ids=["seed 1", f"seed of today, {TODAY}"])
 def test_no_cell_of_any_method_is_silently_wrong_and_at_most_half_are_refused(seed: int) -> None:
-    verdicts = verdicts_on(study.random_cells(150, seed))
+    verdicts = verdicts_on(study.random_cells(300, seed))
     assert [v for v in verdicts if v.outcome in BUGS] == []
     assert sum(verdict.outcome == REFUSED for verdict in verdicts) <= len(verdicts) / 2
 

@@ -21,8 +21,6 @@ from hypothesis import HealthCheck, Phase, given, seed, settings
 
 from jkrcli.cli import call
 
-TODAY = int(datetime.datetime.now(tz=datetime.UTC).strftime("%Y%m%d"))
-FIXED = 20_000  # the seed that every run repeats; another one follows the date
 CPU_SECONDS = 100.0  # for one input: a hang ends as a failure; usual are milliseconds, the largest stacks take 30 s
 MEMORY = 1 << 30  # bytes of address space that a whole kind of inputs may add
 

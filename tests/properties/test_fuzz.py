@@ -1,6 +1,7 @@
 """Any bytes for a file: a result, or exit code 2 with one line per mistake. Never a traceback, a hang, a memory hog.
 
-``make test`` tries some hundred inputs of each kind from a fixed seed and from one of the date; the slow tests 10,000.
+The fast tests try some hundred inputs of each kind, the slow ones 10,000, from a fixed seed; ``make fuzz SEED=...``
+tries others.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ import hypothesis.strategies as st
 import numpy as np
 import pytest
 import tomli_w
-from fuzzing import FIXED, TODAY, bounded, bytes_changed, chances, fuzz, mutate, outcome
+from fuzzing import bounded, bytes_changed, chances, fuzz, mutate, outcome
 
 from jkrcli.base.errors import JkrError
 from jkrcli.case import load_case, parse_case, store
@@ -29,7 +30,6 @@ from jkrcli.methods.closed_form.method import ClosedForm
 from jkrcli.series import PressureTable
 
 CASES = Path(__file__).parents[2] / "cases"
-SHORT = pytest.mark.parametrize("start", [FIXED, TODAY], ids=["fixed", "today"])
 MANY = 10_000
 QUICK = 0.1  # CPU seconds of a solve that is tried as well
 
@@ -103,14 +103,13 @@ def _judge_case(write: Callable[[str, bytes], Path]) -> Judge:
     return judge
 
 
-@SHORT
-def test_cases(start: int, judge_case: Judge) -> None:
-    fuzz(files_like(trees()), judge_case, 40, start)
+def test_cases(seed: int, judge_case: Judge) -> None:
+    fuzz(files_like(trees()), judge_case, 80, seed)
 
 
 @pytest.mark.slow
-def test_many_cases(judge_case: Judge) -> None:
-    fuzz(files_like(trees()), judge_case, MANY, TODAY)
+def test_many_cases(seed: int, judge_case: Judge) -> None:
+    fuzz(files_like(trees()), judge_case, MANY, seed)
 
 
 # ---------------------------------------------------------------------- series files
@@ -202,14 +201,13 @@ def _judge_series(write: Callable[[str, bytes], Path], tmp_path: Path) -> Callab
     return judge
 
 
-@SHORT
-def test_series_files(start: int, judge_series: Judge) -> None:
-    fuzz(chances(), judge_series, 100, start)
+def test_series_files(seed: int, judge_series: Judge) -> None:
+    fuzz(chances(), judge_series, 200, seed)
 
 
 @pytest.mark.slow
-def test_many_series_files(judge_series: Judge) -> None:
-    fuzz(chances(), judge_series, MANY, TODAY)
+def test_many_series_files(seed: int, judge_series: Judge) -> None:
+    fuzz(chances(), judge_series, MANY, seed)
 
 
 # ---------------------------------------------------------------------- tables
@@ -279,14 +277,13 @@ def _judge_import(write: Callable[[str, bytes], Path]) -> Judge:
     return judge
 
 
-@SHORT
-def test_imports(start: int, judge_import: Judge) -> None:
-    fuzz(tables_like(hertz()), judge_import, 100, start)
+def test_imports(seed: int, judge_import: Judge) -> None:
+    fuzz(tables_like(hertz()), judge_import, 200, seed)
 
 
 @pytest.mark.slow
-def test_many_imports(judge_import: Judge) -> None:
-    fuzz(tables_like(hertz()), judge_import, MANY, TODAY)
+def test_many_imports(seed: int, judge_import: Judge) -> None:
+    fuzz(tables_like(hertz()), judge_import, MANY, seed)
 
 
 @pytest.fixture(name="judge_measured")
@@ -300,14 +297,13 @@ def _judge_measured(write: Callable[[str, bytes], Path], tmp_path: Path) -> Judg
     return judge
 
 
-@SHORT
-def test_measured_curves(start: int, judge_measured: Judge) -> None:
-    fuzz(tables_like(adhesive()), judge_measured, 50, start)
+def test_measured_curves(seed: int, judge_measured: Judge) -> None:
+    fuzz(tables_like(adhesive()), judge_measured, 100, seed)
 
 
 @pytest.mark.slow
-def test_many_measured_curves(judge_measured: Judge) -> None:
-    fuzz(tables_like(adhesive()), judge_measured, MANY, TODAY)
+def test_many_measured_curves(seed: int, judge_measured: Judge) -> None:
+    fuzz(tables_like(adhesive()), judge_measured, MANY, seed)
 
 
 # ---------------------------------------------------------------------- sweeps
@@ -321,11 +317,10 @@ def _judge_sweep(write: Callable[[str, bytes], Path]) -> Judge:
     return judge
 
 
-@SHORT
-def test_sweeps(start: int, judge_sweep: Judge) -> None:
-    fuzz(files_like(sweeps()), judge_sweep, 60, start)
+def test_sweeps(seed: int, judge_sweep: Judge) -> None:
+    fuzz(files_like(sweeps()), judge_sweep, 120, seed)
 
 
 @pytest.mark.slow
-def test_many_sweeps(judge_sweep: Judge) -> None:
-    fuzz(files_like(sweeps()), judge_sweep, MANY, TODAY)
+def test_many_sweeps(seed: int, judge_sweep: Judge) -> None:
+    fuzz(files_like(sweeps()), judge_sweep, MANY, seed)

@@ -47,7 +47,7 @@ from .series import Array
 if TYPE_CHECKING:
     from pandas import DataFrame
 
-    from .identify.fit import Fit
+    from .identification.fit import Fit
     from .report.plots import Figure
 
 __all__ = [
@@ -130,11 +130,11 @@ def identify(
 
     ``body``: a case (solved to the radii that the data ask for), a solved series, or the file of either. ``free``: more
     parameters ("P0", "E:film"); ``fix``: known ones, {"w": "50 mJ/m^2"}; ``options``: see
-    jkrcli.identify.fit.Settings. Raises InputError where the data cannot be fitted.
+    jkrcli.identification.fit.Settings. Raises InputError where the data cannot be fitted.
     """
-    from .identify.fit import fit
-    from .identify.fit.settings import settings_of
-    from .identify.fit.source import body_of
+    from .identification.fit import fit
+    from .identification.fit.settings import settings_of
+    from .identification.fit.source import body_of
 
     source = body_of(Path(body) if isinstance(body, str) else body, slopes)
     curve = measured if isinstance(measured, Curve) else _only_curve(Path(measured))

@@ -14,7 +14,7 @@ from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.data.measured import Curve
-from jkrcli.identify.fit import FittedBody, Parameter, Settings
+from jkrcli.identification.fit import FittedBody, Parameter, Settings
 from jkrcli.methods.closed_form.method import ClosedForm
 from jkrcli.methods.layered.layered import Layered
 

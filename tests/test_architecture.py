@@ -13,7 +13,8 @@ import pytest
 PACKAGE = Path(__file__).parent.parent / "jkrcli"
 # The rooms, each above those that may import from it; what stands at the top of the package may import from all.
 ROOMS = (
-    "base", "bodies", "formulas", "series", "methods", "case", "adhesion", "data", "identify", "report", "many", "cli",
+    "base", "bodies", "formulas", "series", "methods", "case", "adhesion", "data", "identification", "report", "many",
+    "cli",
 )  # fmt: skip
 MOST_AT_TOP = 4
 # Libraries and the one folder or module that may import each.

@@ -18,8 +18,8 @@ from .voice import say, warn
 
 if TYPE_CHECKING:
     from ..data.measured import Curve
-    from ..identify.fit import Fit, FittedBody, Settings
-    from ..identify.fit.fitting import Failure
+    from ..identification.fit import Fit, FittedBody, Settings
+    from ..identification.fit.fitting import Failure
 
 SHOWN = 10  # curves that are told line by line, and drawn
 SECONDS = 0.1  # CPU seconds of a curve, about
@@ -109,9 +109,9 @@ def fit(
     jkr fit coating.toml probe.csv --free E:skin --bound E:skin="1 MPa..1 GPa"
     jkr fit data.h5 map.jpk-force-map --contact estimate --free P0 --workers 2
     """
-    from ..identify.fit import archive, report
-    from ..identify.fit.settings import settings_of, uncertain_of
-    from ..identify.fit.source import body_of
+    from ..identification.fit import archive, report
+    from ..identification.fit.settings import settings_of, uncertain_of
+    from ..identification.fit.source import body_of
 
     inputs = (body_file, *measured)
     targets = output.files(output.folder(body_file.parent) / f"{body_file.stem}-fit", (".csv", ".json", ".h5"), inputs)
@@ -147,7 +147,7 @@ def _fits(
     """Fits of all curves in all files; InputError where there is none at all."""
     from ..data.measured import each
     from ..data.text_table import some
-    from ..identify.fit.fitting import Failure, fit_all
+    from ..identification.fit.fitting import Failure, fit_all
 
     curves: list[Curve] = []
     unread: list[str] = []
@@ -169,7 +169,7 @@ def _fits(
 
 def _pictures(found: list[Fit | Failure]) -> list[tuple[Fit, str]]:
     """Fits to draw, each with what its pictures are called after."""
-    from ..identify.fit import Fit
+    from ..identification.fit import Fit
 
     fits = [item for item in found if isinstance(item, Fit)]
     if len(fits) > SHOWN:
@@ -186,7 +186,7 @@ def _draw(drawn: list[tuple[Fit, Files]]) -> None:
 
 
 def _tell(found: list[Fit | Failure], as_json: bool, body: str) -> None:
-    from ..identify.fit import Fit, report
+    from ..identification.fit import Fit, report
 
     fits = [item for item in found if isinstance(item, Fit)]
     if as_json:

@@ -15,7 +15,7 @@ from .voice import progress, say, warn
 
 if TYPE_CHECKING:
     from ..data.measured import Reading
-    from ..identify.work import Evaluation, WorkAlong
+    from ..identification.work import Evaluation, WorkAlong
 
 CHUNK = 20  # curves in one task
 SHOWN = 10  # curves of a file that are told line by line
@@ -60,7 +60,7 @@ def work(
     from ..adhesion.analysis import Fitted, adhesive, specification
     from ..case import store
     from ..data.measured.speed import check_window
-    from ..identify.work import Body, Evaluation, typical
+    from ..identification.work import Body, Evaluation, typical
     from ..report.work import summary
 
     check_window(options["window"])

@@ -13,8 +13,8 @@ from ..adhesion.analysis import Analysis
 from ..adhesion.validity import check
 from ..base.units import show
 from ..data.measured.contact import saturation
-from ..identify.work.along import WorkAlong
-from ..identify.work.body import ABOVE, BELOW, NONE, OK
+from ..identification.work.along import WorkAlong
+from ..identification.work.body import ABOVE, BELOW, NONE, OK
 from ..series import Array
 
 FORMAT, VERSION = "jkr-work", 1

@@ -7,8 +7,8 @@ from matplotlib.ticker import MaxNLocator
 
 from ...base.arrays import Array
 from ...base.units import scale
-from ...identify.fit.result import Fit
-from ...identify.fit.statistics import rise
+from ...identification.fit.result import Fit
+from ...identification.fit.statistics import rise
 from . import BLACK, BLUE, GREEN, MIDDLE, ORANGE, SKY, WIDE, Axes, Figure, drawing, legend_below, pretty
 
 LABELS = {"a": "contact radius a", "delta": "displacement δ", "P": "load P"}

@@ -8,7 +8,7 @@ import numpy as np
 
 from ...base.arrays import Array
 from ...base.units import scale
-from ...identify.work import WorkAlong, typical
+from ...identification.work import WorkAlong, typical
 from . import BLUE, GREEN, NARROW, ORANGE, WIDE, Axes, Figure, drawing, legend_below, log_ends, log_ticks, pretty
 
 GROUPS = {"measured": (GREEN, "o"), "advancing": (BLUE, "^"), "receding": (ORANGE, "v")}  # told apart in grey too

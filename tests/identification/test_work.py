@@ -17,7 +17,7 @@ from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.data.measured import Curve
 from jkrcli.data.measured.speed import rate, runs
-from jkrcli.identify.work import ABOVE, BELOW, NONE, OK, PAIRS, Body, work_along
+from jkrcli.identification.work import ABOVE, BELOW, NONE, OK, PAIRS, Body, work_along
 from jkrcli.methods.layered.layered import Layered
 from jkrcli.series import RawSeries, Series
 

@@ -29,8 +29,8 @@ from fit_data import (
 from jkrcli.adhesion.curve import transform
 from jkrcli.base.errors import InputError
 from jkrcli.data.measured import Curve
-from jkrcli.identify.fit import Parameter, Settings, fit
-from jkrcli.identify.fit.points import points_of
+from jkrcli.identification.fit import Parameter, Settings, fit
+from jkrcli.identification.fit.points import points_of
 
 EXACT = 1e-6  # the accuracy asked for without noise; the series' own points and tolerance leave about 2e-7
 

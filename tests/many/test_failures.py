@@ -23,8 +23,8 @@ from jkrcli.many.study.failures import BUGS, CRASHED, REFUSED, RIGHT, SAID, SILE
 from jkrcli.many.study.failures_cells import AXES, Cell, draw
 from jkrcli.many.study.watchdog import TooSlowError, cpu_limit
 from jkrcli.methods import Forecast
+from jkrcli.methods.integral.disc import disc_warnings
 from jkrcli.methods.layered.contact import LayeredContact
-from jkrcli.methods.layered.disc import disc_warnings
 from jkrcli.methods.layered.fields import profile
 from jkrcli.methods.layered.layered import Layered
 from jkrcli.series import ErrorBudget, Series, Solution

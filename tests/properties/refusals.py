@@ -271,10 +271,10 @@ KINDS = {
         {**LAYERED, "specimen": cylinder("60 um")}, HYBRID, {"specimen": {"radius": None, "side": None}}),
     "layered: many nodes": kind(MUCH + ", or fewer points",
         {**LAYERED, "loading": {"radius": "100 um", "points": 200}}, {"loading": {"radius": "2 um"}},
-        {"loading": {"points": 30}}, jkrcli__methods__layered__contact__MAX_NODES=500),
+        {"loading": {"points": 30}}, jkrcli__methods__layered__contact__TUNING__most_nodes=500),
     "layered: a contact too large for any": kind(MUCH,
         {**LAYERED, "loading": {"radius": "100 um", "points": 1}}, {"loading": {"radius": "10 um"}},
-        jkrcli__methods__layered__contact__MAX_NODES=35),
+        jkrcli__methods__layered__contact__TUNING__most_nodes=35),
     "layered: accuracy": kind("layered: the estimated relative error is {} with {} nodes, above the tolerance {}; set "
         "layered.tolerance to {}, or ask for a smaller contact radius",
         {**LAYERED, "specimen": THIN, "loading": {"radius": "100 um"}},
@@ -282,12 +282,12 @@ KINDS = {
     "layered: no such tolerance": kind("layered: the estimated relative error is {} with {} nodes, above the tolerance "
         "{}; ask for a smaller contact radius",
         {**LAYERED, "specimen": RUBBER, "loading": {"radius": "50 um", "points": 1}},
-        {"loading": {"radius": "2 um"}}, jkrcli__methods__layered__contact__FREQUENCY=0.1),
+        {"loading": {"radius": "2 um"}}, jkrcli__methods__integral__quadrature__TUNING__frequency=0.1),
     "layered: kernel not resolved": kind("layered: {} nodes do not resolve the kernel, the error is not known; ask for "
         "more points or a smaller contact radius",
         {**LAYERED, "specimen": RUBBER, "loading": {"radius": "200 um", "points": 1}},
         {"loading": {"points": 100}}, {"loading": {"radius": "2 um"}}, near=None,
-        jkrcli__methods__layered__contact__FREQUENCY=0.1),
+        jkrcli__methods__integral__quadrature__TUNING__frequency=0.1),
     "layered: a plate on its rim": kind(FALLS, {**LAYERED, **STIFF}, {"loading": {"radius": 0.99}}),
     "layered: beyond the profile": kind(BEYOND, {**LAYERED, "indenter": TABLE},
         {"loading": {"radius": "5 um"}}, {"indenter": LARGER}),
@@ -310,6 +310,7 @@ KINDS = {
     "closed-form: not checked": kind("method closed-form: the thin-layer formula could not be checked: " + MUCH + "{}",
         {**CLOSED, "specimen": {"layers": [layer("1 um", nu=0.2)]},
          "loading": {"radius": ["80 um", "100 um"], "points": None}},
-        {"loading": {"radius": ["50 um", "60 um"]}}, near=0.05, jkrcli__methods__layered__contact__MAX_NODES=350),
+        {"loading": {"radius": ["50 um", "60 um"]}}, near=0.05,
+        jkrcli__methods__layered__contact__TUNING__most_nodes=350),
 }
 # fmt: on

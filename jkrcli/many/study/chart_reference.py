@@ -13,7 +13,7 @@ from ...adhesion.slopes import slopes
 from ...base.errors import JkrError, Refusal
 from ...bodies.problem import Loading, Problem
 from ...methods import Method, method_class
-from ...methods.layered.contact import InaccurateError
+from ...methods.integral.contact import InaccurateError
 from ...methods.layered.layered import Layered, largest_radius
 from ...series import Array, Series
 

@@ -14,9 +14,10 @@ from ...bodies.indenters import Indenter
 from ...bodies.materials import Graded, contact_modulus
 from ...bodies.problem import HalfSpace, Specimen
 from ..guards import duration
-from ..layered.contact import COLUMNS, LayeredContact, Plan, cheapest
+from ..integral.equation import DiscreteEquation, EquationResult, solve
+from ..integral.quadrature import Panels, Quadrature
+from ..layered.contact import LayeredContact
 from ..layered.layered import GRADED
-from ..layered.solver import AbelImage, Nested, Panels, solve
 from .kernel import STEP, Levels, PolynomialKernel, convergence, count_for
 from .refinement import HIGHEST, LOWEST, Judged, Step
 from .region import Region, nearest
@@ -58,20 +59,18 @@ class KernelContact:
     def scale(self) -> float:
         return self.kernel.scale
 
-    def plan(self, radii: Array, tolerance: float) -> Plan:
+    def plan(self, radii: Array, tolerance: float) -> Quadrature:
         """A quadrature accurate to ``tolerance`` at the increasing ``radii`` [m]."""
-        return cheapest(radii, self.indenter.a0, self.scale, tolerance)
+        return Quadrature.cheapest(radii, self.indenter.a0, self.scale, tolerance)
 
-    def nested(self, radii: Array, plan: Plan) -> Nested:
+    def solved(self, radii: Array, plan: Quadrature) -> EquationResult:
         """Solve at the increasing ``radii`` [m]."""
-        breaks = (self.indenter.a0,) if self.indenter.a0 > 0 else ()
-        panels = Panels.through(radii, plan.order, plan.widest, breaks)
-        return solve(self.kernel, panels, AbelImage.of(self.indenter), self.E_star)
+        equation = DiscreteEquation.of(self.kernel, Panels.through(radii, plan, self.indenter.a0))
+        return solve(equation, self.indenter, self.E_star)
 
     def columns(self, radii: Array, tolerance: float) -> Array:
         """delta, P, S, S' at ``radii`` [m] as rows."""
-        nested = self.nested(radii, self.plan(radii, tolerance))
-        return np.array([getattr(nested, name) for name in COLUMNS])
+        return self.solved(radii, self.plan(radii, tolerance)).columns
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,12 +83,12 @@ class SideContact(KernelContact):
     def scale(self) -> float:
         return min(self.kernel.scale, self.wide.scale)
 
-    def plan(self, radii: Array, tolerance: float) -> Plan:
+    def plan(self, radii: Array, tolerance: float) -> Quadrature:
         plan = self.wide.plan(radii, max(tolerance, FINEST))
         return replace(plan, widest=plan.widest * min(self.kernel.scale / self.wide.scale, 1.0))
 
-    def nested(self, radii: Array, plan: Plan) -> Nested:
-        return self.wide.nested(radii, plan, added=self.kernel)
+    def solved(self, radii: Array, plan: Quadrature) -> EquationResult:
+        return self.wide.solved(radii, plan, added=self.kernel)
 
 
 @dataclass(frozen=True, eq=False)

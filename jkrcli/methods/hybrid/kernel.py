@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.polynomial import legendre
 
-from ..layered.kernel import rule
+from ..integral.quadrature import rule
 from .correction import Correction, correction, side_correction
 from .cost import Cost, cost_of
 from .region import SHRINK, Region, nearest

@@ -12,7 +12,7 @@ from functools import cache, cached_property
 import numpy as np
 from numpy.polynomial import legendre
 
-from ..layered.kernel import rule
+from ..integral.quadrature import rule
 
 Array = np.ndarray
 EXTRA = 2  # Gauss points per interval beyond the degree

@@ -14,15 +14,21 @@ from ...base.errors import JkrError, Refusal
 from ...base.units import show
 from ...bodies.materials import Graded, TransverselyIsotropic
 from ...bodies.problem import HalfSpace, Problem
-from ...series import ErrorBudget, Series, Solution
+from ...series import ErrorBudget, Solution
 from .. import Forecast
-from ..layered.contact import COLUMNS, LayeredContact
-from ..layered.disc import disc_warnings, refuse_shrinking
-from ..layered.layered import FLOPS_PER_SECOND, unbounded
-from ..layered.search import largest_for_contact, radii_for_contact
-from ..layered.solver import Nested
+from ..integral.contact import (
+    FLOPS_PER_SECOND,
+    first_stiffness,
+    largest_for_contact,
+    radii_for_contact,
+    series_of,
+)
+from ..integral.disc import disc_warnings, refuse_shrinking
+from ..integral.equation import EquationResult
+from ..layered.contact import LayeredContact
+from ..layered.layered import unbounded
 from ..radii import check_radius
-from .contact import EDGE, ROUGH, Body, KernelContact, fem_for
+from .contact import EDGE, ROUGH, Body, fem_for
 from .kernel import STEP, Levels
 from .options import HybridOptions
 from .refinement import LOWEST
@@ -106,20 +112,20 @@ class Hybrid(HybridOptions):
         else:
             raise Refusal(_not_found(problem, reach))
         with clock("solve"):
-            nested = contact.nested(radii, contact.plan(radii, SEARCH * self.tolerance))
-            S0 = _first_stiffness(contact, self.tolerance)
+            result = contact.solved(radii, contact.plan(radii, SEARCH * self.tolerance))
+            S0 = first_stiffness(contact, SEARCH * self.tolerance)
         with clock("full disc"):
-            refuse_shrinking(radii, nested.delta)
+            refuse_shrinking(radii, result.delta)
             warnings = disc_warnings(contact, problem.specimen, float(radii[-1]), lambda _: contact.kernel)
         return Solution(
-            _series(nested, judged.at(radii), problem.indenter.a0, S0),
+            series_of(result, judged.at(radii), problem.indenter.a0, S0),
             ErrorBudget(
                 discretisation=float((judged.elements + judged.parameters).max()),
                 truncation=float(judged.cut.max()),
                 radius=0.0,
             ),
             "hybrid",
-            facts=_facts(levels, degree, nested),
+            facts=_facts(levels, degree, result),
             timings=clock.seconds,
             warnings=warnings,
         )
@@ -200,20 +206,7 @@ def _too_much(problem: Problem) -> str:
     )
 
 
-def _first_stiffness(contact: KernelContact, tolerance: float) -> float:
-    """S at first touch [N/m]: of a flat punch of the radius a0, 0 for round and pointed indenters."""
-    a0 = contact.indenter.a0
-    return float(contact.columns(np.array([a0]), SEARCH * tolerance)[2, 0]) if a0 > 0 else 0.0
-
-
-def _series(nested: Nested, errors: Array, a0: float, S0: float) -> Series:
-    columns = {name: getattr(nested, name) for name in COLUMNS}
-    absolute = {name: row * columns[name] for name, row in zip(COLUMNS, errors, strict=True)}
-    radii = nested.panels.radii
-    return Series(radii, **columns, errors=absolute | {"a": 0 * radii}, a0=a0, S0=S0)
-
-
-def _facts(levels: Levels, degree: int, nested: Nested) -> dict[str, Any]:
+def _facts(levels: Levels, degree: int, result: EquationResult) -> dict[str, Any]:
     found = levels.correction(degree)
     region = levels.region
     facts: dict[str, Any] = {
@@ -224,8 +217,8 @@ def _facts(levels: Levels, degree: int, nested: Nested) -> dict[str, Any]:
         "parameters": levels.count,
         "asymmetry": found.asymmetry,
         "formulation": "displacement and pressure" if any(region.mixed) else "displacement",
-        "nodes": nested.panels.x.size,
-        "a_over_h": float(nested.panels.radii[-1]) / (region.unit * region.thicknesses[0]),
+        "nodes": result.panels.x.size,
+        "a_over_h": float(result.panels.radii[-1]) / (region.unit * region.thicknesses[0]),
     }
     if region.cut_beside:
         facts["cut_m"] = region.width * region.unit

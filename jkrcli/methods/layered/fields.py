@@ -1,34 +1,26 @@
-"""Contact pressure and surface shape at one contact radius, nonadhesive or adhesive.
+"""Contact pressure and surface shape at one contact radius, nonadhesive or adhesive, from the density phi.
 
-From phi of the contact equation:
-
-    p(r)   = (E*/2) [ phi(a)/sqrt(a^2 - r^2) - int_r^a phi'(t)/sqrt(t^2 - r^2) dt ]          r < a
-    gap(r) = - int_a^r phi(x)/sqrt(r^2 - x^2) dx                                              r > a
-
-where phi beyond a means the contact equation solved for phi(x) there; for K = 0 this is Sneddon (1965). The second
-line is free of cancellation at the edge. Adhesion subtracts a flat punch displaced by sqrt(4 pi w a/S') (Eq. 13), whose
-phi(a) is not zero: the pressure is then singular like -K_I/sqrt(2 pi (a - r)), with K_I = -(E*/2) phi(a) sqrt(pi/a) and
-the energy release rate K_I^2/(2 E*) = w.
+Adhesion subtracts a flat punch displaced by sqrt(4 pi w a/S') (Eq. 13), whose phi(a) is not zero: the pressure is then
+singular like -K_I/sqrt(2 pi (a - r)), with K_I = -(E*/2) phi(a) sqrt(pi/a) and the energy release rate
+K_I^2/(2 E*) = w.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 
+from ...base.arrays import Array
 from ...base.errors import InputError, Refusal
-from ...bodies.materials import Graded
-from ...bodies.problem import Problem, Specimen
-from .contact import InaccurateError, LayeredContact
-from .density import Density
+from ...bodies.problem import Problem
+from ..integral.contact import InaccurateError
+from ..integral.density import Density, unsmooth
+from .contact import LayeredContact
 from .layered import Layered
 
-Array = np.ndarray
-
-TOLERANCE = 1e-8
+TOLERANCE = 1e-8  # of delta, P, S, S'; choice: finer than any picture
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,39 +61,29 @@ def profile(problem: Problem, a: float, w: float, r: Array | None = None, r_surf
     r, r_surface = _sample(problem, a, w, r, r_surface)
     contact = LayeredContact(problem.indenter, problem.specimen)
     try:
-        nested, _ = contact.refined(np.array([a]), TOLERANCE)
+        result, _ = contact.refined(np.array([a]), TOLERANCE)
     except InaccurateError as error:
         raise Refusal(error.fixed) from None
-    shift = math.sqrt(4 * math.pi * w * a / float(nested.dS[0]))
+    shift = math.sqrt(4 * math.pi * w * a / float(result.dS[0]))
     reach = max(a, float(r_surface.max(initial=a)))
     kernel = contact.spectrum.kernel(a + reach)
-    phi = Density.of(kernel, contact.indenter, nested, shift, reach)
+    phi = Density.of(kernel, contact.indenter, result, shift, reach)
     if w == 0:
         phi = phi.anchored()
     edge = float(phi(np.array([a]))[0]) if w > 0 else 0.0
-    gap = gaps(phi, r_surface)
+    gap = phi.gaps(r_surface)
     return Profile(
         a=a,
         w=w,
         delta=phi.delta,
-        P=float(nested.P[0]) - shift * float(nested.S[0]),
+        P=float(result.P[0]) - shift * float(result.S[0]),
         r=r,
-        pressure=contact.E_star / 2 * pressures(phi, edge, r),
+        pressure=contact.E_star / 2 * phi.pressures(edge, r),
         r_surface=r_surface,
         displacement=_specimen_surface(phi, problem, r_surface, gap),
         gap=gap,
         stress_intensity=-contact.E_star / 2 * edge * math.sqrt(math.pi / a) if w > 0 else 0.0,
     )
-
-
-def unsmooth(specimen: Specimen) -> str | None:
-    """Why fields on the ``specimen`` cannot be found by this module; None where they can."""
-    if isinstance(specimen.materials[0], Graded):
-        return (
-            "profile: under a modulus that varies right below the contact phi is not smooth at the edge, and its "
-            "pressures are not implemented; cut the top layer into a few homogeneous ones"
-        )
-    return None
 
 
 def _sample(problem: Problem, a: float, w: float, r: Array | None, surface: Array | None) -> tuple[Array, Array]:
@@ -119,27 +101,6 @@ def _sample(problem: Problem, a: float, w: float, r: Array | None, surface: Arra
     return inside, outside
 
 
-def pressures(phi: Density, edge: float, r: Array) -> Array:
-    """2 p/E* [-] at the radii 0 < r < a [m], for the value phi(a) = ``edge`` [m], by t = r cosh(theta)."""
-    if not r.size:
-        return r
-    parts = [phi.nodes(x, phi.a, partial(_angle, x)) for x in r.tolist()]
-    sizes = [theta.size for theta, _ in parts]
-    theta, weights = np.concatenate(parts, axis=1)
-    slopes = phi.slope(np.minimum(np.repeat(r, sizes) * np.cosh(theta), phi.a))
-    starts = np.cumsum([0, *sizes[:-1]])
-    return edge / np.sqrt((phi.a - r) * (phi.a + r)) - np.add.reduceat(weights * slopes, starts)
-
-
-def _angle(r: float, t: Array) -> Array:
-    return np.arccosh(np.maximum(t / r, 1.0))
-
-
-def gaps(phi: Density, r: Array) -> Array:
-    """Distance of the surfaces [m] at any r, 0 inside, by x = r sin(theta)."""
-    return np.array([-_arc(phi, phi.a, float(x), float(x)) if x > phi.a else 0.0 for x in r])
-
-
 def _specimen_surface(phi: Density, problem: Problem, r: Array, gap: Array) -> Array:
     """Displacement of the specimen [m]: delta - f + gap, less the indenter's own as a half-space under the pressure,
     (E*/E*_i) int_0^min(a,r) phi(t)/sqrt(r^2 - t^2) dt."""
@@ -147,14 +108,8 @@ def _specimen_surface(phi: Density, problem: Problem, r: Array, gap: Array) -> A
     material = problem.indenter.material
     if material is None:
         return both
-    own = np.array([_arc(phi, 0.0, min(phi.a, float(x)), float(x)) if x > 0 else _axis(phi) for x in r])
+    own = np.array([phi.arc(0.0, min(phi.a, float(x)), float(x)) if x > 0 else _axis(phi) for x in r])
     return both - problem.E_star / material.E_star * own
-
-
-def _arc(phi: Density, lo: float, hi: float, r: float) -> float:
-    """int_lo^hi phi(x)/sqrt(r^2 - x^2) dx [m] for hi <= r."""
-    theta, weights = phi.nodes(lo, hi, lambda x: np.arcsin(np.minimum(x / r, 1.0)))
-    return float(weights @ phi(np.minimum(r * np.sin(theta), hi)))
 
 
 def _axis(phi: Density) -> float:

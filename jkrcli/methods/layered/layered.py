@@ -9,19 +9,22 @@ import numpy as np
 from ...base.clock import StageClock
 from ...base.errors import Refusal
 from ...bodies.problem import Problem, Specimen
-from ...series import ErrorBudget, Series, Solution
+from ...series import ErrorBudget, Solution
 from .. import Forecast
-from .contact import COLUMNS, MARGIN, LayeredContact
+from ..integral.contact import (
+    FLOPS_PER_SECOND,
+    first_stiffness,
+    largest_for_contact,
+    radii_for_contact,
+    series_of,
+)
+from ..integral.disc import disc_warnings, refuse_shrinking
+from ..integral.equation import EquationResult
+from .contact import TUNING, LayeredContact
 from .options import LayeredOptions
-from .search import largest_for_contact, radii_for_contact
-from .solver import Nested
 
-Array = np.ndarray
-
-SEARCH = 1e-10  # relative accuracy to which a prescribed depth or load is met
-FLOPS_PER_SECOND = 5e9
-GRADED = 1e-5  # the least tolerance under a modulus that varies over depth
-GRADED_SECONDS = 0.3  # to resolve the spectrum then
+SEARCH = 1e-10  # relative accuracy to which a prescribed depth or load is met; choice: finer than any tolerance in use
+GRADED = 1e-5  # the least tolerance under a modulus that varies over depth; tuned on graded layers, by `make failures`
 
 
 @dataclass(frozen=True)
@@ -53,9 +56,9 @@ class Layered(LayeredOptions):
         contact = _contact(problem)
         radii = np.linspace(problem.indenter.a0, largest_radius(problem), max(problem.loading.points, 1) + 1)[1:]
         tolerance = self.attainable(problem.specimen)
-        plan = contact.plan(radii, tolerance / MARGIN)
+        plan = contact.plan(radii, tolerance / TUNING.margin)
         rounds = 5 if problem.loading.to != "radius" or problem.loading.spacing == "depth" else 2
-        start = GRADED_SECONDS if problem.specimen.is_graded else 0.02
+        start = 0.3 if problem.specimen.is_graded else 0.02  # to resolve the spectrum; measured by `make bench`
         seconds = start + rounds * contact.flops(radii, plan) / FLOPS_PER_SECOND
         memory = 8 * 6 * (plan.nodes + radii.size) ** 2 / 2**20
         return Forecast(seconds, 5 + memory, tolerance, f"{plan.nodes} nodes, no mesh")
@@ -65,8 +68,6 @@ class Layered(LayeredOptions):
         reason = self.refusal(problem)
         if reason is not None:
             raise Refusal(reason)
-        from .disc import disc_warnings, refuse_shrinking  # fields rest on this very method
-
         clock = StageClock()
         contact = _contact(problem)
         with clock("spectrum"):
@@ -75,15 +76,16 @@ class Layered(LayeredOptions):
         with clock("radii"):
             radii = radii_for_contact(contact, problem.loading, max(SEARCH, 0.01 * tolerance))
         with clock("solve"):
-            nested, errors = contact.refined(radii, tolerance)
+            result, errors = contact.refined(radii, tolerance)
+            S0 = first_stiffness(contact, 1e-12)
         with clock("full disc"):
-            refuse_shrinking(radii, nested.delta)
+            refuse_shrinking(radii, result.delta)
             warnings = disc_warnings(contact, problem.specimen, float(radii[-1]), contact.spectrum.kernel)
         return Solution(
-            _series(contact, nested, errors),
+            series_of(result, errors, problem.indenter.a0, S0),
             ErrorBudget(discretisation=float(errors.max()), truncation=0.0, radius=0.0),
             "layered",
-            facts=_facts(contact, nested),
+            facts=_facts(contact, result),
             timings=clock.seconds,
             warnings=warnings,
         )
@@ -106,19 +108,8 @@ def _contact(problem: Problem) -> LayeredContact:
     return LayeredContact(problem.indenter, problem.specimen)
 
 
-def _series(contact: LayeredContact, nested: Nested, errors: Array) -> Series:
-    columns = {name: getattr(nested, name) for name in COLUMNS}
-    return Series(
-        a=nested.panels.radii,
-        **columns,
-        errors={name: errors * columns[name] for name in COLUMNS} | {"a": 0 * nested.panels.radii},
-        a0=contact.indenter.a0,
-        S0=contact.first_stiffness(),
-    )
-
-
-def _facts(contact: LayeredContact, nested: Nested) -> dict[str, float | int]:
-    panels = nested.panels
+def _facts(contact: LayeredContact, result: EquationResult) -> dict[str, float | int]:
+    panels = result.panels
     facts: dict[str, float | int] = {"nodes": panels.x.size, "panels": panels.edges.size - 1, "order": panels.order}
     if contact.specimen.layers:
         facts["a_over_h"] = float(panels.radii[-1]) / contact.specimen.top_thickness

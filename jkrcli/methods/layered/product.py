@@ -1,6 +1,6 @@
 """Product integration of the kernel's logarithmic part on composite Gauss panels.
 
-The symmetrised Nystrom matrix of ``solver`` is Galerkin's with the polynomials l_i of each panel that are 1 at one
+The symmetrised Nystrom matrix of ``equation`` is Galerkin's with the polynomials l_i of each panel that are 1 at one
 Gauss node and 0 at the others, as long as Gauss quadrature may stand for the integrals. Where the kernel tau(|x - t|)
 has a logarithm at x = t it may not: here the entries are the integrals themselves,
 
@@ -15,21 +15,29 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from .kernel import rule
-from .solver import Panels
+from ...base.arrays import Array
+from ..integral.quadrature import Panels, crowded_rule, rule
 
-Array = np.ndarray
 Transform = Callable[[Array], Array]
 
-CLOSE = 2.0  # panels nearer than this many widths of the wider one
-CROWDED = 14  # points from one end of a panel to the other, crowding at the first
-PER_DECADE = 250  # knots of the spline of tau
-ALONE = 28  # points in the difference of two points of one panel
+
+@dataclass(frozen=True)
+class ProductTuning:
+    """Points of the integrals on panels that lie close to each other."""
+
+    close: float = 2.0  # widths of the wider one, within which panels do; tuned on graded layers, by `make tuning`
+    crowded: int = 14  # points along each of two panels; tuned on graded layers, by `make tuning`
+    alone: int = 28  # points in the difference of two points of one panel; tuned on graded layers, by `make tuning`
+    per_decade: int = 250  # knots of the spline of tau, good to 1e-9; tuned on graded layers, by `make tuning`
+
+
+TUNING = ProductTuning()
 
 
 def product_matrix(transform: Transform, panels: Panels) -> Array:
@@ -49,9 +57,9 @@ def product_matrix(transform: Transform, panels: Panels) -> Array:
 
 def _tabulated(transform: Transform, panels: Panels) -> Transform:
     """A spline of tau over ln(s) in its place, several times as fast and good to 1e-9."""
-    smallest = float(np.diff(panels.edges).min()) * _crowded(ALONE)[0][0]
+    smallest = float(np.diff(panels.edges).min()) * crowded_rule(TUNING.alone, 3)[0][0]
     decades = math.log10(2 * panels.edges[-1] / smallest)
-    ln_s = np.linspace(math.log(smallest), math.log(2 * panels.edges[-1]), math.ceil(PER_DECADE * decades))
+    ln_s = np.linspace(math.log(smallest), math.log(2 * panels.edges[-1]), math.ceil(TUNING.per_decade * decades))
     spline = CubicSpline(ln_s, transform(np.exp(ln_s)))
     return lambda s: spline(np.log(s))
 
@@ -62,10 +70,10 @@ def _entries(transform: Transform, panels: Panels, mirrored: bool) -> Array:
     lo, width = panels.edges[:-1], np.diff(panels.edges)
     plain = _symmetric(transform, panels.x, mirrored).reshape(count, order, count, order)
     gaps = lo[:, None] + lo if mirrored else lo[:, None] - panels.edges[1:]
-    right, left = np.nonzero(np.tril(gaps < CLOSE * np.maximum(width[:, None], width), 0 if mirrored else -1))
-    project = _projection(order)
+    right, left = np.nonzero(np.tril(gaps < TUNING.close * np.maximum(width[:, None], width), 0 if mirrored else -1))
+    project = _projection(order, TUNING.crowded)
     facing = project if mirrored else project[:, ::-1]
-    u = _crowded(CROWDED)[0]
+    u = crowded_rule(TUNING.crowded, 3)[0]
     gap = np.maximum(gaps[right, left], 0.0)[:, None, None]
     values = transform(gap + width[right][:, None, None] * u[:, None] + width[left][:, None, None] * u)
     blocks = np.einsum("bqr,qi,rj->bij", values, project, facing, optimize=True)
@@ -73,7 +81,7 @@ def _entries(transform: Transform, panels: Panels, mirrored: bool) -> Array:
     plain[left, :, right, :] = blocks.transpose(0, 2, 1)
     if not mirrored:
         each = np.arange(count)
-        s, weights = _alone(order)
+        s, weights = _alone(order, TUNING.alone)
         plain[each, :, each, :] = np.tensordot(transform(width[:, None] * s), weights, 1)
     return plain.reshape(panels.x.size, -1)
 
@@ -86,9 +94,9 @@ def _columns(transform: Transform, panels: Panels, mirrored: bool) -> Array:
     plain = transform(distance).reshape(count, order, -1)
     gaps = (lo if mirrored else -panels.edges[1:])[:, None] + panels.radii
     inside = panels.edges[1:, None] <= panels.radii
-    panel, radius = np.nonzero(inside & (gaps < CLOSE * width[:, None]))
-    project = _projection(order)
-    values = transform(gaps[panel, radius][:, None] + width[panel][:, None] * _crowded(CROWDED)[0])
+    panel, radius = np.nonzero(inside & (gaps < TUNING.close * width[:, None]))
+    project = _projection(order, TUNING.crowded)
+    values = transform(gaps[panel, radius][:, None] + width[panel][:, None] * crowded_rule(TUNING.crowded, 3)[0])
     plain[panel, :, radius] = values @ (project if mirrored else project[:, ::-1])
     return plain.reshape(panels.x.size, -1)
 
@@ -102,24 +110,16 @@ def _symmetric(transform: Transform, x: Array, mirrored: bool) -> Array:
 
 
 @cache
-def _crowded(points: int) -> tuple[Array, Array]:
-    """Nodes and weights on [0, 1] for functions with a logarithm at or just below 0: Gauss in the cube root."""
-    u, v = rule(points)
-    u, v = (u + 1) / 2, v / 2
-    return u**3, 3 * u**2 * v
-
-
-@cache
-def _projection(order: int) -> Array:
+def _projection(order: int, points: int) -> Array:
     """(1/w_i) int l_i f = sum over the crowded nodes q of f_q times this (q, i)."""
-    u, v = _crowded(CROWDED)
+    u, v = crowded_rule(points, 3)
     return v[:, None] * _lagrange(order, u) / (rule(order)[1] / 2)
 
 
 @cache
-def _alone(order: int) -> tuple[Array, Array]:
+def _alone(order: int, points: int) -> tuple[Array, Array]:
     """Nodes s and weights (s, i, j) of int tau(s) sum over x - t = +s and -s of l_i(x) l_j(t), over w_i w_j."""
-    s, v = _crowded(ALONE)
+    s, v = crowded_rule(points, 3)
     nodes, w = rule(order)
     inside = np.outer(1 - s, (nodes + 1) / 2)
     first, second = _lagrange(order, inside), _lagrange(order, inside + s[:, None])

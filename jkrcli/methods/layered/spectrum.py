@@ -1,18 +1,54 @@
-"""Surface compliance of a stack of layers in Hankel space, C(k) = 2 g(k)/(E* k), from the minors of the stack."""
+"""Compliance spectrum g(k) of a stack: surface compliance C(k) = 2 g(k)/(E* k) in Hankel space, and its kernels.
+
+The kernel of the contact equation is K(x, t) = int_0^inf (g(k) - 1) cos(kx) cos(kt) dk, by quadrature in k. Panels in k
+are refined until g is a polynomial on each (it has features far below 1/h for stiff coatings), then until
+cos(k (x + t)) turns by no more on each than the nodes can follow. Under a graded top layer g - 1 has a slowly decaying
+``tail``, whose part of K is known in closed form and left to ``product``; for ``LayeredSpectrum`` the rest is then
+g - 1 - t(k).
+"""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache, cached_property
+
 import numpy as np
+from numpy.polynomial import legendre
 
-from ...bodies.materials import Elastic, Graded, TransverselyIsotropic, contact_modulus
-from ...bodies.problem import Layer, Specimen
-from .minors import SMALL, base, powers, rescaled, through
-from .sublayers import through_graded
-from .transverse import Medium
+from ...base.arrays import Array
+from ...base.errors import SolveError
+from ...bodies.materials import Elastic, TransverselyIsotropic, contact_modulus
+from ...bodies.problem import Specimen
+from ..integral.kernel import CosineKernel
+from ..integral.quadrature import gauss, phase_allowed, rule, split
+from .minors import TUNING as MINORS
+from .minors import Medium, minors_below, minors_of, shear_moduli, through_isotropic
+from .tail import Tail
 
-Array = np.ndarray
 
-TINY = 1e-30  # k h that stands for 0
+@dataclass(frozen=True)
+class SpectrumTuning:
+    """How far and how finely g(k) is resolved."""
+
+    samples: int = 16  # Gauss nodes per panel on which it is judged; tuned on the bodies of `make tuning`
+    last: float = 1e-10  # coefficients of g on a panel, relative; theory: Gauss quadrature squares this
+    noise: float = 1e-14  # theory: 50 times machine epsilon, the rounding of g - 1 and of its coefficients
+    floor: float = 1e-12  # |g - 1| beyond k_max; tuned on the bodies of `make tuning`
+    graded_floor: float = 1e-9  # the same of graded layers; choice: there g is accurate to 1e-10
+    phase: float = 1e-14  # error of a panel of (g - 1) cos(k s); theory: 50 times machine epsilon
+    halvings: int = 45  # choice: panels are then 2^-45 of k_max
+
+
+TUNING = SpectrumTuning()
+
+
+@cache
+def _projection(samples: int) -> Array:
+    """From values at Gauss nodes to Legendre coefficients."""
+    nodes, weights = rule(samples)
+    return legendre.legvander(nodes, samples - 1) * weights[:, None] * (np.arange(samples) + 0.5)
 
 
 def deviation(specimen: Specimen, k: Array, indenter: Elastic | None = None) -> Array:
@@ -38,7 +74,7 @@ def compliance_ratio(specimen: Specimen, k: Array, indenter: Elastic | None = No
     if not specimen.layers:
         return np.ones_like(k)
     top = specimen.surface
-    m = _minors(specimen, _positive(specimen, k))
+    m = minors_of(specimen, _positive(specimen, k))
     g = (m[2] / (_half_space(specimen) * m[0])).reshape(k.shape)
     if indenter is None:
         return g
@@ -47,25 +83,25 @@ def compliance_ratio(specimen: Specimen, k: Array, indenter: Elastic | None = No
 
 def _positive(specimen: Specimen, k: Array) -> Array:
     """``k``, flat, with zero replaced by next to nothing: the minors over a frictionless base vanish at zero itself."""
-    return np.maximum(np.ravel(k), TINY / specimen.top_thickness)
+    return np.maximum(np.ravel(k), 1e-30 / specimen.top_thickness)
 
 
 def _deviation_of_stack(specimen: Specimen, k: Array) -> Array:
     top, nu = specimen.layers[0], specimen.surface.nu
     if not isinstance(top.material, Elastic):
-        return _excess(_minors(specimen, k), _half_space(specimen))
-    below = _below(specimen, k)
+        return _excess(minors_of(specimen, k), _half_space(specimen))
+    below = minors_below(specimen, k)
     y = k * top.thickness
     dev = np.empty_like(k)
-    small = y < SMALL
-    dev[small] = _excess(through(below[:, small], y[small], nu), 1 - nu)
+    small = y < MINORS.small
+    dev[small] = _excess(through_isotropic(below[:, small], y[small], nu), 1 - nu)
     dev[~small] = _far(below[:, ~small], y[~small], nu)
     return dev
 
 
 def _half_space(specimen: Specimen) -> float:
     """F_zz of a half-space of the material at the surface, in units of 1/G of that: 1 - nu if isotropic."""
-    return 2 * _moduli(specimen.layers[0])[0] / specimen.surface.E_star
+    return 2 * shear_moduli(specimen.layers[0])[0] / specimen.surface.E_star
 
 
 def _excess(m: Array, half_space: float) -> Array:
@@ -75,7 +111,7 @@ def _excess(m: Array, half_space: float) -> Array:
 
 def _far(m: Array, y: Array, nu: float) -> Array:
     """g - 1 for a thick top layer: its growing part, a half-space, is taken out of exp(B y) before any subtraction."""
-    b1, b2, b3, b4 = powers(m, nu)
+    b1, b2, b3, b4 = Medium.isotropic(nu).powers(m)
     once = np.exp(-2 * y)
     twice = once * once
 
@@ -85,41 +121,114 @@ def _far(m: Array, y: Array, nu: float) -> Array:
     decaying = once * (
         excess(m) + y * (excess(b1) - excess(b3) / 4) + y**2 * (excess(b2) / 2 - excess(b4) / 8) - excess(b4) / 16
     ) + twice * (excess(b4) / 32 - excess(b3) / 16)
-    return decaying / ((1 - nu) * through(m, y, nu)[0])
+    return decaying / ((1 - nu) * through_isotropic(m, y, nu)[0])
 
 
-def _minors(specimen: Specimen, k: Array) -> Array:
-    """Minors (5, n) of the whole stack at its surface, up to a positive factor, in units of the modulus there."""
-    return _upwards(_below(specimen, k), k, specimen.layers[0])
+@dataclass(frozen=True, eq=False)
+class LayeredSpectrum:
+    """g(k) - 1 of one pair of bodies, with the panels in k on which it is resolved; makes kernels of any reach."""
+
+    specimen: Specimen
+    indenter: Elastic | None = None
+
+    def __call__(self, k: Array) -> Array:
+        rest = deviation(self.specimen, k, self.indenter)
+        return rest if self.tail is None else rest - self.tail(k)
+
+    @cached_property
+    def tail(self) -> Tail | None:
+        """The slowly decaying part of g - 1."""
+        return Tail.of(self.specimen, self.indenter)
+
+    @property
+    def floor(self) -> float:
+        """The rest beyond k_max."""
+        return TUNING.floor if self.tail is None else TUNING.graded_floor
+
+    @cached_property
+    def scan(self) -> tuple[Array, Array]:
+        """Wave numbers [1/m], decreasing, and the rest there."""
+        k = 2.0 ** np.arange(5.5, -60.0, -0.5) / self._finest
+        return k, self(k)
+
+    @property
+    def _finest(self) -> float:
+        """The length [m] over which the specimen changes below the surface, as far as the contact feels it."""
+        top = self.specimen.layers[0]
+        if isinstance(top.material, TransverselyIsotropic):
+            return top.thickness * min(Medium.transverse(top.material).slowest, 1.0)
+        return top.thickness if self.tail is None else self.tail.finest
+
+    def bandwidth(self, level: float) -> float:
+        """The k [1/m] beyond which the rest is below ``level``; 0 for a homogeneous half-space."""
+        if not self.specimen.layers:
+            return 0.0
+        k, size = self.scan[0], np.abs(self.scan[1])
+        above = np.flatnonzero(size >= level)
+        if not above.size or above[0] == 0:
+            return float(k[0]) if above.size else 0.0
+        i = above[0]
+        ends = np.log(np.maximum(size[[i - 1, i]], 1e-3 * level))
+        return float(np.exp(np.interp(math.log(level), ends, np.log(k[[i - 1, i]]))))
+
+    @cached_property
+    def scale(self) -> float:
+        """The length over which the kernel varies [m]: h for one layer, whose |g - 1| is 1e-6 at k h of 8 to 9."""
+        if self.bandwidth(self.floor) == 0:
+            return np.inf
+        if self.tail is not None:  # less accuracy is asked for
+            return 5 / self.bandwidth(min(1e-3, 0.01 * float(np.max(np.abs(self.scan[1])))))
+        return 9 / self.bandwidth(min(1e-6, 0.01 * float(np.max(np.abs(self.scan[1])))))
+
+    @cached_property
+    def panels(self) -> tuple[Array, Array, Array]:
+        """Ends lo, hi [1/m] of panels that resolve g, down to k = 0, and the rest at the nodes of each."""
+        k_max = self.bandwidth(self.floor)
+        edges = np.concatenate([[0.0], k_max * 2.0 ** np.arange(-6, 1)])
+        return resolved(self, edges[:-1], edges[1:], self.tail)
+
+    def kernel(self, reach: float, order: int = 24) -> CosineKernel:
+        """K for all x, t with x + t <= ``reach`` [m], from ``order`` Gauss nodes in k on every panel."""
+        if self.bandwidth(self.floor) == 0:
+            return CosineKernel(np.zeros(0), np.zeros(0), np.inf)
+        lo, hi, values = self.panels
+        size = np.max(np.abs(values), axis=1)
+        turn = 0.0 if reach == 0 else reach / phase_allowed(order - 5, TUNING.phase / np.clip(size, 1e-12, 1.0))
+        pieces = np.maximum(np.ceil((hi - lo) * turn), 1).astype(int)
+        k, w = gauss(*split(lo, hi, pieces), *rule(order))
+        panel = np.repeat(np.arange(lo.size), order * pieces)
+        rest = self._interpolated(k, panel) if self.specimen.is_graded else self(k)
+        return CosineKernel(k, w * rest, self.scale)
+
+    def _interpolated(self, k: Array, panel: Array) -> Array:
+        """The rest at ``k``, each on the panel of the given index: cheaper than g itself through graded layers."""
+        lo, hi, values = self.panels
+        local = (2 * k - lo[panel] - hi[panel]) / (hi - lo)[panel]
+        return legendre.legval(local, (values @ _projection(TUNING.samples)).T[:, panel], tensor=False)
 
 
-def _below(specimen: Specimen, k: Array) -> Array:
-    """Minors of everything below the top layer, in units of the shear modulus at the bottom of that layer."""
-    m, G = base(specimen.base, k.size)
-    for layer in reversed(specimen.layers[1:]):
-        top, bottom = _moduli(layer)
-        m, G = _upwards(rescaled(m, bottom / G), k, layer), top
-    return rescaled(m, _moduli(specimen.layers[0])[1] / G)
+def resolved(
+    function: Callable[[Array], Array], lo: Array, hi: Array, tail: Callable[[Array], Array] | None = None
+) -> tuple[Array, Array, Array]:
+    """Halve panels until ``function`` = g - 1, less its ``tail``, is a polynomial on each, to ``TUNING.last`` of its g.
 
-
-def _upwards(m: Array, k: Array, layer: Layer) -> Array:
-    """From the bottom of a layer, in units of the shear modulus there, to its top, in units of that at the top."""
-    match layer.material:
-        case Graded() as material:
-            return through_graded(m, k, material, layer.thickness)
-        case TransverselyIsotropic() as material:
-            return Medium.of(material).through(m, k * layer.thickness)
-        case Elastic(nu=nu):
-            return through(m, k * layer.thickness, nu)
-
-
-def _moduli(layer: Layer) -> tuple[float, float]:
-    """Shear modulus [Pa] at the top and at the bottom of a layer, across the layer if that is not isotropic."""
-    match layer.material:
-        case Graded() as material:
-            G, ends = material.surface.G, material.at(np.array([0.0, layer.thickness]))
-            return G, G * float(ends[1] / ends[0])
-        case TransverselyIsotropic(G_z=G_z):
-            return G_z, G_z
-        case Elastic(G=G):
-            return G, G
+    Returns the ends and the values at the Gauss nodes of each. An error of g relative to g itself is what counts: S is
+    the minimum of a quadratic form with the symbol g > 0.
+    """
+    done: list[tuple[Array, Array, Array]] = []
+    project = _projection(TUNING.samples)
+    for _ in range(TUNING.halvings):
+        k, _ = gauss(lo, hi, *rule(TUNING.samples))
+        values = function(k).reshape(lo.size, TUNING.samples)
+        size = np.max(np.abs(values), axis=1)
+        g = 1 + values if tail is None else 1 + values + tail(k).reshape(values.shape)
+        last = np.max(np.abs(values @ project[:, -2:]), axis=1)
+        good = last <= TUNING.last * np.max(g, axis=1) + TUNING.noise * size
+        done.append((lo[good], hi[good], values[good]))
+        if good.all():
+            return tuple(np.concatenate(parts) for parts in zip(*done, strict=True))  # type: ignore[return-value]
+        lo, hi = split(lo[~good], hi[~good], np.full(int((~good).sum()), 2))
+    raise SolveError(
+        f"layered: the compliance spectrum is not smooth near k = {lo[0]:g} 1/m after {TUNING.halvings} halvings; "
+        "check the thicknesses and moduli of the layers"
+    )

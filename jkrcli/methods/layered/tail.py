@@ -1,7 +1,7 @@
 """The part of g - 1 that decays slowly: a modulus that changes right below the contact.
 
 Below the surface of a layer with shear modulus G(z), gamma = (ln G)', the compliance matrix F in units of the local
-1/(k G) obeys, z downwards (the equation behind the minors of ``spectrum``),
+1/(k G) obeys, z downwards (the equation behind the ``minors``),
 
     F' = -k R(F) + gamma F,      R = (1 - 2 F_rz - e F_rr^2, beta + 2 c F_rz - e F_rz^2, c F_rr - F_zz - e F_rr F_rz).
 
@@ -24,14 +24,12 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import k0e, k1e
 
+from ...base.arrays import Array
 from ...bodies.materials import Elastic, Graded, contact_modulus
 from ...bodies.problem import Specimen
-from .sublayers import smooth_parts
+from .minors import smooth_parts
 
-Array = np.ndarray
-
-COUNT = 6  # terms of the tail
-FAINT = 1e-12  # a first term below this, times the top thickness, is rounding
+COUNT = 6  # terms of the tail; tuned on graded layers, by `make tuning`
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,11 +49,16 @@ class Tail:
             return None
         c = surface_series(material, COUNT)[1:]
         rate = float(np.max(np.abs(c) ** (1 / np.arange(1, COUNT + 1))))
-        if rate * specimen.top_thickness < FAINT:
+        if rate * specimen.top_thickness < 1e-12:  # rounding
             return None
         _, smooth = next(smooth_parts(material.law, specimen.top_thickness))
         factor = contact_modulus(specimen.surface, indenter) / specimen.surface.E_star
         return cls(factor * _regularised(c, rate), rate, min(smooth, 1 / rate))
+
+    @property
+    def strength(self) -> float:
+        """|b_1| [1/m], the factor of the kernel's logarithm."""
+        return abs(float(self.coefficients[0]))
 
     def __call__(self, k: Array) -> Array:
         """t(k) [-]."""

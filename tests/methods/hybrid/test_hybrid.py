@@ -20,9 +20,10 @@ from jkrcli.methods.hybrid.contact import Body, KernelContact
 from jkrcli.methods.hybrid.kernel import Levels, count_for
 from jkrcli.methods.hybrid.method import Hybrid
 from jkrcli.methods.hybrid.region import Region
-from jkrcli.methods.layered.contact import COLUMNS
-from jkrcli.methods.layered.kernel import LayeredSpectrum, rule
+from jkrcli.methods.integral.contact import COLUMNS
+from jkrcli.methods.integral.quadrature import rule
 from jkrcli.methods.layered.layered import Layered
+from jkrcli.methods.layered.spectrum import LayeredSpectrum
 from jkrcli.series import Series, Solution
 
 PARABOLOID = Paraboloid(1000.0)

@@ -20,8 +20,8 @@ from jkrcli.methods.fem.method import FEM
 from jkrcli.methods.fem.point_force import PointForce
 from jkrcli.methods.fem.truncation import boussinesq_displacement, boussinesq_side_traction
 from jkrcli.methods.layered.layered import Layered
+from jkrcli.methods.layered.minors import Medium
 from jkrcli.methods.layered.spectrum import compliance_ratio, deviation
-from jkrcli.methods.layered.transverse import Medium
 
 ISOTROPIC, AS_FIVE = Elastic(2.6, 0.3), TransverselyIsotropic(2.6, 2.6, 0.3, 0.3, 1.0)
 REAL, CONJUGATE = TransverselyIsotropic(1.0, 3.0, 0.2, 0.3, 0.5), TransverselyIsotropic(5.0, 1.0, 0.2, 0.1, 3.0)
@@ -123,7 +123,7 @@ def test_the_point_force_obeys_hookes_law_and_sinks_as_it_should(material):
 # ---------------------------------------------------------------------- layered
 @pytest.mark.parametrize("material", MATERIALS)
 def test_the_way_through_a_layer_is_a_matrix_exponential(material):
-    medium = Medium.of(material)
+    medium = Medium.transverse(material)
     B, A = medium.generator(np.eye(5)), np.sqrt(medium.squares[0])
     m = np.array([1.0, 0.3, 0.2, -0.1, 0.05])[:, None]
     for y in (1e-6, 0.1, 0.9, 1.1, 3.0, 20.0):

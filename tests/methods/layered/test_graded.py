@@ -17,13 +17,12 @@ from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Spe
 from jkrcli.case import parse_case
 from jkrcli.methods.closed_form.method import ClosedForm
 from jkrcli.methods.fem.method import FEM
+from jkrcli.methods.integral.quadrature import Panels, Quadrature
 from jkrcli.methods.layered.contact import LayeredContact
 from jkrcli.methods.layered.fields import profile
-from jkrcli.methods.layered.kernel import LayeredSpectrum
 from jkrcli.methods.layered.layered import GRADED, Layered
 from jkrcli.methods.layered.product import product_matrix
-from jkrcli.methods.layered.solver import Panels
-from jkrcli.methods.layered.spectrum import compliance_ratio, deviation
+from jkrcli.methods.layered.spectrum import LayeredSpectrum, compliance_ratio, deviation
 from jkrcli.methods.layered.tail import Tail, surface_series
 
 LAWS = [
@@ -221,7 +220,7 @@ def test_the_transform_of_the_tail(s):
 
 def test_product_integration_of_a_logarithm():
     """int int x^2 t^2 K over [0, a]^2 and int t^2 K(a, t) with K = -(ln|x - t| + ln(x + t))/2, by nested quadrature."""
-    panels = Panels.through(np.array([0.1, 0.3, 0.35, 1.0]), 4, 0.2)
+    panels = Panels.through(np.array([0.1, 0.3, 0.35, 1.0]), Quadrature(4, 0.2, 0))
     K, n = product_matrix(lambda s: -np.log(s), panels), panels.x.size
 
     def inner(x, a):
@@ -416,7 +415,7 @@ def test_what_is_refused():
     steep = LayeredContact(Paraboloid(100.0), layer(Linear(1.0, 1e3, 1.0), 0.3, Rigid()))
     radii = np.array([30.0])
     with pytest.raises(Refusal, match="times the length over which the layers act"):
-        steep.nested(radii, steep.plan(radii, GRADED))
+        steep.solved(radii, steep.plan(radii, GRADED))
 
 
 def test_the_spectrum_is_resolved_with_few_evaluations():

@@ -10,7 +10,7 @@ from jkrcli.base.errors import InputError, Refusal
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
-from jkrcli.methods.layered.density import abel_slope
+from jkrcli.methods.integral.density import abel_slope
 from jkrcli.methods.layered.fields import Profile, profile
 
 HALF_SPACE = Specimen((), HalfSpace(Elastic(1.0, 0.3)))

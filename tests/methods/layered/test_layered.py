@@ -2,23 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-import jkrcli.methods.layered.contact as contact
-import jkrcli.methods.layered.search as search
 from jkrcli.base.errors import InputError, JkrError, Refusal
 from jkrcli.bodies.grading import Linear
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
 from jkrcli.bodies.materials import Elastic, Graded
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Quantity, Rigid, Specimen
 from jkrcli.formulas.closed_form import adhesive_half_space, half_space, thin_incompressible_layer, thin_layer
-from jkrcli.methods.layered.contact import LayeredContact, Plan
+from jkrcli.methods.integral import contact
+from jkrcli.methods.integral.contact import response
+from jkrcli.methods.integral.quadrature import Quadrature
+from jkrcli.methods.layered.contact import LayeredContact
 from jkrcli.methods.layered.layered import Layered, largest_radius, unbounded
-from jkrcli.methods.layered.search import _response
 from jkrcli.methods.radii import Response
 from jkrcli.series import Solution
 
@@ -270,16 +272,16 @@ def test_radii_for_depths_are_found_with_few_responses(
     """One table and two or three Newton steps for all depths at once, besides the search for the largest radius."""
     sizes: list[int] = []
 
-    def counting(contact: object, to: Quantity, accuracy: float) -> Response:
-        response = _response(contact, to, accuracy)  # type: ignore[arg-type]
+    def counting(pair: object, to: Quantity, accuracy: float) -> Response:
+        plain = response(pair, to, accuracy)  # type: ignore[arg-type]
 
         def counted(radii: np.ndarray) -> np.ndarray:
             sizes.append(radii.size)
-            return response(radii)
+            return plain(radii)
 
         return counted
 
-    monkeypatch.setattr(search, "_response", counting)
+    monkeypatch.setattr(contact, "response", counting)
     Layered()(Problem(Sphere(5.0), specimen, Loading("depth", 0.2, 20, "depth")))
     assert sum(size >= 20 for size in sizes) <= most
 
@@ -374,16 +376,16 @@ REFUSED: list[str] = []
 def estimate_bounds_the_error(specimen: Specimen, log_a: float, points: int, d: float) -> None:
     """Against twice the nodes per panel and twice the nodes in k; moduli differ by up to 1e4 from layer to layer."""
     a = specimen.top_thickness * 10**log_a
-    contact = LayeredContact(PowerLaw(0.1 * a ** (1 - d), d), specimen)
+    pair = LayeredContact(PowerLaw(0.1 * a ** (1 - d), d), specimen)
     radii = np.linspace(0, a, points + 1)[1:]
     try:
-        found, errors = contact.refined(radii, 1e-8)
+        found, errors = pair.refined(radii, 1e-8)
     except JkrError as reason:
         REFUSED.append(str(reason))
         return
     assert errors.max() <= 1e-8
-    plan = contact.plan(radii, 1e-8)
-    exact = contact.nested(radii, Plan(2 * found.panels.order, plan.widest, 0), order=48, inner=40)
+    plan = pair.plan(radii, 1e-8)
+    exact = pair.solved(radii, Quadrature(2 * found.panels.order, plan.widest, 0), order=48, inner=40)
     for name in ("delta", "P", "S", "dS"):
         true = np.abs(getattr(found, name) / getattr(exact, name) - 1)
         assert (true <= errors).all(), f"{name}: {np.max(true / errors):.3g} times the estimate"
@@ -439,9 +441,9 @@ def test_few_radii_on_a_steeply_graded_layer(points: int) -> None:
     ],
 )
 def test_a_remedy_is_a_tolerance_above_the_one_missed_and_allowed(
-    monkeypatch: pytest.MonkeyPatch, frequency: float, radius: float, message: str
+    tuned: Callable[[str, object], None], frequency: float, radius: float, message: str
 ) -> None:
-    monkeypatch.setattr(contact, "FREQUENCY", frequency)
+    tuned("jkrcli.methods.integral.quadrature.TUNING.frequency", frequency)
     with pytest.raises(Refusal) as caught:
         at(bonded(0.5), Paraboloid(1000.0), radius)
     found = str(caught.value)

@@ -7,13 +7,13 @@ import pytest
 from scipy.integrate import quad
 
 from jkrcli.base.errors import SolveError
-from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
+from jkrcli.bodies.indenters import Indenter, Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Layer, Rigid, Specimen
-from jkrcli.methods.layered.contact import LayeredContact, Plan, checked
-from jkrcli.methods.layered.kernel import LayeredSpectrum, phase_allowed, resolved
-from jkrcli.methods.layered.solver import AbelImage, Panels, panel_means, solve
-from jkrcli.methods.layered.spectrum import deviation
+from jkrcli.methods.integral.equation import DiscreteEquation, kinks, panel_means, solve
+from jkrcli.methods.integral.quadrature import Panels, Quadrature, phase_allowed
+from jkrcli.methods.layered.contact import LayeredContact, checked
+from jkrcli.methods.layered.spectrum import LayeredSpectrum, deviation, resolved
 
 BONDED = Specimen((Layer(Elastic(1.0, 0.4), 1.0),), Rigid())
 INCOMPRESSIBLE = Specimen((Layer(Elastic(1.0, 0.5), 1.0),), Rigid())
@@ -57,8 +57,8 @@ def test_rough_spectrum_is_reported() -> None:
 def test_order_of_the_quadrature(order: int, width: float) -> None:
     """Gauss panels of m nodes are of order 2 m."""
     contact, radii = LayeredContact(Paraboloid(100.0), COATED), np.array([4.0])
-    exact = contact.nested(radii, Plan(14, 1.0, 0))
-    errors = [abs(contact.nested(radii, Plan(order, w, 0)).dS[0] / exact.dS[0] - 1) for w in (width, width / 2)]
+    exact = contact.solved(radii, Quadrature(14, 1.0, 0))
+    errors = [abs(contact.solved(radii, Quadrature(order, w, 0)).dS[0] / exact.dS[0] - 1) for w in (width, width / 2)]
     assert np.log2(errors[0] / errors[1]) == pytest.approx(2 * order, abs=0.4)  # pre-asymptotic by some percent
 
 
@@ -73,17 +73,16 @@ def test_phase_allowed_bounds_the_error_of_gauss_quadrature() -> None:
 @pytest.mark.parametrize(
     "indenter", [Paraboloid(3.0), Sphere(6.0), PowerLaw(0.1, 1.0), PowerLaw(0.1, 1.5), RoundedFlat(1.0, 4.0), TABLE]
 )
-def test_panel_means_integrate_exactly(indenter: object) -> None:
+def test_panel_means_integrate_exactly(indenter: Indenter) -> None:
     """sum w F q over the nodes is int F q for polynomials q of degree order - 1, kinks of F or not."""
-    image = AbelImage.of(indenter)  # type: ignore[arg-type]
-    panels = Panels.through(np.array([0.7, 1.9, 4.1]), 3, 1.3)
-    F = panel_means(image, panels)
+    panels = Panels.through(np.array([0.7, 1.9, 4.1]), Quadrature(3, 1.3, 0))
+    F = panel_means(indenter, panels, 20)
     for degree in range(3):
         expected = quad(
-            lambda x, n=degree: float(image.F(np.array(x))) * x**n,
+            lambda x, n=degree: float(indenter.abel(np.array(x))) * x**n,
             0,
             4.1,
-            points=[b for b in image.breaks if b < 4.1] or None,
+            points=[b for b in kinks(indenter) if b < 4.1] or None,
             epsrel=1e-11,
             limit=400,
         )[0]
@@ -123,15 +122,15 @@ def test_density_reproduces_the_load() -> None:
 
 def test_too_coarse_quadrature_is_reported() -> None:
     spectrum = LayeredSpectrum(INCOMPRESSIBLE)
-    panels = Panels.through(np.array([20.0]), 2, 5.0)
+    panels = Panels.through(np.array([20.0]), Quadrature(2, 5.0, 0))
     with pytest.raises(SolveError, match="nodes"):
-        solve(spectrum.kernel(40.0), panels, AbelImage.of(Paraboloid(100.0)), 1.0)
+        solve(DiscreteEquation.of(spectrum.kernel(40.0), panels), Paraboloid(100.0), 1.0)
 
 
 def test_rounding_estimate_bounds_the_scatter() -> None:
     """Quadratures in k that agree but for rounding: thin incompressible layer, where it is amplified 2e4 times."""
     contact, radii = LayeredContact(Paraboloid(1000.0), INCOMPRESSIBLE), np.array([10.0, 50.0])
-    runs = [contact.nested(radii, Plan(10, 1.0, 0), order) for order in (20, 24, 32)]
+    runs = [contact.solved(radii, Quadrature(10, 1.0, 0), order) for order in (20, 24, 32)]
     for name in ("delta", "P", "S", "dS"):
         values = np.array([getattr(run, name) for run in runs])
         scatter = np.ptp(values, axis=0) / values[0]

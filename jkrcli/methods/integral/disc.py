@@ -9,24 +9,33 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 
+from ...base.arrays import Array
 from ...base.errors import JkrError, Refusal
 from ...base.units import show
 from ...bodies.problem import Specimen
-from .density import Density
-from .fields import gaps, pressures, unsmooth
-from .kernel import Kernel
-from .search import Contact
+from .contact import Contact
+from .density import Density, unsmooth
+from .kernel import FredholmKernel
 
-Array = np.ndarray
-FRACTIONS = np.array([0.1, 0.25, 0.5, 1.0])  # of the largest contact radius, where it is looked at
-INSIDE = np.array([0.03, 0.1, 0.2, 0.35, 0.5, 0.7, 0.85, 0.95])  # of the contact radius
-OUTSIDE = np.array([1.02, 1.1, 1.3, 2.0])
-PULL = 1e-3  # of the mean pressure: less tension than that is round-off
-OVERLAP = 1e-5  # of the displacement
-TOLERANCE, ORDER = 1e-6, 9  # of the quadrature; nodes on each piece of phi
+
+@dataclass(frozen=True)
+class DiscTuning:
+    """Where a contact is looked at, and what counts as more than the rounding of the quadrature."""
+
+    fractions: tuple[float, ...] = (0.1, 0.25, 0.5, 1.0)  # of the largest contact radius; choice: for a warning
+    inside: tuple[float, ...] = (0.03, 0.1, 0.2, 0.35, 0.5, 0.7, 0.85, 0.95)  # of each contact radius; choice likewise
+    outside: tuple[float, ...] = (1.02, 1.1, 1.3, 2.0)  # choice: for a warning
+    pull: float = 1e-3  # least tension over the mean pressure; tuned on stiff coatings, by `make failures`
+    overlap: float = 1e-5  # least overlap over the displacement; tuned on stiff coatings, by `make failures`
+    tolerance: float = 1e-6  # of the quadrature; choice: far below ``pull`` and ``overlap``
+    order: int = 9  # nodes on each piece of phi; choice likewise
+
+
+TUNING = DiscTuning()
 
 
 def refuse_shrinking(a: Array, delta: Array) -> None:
@@ -40,7 +49,7 @@ def refuse_shrinking(a: Array, delta: Array) -> None:
 
 
 def disc_warnings(
-    contact: Contact, specimen: Specimen, largest: float, kernel: Callable[[float], Kernel]
+    contact: Contact, specimen: Specimen, largest: float, kernel: Callable[[float], FredholmKernel]
 ) -> tuple[str, ...]:
     """What is wrong with discs up to ``largest`` [m] as the ``contact`` with ``specimen``; () where nothing is.
 
@@ -49,17 +58,17 @@ def disc_warnings(
     if not _bends(specimen):
         return ()
     a0 = contact.indenter.a0
-    radii = a0 + FRACTIONS * (largest - a0)
+    radii = a0 + np.array(TUNING.fractions) * (largest - a0)
     try:
         if reason := unsmooth(specimen):
             raise Refusal(reason)
-        nested = contact.nested(radii, contact.plan(radii, TOLERANCE))
+        result = contact.solved(radii, contact.plan(radii, TUNING.tolerance))
     except JkrError as error:
         return (f"it was not checked whether the contact is a full disc ({error})",)
-    end = min(OUTSIDE[-1] * largest, contact.indenter.r_max, contact.limit)
+    end = min(TUNING.outside[-1] * largest, contact.indenter.r_max, contact.limit)
     known, each = kernel(largest + end), range(radii.size)
-    for n, phi in enumerate(Density.each(known, contact.indenter, nested, each, 0.0, end, ORDER)):
-        if words := _broken(phi.anchored(), contact.E_star / 2, float(nested.P[n]), end):
+    for n, phi in enumerate(Density.each(known, contact.indenter, result, each, 0.0, end, TUNING.order)):
+        if words := _broken(phi.anchored(), contact.E_star / 2, float(result.P[n]), end):
             return (
                 f"at the contact radius {show(phi.a, 'length')} {words}: the contact without adhesion is not a full "
                 "disc there, the adhesive curve is right only where adhesion holds it together; load less, or see "
@@ -76,9 +85,11 @@ def _bends(specimen: Specimen) -> bool:
 
 def _broken(phi: Density, factor: float, P: float, end: float) -> str | None:
     """Where the pressure, ``factor`` [Pa] times that of ``phi``, or the gap up to ``end`` [m] is negative."""
-    pull = factor * float(pressures(phi, 0.0, phi.a * INSIDE).min()) / (P / (math.pi * phi.a**2))
-    if pull < -PULL:
+    pull = factor * float(phi.pressures(0.0, phi.a * np.array(TUNING.inside)).min()) / (P / (math.pi * phi.a**2))
+    if pull < -TUNING.pull:
         return f"the middle pulls with {-pull:.2g} of the mean pressure"
-    outside = phi.a * OUTSIDE
-    overlap = -float(gaps(phi, outside[outside <= end]).min(initial=0.0)) / phi.delta
-    return f"the surfaces overlap by {overlap:.2g} of the displacement beyond the edge" if overlap > OVERLAP else None
+    outside = phi.a * np.array(TUNING.outside)
+    overlap = -float(phi.gaps(outside[outside <= end]).min(initial=0.0)) / phi.delta
+    if overlap > TUNING.overlap:
+        return f"the surfaces overlap by {overlap:.2g} of the displacement beyond the edge"
+    return None

@@ -1,29 +1,47 @@
-"""The function phi of the contact equation at one contact radius, inside the contact and, extended, beyond it."""
+"""Density phi of the contact equation at one contact radius, inside the contact and beyond it, and what it means there.
+
+    p(r)   = (E*/2) [ phi(a)/sqrt(a^2 - r^2) - int_r^a phi'(t)/sqrt(t^2 - r^2) dt ]          r < a
+    gap(r) = - int_a^r phi(x)/sqrt(r^2 - x^2) dx                                              r > a
+
+where phi beyond a means the contact equation solved for phi(x) there; for K = 0 this is Sneddon (1965). The second
+line is free of cancellation at the edge.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from numpy.polynomial import legendre
 
+from ...base.arrays import Array
 from ...base.errors import InputError
 from ...bodies.indenters import Indenter, Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
-from .kernel import Kernel, gauss, rule, split
-from .solver import AbelImage, Nested
+from ...bodies.materials import Graded
+from ...bodies.problem import Specimen
+from .equation import EquationResult, kinks
+from .kernel import FredholmKernel
+from .quadrature import crowded_rule, gauss, rule, split
 
-Array = np.ndarray
 
-PIECE = 18  # Gauss nodes on each piece of the smooth part, one kernel scale wide
-MORE = 6  # Gauss nodes than that on each panel of an integral over phi
-WIDEST = 1.5  # largest panel in an angle
+@dataclass(frozen=True)
+class DensityTuning:
+    """Nodes for phi between those of the equation."""
+
+    piece: int = 18  # on each piece of the smooth part, one kernel scale wide; tuned on the bodies of `make tuning`
+    more: int = 6  # than that on each panel of an integral over phi; tuned on the bodies of `make tuning`
+    widest: float = 1.5  # panel in an angle [rad]; tuned on the bodies of `make tuning`
+
+
+TUNING = DensityTuning()
 
 
 @dataclass(frozen=True, eq=False)
 class Density:
-    """phi(x) = (2/pi) (delta - F(x)) - (2/pi) int_0^a K(x,t) phi(t) dt [m] for 0 <= x <= ``reach``.
+    """Density phi(x) = (2/pi) (delta - F(x)) - (2/pi) int_0^a K(x,t) phi(t) dt [m] for 0 <= x <= ``reach``.
 
     The last term is smooth; it is kept as Legendre series ``coefficients`` on the equal pieces between ``edges`` [m].
     """
@@ -36,34 +54,37 @@ class Density:
     breaks: tuple[float, ...]
 
     @classmethod
-    def of(cls, kernel: Kernel, indenter: Indenter, nested: Nested, shift: float, reach: float) -> Density:
-        """phi at the last radius of ``nested`` for the displacement delta_H - ``shift`` [m], up to ``reach`` [m]."""
-        return next(cls.each(kernel, indenter, nested, [nested.panels.radii.size - 1], shift, reach))
+    def of(
+        cls, kernel: FredholmKernel, indenter: Indenter, result: EquationResult, shift: float, reach: float
+    ) -> Density:
+        """phi at the last radius of ``result`` for the displacement delta_H - ``shift`` [m], up to ``reach`` [m]."""
+        return next(cls.each(kernel, indenter, result, [result.panels.radii.size - 1], shift, reach))
 
     @classmethod
     def each(
         cls,
-        kernel: Kernel,
+        kernel: FredholmKernel,
         indenter: Indenter,
-        nested: Nested,
+        result: EquationResult,
         which: Iterable[int],
         shift: float,
         reach: float,
-        order: int = PIECE,
+        order: int | None = None,
     ) -> Iterator[Density]:
         """The same at the radii of the numbers ``which``, from one evaluation of the kernel; ``order``: nodes on each
         piece."""
+        order = order or TUNING.piece
         pieces = max(math.ceil(reach / kernel.scale), 1)
         edges = np.linspace(0, reach, pieces + 1)
         nodes, node_weights = rule(order)
         x, _ = gauss(edges[:-1], edges[1:], nodes, node_weights)
-        K = 2 / math.pi * kernel(x, nested.panels.x)
+        K = 2 / math.pi * kernel(x, result.panels.x)
         project = legendre.legvander(nodes, order - 1) * node_weights[:, None] * (np.arange(order) + 0.5)
-        breaks = AbelImage.of(indenter).breaks
+        breaks = kinks(indenter)
         for n in which:
-            t, weights, phi = nested.density(n, shift)
+            t, weights, phi = result.density(n, shift)
             smooth = (K[:, : t.size] @ (weights * phi)).reshape(pieces, order)
-            a, delta = float(nested.panels.radii[n]), float(nested.delta[n]) - shift
+            a, delta = float(result.panels.radii[n]), float(result.delta[n]) - shift
             yield cls(indenter, a, delta, edges, (smooth @ project).T, breaks)
 
     def anchored(self) -> Density:
@@ -92,12 +113,45 @@ class Density:
         inner = np.concatenate([self.edges, self.breaks])
         inner = inner[(inner > lo) & (inner < hi)]
         theta = angle(np.unique(np.concatenate([[lo], inner, [hi]])))
-        pieces = np.maximum(np.ceil(np.diff(theta) / WIDEST), 1).astype(int)
+        pieces = np.maximum(np.ceil(np.diff(theta) / TUNING.widest), 1).astype(int)
         left, right = split(theta[:-1], theta[1:], pieces)
-        u, v = rule(len(self.coefficients) + MORE)
-        u, v = (u + 1) / 2, v / 2
+        u, v = crowded_rule(len(self.coefficients) + TUNING.more, 2)
         width = (right - left)[:, None]
-        return np.ravel(left[:, None] + width * u**2), np.ravel(width * (2 * u * v))
+        return np.ravel(left[:, None] + width * u), np.ravel(width * v)
+
+    def arc(self, lo: float, hi: float, r: float) -> float:
+        """int_lo^hi phi(x)/sqrt(r^2 - x^2) dx [m] for hi <= r."""
+        theta, weights = self.nodes(lo, hi, lambda x: np.arcsin(np.minimum(x / r, 1.0)))
+        return float(weights @ self(np.minimum(r * np.sin(theta), hi)))
+
+    def pressures(self, edge: float, r: Array) -> Array:
+        """2 p/E* [-] at the radii 0 < r < a [m], for the value phi(a) = ``edge`` [m], by t = r cosh(theta)."""
+        if not r.size:
+            return r
+        parts = [self.nodes(x, self.a, partial(_angle, x)) for x in r.tolist()]
+        sizes = [theta.size for theta, _ in parts]
+        theta, weights = np.concatenate(parts, axis=1)
+        slopes = self.slope(np.minimum(np.repeat(r, sizes) * np.cosh(theta), self.a))
+        starts = np.cumsum([0, *sizes[:-1]])
+        return edge / np.sqrt((self.a - r) * (self.a + r)) - np.add.reduceat(weights * slopes, starts)
+
+    def gaps(self, r: Array) -> Array:
+        """Distance of the surfaces [m] at any r, 0 inside, by x = r sin(theta)."""
+        return np.array([-self.arc(self.a, float(x), float(x)) if x > self.a else 0.0 for x in r])
+
+
+def _angle(r: float, t: Array) -> Array:
+    return np.arccosh(np.maximum(t / r, 1.0))
+
+
+def unsmooth(specimen: Specimen) -> str | None:
+    """Why fields on the ``specimen`` cannot be found by this module; None where they can."""
+    if isinstance(specimen.materials[0], Graded):
+        return (
+            "profile: under a modulus that varies right below the contact phi is not smooth at the edge, and its "
+            "pressures are not implemented; cut the top layer into a few homogeneous ones"
+        )
+    return None
 
 
 def abel_slope(indenter: Indenter, x: Array) -> Array:

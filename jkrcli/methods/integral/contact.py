@@ -1,0 +1,109 @@
+"""A pair of bodies whose kernel is known: contact radii for any loading, and the series that a method returns."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+from typing import Any, Protocol
+
+import numpy as np
+
+from ...base.arrays import Array
+from ...base.errors import Refusal
+from ...bodies.indenters import Indenter
+from ...bodies.problem import Loading, Quantity
+from ...series import Series
+from ..radii import Response, Responses, half_space_guess, largest_of_loading, radii_of_loading
+from .equation import EquationResult
+from .quadrature import Quadrature
+
+COLUMNS = ("delta", "P", "S", "dS")
+LOOSEST = 1e-2  # tolerance of a method; choice: no worse result is worth a method without a mesh
+ROUGH = 1e-5  # accuracy of the first part of every search; choice: what costs least
+FLOPS_PER_SECOND = 5e9  # of the dense algebra, for forecasts; tuned on a core of 2024, by `make bench`
+
+
+class Contact(Protocol):
+    """An indenter on a body whose kernel is known.
+
+    ``scale``: the length over which the kernel varies [m]; ``limit``: the radius up to which it is known [m]. Beyond it
+    a search may try its steps, but its result means "more than that".
+    """
+
+    @property
+    def indenter(self) -> Indenter: ...
+
+    @property
+    def E_star(self) -> float: ...
+
+    @property
+    def scale(self) -> float: ...
+
+    @property
+    def limit(self) -> float: ...
+
+    def plan(self, radii: Array, tolerance: float) -> Quadrature:
+        """A quadrature expected to be accurate to ``tolerance`` at the increasing ``radii`` [m]."""
+        ...
+
+    def solved(self, radii: Array, plan: Quadrature) -> EquationResult:
+        """Nonadhesive contact at the increasing ``radii`` [m]."""
+        ...
+
+
+class InaccurateError(Refusal):
+    """The tolerance was not reached; ``fixed``: the message where the tolerance is not the user's to choose."""
+
+    def __init__(self, lines: str | Sequence[str], fixed: str):
+        super().__init__(lines)
+        self.fixed = fixed
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.lines, self.fixed)
+
+
+def radii_for_contact(contact: Contact, loading: Loading, accuracy: float) -> Array:
+    """All contact radii [m] that ``loading`` asks for; depths and loads are met to the relative ``accuracy``."""
+    return radii_of_loading(loading, contact.indenter, *_search(contact, loading, accuracy))
+
+
+def largest_for_contact(contact: Contact, loading: Loading, accuracy: float) -> float:
+    """The contact radius [m] at which ``loading`` ends."""
+    return largest_of_loading(loading, contact.indenter, *_search(contact, loading, accuracy))
+
+
+def _search(contact: Contact, loading: Loading, accuracy: float) -> tuple[Responses, float, tuple[float, float]]:
+    """Responses, a first radius [m] and the accuracies with which a search follows them."""
+    start = half_space_guess(loading, contact.indenter, contact.E_star, contact.scale)
+    return partial(response, contact), start, (max(ROUGH, accuracy), accuracy)
+
+
+def response(contact: Contact, to: Quantity, accuracy: float) -> Response:
+    """delta_H or P_H over the contact radius, with a quadrature planned for ``accuracy``."""
+    name = {"depth": "delta", "load": "P"}[to]
+
+    def at(radii: Array) -> Array:
+        beyond = max(float(radii[-1]) / contact.limit, 1.0)  # the response goes on like the square of the radius
+        inside = radii / beyond
+        return beyond**2 * getattr(contact.solved(inside, contact.plan(inside, accuracy / 4)), name)
+
+    return at
+
+
+def first_stiffness(contact: Contact, tolerance: float) -> float:
+    """S at first touch [N/m]: that of a flat punch of the radius a0, 0 for round and pointed indenters."""
+    radii = np.array([contact.indenter.a0])
+    return float(contact.solved(radii, contact.plan(radii, tolerance)).S[0]) if radii[0] > 0 else 0.0
+
+
+def series_of(result: EquationResult, errors: Array, a0: float, S0: float) -> Series:
+    """The series of a ``result`` with relative ``errors`` (radii,) or, one row for each of ``COLUMNS``, (4, radii)."""
+    radii = result.panels.radii
+    columns = dict(zip(COLUMNS, result.columns, strict=True))
+    absolute = dict(zip(COLUMNS, errors * result.columns, strict=True))
+    return Series(radii, **columns, errors=absolute | {"a": 0 * radii}, a0=a0, S0=S0)
+
+
+def tolerance_remedy(method: str, error: float) -> str:
+    """How to accept the relative ``error`` that was reached, empty where no such tolerance is allowed."""
+    return f"set {method}.tolerance to {2 * error:.0e}, or " if 2 * error <= LOOSEST else ""

@@ -1,0 +1,160 @@
+"""The contact equation discretised, and the nonadhesive contact at all contact radii from its one factor.
+
+On composite Gauss panels whose edges are the wanted radii, the symmetrised matrices A = I + (2/pi) sqrt(w) K sqrt(w) of
+smaller radii are leading blocks of the largest one, so are their Cholesky factors L, and running sums over
+
+    y = L^-1 sqrt(w),    z = L^-1 sqrt(w) F
+
+give S = 2 E* sum y^2 and P = delta S - 2 E* sum y z at every radius (a sum of terms of one sign). With one more forward
+substitution for the columns K(t, a_n), y and z are known at the radii themselves: delta_H = z(a)/y(a), which phi(a) = 0
+means, and S' = (pi^2 E*/2) phi_1(a)^2 = 2 E* y(a)^2.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import solve_triangular
+
+from ...base.arrays import Array
+from ...base.errors import SolveError
+from ...bodies.indenters import Indenter, TableProfile
+from .kernel import FredholmKernel
+from .quadrature import Panels, crowded_rule, rule
+
+
+@dataclass(frozen=True, eq=False)
+class DiscreteEquation:
+    """The contact equation on ``panels``, factorised, for any right-hand side.
+
+    ``factor``: lower Cholesky factor of A; ``columns``: (2/pi) sqrt(w) K(x, a_n) of the radii a_n;
+    ``largest``: the largest (2/pi) |K(x, x)| [1/m].
+    """
+
+    panels: Panels
+    factor: Array
+    columns: Array
+    largest: float
+
+    @classmethod
+    def of(cls, kernel: FredholmKernel, panels: Panels, singular: Array | None = None) -> DiscreteEquation:
+        """``singular``: what is to be added to the smooth ``kernel`` at the nodes and radii (``product_matrix``).
+
+        Raises SolveError where A is not positive definite: the panels do not resolve the kernel.
+        """
+        n, root = panels.x.size, np.sqrt(panels.w)
+        K = kernel.square(np.concatenate([panels.x, panels.radii]))
+        K = 2 / math.pi * (K if singular is None else K + singular)
+        try:
+            factor = np.linalg.cholesky(root[:, None] * K[:n, :n] * root + np.eye(n))
+        except np.linalg.LinAlgError:
+            raise SolveError(
+                f"contact equation: {n} nodes up to a = {panels.radii[-1]:g} m do not resolve the kernel "
+                "(matrix not positive definite)"
+            ) from None
+        return cls(panels, factor, root[:, None] * K[:n, n:], np.max(np.abs(np.diag(K))))
+
+    def forward(self, nodes: Array, edges: Array) -> tuple[Array, Array]:
+        """L^-1 sqrt(w) U (m, nodes) and the ends (pi/2) phi(a) (m, radii) of the solutions for the m right-hand sides
+        (2/pi) U, given at the ``nodes`` (m, nodes) and at the radii, ``edges`` (m, radii)."""
+        right = np.column_stack([*(np.sqrt(self.panels.w) * nodes), self.columns])
+        found = solve_triangular(self.factor, right, lower=True, check_finite=False, overwrite_b=True)
+        halves, columns = found[:, : len(nodes)].T, found[:, len(nodes) :]
+        last, each = self.panels.stops - 1, np.arange(self.panels.radii.size)
+        sums = [np.cumsum(half[:, None] * columns, axis=0)[last, each] for half in halves]
+        return halves, edges - np.array(sums)
+
+    def density(self, n: int, U: Array) -> Array:
+        """phi at the nodes inside the radius n for the right-hand side (2/pi) ``U``, given there; in the unit of U."""
+        stop = int(self.panels.stops[n])
+        root, factor = np.sqrt(self.panels.w[:stop]), self.factor[:stop, :stop]
+        half = solve_triangular(factor, 2 / math.pi * root * U, lower=True, check_finite=False)
+        return solve_triangular(factor, half, lower=True, trans="T", check_finite=False) / root
+
+
+@dataclass(frozen=True, eq=False)
+class EquationResult:
+    """Nonadhesive contact at all radii of the ``equation``: delta [m], P [N], S [N/m], dS [N/m^2].
+
+    ``F``: panel means of the Abel image at the nodes [m]; ``rounding``: relative error that the rounding of K lets
+    expect at each radius.
+    """
+
+    equation: DiscreteEquation
+    F: Array
+    delta: Array
+    P: Array
+    S: Array
+    dS: Array
+    rounding: Array
+
+    @property
+    def panels(self) -> Panels:
+        return self.equation.panels
+
+    @property
+    def columns(self) -> Array:
+        """delta, P, S, S' as rows."""
+        return np.array([self.delta, self.P, self.S, self.dS])
+
+    def density(self, n: int, adhesive_shift: float = 0.0) -> tuple[Array, Array, Array]:
+        """Nodes, weights [m] and phi [m] there, at radius n, for the displacement delta_H - ``adhesive_shift`` [m]."""
+        inside = slice(int(self.panels.stops[n]))
+        phi = self.equation.density(n, self.delta[n] - adhesive_shift - self.F[inside])
+        return self.panels.x[inside], self.panels.w[inside], phi
+
+
+def solve(equation: DiscreteEquation, indenter: Indenter, E_star: float, inner: int = 20) -> EquationResult:
+    """Nonadhesive contact of an ``indenter`` at all radii; ``inner``: Gauss nodes per panel in the integrals of F.
+
+    Raises SolveError where S' is not positive: the nodes are too coarse.
+    """
+    panels = equation.panels
+    a, last = panels.radii, panels.stops - 1
+    F = panel_means(indenter, panels, inner)
+    sides, ends = np.array([np.ones_like(F), F]), np.array([np.ones_like(a), indenter.abel(a)])
+    (y, z), (y_edge, z_edge) = equation.forward(sides, ends)
+    if not (y_edge > 0).all():
+        raise SolveError(f"contact equation: S' is not positive at a = {a[np.argmin(y_edge)]:g} m: nodes too coarse")
+    delta = z_edge / y_edge
+    S, products = np.cumsum(y**2)[last], np.cumsum(y * z)[last]
+    P, scale = delta * S - products, 2 * E_star
+    return EquationResult(equation, F, delta, scale * P, scale * S, scale * y_edge**2, _rounding(equation, S))
+
+
+def _rounding(equation: DiscreteEquation, S: Array) -> Array:
+    """Rounding of the entries of K, counted against the smallest eigenvalue, which a/S bounds (S for 2 E* = 1)."""
+    a = equation.panels.radii
+    return 4 * np.finfo(float).eps * (8 + a * equation.largest) * np.maximum(S / a, 1)
+
+
+def kinks(indenter: Indenter) -> tuple[float, ...]:
+    """Radii [m] > 0 at which the Abel image of an indenter has a kink."""
+    knots = indenter.knots if isinstance(indenter, TableProfile) else (indenter.a0,)
+    return tuple(float(b) for b in knots if b > 0)
+
+
+def panel_means(indenter: Indenter, panels: Panels, inner: int) -> Array:
+    """F at the nodes, replaced on each panel by its projection on polynomials of degree order - 1 [m].
+
+    Sums of w F q over the nodes are then exact integrals of F q for such polynomials q, whatever kinks F has: only
+    the kernel limits the accuracy. The integrals cut panels at the kinks of F and place nodes quadratically above each
+    left end, where F may begin like (x - b)^(3/2) or x^d.
+    """
+    edges, order = panels.edges, panels.order
+    cuts = np.unique(np.concatenate([edges, [b for b in kinks(indenter) if b < edges[-1]]]))
+    lo, hi = cuts[:-1], cuts[1:]
+    owner = np.searchsorted(edges, lo, side="right") - 1
+    u, v = crowded_rule(inner, 2)
+    x = lo[:, None] + (hi - lo)[:, None] * u
+    w = (hi - lo)[:, None] * v
+    width = np.diff(edges)
+    local = np.clip(2 * (x - edges[owner][:, None]) / width[owner][:, None] - 1, -1, 1)
+    moments = np.einsum("pq,pqn->pn", w * indenter.abel(x), np.polynomial.legendre.legvander(local, order - 1))
+    per_panel = np.zeros((width.size, order))
+    np.add.at(per_panel, owner, moments)
+    nodes, _ = rule(order)
+    basis = np.polynomial.legendre.legvander(nodes, order - 1) * (2 * np.arange(order) + 1)
+    return np.ravel(per_panel @ basis.T / width[:, None])

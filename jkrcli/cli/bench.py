@@ -15,7 +15,7 @@ import click
 from ..base.clock import StageClock
 from ..case import Case, load_case, store
 from ..methods.guards import Limits
-from .options import limit_memory_option, limit_time_option
+from .options import limits_options
 from .run import METHODS, solve
 
 IMPORTS = "import time; t = time.process_time(); import {}; print(time.process_time() - t)"
@@ -25,12 +25,9 @@ IMPORTS = "import time; t = time.process_time(); import {}; print(time.process_t
 @click.argument("case", type=click.Path(path_type=Path))
 @click.option("--method", type=click.Choice(METHODS), help="Method, instead of the case's.")
 @click.option("--repeat", type=click.IntRange(1, 1000), default=5, show_default=True, help="Runs.")
-@limit_memory_option
-@limit_time_option
+@limits_options
 @click.option("--json", "as_json", is_flag=True, help="Print as JSON.")
-def bench(
-    case: Path, method: str | None, repeat: int, limit_memory: float | None, limit_time: float, as_json: bool
-) -> None:
+def bench(case: Path, method: str | None, repeat: int, limits: Limits, as_json: bool) -> None:
     """Time the stages of CASE in CPU seconds (one BLAS thread): minimum and median of several runs.
 
     \b
@@ -38,7 +35,7 @@ def bench(
     jkr bench cases/halfspace.toml --method layered --repeat 20
     """
     loaded = load_case(case)
-    choice, _ = solve(loaded, method, Limits(limit_memory, limit_time))
+    choice, _ = solve(loaded, method, limits)
     runs = [_once(loaded, choice.name) for _ in range(repeat)]
     stages = {"import": [_import_seconds(type(choice.method).__module__) for _ in range(min(repeat, 3))]}
     stages |= {

@@ -18,7 +18,7 @@ from ..case.store import Stored
 from ..report import tables
 from .options import Length, Load, WorkOfAdhesion, modulus_factor_option, slopes_option
 from .output import PICTURES, Output, answer, into_folder, output_options
-from .pull_off import Stiffness
+from .pull_off import Control
 from .voice import say
 
 
@@ -26,7 +26,7 @@ from .voice import say
 @click.argument("file", type=click.Path(path_type=Path))
 @click.option("--w-approach", type=WorkOfAdhesion(), help="While the contact grows [default: the case's first w].")
 @click.option("--w-retract", type=WorkOfAdhesion(), help="While it shrinks, not smaller [default: that of approach].")
-@click.option("--stiffness", type=Stiffness(), default="rigid", show_default=True, help='"0.2 N/m", "rigid" or "load".')
+@click.option("--stiffness", type=Control(), default="rigid", show_default=True, help='"0.2 N/m", "rigid" or "load".')
 @click.option("--to-load", type=Load(), help="Turn at this load [default: at the end of the series].")
 @click.option("--to-depth", type=Length(), help="Turn at this displacement delta.")
 @click.option("--points", type=click.IntRange(2, 100_000), default=200, show_default=True, help="Rows per branch.")

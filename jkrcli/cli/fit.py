@@ -11,7 +11,7 @@ import click
 from ..base.errors import InputError
 from ..methods.guards import Limits
 from .measured import reading_of, reading_options
-from .options import Scale, limit_memory_option, limit_time_option, slopes_option
+from .options import ParamType, Scale, limits_options, slopes_option
 from .output import PICTURES, Files, Output, answer, into_folder, output_options
 from .parallel import parallel_options, pool_for
 from .voice import say, warn
@@ -25,7 +25,7 @@ SHOWN = 10  # curves that are told line by line, and drawn
 SECONDS = 0.1  # CPU seconds of a curve, about
 
 
-class Named(click.ParamType):
+class Named(ParamType):
     """NAME=TEXT, told apart by the name alone: what the text may be depends on it."""
 
     name = "NAME=VALUE"
@@ -39,7 +39,7 @@ class Named(click.ParamType):
         return name, text
 
 
-class Names(click.ParamType):
+class Names(ParamType):
     """One or several names, separated by commas."""
 
     name = "NAME,..."
@@ -74,8 +74,7 @@ class Names(click.ParamType):
               help="Standard deviation of an input, carried through: nu=0.02, thickness=5%, E:LAYER=10%.")  # fmt: skip
 @slopes_option
 @reading_options
-@limit_memory_option
-@limit_time_option
+@limits_options
 @parallel_options
 @into_folder("Folder [default: BODY's].")
 @output_options(plots=f"Draw nothing (else up to {SHOWN} curves are drawn).", json="Print the summary as JSON.")
@@ -90,8 +89,7 @@ def fit(
     slopes: str,
     workers: int | None,
     scheduler: str | None,
-    limit_memory: float | None,
-    limit_time: float,
+    limits: Limits,
     output: Output,
     **options: Any,
 ) -> None:
@@ -117,7 +115,7 @@ def fit(
     targets = output.files(output.folder(body_file.parent) / f"{body_file.stem}-fit", (".csv", ".json", ".h5"), inputs)
     reading = reading_of(options)
     options["noise"] = dict(options["noise"])
-    body = body_of(body_file, slopes, Limits(limit_memory, limit_time))
+    body = body_of(body_file, slopes, limits)
     names = [name for group in free for name in group]
     settings = settings_of(body, names, fix, start, bound, **options)
     if uncertain:

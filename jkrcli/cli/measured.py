@@ -9,17 +9,10 @@ import click
 
 from ..data.measured import KEYS, Reading
 from ..data.text_table import SEPARATORS
-from .options import Factor, KeyValue, Scale
+from .options import KeyValue, Scale, Stiffness
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 FIELDS = ("columns", "units", "flip", "stiffness", "sensitivity", "zero", "contact", "format", "separator", "decimal")
-
-
-class Stiffness(Factor):
-    """A stiffness > 0."""
-
-    name = "STIFFNESS"
-    dimension = "stiffness"
 
 
 OPTIONS = (

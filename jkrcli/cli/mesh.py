@@ -16,7 +16,7 @@ from ..methods.fem.export import write_vtu
 from ..methods.fem.mesh import write_msh
 from ..methods.guards import Limits, admit
 from ..report.plots.body import mesh_figure
-from .options import limit_memory_option, limit_time_option
+from .options import limits_options
 from .output import Output, into_folder, output_options
 from .voice import note, say
 
@@ -27,10 +27,9 @@ MARKS = {".msh": f"$Comments\njkr {__version__}\n$EndComments\n", ".vtu": f"\n<!
 @click.command()
 @click.argument("case", type=click.Path(path_type=Path))
 @into_folder("Folder.", default=".", show_default=True)
-@limit_memory_option
-@limit_time_option
+@limits_options
 @output_options()
-def mesh(case: Path, limit_memory: float | None, limit_time: float, output: Output) -> None:
+def mesh(case: Path, limits: Limits, output: Output) -> None:
     """Mesh CASE as method fem would and write <stem>-mesh.msh (gmsh), .vtu (ParaView) and .png.
 
     \b
@@ -40,7 +39,7 @@ def mesh(case: Path, limit_memory: float | None, limit_time: float, output: Outp
     problem = model.problem()
     targets = output.files(output.folder(Path()) / f"{case.stem}-mesh", (*MARKS, ".png"), [case])
     method = fem_of(model)
-    if cost := admit("method fem on this mesh", method.forecast(problem), Limits(limit_memory, limit_time)):
+    if cost := admit("method fem on this mesh", method.forecast(problem), limits):
         note(cost)
     grid, reach = method.mesh(problem), method.reach(problem)
     for ending, write in ((".msh", write_msh), (".vtu", write_vtu)):

@@ -1,30 +1,38 @@
-"""Option types that several verbs share: numbers with units."""
+"""Options that several verbs share, and their types: numbers with units, pairs of a key and its value."""
 
 from __future__ import annotations
 
+import functools
 import math
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from ..base import units
 from ..methods.guards import Limits
 
-limit_memory_option = click.option(
-    "--limit-memory",
-    type=click.FloatRange(min=0, min_open=True),
-    metavar="GIB",
-    help="Most memory to begin with [default: 80 % of what is free].",
-)
-limit_time_option = click.option(
-    "--limit-time",
-    type=click.FloatRange(min=0, min_open=True),
-    default=Limits().hours,
-    show_default=True,
-    metavar="HOURS",
-    help="Most CPU time to begin with.",
-)
+if TYPE_CHECKING:
+    ParamType = click.ParamType[Any, Any]
+else:
+    ParamType = click.ParamType  # not generic in every version of click
+
+POSITIVE = click.FloatRange(min=0, min_open=True)
+
+
+def limits_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """--limit-memory and --limit-time, as one argument ``limits``."""
+
+    @functools.wraps(command)
+    def limited(*words: Any, limit_memory: float | None, limit_time: float, **others: Any) -> Any:
+        return command(*words, limits=Limits(limit_memory, limit_time), **others)
+
+    memory = click.option("--limit-memory", type=POSITIVE, metavar="GIB",
+                          help="Most memory to begin with [default: 80 % of what is free].")  # fmt: skip
+    hours = click.option("--limit-time", type=POSITIVE, default=Limits().hours, show_default=True, metavar="HOURS",
+                         help="Most CPU time to begin with.")  # fmt: skip
+    return memory(hours(limited))
+
 
 slopes_option = click.option(
     "--slopes",
@@ -35,7 +43,7 @@ slopes_option = click.option(
 )
 
 
-class QuantityOption(click.ParamType):
+class Quantity(ParamType):
     """A finite number of a dimension, SI or with a unit."""
 
     dimension = "number"
@@ -53,26 +61,25 @@ class QuantityOption(click.ParamType):
         return number
 
 
-class WorkOfAdhesion(QuantityOption):
+class WorkOfAdhesion(Quantity):
     name = "WORK"
     dimension = "work"
     least = 0.0
 
 
-class Length(QuantityOption):
+class Length(Quantity):
     name = "LENGTH"
     dimension = "length"
 
 
-class Load(QuantityOption):
+class Load(Quantity):
     name = "LOAD"
     dimension = "load"
 
 
-class Factor(QuantityOption):
-    """A plain number > 0."""
+class Positive(Quantity):
+    """A number > 0."""
 
-    name = "FACTOR"
     least = 0.0
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
@@ -80,6 +87,15 @@ class Factor(QuantityOption):
         if found == 0:
             self.fail(f"must be > 0, got {value}", param, ctx)
         return found
+
+
+class Factor(Positive):
+    name = "FACTOR"
+
+
+class Stiffness(Positive):
+    name = "STIFFNESS"
+    dimension = "stiffness"
 
 
 modulus_factor_option = click.option(
@@ -91,7 +107,7 @@ modulus_factor_option = click.option(
 )
 
 
-class KeyValue(click.ParamType):
+class KeyValue(ParamType):
     """KEY=TEXT with one of ``keys``; ``what`` names the text in help."""
 
     def __init__(self, what: str, keys: Sequence[str]):
@@ -107,18 +123,13 @@ class KeyValue(click.ParamType):
         return key, text
 
 
-class Scale(click.ParamType):
-    """KEY=VALUE with a key of ``keys`` among a, delta, P: a length or a load."""
-
-    name = "KEY=VALUE"
+class Scale(KeyValue):
+    """KEY=VALUE with a key among a, delta, P: a length or a load."""
 
     def __init__(self, keys: Sequence[str] = ("a", "delta", "P")):
-        self.keys = keys
+        super().__init__("VALUE", keys)
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[str, float]:
-        if isinstance(value, tuple):
-            return value
-        key, mark, text = str(value).partition("=")
-        if not mark or key not in self.keys:
-            self.fail(f'must be KEY=VALUE with a key of {", ".join(self.keys)}, got "{value}"', param, ctx)
-        return key, (Load() if key == "P" else Length()).convert(text, param, ctx)
+        key, text = super().convert(value, param, ctx)
+        kind = Load() if key == "P" else Length()
+        return key, kind.convert(text, param, ctx)

@@ -19,14 +19,14 @@ from ..base.units import show
 from ..base.unknown import Estimate, Unknown
 from ..case import store
 from ..report import tables
-from .options import Load, QuantityOption, WorkOfAdhesion, modulus_factor_option, slopes_option
+from .options import Load, Quantity, WorkOfAdhesion, modulus_factor_option, slopes_option
 from .output import answer, json_option
 
 SIZES = {"a/R": "a_over_R", "a/R at pull-off": "a_over_R_pull_off", "a/h": "a_over_h", "a/L": "a_over_L"}
 Answer = tuple[dict[str, Any], list[str]]  # for machines, for people
 
 
-class Stiffness(QuantityOption):
+class Control(Quantity):
     """A stiffness > 0, or "rigid" (displacement control) or "load" (load control)."""
 
     name = "STIFFNESS"
@@ -50,7 +50,7 @@ class Stiffness(QuantityOption):
     "--stiffness",
     "stiffnesses",
     multiple=True,
-    type=Stiffness(),
+    type=Control(),
     help='Of the machine or cantilever, "0.2 N/m"; also "load" and "rigid" [default: these two].',
 )
 @click.option("--load", "force", type=Load(), help='A measured pull-off force, "12 uN": which w does it mean?')

@@ -19,7 +19,7 @@ from ..methods import METHODS
 from ..methods.choose import Choice
 from ..methods.guards import Limits
 from ..series import Solution
-from .options import limit_memory_option, limit_time_option
+from .options import limits_options
 from .output import ONE_FILE, Output, answer, into_file, output_options
 from .voice import detail, note, say, warn
 
@@ -29,8 +29,7 @@ from .voice import detail, note, say, warn
 @into_file("Series file [default: <case>.h5 here].")
 @click.option("--method", type=click.Choice(["auto", *METHODS]), help="Method, instead of the case's.")
 @click.option("--tolerance", type=float, help="Of finite elements, instead of the case's mesh.tolerance, e.g. 1e-3.")
-@limit_memory_option
-@limit_time_option
+@limits_options
 @output_options(force=ONE_FILE, json="Print the summary as JSON.")
 @click.pass_context
 def run(
@@ -38,8 +37,7 @@ def run(
     case: Path,
     method: str | None,
     tolerance: float | None,
-    limit_memory: float | None,
-    limit_time: float,
+    limits: Limits,
     output: Output,
 ) -> None:
     """Solve the nonadhesive contact of CASE (TOML) and write load, displacement and contact radius to HDF5.
@@ -56,7 +54,7 @@ def run(
     if tolerance is not None:
         loaded = loaded.with_mesh(tolerance=tolerance)
     target = output.series(Path(f"{case.stem}.h5"), [case])
-    choice, solution = solve(loaded, method, Limits(limit_memory, limit_time), note)
+    choice, solution = solve(loaded, method, limits, note)
     for stage, used in solution.timings.items():
         detail(f"{stage}: {used:.3f} s CPU")
     problem = loaded.model.problem()

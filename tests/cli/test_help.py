@@ -16,8 +16,8 @@ import click
 import pytest
 
 from jkrcli.cli import GROUPS, VERBS, VOICED
+from jkrcli.cli import doctor as doctor_part
 from jkrcli.cli import jkr as root
-from jkrcli.cli import machine as doctor_part
 from jkrcli.cli.study import STUDIES
 
 BIN = Path(sys.executable).parent

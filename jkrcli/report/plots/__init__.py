@@ -43,7 +43,6 @@ STYLE: dict[Any, Any] = {
 # Okabe and Ito's palette: told apart by colour-blind readers, and by line style or marker in grey.
 BLUE, ORANGE, GREEN, BLACK = "#0072B2", "#D55E00", "#009E73", "#000000"
 PURPLE, SKY = "#CC79A7", "#56B4E9"
-FEW = 100.0  # ends of a logarithmic axis less far apart have ticks within the decades
 COLORS = (BLUE, ORANGE, GREEN, PURPLE, SKY, BLACK)
 
 
@@ -98,7 +97,7 @@ def log_ends(values: Array, least: float = 3.0, margin: float = 1.1) -> tuple[fl
 def log_ticks(axis: Axis) -> None:
     """Plain numbers at 1, 2 and 5 of each decade where a logarithmic axis has few, powers of ten where it has many."""
     low, high = axis.get_view_interval()
-    if high / low < FEW:
+    if high / low < 100:
         axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
         axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axis.set_minor_formatter(NullFormatter())

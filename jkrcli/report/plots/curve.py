@@ -21,8 +21,6 @@ from . import BLACK, BLUE, GREEN, ORANGE, WIDE, Axes, Figure, drawing, legend_be
 BRANCHES = {STABLE: ("o-", ""), GRIPPED: ("--", "stable under displacement control only"), UNSTABLE: (":", "unstable")}
 PHASES = {"approach": (BLUE, 2.4), "turn": (GREEN, 1.8), "retraction": (ORANGE, 1.1)}  # the last drawn the thinnest
 SPACING = 0.06  # between markers, of the diagonal of the axes
-DWARFED = 0.2  # tension that takes less than this share of the loads is drawn again, larger
-VISIBLE = 0.01  # half-width of a band that can be seen, of the height of the axes
 Box = tuple[float, float, float, float]  # left, bottom, width, height, of the axes
 PANELS: tuple[tuple[str, str, Box], ...] = (  # x, y, and where no curve passes: P(delta) is convex, a(P) concave
     ("delta", "P", (0.13, 0.53, 0.42, 0.45)),
@@ -100,8 +98,8 @@ def _of(held: Any, name: str, units: Units) -> Array:
 
 
 def _band(axes: Axes, curve: AdhesiveCurve, units: Units, x: str, y: str) -> None:
-    """The 90 % band of P, where it is wide enough to be seen."""
-    if not curve.errors or np.max(curve.errors["P"]) < VISIBLE * np.ptp(curve.P):
+    """The 90 % band of P, where its half-width is a hundredth of the axis, enough to be seen."""
+    if not curve.errors or np.max(curve.errors["P"]) < 0.01 * np.ptp(curve.P):
         return
     ends = [(curve.P + sign * curve.errors["P"]) / units.P for sign in (-1, 1)]
     style: dict[str, Any] = {"color": ORANGE, "alpha": 0.25, "lw": 0, "label": "90 % band of P"}
@@ -125,9 +123,9 @@ def _by_stability(axes: Axes, result: Analysis, units: Units, x: str, y: str) ->
 
 
 def _dwarfed(curve: AdhesiveCurve) -> bool:
-    """Whether the largest tension takes too little of the axis of loads to be read."""
+    """Whether the largest tension takes less than a fifth of the axis of loads, too little to be read."""
     least, most = float(np.min(curve.P)), float(max(np.max(curve.P), np.max(curve.series.P)))
-    return least < 0 and -least < DWARFED * (most - least)
+    return least < 0 and -least < 0.2 * (most - least)
 
 
 def _enlarge(axes: Axes, result: Analysis, units: Units, x: str, y: str, place: Box) -> None:

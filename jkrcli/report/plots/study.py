@@ -12,9 +12,7 @@ from ...base.arrays import Array
 from ...series.differences import Difference
 from . import COLORS, MIDDLE, NARROW, WIDE, Axes, Figure, drawing, legend_below
 
-HEIGHT = 3.0  # of a row of panels [inch]
 UNNAMED = "_nolegend_"  # label of a line that the legend leaves out
-MARKERS = 30  # at most, on a line
 LIMITS = {1.5: "thick: 3/2", 2.0: "thin, compressible: 2", 3.0: "thin, incompressible: 3"}  # of the pull-off map
 
 
@@ -48,7 +46,7 @@ class Panel:
 def panels_figure(panels: Sequence[Panel], title: str = "") -> Figure:
     """The panels two by two, lettered, each with its legend, or with one for all where it is the same."""
     rows = (len(panels) + 1) // 2
-    with drawing(WIDE if len(panels) > 1 else MIDDLE, HEIGHT * rows) as figure:
+    with drawing(WIDE if len(panels) > 1 else MIDDLE, 3.0 * rows) as figure:
         axes = figure.subplots(rows, min(2, len(panels)), squeeze=False).ravel()
         for place, panel, letter in zip(axes, panels, "abcdefgh", strict=False):
             _draw(place, panel, f"({letter}) " if len(panels) > 1 else "")
@@ -76,7 +74,7 @@ def _draw(axes: Axes, panel: Panel, letter: str) -> None:
         axes.axvline(0, color="0.7", lw=0.6)
         axes.axhline(0, color="0.7", lw=0.6)
     for line in panel.lines:
-        every = max(1, len(line.x) // MARKERS)
+        every = max(1, len(line.x) // 30)  # at most so many markers on a line
         axes.plot(line.x, line.y, line.style, color=line.color, label=line.label, ms=3.5, mfc="none", lw=1.0,
                   markevery=every)  # fmt: skip
     axes.set(xlabel=panel.xlabel, ylabel=panel.ylabel, title=letter + panel.title, xlim=panel.xlim, ylim=panel.ylim)

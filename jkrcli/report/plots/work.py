@@ -12,8 +12,6 @@ from ...identification.work import WorkAlong, typical
 from . import BLUE, GREEN, NARROW, ORANGE, WIDE, Axes, Figure, drawing, legend_below, log_ends, log_ticks, pretty
 
 GROUPS = {"measured": (GREEN, "o"), "advancing": (BLUE, "^"), "receding": (ORANGE, "v")}  # told apart in grey too
-MOST = 3000  # points of a group that are drawn; of more every n-th
-SHOWN, MARGIN = 0.99, 1.3  # the axis of w ends above this share of the points
 
 
 def work_figure(found: Sequence[WorkAlong]) -> Figure:
@@ -49,9 +47,9 @@ def _groups(found: Sequence[WorkAlong]) -> dict[str, dict[str, Array]]:
     return {name: columns for name, columns in parts.items() if columns["w"].size}
 
 
-def _columns(found: Sequence[WorkAlong], masks: Sequence[Array]) -> dict[str, Array]:
-    """The chosen rows of all curves, thinned to at most ``MOST``."""
-    every = 1 + sum(int(mask.sum()) for mask in masks) // MOST
+def _columns(found: Sequence[WorkAlong], masks: Sequence[Array], most: int = 3000) -> dict[str, Array]:
+    """The chosen rows of all curves, thinned to at most ``most``."""
+    every = 1 + sum(int(mask.sum()) for mask in masks) // most
     columns = {}
     for name in ("a", "w", "w_err", "speed"):
         values = [getattr(item, name) for item in found]
@@ -68,7 +66,8 @@ def _over_radius(axes: Axes, groups: Mapping[str, Mapping[str, Array]], w: float
         axes.errorbar(held["a"] / a, held["w"] / w, errors, fmt=marker, color=colour, ms=3, mfc="none", elinewidth=0.5,
                       ecolor="0.75", label=name)  # fmt: skip
     axes.set_xlabel(f"contact radius a ({pretty(unit)})")
-    axes.set_ylim(0, MARGIN * max(float(np.quantile(held["w"], SHOWN)) for held in groups.values()) / w)
+    largest = max(float(np.quantile(held["w"], 0.99)) for held in groups.values())  # outliers may lie above the axis
+    axes.set_ylim(0, 1.3 * largest / w)
 
 
 def _over_speed(axes: Axes, groups: Mapping[str, Mapping[str, Array]], w: float) -> None:

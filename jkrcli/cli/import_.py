@@ -19,14 +19,14 @@ from ..base.units import show
 from ..bodies.words import describe
 from ..case import Case, load_case, parse_case, store
 from ..case.models import CaseModel, LoadingTable
-from ..data.foreign import DIMENSIONS, Reading, read_series
+from ..data.foreign import NAMES, SeriesReading, read_series
 from ..data.text_table import SEPARATORS
 from ..series import Solution
 from .options import KeyValue, Length
 from .output import ONE_FILE, Output, answer, into_file, output_options
 from .voice import say
 
-KEYS = tuple(DIMENSIONS)
+KEYS = tuple(NAMES.quantities)
 SOME_LOADING = b"\n[loading]\ndepth = 1.0\n"  # stands in where a case has none: the table says how far it went
 
 
@@ -94,7 +94,7 @@ def import_(
     body = {key: options.pop(key) for key in ("shape", "radius", "modulus", "nu", "thickness", "base")}
     target = output.series(Path(f"{table.stem}.h5"), [table, *([case] if case else [])])
     held = _case(case, body)
-    reading = Reading(dict(columns), dict(units), dict(factors), **options)
+    reading = SeriesReading(dict(columns), dict(units), dict(factors), **options)
     solution = read_series(table, held.model.indenter.build(), reading)
     loaded = _with_loading(held, solution)
     problem = loaded.model.problem()

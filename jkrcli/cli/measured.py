@@ -7,10 +7,12 @@ from typing import Any, TypeVar
 
 import click
 
-from ..data.measured import KEYS, Reading
+from ..data.measured import Reading
+from ..data.measured.text import NAMES
 from ..data.text_table import SEPARATORS
 from .options import KeyValue, Scale, Stiffness
 
+KEYS = tuple(NAMES.quantities)
 Command = TypeVar("Command", bound=Callable[..., Any])
 FIELDS = ("columns", "units", "flip", "stiffness", "sensitivity", "zero", "contact", "format", "separator", "decimal")
 
@@ -18,7 +20,7 @@ FIELDS = ("columns", "units", "flip", "stiffness", "sensitivity", "zero", "conta
 OPTIONS = (
     click.option("--column", "columns", multiple=True, type=KeyValue("NAME", KEYS),
                  help=f"Column name or number where the header does not tell; keys {', '.join(KEYS)}."),
-    click.option("--unit", "units", multiple=True, type=KeyValue("UNIT", KEYS[:5]),
+    click.option("--unit", "units", multiple=True, type=KeyValue("UNIT", NAMES.numbers),
                  help="Unit where the header has none, P=nN."),
     click.option("--flip", multiple=True, type=click.Choice(["delta", "P"]),
                  help="Turn the sign: of a height or separation, of loads that count adhesion positive."),

@@ -4,38 +4,67 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ..base.arrays import Array
 from ..base.errors import InputError, did_you_mean
 from ..base.units import MOST
-from ..series import Array
 from .text_table import TextTable, unit_power
 
 EXAMPLES = {"length": "um", "area": "um^2", "load": "mN", "time": "s"}
 
 
 @dataclass(frozen=True)
-class Vocabulary:
-    """The quantities of a kind of table by their keys: what columns are called (lower case, without unit), the
-    dimension of those that have one, and their meaning in messages. A capital A alone is an area."""
+class Quantity:
+    """What a column can hold: its ``meaning`` in messages, the ``dimension`` of its numbers, "" where it holds words,
+    and the ``names`` of such columns, lower case, without unit."""
 
-    aliases: Mapping[str, tuple[str, ...]]
-    dimensions: Mapping[str, str]
-    meanings: Mapping[str, str]
+    meaning: str
+    dimension: str
+    names: tuple[str, ...]
+
+    def also(self, *names: str) -> Quantity:
+        """The same quantity where it has more names."""
+        return replace(self, names=(*self.names, *names))
+
+
+CONTACT = {  # what every table of a contact may hold
+    "a": Quantity(
+        "contact radius", "length", ("a", "radius", "contact radius", "contact_radius", "contactradius", "r_c", "rc")
+    ),
+    "area": Quantity("contact area", "area", ("area", "contact area", "contact_area", "contactarea")),
+    "delta": Quantity("displacement", "length", ("delta", "displacement", "disp", "depth", "indentation", "d")),
+    "P": Quantity("load", "load", ("p", "load", "force", "f")),
+}
+
+
+@dataclass(frozen=True)
+class Vocabulary:
+    """The quantities of a kind of table by their keys. A capital A alone is an area."""
+
+    quantities: Mapping[str, Quantity]
+
+    @property
+    def numbers(self) -> tuple[str, ...]:
+        """The keys of the quantities that are numbers."""
+        return tuple(key for key, quantity in self.quantities.items() if quantity.dimension)
+
+    def meaning(self, key: str) -> str:
+        return self.quantities[key].meaning
 
     def key_of(self, title: str) -> str | None:
-        """The key of a header cell, None where its name is none of the aliases."""
+        """The key of a header cell, None where it names none of the quantities."""
         name = split_name(title)[0]
         if name == "A":
             return "area"
         plain = name.lower().strip()
         words = {plain, re.split(r"[:\s]", plain)[0], plain.rsplit(":", 1)[-1].strip(), *_history(plain)}
-        return next((key for key, aliases in self.aliases.items() if words & set(aliases)), None)
+        return next((key for key, quantity in self.quantities.items() if words & set(quantity.names)), None)
 
     def named(self, table: TextTable, key: str) -> list[int]:
-        """Columns whose name is one of the aliases of ``key``."""
+        """Columns whose name is one of those of ``key``."""
         return [i for i, title in enumerate(table.names) if self.key_of(title) == key]
 
     def guess(self, table: TextTable, key: str) -> int:
@@ -45,7 +74,7 @@ class Vocabulary:
             return matches[0]
         reason = "no column is" if not matches else f"{len(matches)} columns are"
         raise InputError(
-            f"{table.path}: {reason} recognised as the {self.meanings[key]}: say which, --column {key}=NAME "
+            f"{table.path}: {reason} recognised as the {self.meaning(key)}: say which, --column {key}=NAME "
             f"({choice(table)})"
         )
 
@@ -55,13 +84,13 @@ class Vocabulary:
         beyond = np.abs(values) > MOST
         if beyond.any():
             line, found = table.lines[beyond][0], values[beyond][0]
-            raise InputError(f"{table.path}: line {line}: {self.meanings[key]} must be up to {MOST:g}, got {found:g}")
+            raise InputError(f"{table.path}: line {line}: {self.meaning(key)} must be up to {MOST:g}, got {found:g}")
         return values * 10.0**power if power > 0 else values / 10.0**-power
 
     def _power(self, table: TextTable, key: str, index: int, told: str | None) -> int:
-        dimension = self.dimensions[key]
+        dimension = self.quantities[key].dimension
         unit = told or split_name(table.names[index])[1]
-        where = f'{table.path}: column {index + 1} "{table.names[index]}" ({self.meanings[key]})'
+        where = f'{table.path}: column {index + 1} "{table.names[index]}" ({self.meaning(key)})'
         example = EXAMPLES[dimension]
         if not unit:
             raise InputError(f"{where} names no unit: give --unit {key}={example}, or write it into the header")
@@ -83,8 +112,10 @@ def asked(table: TextTable, key: str, name: str) -> int:
     raise InputError(f'{table.path}: no single column "{name}" for {key}{hint} ({choice(table)})')
 
 
-def check_different(table: TextTable, chosen: Mapping[str, int]) -> None:
-    """Refuse one column for two quantities."""
+def check_chosen(table: TextTable, chosen: Mapping[str, int]) -> None:
+    """Refuse two columns for the size of the contact, and one column for two quantities."""
+    if chosen.keys() >= {"a", "area"}:
+        raise InputError(f"{table.path}: give a column for the contact radius or for the contact area, not for both")
     if len(set(chosen.values())) < len(chosen):
         raise InputError(f"{table.path}: one column cannot be two quantities, got {words(table, chosen)}")
 

@@ -10,29 +10,26 @@ from typing import Any, Literal
 
 import numpy as np
 
+from ..base.arrays import Array
 from ..base.errors import InputError
 from ..base.unknown import Unknown
 from ..bodies.indenters import Indenter, Sphere
-from ..series import Array, ErrorBudget, RawSeries, Series, Solution, filter_plateaus
-from .columns import Vocabulary, asked, check_different, words
+from ..series import ErrorBudget, RawSeries, Series, Solution, filter_plateaus
+from .columns import CONTACT, Vocabulary, asked, check_chosen, words
 from .text_table import TextTable, read_table, some
 
-LEAST_ROWS = 5
+LEAST_ROWS = 5  # choice: of a series
 UNKNOWN = Unknown("unknown: made by another program")
-# What the columns are called elsewhere, lower case, without unit; Abaqus histories and CalculiX results among them.
-ALIASES = {
-    "a": ("a", "a_h", "radius", "contact radius", "contact_radius", "contactradius", "r_c", "rc"),
-    "area": ("area", "contact area", "contact_area", "carea", "contactarea"),
-    "delta": ("delta", "delta_h", "displacement", "disp", "depth", "indentation", "u2", "uy", "uz", "u3", "vy", "d"),
-    "P": ("p", "p_h", "load", "force", "rf2", "rf3", "cfn2", "cfnm", "cfn", "fy", "fz", "reaction", "f"),
-}
-DIMENSIONS = {"a": "length", "area": "area", "delta": "length", "P": "load"}
-MEANINGS = {"a": "contact radius", "area": "contact area", "delta": "displacement", "P": "load"}
-NAMES = Vocabulary(ALIASES, DIMENSIONS, MEANINGS)
+NAMES = Vocabulary({  # those of Abaqus histories and CalculiX results among them
+    "a": CONTACT["a"].also("a_h"),
+    "area": CONTACT["area"].also("carea"),
+    "delta": CONTACT["delta"].also("delta_h", "u2", "uy", "uz", "u3", "vy"),
+    "P": CONTACT["P"].also("p_h", "rf2", "rf3", "cfn2", "cfnm", "cfn", "fy", "fz", "reaction"),
+})  # fmt: skip
 
 
 @dataclass(frozen=True)
-class Reading:
+class SeriesReading:
     """How to read a foreign table; keys of the mappings are "a", "area", "delta" and "P".
 
     ``columns``: names or numbers (from 1), where the header does not tell; ``units``: where the header names none;
@@ -53,7 +50,7 @@ class Reading:
     decimal: str | None = None
 
 
-def read_series(path: Path, indenter: Indenter, reading: Reading) -> Solution:
+def read_series(path: Path, indenter: Indenter, reading: SeriesReading) -> Solution:
     """The series in the table at ``path``, made by a contact with ``indenter``; InputError names lines and columns."""
     table = read_table(path, reading.separator, reading.decimal)
     chosen = _columns(table, reading)
@@ -81,26 +78,22 @@ def read_series(path: Path, indenter: Indenter, reading: Reading) -> Solution:
 def read_measured(path: Path, shift: float = 0.0) -> tuple[Array, Array]:
     """Displacement [m], ``shift`` [m] added, and load [N] of measured points; units in the header, signs kept."""
     table = read_table(path, least=2)
-    delta, P = (_values(table, key, NAMES.guess(table, key), Reading(sign="as-is")) for key in ("delta", "P"))
+    delta, P = (_values(table, key, NAMES.guess(table, key), SeriesReading(sign="as-is")) for key in ("delta", "P"))
     return delta + shift, P
 
 
 # ---------------------------------------------------------------------- columns and units
-def _columns(table: TextTable, reading: Reading) -> dict[str, int]:
+def _columns(table: TextTable, reading: SeriesReading) -> dict[str, int]:
     """Index of the column for each key: as told, else by its name; the radius goes before the area."""
     told = {key: asked(table, key, name) for key, name in reading.columns.items()}
-    found = {key: told[key] if key in told else NAMES.guess(table, key) for key in ("delta", "P")}
-    if "area" in told and "a" in told:
-        raise InputError(f"{table.path}: give a column for the contact radius or for the contact area, not for both")
-    size = next(iter(told.keys() & {"a", "area"}), None)
-    if size is None:
-        size = "a" if NAMES.named(table, "a") or not NAMES.named(table, "area") else "area"
-    chosen = found | {size: told[size] if size in told else NAMES.guess(table, size)}
-    check_different(table, chosen)
+    by_area = "area" in told or bool(NAMES.named(table, "area") and not NAMES.named(table, "a"))
+    wanted = ("delta", "P", "area" if by_area and "a" not in told else "a")
+    chosen = {key: told[key] if key in told else NAMES.guess(table, key) for key in wanted}
+    check_chosen(table, told | chosen)
     return chosen
 
 
-def _values(table: TextTable, key: str, index: int, reading: Reading) -> Array:
+def _values(table: TextTable, key: str, index: int, reading: SeriesReading) -> Array:
     """A column in SI: unit, factor, sign and zero applied."""
     values = NAMES.in_si(table, key, index, reading.units.get(key)) * reading.factors.get(key, 1.0)
     if key in ("delta", "P") and reading.sign == "auto" and values.min() < 0 and -values.min() > values.max():
@@ -117,15 +110,13 @@ def _check(path: Path, values: Mapping[str, Array], lines: Array, touching: Arra
     wrong = []
     size = "a" if "a" in values else "area"
     for key, rule in (("delta", "rise"), ("P", "rise"), (size, "not fall")):
-        column, rows = values[key][touching], lines[touching]
+        column, rows, meaning = values[key][touching], lines[touching], NAMES.meaning(key)
         if column[0] <= 0:
-            wrong.append((rows[0], f"{MEANINGS[key]} must be positive in contact, got {column[0]:.6g} (SI)"))
+            wrong.append((rows[0], f"{meaning} must be positive in contact, got {column[0]:.6g} (SI)"))
         steps = np.diff(column)
         for i in np.flatnonzero(steps <= 0 if rule == "rise" else steps < 0):
             change = "stays at" if steps[i] == 0 else f"falls from {column[i]:.6g} to"
-            wrong.append(
-                (rows[i + 1], f"{MEANINGS[key]} must {rule} from row to row, it {change} {column[i + 1]:.6g} (SI)")
-            )
+            wrong.append((rows[i + 1], f"{meaning} must {rule} from row to row, it {change} {column[i + 1]:.6g} (SI)"))
     if wrong:
         messages = [f"{path}: line {line}: {message}" for line, message in sorted(wrong)]
         raise InputError([*some(messages), f"{path}: {_remedy(values['delta'][touching])}"])
@@ -160,7 +151,7 @@ def _check_kept(path: Path, kept: RawSeries, dropped: int, indenter: Indenter) -
                              "contact with this indenter begins")  # fmt: skip
 
 
-def _facts(table: TextTable, chosen: Mapping[str, int], reading: Reading, dropped: int) -> dict[str, Any]:
+def _facts(table: TextTable, chosen: Mapping[str, int], reading: SeriesReading, dropped: int) -> dict[str, Any]:
     return {
         "source": table.path.name,
         "columns": words(table, chosen),

@@ -11,10 +11,10 @@ from pathlib import Path
 
 import numpy as np
 
+from ..base.arrays import Array
 from ..base.errors import InputError
 from ..base.files import read_bytes
 from ..base.units import UNITS
-from ..series import Array
 
 BLANK = "blank"
 SEPARATORS = {"tab": "\t", "semicolon": ";", "comma": ",", BLANK: None}

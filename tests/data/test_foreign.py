@@ -14,7 +14,7 @@ from jkrcli.base.errors import InputError
 from jkrcli.base.unknown import Unknown
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
 from jkrcli.data.columns import split_name
-from jkrcli.data.foreign import Reading, radius_from_area, read_measured, read_series, surface_area
+from jkrcli.data.foreign import SeriesReading, radius_from_area, read_measured, read_series, surface_area
 from jkrcli.data.text_table import unit_power
 from jkrcli.formulas.closed_form import hertz
 
@@ -36,55 +36,55 @@ def rows(*columns: np.ndarray, mark: str = ",", decimal: str = ".", form: str = 
 AREA = surface_area(A, BALL)
 TIME = np.linspace(0, 1, A.size + 1)[1:]
 GUISES = {
-    "our own names": ("a_m,delta_m,P_N\n" + rows(A, DELTA, P), Reading()),
+    "our own names": ("a_m,delta_m,P_N\n" + rows(A, DELTA, P), SeriesReading()),
     "units in brackets, other order": (
         "P [mN], contact radius [um], depth [nm]\n" + rows(P * 1e3, A * 1e6, DELTA * 1e9),
-        Reading(),
+        SeriesReading(),
     ),
     "Abaqus report: blanks, zero frame, negative, no units": (
         "\n               X        RF2 N: 1        U2 N: 1        CAREA    \n\n"
         + rows([0.0], [0.0], [0.0], [0.0], mark="     ")
         + rows(TIME, -P * 1e3, -DELTA * 1e3, AREA * 1e6, mark="    "),
-        Reading(units={"delta": "mm", "P": "mN", "area": "mm^2"}),
+        SeriesReading(units={"delta": "mm", "P": "mN", "area": "mm^2"}),
     ),
     "Abaqus history names": (
         "Time, RF:RF2 PI: TOOL-1 N: 1, U:U2 PI: TOOL-1 N: 1, Contact area\n" + rows(TIME, -P, -DELTA, AREA),
-        Reading(units={"delta": "m", "P": "N", "area": "m2"}),
+        SeriesReading(units={"delta": "m", "P": "N", "area": "m2"}),
     ),
     "semicolons, decimal comma, units line, byte order mark": (
         "\ufeffSchritt;Displacement;Force;Contact area\ns;µm;uN;µm²\n"
         + rows(TIME, DELTA * 1e6, P * 1e6, AREA * 1e12, mark=";", decimal=","),
-        Reading(),
+        SeriesReading(),
     ),
     "CalculiX: force on a wedge of 2 degrees, comments": (
         "time,u2 (um),RF2 (uN),contact radius (um)\n# step 1\n" + rows(TIME, -DELTA * 1e6, -P * 1e6 / 180, A * 1e6),
-        Reading(factors={"P": 180}),
+        SeriesReading(factors={"P": 180}),
     ),
     "tabs, no header, Fortran exponents": (
         rows(P, DELTA, A, mark="\t").replace("e", "D"),
-        Reading(columns={"P": "1", "delta": "2", "a": "3"}, units={"P": "N", "delta": "m", "a": "m"}),
+        SeriesReading(columns={"P": "1", "delta": "2", "a": "3"}, units={"P": "N", "delta": "m", "a": "m"}),
     ),
     "commented header, blanks": (
         "# a (m)  delta (m)  P (N)\n" + rows(A, DELTA, P, mark=" "),
-        Reading(),
+        SeriesReading(),
     ),
     "projected area, displacement from elsewhere": (
         "area/um^2,disp/um,force/N\n" + rows(math.pi * A**2 * 1e12, DELTA * 1e6 + 7, P),
-        Reading(area="projected", zero=7e-6),
+        SeriesReading(area="projected", zero=7e-6),
     ),
     "quoted names with commas": (
         '"Contact radius, um","Displacement, nm","Force, uN"\n' + rows(A * 1e6, DELTA * 1e9, P * 1e6),
-        Reading(),
+        SeriesReading(),
     ),
     "rows in another order": (
         "a_m,delta_m,P_N\n" + rows(A[::-1], DELTA[::-1], P[::-1]),
-        Reading(sort=True),
+        SeriesReading(sort=True),
     ),
 }
 
 
 @pytest.mark.parametrize(("text", "reading"), GUISES.values(), ids=GUISES.keys())
-def test_every_guise_gives_the_same_series(tmp_path: Path, text: str, reading: Reading) -> None:
+def test_every_guise_gives_the_same_series(tmp_path: Path, text: str, reading: SeriesReading) -> None:
     path = tmp_path / "t.csv"
     path.write_text(text, encoding="utf-8")
     solution = read_series(path, BALL, reading)
@@ -109,7 +109,7 @@ def test_units_only_change_the_numbers(tmp_path_factory, length: str, depth: str
     )  # type: ignore[index]
     path = tmp_path_factory.mktemp("units") / "t.csv"
     path.write_text(f"a [{length}],delta [{depth}],P [{load}]\n" + rows(a, delta, force))
-    series = read_series(path, BALL, Reading()).series
+    series = read_series(path, BALL, SeriesReading()).series
     np.testing.assert_allclose([series.a, series.delta, series.P], [A[KEPT], DELTA[KEPT], P[KEPT]], rtol=1e-14)
 
 
@@ -254,29 +254,29 @@ def test_wrong_tables_are_reported_by_line(tmp_path: Path, monkeypatch, text: st
     monkeypatch.chdir(tmp_path)
     Path("t.csv").write_text(text)
     with pytest.raises(InputError) as caught:
-        read_series(Path("t.csv"), Sphere(R), Reading())
+        read_series(Path("t.csv"), Sphere(R), SeriesReading())
     assert list(caught.value.lines) == lines
 
 
 CHOICES = {
-    "unknown name": (Reading(columns={"P": "dleta"}), 't.csv: no single column "dleta" for P, did you mean "delta"? '
-                     '(columns: 1 "a_um", 2 "delta_um", 3 "P_mN")'),
-    "number too large": (Reading(columns={"P": "4"}), 't.csv: no single column "4" for P '
+    "unknown name": (SeriesReading(columns={"P": "dleta"}), 't.csv: no single column "dleta" for P, did you mean '
+                     '"delta"? (columns: 1 "a_um", 2 "delta_um", 3 "P_mN")'),
+    "number too large": (SeriesReading(columns={"P": "4"}), 't.csv: no single column "4" for P '
                          '(columns: 1 "a_um", 2 "delta_um", 3 "P_mN")'),
-    "radius and area": (Reading(columns={"a": "1", "area": "2"}),
+    "radius and area": (SeriesReading(columns={"a": "1", "area": "2"}),
                         "t.csv: give a column for the contact radius or for the contact area, not for both"),
-    "one column twice": (Reading(columns={"P": "2"}), 't.csv: one column cannot be two quantities, got P = column 2 '
-                         '"delta_um", a = column 1 "a_um", delta = column 2 "delta_um"'),
-    "comma twice": (Reading(separator="comma", decimal=","),
+    "one column twice": (SeriesReading(columns={"P": "2"}), 't.csv: one column cannot be two quantities, got P = '
+                         'column 2 "delta_um", a = column 1 "a_um", delta = column 2 "delta_um"'),
+    "comma twice": (SeriesReading(separator="comma", decimal=","),
                     'separator "comma" and decimal "," exclude each other: say which one the comma is'),
-    "area beyond the sphere": (Reading(columns={"area": "1"}, units={"area": "m^2"}),
+    "area beyond the sphere": (SeriesReading(columns={"area": "1"}, units={"area": "m^2"}),
                                "t.csv: line 2: contact area 1 m^2 is larger than the indenter's surface, "
                                "6.28318e-06 m^2; is the unit right?"),
 }  # fmt: skip
 
 
 @pytest.mark.parametrize(("reading", "line"), CHOICES.values(), ids=CHOICES.keys())
-def test_wrong_choices_name_the_columns(tmp_path: Path, monkeypatch, reading: Reading, line: str) -> None:
+def test_wrong_choices_name_the_columns(tmp_path: Path, monkeypatch, reading: SeriesReading, line: str) -> None:
     monkeypatch.chdir(tmp_path)
     Path("t.csv").write_text(table_of(GOOD))
     with pytest.raises(InputError) as caught:
@@ -290,7 +290,7 @@ def test_any_text_gives_a_series_or_a_sentence(tmp_path_factory, text: str) -> N
     path.write_text("a_m,delta_m,P_N\n" + text)
     lines: tuple[str, ...] = ()
     try:
-        assert len(read_series(path, Sphere(R), Reading()).series) >= 5
+        assert len(read_series(path, Sphere(R), SeriesReading()).series) >= 5
     except InputError as error:
         lines = error.lines
     assert all(line.startswith((str(path), "...")) for line in lines)
@@ -299,6 +299,6 @@ def test_any_text_gives_a_series_or_a_sentence(tmp_path_factory, text: str) -> N
 def test_a_sign_is_left_alone_when_asked(tmp_path: Path) -> None:
     path = tmp_path / "t.csv"
     path.write_text(table_of([(a, -d, p) for a, d, p in GOOD]))
-    assert read_series(path, Sphere(R), Reading()).series.delta[0] == 1e-6
+    assert read_series(path, Sphere(R), SeriesReading()).series.delta[0] == 1e-6
     with pytest.raises(InputError, match="line 2: displacement must be positive in contact, got -1e-06"):
-        read_series(path, Sphere(R), Reading(sign="as-is"))
+        read_series(path, Sphere(R), SeriesReading(sign="as-is"))

@@ -8,10 +8,9 @@ from pathlib import Path
 
 from ...base.errors import InputError
 from .contact import with_zero_points
-from .curve import Curve
-from .reading import KEYS, Reading
+from .curve import Curve, Reading
 
-__all__ = ["KEYS", "Curve", "Reading", "each", "read"]
+__all__ = ["Curve", "Reading", "each", "read"]
 # Endings of force microscopes' files. Of .csv and .txt only the user knows: --format afm.
 AFM_ENDINGS = (".jpk-force", ".jpk-force-map", ".jpk-qi-data", ".jpk-qi-series", ".ibw", ".h5", ".tab")
 

@@ -10,13 +10,11 @@ from typing import Any
 
 import numpy as np
 
+from ...base.arrays import Array
 from ...base.errors import InputError, first_line
 from ...base.files import read_bytes
-from ...series import Array
-from .curve import APPROACH, RETRACT, Curve
-from .reading import Reading
+from .curve import APPROACH, LEAST_ROWS, RETRACT, Curve, Reading, place
 
-LEAST_ROWS = 3
 HEIGHTS = ("height (measured)", "height (piezo)")  # the better first
 SEGMENTS = {0: APPROACH, 1: RETRACT}
 
@@ -73,7 +71,7 @@ def _load(path: Path, reading: Reading) -> list[Any]:
 
 def _curve(path: Path, name: str, data: Any) -> Curve:
     """Minus the height of the tip, else of the piezo, the force, time and segments of one data set."""
-    where = str(path) if name == path.stem else f'{path}: curve "{name}"'
+    where = place(path, name)
     height = next((name for name in ("tip position", *HEIGHTS) if _holds(data, name)), None)
     if height is None or not _holds(data, "force"):
         raise InputError(f"{where}: holds no height or no force (columns: {', '.join(data.columns)})")

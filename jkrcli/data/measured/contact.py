@@ -3,23 +3,32 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ...base.arrays import Array
 from ...base.errors import InputError
 from ...base.units import show
-from ...series import Array
 from .curve import APPROACH, Curve
 
-FREE = 0.1  # of the approach, by displacement: the part that must be free of contact
-FEWEST = 10  # rows in it
-SIGMAS = 5.0  # standard deviations of the free part at which a load is no noise any more
-LEAST_RISE = 1e-6  # of the range of the load: the same without noise
-NORMAL = 1.4826  # standard deviation over median deviation of normal noise
-RUN = 3  # rows in succession that must agree
 GIVE = "give --zero P=... and --zero delta=..."
-SATURATED = 5  # rows in succession at the very same largest load
+
+
+@dataclass(frozen=True)
+class FirstTouchTuning:
+    """How the free part of an approach is told from contact."""
+
+    free: float = 0.1  # choice: of the approach, by displacement: the part that must be free of contact
+    fewest: int = 10  # choice: rows in it
+    sigmas: float = 5.0  # theory: standard deviations of normal noise that no row of a million reaches
+    least_rise: float = 1e-6  # choice: of the range of the load, for records without noise
+    normal: float = 1.4826  # theory: standard deviation over median deviation of normal noise
+    run: int = 3  # choice: rows in succession that must agree
+    saturated: int = 5  # choice: rows in succession at the very same largest load that are said
+
+
+TUNING = FirstTouchTuning()
 
 
 def with_zero_points(curve: Curve) -> Curve:
@@ -45,8 +54,8 @@ def with_zero_points(curve: Curve) -> Curve:
             raise InputError(f"{curve.where}: the load of the approach never leaves its baseline: no contact was made")
         if first < free:
             raise InputError(f"{curve.where}: row {first + 1} of the approach lies off the baseline of its first "
-                             f"{FREE:.0%}: no zero points without a free part; {GIVE}")  # fmt: skip
-        end = max(first - RUN, end)
+                             f"{TUNING.free:.0%}: no zero points without a free part; {GIVE}")  # fmt: skip
+        end = max(first - TUNING.run, end)
         line = np.polynomial.Polynomial.fit(z[:end], P[:end], 1)
     assert first is not None
     touch = float(z[first - 1] + z[first]) / 2
@@ -64,7 +73,7 @@ def saturation(curve: Curve) -> tuple[str, ...]:
     if curve.P is None:
         return ()
     largest = np.flatnonzero(curve.P == curve.P.max())
-    if largest.size < SATURATED or largest[-1] - largest[0] + 1 != largest.size or largest.size == len(curve):
+    if largest.size < TUNING.saturated or largest[-1] - largest[0] + 1 != largest.size or largest.size == len(curve):
         return ()
     return (f"{largest.size} rows in succession hold the same largest load, {show(float(curve.P.max()), 'load')}: "
             "is the detector at its limit?",)  # fmt: skip
@@ -84,32 +93,32 @@ def _approach(curve: Curve) -> Array:
 
 def _end_of_free_part(curve: Curve, z: Array) -> int:
     """How many rows at the beginning of the approach are taken to be free."""
-    beyond = z > z.min() + FREE * np.ptp(z)
+    beyond = z > z.min() + TUNING.free * np.ptp(z)
     end = int(np.argmax(beyond))
-    if end < FEWEST:
+    if end < TUNING.fewest:
         raise InputError(
-            f"{curve.where}: the first {FREE:.0%} of the approach hold {end} rows, at least {FEWEST} are needed to "
-            f"estimate zero points; {GIVE}, or --flip delta if it begins in contact"
+            f"{curve.where}: the first {TUNING.free:.0%} of the approach hold {end} rows, at least {TUNING.fewest} are "
+            f"needed to estimate zero points; {GIVE}, or --flip delta if it begins in contact"
         )
     return end
 
 
 def _refuse_contact(curve: Curve, off: Array, span: float) -> None:
     """Refuse a beginning that is no straight line: its deviations ``off`` [N] are not those from row to row."""
-    noise = float(np.median(np.abs(np.diff(off, 2)))) * NORMAL / math.sqrt(6)
+    noise = float(np.median(np.abs(np.diff(off, 2)))) * TUNING.normal / math.sqrt(6)
     scatter = float(np.sqrt(np.mean(off**2)))
-    if scatter > max(SIGMAS * noise, LEAST_RISE * span):
+    if scatter > max(TUNING.sigmas * noise, TUNING.least_rise * span):
         raise InputError(
-            f"{curve.where}: the first {FREE:.0%} of the approach are no straight baseline: loads scatter by "
+            f"{curve.where}: the first {TUNING.free:.0%} of the approach are no straight baseline: loads scatter by "
             f"{show(scatter, 'load')} about it, by {show(noise, 'load')} from row to row; if contact begins there, "
             f"{GIVE}"
         )
 
 
 def _first_touch(z: Array, P: Array, line: np.polynomial.Polynomial, end: int) -> int | None:
-    """The first of ``RUN`` rows in succession whose load lies off the baseline."""
+    """The first of ``run`` rows in succession whose load lies off the baseline."""
     off = np.abs(P - line(z))
-    noise = NORMAL * float(np.median(off[:end]))
-    away = off > max(SIGMAS * noise, LEAST_RISE * float(np.ptp(P)))
-    runs = np.convolve(away, np.ones(RUN, dtype=int), "valid") == RUN
+    noise = TUNING.normal * float(np.median(off[:end]))
+    away = off > max(TUNING.sigmas * noise, TUNING.least_rise * float(np.ptp(P)))
+    runs = np.convolve(away, np.ones(TUNING.run, dtype=int), "valid") == TUNING.run
     return int(np.argmax(runs)) if runs.any() else None

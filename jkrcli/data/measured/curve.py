@@ -1,19 +1,20 @@
-"""One measured curve: what was measured of contact radius, displacement, load and time, in SI, as recorded."""
+"""One measured curve, in SI, as recorded, and how it is to be read: columns, units, signs, zero points."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
+from ...base.arrays import Array
 from ...base.errors import InputError
-from ...series import Array
 
 QUANTITIES = ("a", "delta", "P", "t")
 APPROACH, RETRACT = "approach", "retract"
+LEAST_ROWS = 3  # choice: of a curve
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,9 +68,7 @@ class Curve:
     @property
     def where(self) -> str:
         """File and name, for messages; a file of one curve gives it its name."""
-        if self.origin is None:
-            return self.name
-        return str(self.origin) if self.name == self.origin.stem else f'{self.origin}: curve "{self.name}"'
+        return self.name if self.origin is None else place(self.origin, self.name)
 
     @property
     def measured(self) -> tuple[str, ...]:
@@ -97,3 +96,34 @@ class Curve:
     def segments(self) -> Iterator[str]:
         """The different words of ``segment``, in order of appearance."""
         yield from dict.fromkeys([] if self.segment is None else self.segment.tolist())
+
+
+def place(origin: Path, name: str) -> str:
+    """File and name of a curve, for messages; a file of one curve gives it its name."""
+    return str(origin) if name == origin.stem else f'{origin}: curve "{name}"'
+
+
+@dataclass(frozen=True)
+class Reading:
+    """Conventions of a measurement; by default those of the project: SI, indentation and compression positive.
+
+    ``columns``: names or numbers (from 1) where the header does not tell, by the keys of ``text.NAMES``; "area" is the
+    projected contact area. ``units``: where the header names none. ``flip``: of "delta" and "P", those that are to
+    change sign: a height or separation grows away from the specimen, some instruments count adhesive forces positive.
+    ``stiffness`` [N/m]: the displacement is the device's, its deflection P/stiffness is subtracted; of a microscope's
+    file its spring constant, where the file lacks it. ``sensitivity`` [m/V]: likewise.
+    ``zero``: displacement [m] and load [N] at the zero points, subtracted after the change of sign.
+    ``contact``: "as-is", or "estimate": zero points by ``contact.with_zero_points``.
+    ``format``: "text", "afm" (read by afmformats) or "auto", by the ending of the name.
+    """
+
+    columns: Mapping[str, str] = field(default_factory=dict)
+    units: Mapping[str, str] = field(default_factory=dict)
+    flip: frozenset[str] = frozenset()
+    stiffness: float | None = None
+    sensitivity: float | None = None
+    zero: Mapping[str, float] = field(default_factory=dict)
+    contact: Literal["as-is", "estimate"] = "as-is"
+    format: Literal["auto", "text", "afm"] = "auto"
+    separator: str | None = None
+    decimal: str | None = None

@@ -7,30 +7,19 @@ from pathlib import Path
 
 import numpy as np
 
+from ...base.arrays import Array
 from ...base.errors import InputError
-from ...series import Array
-from ..columns import Vocabulary, asked, check_different, choice, split_name, words
+from ..columns import CONTACT, Quantity, Vocabulary, asked, check_chosen, choice, split_name, words
 from ..text_table import TextTable, read_table
-from .curve import APPROACH, QUANTITIES, RETRACT, Curve
-from .reading import Reading
+from .curve import APPROACH, LEAST_ROWS, QUANTITIES, RETRACT, Curve, Reading, place
 
-LEAST_ROWS = 3
-# What the columns are called, lower case, without unit.
-NAMES = Vocabulary(
-    aliases={
-        "a": ("a", "radius", "contact radius", "contact_radius", "contactradius", "r_c", "rc"),
-        "area": ("area", "contact area", "contact_area", "contactarea"),
-        "delta": ("delta", "displacement", "disp", "depth", "indentation", "indentation depth", "d"),
-        "P": ("p", "load", "force", "normal force", "f"),
-        "t": ("t", "time"),
-        "segment": ("segment", "phase", "direction"),
-        "curve": ("curve", "curve number", "curve_number"),
-    },
-    dimensions={"a": "length", "area": "area", "delta": "length", "P": "load", "t": "time"},
-    meanings={"a": "contact radius", "area": "contact area", "delta": "displacement", "P": "load", "t": "time",
-              "segment": "segment", "curve": "curve"},
-)  # fmt: skip
-TEXT = ("segment", "curve")
+NAMES = Vocabulary(CONTACT | {
+    "delta": CONTACT["delta"].also("indentation depth"),
+    "P": CONTACT["P"].also("normal force"),
+    "t": Quantity("time", "time", ("t", "time")),
+    "segment": Quantity("segment", "", ("segment", "phase", "direction")),
+    "curve": Quantity("curve", "", ("curve", "curve number", "curve_number")),
+})  # fmt: skip
 SEGMENTS = {
     **dict.fromkeys(("approach", "loading", "load", "extend", "advance", "advancing", "trace", "0"), APPROACH),
     **dict.fromkeys(("retract", "retraction", "unloading", "unload", "withdraw", "receding", "retrace", "1"), RETRACT),
@@ -46,7 +35,7 @@ def curves(path: Path, reading: Reading) -> Iterator[tuple[Curve | InputError, f
     table = read_table(path, reading.separator, reading.decimal, 2, _is_text(reading), finite=False)
     chosen = _columns(table, reading)
     values = {key: NAMES.in_si(table, key, i, _unit(table, key, i, reading))
-              for key, i in chosen.items() if key not in TEXT}  # fmt: skip
+              for key, i in chosen.items() if key in NAMES.numbers}  # fmt: skip
     segments = np.array([SEGMENTS.get(word.lower(), word) for word in table.text[chosen["segment"]]]) \
         if "segment" in chosen else None  # fmt: skip
     for name, rows in _groups(table, chosen):
@@ -69,10 +58,11 @@ def _curve(
 
 def _is_text(reading: Reading) -> Callable[[int, str], bool]:
     """Whether a column holds words: by its name, or as told."""
-    told = {reading.columns[key] for key in TEXT if key in reading.columns}
+    of_words = NAMES.quantities.keys() - set(NAMES.numbers)
+    told = {name for key, name in reading.columns.items() if key in of_words}
 
     def is_text(index: int, title: str) -> bool:
-        return NAMES.key_of(title) in TEXT or bool({title, split_name(title)[0], str(index + 1)} & told)
+        return NAMES.key_of(title) in of_words or bool({title, split_name(title)[0], str(index + 1)} & told)
 
     return is_text
 
@@ -80,12 +70,10 @@ def _is_text(reading: Reading) -> Callable[[int, str], bool]:
 def _columns(table: TextTable, reading: Reading) -> dict[str, int]:
     """Index of the column of every quantity that is there: as told, else by its name."""
     chosen = {key: asked(table, key, name) for key, name in reading.columns.items()}
-    for key in NAMES.aliases:
+    for key in NAMES.quantities:
         if key not in chosen and NAMES.named(table, key) and not (key == "area" and "a" in chosen):
             chosen[key] = NAMES.guess(table, key)
-    check_different(table, chosen)
-    if "a" in chosen and "area" in chosen:
-        raise InputError(f"{table.path}: give a column for the contact radius or for the contact area, not for both")
+    check_chosen(table, chosen)
     if len(chosen.keys() & {"a", "area", "delta", "P"}) < 2:
         found = words(table, chosen) or "none"
         raise InputError(
@@ -122,8 +110,7 @@ def _groups(table: TextTable, chosen: dict[str, int]) -> Iterator[tuple[str, Arr
 
 def _check(table: TextTable, name: str, lines: Array, values: dict[str, Array]) -> None:
     """Enough rows of finite numbers, areas and radii not negative, time not running back."""
-    alone = name == table.path.stem
-    where = str(table.path) if alone else f'{table.path}: curve "{name}"'
+    where = place(table.path, name)
     if lines.size < LEAST_ROWS:
         there = ", ".join(map(str, lines))
         raise InputError(f"{where}: holds {lines.size} rows (lines {there}), at least {LEAST_ROWS} are needed")
@@ -133,10 +120,12 @@ def _check(table: TextTable, name: str, lines: Array, values: dict[str, Array]) 
         if wrong.any():
             i = int(np.argmax(wrong))
             rule = "finite and >= 0" if size else "finite"
-            raise InputError(f"{where}: line {lines[i]}: {NAMES.meanings[key]} must be {rule}, got {column[i]:g} (SI)")
+            raise InputError(f"{where}: line {lines[i]}: {NAMES.meaning(key)} must be {rule}, got {column[i]:g} (SI)")
     back = np.diff(values.get("t", np.zeros(1))) < 0
     if back.any():
         i = int(np.argmax(back)) + 1
-        remedy = "; several curves in one file need their column: --column curve=NAME" if alone else ""
+        remedy = (
+            "; several curves in one file need their column: --column curve=NAME" if name == table.path.stem else ""
+        )
         raise InputError(f"{where}: line {lines[i]}: time must not run back, it falls from {values['t'][i - 1]:g} to "
                          f"{values['t'][i]:g} s{remedy}")  # fmt: skip

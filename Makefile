@@ -9,6 +9,7 @@ RESULTS ?= results
 SEED    ?= 1
 
 JKR     := $(VENV)/bin/jkr
+STUDY   := $(VENV)/bin/python -m jkrcli.many.study
 READY   := $(VENV)/.ready
 STEM    := $(basename $(notdir $(CASE)))
 CASES   := $(notdir $(basename $(wildcard cases/*.toml)))
@@ -71,15 +72,15 @@ bench: $(READY) ## time the stages of a run
 	$(JKR) bench $(CASE)
 
 figures: $(READY) ## the paper's figures 5, 7, 8 and 10
-	$(JKR) study figures --cases cases -o $(RESULTS)/figures
+	$(STUDY).figures --cases cases -o $(RESULTS)/figures
 
 noise-study: $(READY) ## what noise in the data does to the adhesive curve, 200 seeds (twenty minutes)
-	$(JKR) study noise -o $(RESULTS)/noise
+	$(STUDY).noise -o $(RESULTS)/noise
 
 chart: $(READY) ## speed against accuracy on four bodies: pictures and tables
 	@mkdir -p $(RESULTS)/chart
 	for name in halfspace thin-layer gel coating; do \
-	  $(JKR) study chart cases/$$name.toml --peers docs/peers/timings.json -o $(RESULTS)/chart || exit 1; done
+	  $(STUDY).chart cases/$$name.toml --peers docs/peers/timings.json -o $(RESULTS)/chart || exit 1; done
 
 chart-peers: $(READY) ## run other programs on the same work, in an environment of their own (half an hour; needs ccx)
 	$(PYTHON) -m venv --clear $(VENV)-peers
@@ -87,7 +88,7 @@ chart-peers: $(READY) ## run other programs on the same work, in an environment 
 	$(VENV)/bin/python docs/peers/run.py --python $(VENV)-peers/bin/python
 
 failures: $(READY) ## where each method is right, refuses, or errs (an hour)
-	$(JKR) study failures -o $(RESULTS)/failures
+	$(STUDY).failures -o $(RESULTS)/failures
 
 sweep: $(READY) ## a small map over thickness and Poisson's ratio
 	$(JKR) sweep cases/sweeps/gel.toml -o $(RESULTS)/sweep-gel

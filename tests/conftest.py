@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Callable
 from dataclasses import dataclass, is_dataclass, replace
 from pathlib import Path
@@ -60,3 +61,21 @@ def _tuned(monkeypatch: pytest.MonkeyPatch) -> Callable[[str, object], None]:
         monkeypatch.setattr(name, value)
 
     return change
+
+
+@pytest.fixture(name="study")
+def _study(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> Callable[..., Outcome]:
+    """Run one of the studies that make starts, by its name, in an empty folder; exit code, stdout and stderr."""
+    from jkrcli.many.study import command
+
+    monkeypatch.chdir(tmp_path)
+
+    def run(name: str, *words: object) -> Outcome:
+        module = importlib.import_module(f"jkrcli.many.study.{name}")
+        code = command.call(module.main, [str(word) for word in words])
+        captured = capsys.readouterr()
+        return Outcome(code, captured.out, captured.err)
+
+    return run

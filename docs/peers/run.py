@@ -4,7 +4,7 @@
 
 This script runs in the environment of jkr, the peers' drivers in their own; CalculiX is the command ccx. Expensive:
 half an hour. A peer that is not installed is left out. Every run is a whole process on one thread; errors as in
-jkr study chart, against the exact solution of the same paraboloid; the pull-off force is that of the peer's increments
+make chart, against the exact solution of the same paraboloid; the pull-off force is that of the peer's increments
 with the slopes "integral".
 """
 

@@ -16,6 +16,7 @@ What it would replace, the start of processes, is thirty lines of the standard l
 from __future__ import annotations
 
 import contextlib
+import math
 import multiprocessing
 import os
 import pickle
@@ -47,6 +48,7 @@ class Tuning:
     """Limits of handing out work; no result depends on them."""
 
     ahead: int = 2  # choice: tasks per worker that are handed out before they can be worked on: none ever waits
+    worth: float = 4.0  # choice: CPU seconds of work for each process, which takes half a second to start
     connect: float = 15.0  # choice: seconds to reach a scheduler, as long as a user will wait for a wrong address
 
 
@@ -71,15 +73,21 @@ class Pool(Executor):
 
 
 @contextlib.contextmanager
-def executor(workers: int | None = None, scheduler: str | None = None, progress: Progress = silent) -> Iterator[Pool]:
-    """A pool for ``completed``: ``workers`` local processes (default: one per core; 1: this very process), or the
-    workers of a running Dask ``scheduler`` ("tcp://host:8786").
+def executor(
+    workers: int | None = None,
+    scheduler: str | None = None,
+    progress: Progress = silent,
+    seconds: float = math.inf,
+) -> Iterator[Pool]:
+    """A pool for ``completed``: ``workers`` local processes (1: this very process; default: one per core, as far as
+    they pay for work of about so many CPU ``seconds``), or the workers of a running Dask ``scheduler``
+    ("tcp://host:8786").
 
     Left by an exception (Ctrl-C is one), work in hand is given up at once and no process stays behind.
     """
     if scheduler is not None and workers is not None:
         raise InputError("--workers: the scheduler knows its own workers; give either --workers or --scheduler")
-    count = available_cores() if workers is None else workers
+    count = int(max(1, min(available_cores(), seconds / TUNING.worth))) if workers is None else workers
     if count < 1:
         raise InputError(f"--workers: must be >= 1, got {count}")
     pool = _Cluster(scheduler) if scheduler is not None else _Processes(count) if count > 1 else _Here()

@@ -10,8 +10,9 @@ from ..adhesion.analysis import specification
 from ..base.errors import InputError
 from ..case import store
 from ..report import tables
+from ..report.output import PICTURES, Output
 from ..series.differences import Difference, curve_differences, series_differences
-from .output import PICTURES, Output, answer, output_options
+from .output import answer, output_options
 from .voice import say
 
 COLUMNS = ("P", "a", "S", "dS")

@@ -16,8 +16,9 @@ from ..base.unknown import Unknown
 from ..case import store
 from ..case.store import Stored
 from ..report import tables
+from ..report.output import PICTURES, Output
 from .options import Length, Load, WorkOfAdhesion, modulus_factor_option, slopes_option
-from .output import PICTURES, Output, answer, into_folder, output_options
+from .output import answer, into_folder, output_options
 from .pull_off import Control
 from .voice import say
 

@@ -13,9 +13,10 @@ from ..base.files import write_text
 from ..case import store
 from ..data import measured
 from ..report.explorer import page, payload, start_work
+from ..report.output import Output
 from .measured import reading_of, reading_options
 from .options import WorkOfAdhesion, slopes_option
-from .output import ONE_FILE, Output, answer, into_file, output_options
+from .output import ONE_FILE, answer, into_file, output_options
 from .voice import say
 
 

@@ -14,9 +14,10 @@ from ..base.errors import InputError
 from ..base.files import atomic
 from ..base.units import show
 from ..case import store
+from ..report.output import PICTURES, Files, Output
 from .mesh import MARKS
 from .options import Length, Load, WorkOfAdhesion
-from .output import PICTURES, Files, Output, answer, into_folder, output_options
+from .output import answer, into_folder, output_options
 from .voice import say
 
 if TYPE_CHECKING:

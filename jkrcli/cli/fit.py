@@ -10,11 +10,11 @@ import click
 
 from ..base.errors import InputError
 from ..methods.guards import Limits
+from ..report.output import PICTURES, Files, Output
 from .measured import reading_of, reading_options
-from .options import ParamType, Scale, limits_options, slopes_option
-from .output import PICTURES, Files, Output, answer, into_folder, output_options
-from .parallel import parallel_options, pool_for
-from .voice import say, warn
+from .options import ParamType, Scale, limits_options, parallel_options, slopes_option
+from .output import answer, into_folder, output_options
+from .voice import progress, say, warn
 
 if TYPE_CHECKING:
     from ..data.measured import Curve
@@ -143,6 +143,7 @@ def _fits(
     scheduler: str | None,
 ) -> list[Fit | Failure]:
     """Fits of all curves in all files; InputError where there is none at all."""
+    from ..base.executors import executor
     from ..data.measured import each
     from ..data.text_table import some
     from ..identification.fit.fitting import Failure, fit_all
@@ -155,7 +156,7 @@ def _fits(
                 unread += item.lines
             else:
                 curves.append(item)
-    with pool_for(SECONDS * len(curves), workers, scheduler) as pool:
+    with executor(workers, scheduler, progress, SECONDS * len(curves)) as pool:
         found = fit_all(body, curves, settings, pool)
     failed = [line for item in found if isinstance(item, Failure) for line in item.lines]
     if len(unread) + len(failed) and all(isinstance(item, Failure) for item in found):

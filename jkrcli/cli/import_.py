@@ -21,9 +21,10 @@ from ..case import Case, load_case, parse_case, store
 from ..case.models import CaseModel, LoadingTable
 from ..data.foreign import NAMES, SeriesReading, read_series
 from ..data.text_table import SEPARATORS
+from ..report.output import Output
 from ..series import Solution
 from .options import KeyValue, Length
-from .output import ONE_FILE, Output, answer, into_file, output_options
+from .output import ONE_FILE, answer, into_file, output_options
 from .voice import say
 
 KEYS = tuple(NAMES.quantities)

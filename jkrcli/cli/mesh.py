@@ -15,9 +15,10 @@ from ..case.numerics import fem_of
 from ..methods.fem.export import write_vtu
 from ..methods.fem.mesh import write_msh
 from ..methods.guards import Limits, admit
+from ..report.output import Output
 from ..report.plots.body import mesh_figure
 from .options import limits_options
-from .output import Output, into_folder, output_options
+from .output import into_folder, output_options
 from .voice import note, say
 
 # What tells jkr that it wrote a file, where the format keeps comments.

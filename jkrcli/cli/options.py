@@ -43,6 +43,17 @@ slopes_option = click.option(
 )
 
 
+def parallel_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """--workers and --scheduler."""
+    workers = click.option(
+        "--workers", type=click.IntRange(min=1), help="Local processes [default: one per core, if they pay]."
+    )
+    scheduler = click.option(
+        "--scheduler", metavar="ADDRESS", help="Dask scheduler that you run, such as tcp://node1:8786."
+    )
+    return workers(scheduler(command))
+
+
 class Quantity(ParamType):
     """A finite number of a dimension, SI or with a unit."""
 

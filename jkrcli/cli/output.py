@@ -3,95 +3,18 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
 from ..base.errors import InputError
-from ..base.files import check_series_target, check_target, make_folder, write_text
-from ..base.table import as_json, write_csv
+from ..base.table import as_json
+from ..report.output import Output
 
-if TYPE_CHECKING:
-    from ..report.plots import Figure
-
-PICTURES = (".png", ".svg")
 ONE_FILE = "Replace an existing file that jkr did not write."  # help of --force
 Command = Callable[..., Any]
-
-
-@dataclass(frozen=True)
-class Files:
-    """Files of one result that differ in their endings: ``stem`` and each of ``endings``."""
-
-    stem: Path
-    endings: tuple[str, ...]
-
-    def __getitem__(self, ending: str) -> Path:
-        return self.stem.with_name(self.stem.name + ending)
-
-    def __str__(self) -> str:
-        return f"{self.stem}{{{','.join(self.endings)}}}"
-
-    def draw(self, figure: Callable[[], Figure]) -> Figure | None:
-        """What ``figure`` draws, where a picture is to be written."""
-        return figure() if set(PICTURES) & set(self.endings) else None
-
-    def write(
-        self,
-        table: Mapping[str, Any] | None = None,
-        summary: Mapping[str, Any] | None = None,
-        figure: Figure | None = None,
-    ) -> None:
-        """The columns of a table as CSV, a summary as JSON, a figure as pictures, as far as they are given."""
-        if table is not None:
-            write_csv(self[".csv"], table)
-        if summary is not None:
-            write_text(self[".json"], as_json(summary))
-        if figure is not None:
-            from ..report import plots
-
-            for ending in self.endings:
-                if ending in PICTURES:
-                    plots.save(figure, self[ending])
-
-
-@dataclass(frozen=True)
-class Output:
-    """Where and how a verb writes, as its options say; ``where``: -o, None where it was not given."""
-
-    where: Path | None
-    force: bool
-    plots: bool
-    json: bool
-
-    def folder(self, default: Path) -> Path:
-        """The folder to write into, made where -o names one that is not there; else ``default``."""
-        if self.where is None:
-            return default
-        make_folder(self.where)
-        return self.where
-
-    def file(self, default: Path, inputs: Iterable[Path] = ()) -> Path:
-        """The one file to write, after a check that it can and may be written."""
-        target = default if self.where is None else self.where
-        check_target(target, self.force, inputs)
-        return target
-
-    def series(self, default: Path, inputs: Iterable[Path] = ()) -> Path:
-        """As ``file``, of a series: its name must not promise another format."""
-        target = default if self.where is None else self.where
-        check_series_target(target, self.force, inputs)
-        return target
-
-    def files(self, stem: Path, endings: Iterable[str], inputs: Iterable[Path] = ()) -> Files:
-        """``stem`` with ``endings``, without pictures under --no-plots; checked, before any work, like one file."""
-        held = Files(stem, tuple(ending for ending in endings if self.plots or ending not in PICTURES))
-        for ending in held.endings:
-            check_target(held[ending], self.force, inputs)
-        return held
 
 
 json_option = click.option("--json", "as_json", is_flag=True, help="Print as JSON.")

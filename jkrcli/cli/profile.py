@@ -15,9 +15,10 @@ from ..bodies.problem import Problem
 from ..case import store
 from ..methods.layered.fields import profile as solve_profile
 from ..methods.layered.layered import unbounded
+from ..report.output import PICTURES, Output
 from ..report.plots.body import profile_figure
 from .options import Length, Load, WorkOfAdhesion
-from .output import PICTURES, Output, into_folder, output_options
+from .output import into_folder, output_options
 from .voice import say
 
 

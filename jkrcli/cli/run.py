@@ -18,9 +18,10 @@ from ..case.solving import solve
 from ..methods import METHODS
 from ..methods.choose import Choice
 from ..methods.guards import Limits
+from ..report.output import Output
 from ..series import Solution
 from .options import limits_options
-from .output import ONE_FILE, Output, answer, into_file, output_options
+from .output import ONE_FILE, answer, into_file, output_options
 from .voice import detail, note, say, warn
 
 

@@ -9,11 +9,13 @@ import click
 STUDIES = {
     "pull-off-map": "The pull-off force on a layer, in pi w R, over w R^2/(E* h^3).",
     "converge": "The same case on a sequence of meshes.",
-    "noise": "Error of the pull-off force and coverage of its band over noise in the data.",
-    "chart": "Speed against accuracy: every method and setting on one case.",
-    "failures": "Where each method is right, refuses, or errs.",
-    "figures": "The figures of the paper, computed and drawn.",
 }
+MAKE = {
+    "noise": "noise-study",
+    "chart": "chart",
+    "failures": "failures",
+    "figures": "figures",
+}  # studies of the methods
 
 
 class Studies(click.Group):
@@ -32,6 +34,8 @@ class Studies(click.Group):
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
         if args and args[0] not in STUDIES and not args[0].startswith("-"):
+            if args[0] in MAKE:
+                raise click.UsageError(f'"{args[0]}" is now run as make {MAKE[args[0]]}', ctx)
             raise click.UsageError(f'unknown study "{args[0]}" (studies: {", ".join(STUDIES)})', ctx)
         return super().resolve_command(ctx, args)
 

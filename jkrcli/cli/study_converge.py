@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from ..base.errors import InputError
-from ..base.files import check_target, make_folder, write_text
-from ..base.table import write_csv
+from ..base.executors import executor
 from ..base.units import show
 from ..base.unknown import Unknown
 from ..bodies.words import describe
@@ -20,10 +19,14 @@ from ..case.numerics import method_of
 from ..many.study.converge import QUANTITIES, Convergence, converge
 from ..methods.fem.method import FEM
 from ..report import tables
-from .options import WorkOfAdhesion
-from .parallel import parallel_options, pool_for
+from ..report.output import PICTURES, Output
+from .options import WorkOfAdhesion, parallel_options
+from .output import answer, into_folder, output_options
+from .voice import progress
 
-ENDINGS = (".csv", ".json", ".png", ".svg")
+if TYPE_CHECKING:
+    from ..report.plots import Figure
+
 WORDS = {"a": "contact radius", "P": "load", "pull_off": "pull-off force"}
 
 
@@ -33,10 +36,8 @@ WORDS = {"a": "contact radius", "P": "load", "pull_off": "pull-off force"}
 @click.option("--contact", type=click.Choice(["nested", "incremental"]), help="Instead of the case's.")
 @click.option("--w", "work", type=WorkOfAdhesion(), help="Work of adhesion [default: the case's first].")
 @parallel_options
-@click.option("-o", "--output", type=click.Path(path_type=Path, file_okay=False), default=Path(), help="Folder.")
-@click.option("--no-plots", is_flag=True, help="Write CSV and JSON only.")
-@click.option("--force", is_flag=True, help="Replace existing files that jkr did not write.")
-@click.option("--json", "as_json", is_flag=True, help="Print as JSON.")
+@into_folder("Folder.", default=Path())
+@output_options(plots="Write CSV and JSON only.", json="Print as JSON.")
 def study_converge(
     case: Path,
     levels: int,
@@ -44,10 +45,7 @@ def study_converge(
     work: float | None,
     workers: int | None,
     scheduler: str | None,
-    output: Path,
-    no_plots: bool,
-    force: bool,
-    as_json: bool,
+    output: Output,
 ) -> None:
     """Solve CASE by finite elements on meshes whose elements halve from one to the next (Appendix C).
 
@@ -62,36 +60,28 @@ def study_converge(
     w = work if work is not None else next(iter(loaded.model.adhesion.w), None)
     if not w:
         raise InputError(f"{case}: names no work of adhesion > 0: give --w")
-    make_folder(output)
-    targets = {ending: output / f"{case.stem}-convergence{ending}" for ending in (ENDINGS[:2] if no_plots else ENDINGS)}
-    for target in targets.values():
-        check_target(target, force, [case])
+    folder = output.folder(Path())
+    files = output.files(folder / f"{case.stem}-convergence", (".csv", ".json", *PICTURES), [case])
     method = method_of(loaded.model, "fem")
     assert isinstance(method, FEM)
     if contact is not None:
         method = replace(method, contact=contact)  # type: ignore[arg-type]
     problem = loaded.model.problem()
-    with pool_for(method.forecast(problem).seconds, workers, scheduler) as pool:
+    with executor(workers, scheduler, progress, method.forecast(problem).seconds) as pool:
         found = converge(problem, method, w, levels, pool=pool)
     data = as_dict(found)
-    write_csv(targets[".csv"], _columns(found))
-    write_text(targets[".json"], tables.as_json(data))
-    if not no_plots:
-        _draw(found, targets)
-    if as_json:
-        click.echo(tables.as_json(data).rstrip())
+    files.write(_columns(found), data, files.draw(lambda: _figure(found)))
+    if output.json:
+        answer(data)
     else:
         _print(found)
-        click.echo(f"  written   {targets['.csv'].with_suffix('')}{{{','.join(targets)}}}")
+        click.echo(f"  written   {files}")
 
 
-def _draw(found: Convergence, targets: dict[str, Path]) -> None:
+def _figure(found: Convergence) -> Figure:
     from ..many.study.figures import convergence_figure
-    from ..report import plots
 
-    figure = convergence_figure(found)
-    for ending in ENDINGS[2:]:
-        plots.save(figure, targets[ending])
+    return convergence_figure(found)
 
 
 def as_dict(found: Convergence) -> dict[str, Any]:

@@ -3,18 +3,23 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 import numpy as np
 
+from ..base.arrays import Array
 from ..base.errors import InputError
-from ..base.files import check_target, make_folder
-from ..base.table import write_csv
+from ..base.executors import executor
 from ..many.study.pull_off_map import map_columns, pull_off_map
-from ..report import tables
-from .parallel import parallel_options, pool_for
+from ..report.output import PICTURES, Output
+from .options import parallel_options
+from .output import answer, into_folder, output_options
+from .voice import progress
 
-STEM = "pull-off-map"
+if TYPE_CHECKING:
+    from ..report.plots import Figure
+
 PER_RATIO = 1.0  # CPU seconds of one Poisson's ratio
 SHOWN = ("nu", "w_R2_over_Estar_h3", "minus_P_over_pi_w_R", "a_over_h")
 
@@ -24,22 +29,15 @@ SHOWN = ("nu", "w_R2_over_Estar_h3", "minus_P_over_pi_w_R", "a_over_h")
 @click.option("--base", type=click.Choice(["bonded", "frictionless"]), default="bonded", show_default=True)
 @click.option("--q", "qs", type=float, multiple=True, help="Values of w R^2/(E* h^3) [default: 1e-3 to 1e4].")
 @parallel_options
-@click.option(
-    "-o", "--output", type=click.Path(path_type=Path, file_okay=False), default=".", help="Folder [default: .]."
-)
-@click.option("--no-plots", is_flag=True, help="Write the CSV only.")
-@click.option("--force", is_flag=True, help="Replace existing files that jkr did not write.")
-@click.option("--json", "as_json", is_flag=True, help="Print the table as JSON.")
+@into_folder("Folder [default: .].", default=Path())
+@output_options(plots="Write the CSV only.", json="Print the table as JSON.")
 def study_pull_off_map(
     nus: tuple[float, ...],
     base: str,
     qs: tuple[float, ...],
     workers: int | None,
     scheduler: str | None,
-    output: Path,
-    no_plots: bool,
-    force: bool,
-    as_json: bool,
+    output: Output,
 ) -> None:
     """Map the pull-off force of a paraboloid on a layer on a rigid base, in pi w R, over w R^2/(E* h^3).
 
@@ -52,26 +50,22 @@ def study_pull_off_map(
     for nu in nus:
         if not -1 < nu <= 0.5:
             raise InputError(f"--nu: must be > -1 and <= 0.5, got {nu:g}")
-    make_folder(output)
-    targets = {end: output / f"{STEM}{end}" for end in ((".csv",) if no_plots else (".csv", ".png", ".svg"))}
-    for target in targets.values():
-        check_target(target, force)
+    files = output.files(output.folder(Path()) / "pull-off-map", (".csv", *PICTURES))
     wanted = qs or tuple(10.0 ** (np.arange(-12, 17) / 4))
-    with pool_for(PER_RATIO * len(nus), workers, scheduler) as pool:
+    with executor(workers, scheduler, progress, PER_RATIO * len(nus)) as pool:
         columns = map_columns(pull_off_map(nus, base == "bonded", wanted, pool))
-    write_csv(targets[".csv"], columns)
-    if not no_plots:
-        from ..report import plots
-        from ..report.plots.study import map_figure
-
-        figure = map_figure(columns)
-        for end in (".png", ".svg"):
-            plots.save(figure, targets[end])
-    if as_json:
-        click.echo(tables.as_json({name: values.tolist() for name, values in columns.items()}).rstrip())
+    files.write(columns, figure=files.draw(lambda: _figure(columns)))
+    if output.json:
+        answer({name: values.tolist() for name, values in columns.items()})
         return
     click.echo(f"{base} layer on a rigid base, paraboloid: pull-off force in pi w R")
     click.echo(f"  {'nu':>6} {'w R^2/(E* h^3)':>15} {'force':>8} {'a/h':>9}")
     for nu, q, pulled, a in zip(*(columns[name] for name in SHOWN), strict=True):
         click.echo(f"  {nu:>6g} {q:>15.4g} {pulled:>8.4f} {a:>9.4g}")
-    click.echo(f"  written {output / STEM}{{{','.join(targets)}}}")
+    click.echo(f"  written {files}")
+
+
+def _figure(columns: dict[str, Array]) -> Figure:
+    from ..report.plots.study import map_figure
+
+    return map_figure(columns)

@@ -13,7 +13,7 @@ from ..many.sweep.running import sweep as carry_out
 from ..many.sweep.solving import FAILED
 from ..many.sweep.table import Table
 from ..report import tables
-from .parallel import parallel_options
+from .options import parallel_options
 from .voice import note, progress, say, warn
 
 

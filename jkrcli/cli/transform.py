@@ -15,9 +15,10 @@ from ..base.unknown import Estimate, Unknown
 from ..case import store
 from ..case.store import Stored
 from ..report import tables
+from ..report.output import PICTURES, Files, Output
 from ..report.scaling import Scales, own_scales, scales_of
 from .options import Scale, WorkOfAdhesion, modulus_factor_option, slopes_option
-from .output import PICTURES, Files, Output, answer, into_folder, output_options, refuse_doubles
+from .output import answer, into_folder, output_options, refuse_doubles
 from .voice import say, warn
 
 

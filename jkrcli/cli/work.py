@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..base.errors import InputError
+from ..report.output import PICTURES, Files, Output
 from .measured import reading_of, reading_options
 from .options import Scale, modulus_factor_option, slopes_option
-from .output import PICTURES, Files, Output, answer, into_folder, output_options, refuse_doubles
+from .output import answer, into_folder, output_options, refuse_doubles
 from .voice import progress, say, warn
 
 if TYPE_CHECKING:

@@ -1,6 +1,6 @@
 """Model no more than a scene needs: the least method that can represent a problem, and why.
 
-The rule of "auto", from the charts of speed against accuracy (``jkr study chart``, which checks it): of the methods in
+The rule of "auto", from the charts of speed against accuracy (``make chart``, which checks it): of the methods in
 the order of ``least_first`` the first that represents the body with an expected error of at most ``NOTICEABLE`` within
 ``PATIENCE``. Each runs with its default mesh or tolerance, the point of its own front beyond which more time buys an
 accuracy that no measurement sees. Slopes: exact where the series carries them, else the surer of "integral" and

@@ -18,7 +18,7 @@ from jkrcli.base.unknown import Unknown
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import Layer, Loading, Problem, Rigid, Specimen
-from jkrcli.many.study.noise import noisy
+from jkrcli.many.study.noise_cells import noisy
 from jkrcli.methods import method_class
 from jkrcli.methods.layered.layered import Layered
 from jkrcli.series import Series

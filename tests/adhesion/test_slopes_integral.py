@@ -19,7 +19,7 @@ from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Specimen
 from jkrcli.formulas.closed_form import hertz, power_law, rounded_flat, thin_incompressible_layer, thin_layer
 from jkrcli.many.study.failures_cells import indenter_of, specimen_of
-from jkrcli.many.study.noise import BODIES, cell, noise_study, noisy
+from jkrcli.many.study.noise_cells import BODIES, cell, noise_study, noisy
 from jkrcli.many.study.quantised import node_based, quantised_study
 from jkrcli.methods.layered.layered import Layered
 from jkrcli.series import RawSeries, Series

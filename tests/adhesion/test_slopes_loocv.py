@@ -10,7 +10,7 @@ from jkrcli.adhesion.slopes import slopes, slopes_function
 from jkrcli.adhesion.slopes.loocv import interpolated_slope, loocv
 from jkrcli.base.errors import InputError, Refusal
 from jkrcli.formulas.closed_form import hertz, thin_incompressible_layer, thin_layer
-from jkrcli.many.study.noise import noisy
+from jkrcli.many.study.noise_cells import noisy
 from jkrcli.series import Series
 
 E_STAR, R, W = 5e9 / 0.84, 1e-4, 50.0

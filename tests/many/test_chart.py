@@ -1,4 +1,4 @@
-"""Speed against accuracy: the reference, the measurements, the front, and the verb."""
+"""Speed against accuracy: the reference, the measurements, the front, and the study run by make."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.case import load_case
 from jkrcli.case.numerics import method_of
-from jkrcli.many.study.chart import DEFAULT, SETTINGS, automatic, beside_front, front, settings_of
 from jkrcli.many.study.chart_measure import Cost, process_cost, typical
 from jkrcli.many.study.chart_peers import read_peers
+from jkrcli.many.study.chart_points import DEFAULT, SETTINGS, automatic, beside_front, front, settings_of
 from jkrcli.many.study.chart_reference import reference_of
 from jkrcli.methods.choose import choose
 from jkrcli.methods.layered.layered import Layered
@@ -166,14 +166,14 @@ def test_the_stored_peers_can_be_read() -> None:
     assert all(peer.whole.cpu_s > 0 and peer.errors.load > 0 for peer in peers)
 
 
-# ---------------------------------------------------------------------- the verb
-def test_the_verb_writes_table_json_and_picture(jkr, tmp_path: Path, monkeypatch) -> None:
+# ---------------------------------------------------------------------- the study run by make
+def test_the_study_writes_table_json_and_picture(study, tmp_path: Path, monkeypatch) -> None:
     two = [
         setting for setting in SETTINGS if setting.method == "layered" and setting.words in (DEFAULT, "tolerance 1e-2")
     ]
-    monkeypatch.setattr("jkrcli.many.study.chart.SETTINGS", two)
+    monkeypatch.setattr("jkrcli.many.study.chart_points.SETTINGS", two)
     peers = stored(tmp_path)
-    outcome = jkr("study", "chart", CASES / "thin-layer.toml", "--methods", "layered", "--repeat", 1, "--peers", peers,
+    outcome = study("chart", CASES / "thin-layer.toml", "--methods", "layered", "--repeat", 1, "--peers", peers,
                   "-o", "out")  # fmt: skip
     assert outcome.code == 0, outcome.err
     assert "against   layered, tolerance 1e-10" in outcome.out
@@ -188,9 +188,9 @@ def test_the_verb_writes_table_json_and_picture(jkr, tmp_path: Path, monkeypatch
     assert Path("out/thin-layer-chart.png").read_bytes()[:4] == b"\x89PNG"
 
 
-def test_the_verb_says_what_is_missing(jkr) -> None:
+def test_the_study_says_what_is_missing(study) -> None:
     text = (CASES / "thin-layer.toml").read_text()
     Path("case.toml").write_text(text[: text.index("[adhesion]")])
-    outcome = jkr("study", "chart", "case.toml")
+    outcome = study("chart", "case.toml")
     assert outcome.code == 2
     assert outcome.err == "jkr: error: case.toml: names no work of adhesion > 0: give --w\n"

@@ -18,9 +18,9 @@ from jkrcli.base.executors import completed, executor
 from jkrcli.bodies.indenters import PowerLaw
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Specimen
-from jkrcli.many.study import failures as study
-from jkrcli.many.study.failures import BUGS, CRASHED, REFUSED, RIGHT, SAID, SILENT, TOO_SLOW, Verdict, judge
+from jkrcli.many.study import failures_judge
 from jkrcli.many.study.failures_cells import AXES, Cell, draw
+from jkrcli.many.study.failures_judge import BUGS, CRASHED, REFUSED, RIGHT, SAID, SILENT, TOO_SLOW, Verdict, judge
 from jkrcli.many.study.watchdog import TooSlowError, cpu_limit
 from jkrcli.methods import Forecast
 from jkrcli.methods.integral.disc import disc_warnings
@@ -62,7 +62,7 @@ class Wrong:
     ],
 )
 def test_a_wrong_method_is_found_out(monkeypatch, factor: float, stated: float, warnings, outcome: str) -> None:
-    monkeypatch.setattr(study, "method_of", lambda cell: Wrong(factor, stated, warnings))
+    monkeypatch.setattr(failures_judge, "method_of", lambda cell: Wrong(factor, stated, warnings))
     verdict = judge(PLAIN)
     assert verdict.outcome == outcome
     assert verdict.error == pytest.approx(factor - 1, abs=1e-6)
@@ -72,7 +72,7 @@ def test_an_exception_that_is_not_ours_is_a_crash(monkeypatch) -> None:
     def broken(cell: Cell) -> None:
         raise ZeroDivisionError("by zero")
 
-    monkeypatch.setattr(study, "method_of", broken)
+    monkeypatch.setattr(failures_judge, "method_of", broken)
     verdict = judge(PLAIN)
     assert (verdict.outcome, verdict.words) == (CRASHED, "ZeroDivisionError: by zero")
 
@@ -96,8 +96,8 @@ def endless(cell: Cell) -> None:
 
 
 def test_a_cell_that_does_not_end_is_too_slow(monkeypatch) -> None:
-    monkeypatch.setattr(study, "LIMIT", 0.2)
-    monkeypatch.setattr(study, "method_of", endless)
+    monkeypatch.setattr(failures_judge, "LIMIT", 0.2)
+    monkeypatch.setattr(failures_judge, "method_of", endless)
     start = time.process_time()
     verdict = judge(PLAIN)
     assert (verdict.outcome, verdict.words) == (TOO_SLOW, "took more than 0.2 CPU s")
@@ -126,26 +126,26 @@ def test_a_library_that_never_returns_ends_its_process_and_the_rest_is_done() ->
 
 @pytest.mark.slow
 def test_verdicts_do_not_depend_on_the_number_of_workers() -> None:
-    cells = study.random_cells(10, 4, ("closed-form", "layered", "slopes"))
+    cells = failures_judge.random_cells(10, 4, ("closed-form", "layered", "slopes"))
     with executor(2) as pool:
-        assert study.failures(cells, pool) == verdicts_on(cells)
+        assert failures_judge.failures(cells, pool) == verdicts_on(cells)
 
 
 # ---------------------------------------------------------------------- a sample of cells
 def verdicts_on(cells: Sequence[Cell]) -> list[Verdict]:
     with executor(1) as pool:
-        return study.failures(cells, pool)
+        return failures_judge.failures(cells, pool)
 
 
 def test_no_cell_is_silently_wrong(seed: int) -> None:
     """On a failure: the study of failures with this seed and these methods shows the same cells."""
-    verdicts = verdicts_on(study.random_cells(16, seed, ("closed-form", "layered", "slopes")))
+    verdicts = verdicts_on(failures_judge.random_cells(16, seed, ("closed-form", "layered", "slopes")))
     assert [v for v in verdicts if v.outcome in BUGS] == []
 
 
 @pytest.mark.slow
 def test_no_cell_of_any_method_is_silently_wrong_and_at_most_half_are_refused(seed: int) -> None:
-    verdicts = verdicts_on(study.random_cells(300, seed))
+    verdicts = verdicts_on(failures_judge.random_cells(300, seed))
     assert [v for v in verdicts if v.outcome in BUGS] == []
     assert sum(verdict.outcome == REFUSED for verdict in verdicts) <= len(verdicts) / 2
 
@@ -186,10 +186,10 @@ def test_bodies_that_grow_stiffer_with_depth_are_not_searched() -> None:
     assert profile(stiffer, 2e-6, 0.0).pressure.min() > 0
 
 
-# ---------------------------------------------------------------------- the verb
-def test_the_verb_writes_table_and_counts(jkr) -> None:
-    words = ("study", "failures", "--cells", 5, "--seed", 3, "--methods", "closed-form", "--no-plots", "--json")
-    outcome = jkr(*words, "-o", "out")
+# ---------------------------------------------------------------------- the study run by make
+def test_the_study_writes_table_and_counts(study) -> None:
+    words = ("failures", "--cells", 5, "--seed", 3, "--methods", "closed-form", "--no-plots", "--json")
+    outcome = study(*words, "-o", "out")
     data = json.loads(outcome.out)
     assert data["format"] == "jkr-failures"
     assert sum(data["counts"]["closed-form"].values()) == 5
@@ -198,17 +198,17 @@ def test_the_verb_writes_table_and_counts(jkr) -> None:
     assert header[:4] == ["method", "outcome", "nu", "a_over_h"]
     assert len(rows) == 5
     assert all(len(row) == len(header) for row in rows)
-    assert jkr(*words, "-o", "out").out == outcome.out  # ours are replaced, and a seed gives the same cells
+    assert study(*words, "-o", "out").out == outcome.out  # ours are replaced, and a seed gives the same cells
 
 
 @pytest.mark.slow
-def test_the_verb_draws_every_pair_of_axes(jkr) -> None:
-    assert jkr("study", "failures", "--cells", 3, "--seed", 3, "--methods", "closed-form").code == 0
+def test_the_study_draws_every_pair_of_axes(study) -> None:
+    assert study("failures", "--cells", 3, "--seed", 3, "--methods", "closed-form").code == 0
     assert Path("failures-closed-form.png").read_bytes()[:4] == b"\x89PNG"
 
 
-def test_the_verb_exits_with_one_where_a_cell_is_silently_wrong(jkr, monkeypatch) -> None:
-    monkeypatch.setattr(study, "method_of", lambda cell: Wrong(1.1, 1e-6))
-    outcome = jkr("study", "failures", "--cells", 3, "--seed", 3, "--methods", "closed-form", "--no-plots")
+def test_the_study_exits_with_one_where_a_cell_is_silently_wrong(study, monkeypatch) -> None:
+    monkeypatch.setattr(failures_judge, "method_of", lambda cell: Wrong(1.1, 1e-6))
+    outcome = study("failures", "--cells", 3, "--seed", 3, "--methods", "closed-form", "--no-plots")
     assert outcome.code == 1
     assert "  silent: P errs by 0.1, stated 1.1e-06: Cell(" in outcome.out

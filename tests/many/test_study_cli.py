@@ -1,4 +1,4 @@
-"""The studies on the command line: small ones, from start to file."""
+"""The studies, as verbs and as make runs them: small ones, from start to file."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from jkrcli.cli.study import STUDIES
+from jkrcli.cli.study import MAKE, STUDIES
 
 
 def test_every_study_has_help_with_an_example(jkr) -> None:
@@ -23,28 +23,45 @@ def test_unknown_study_is_named(jkr) -> None:
     assert outcome.err.startswith('jkr: error: unknown study "nois" (studies: ')
 
 
+@pytest.mark.parametrize(("name", "target"), MAKE.items())
+def test_a_study_that_left_is_found_in_make(jkr, name: str, target: str) -> None:
+    outcome = jkr("study", name, "--seeds", 2)
+    assert (outcome.code, outcome.err) == (
+        2, f'jkr: error: "{name}" is now run as make {target}; see jkr study --help\n'
+    )  # fmt: skip
+    lines = (Path(__file__).parents[2] / "Makefile").read_text()
+    assert f"$(STUDY).{name} " in lines[lines.index(f"\n{target}:") :]
+
+
+@pytest.mark.parametrize("name", MAKE)
+def test_studies_run_by_make_have_help(study, capsys: pytest.CaptureFixture[str], name: str) -> None:
+    with pytest.raises(SystemExit, match="0"):
+        study(name, "--help")
+    assert "--output OUTPUT" in capsys.readouterr().out
+
+
 @pytest.mark.slow
-def test_studies_do_not_depend_on_the_number_of_workers(jkr) -> None:
-    words = ("study", "noise", "--seeds", 2, "--body", "layer-0.4", "--points", 30)
+def test_studies_do_not_depend_on_the_number_of_workers(jkr, study) -> None:
+    words = ("noise", "--seeds", 2, "--body", "layer-0.4", "--points", 30)
     maps = ("study", "pull-off-map", "--nu", 0.3, "--nu", 0.45, "--q", 0.1, "--q", 1, "--no-plots")
     for workers in (1, 2):
-        assert jkr(*words, "--workers", workers, "-o", f"by-{workers}").code == 0
+        assert study(*words, "--workers", workers, "-o", f"by-{workers}").code == 0
         assert jkr(*maps, "--workers", workers, "-o", f"by-{workers}").code == 0
     for name in ("noise-study.csv", "pull-off-map.csv"):
         assert Path("by-1", name).read_text() == Path("by-2", name).read_text()
 
 
-def test_workers_and_scheduler_exclude_each_other(jkr) -> None:
-    outcome = jkr("study", "failures", "--cells", 1, "--workers", 2, "--scheduler", "tcp://node:8786")
+def test_workers_and_scheduler_exclude_each_other(study) -> None:
+    outcome = study("failures", "--cells", 1, "--workers", 2, "--scheduler", "tcp://node:8786")
     assert outcome.code == 2
     assert outcome.err == (
         "jkr: error: --workers: the scheduler knows its own workers; give either --workers or --scheduler\n"
     )
 
 
-def test_noise_study_writes_its_table_and_picture(jkr, tmp_path: Path) -> None:
-    words = ("study", "noise", "--seeds", 2, "--body", "hertz", "--points", 30, "-o", "out")
-    assert jkr(*words).code == 0
+def test_noise_study_writes_its_table_and_picture(study, tmp_path: Path) -> None:
+    words = ("noise", "--seeds", 2, "--body", "hertz", "--points", 30, "-o", "out")
+    assert study(*words).code == 0
     assert sorted(p.name for p in (tmp_path / "out").iterdir()) == [f"noise-study.{e}" for e in ("csv", "png", "svg")]
     with (tmp_path / "out" / "noise-study.csv").open() as file:
         rows = list(csv.DictReader(file))
@@ -55,4 +72,4 @@ def test_noise_study_writes_its_table_and_picture(jkr, tmp_path: Path) -> None:
     assert fitted["0.0"] < 1e-9  # a power law is exact
     assert fitted["0.0001"] < 1e-3  # 4e-5 in the median of many seeds
     assert not any(word in (tmp_path / "out" / "noise-study.csv").read_text() for word in ("nan", "inf"))
-    assert jkr(*words).code == 0  # its own files are replaced
+    assert study(*words).code == 0  # its own files are replaced

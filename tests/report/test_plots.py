@@ -26,12 +26,12 @@ from matplotlib.transforms import Bbox
 from jkrcli.adhesion.analysis import Analysis, analyse, specification
 from jkrcli.adhesion.curve import CriticalPoint
 from jkrcli.case import store
-from jkrcli.many.study.chart import Measured, Setting
+from jkrcli.many.study.chart import chart_figure
 from jkrcli.many.study.chart_measure import Cost
+from jkrcli.many.study.chart_points import Measured, Setting
 from jkrcli.many.study.chart_reference import Errors
-from jkrcli.many.study.failures import OUTCOMES
-from jkrcli.many.study.plots_chart import chart_figure
-from jkrcli.many.study.plots_failures import LOOKS
+from jkrcli.many.study.failures import LOOKS
+from jkrcli.many.study.failures_judge import OUTCOMES
 from jkrcli.report import plots
 from jkrcli.report.plots.curve import curve_figure, physical_units
 from jkrcli.report.plots.study import differences_figure

@@ -1,172 +1,305 @@
-"""Speed against accuracy: one case by every method and setting, on the same machine, against one exact solution."""
+"""The chart of speed against accuracy, every method on one case: its command, table and picture."""
 
 from __future__ import annotations
 
 import sys
-import tempfile
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ...adhesion.analysis import analyse
-from ...base.errors import JkrError
-from ...base.unknown import Estimate
-from ...bodies.problem import Problem
-from ...case import Case, store
-from ...case.models import CaseModel
-from ...case.numerics import fem_of, method_of
-from ...methods import METHODS, method_class
-from ...methods.choose import choose
-from .chart_measure import Cost, process_cost, timed, typical
-from .chart_reference import Errors, Reference
+import numpy as np
 
-SLOPES = ("exact", "integral", "loocv")
-SLACK = 1.5  # a point is beside the front where nothing as accurate is quicker by more than this factor
-PATIENCE = 30.0  # CPU seconds; settings that would take longer are left out
-
-
-@dataclass(frozen=True)
-class Setting:
-    """A method with options: ``tables`` of the case file by name, each in place of the case's own."""
-
-    method: str
-    words: str
-    tables: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
-
-    def of(self, model: CaseModel) -> CaseModel:
-        """The case solved by this setting."""
-        tables = {name: type(getattr(model, name))(**values) for name, values in self.tables.items()}
-        return model.model_copy(update=tables | {"method": self.method})
-
-
-DEFAULT = "default"
-
-
-def _fem(words: str, contact: str = "nested", **mesh: Any) -> Setting:
-    return Setting("fem", words, {"mesh": mesh, "contact": {"algorithm": contact}})
-
-
-SETTINGS = (
-    Setting("layered", "tolerance 1e-2", {"layered": {"tolerance": 1e-2}}),
-    Setting("layered", DEFAULT, {"layered": {}}),
-    _fem("spacing 0.16", spacing=0.16),
-    _fem("spacing 0.08", spacing=0.08),
-    _fem(DEFAULT),
-    _fem("spacing 0.02", spacing=0.02),
-    _fem("spacing 0.08, nothing estimated", spacing=0.08, estimate_error=False, edge_correction=False),
-    _fem("order 1", order=1),
-    _fem("incremental", "incremental"),
-    _fem("zones", layout="zones"),
-)  # methods without an entry are measured with their defaults
+from ...base.errors import InputError
+from ...base.table import as_json
+from ...base.unknown import known
+from ...bodies.words import describe
+from ...case import Case, load_case
+from ...methods import METHODS
+from ...report.output import PICTURES
+from ...report.plots import (
+    BLACK,
+    BLUE,
+    GREEN,
+    ORANGE,
+    PURPLE,
+    WIDE,
+    Axes,
+    Figure,
+    drawing,
+    legend_below,
+    log_ends,
+    log_ticks,
+    pretty,
+)
+from .chart_measure import machine, yardstick
+from .chart_peers import Peer, read_peers
+from .chart_points import (
+    PATIENCE,
+    LeftOut,
+    Measured,
+    automatic,
+    beside_front,
+    chart,
+    chosen_points,
+    front,
+    settings_of,
+)  # fmt: skip
+from .chart_reference import reference_of
+from .command import call, counted, output_of, parser_of, quantity
 
 
 @dataclass(frozen=True)
-class Measured:
-    """One setting with one way of finding the slopes.
+class Found:
+    """All that the verb reports."""
 
-    ``whole``: the process ``jkr run``; ``after_imports``: the solve alone, in a process that has done it once before;
-    ``slopes_cpu_s``: slopes and transformation; ``stated``: the error that the result itself claims for its series.
+    case: Case
+    w: float
+    reference: str
+    points: Sequence[Measured]
+    left_out: Sequence[LeftOut]
+    peers: Sequence[Peer]
+    yardstick: float
+    auto: str
+
+    @property
+    def front(self) -> list[int]:
+        return front([_pair(point) for point in self.points])
+
+    @property
+    def auto_beside_front(self) -> bool | None:
+        """None where the method that "auto" takes was not measured."""
+        mine = chosen_points(self.points, self.auto)
+        return any(beside_front(_pair(p), [_pair(q) for q in self.points]) for p in mine) if mine else None
+
+
+def _pair(point: Measured) -> tuple[float, float]:
+    return point.whole.cpu_s, point.errors.load
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    """Solve a case by every method and setting: CPU and wall time, memory, and error against the exact solution.
+
+    Whole process (jkr run) and after imports, medians of several runs; errors of P at equal displacement, of the
+    adhesive curve and of the pull-off force. Writes <case>-chart.csv, .json, .png and .svg.
     """
+    parser = parser_of(str(main.__doc__), parallel=False)
+    parser.add_argument("case", type=Path)
+    parser.add_argument("--methods", action="append", default=[], choices=list(METHODS), help="only these")
+    parser.add_argument("--w", type=quantity("work"), help="work of adhesion [default: the case's first]")
+    parser.add_argument("--repeat", type=int, default=3, help="runs, whose medians are shown [default: 3]")
+    parser.add_argument("--patience", type=float, default=PATIENCE, help="leave out what would take longer [CPU s]")
+    parser.add_argument("--peers", type=Path, help="stored timings of other programs, to be drawn too")
+    given = parser.parse_args(words)
+    loaded = load_case(given.case)
+    w = given.w if given.w is not None else next(iter(loaded.model.adhesion.w), None)
+    if not w:
+        raise InputError(f"{given.case}: names no work of adhesion > 0: give --w")
+    output = output_of(given)
+    inputs = [path for path in (given.case, given.peers) if path]
+    files = output.files(given.output / f"{given.case.stem}-chart", (".csv", ".json", *PICTURES), inputs)
+    measure = yardstick()
+    theirs = [peer for peer in read_peers(given.peers, measure) if peer.body == given.case.stem] if given.peers else []
+    reference = reference_of(loaded.model.problem(), w)
+    settings = settings_of(loaded.model, given.methods)
+    results = []
+    with counted("chart", len(settings)) as step:
+        for result in chart(loaded, settings, w, reference, given.repeat, given.patience):
+            results.append(result)
+            step(isinstance(result, LeftOut))
+    found = Found(
+        loaded,
+        w,
+        reference.name,
+        [point for result in results if not isinstance(result, LeftOut) for point in result],
+        [result for result in results if isinstance(result, LeftOut)],
+        theirs,
+        measure,
+        automatic(loaded),
+    )
+    title = describe(loaded.model.problem())
+    data = as_dict(found)
+    files.write(_columns(found), data, files.draw(lambda: chart_figure(found.points, found.peers, title)))
+    if output.json:
+        print(as_json(data), end="")
+    else:
+        _print(found)
+        print(f"  written   {files}")
+    if found.auto_beside_front is False:
+        print(f'jkr: warning: "auto" takes {found.auto}, which is not on or next to the Pareto front', file=sys.stderr)
+    return 0
 
-    setting: Setting
-    slopes: str
-    unknowns: int | None
-    whole: Cost
-    after_imports: Cost
-    slopes_cpu_s: float
-    stated: Estimate
-    errors: Errors
+
+def as_dict(found: Found) -> dict[str, Any]:
+    """The chart as JSON."""
+    best = found.front
+    return {
+        "format": "jkr-chart",
+        "version": 1,
+        "problem": describe(found.case.model.problem()),
+        "w_J_per_m2": found.w,
+        "reference": found.reference,
+        "machine": machine(),
+        "yardstick_cpu_s": found.yardstick,
+        "auto": {"method": found.auto, "beside_front": found.auto_beside_front},
+        "points": [
+            {
+                "method": point.setting.method,
+                "setting": point.setting.words,
+                "slopes": point.slopes,
+                "unknowns": point.unknowns,
+                "whole_process": vars(point.whole),
+                "after_imports": vars(point.after_imports),
+                "slopes_cpu_s": point.slopes_cpu_s,
+                "stated_error": point.stated,
+                "errors": vars(point.errors),
+                "on_front": i in best,
+            }
+            for i, point in enumerate(found.points)
+        ],
+        "left_out": [
+            {"method": out.setting.method, "setting": out.setting.words, "reason": out.reason} for out in found.left_out
+        ],
+        "peers": [
+            {
+                "peer": f"{peer.name} {peer.version}",
+                "settings": peer.settings,
+                "unknowns": peer.unknowns,
+                "whole_process": vars(peer.whole),
+                "after_imports_cpu_s": peer.after_imports_cpu_s,
+                "errors": vars(peer.errors),
+            }
+            for peer in found.peers
+        ],
+    }
+
+
+def _columns(found: Found) -> dict[str, list[Any]]:
+    rows = [
+        {
+            "method": point.setting.method,
+            "setting": point.setting.words,
+            "slopes": point.slopes,
+            "unknowns": point.unknowns,
+            "whole_cpu_s": point.whole.cpu_s,
+            "whole_wall_s": point.whole.wall_s,
+            "memory_MiB": point.whole.memory_mib,
+            "after_imports_cpu_s": point.after_imports.cpu_s,
+            "after_imports_wall_s": point.after_imports.wall_s,
+            "slopes_cpu_s": point.slopes_cpu_s,
+            "stated_error": known(point.stated),
+            "P_error": point.errors.load,
+            "curve_error": point.errors.curve,
+            "pull_off_error": point.errors.pull_off,
+        }
+        for point in found.points
+    ]
+    names = list(rows[0]) if rows else ["method", "setting", "slopes", "unknowns"]
+    return {name: [row[name] for row in rows] for name in names}
+
+
+def _print(found: Found) -> None:
+    print(describe(found.case.model.problem()))
+    print(f"  against   {found.reference}; * is on the Pareto front of whole-process CPU and error of P")
+    print(f"    {'method':<12}{'setting':<32}{'slopes':<9}{'unknowns':>9}{'process':>9}{'solve':>9}{'MiB':>6}"
+               f"{'P':>9}{'curve':>9}{'pull-off':>9}")  # fmt: skip
+    best = found.front
+    for i, point in enumerate(found.points):
+        errors = (point.errors.load, point.errors.curve, point.errors.pull_off)
+        cells = "".join(f"{'-' if error is None else f'{error:.1e}':>9}" for error in errors)
+        print(f"  {'*' if i in best else ' '} {point.setting.method:<12}{point.setting.words:<32}{point.slopes:<9}"
+                   f"{point.unknowns or '-':>9}{point.whole.cpu_s:>9.2f}{point.after_imports.cpu_s:>9.4f}"
+                   f"{point.whole.memory_mib or 0:>6.0f}{cells}")  # fmt: skip
+    for peer in found.peers:
+        after, load = peer.after_imports_cpu_s, peer.errors.load
+        solve = "-" if after is None else f"{after:.2f}"
+        pull_off = "-" if peer.errors.pull_off is None else f"{peer.errors.pull_off:.1e}"
+        name = f"{peer.name} {peer.version}, {peer.settings}"
+        print(f"    {name:<53}{peer.unknowns:>9}{peer.whole.cpu_s:>9.1f}"
+                   f"{solve:>9}{peer.whole.memory_mib or 0:>6.0f}{load:>9.1e}{'':>9}{pull_off:>9}")  # fmt: skip
+    for out in found.left_out:
+        print(f"    {out.setting.method}, {out.setting.words}: left out, {out.reason}")
+    print(f"  auto      takes {found.auto}")
+
+
+# ---------------------------------------------------------------------- the picture
+GREY = "0.45"
+LOOKS = {"closed-form": (BLACK, "D"), "layered": (GREEN, "s"), "hybrid": (ORANGE, "P"), "fem": (BLUE, "o")}
+PEER_MARKERS = "^v<>"
+WANTED = 1e-3  # what auto asks for
+NOT_ZERO = 1e-16  # errors below are drawn here
 
 
 @dataclass(frozen=True)
-class LeftOut:
-    """A setting that was not measured, and why."""
+class Spot:
+    """A point of a panel, with the family it belongs to in the legend."""
 
-    setting: Setting
-    reason: str
-
-
-def settings_of(model: CaseModel, methods: Sequence[str]) -> list[Setting]:
-    """All settings of ``methods`` (none: of all); the case's own mesh too, where it is not the default."""
-    found = [setting for setting in SETTINGS if not methods or setting.method in methods]
-    known = {setting.method for setting in SETTINGS}
-    found += [Setting(name, DEFAULT) for name in METHODS if name not in known and (not methods or name in methods)]
-    if replace(fem_of(model), contact="nested") != method_class("fem")() and (not methods or "fem" in methods):
-        found.append(Setting("fem", "the case's own mesh"))
-    return sorted(found, key=lambda setting: list(METHODS).index(setting.method))
+    x: float
+    y: float
+    family: str
 
 
-def chart(
-    case: Case, settings: Iterable[Setting], w: float, reference: Reference, repeat: int, patience: float = PATIENCE
-) -> Iterator[list[Measured] | LeftOut]:
-    """Measure every setting: a point for each way of finding the slopes, or why there is none."""
-    problem = case.model.problem()
-    for setting in settings:
-        model = setting.of(case.model)
-        try:
-            if reason := _unwanted(model, problem, setting.method, patience):
-                yield LeftOut(setting, reason)
-            else:
-                yield _measured(Case(model, case.source), setting, w, reference, repeat)
-        except JkrError as error:
-            yield LeftOut(setting, str(error))
+@dataclass(frozen=True)
+class Panel:
+    """``ours`` and ``theirs``: (cost, error) of a measured point and of a peer, None where there is none."""
+
+    title: str
+    ylabel: str
+    ours: Callable[[Measured], tuple[float, float | None]]
+    theirs: Callable[[Peer], tuple[float | None, float | None]]
 
 
-def _unwanted(model: CaseModel, problem: Problem, name: str, patience: float) -> str | None:
-    method = method_of(model, name)
-    if reason := method.refusal(problem):
-        return reason
-    seconds = method.forecast(problem).seconds
-    return f"would take about {seconds:.0f} s, more than {patience:g} s" if seconds > patience else None
+PANELS = (
+    Panel("whole process", "error of P(δ)", lambda p: (p.whole.cpu_s, p.errors.load),
+          lambda q: (q.whole.cpu_s, q.errors.load)),
+    Panel("after imports", "error of P(δ)", lambda p: (p.after_imports.cpu_s, p.errors.load),
+          lambda q: (q.after_imports_cpu_s, q.errors.load)),
+    Panel("whole process, with slopes", "error of the pull-off force",
+          lambda p: (p.whole.cpu_s + p.slopes_cpu_s, p.errors.pull_off), lambda q: (q.whole.cpu_s, q.errors.pull_off)),
+    Panel("after imports, with slopes", "error of the pull-off force",
+          lambda p: (p.after_imports.cpu_s + p.slopes_cpu_s, p.errors.pull_off),
+          lambda q: (q.after_imports_cpu_s, q.errors.pull_off)),
+)  # fmt: skip
 
 
-def _measured(case: Case, setting: Setting, w: float, reference: Reference, repeat: int) -> list[Measured]:
-    method, problem = method_of(case.model, setting.method), case.model.problem()
-    solution = method(problem)
-    after_imports = typical(lambda: timed(lambda: method(problem))[1], repeat)
-    unknowns = solution.facts.get("unknowns", solution.facts.get("nodes"))
-    points = []
-    with tempfile.TemporaryDirectory() as folder:
-        file, target = Path(folder) / "case.toml", Path(folder) / "series.h5"
-        file.write_text(case.to_toml(), encoding="utf-8")
-        command = [sys.executable, "-m", "jkrcli", "run", str(file), "-o", str(target)]
-        whole = typical(lambda: process_cost(command), repeat)
-        stored = store.read(target)
-        for slopes in SLOPES:
-            try:
-                found, cost = timed(lambda name=slopes: analyse(stored, [w], name)[0].curve)  # type: ignore[misc]
-            except JkrError:
-                continue  # these slopes do not exist for such a series
-            errors = reference.errors(found)
-            points.append(
-                Measured(setting, slopes, unknowns, whole, after_imports, cost.cpu_s, solution.budget.series, errors)
-            )
-    return points
+def chart_figure(points: Sequence[Measured], peers: Sequence[Peer], title: str) -> Figure:
+    """Four panels, P(delta) above and the pull-off force below; the line is the Pareto front of this program."""
+    with drawing(WIDE, 6.0) as figure:
+        axes = figure.subplots(2, 2, sharey="row")
+        for place, panel in zip(axes.ravel(), PANELS, strict=True):
+            _draw(place, panel, points, peers)
+        for place, panel in zip(axes[:, 0], PANELS[::2], strict=True):
+            place.set_ylabel(panel.ylabel)
+        legend_below(figure, axes.ravel(), 4)
+        figure.suptitle(pretty(title))
+        return figure
 
 
-def front(points: Sequence[tuple[float, float]]) -> list[int]:
-    """Indices of the Pareto front of (cost, error), by increasing cost: no other point is cheaper and no less exact."""
-    order = sorted(range(len(points)), key=lambda i: points[i])
-    best, kept = float("inf"), []
-    for i in order:
-        if points[i][1] < best:
-            best = points[i][1]
-            kept.append(i)
-    return kept
+def _draw(axes: Axes, panel: Panel, points: Sequence[Measured], peers: Sequence[Peer]) -> None:
+    ours = [spot for point in points if (spot := _spot(*panel.ours(point), point.setting.method))]
+    theirs = [spot for peer in peers if (spot := _spot(*panel.theirs(peer), f"{peer.name} {peer.version}"))]
+    axes.set(xscale="log", yscale="log", title=panel.title, xlabel="CPU seconds")
+    best = [ours[i] for i in front([(spot.x, spot.y) for spot in ours])]
+    axes.plot([s.x for s in best], [s.y for s in best], "-", color="0.7", lw=3, zorder=1, label="best of jkr")
+    for name, (color, marker) in LOOKS.items():
+        _scatter(axes, [spot for spot in ours if spot.family == name], name, color, marker)
+    for name, marker in zip(dict.fromkeys(spot.family for spot in theirs), PEER_MARKERS, strict=False):
+        _scatter(axes, [spot for spot in theirs if spot.family == name], name, GREY, marker)
+    axes.axhline(WANTED, color=PURPLE, lw=1.0, ls="--", zorder=1, label=f"error of {WANTED:g}")
+    if ours or theirs:
+        axes.set_xlim(*log_ends(np.array([spot.x for spot in (*ours, *theirs)]), least=10.0, margin=1.3))
+        log_ticks(axes.xaxis)
 
 
-def beside_front(point: tuple[float, float], points: Sequence[tuple[float, float]], slack: float = SLACK) -> bool:
-    """Whether a (cost, error) lies on the front or next to it: nothing as exact is quicker by more than ``slack``."""
-    return not any(cost * slack < point[0] and error <= point[1] for cost, error in points)
+def _scatter(axes: Axes, spots: Sequence[Spot], name: str, color: str, marker: str) -> None:
+    if spots:
+        x, y = [spot.x for spot in spots], [spot.y for spot in spots]
+        axes.plot(x, y, marker, color=color, mfc="none" if color == GREY else color, ms=5, alpha=0.8, label=name)
 
 
-def automatic(case: Case) -> str:
-    """The method that "auto" takes with the case's tables left at their defaults."""
-    bare = case.model.model_copy(update={name: type(getattr(case.model, name))() for name in ("mesh", "layered")})
-    return choose(case.model.problem(), "auto", lambda name: method_of(bare, name)).name
+def _spot(x: float | None, y: float | None, family: str) -> Spot | None:
+    return None if x is None or y is None else Spot(x, max(y, NOT_ZERO), family)
 
 
-def chosen_points(points: Sequence[Measured], method: str) -> list[Measured]:
-    """What was measured of ``method`` at its defaults."""
-    return [point for point in points if point.setting.method == method and point.setting.words == DEFAULT]
+if __name__ == "__main__":
+    sys.exit(call(main))

@@ -1,271 +1,172 @@
-"""Where each method is right, where it says that it is not, and where it errs silently: one verdict per cell.
-
-A result is compared with the exact solution of the same layers, made in other units (layer thickness and modulus 1), so
-that a change of units is tested too. Right: within the stated error at every point. Said so: refused, warned, or the
-error stated as unknown. Silently wrong, and any exception but the program's own, is a bug.
-"""
+"""The failure map, where each method is right, refuses, or errs: its command, table and pictures."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+import datetime
+import itertools
+import sys
+from collections.abc import Sequence
+from dataclasses import fields
+from functools import partial
+from typing import Any
 
 import numpy as np
 
-from ...adhesion.curve import AdhesiveCurve, CriticalPoint, transform
-from ...adhesion.slopes import Slopes, slopes, smoothed
-from ...adhesion.validity import unresolved
-from ...base.errors import JkrError
-from ...base.executors import Pool, completed
-from ...base.unknown import Unknown
-from ...bodies.problem import Loading, Problem
-from ...methods import METHODS, Method, method_class
-from ...methods.layered.fields import profile
-from ...methods.layered.layered import Layered
-from ...series import Array, RawSeries, Series, Solution, first_of_plateaus
-from .failures_cells import Cell, draw, noisy
-from .watchdog import TooSlowError, cpu_limit
+from ...base.table import as_json
+from ...methods import METHODS
+from ...report.output import PICTURES
+from ...report.plots import BLACK, BLUE, GREEN, ORANGE, PURPLE, Axes, Figure, drawing
+from .command import call, output_of, parser_of, pool_of
+from .failures_cells import AXES, BODIES, SHAPES, Cell
+from .failures_judge import (
+    BUGS,
+    CRASHED,
+    OUTCOMES,
+    REFUSED,
+    RIGHT,
+    SAID,
+    SILENT,
+    TOO_SLOW,
+    UNJUDGED,
+    Verdict,
+    counts,
+    failures,
+    random_cells,
+)  # fmt: skip
 
-RIGHT, SAID, REFUSED, SILENT, CRASHED = "right", "said", "refused", "silent", "crashed"
-UNJUDGED, TOO_SLOW = "unjudged", "too slow"
-OUTCOMES = (RIGHT, SAID, REFUSED, UNJUDGED, TOO_SLOW, SILENT, CRASHED)
-BUGS = (SILENT, CRASHED)
-SHARES = {"closed-form": 3, "layered": 6, "hybrid": 2, "fem": 2, "slopes": 6}  # of the cells
-WITHIN = {"closed-form": 1.0, "layered": 1.0}  # of the stated error, which is a bound
-ESTIMATED = 2.0  # of the stated error, which elsewhere is an estimate
-BANDS = 3.0  # a 90 % band within this many half-widths (five standard deviations)
-OF_THE_CURVE = 0.9  # of its points must be that near: what a 90 % band promises, whatever its errors have in common
-TOLERANCES = (1e-10, 1e-8, 1e-6)  # of the exact solution
-PULLS = 0.01  # of the mean pressure: what pulls less is not told apart
-INSIDE = np.linspace(0.05, 0.9, 10)  # of the contact radius, where it is looked for
-PATIENCE = 20.0  # CPU seconds that a solve may be forecast to take
-LIMIT = 60.0  # CPU seconds that a cell may take
-CHUNK = 4  # cells handed out together
-JUDGED = 0.01  # of the largest depth: rows below are not judged, as in the error budget
-ROWS = 15  # of a series of finite elements that are compared
+PER_CELL = 1.0  # CPU seconds, on average
+FIRST = ("method", "outcome", "nu", "a_over_h")
 
 
-@dataclass(frozen=True)
-class Verdict:
-    """The outcome of a cell; ``words``: the message or what is wrong; ``error``, ``stated``: the worst row's."""
+def main(words: Sequence[str] | None = None) -> int:
+    """Solve random problems, from the ordinary to the absurd, and compare each with the exact solution.
 
-    cell: Cell
-    outcome: str
-    words: str = ""
-    error: float | None = None
-    stated: float | None = None
-
-
-@dataclass(frozen=True)
-class Off:
-    """Relative ``error`` of a quantity and the ``stated`` one, of the row where their ratio is worst."""
-
-    quantity: str
-    error: float
-    stated: float
-
-
-def random_cells(count: int, seed: int, methods: Sequence[str] = ()) -> list[Cell]:
-    """Random cells of ``methods`` (none: of all), shared out by ``SHARES``."""
-    rng = np.random.default_rng(seed)
-    names = [name for name in SHARES if (name in METHODS or name == "slopes") and (not methods or name in methods)]
-    weights = np.array([SHARES[name] for name in names], dtype=float)
-    return [draw(rng, str(rng.choice(names, p=weights / weights.sum()))) for _ in range(count)]
-
-
-def failures(cells: Sequence[Cell], pool: Pool) -> list[Verdict]:
-    """The verdicts on the cells, in their order; a cell whose process dies counts as a crash."""
-    found: dict[int, Verdict] = {}
-    for index, verdict in completed(pool, judge, cells, "failures", CHUNK):
-        found[index] = verdict if isinstance(verdict, Verdict) else Verdict(cells[index], CRASHED, str(verdict))
-    return [found[index] for index in range(len(cells))]
-
-
-def judge(cell: Cell) -> Verdict:
-    """The verdict on one cell."""
-    try:
-        with cpu_limit(LIMIT):
-            return _judge_slopes(cell) if cell.method == "slopes" else _judge_solve(cell)
-    except TooSlowError:
-        return Verdict(cell, TOO_SLOW, f"took more than {LIMIT:g} CPU s")
-    except JkrError as error:
-        return Verdict(cell, REFUSED, "; ".join(str(error).splitlines()))
-    except Exception as error:  # any other exception is a bug, and is what is looked for
-        return Verdict(cell, CRASHED, f"{type(error).__name__}: {error}")
-
-
-def method_of(cell: Cell) -> Method:
-    """The method of a cell, its options from the cell."""
-    cls = method_class(cell.method)
-    if cell.method != "fem":
-        return cls()
-    smallest = 0.3 if cell.nodes < 10 else 0.05
-    spacing = min(max((1 - math.log(smallest)) / cell.nodes, 0.01), 0.49)
-    return cls(spacing=spacing, smallest=smallest, contact="incremental" if cell.increments else "nested")
-
-
-def _judge_solve(cell: Cell) -> Verdict:
-    problem, method = cell.problem, method_of(cell)
-    if cell.increments and cell.method == "fem":
-        problem = replace(problem, loading=replace(problem.loading, points=cell.increments, spacing="depth"))
-    if reason := method.refusal(problem):
-        return Verdict(cell, REFUSED, reason)
-    seconds = method.forecast(problem).seconds
-    if seconds > PATIENCE:
-        return Verdict(cell, UNJUDGED, f"would take {seconds:.0f} s")
-    solution = method(problem)
-    if not solution.series.errors:
-        return Verdict(cell, SAID, f"error unknown: {solution.budget.series}")
-    try:
-        return _compared(cell, solution)
-    except JkrError as error:
-        return Verdict(cell, UNJUDGED, f"no exact solution: {error}")
-
-
-def _compared(cell: Cell, solution: Solution) -> Verdict:
-    """The verdict on a solution with stated errors: the columns first, then the conditions of contact."""
-    found = _distances(cell, solution.series)
-    verdict = _verdict(cell, found, WITHIN.get(cell.method, ESTIMATED), solution.warnings)
-    if verdict.outcome == RIGHT and (broken := _not_a_disc(cell)):
-        outcome = SAID if solution.warnings else SILENT
-        return Verdict(cell, outcome, "; ".join(solution.warnings) or broken, verdict.error, verdict.stated)
-    return verdict
-
-
-def _not_a_disc(cell: Cell) -> str | None:
-    """Where the contact pressure of the exact solution at the largest radius pulls: no disc without adhesion."""
-    plain = replace(cell, length_unit=1.0, force_unit=1.0)
-    found = profile(plain.problem, cell.a_over_h, 0.0, cell.a_over_h * INSIDE, np.array([]))
-    pull = float(found.pressure.min()) * np.pi * found.a**2 / found.P
-    return f"the contact pulls with {-pull:.2g} of its mean pressure" if pull < -PULLS else None
-
-
-def _verdict(cell: Cell, found: Sequence[Off], factor: float, warnings: Sequence[str]) -> Verdict:
-    worst = max(found, key=lambda off: off.error / max(off.stated, 1e-300))
-    if all(off.error <= factor * off.stated for off in found):
-        return Verdict(cell, RIGHT, "", worst.error, worst.stated)
-    words = f"{worst.quantity} errs by {worst.error:.2g}, stated {worst.stated:.2g}"
-    if warnings:
-        return Verdict(cell, SAID, "; ".join(warnings), worst.error, worst.stated)
-    return Verdict(cell, SILENT, words, worst.error, worst.stated)
-
-
-def _exact(cell: Cell, loading: Loading) -> tuple[Series, float]:
-    """The exact solution for a ``loading`` in units of the cell, back in SI, and its tolerance."""
-    plain = replace(cell, length_unit=1.0, force_unit=1.0)
-    problem = Problem(plain.problem.indenter, plain.problem.specimen, loading)
-    for tolerance in TOLERANCES:
-        try:
-            series = Layered(tolerance)(problem).series
-            break
-        except JkrError as error:
-            reason = error
+    Poisson's ratio to 1/2, contact from a thousandth to a hundred layer thicknesses, contrasts, indenters, few and many
+    points, nodes and increments, noise, any units. A cell is right within its stated error, wrong and said so (refused,
+    warned, error unknown), too slow (60 CPU s), or silently wrong: that is a bug, and the exit code is then 1.
+    Writes failures.csv, .json and per method failures-<method>.png; 2,000 cells take about half an hour.
+    """
+    parser = parser_of(str(main.__doc__))
+    parser.add_argument("--cells", type=int, default=2000, help="random cells [default: 2000]")
+    parser.add_argument("--seed", type=int, help="of the cells [default: today's date as a number]")
+    every = [*METHODS, "slopes"]
+    parser.add_argument("--methods", action="append", default=[], choices=every, help="only these")
+    given = parser.parse_args(words)
+    output = output_of(given)
+    files = output.files(given.output / "failures", (".csv", ".json"))
+    named = given.methods or every
+    pictures = {name: output.files(given.output / f"failures-{name}", PICTURES[:1]) for name in named}
+    seed = int(f"{datetime.date.today():%Y%m%d}") if given.seed is None else given.seed
+    with pool_of(given, PER_CELL * given.cells) as pool:
+        verdicts = failures(random_cells(given.cells, seed, given.methods), pool)
+    data = as_dict(verdicts, seed)
+    files.write(_columns(verdicts), data)
+    for name in {verdict.cell.method for verdict in verdicts}:
+        pictures[name].write(figure=pictures[name].draw(partial(failures_figure, verdicts, name)))
+    if output.json:
+        print(as_json(data), end="")
     else:
-        raise reason
-    length, force = cell.length_unit, cell.force_unit
-    assert series.S is not None
-    assert series.dS is not None
-    return Series(
-        series.a * length, series.delta * length, series.P * force, series.S * force / length,
-        series.dS * force / length**2, a0=series.a0 * length,
-        S0=None if series.S0 is None else series.S0 * force / length,
-    ), tolerance  # fmt: skip
+        _print(verdicts, seed)
+        print(f"  written   {given.output / 'failures'}{{.csv,.json{',-<method>.png' if output.plots else ''}}}")
+    return int(any(verdict.outcome in BUGS for verdict in verdicts))
 
 
-def _distances(cell: Cell, series: Series) -> list[Off]:
-    """How far the columns lie from the exact ones, each with its stated error; empty where none is stated."""
-    judged = np.flatnonzero(series.delta >= JUDGED * series.delta[-1])
-    rows = judged[np.unique(np.linspace(0, judged.size - 1, ROWS).round().astype(int))]
-    names: tuple[str, ...]
-    if not np.any(series.errors.get("a", 0.0)):
-        exact, tolerance = _exact(cell, Loading.given("radius", tuple(series.a[rows] / cell.length_unit)))
-        names = ("delta", "P", "S", "dS")
-    else:  # radii are less sure than displacements: errors of loads are stated at given depth
-        exact, tolerance = _exact(cell, Loading.given("depth", tuple(series.delta[rows] / cell.length_unit)))
-        names = ("a", "P")
-    return [_off(name, series, exact, rows, tolerance) for name in names if name in series.errors]
-
-
-def _off(name: str, series: Series, exact: Series, rows: Array, tolerance: float) -> Off:
-    truth = getattr(exact, name)
-    error = np.abs(getattr(series, name)[rows] / truth - 1)
-    stated = series.errors[name][rows] / np.abs(truth) + tolerance  # both are known that well only
-    worst = int(np.argmax(error / stated))
-    return Off(name, float(error[worst]), float(stated[worst]))
-
-
-def _judge_slopes(cell: Cell) -> Verdict:
-    """The adhesive curve of a noisy series with the slopes that "auto" finds, and its pull-off force, against exact."""
-    dense = Loading("radius", cell.a_over_h, 200)
-    try:
-        exact, _ = _exact(cell, dense)
-        given, _ = _exact(cell, replace(dense, points=cell.points))
-    except JkrError as reason:
-        return Verdict(cell, UNJUDGED, f"no exact solution: {reason}")
-    w = _work(exact)
-    exact_curve = transform(exact, slopes(exact, "exact"), w)
-    truth = exact_curve.pull_off(0.0)
-    if not isinstance(truth, CriticalPoint):
-        return Verdict(cell, UNJUDGED, truth.reason)
-    raw = RawSeries(*noisy((given.a, given.delta, given.P), cell.noise, cell.seed))
-    series, found = _fitted(raw, given)
-    curve = transform(series, found, w)
-    point = curve.pull_off(0.0)
-    if not isinstance(point, CriticalPoint):
-        return Verdict(cell, SAID, point.reason)
-    error = abs(point.P / truth.P - 1)
-    stated = _stated(curve, point)
-    if stated is None:
-        return Verdict(cell, SAID, f"error unknown: {found.error}", error)
-    flags = found.flags + unresolved(cell.problem.indenter, given.a)
-    return _verdict(cell, [Off("pull-off", error, stated), _band(curve, exact_curve, truth)], BANDS, flags)
-
-
-def _band(curve: AdhesiveCurve, exact: AdhesiveCurve, unit: CriticalPoint) -> Off:
-    """The error of P in pull-off forces, and the stated one, where a tenth of the points lie further from theirs."""
-    common = (curve.a >= exact.a[0]) & (curve.a <= exact.a[-1])
-    error = np.abs(curve.P[common] - exact.at(curve.a[common])[1]) / abs(unit.P)
-    assert not isinstance(curve.interpolation_error, Unknown)
-    stated = curve.errors["P"][common] / abs(unit.P) + curve.interpolation_error + exact.interpolation_error
-    order = np.argsort(error / stated)
-    i = order[int(OF_THE_CURVE * (order.size - 1))]
-    return Off("the curve", float(error[i]), float(stated[i]))
-
-
-def _work(exact: Series) -> float:
-    """A work of adhesion [J/m^2] whose pull-off lies well within the series: there dP/da = 0 in its middle."""
-    middle = len(exact) // 2
-    assert exact.S is not None
-    assert exact.dS is not None
-    rate = np.gradient(exact.P, exact.a)[middle]
-    shift = exact.S * np.sqrt(4 * np.pi * exact.a / exact.dS)
-    return float((rate / np.gradient(shift, exact.a)[middle]) ** 2)
-
-
-def _fitted(raw: RawSeries, given: Series) -> tuple[Series, Slopes]:
-    """As ``jkr transform`` does it: a series as it stands where it is one, else the increments by "integral"."""
-    ordered = first_of_plateaus(raw.a).all() and all((np.diff(column) > 0).all() for column in (raw.delta, raw.P))
-    if not ordered:
-        return smoothed(raw, given.a0, given.S0)
-    series = Series(raw.a, raw.delta, raw.P, a0=given.a0, S0=given.S0)
-    return series, slopes(series, "auto")
-
-
-def _stated(curve: AdhesiveCurve, point: CriticalPoint) -> float | None:
-    """Relative error of the pull-off force that the curve states: its band and its interpolation; None: unknown."""
-    if not curve.errors or isinstance(curve.interpolation_error, Unknown):
-        return None
-    band = float(curve.error_at(np.array(point.a))["P"]) / abs(point.P)
-    return band + curve.interpolation_error
-
-
-def counts(verdicts: Sequence[Verdict]) -> Mapping[str, Mapping[str, int]]:
-    """How many of each outcome, by method."""
-    methods = dict.fromkeys(verdict.cell.method for verdict in verdicts)
+def as_dict(verdicts: Sequence[Verdict], seed: int) -> dict[str, Any]:
+    """The study as JSON: how many of each outcome by method, and every silently wrong cell with all that makes it."""
     return {
-        method: {
-            outcome: sum(v.cell.method == method and v.outcome == outcome for v in verdicts) for outcome in OUTCOMES
-        }
-        for method in methods
+        "format": "jkr-failures",
+        "version": 1,
+        "seed": seed,
+        "counts": counts(verdicts),
+        "too_slow": [vars(v.cell) for v in verdicts if v.outcome == TOO_SLOW],
+        "bugs": [{"outcome": v.outcome, "words": v.words, "cell": vars(v.cell)} for v in verdicts if v.outcome in BUGS],
     }
+
+
+def _columns(verdicts: Sequence[Verdict]) -> dict[str, list[Any]]:
+    names = [*FIRST, *(field.name for field in fields(Cell) if field.name not in FIRST), "error", "stated", "words"]
+    return {name: [_value(verdict, name) for verdict in verdicts] for name in names}
+
+
+def _value(verdict: Verdict, name: str) -> Any:
+    return getattr(verdict, name) if hasattr(verdict, name) else getattr(verdict.cell, name)
+
+
+def _print(verdicts: Sequence[Verdict], seed: int) -> None:
+    print(f"{len(verdicts)} random cells, seed {seed}")
+    print(f"  {'method':<13}" + "".join(f"{outcome:>10}" for outcome in OUTCOMES))
+    for method, found in counts(verdicts).items():
+        print(f"  {method:<13}" + "".join(f"{found[outcome]:>10}" for outcome in OUTCOMES))
+    for verdict in verdicts:
+        if verdict.outcome in (*BUGS, TOO_SLOW):
+            print(f"  {verdict.outcome}: {verdict.words}: {verdict.cell}")
+
+
+# ---------------------------------------------------------------------- the pictures
+LOOKS = {  # colour, marker, size: the rarer and worse the larger
+    RIGHT: (GREEN, ".", 3),
+    SAID: (BLUE, "+", 4),
+    REFUSED: (ORANGE, "x", 3.5),
+    UNJUDGED: ("0.7", ".", 3),
+    TOO_SLOW: (PURPLE, "v", 4),
+    SILENT: (BLACK, "s", 5),
+    CRASHED: (BLACK, "D", 5),
+}
+WORDS = {
+    "shape": "indenter", "body": "body", "nu": "ν", "a_over_h": "a/h", "contrast": "E below / E on top",
+    "points": "points", "nodes": "nodes in contact", "increments": "increments (0: nested)", "noise": "noise",
+    "length_unit": "unit of length (m)", "force_unit": "unit of force (N)",
+}  # fmt: skip
+COMMON = ("nu", "a_over_h", "contrast", "points", "shape", "body", "length_unit", "force_unit")
+RELEVANT = {"fem": ("nodes", "increments", *COMMON), "slopes": ("noise", *COMMON)}
+CATEGORIES = {"shape": SHAPES, "body": BODIES}
+PANEL = 1.25  # inch
+SMALL = {"font.size": 7, "xtick.labelsize": 6, "ytick.labelsize": 6, "axes.grid": False}
+SPACING = {"left": 0.09, "right": 0.99, "bottom": 0.09, "top": 0.99, "hspace": 0.12, "wspace": 0.12}
+LEAST = {"increments": 1.0, "noise": 1e-7}  # where none stands on a logarithmic axis
+
+
+def failures_figure(verdicts: Sequence[Verdict], method: str) -> Figure:
+    """A triangle of panels, one for every pair of the axes that matter to ``method``."""
+    mine = [verdict for verdict in verdicts if verdict.cell.method == method]
+    names = RELEVANT.get(method, COMMON)
+    n = len(names) - 1
+    with drawing(PANEL * n + 0.8, PANEL * n + 0.8, SMALL, layout=None) as figure:
+        axes = figure.subplots(n, n, squeeze=False, gridspec_kw=SPACING)
+        for (row, below), (column, beside) in itertools.product(enumerate(names[1:]), enumerate(names[:-1])):
+            if column > row:
+                axes[row, column].remove()
+                continue
+            _draw(axes[row, column], mine, beside, below)
+            axes[row, column].label_outer()
+        figure.align_labels()
+        handles, labels = axes[0, 0].get_legend_handles_labels()
+        figure.legend(
+            handles, labels, loc="upper right", fontsize=9, title_fontsize=9, title=f"{method}, {len(mine)} cells"
+        )
+        return figure
+
+
+def _draw(axes: Axes, verdicts: Sequence[Verdict], x: str, y: str) -> None:
+    for outcome, (color, marker, size) in LOOKS.items():
+        cells = [verdict.cell for verdict in verdicts if verdict.outcome == outcome]
+        if cells:
+            label = f"{outcome}: {len(cells)}"
+            axes.plot([_place(cell, x) for cell in cells], [_place(cell, y) for cell in cells], marker, color=color,
+                      ms=size, mew=0.8, alpha=0.8, label=label)  # fmt: skip
+    axes.set(xlabel=WORDS[x], ylabel=WORDS[y])
+    for name, axis, scale in ((x, axes.xaxis, axes.set_xscale), (y, axes.yaxis, axes.set_yscale)):
+        if name in CATEGORIES:
+            axis.set_ticks(np.arange(len(CATEGORIES[name])), CATEGORIES[name])
+        elif name in AXES:
+            scale("log")
+    axes.tick_params(axis="x", rotation=90)
+
+
+def _place(cell: object, name: str) -> float:
+    value = getattr(cell, name)
+    return CATEGORIES[name].index(value) if name in CATEGORIES else max(value, LEAST.get(name, value))
+
+
+if __name__ == "__main__":
+    sys.exit(call(main))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -16,12 +17,15 @@ from ...bodies.materials import Elastic
 from ...bodies.problem import Loading, Problem
 from ...case import load_case
 from ...case.numerics import method_of
+from ...data.foreign import read_measured
 from ...formulas import closed_form
 from ...methods.fem.method import FEM
 from ...methods.layered.layered import Layered
+from ...report.output import PICTURES
 from ...report.plots import BLACK, BLUE, GREEN, ORANGE, pretty
 from ...report.plots.study import UNNAMED, Figure, Line, Panel, panels_figure
 from ...series import Array, Series
+from .command import call, output_of, parser_of, quantity
 from .converge import Convergence, converge
 
 LEVELS = 5  # meshes of Fig. 10
@@ -185,8 +189,8 @@ def errors_panel(study: Convergence) -> Panel:
     """Relative errors over the element size."""
     sizes, label = _sizes(study)
     lines = []
-    for quantity, words, color in (("a", "a", ORANGE), ("P", "P", BLUE), ("pull_off", "pull-off force", GREEN)):
-        errors = study.errors(quantity)
+    for name, words, color in (("a", "a", ORANGE), ("P", "P", BLUE), ("pull_off", "pull-off force", GREEN)):
+        errors = study.errors(name)
         there = np.array([error not in (None, 0.0) for error in errors])
         if there.any():
             values = np.abs(np.array([error for error in errors if error not in (None, 0.0)], dtype=float))
@@ -243,3 +247,27 @@ def _tip_radius(problem: Problem, case: Path) -> float:
 
 def _doubled(cases: Sequence[Path]) -> list[str]:
     return [case.stem for case in cases for _ in range(2)]
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    """Compute and draw the figures of the paper: half-space, thin layer, gel, and the influence of the mesh.
+
+    Writes fig5, fig7, fig8, fig10 as .png and .svg. Numerical curves are by finite elements; lines are exact.
+    """
+    parser = parser_of(str(main.__doc__), parallel=False)
+    parser.add_argument("--cases", type=Path, default=Path("cases"), help="folder of the cases [default: cases]")
+    parser.add_argument("--only", action="append", choices=list(FIGURES), help="this figure")
+    parser.add_argument("--measured", type=Path, help="points for fig8: displacement and load, with units")
+    parser.add_argument("--shift", type=quantity("length"), default=0.0, help="added to the measured displacements")
+    given = parser.parse_args(words)
+    points = None if given.measured is None else read_measured(given.measured, given.shift)
+    output = output_of(given)
+    files = {name: output.files(given.output / name, PICTURES) for name in given.only or FIGURES}
+    for name, file in files.items():
+        file.write(figure=FIGURES[name](given.cases, points))
+        print(f"written {file}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(call(main))

@@ -1,167 +1,100 @@
-"""How noise in a, delta and P reaches the pull-off force, by every way of finding the slopes.
-
-Independent relative Gaussian noise on each column of exact series: Hertz and bonded layers, a stiff coating. A cell of
-the study is one body, number of points, noise and method; its figures are over many seeds.
-"""
+"""The noise study, what noise in the data does to the adhesive curve: its command, table and picture."""
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass
-from functools import partial
+import math
+import sys
+from collections.abc import Sequence
+from dataclasses import fields
 
 import numpy as np
 
-from ...adhesion.curve import AdhesiveCurve, transform
-from ...adhesion.slopes import slopes, slopes_function, smoothed
-from ...base.errors import InputError
-from ...base.executors import Pool, in_order
-from ...base.unknown import Unknown
-from ...bodies.indenters import Paraboloid
-from ...bodies.materials import Elastic
-from ...bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
-from ...methods import method_class
-from ...series import Array, RawSeries, Series
+from ...report.output import PICTURES
+from ...report.plots import BLUE, NARROW, ORANGE, WIDE, Figure, drawing, legend_below
+from .command import call, output_of, parser_of, pool_of
+from .noise_cells import BODIES, METHODS, NOISE, POINTS, SEEDS, Cell, noise_study
 
-POINTS = (30, 60, 200)
-NOISE = (0.0, 1e-4, 1e-3, 1e-2, 3e-2)
-METHODS = ("integral", "loocv")
-SEEDS = 200
+PER_RUN = 0.1  # CPU seconds of one fit
 
 
-@dataclass(frozen=True)
-class Body:
-    """An exact series maker: ``problem(points)`` with radii evenly spaced, and the work of adhesion ``w`` [J/m^2]."""
+def main(words: Sequence[str] | None = None) -> int:
+    """Error of the pull-off force, and coverage of the 90 % band, over noise, points, bodies and slopes.
 
-    name: str
-    method: str
-    problem: Callable[[int], Problem]
-    w: float
-
-    def series(self, points: int) -> Series:
-        """The exact series with S and S', shape (points,)."""
-        return method_class(self.method)()(self.problem(points)).series
-
-
-@dataclass(frozen=True)
-class Cell:
-    """Figures of one cell; errors of the pull-off force under load control are relative to the exact one.
-
-    ``coverage``: share of runs whose 90 % band of the pull-off force holds the exact one; ``band``: share of points of
-    the curve whose band does, over all runs; None for methods that give no band. ``failures``: share without a result.
+    Independent relative Gaussian noise on contact radius, displacement and load of exact series.
+    Writes noise-study.csv, .png and .svg; 200 seeds take about twenty minutes.
     """
-
-    body: str
-    points: int
-    noise: float
-    method: str
-    median: float
-    worst: float
-    coverage: float | None
-    band: float | None
-    failures: float
-
-
-def _layered(nu: float, h: float, R: float, a_max: float, base: Rigid | HalfSpace, points: int) -> Problem:
-    specimen = Specimen((Layer(Elastic(1e6, nu), h),), base)
-    return Problem(Paraboloid(R), specimen, Loading("radius", a_max, points))
-
-
-def _half_space(points: int) -> Problem:
-    specimen = Specimen((), HalfSpace(Elastic(5e9, 0.4)))
-    return Problem(Paraboloid(1e-4), specimen, Loading("radius", 1.73e-5, points))
+    parser = parser_of(str(main.__doc__))
+    parser.add_argument("--seeds", type=int, default=SEEDS, help=f"runs per cell [default: {SEEDS}]")
+    names = [body.name for body in BODIES]
+    parser.add_argument("--body", action="append", choices=names, help="only these")
+    parser.add_argument("--points", action="append", type=int, help=f"of a series [default: {POINTS}]")
+    given = parser.parse_args(words)
+    files = output_of(given).files(given.output / "noise-study", (".csv", *PICTURES))
+    chosen, points = [body for body in BODIES if body.name in (given.body or names)], given.points or POINTS
+    runs = given.seeds * len(chosen) * len(points) * len(NOISE) * len(METHODS)
+    with pool_of(given, PER_RUN * runs) as pool:
+        cells = noise_study(chosen, points, NOISE, METHODS, given.seeds, pool)
+    columns = {item.name: [getattr(cell, item.name) for cell in cells] for item in fields(Cell)}
+    files.write(columns, figure=files.draw(lambda: noise_figure(cells)))
+    _print(cells)
+    print(f"  written {files}")
+    return 0
 
 
-BODIES = (
-    Body("hertz", "closed-form", _half_space, w=50.0),
-    Body("layer-0.4", "layered", partial(_layered, 0.4, 1e-6, 1e-3, 1e-5, Rigid()), w=2e-4),
-    Body("layer-0.499", "layered", partial(_layered, 0.499, 1e-6, 1e-3, 1e-5, Rigid()), w=1e-3),
-    Body(
-        "stiff-coating",
-        "layered",
-        partial(_layered, 0.4, 1e-6, 1e-4, 3e-6, HalfSpace(Elastic(1e5, 0.4))),
-        w=4e-5,
-    ),
-)
+def _known(value: object) -> bool:
+    """Whether there is a figure: not for a band that a method lacks, nor for errors where every run failed."""
+    return value is not None and value != math.inf
 
 
-def noise_study(
-    bodies: Iterable[Body] = BODIES,
-    points: Iterable[int] = POINTS,
-    noise: Iterable[float] = NOISE,
-    methods: Iterable[str] = METHODS,
-    seeds: int = SEEDS,
-    pool: Pool | None = None,
-) -> list[Cell]:
-    """All cells, worked on by ``pool`` (default: this process); a noise-free cell needs one run only."""
-    asked = list(itertools.product(bodies, points, noise, methods))
-    return in_order(pool, partial(_figures, seeds), asked, "noise study")
+def _print(cells: Sequence[Cell]) -> None:
+    print(f"  {'body':<14}{'points':>7}{'noise':>8} {'slopes':<9}{'median':>9}{'worst':>9}{'band':>7}{'failed':>8}")
+    for cell in cells:
+        band = "" if cell.band is None else f"{cell.band:.0%}"
+        median, worst = (f"{error:.1e}" if _known(error) else "-" for error in (cell.median, cell.worst))
+        print(
+            f"  {cell.body:<14}{cell.points:>7}{cell.noise:>8g} {cell.method:<9}{median:>9}{worst:>9}"
+            f"{band:>7}{cell.failures:>8.0%}"
+        )
 
 
-def _figures(seeds: int, asked: tuple[Body, int, float, str]) -> Cell:
-    body, points, noise, method = asked
-    exact = body.series(points)
-    truth = transform(exact, slopes(exact, "exact"), body.w)
-    return cell(body, truth, noise, method, seeds if noise > 0 else 1)
+# ---------------------------------------------------------------------- the picture
+WAYS = {"integral": (ORANGE, "o-"), "loocv": (BLUE, "s--")}
+SHADES = {0: 0.35, 1: 0.65, 2: 1.0}
+TICKS = {1e-6: "none", 1e-4: "10⁻⁴", 1e-2: "10⁻²"}
+FLOOR = 1e-6  # of the errors drawn, and the place of "no noise" on the axis
 
 
-def cell(body: Body, truth: AdhesiveCurve, noise: float, method: str, seeds: int) -> Cell:
-    """The figures of one cell, from seeds 0, 1, ... (the same noise for every method)."""
-    runs = [_run(truth, noise, method, body.w, seed) for seed in range(seeds)]
-    good = [run for run in runs if run is not None]
-    errors = np.abs([error for error, _, _ in good]) if good else np.array([np.inf])
-    inside = [hit for _, hit, _ in good if hit is not None]
-    shares = [share for _, _, share in good if share is not None]
-    return Cell(
-        body.name,
-        len(truth.series),
-        noise,
-        method,
-        float(np.median(errors)),
-        float(np.max(errors)),
-        float(np.mean(inside)) if inside else None,
-        float(np.mean(shares)) if shares else None,
-        1 - len(good) / seeds,
-    )
+def noise_figure(cells: Sequence[Cell]) -> Figure:
+    """One column per body: median error of the pull-off force above, pointwise coverage of the 90 % band below."""
+    bodies = list(dict.fromkeys(cell.body for cell in cells))
+    with drawing(WIDE if len(bodies) > 1 else NARROW, 4.6) as figure:
+        axes = figure.subplots(2, len(bodies), sharex=True, sharey="row", squeeze=False)
+        for column, body in enumerate(bodies):
+            _panel(axes[:, column], [cell for cell in cells if cell.body == body])
+            axes[0, column].set_title(body)
+            axes[1, column].set_xlabel("relative noise")
+        axes[0, 0].set_ylabel("median error\nof the pull-off force")
+        axes[1, 0].set_ylabel("coverage\nof the 90 % band")
+        legend_below(figure, axes[:1, 0], 3 if len(bodies) > 1 else 2)
+        return figure
 
 
-def noisy(series: Series, noise: float, seed: int) -> RawSeries:
-    """The columns of ``series`` with independent relative Gaussian noise on each."""
-    generator = np.random.default_rng(seed)
-    return RawSeries(
-        *(v * (1 + noise * generator.standard_normal(len(series))) for v in (series.a, series.delta, series.P))
-    )
+def _panel(axes: np.ndarray, cells: Sequence[Cell]) -> None:
+    sizes = sorted({cell.points for cell in cells})
+    for method, (color, style) in WAYS.items():
+        for rank, points in enumerate(sizes):
+            line = [cell for cell in cells if cell.method == method and cell.points == points]
+            known = [cell for cell in line if np.isfinite(cell.median)]
+            noise = [max(cell.noise, FLOOR) for cell in known]
+            look = {"color": color, "alpha": SHADES.get(rank, 1.0), "ms": 3, "label": f"{method}, {points} points"}
+            axes[0].loglog(noise, [max(cell.median, FLOOR) for cell in known], style, **look)
+            banded = [cell for cell in line if cell.band is not None and cell.noise > 0]
+            axes[1].semilogx([cell.noise for cell in banded], [cell.band for cell in banded], style, **look)
+    axes[1].axhspan(0.8, 0.97, color="0.9", zorder=0)
+    axes[1].set_ylim(0, 1.02)
+    axes[1].set_xticks(list(TICKS), list(TICKS.values()))
+    axes[1].minorticks_off()
 
 
-def _run(
-    truth: AdhesiveCurve, noise: float, method: str, w: float, seed: int
-) -> tuple[float, bool | None, float | None] | None:
-    """Relative error of the pull-off force, whether its band holds, share of the curve's points in the band."""
-    try:
-        curve = _curve(noisy(truth.series, noise, seed), method, w, truth.series)
-    except InputError:
-        return None
-    found, expected = curve.pull_off(0.0), truth.pull_off(0.0)
-    if isinstance(found, Unknown) or isinstance(expected, Unknown):
-        return None
-    error = found.P / expected.P - 1
-    if not curve.errors:
-        return error, None, None
-    hit = abs(found.P - expected.P) <= float(curve.error_at(np.array(found.a))["P"])
-    return error, hit, _share(curve, truth)
-
-
-def _share(curve: AdhesiveCurve, truth: AdhesiveCurve) -> float:
-    """Share of the curve's points whose band of P holds the exact P at the same radius."""
-    common = (curve.a >= truth.a[0]) & (curve.a <= truth.a[-1])
-    exact: Array = truth.at(curve.a[common])[1]
-    return float(np.mean(np.abs(curve.P[common] - exact) <= curve.errors["P"][common]))
-
-
-def _curve(raw: RawSeries, method: str, w: float, exact: Series) -> AdhesiveCurve:
-    if method == "integral":
-        series, found = smoothed(raw, exact.a0, exact.S0)
-        return transform(series, found, w)
-    series = Series(raw.a, raw.delta, raw.P, a0=exact.a0, S0=exact.S0)
-    return transform(series, slopes_function(method)(series), w)
+if __name__ == "__main__":
+    sys.exit(call(main))

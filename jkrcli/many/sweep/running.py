@@ -10,7 +10,7 @@ from functools import partial
 from pathlib import Path
 
 from ...base.errors import InputError, JkrError
-from ...base.executors import Progress, available_cores, completed, executor, silent
+from ...base.executors import Progress, completed, executor, silent
 from ...base.files import check_target, make_folder
 from ...base.table import write_csv
 from ...methods.guards import duration
@@ -24,7 +24,6 @@ JOURNAL, FAILED_TABLE, SOLVES = "journal.jsonl", "failed.csv", "solves"
 PER_CASE = 0.012  # CPU seconds of a case besides its solve: validation, adhesive curve, critical points
 TASK = 2.0  # CPU seconds that one task should take: much more than handing it out, little to lose
 SHARES = 8  # tasks per worker at least, so that the last ones end together
-PER_WORKER = 3.0  # CPU seconds that make it worth starting a process
 LOOKED_AT = 12  # groups whose cost is looked at for the forecast
 Say = Callable[[str], None]
 
@@ -143,10 +142,7 @@ def _solve(plan: Plan, work: Work, folder: Path, journal: Journal, means: Means,
     """Hand out the groups and journal their cases as they come in."""
     kept = folder.resolve() / SOLVES
     make_folder(kept)
-    workers = means.workers
-    if workers is None and means.scheduler is None:
-        workers = max(1, min(available_cores(), math.ceil(work.seconds / PER_WORKER)))
-    with executor(workers, means.scheduler, means.progress) as pool:
+    with executor(means.workers, means.scheduler, means.progress, work.seconds) as pool:
         if pool.dashboard:
             say(f"dashboard {pool.dashboard}")
         function, chunk = partial(solve_group, plan.recipe, kept), work.chunk(pool.workers)

@@ -11,7 +11,7 @@ from ..base.arrays import Array
 from ..base.unknown import Estimate, Unknown
 from ..bodies.indenters import Indenter, Sphere
 from ..bodies.problem import Problem
-from ..formulas import closed_form
+from ..formulas.half_space import adhesive_half_space
 from ..series import Series
 from .curve import AdhesiveCurve, CriticalPoint, transform
 from .slopes.result import Slopes
@@ -63,7 +63,7 @@ def exact_curve(problem: Problem, w: float, a_max: float, points: int = 400) -> 
     indenter, E_star = problem.indenter, problem.E_star
     top = min(a_max, indenter.r_max * (1 - 1e-9))
     a = indenter.a0 + (top - indenter.a0) * np.linspace(0, 1, points + 1)[1:] ** 2
-    pair = closed_form.half_space(a, E_star, indenter)
+    pair = indenter.half_space(a, E_star)
     if pair is None:
         return None
     slope = np.full_like(a, 2 * E_star)
@@ -86,9 +86,9 @@ def _exact_pull_off(problem: Problem, w: float, a_max: float) -> CriticalPoint |
 
 def _formula(problem: Problem, w: float, a: Array) -> tuple[Array, Array]:
     """delta [m] and P [N] of the closed form at radii ``a`` [m] of any shape."""
-    pair = closed_form.adhesive_half_space(a, problem.E_star, problem.indenter, w)
+    pair = problem.indenter.half_space(a, problem.E_star)
     assert pair is not None
-    return pair
+    return adhesive_half_space(a, *pair, problem.E_star, w)
 
 
 def _load_difference(series: Series, problem: Problem) -> float:

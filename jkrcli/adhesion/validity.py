@@ -22,10 +22,11 @@ import numpy as np
 
 from ..base.errors import InputError
 from ..base.unknown import Estimate, Unknown
-from ..bodies.indenters import Indenter, TableProfile
+from ..bodies.indenter import Indenter
 from ..bodies.materials import Elastic, contact_modulus
 from ..bodies.problem import HalfSpace, Layer, Problem
-from ..formulas.closed_form import foundation_modulus, tabor
+from ..formulas.half_space import tabor
+from ..formulas.thin_layer import foundation_modulus
 
 TABOR_JKR = 5.0  # JKR within some per cent above it
 TABOR_DMT = 0.1  # rigid-body (DMT, Bradley) limit below it
@@ -212,12 +213,10 @@ def _ratio(value: float, size: float | None, reason: Unknown) -> Estimate:
 
 def unresolved(indenter: Indenter, a: np.ndarray) -> tuple[str, ...]:
     """A warning where slopes fitted through the radii ``a`` [m] cannot see every bend of a tabulated profile."""
-    if not isinstance(indenter, TableProfile):
-        return ()
-    bends = int(np.sum((indenter.knots > indenter.a0) & (indenter.knots < a[-1])))
+    bends = sum(indenter.a0 < kink < a[-1] for kink in indenter.kinks)
     if a.size >= SEEN * bends:
         return ()
     return (
-        f"the tabulated profile bends at {bends} radii within the contact and the series has {a.size} points: slopes "
+        f"the {indenter.noun} bends at {bends} radii within the contact and the series has {a.size} points: slopes "
         "fitted through them miss what lies between; give more points, or take a method with exact slopes",
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 
 
@@ -47,6 +48,13 @@ class InputError(JkrError):
 
     def __reduce__(self) -> tuple[type[InputError], tuple[tuple[str, ...]]]:
         return type(self), (self.lines,)
+
+
+def positive(unit: str = "", **values: float) -> None:
+    """InputError where a value by name is not a finite number > 0 (of ``unit``)."""
+    for name, value in values.items():
+        if not (math.isfinite(value) and value > 0):
+            raise InputError(f"{name}: must be > 0{unit and ' ' + unit}, got {value:g}")
 
 
 class Refusal(InputError):

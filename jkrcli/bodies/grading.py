@@ -9,9 +9,8 @@ from typing import Protocol, Self
 
 import numpy as np
 
-from ..base.errors import InputError
-
-Array = np.ndarray
+from ..base.arrays import Array
+from ..base.errors import InputError, positive
 
 
 class Law(Protocol):
@@ -40,13 +39,6 @@ class Law(Protocol):
         ...
 
 
-def _positive(**values: float) -> None:
-    for name, value in values.items():
-        if not (math.isfinite(value) and value > 0):
-            unit = "Pa" if name in ("top", "bottom") else "m"
-            raise InputError(f"{name}: must be > 0 {unit}, got {value:g}")
-
-
 @dataclass(frozen=True)
 class _Between:
     """A smooth law from ``top`` to ``bottom`` [Pa] over ``depth`` [m]."""
@@ -56,7 +48,8 @@ class _Between:
     depth: float
 
     def __post_init__(self) -> None:
-        _positive(top=self.top, bottom=self.bottom, depth=self.depth)
+        positive("Pa", top=self.top, bottom=self.bottom)
+        positive("m", depth=self.depth)
 
     @property
     def reach(self) -> float:
@@ -104,7 +97,8 @@ class Power:
     exponent: float
 
     def __post_init__(self) -> None:
-        _positive(top=self.top, length=self.length)
+        positive("Pa", top=self.top)
+        positive("m", length=self.length)
         if not math.isfinite(self.exponent):
             raise InputError(f"exponent: must be a finite number, got {self.exponent:g}")
 

@@ -1,7 +1,7 @@
 """Linear elastic materials: homogeneous and isotropic, graded over depth, transversely isotropic.
 
-Each has ``surface``, the isotropic half-space that the first touch of its top feels, and ``scaled``; ``Elastic`` and
-``Graded`` have ``at(depth)``, Young's modulus over depth.
+Each has ``surface``, the isotropic half-space that the first touch of its top feels, ``scaled`` and ``words``;
+``Elastic`` and ``Graded`` have ``at(depth)``, Young's modulus over depth.
 """
 
 from __future__ import annotations
@@ -11,10 +11,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..base.errors import InputError
+from ..base.arrays import Array
+from ..base.errors import InputError, positive
+from ..base.units import show
 from .grading import Law
-
-Array = np.ndarray
 
 
 @dataclass(frozen=True)
@@ -25,14 +25,18 @@ class Elastic:
     nu: float
 
     def __post_init__(self) -> None:
-        if not (math.isfinite(self.E) and self.E > 0):
-            raise InputError(f"E: must be > 0 Pa, got {self.E:g}")
+        positive("Pa", E=self.E)
         _check_poisson(self.nu)
 
     @property
     def E_star(self) -> float:
         """Plane-strain (contact) modulus E/(1 - nu^2) [Pa]."""
         return self.E / (1 - self.nu**2)
+
+    @property
+    def words(self) -> str:
+        """``E = 5 GPa, nu = 0.4``."""
+        return f"E = {show(self.E, 'modulus')}, nu = {self.nu:g}"
 
     @property
     def G(self) -> float:
@@ -78,6 +82,12 @@ class Graded:
         """The homogeneous material with the modulus at the top of the layer."""
         return Elastic(float(self.law.at(np.zeros(1))[0]), self.nu)
 
+    @property
+    def words(self) -> str:
+        """``E graded from 1 MPa at the top, linear, nu = 0.3``."""
+        law = type(self.law).__name__.lower()
+        return f"E graded from {show(self.surface.E, 'modulus')} at the top, {law}, nu = {self.nu:g}"
+
     def at(self, depth: Array) -> Array:
         """E [Pa] at every ``depth`` [m] below the layer's top."""
         return self.law.at(depth)
@@ -103,10 +113,7 @@ class TransverselyIsotropic:
     G_z: float
 
     def __post_init__(self) -> None:
-        for name in ("E_p", "E_z", "G_z"):
-            value = getattr(self, name)
-            if not (math.isfinite(value) and value > 0):
-                raise InputError(f"{name}: must be > 0 Pa, got {value:g}")
+        positive("Pa", E_p=self.E_p, E_z=self.E_z, G_z=self.G_z)
         if not -1 < self.nu_p < 1:
             raise InputError(f"nu_p: must be > -1 and < 1, got {self.nu_p:g}")
         if not (math.isfinite(self.nu_zp) and self.nu_zp**2 < self._nu_zp_squared_limit):
@@ -115,6 +122,12 @@ class TransverselyIsotropic:
                 f"{math.sqrt(self._nu_zp_squared_limit):.4g} for a positive strain energy "
                 f"(2 nu_zp^2 E_p/E_z < 1 - nu_p), got {self.nu_zp:g}"
             )
+
+    @property
+    def words(self) -> str:
+        """``transversely isotropic, E = 1 GPa in the plane, 2 GPa along z``."""
+        in_plane, along = show(self.E_p, "modulus"), show(self.E_z, "modulus")
+        return f"transversely isotropic, E = {in_plane} in the plane, {along} along z"
 
     @property
     def _nu_zp_squared_limit(self) -> float:

@@ -9,8 +9,9 @@ from typing import Any, Literal, cast
 
 import numpy as np
 
-from ..base.errors import InputError
-from .indenters import Indenter
+from ..base.errors import InputError, positive
+from ..base.units import show
+from .indenter import Indenter
 from .materials import Elastic, Graded, Material, TransverselyIsotropic, contact_modulus
 
 Quantity = Literal["depth", "load", "radius"]
@@ -28,8 +29,7 @@ class Layer:
     name: str = field(default="", compare=False, repr=False)
 
     def __post_init__(self) -> None:
-        if not (math.isfinite(self.thickness) and self.thickness > 0):
-            raise InputError(f"thickness: must be > 0 m, got {self.thickness:g}")
+        positive("m", thickness=self.thickness)
         if isinstance(self.material, Graded) and self.material.law.reach < self.thickness * (1 - ROUND_OFF):
             raise InputError(
                 f"the law of E ends at a depth of {self.material.law.reach:g} m, above the bottom of the layer "
@@ -75,8 +75,8 @@ class Specimen:
     def __post_init__(self) -> None:
         if not self.layers and isinstance(self.base, Rigid):
             raise InputError("specimen: a rigid base needs at least one layer on it")
-        if self.radius is not None and not (math.isfinite(self.radius) and self.radius > 0):
-            raise InputError(f"specimen.radius: must be > 0 m, got {self.radius:g}")
+        if self.radius is not None:
+            positive("m", **{"specimen.radius": self.radius})
 
     @property
     def is_half_space(self) -> bool:
@@ -113,6 +113,29 @@ class Specimen:
     def top_thickness(self) -> float:
         """Thickness of the uppermost layer [m], the h of a/h; infinite for a half-space."""
         return self.layers[0].thickness if self.layers else math.inf
+
+    @property
+    def words(self) -> str:
+        """``a layer (E = 1 MPa, nu = 0.4, h = 1 um) on a rigid base``."""
+        surface = self.materials[0].words
+        if self.is_half_space:
+            return f"a half-space ({surface})"
+        count = len(self.layers)
+        layers, top = ("a layer", "") if count == 1 else (f"{count} layers", " on top")
+        side = ""
+        if self.radius is not None:
+            side = f", cylinder of radius {show(self.radius, 'length')}, side {self.side}"
+        return f"{layers} ({surface}, h = {show(self.top_thickness, 'length')}{top}{side}) on {self._words_of_base}"
+
+    @property
+    def _words_of_base(self) -> str:
+        match self.base:
+            case HalfSpace(material=Elastic(E=E)):
+                return f"an elastic half-space (E = {show(E, 'modulus')})"
+            case HalfSpace(material=material):
+                return f"an elastic half-space ({material.words})"
+            case Rigid(bonded=bonded):
+                return "a rigid base" if bonded else "a rigid frictionless base"
 
     def scaled(self, factor: float) -> Specimen:
         """The same specimen with every modulus multiplied by ``factor``."""
@@ -166,6 +189,14 @@ class Problem:
     def E_star(self) -> float:
         """Reduced modulus of the two materials that touch [Pa] (Eq. 4)."""
         return contact_modulus(self.specimen.surface, self.indenter.material)
+
+    @property
+    def words(self) -> str:
+        """``sphere R = 100 um on a half-space (E = 5 GPa, nu = 0.4) to a depth of 3 um``."""
+        loading, elastic = self.loading, "" if self.indenter.material is None else "elastic "
+        goal = "contact radius" if loading.to == "radius" else loading.to
+        end = show(loading.maximum, "load" if loading.to == "load" else "length")
+        return f"{elastic}{self.indenter.words} on {self.specimen.words} to a {goal} of {end}"
 
     def scaled(self, factor: float) -> Problem:
         """The same problem with every modulus multiplied by ``factor``, and with it what is prescribed as a load."""

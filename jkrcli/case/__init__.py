@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import math
 import re
 import tomllib
@@ -13,9 +12,9 @@ from typing import Any, TypeVar
 import tomli_w
 from pydantic import ValidationError
 
-from ..base.errors import InputError
+from ..base.errors import InputError, did_you_mean, nearest
 from ..base.files import read_bytes
-from .indenter import SHAPES
+from ..bodies.indenters import SHAPES
 from .models import CaseModel, RootTable, case_model
 
 Root = TypeVar("Root", bound=RootTable)
@@ -88,7 +87,7 @@ def _sentences(error: ValidationError, tree: dict[str, Any], keys_at: KeysAt) ->
         (*item["loc"][:-1], close)
         for item in items
         if item["type"] == "extra_forbidden"
-        for close in _close(item, keys_at)
+        if (close := nearest(item["loc"][-1], _allowed(item["loc"], keys_at)))
     }
     kept = [item for item in items if not (item["type"] == "missing" and item["loc"] in meant)]
     return sorted({_sentence(item, tree, keys_at) for item in kept})
@@ -101,19 +100,17 @@ def _sentence(item: Any, tree: dict[str, Any], keys_at: KeysAt) -> str:
         case "missing":
             return f"{where}: is required"
         case "extra_forbidden":
-            return f"{where}: unknown key{_suggest(item, keys_at)}"
+            keys = _allowed(item["loc"], keys_at)
+            return f"{where}: unknown key{did_you_mean(item['loc'][-1], keys)} (allowed: {', '.join(keys)})"
         case "literal_error":
             allowed = [str(word).strip("'") for word in context["expected"].replace(" or ", ", ").split(", ")]
-            close = difflib.get_close_matches(str(value), allowed, 1, 0.5)
-            hint = f', did you mean "{close[0]}"?' if close else ""
-            return f"{where}: must be one of {', '.join(allowed)}, got {shown(value)}{hint}"
+            return f"{where}: must be one of {', '.join(allowed)}, got {shown(value)}{did_you_mean(value, allowed)}"
         case "union_tag_not_found":
             return f"{where}.{context['discriminator'].strip(chr(39))}: is required"
         case "union_tag_invalid":
             allowed = context["expected_tags"].replace("'", "").split(", ")
-            close = difflib.get_close_matches(str(context["tag"]), allowed, 1, 0.5)
-            hint = f', did you mean "{close[0]}"?' if close else ""
-            return f'{where}.shape: must be one of {", ".join(allowed)}, got "{context["tag"]}"{hint}'
+            tag = context["tag"]
+            return f'{where}.shape: must be one of {", ".join(allowed)}, got "{tag}"{did_you_mean(tag, allowed)}'
         case "jkr":
             return f"{where}: {item['msg']}" if where else item["msg"]
         case "model_type" | "dict_type" | "model_attributes_type":
@@ -155,16 +152,6 @@ def _path(loc: tuple[Any, ...], tree: dict[str, Any]) -> str:
 def _allowed(loc: tuple[Any, ...], keys_at: KeysAt) -> list[str]:
     """The keys that the table around an unknown key at ``loc`` may have."""
     return keys_at(tuple(part for part in loc[:-1] if not isinstance(part, int)))
-
-
-def _close(item: Any, keys_at: KeysAt) -> list[str]:
-    """What the user may have meant by an unknown key: one key or none."""
-    return difflib.get_close_matches(str(item["loc"][-1]), _allowed(item["loc"], keys_at), 1, 0.5)
-
-
-def _suggest(item: Any, keys_at: KeysAt) -> str:
-    hint = "".join(f', did you mean "{close}"?' for close in _close(item, keys_at))
-    return f"{hint} (allowed: {', '.join(_allowed(item['loc'], keys_at))})"
 
 
 def shown(value: Any) -> str:

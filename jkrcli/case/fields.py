@@ -69,6 +69,11 @@ class Table(BaseModel):
     tag: ClassVar[str] = ""
 
     @classmethod
+    def allowed_keys(cls) -> list[str]:
+        """The keys that a file may hold here."""
+        return list(cls.model_fields)
+
+    @classmethod
     def tags(cls) -> tuple[str, ...]:
         """What an error's path may call this table where several are possible: its ``tag``, or its shape."""
         shape = cls.model_fields.get("shape")

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import difflib
 from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import BeforeValidator, Discriminator, Tag, model_validator
 
-from ..base.errors import InputError
+from ..base.errors import InputError, did_you_mean
 from ..bodies import grading
 from ..bodies.materials import Elastic, Graded, TransverselyIsotropic
 from ..bodies.problem import Layer
@@ -88,8 +87,7 @@ def _known_law(value: Any) -> Any:
     if isinstance(value, dict) and not {"law", "depth"} & set(value):
         raise wrong(f"needs a law, one of {', '.join(LAWS)}, got keys {', '.join(value) or 'none'}")
     if isinstance(value, dict) and value.get("law", "table") not in LAWS:
-        close = difflib.get_close_matches(str(value["law"]), LAWS, 1, 0.5)
-        hint = f', did you mean "{close[0]}"?' if close else ""
+        hint = did_you_mean(value["law"], LAWS)
         raise wrong(f'law must be one of {", ".join(LAWS)}, got "{value["law"]}"{hint}')
     return value
 

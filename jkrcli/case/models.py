@@ -10,10 +10,11 @@ from typing import Annotated, Any, Literal, Self, cast, get_args
 from pydantic import BeforeValidator, Field, create_model, model_validator
 
 from ..base.errors import InputError
+from ..bodies.indenters import SHAPES
 from ..bodies.problem import HalfSpace, Loading, Problem, Quantity, Rigid, Specimen
 from ..methods import METHODS, Descriptor
 from .fields import Force, Length, Table, Work, as_tuple, one_or_more, readable, wrong
-from .indenter import AnyIndenter, IndenterTable
+from .indenter import IndenterTable, any_indenter
 from .materials import AnyHalfSpace, AnyLayer
 
 
@@ -104,8 +105,7 @@ class RootTable(Table):
                 tables = list(_tables_in(tables[0].model_fields[part].annotation))
             else:
                 tables = [table for table in tables if part in table.tags()]
-        keys = [key for table in tables for key in table.model_fields]
-        return [*keys, "file"] if path == ("indenter", "table") else list(dict.fromkeys(keys))
+        return list(dict.fromkeys(key for table in tables for key in table.allowed_keys()))
 
 
 class CaseModel(RootTable):
@@ -132,7 +132,7 @@ class CaseModel(RootTable):
 
 def case_model() -> type[CaseModel]:
     """The model of a whole case file with the registered shapes of indenters and methods."""
-    return _completed(tuple(METHODS.values()))
+    return _completed(tuple(SHAPES.items()), tuple(METHODS.values()))
 
 
 def _restored(tree: dict[str, Any]) -> CaseModel:
@@ -140,9 +140,9 @@ def _restored(tree: dict[str, Any]) -> CaseModel:
 
 
 @cache
-def _completed(methods: tuple[Descriptor, ...]) -> type[CaseModel]:
+def _completed(shapes: tuple[tuple[str, Any], ...], methods: tuple[Descriptor, ...]) -> type[CaseModel]:
     names = Literal.__getitem__(("auto", *(method.name for method in methods)))
-    fields: dict[str, Any] = {"method": (names, "auto"), "indenter": (AnyIndenter, ...)}
+    fields: dict[str, Any] = {"method": (names, "auto"), "indenter": (any_indenter(dict(shapes)), ...)}
     fields |= {table: (kind, kind()) for table, kind in _option_tables(methods).items()}
     return create_model("CaseModel", __base__=CaseModel, **fields)
 

@@ -14,7 +14,6 @@ from ..adhesion.expectation import Expectation, expect
 from ..base.errors import Refusal
 from ..base.units import show
 from ..base.unknown import Estimate, Unknown
-from ..bodies.words import describe
 from ..case import CaseModel, load_case
 from ..case.numerics import method_of
 from ..methods.choose import Option, choose, cost, objection, survey
@@ -39,10 +38,10 @@ def check(case: Path, as_json: bool) -> None:
     choice = choose(problem, model.method, lambda name: method_of(model, name))
     expected = _expected(model)
     if as_json:
-        data = {"case": str(case), "problem": describe(problem), "method": choice.name, "reason": choice.reason}
+        data = {"case": str(case), "problem": problem.words, "method": choice.name, "reason": choice.reason}
         answer(data | {"options": [asdict(o) for o in options]} | _as_dict(expected))
         return
-    click.echo(describe(problem))
+    click.echo(problem.words)
     click.echo(f"  method    {choice.name}: {choice.brief}")
     for option in options:
         click.echo(f"            {option.name:<12} {_option(option)}")

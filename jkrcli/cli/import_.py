@@ -16,7 +16,6 @@ import tomli_w
 from ..base.errors import InputError
 from ..base.files import read_bytes
 from ..base.units import show
-from ..bodies.words import describe
 from ..case import Case, load_case, parse_case, store
 from ..case.models import CaseModel, LoadingTable
 from ..data.foreign import NAMES, SeriesReading, read_series
@@ -104,7 +103,7 @@ def import_(
         answer(_as_dict(target, solution))
         return
     series = solution.series
-    say(describe(problem))
+    say(problem.words)
     say(f"  columns   {solution.facts['columns']}; separated by: {solution.facts['separator']}")
     say(f"  read      {solution.facts['rows']} rows, {len(series)} different contact radii")
     say(f"  reached   a = {show(series.a[-1], 'length')}, delta = {show(series.delta[-1], 'length')}, "

@@ -12,7 +12,6 @@ from ..adhesion.validity import check, end_of_body, judge
 from ..base.units import show
 from ..base.unknown import Unknown
 from ..bodies.problem import Problem
-from ..bodies.words import describe
 from ..case import Case, load_case, store
 from ..case.solving import solve
 from ..methods import METHODS
@@ -108,7 +107,7 @@ def _as_json(
 
 def _print(case: Case, target: Path, choice: Choice, solution: Solution, seconds: float) -> None:
     series = solution.series
-    say(f"{describe(case.model.problem())}")
+    say(case.model.problem().words)
     say(f"  method    {choice.name}: {choice.reason}")
     say(
         f"  reached   a = {show(series.a[-1], 'length')}, delta = {show(series.delta[-1], 'length')}, "

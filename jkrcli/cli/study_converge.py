@@ -13,7 +13,6 @@ from ..base.errors import InputError
 from ..base.executors import executor
 from ..base.units import show
 from ..base.unknown import Unknown
-from ..bodies.words import describe
 from ..case import load_case
 from ..case.numerics import method_of
 from ..many.study.converge import QUANTITIES, Convergence, converge
@@ -89,7 +88,7 @@ def as_dict(found: Convergence) -> dict[str, Any]:
     return {
         "format": "jkr-convergence",
         "version": 1,
-        "problem": describe(found.problem),
+        "problem": found.problem.words,
         "w_J_per_m2": found.w,
         "depth_m": found.depth,
         "levels": [
@@ -133,7 +132,7 @@ def _columns(found: Convergence) -> dict[str, Sequence[Any]]:
 
 
 def _print(found: Convergence) -> None:
-    click.echo(describe(found.problem))
+    click.echo(found.problem.words)
     against = "the exact solution" if found.exact is not None else "the extrapolated value or the finest mesh"
     click.echo(
         f"  at        delta = {show(found.depth, 'length')}, w = {show(found.w, 'work')}; errors against {against}"

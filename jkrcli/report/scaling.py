@@ -12,7 +12,7 @@ from ..adhesion.curve import scales_half_space, scales_thin_layer
 from ..base.errors import InputError
 from ..bodies.materials import Elastic
 from ..bodies.problem import Rigid
-from ..formulas.closed_form import foundation_modulus
+from ..formulas.thin_layer import foundation_modulus
 from ..series import Array
 
 

@@ -12,16 +12,8 @@ from jkrcli.adhesion.curve import CriticalPoint, scales_half_space, scales_thin_
 from jkrcli.adhesion.slopes import Slopes, slopes
 from jkrcli.base.errors import InputError
 from jkrcli.base.unknown import Unknown
-from jkrcli.bodies.indenters import Sphere
-from jkrcli.formulas.closed_form import (
-    adhesive_half_space,
-    hertz,
-    jkr,
-    rounded_flat,
-    sneddon_sphere,
-    thin_incompressible_layer,
-    thin_layer,
-)
+from jkrcli.formulas.half_space import adhesive_half_space, hertz, jkr, rounded_flat, sneddon_sphere
+from jkrcli.formulas.thin_layer import thin_incompressible_layer, thin_layer
 from jkrcli.series import Series
 
 E_STAR, R, W = 5e9 / 0.84, 1e-4, 50.0
@@ -219,7 +211,9 @@ def sphere_curve(a: np.ndarray):
 def true_interpolation_error(ours) -> float:
     between = np.linspace(ours.a[0], ours.a[-1], 500)
     true = []
-    for found, exact in zip(ours.at(between), adhesive_half_space(between, E_STAR, Sphere(R), W), strict=True):
+    for found, exact in zip(
+        ours.at(between), adhesive_half_space(between, *sneddon_sphere(between, E_STAR, R), E_STAR, W), strict=True
+    ):
         unit = np.maximum(np.abs(exact), abs(np.min(exact)))
         true.append(float(np.max(np.abs(found - exact) / unit)))
     return max(true)

@@ -17,7 +17,8 @@ from jkrcli.adhesion.slopes.scatter import correlation_length
 from jkrcli.base.errors import InputError, Refusal
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Specimen
-from jkrcli.formulas.closed_form import hertz, power_law, rounded_flat, thin_incompressible_layer, thin_layer
+from jkrcli.formulas.half_space import hertz, power_law, rounded_flat
+from jkrcli.formulas.thin_layer import thin_incompressible_layer, thin_layer
 from jkrcli.many.study.failures_cells import indenter_of, specimen_of
 from jkrcli.many.study.noise_cells import BODIES, cell, noise_study, noisy
 from jkrcli.many.study.quantised import node_based, quantised_study

@@ -9,7 +9,8 @@ from jkrcli.adhesion.curve import transform
 from jkrcli.adhesion.slopes import slopes, slopes_function
 from jkrcli.adhesion.slopes.loocv import interpolated_slope, loocv
 from jkrcli.base.errors import InputError, Refusal
-from jkrcli.formulas.closed_form import hertz, thin_incompressible_layer, thin_layer
+from jkrcli.formulas.half_space import hertz
+from jkrcli.formulas.thin_layer import thin_incompressible_layer, thin_layer
 from jkrcli.many.study.noise_cells import noisy
 from jkrcli.series import Series
 

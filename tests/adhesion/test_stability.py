@@ -33,7 +33,8 @@ from jkrcli.base.unknown import Unknown
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Specimen
-from jkrcli.formulas.closed_form import hertz, jkr, thin_incompressible_layer, thin_layer
+from jkrcli.formulas.half_space import hertz, jkr
+from jkrcli.formulas.thin_layer import thin_incompressible_layer, thin_layer
 from jkrcli.methods.layered.layered import Layered
 from jkrcli.series import Series
 

@@ -17,7 +17,7 @@ from jkrcli.base.errors import InputError
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
-from jkrcli.formulas.closed_form import hertz
+from jkrcli.formulas.half_space import hertz
 from jkrcli.methods.layered.layered import Layered
 from jkrcli.series import Series
 

@@ -12,15 +12,8 @@ from hypothesis import strategies as st
 from scipy.integrate import quad
 
 from jkrcli.base.errors import InputError
-from jkrcli.bodies.indenters import (
-    Paraboloid,
-    PowerLaw,
-    RoundedFlat,
-    Sphere,
-    TableProfile,
-    abel_factor,
-    tangent_minus_angle,
-)
+from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
+from jkrcli.formulas.half_space import abel_factor, tangent_minus_angle
 
 R = 3e-5
 GRID = np.linspace(0, 0.5 * R, 31)

@@ -13,7 +13,8 @@ from jkrcli.adhesion.stability import UNBOUNDED, Cycle, cycle, trace, turning_ra
 from jkrcli.adhesion.states import state
 from jkrcli.base.errors import InputError
 from jkrcli.base.unknown import Unknown
-from jkrcli.formulas.closed_form import hertz, thin_layer
+from jkrcli.formulas.half_space import hertz
+from jkrcli.formulas.thin_layer import thin_layer
 from jkrcli.series import Series
 
 E_STAR, R = 5e9 / 0.84, 1e-4

@@ -16,7 +16,7 @@ from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere, T
 from jkrcli.data.columns import split_name
 from jkrcli.data.foreign import SeriesReading, radius_from_area, read_measured, read_series, surface_area
 from jkrcli.data.text_table import unit_power
-from jkrcli.formulas.closed_form import hertz
+from jkrcli.formulas.half_space import hertz
 
 R, E_STAR = 1e-3, 2e6
 BALL = Paraboloid(R)

@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 
 from jkrcli.base.errors import InputError
 from jkrcli.case import store
-from jkrcli.formulas.closed_form import jkr as jkr_curve
+from jkrcli.formulas.half_space import jkr as jkr_curve
 from jkrcli.many import cache
 from jkrcli.many.sweep import solving
 from jkrcli.many.sweep.draws import Distribution, draw

@@ -13,7 +13,6 @@ import numpy as np
 from ...base.errors import InputError
 from ...base.table import as_json
 from ...base.unknown import known
-from ...bodies.words import describe
 from ...case import Case, load_case
 from ...methods import METHODS
 from ...report.output import PICTURES
@@ -117,7 +116,7 @@ def main(words: Sequence[str] | None = None) -> int:
         measure,
         automatic(loaded),
     )
-    title = describe(loaded.model.problem())
+    title = loaded.model.problem().words
     data = as_dict(found)
     files.write(_columns(found), data, files.draw(lambda: chart_figure(found.points, found.peers, title)))
     if output.json:
@@ -136,7 +135,7 @@ def as_dict(found: Found) -> dict[str, Any]:
     return {
         "format": "jkr-chart",
         "version": 1,
-        "problem": describe(found.case.model.problem()),
+        "problem": found.case.model.problem().words,
         "w_J_per_m2": found.w,
         "reference": found.reference,
         "machine": machine(),
@@ -199,7 +198,7 @@ def _columns(found: Found) -> dict[str, list[Any]]:
 
 
 def _print(found: Found) -> None:
-    print(describe(found.case.model.problem()))
+    print(found.case.model.problem().words)
     print(f"  against   {found.reference}; * is on the Pareto front of whole-process CPU and error of P")
     print(f"    {'method':<12}{'setting':<32}{'slopes':<9}{'unknowns':>9}{'process':>9}{'solve':>9}{'MiB':>6}"
                f"{'P':>9}{'curve':>9}{'pull-off':>9}")  # fmt: skip

@@ -18,7 +18,7 @@ from ...bodies.problem import Loading, Problem
 from ...case import load_case
 from ...case.numerics import method_of
 from ...data.foreign import read_measured
-from ...formulas import closed_form
+from ...formulas import half_space, thin_layer
 from ...methods.fem.method import FEM
 from ...methods.layered.layered import Layered
 from ...report.output import PICTURES
@@ -71,7 +71,7 @@ def half_space_figure(case: Path) -> Figure:
     problem, w, R = solved.problem, solved.works[0], _tip_radius(solved.problem, case)
     units = scales_half_space(R, problem.E_star, w)
     a = np.linspace(0, solved.series.a[-1], 400)
-    hertz, jkr = closed_form.hertz(a, problem.E_star, R), closed_form.jkr(a, problem.E_star, R, w)
+    hertz, jkr = half_space.hertz(a, problem.E_star, R), half_space.jkr(a, problem.E_star, R, w)
     references = [("Hertz and JKR (paraboloid)", "-", BLACK, a, hertz, jkr)]
     exact = solved.exact(w)
     pairs = (exact.series.delta, exact.series.P), (exact.delta, exact.P)
@@ -87,12 +87,13 @@ def thin_layer_figure(case: Path) -> Figure:
     material = problem.specimen.materials[0]
     if not problem.specimen.layers or not isinstance(material, Elastic) or material.nu >= 0.5:
         raise InputError(f"{case}: specimen: Fig. 7 needs a homogeneous layer with nu < 0.5 (Eq. 22)")
-    K = closed_form.foundation_modulus(material.E, material.nu, problem.specimen.top_thickness)
+    K = thin_layer.foundation_modulus(material.E, material.nu, problem.specimen.top_thickness)
     P_unit, delta_unit, a_unit = scales_thin_layer(R, K, w)
     a_bar = np.linspace(0, solved.series.a[-1] / a_unit, 400)
+    delta_bar, P_bar = thin_layer.thin_layer_dimensionless(a_bar)
     leading = (
         (a_bar**2 * delta_unit, a_bar**4 * P_unit),
-        ((a_bar**2 - 1) * delta_unit, (a_bar**4 - 2 * a_bar**2) * P_unit),
+        (delta_bar * delta_unit, P_bar * P_unit),
     )
     exact = solved.exact(w)
     references = [

@@ -11,7 +11,7 @@ from ...adhesion.curve import transform
 from ...adhesion.slopes import slopes_function, smoothed
 from ...base.errors import InputError
 from ...base.unknown import Unknown
-from ...formulas.closed_form import hertz
+from ...formulas.half_space import hertz
 from ...series import RawSeries, Series, filter_plateaus
 
 WAYS = ("integral from increments", "integral", "loocv")

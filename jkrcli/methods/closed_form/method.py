@@ -8,18 +8,18 @@ from typing import ClassVar
 
 import numpy as np
 
+from ...base.arrays import Array
 from ...base.clock import StageClock
 from ...base.errors import InputError, Refusal, SolveError
 from ...bodies.indenters import Paraboloid, Sphere
 from ...bodies.materials import Elastic
 from ...bodies.problem import Layer, Loading, Problem, Rigid
-from ...formulas import closed_form
+from ...formulas import thin_layer
 from ...series import ErrorBudget, Series, Solution
 from .. import Forecast
 from ..layered.layered import Layered, unbounded
 from ..radii import half_space_guess, radii_of_loading
 
-Array = np.ndarray
 ROUND_OFF = 1e-14
 WORST = 0.05  # largest error at which the leading order of a thin layer is still offered
 CHECKED = 1e-6  # accuracy of the exact layer solution it is checked against
@@ -97,11 +97,11 @@ def _formula(problem: Problem) -> Formula | str:
 
 def _half_space(problem: Problem) -> Formula | str:
     E_star, indenter = problem.E_star, problem.indenter
-    if closed_form.half_space(np.array([indenter.a0]), 1.0, indenter) is None:
-        return "there is no closed form for a tabulated profile: use method layered"
+    if indenter.half_space(np.array([indenter.a0]), 1.0) is None:
+        return f"there is no closed form for a {indenter.noun}: use method layered"
 
     def columns(a: Array) -> tuple[Array, Array, Array, Array]:
-        pair = closed_form.half_space(a, E_star, indenter)
+        pair = indenter.half_space(a, E_star)
         assert pair is not None
         return *pair, 2 * E_star * a, np.full_like(a, 2 * E_star)
 
@@ -134,14 +134,13 @@ def _leading_order(R: float, layer: Layer, base: Rigid) -> Formula:
         G = material.G
 
         def squeezed(a: Array) -> tuple[Array, Array, Array, Array]:
-            S = 3 * np.pi * G * a**4 / (8 * h**3)
-            return *closed_form.thin_incompressible_layer(a, G, h, R), S, 4 * S / a
+            return *thin_layer.thin_incompressible_layer(a, G, h, R), *thin_layer.thin_incompressible_slopes(a, G, h)
 
         return Formula("thin incompressible layer, leading order", squeezed)
-    K = closed_form.foundation_modulus(material.E, material.nu, h) if base.bonded else material.E_star / h
+    K = thin_layer.foundation_modulus(material.E, material.nu, h) if base.bonded else material.E_star / h
 
     def winkler(a: Array) -> tuple[Array, Array, Array, Array]:
-        return *closed_form.thin_layer(a, K, R), np.pi * K * a**2, 2 * np.pi * K * a
+        return *thin_layer.thin_layer(a, K, R), *thin_layer.thin_layer_slopes(a, K)
 
     return Formula("thin compressible layer, leading order (Eq. 20)", winkler)
 

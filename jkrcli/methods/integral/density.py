@@ -18,11 +18,10 @@ import numpy as np
 from numpy.polynomial import legendre
 
 from ...base.arrays import Array
-from ...base.errors import InputError
-from ...bodies.indenters import Indenter, Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
+from ...bodies.indenter import Indenter
 from ...bodies.materials import Graded
 from ...bodies.problem import Specimen
-from .equation import EquationResult, kinks
+from .equation import EquationResult
 from .kernel import FredholmKernel
 from .quadrature import crowded_rule, gauss, rule, split
 
@@ -80,7 +79,7 @@ class Density:
         x, _ = gauss(edges[:-1], edges[1:], nodes, node_weights)
         K = 2 / math.pi * kernel(x, result.panels.x)
         project = legendre.legvander(nodes, order - 1) * node_weights[:, None] * (np.arange(order) + 0.5)
-        breaks = kinks(indenter)
+        breaks = indenter.kinks
         for n in which:
             t, weights, phi = result.density(n, shift)
             smooth = (K[:, : t.size] @ (weights * phi)).reshape(pieces, order)
@@ -98,7 +97,7 @@ class Density:
     def slope(self, x: Array) -> Array:
         """phi'(x) [-], x > 0."""
         derivative = legendre.legder(self.coefficients) * (2 / self.edges[1])
-        return -2 / math.pi * abel_slope(self.indenter, x) - self._smooth(x, derivative)
+        return -2 / math.pi * self.indenter.abel_slope(x) - self._smooth(x, derivative)
 
     def _smooth(self, x: Array, coefficients: Array) -> Array:
         piece = np.clip(np.searchsorted(self.edges, x, side="right") - 1, 0, self.edges.size - 2)
@@ -152,22 +151,3 @@ def unsmooth(specimen: Specimen) -> str | None:
             "pressures are not implemented; cut the top layer into a few homogeneous ones"
         )
     return None
-
-
-def abel_slope(indenter: Indenter, x: Array) -> Array:
-    """F'(x) [-] of the Abel image, x > 0: F' = F/x + int_0^x r f''(r)/sqrt(x^2 - r^2) dr, in closed form."""
-    match indenter:
-        case Paraboloid(R=R):
-            return 2 * x / R
-        case Sphere(R=R):
-            return np.arctanh(x / R) + x * R / ((R - x) * (R + x))
-        case PowerLaw(d=d):
-            return d * indenter.abel(x) / x
-        case RoundedFlat(b=b, edge_radius=edge_radius):
-            root = np.sqrt(np.maximum(x - b, 0) * (x + b))
-            return (2 * root - b * np.arctan2(root, b)) / edge_radius
-        case TableProfile(knots=knots, slopes=slopes):
-            below = np.minimum(knots, x[..., None])
-            root = np.sqrt((x[..., None] - below) * (x[..., None] + below))
-            return indenter.abel(x) / x - np.sum(np.diff(slopes) / np.diff(knots) * np.diff(root, axis=-1), axis=-1)
-    raise InputError(f"profile: pressures under a {type(indenter).__name__} are not implemented")

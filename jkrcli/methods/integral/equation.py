@@ -20,7 +20,7 @@ from scipy.linalg import solve_triangular
 
 from ...base.arrays import Array
 from ...base.errors import SolveError
-from ...bodies.indenters import Indenter, TableProfile
+from ...bodies.indenter import Indenter
 from .kernel import FredholmKernel
 from .quadrature import Panels, crowded_rule, rule
 
@@ -130,12 +130,6 @@ def _rounding(equation: DiscreteEquation, S: Array) -> Array:
     return 4 * np.finfo(float).eps * (8 + a * equation.largest) * np.maximum(S / a, 1)
 
 
-def kinks(indenter: Indenter) -> tuple[float, ...]:
-    """Radii [m] > 0 at which the Abel image of an indenter has a kink."""
-    knots = indenter.knots if isinstance(indenter, TableProfile) else (indenter.a0,)
-    return tuple(float(b) for b in knots if b > 0)
-
-
 def panel_means(indenter: Indenter, panels: Panels, inner: int) -> Array:
     """F at the nodes, replaced on each panel by its projection on polynomials of degree order - 1 [m].
 
@@ -144,7 +138,7 @@ def panel_means(indenter: Indenter, panels: Panels, inner: int) -> Array:
     left end, where F may begin like (x - b)^(3/2) or x^d.
     """
     edges, order = panels.edges, panels.order
-    cuts = np.unique(np.concatenate([edges, [b for b in kinks(indenter) if b < edges[-1]]]))
+    cuts = np.unique(np.concatenate([edges, [b for b in indenter.kinks if b < edges[-1]]]))
     lo, hi = cuts[:-1], cuts[1:]
     owner = np.searchsorted(edges, lo, side="right") - 1
     u, v = crowded_rule(inner, 2)

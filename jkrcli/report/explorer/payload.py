@@ -22,7 +22,6 @@ from ...adhesion.slopes.result import Slopes
 from ...adhesion.validity import TABOR_DMT, TABOR_JKR, regime
 from ...base.units import SI, UNITS, decades, scale
 from ...base.unknown import Unknown
-from ...bodies.words import describe
 from ...data.measured import Curve
 from ...series import Array, Series
 
@@ -67,7 +66,7 @@ def payload(result: Analysis, measured: Sequence[Curve], slopes_option: str = "a
         "stem": result.stored.path.stem,
         "options": "" if slopes_option == "auto" else f" --slopes {slopes_option}",
         "title": result.case.title,
-        "body": describe(problem),
+        "body": problem.words,
         "method": result.stored.method,
         "slopes": curve.slopes.method,
         "error": result.budget.total,

@@ -11,7 +11,7 @@ from jkrcli.base.errors import InputError, Refusal
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
-from jkrcli.formulas.closed_form import half_space, hertz
+from jkrcli.formulas.half_space import hertz
 from jkrcli.methods.fem.contact import nested_events
 from jkrcli.methods.fem.domain import Body
 from jkrcli.methods.fem.elasticity import assemble
@@ -38,7 +38,7 @@ def closed_form_errors(solution, problem):
     low = max(indenter.a0, 1e-12 * series.a[0]) * (1 + 1e-14)
     high = min(3 * series.a[-1], indenter.r_max * (1 - 1e-9))
     a = np.array([brentq(lambda x, d=d: float(indenter.abel(x)) - d, low, high, xtol=1e-18) for d in series.delta[use]])
-    P = half_space(a, problem.E_star, indenter)[1]
+    P = indenter.half_space(a, problem.E_star)[1]
     return series.P[use] / P - 1, series.a[use] / a - 1
 
 

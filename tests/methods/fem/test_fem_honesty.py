@@ -12,7 +12,7 @@ from jkrcli.adhesion.slopes import slopes
 from jkrcli.bodies.indenters import Indenter, Paraboloid, PowerLaw, TableProfile
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
-from jkrcli.formulas.closed_form import hertz
+from jkrcli.formulas.half_space import hertz
 from jkrcli.methods.fem.method import FEM
 from jkrcli.methods.layered.layered import Layered
 from jkrcli.series import Series

@@ -10,7 +10,7 @@ from jkrcli.base.errors import SolveError
 from jkrcli.bodies.indenters import Indenter, Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Layer, Rigid, Specimen
-from jkrcli.methods.integral.equation import DiscreteEquation, kinks, panel_means, solve
+from jkrcli.methods.integral.equation import DiscreteEquation, panel_means, solve
 from jkrcli.methods.integral.quadrature import Panels, Quadrature, phase_allowed
 from jkrcli.methods.layered.contact import LayeredContact, checked
 from jkrcli.methods.layered.spectrum import LayeredSpectrum, deviation, resolved
@@ -82,7 +82,7 @@ def test_panel_means_integrate_exactly(indenter: Indenter) -> None:
             lambda x, n=degree: float(indenter.abel(np.array(x))) * x**n,
             0,
             4.1,
-            points=[b for b in kinks(indenter) if b < 4.1] or None,
+            points=[b for b in indenter.kinks if b < 4.1] or None,
             epsrel=1e-11,
             limit=400,
         )[0]

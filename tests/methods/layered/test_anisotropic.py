@@ -13,7 +13,7 @@ from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.materials import Elastic, TransverselyIsotropic
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.case import parse_case
-from jkrcli.formulas.closed_form import hertz
+from jkrcli.formulas.half_space import hertz
 from jkrcli.methods.fem.elasticity import assemble
 from jkrcli.methods.fem.mesh import triangles
 from jkrcli.methods.fem.method import FEM

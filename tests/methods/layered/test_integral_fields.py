@@ -10,7 +10,6 @@ from jkrcli.base.errors import InputError, Refusal
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
-from jkrcli.methods.integral.density import abel_slope
 from jkrcli.methods.layered.fields import Profile, profile
 
 HALF_SPACE = Specimen((), HalfSpace(Elastic(1.0, 0.3)))
@@ -126,7 +125,7 @@ def test_change_of_units() -> None:
 def test_abel_slope_is_the_derivative(indenter: object) -> None:
     x, step = np.array([0.3, 1.3, 2.7, 3.9]), 1e-5
     difference = (indenter.abel(x + step) - indenter.abel(x - step)) / (2 * step)  # type: ignore[attr-defined]
-    assert_allclose(abel_slope(indenter, x), difference, rtol=1e-8, atol=1e-10)  # type: ignore[arg-type]
+    assert_allclose(indenter.abel_slope(x), difference, rtol=1e-8, atol=1e-10)
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,97 @@
+"""What an indenter must know, and the shapes by which case files call them.
+
+An indenter is a rigid or elastic, convex, axisymmetric profile f(r). What the contact problem needs of it is the Abel
+image F; on a half-space F is the displacement itself: delta_H(a) = F(a) (Sneddon 1965).
+"""
+
+from __future__ import annotations
+
+import inspect
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from typing import Any, ClassVar, TypeVar, get_type_hints
+
+from ..base.arrays import Array
+from .materials import Elastic
+
+Build = TypeVar("Build", bound=Callable[..., "Indenter"])
+
+
+class Indenter(ABC):
+    """Base of all indenters: frozen dataclasses with a field ``material``, None where rigid.
+
+    Functions take arrays of radii [m] and return arrays of lengths [m], slopes arrays of numbers.
+    """
+
+    material: Elastic | None
+    noun: ClassVar[str]  # what messages call it: "tabulated profile"
+
+    @property
+    def a0(self) -> float:
+        """Contact radius at first touch [m]: 0 for round and pointed indenters, > 0 for a flat end."""
+        return 0.0
+
+    @property
+    def r_max(self) -> float:
+        """Largest radius at which the profile is defined [m]."""
+        return math.inf
+
+    @property
+    def tip_radius(self) -> float | None:
+        """Radius of curvature at the tip [m]; None where there is none (cone, flat end, blunt power laws)."""
+        return None
+
+    @property
+    def kinks(self) -> tuple[float, ...]:
+        """Radii > 0 [m] where the slope f' bends, and with it the Abel image, increasing."""
+        return ()
+
+    @property
+    @abstractmethod
+    def words(self) -> str:
+        """The shape for a sentence: ``sphere R = 100 um``."""
+
+    @abstractmethod
+    def f(self, r: Array) -> Array:
+        """Profile f(r) [m], f(0) = 0; infinite beyond ``r_max``."""
+
+    @abstractmethod
+    def slope(self, r: Array) -> Array:
+        """Slope f'(r) [-]."""
+
+    @abstractmethod
+    def abel(self, x: Array) -> Array:
+        """Abel image F(x) = x int_0^x f'(r)/sqrt(x^2 - r^2) dr [m]."""
+
+    @abstractmethod
+    def abel_slope(self, x: Array) -> Array:
+        """Slope F'(x) [-] of the Abel image, x > 0: F' = F/x + int_0^x r f''(r)/sqrt(x^2 - r^2) dr."""
+
+    def half_space(self, a: Array, E_star: float) -> tuple[Array, Array] | None:
+        """delta_H = F(a) [m], P_H = 2 E* int_0^a (F(a) - F(x)) dx [N] on a half-space; None: it has no closed form."""
+        return None
+
+
+SHAPES: dict[str, Callable[..., Indenter]] = {}  # by the name of the shape in a case file
+
+
+def shape(name: str) -> Callable[[Build], Build]:
+    """Make an indenter known to case files as ``shape = "name"`` in the table [indenter].
+
+    The decorated class or function gives the indenter; its parameters but ``material`` are the keys of the table, read
+    by their annotations (``jkrcli.base.units``: ``Length``, ``Ranged``...) and optional where they have a default.
+    """
+
+    def known(build: Build) -> Build:
+        SHAPES[name] = build
+        return build
+
+    return known
+
+
+def keys_of(build: Callable[..., Indenter]) -> dict[str, tuple[Any, Any]]:
+    """Annotation and default (``...``: none) of every key of a shape."""
+    hints = get_type_hints(build, include_extras=True)
+    given = {name: item.default for name, item in inspect.signature(build).parameters.items() if name != "material"}
+    return {name: (hints[name], ... if value is inspect.Parameter.empty else value) for name, value in given.items()}

@@ -1,0 +1,166 @@
+"""Profiles by points, measured or designed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import ClassVar
+
+import numpy as np
+
+from ...base.arrays import Array
+from ...base.errors import InputError
+from ...base.units import AnyLength
+from ..indenter import Indenter, shape
+from ..materials import Elastic
+
+KINK = 1e-10  # choice: fraction of an interval over which a kink that the points force is rounded
+
+
+@dataclass(frozen=True, eq=False)
+class TableProfile(Indenter):
+    """A measured or designed profile given by points (``r``, ``f``) [m], convex, from (0, 0) outwards.
+
+    Between the points the profile is the convexity-preserving quadratic spline of Schumaker (1983), exact for a
+    paraboloid; its Abel image is a sum of closed forms.
+    """
+
+    r: tuple[float, ...]
+    heights: tuple[float, ...]
+    material: Elastic | None = None
+    knots: Array = field(init=False, repr=False)
+    slopes: Array = field(init=False, repr=False)
+    values: Array = field(init=False, repr=False)
+    noun: ClassVar[str] = "tabulated profile"
+
+    def __post_init__(self) -> None:
+        r, f = np.asarray(self.r, dtype=float), np.asarray(self.heights, dtype=float)
+        _check_table(r, f)
+        knots, slopes = _schumaker(r, f)
+        values = np.concatenate([[0.0], np.cumsum(np.diff(knots) * (slopes[1:] + slopes[:-1]) / 2)])
+        for name, array in (("knots", knots), ("slopes", slopes), ("values", values)):
+            array.setflags(write=False)
+            object.__setattr__(self, name, array)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, TableProfile) and (self.r, self.heights, self.material) == (
+            other.r,
+            other.heights,
+            other.material,
+        )
+
+    def __hash__(self) -> int:
+        return hash((self.r, self.heights, self.material))
+
+    @property
+    def a0(self) -> float:
+        return float(max((r for r, f in zip(self.r, self.heights, strict=True) if f == 0), default=0.0))
+
+    @property
+    def r_max(self) -> float:
+        return self.r[-1]
+
+    @property
+    def tip_radius(self) -> float | None:
+        curvature = (self.slopes[1] - self.slopes[0]) / (self.knots[1] - self.knots[0])
+        pointed = self.slopes[0] > 1e-3 * self.slopes[-1]
+        return None if self.a0 > 0 or pointed or curvature <= 0 else float(1 / curvature)
+
+    @property
+    def kinks(self) -> tuple[float, ...]:
+        return tuple(self.knots[1:].tolist())
+
+    @property
+    def words(self) -> str:
+        return f"profile of {len(self.r)} points"
+
+    def f(self, r: Array) -> Array:
+        r = np.asarray(r, dtype=float)
+        i = np.clip(np.searchsorted(self.knots, r, side="right") - 1, 0, self.knots.size - 2)
+        step = r - self.knots[i]
+        inside = self.values[i] + step * (self.slopes[i] + self.slope(r)) / 2
+        return np.where(r <= self.r_max * (1 + 1e-12), inside, np.inf)
+
+    def slope(self, r: Array) -> Array:
+        return np.interp(np.asarray(r, dtype=float), self.knots, self.slopes)
+
+    def abel(self, x: Array) -> Array:
+        """F(x): slope alpha + beta r on each piece gives x [alpha arcsin(r/x) - beta sqrt(x^2 - r^2)]."""
+        x = np.asarray(x, dtype=float)
+        beta = np.diff(self.slopes) / np.diff(self.knots)
+        alpha = self.slopes[:-1] - beta * self.knots[:-1]
+        safe = np.where(x > 0, x, 1.0)
+        r, root = self._below(safe)
+        angle = np.arctan2(r, root)  # arcsin(r/x), also to rounding where x lies just beyond a knot
+        return x * np.sum(alpha * np.diff(angle, axis=-1) - beta * np.diff(root, axis=-1), axis=-1)
+
+    def abel_slope(self, x: Array) -> Array:
+        beta = np.diff(self.slopes) / np.diff(self.knots)
+        return self.abel(x) / x - np.sum(beta * np.diff(self._below(x)[1], axis=-1), axis=-1)
+
+    def _below(self, x: Array) -> tuple[Array, Array]:
+        """For every x a row of the knots r up to it, and of sqrt(x^2 - r^2)."""
+        r = np.minimum(self.knots, x[..., None])
+        return r, np.sqrt((x[..., None] - r) * (x[..., None] + r))
+
+
+@shape("table")
+def by_points(
+    r: tuple[AnyLength, ...] = (), f: tuple[AnyLength, ...] = (), *, material: Elastic | None
+) -> TableProfile:
+    """The profile of a case file: lists ``r`` and ``f``, or a file with columns r_m and f_m."""
+    return TableProfile(r, f, material)
+
+
+def _check_table(r: Array, f: Array) -> None:
+    if r.ndim != 1 or r.shape != f.shape or r.size < 3:
+        raise InputError(f"profile table: needs at least 3 points (r, f), got {r.size} and {f.size}")
+    if not (np.isfinite(r).all() and np.isfinite(f).all()):
+        raise InputError("profile table: holds a value that is not finite")
+    if r[0] != 0 or f[0] != 0:
+        raise InputError(f"profile table: must start at r = 0, f = 0, got ({r[0]:g}, {f[0]:g})")
+    if (np.diff(r) <= 0).any():
+        i = int(np.argmax(np.diff(r) <= 0)) + 1
+        raise InputError(f"profile table: radii must increase, point {i + 1} has r = {r[i]:g} after {r[i - 1]:g}")
+    chord = np.diff(f) / np.diff(r)
+    dips = np.diff(chord) < -1e-9 * max(float(np.max(np.abs(chord))), np.finfo(float).tiny)
+    if chord[0] < 0 or dips.any():
+        i = int(np.argmax(dips)) + 1 if chord[0] >= 0 else 0
+        raise InputError(
+            f"profile table: must be convex, the slope falls at point {i + 1} (r = {r[i]:g} m); "
+            "JKR needs a contact disc that only grows: remove or smooth that point"
+        )
+    if f[-1] <= 0:
+        raise InputError("profile table: is flat; a flat end needs a rounded edge")
+
+
+def _schumaker(r: Array, f: Array) -> tuple[Array, Array]:
+    """Knots and slopes of the convex C1 quadratic spline through (r, f); exact for parabolas."""
+    h = np.diff(r)
+    chord = np.diff(f) / h
+    s = np.empty_like(r)
+    s[1:-1] = (h[:-1] * chord[1:] + h[1:] * chord[:-1]) / (h[:-1] + h[1:])
+    s[0] = max(2 * chord[0] - s[1], 0.0)
+    s[-1] = 2 * chord[-1] - s[-2]
+    _flatten_straight_runs(s, chord)
+    knots: list[float] = [float(r[0])]
+    slopes: list[float] = [float(s[0])]
+    for i, width in enumerate(h):
+        below, above = chord[i] - s[i], s[i + 1] - chord[i]
+        if abs(above - below) > 1e-12 * (abs(s[i]) + abs(s[i + 1])):
+            fraction = min(max(above / (above + below), KINK), 1 - KINK)
+            knots.append(float(r[i] + width * fraction))
+            slopes.append(float(chord[i]))
+        knots.append(float(r[i + 1]))
+        slopes.append(float(s[i + 1]))
+    return np.array(knots), np.array(slopes)
+
+
+def _flatten_straight_runs(s: Array, chord: Array) -> None:
+    """Where one end slope equals the chord's, a convex profile is straight there: set the other end's, in place."""
+    tiny = 1e-12 * float(np.max(chord))
+    for i in range(chord.size):
+        if s[i] >= chord[i] - tiny:
+            s[i + 1] = chord[i]
+    for i in reversed(range(chord.size)):
+        if s[i + 1] <= chord[i] + tiny:
+            s[i] = chord[i]

@@ -1,49 +1,71 @@
-"""One indenter on one body: the kernel that an accuracy needs, and what it leaves."""
+"""An indenter on a body whose kernel finite elements compute: refined until the contact meets a tolerance."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
 
+from ...base.arrays import Array
 from ...base.errors import Refusal, SolveError
 from ...base.units import show
 from ...bodies.indenters import Indenter
 from ...bodies.materials import Graded, contact_modulus
 from ...bodies.problem import HalfSpace, Specimen
 from ..guards import duration
+from ..integral.contact import tolerance_remedy
 from ..integral.equation import DiscreteEquation, EquationResult, solve
 from ..integral.quadrature import Panels, Quadrature
 from ..layered.contact import LayeredContact
 from ..layered.layered import GRADED
-from .kernel import STEP, Levels, PolynomialKernel, convergence, count_for
-from .refinement import HIGHEST, LOWEST, Judged, Step
+from .kernel import STEP, KernelLevels, PolynomialKernel, convergence, count_for
 from .region import Region, nearest
 
-Array = np.ndarray
 
-EDGE = 0.98  # largest contact radius over the radius of the body
-QUADRATURE = 1e-3  # of the tolerance: error of the quadrature of the contact equation
-PARAMETERS = 1e-2  # of the tolerance, planned for the number of parameters t; conditioning takes the rest
-CUT = 0.1  # of the tolerance, for cutting an unbounded body
-SAMPLES = 6  # radii at which errors are judged
-NO_CLAIM = 0.05  # errors below this part of the tolerance are not told apart: quadratures, rounding
-SAFETY = 2.5  # on the error that the last step of the degree leaves
-STEEPER = 2.0  # S' errs so many times as much as the others, whatever the last step happens to change,
-ALLOWED = 0.5  # but that alone, up to this part of the tolerance, asks for no finer elements
-SLOWEST, FASTEST = 3.0, 15.0  # what a step divides it by
-CORNERED = 8.0  # at most, with singular corners
-UNSEEN, LEAST = 3.0, 0.5  # of the last polynomial's change times 1/(convergence - 1): the error left; at least
-EXTRAPOLATED = 0.5  # at most, of what extrapolating the cut changes: the error left
-DECAYED = 0.05  # of what the second cut changes where the field decays exponentially: more than the first one does
-ROUGH = 1e-3  # relative accuracy of the kernel with which radii are looked for
-LOOSEST = 1e-2  # of the tolerances
-PER_DECADE, PER_DECADE_WIDE = 0.5, 0.6  # steps of the degree per decade of moduli, and of contact radius over depth
-AT_SIDES = 1.0  # more of them for nearly incompressible layers with sides
-FINEST = 1e-7  # relative accuracy of K where the modulus changes from the contact on
-MAX_SECONDS, MAX_MIB = 60.0, 4096.0  # CPU time and memory of one level
+@dataclass(frozen=True)
+class HybridTuning:
+    """How the tolerance is shared out, how errors are judged from what they change, and when refinement ends."""
+
+    edge: float = 0.98  # largest contact radius over the radius of the body; choice: a side so near needs other means
+    rough: float = 1e-3  # accuracy of the kernel with which radii are looked for; choice: what costs least
+    # Shares of the tolerance:
+    quadrature: float = 1e-3  # of the contact equation; choice: cheap
+    parameters: float = 1e-2  # planned for the number of t; conditioning takes the rest; tuned on bodies of make tuning
+    cut: float = 0.1  # of an unbounded body; choice: a tenth
+    no_claim: float = 0.05  # smaller errors are not told apart; choice: quadratures, rounding
+    finest: float = 1e-7  # accuracy of K where the modulus changes from the contact on; choice: below ``GRADED``
+    # Errors from what a step changes, at some radii:
+    samples: int = 6  # radii; tuned on the bodies of `make failures`
+    safety: float = 2.5  # on the error that the last step of the degree leaves; tuned on the bodies of `make failures`
+    slowest: float = 3.0  # what a step divides it by, at least; tuned on the bodies of `make failures`
+    fastest: float = 15.0  # at most; tuned on the bodies of `make failures`
+    cornered: float = 8.0  # at most, with singular corners; tuned on the bodies of `make failures`
+    steeper: float = 2.0  # error of S' over that of the others, at least; tuned on the bodies of `make failures`
+    allowed: float = 0.5  # of the tolerance, up to which ``steeper`` asks for no finer elements; choice: half
+    unseen: float = 3.0  # times the last polynomial's change / (convergence - 1): its error; theory: geometric series
+    least: float = 0.5  # of that change, at least; tuned on the bodies of `make failures`
+    extrapolated: float = 0.5  # of what extrapolating the cut changes, at most; tuned on the bodies of `make failures`
+    decayed: float = 0.05  # of what the second cut changes where fields decay exponentially; tuned on `make failures`
+    # Refinement:
+    lowest: int = 4  # degree; tuned on the bodies of make tuning
+    highest: int = 16  # degree; choice: rounding sets the limit beyond
+    share: float = 0.25  # of the tolerance, to which parameters and cut are brought; tuned on the bodies of make tuning
+    more: int = 2  # times that parameters are added; choice: each costs a solve
+    widened: int = 2  # times that the cut is moved outwards; choice: each costs a solve
+    stalls: int = 1  # times that a step may bring next to nothing; choice: corners need one
+    hopeless: float = 30.0  # times the tolerance, where none is forgiven; tuned on the bodies of `make failures`
+    # Forecasts of the degree, in steps from the lowest:
+    per_decade: float = 0.5  # of moduli; tuned on the bodies of `make bench`
+    per_decade_wide: float = 0.6  # of contact radius over depth; tuned on the bodies of `make bench`
+    at_sides: float = 1.0  # more for nearly incompressible layers with sides; tuned on the bodies of `make bench`
+    # Limits of one level:
+    most_seconds: float = 60.0  # CPU time; choice: what a user waits for
+    most_mib: float = 4096.0  # choice: what a laptop has
+
+
+TUNING = HybridTuning()
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,7 +106,7 @@ class SideContact(KernelContact):
         return min(self.kernel.scale, self.wide.scale)
 
     def plan(self, radii: Array, tolerance: float) -> Quadrature:
-        plan = self.wide.plan(radii, max(tolerance, FINEST))
+        plan = self.wide.plan(radii, max(tolerance, TUNING.finest))
         return replace(plan, widest=plan.widest * min(self.kernel.scale / self.wide.scale, 1.0))
 
     def solved(self, radii: Array, plan: Quadrature) -> EquationResult:
@@ -92,8 +114,60 @@ class SideContact(KernelContact):
 
 
 @dataclass(frozen=True, eq=False)
-class Body:
-    """An indenter on a ``specimen``; ``tolerance``: relative error of delta, P, S and S' to reach."""
+class ErrorEstimates:
+    """Estimated relative errors (columns, radii) at ``radii`` [m]: of elements, of the parameters t, of the cut."""
+
+    radii: Array
+    elements: Array
+    parameters: Array
+    cut: Array
+
+    @property
+    def total(self) -> Array:
+        return self.elements + self.parameters + self.cut
+
+    def at(self, radii: Array) -> Array:
+        """The total (columns, radii) at any radii: never less than at a smaller one."""
+        rising = np.maximum.accumulate(self.total, axis=1)
+        return np.array([np.interp(radii, self.radii, row) for row in rising])
+
+
+@dataclass(frozen=True)
+class Refinement:
+    """Where a refinement stands: elements of ``degree``, ``more`` parameters t than planned, and the cut planned for an
+    error that is ``sharper`` times as small; how often parameters were ``added``, the cut was ``widened``, and a higher
+    degree ``stalled``: left more than half of the ``least`` error so far, last seen ``at`` a lower degree."""
+
+    degree: int = field(default_factory=lambda: TUNING.lowest + STEP)
+    more: int = 0
+    sharper: float = 1.0
+    added: int = 0
+    widened: int = 0
+    stalled: int = 0
+    least: float = math.inf
+    at: int = field(default_factory=lambda: TUNING.highest)
+
+    def after(self, errors: ErrorEstimates, tolerance: float, region: Region) -> Refinement | None:
+        """The next refinement, which lessens the largest of the ``errors``; None where nothing does."""
+        total = float(errors.total.max())
+        stalled = self.stalled + (self.degree > self.at and total > self.least / 2)
+        if stalled > (self.stalled if total > TUNING.hopeless * tolerance else TUNING.stalls):
+            return None
+        here = replace(self, stalled=stalled, least=min(self.least, total), at=self.degree)
+        elements, parameters, cut = (float(e.max()) for e in (errors.elements, errors.parameters, errors.cut))
+        goal = TUNING.share * tolerance
+        if math.inf > parameters > max(elements, cut, goal) and self.added < TUNING.more:
+            missing = math.ceil(math.log(parameters / goal) / math.log(convergence(region)))
+            return replace(here, more=self.more + max(missing, 1), added=self.added + 1)
+        if math.inf > cut > max(elements, parameters, goal) and region.algebraic:
+            wider = replace(here, sharper=self.sharper * cut / goal, widened=self.widened + 1)
+            return wider if wider.widened <= TUNING.widened else None
+        return replace(here, degree=self.degree + STEP) if self.degree < TUNING.highest else None
+
+
+@dataclass(frozen=True, eq=False)
+class AdaptiveKernel:
+    """Kernel of a ``specimen`` under an ``indenter``, refined until delta, P, S, S' meet a relative ``tolerance``."""
 
     indenter: Indenter
     specimen: Specimen
@@ -106,7 +180,7 @@ class Body:
     @property
     def limit(self) -> float:
         """Largest contact radius [m]."""
-        return np.inf if self.specimen.radius is None else EDGE * self.specimen.radius
+        return np.inf if self.specimen.radius is None else TUNING.edge * self.specimen.radius
 
     @property
     def attainable(self) -> float:
@@ -121,97 +195,98 @@ class Body:
     def _layered(self) -> LayeredContact:
         return LayeredContact(self.indenter, self._wide)
 
-    def levels(self, reach: float, step: Step | None = None) -> Levels:
+    def levels(self, reach: float, step: Refinement | None = None) -> KernelLevels:
         """For contact radii up to ``reach`` [m], as far as ``step`` has refined what was planned."""
-        step = step or Step()
-        cut = CUT * self.tolerance / step.sharper
+        step = step or Refinement()
+        cut = TUNING.cut * self.tolerance / step.sharper
         region = Region.of(self.specimen, reach, cut)
-        count = count_for(region, PARAMETERS * self.tolerance) + step.more
+        count = count_for(region, TUNING.parameters * self.tolerance) + step.more
         wide = Region.of(self._wide, reach, cut) if region.changing else None
-        return Levels(region, count, self.E_star / self.specimen.surface.E_star, wide)
+        return KernelLevels(region, count, self.E_star / self.specimen.surface.E_star, wide)
 
-    def expected_levels(self, reach: float) -> Levels:
+    def expected_levels(self, reach: float) -> KernelLevels:
         """The same with as many parameters t as will be needed, about: more than planned where the body is stiff."""
         levels = self.levels(reach)
-        return replace(levels, count=count_for(levels.region, PARAMETERS * self.tolerance / _stiffening(levels.region)))
+        error = TUNING.parameters * self.tolerance / _stiffening(levels.region)
+        return replace(levels, count=count_for(levels.region, error))
 
-    def guard(self, levels: Levels, degree: int) -> None:
+    def guard(self, levels: KernelLevels, degree: int) -> None:
         """Refuse what would take minutes or gigabytes."""
         cost, unit = levels.cost(degree), levels.region.unit
-        if cost.seconds > MAX_SECONDS or cost.memory_mib > MAX_MIB:
+        away = show(nearest(levels.region) * unit, "length")
+        if cost.seconds > TUNING.most_seconds or cost.memory_mib > TUNING.most_mib:
             raise Refusal(
                 f"hybrid: contact radii up to {show(unit, 'length')} need elements of degree {degree} with about "
                 f"{cost.unknowns} unknowns for {levels.count} right-hand sides, {duration(cost.seconds)} and "
-                f"{cost.memory_mib:.0f} MiB (limits {MAX_SECONDS:g} s, {MAX_MIB:g} MiB): the contact is large against "
-                f"the nearest interface or side ({show(nearest(levels.region) * unit, 'length')} away); ask for a "
-                f"smaller contact or a larger hybrid.tolerance, or use method {self._instead}"
+                f"{cost.memory_mib:.0f} MiB (limits {TUNING.most_seconds:g} s, {TUNING.most_mib:g} MiB): the contact "
+                f"is large against the nearest interface or side ({away} away); "
+                f"ask for a smaller contact or a larger hybrid.tolerance, or use method {self._instead}"
             )
 
     @property
     def _instead(self) -> str:
         return "layered" if self.specimen.radius is None else fem_for(self.indenter)
 
-    def expected_steps(self, levels: Levels) -> float:
-        """How many steps of the degree from ``LOWEST`` on the tolerance will need."""
+    def expected_steps(self, levels: KernelLevels) -> float:
+        """How many steps of the degree from the lowest on the tolerance will need."""
         moduli = [modulus for layer in self.specimen.layers for modulus in layer.moduli]
         if isinstance(self.specimen.base, HalfSpace):
             moduli.append(self.specimen.base.material.surface.E)
         contrast = math.log10(max(moduli) / min(moduli))
         wide = math.log10(max(1 / levels.region.first, 1.0))
-        steps = -math.log10(self.tolerance) - 3 + PER_DECADE * contrast + PER_DECADE_WIDE * wide
+        steps = -math.log10(self.tolerance) - 3 + TUNING.per_decade * contrast + TUNING.per_decade_wide * wide
         if any(levels.region.mixed) and not levels.region.cut_beside:
-            steps += AT_SIDES
-        return min(max(steps, 1.0), (HIGHEST - LOWEST) / STEP)
+            steps += TUNING.at_sides
+        return min(max(steps, 1.0), (TUNING.highest - TUNING.lowest) / STEP)
 
     def rough(self, reach: float) -> KernelContact:
         """For finding radii: the first level from the second on that gives a positive definite equation."""
-        levels = replace(self, tolerance=max(self.tolerance, ROUGH)).levels(reach)
-        for degree in range(LOWEST + STEP, HIGHEST, STEP):
+        levels = replace(self, tolerance=max(self.tolerance, TUNING.rough)).levels(reach)
+        for degree in range(TUNING.lowest + STEP, TUNING.highest, STEP):
             contact = self._contact(levels, degree)
             try:
-                contact.columns(np.array([reach]), ROUGH)
+                contact.columns(np.array([reach]), TUNING.rough)
             except SolveError:
                 continue
             return contact
-        return self._contact(levels, HIGHEST)
+        return self._contact(levels, TUNING.highest)
 
-    def _contact(self, levels: Levels, degree: int) -> KernelContact:
+    def _contact(self, levels: KernelLevels, degree: int) -> KernelContact:
         self.guard(levels, degree)
         own = (self.indenter, self.E_star, levels.kernel(degree), levels.region.unit)
         return KernelContact(*own) if levels.wide is None else SideContact(*own, self._layered)
 
-    def accurate(self, reach: float) -> tuple[KernelContact, Judged, Levels, int]:
-        """The contact for radii up to ``reach`` [m] that meets the tolerance, how it was judged, and its degree."""
-        step: Step | None = Step()
+    def accurate(self, reach: float) -> tuple[KernelContact, ErrorEstimates, KernelLevels, int]:
+        """The contact for radii up to ``reach`` [m] that meets the tolerance, its errors, and its degree."""
+        step: Refinement | None = Refinement()
         levels = self.levels(reach)
         while step is not None:
             tried = step
             contact = self._contact(levels, step.degree)
             try:
-                judged = self._judge(contact, levels, step.degree)
+                errors = self._judge(contact, levels, step.degree)
             except SolveError:  # not positive definite: too coarse for a great contrast of moduli
-                if step.degree == HIGHEST:
+                if step.degree == TUNING.highest:
                     raise
                 step = replace(step, degree=step.degree + STEP)
                 continue
-            if judged.total.max() <= self.attainable:
-                return contact, judged, levels, step.degree
-            step = step.after(judged, self.attainable, levels.region)
+            if errors.total.max() <= self.attainable:
+                return contact, errors, levels, step.degree
+            step = step.after(errors, self.attainable, levels.region)
             if step is not None and step.degree == tried.degree:
                 levels = self.levels(reach, step)
-        enough = 2 * float(judged.total.max())
-        remedy = f"set hybrid.tolerance to {enough:.0e}, or " if enough <= LOOSEST else ""
+        remedy = tolerance_remedy("hybrid", float(errors.total.max()))
         raise Refusal(
-            f"hybrid: the estimated relative error is {judged.total.max():.1e} with elements of degree {tried.degree}, "
+            f"hybrid: the estimated relative error is {errors.total.max():.1e} with elements of degree {tried.degree}, "
             f"above the tolerance {self.tolerance:.1e}; {remedy}ask for a smaller contact radius or use method "
             f"{self._instead}"
         )
 
-    def _judge(self, contact: KernelContact, levels: Levels, degree: int) -> Judged:
+    def _judge(self, contact: KernelContact, levels: KernelLevels, degree: int) -> ErrorEstimates:
         """What levels less, one polynomial less and the cut change at some radii."""
         a0, end = self.indenter.a0, levels.region.unit
-        radii = a0 + (end - a0) * np.arange(1, SAMPLES + 1) / SAMPLES
-        precise = QUADRATURE * self.tolerance
+        radii = a0 + (end - a0) * np.arange(1, TUNING.samples + 1) / TUNING.samples
+        precise = TUNING.quadrature * self.tolerance
         best = contact.columns(radii, precise)
 
         def change(kernel: PolynomialKernel) -> Array:
@@ -221,22 +296,22 @@ class Body:
                 return np.full_like(best, np.inf)
 
         last, before = (change(levels.coarser(degree, steps)) for steps in (1, 2))
-        fastest = CORNERED if levels.region.corners else FASTEST
+        fastest = TUNING.cornered if levels.region.corners else TUNING.fastest
         known = np.isfinite(before).all()
-        fall = float(np.clip(before.max() / last.max() - 1, SLOWEST, fastest)) if known else SLOWEST
-        left = UNSEEN / (convergence(levels.region) - 1)
+        fall = float(np.clip(before.max() / last.max() - 1, TUNING.slowest, fastest)) if known else TUNING.slowest
+        left = TUNING.unseen / (convergence(levels.region) - 1)
         if not levels.region.cut_beside:
             cut = np.zeros_like(best)
         elif levels.region.algebraic:
-            cut = min(EXTRAPOLATED, levels.region.next_order) * change(levels.plain(degree))
+            cut = min(TUNING.extrapolated, levels.region.next_order) * change(levels.plain(degree))
         else:
-            cut = DECAYED * change(levels.nearer(degree))
-        parameters = max(left, LEAST) * change(contact.kernel.shorter())
-        least = NO_CLAIM * self.tolerance + (GRADED if levels.wide is not None else 0.0)
-        elements = SAFETY / fall * last + least
-        steeper = np.minimum(STEEPER * elements[:-1].max(axis=0), ALLOWED * self.attainable)
+            cut = TUNING.decayed * change(levels.nearer(degree))
+        parameters = max(left, TUNING.least) * change(contact.kernel.shorter())
+        least = TUNING.no_claim * self.tolerance + (GRADED if levels.wide is not None else 0.0)
+        elements = TUNING.safety / fall * last + least
+        steeper = np.minimum(TUNING.steeper * elements[:-1].max(axis=0), TUNING.allowed * self.attainable)
         elements[-1] = np.maximum(elements[-1], steeper)
-        return Judged(radii, elements, parameters, cut)
+        return ErrorEstimates(radii, elements, parameters, cut)
 
 
 def fem_for(indenter: Indenter) -> str:

@@ -14,17 +14,30 @@ nothing is taken near the contact.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ...base.arrays import Array
+from ..integral.quadrature import rule
 from .halfspace import RingField, point_force
-from .region import Region
-from .sizes import Resolution, extended, lines
+from .lines import LineElements, extended, lines
+from .region import Moduli, Region
 from .system import Mesh
-from .volume import Patch
 
-Array = np.ndarray
+
+@dataclass(frozen=True)
+class CorrectionTuning:
+    """Quadrature towards a ring where the modulus changes from the contact on, and what is held at a time."""
+
+    towards: float = 0.15  # ratio of successive panels; tuned on graded cylinders, by `make tuning`
+    panels: int = 7  # tuned on graded cylinders, by `make tuning`
+    points: int = 8  # on each; tuned on graded cylinders, by `make tuning`
+    at_once: int = 1_000_000  # points times parameters t; choice: about 200 MB
+
+
+TUNING = CorrectionTuning()
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,21 +50,21 @@ class Correction:
     elements: int
 
 
-def correction(region: Region, t: Array, resolution: Resolution) -> Correction:
+def correction(region: Region, t: Array, degree: int) -> Correction:
     """K at the parameters ``t`` from one factorisation with as many right-hand sides."""
-    return _solved(Mesh(region, *lines(region, resolution)), t)
+    return _solved(Mesh(region, *lines(region, degree)), t)
 
 
-def side_correction(region: Region, wide: Region, t: Array, resolution: Resolution) -> Correction:
+def side_correction(region: Region, wide: Region, t: Array, degree: int) -> Correction:
     """What the side of a body whose modulus changes from the contact on adds to K of the ``wide`` body.
 
     There the correction is not smooth at the contact, but its change by the side is: the wide body has the same mesh up
     to the side, so that errors near the contact cancel, and the integral of both over the top layer in the difference
     begins at the side.
     """
-    mesh = Mesh(region, *lines(region, resolution))
+    mesh = Mesh(region, *lines(region, degree))
     body = _solved(mesh, t, region.width)
-    other = _solved(Mesh(wide, extended(mesh.r, wide, resolution), mesh.z), t, region.width)
+    other = _solved(Mesh(wide, extended(mesh.r, wide, degree), mesh.z), t, region.width)
     return replace(body, K=body.K - other.K, unknowns=body.unknowns + other.unknowns)
 
 
@@ -173,3 +186,86 @@ class _Loads:
 
     def _add_volume(self, columns: Array, loads: list[Array]) -> None:
         self.vector[:, columns] += np.concatenate([part.reshape(columns.size, -1).T for part in loads])
+
+
+@dataclass(frozen=True, eq=False)
+class Patch:
+    """A part of a layer of another material, as products of quadrature points along ``r`` and ``z``: weights (z, r),
+    2 pi r included, shape functions, their derivatives and pressure functions along each, and moduli over z."""
+
+    r: Array
+    z: Array
+    weights: Array
+    along_r: tuple[Array, Array, Array]
+    along_z: tuple[Array, Array, Array]
+    moduli: Moduli
+
+    @classmethod
+    def regular(cls, mesh: Mesh, inner: float) -> Patch:
+        """At the Gauss points of all other materials; not of the top layer inside the radius ``inner``."""
+        (r, w_r), (z, w_z) = mesh.r.rule, mesh.z.rule
+        rows = np.flatnonzero(mesh.region.differs(z))
+        near = (r < inner) & (mesh.region.layer_at(z[rows]) == 0)[:, None]
+        weights = 2 * np.pi * w_z[rows][:, None] * (w_r * r) * ~near
+        V_z, D_z = mesh.z.basis
+        along_z = (V_z[rows], D_z[rows], mesh.pressure[1][rows])
+        return cls(r, z[rows], weights, (*mesh.r.basis, mesh.pressure[0]), along_z, mesh.moduli.at(rows))
+
+    @classmethod
+    def around(cls, mesh: Mesh, inner: float, t: float) -> Patch:
+        """In the top layer inside ``inner``, at points that crowd towards the ring r = t, z = 0, where stresses are
+        singular."""
+        r, w_r = _crowded(mesh.r, 0.0, inner, t)
+        z, w_z = _crowded(mesh.z, 0.0, mesh.region.first, 0.0)
+        weights = 2 * np.pi * w_z[:, None] * (w_r * r)
+        (V, D, Q), (V_z, D_z, Q_z) = mesh.r.at(r, mesh.joined[0]), mesh.z.at(z, mesh.joined[1])
+        return cls(r, z, weights, (V, D, Q), (V_z, D_z, Q_z[:, mesh.used]), mesh.region.moduli(z))
+
+    def slabs(self, count: int) -> Iterator[Patch]:
+        """The same in slices of z, for ``count`` parameters t at a time within the memory allowed."""
+        rows = max(1, TUNING.at_once // (count * self.r.size))
+        for start in range(0, self.z.size, rows):
+            part = slice(start, start + rows)
+            V_z, D_z, Q_z = self.along_z
+            along_z = (V_z[part], D_z[part], Q_z[part])
+            yield Patch(self.r, self.z[part], self.weights[part], self.along_r, along_z, self.moduli.at(part))
+
+    def integrals(self, t: Array, nu: float) -> tuple[Array, Array, Array, Array]:
+        """Integrals of the stress (C - C_contact) eps(u_t): loads (t, z, r) of u_r, u_z and of the pressures, and its
+        work (t, t) in the strains of every u_t."""
+        R, Z = np.meshgrid(self.r, self.z)
+        field = RingField.at(R.ravel(), Z.ravel(), t, nu)
+        grid = (t.size, *R.shape)
+        rr, tt, zz, rz = strains = [strain.reshape(grid) for strain in field.strains]
+        C11, C12, C13, C33, C44 = self.moduli.C[:, :, None]
+        mixed = self.moduli.mixed[:, None]
+        p = field.p.reshape(grid)
+        own = np.where(mixed, p, 0.0)
+        s_rr = (C11 * rr + C12 * tt + C13 * zz - field.s_rr.reshape(grid) - own) * self.weights
+        s_tt = (C12 * rr + C11 * tt + C13 * zz - field.s_tt.reshape(grid) - own) * self.weights
+        s_zz = (C13 * (rr + tt) + C33 * zz - field.s_zz.reshape(grid) - own) * self.weights
+        s_rz = (C44 * rz - field.s_rz.reshape(grid)) * self.weights
+        misfit = (np.where(mixed, rr + tt + zz, 0.0) + self.moduli.inverse_lame[:, None] * p) * self.weights
+        (V, D, Q), (V_z, D_z, Q_z) = self.along_r, self.along_z
+        work = sum(_work(s, e) for s, e in zip((s_rr, s_tt, s_zz, s_rz), strains, strict=True))
+        return (
+            V_z.T @ (s_rr @ D + (s_tt / self.r) @ V) + D_z.T @ (s_rz @ V),
+            D_z.T @ (s_zz @ V) + V_z.T @ (s_rz @ D),
+            -Q_z.T @ (misfit @ Q),
+            np.asarray(work) - _work(misfit, p),
+        )
+
+
+def _work(stress: Array, strain: Array) -> Array:
+    return stress.reshape(len(stress), -1) @ strain.reshape(len(strain), -1).T
+
+
+def _crowded(line: LineElements, start: float, stop: float, centre: float) -> tuple[Array, Array]:
+    """Gauss points and weights between ``start`` and ``stop``, panels ending at the line's edges and crowding at
+    ``centre``."""
+    away = (stop - start) * TUNING.towards ** np.arange(TUNING.panels)
+    edges = np.concatenate([line.edges, centre - away, centre + away, [centre, start, stop]])
+    edges = np.unique(edges[(edges >= start) & (edges <= stop)])
+    nodes, weights = rule(TUNING.points)
+    half = np.diff(edges)[:, None] / 2
+    return np.ravel(edges[:-1, None] + half * (1 + nodes)), np.ravel(half * weights)

@@ -9,14 +9,34 @@ from functools import cached_property
 import numpy as np
 from numpy.polynomial import legendre
 
+from ...base.arrays import Array
 from ..integral.quadrature import rule
 from .correction import Correction, correction, side_correction
-from .cost import Cost, cost_of
-from .region import SHRINK, Region, nearest
-from .sizes import Resolution
+from .lines import TUNING as LINES
+from .lines import LineElements, lines
+from .region import TUNING as REGIONS
+from .region import Region, nearest
 
-Array = np.ndarray
-STEP = 2  # in the degree, from one level to the next
+STEP = 2  # in the degree, from one level to the next; choice: odd ones gain little
+
+
+@dataclass(frozen=True)
+class CostTuning:
+    """Rates of one core for forecasts; all tuned on the bodies of `make bench`, which measures them."""
+
+    begin: float = 5e-3  # s
+    per_entry: float = 1e-7  # s, to integrate and factorise, per entry of the stiffness
+    per_entry_and_side: float = 1.2e-9  # s, to solve, per entry and right-hand side
+    per_point: float = 2e-7  # s, for the half-space's field, per Gauss point and parameter t
+    per_point_and_pair: float = 2e-9  # s, for their works in one another, per Gauss point and pair of parameters
+    around: float = 8e-3  # s, for the field towards its ring, per t, where the modulus changes from the contact on
+    fill: float = 4.5  # entries of the factor beside elements graded to a corner, per unknown
+    operations: float = 1.2e10  # on them, per s
+    bytes_per_entry: float = 40.0  # of the stiffness and its factor
+    bytes_per_value: float = 100.0  # of the unknowns of one parameter t
+
+
+COSTS = CostTuning()
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,8 +85,45 @@ def count_for(region: Region, error: float) -> int:
     return max(3, math.ceil(math.log(1 / error) / math.log(convergence(region))) + 1)
 
 
+@dataclass(frozen=True)
+class CorrectionCost:
+    """CPU ``seconds``, peak ``memory_mib`` [MiB] and ``unknowns`` of one correction."""
+
+    seconds: float
+    memory_mib: float
+    unknowns: int
+
+    def __add__(self, other: CorrectionCost) -> CorrectionCost:
+        """One after the other."""
+        memory, unknowns = max(self.memory_mib, other.memory_mib), max(self.unknowns, other.unknowns)
+        return CorrectionCost(self.seconds + other.seconds, memory, unknowns)
+
+
+def cost_of(region: Region, count: int, degree: int) -> CorrectionCost:
+    """Cost of the correction for ``count`` parameters t: operations counted, with rates of one core."""
+    r, z = lines(region, degree)
+    pressures = 1 + any(region.mixed) / 3
+    unknowns = 2 * pressures * (r.degrees.sum() + 1.0) * (z.degrees.sum() + 1.0)
+    entries = 4 * pressures**2 * _pairs(r) * _pairs(z)
+    points = float((r.degrees + LINES.extra).sum() * (z.degrees + LINES.extra).sum())
+    fill = 0.0
+    if region.corners or region.free_edges:
+        fill = COSTS.fill * unknowns * 2 * pressures * min(r.degrees.sum(), z.degrees.sum())
+    seconds = COSTS.begin + COSTS.per_entry * entries + COSTS.per_entry_and_side * count * (entries + fill)
+    seconds += fill * (fill + 2 * entries) / unknowns / COSTS.operations
+    fields = (COSTS.per_point + COSTS.per_point_and_pair * count) * points * count
+    seconds += fields + COSTS.around * count * region.changing
+    memory = (COSTS.bytes_per_entry * (entries + fill / 2) + COSTS.bytes_per_value * unknowns * count) / 2**20
+    return CorrectionCost(float(seconds), float(memory), int(unknowns))
+
+
+def _pairs(line: LineElements) -> float:
+    """How many pairs of functions overlap."""
+    return float(np.sum((line.degrees + 1.0) ** 2))
+
+
 @dataclass(frozen=True, eq=False)
-class Levels:
+class KernelLevels:
     """Kernels of one ``region`` of growing degree, each computed once, from ``count`` parameters t.
 
     ``factor``: share of the specimen in the compliance of the half-spaces of both bodies. ``wide``: the laterally
@@ -89,19 +146,19 @@ class Levels:
             t = rule(2 * self.count)[0][self.count :]
             region = self.region.nearer() if nearer else self.region
             if self.wide is None:
-                self._found[key] = correction(region, t, Resolution(degree))
+                self._found[key] = correction(region, t, degree)
             else:
-                self._found[key] = side_correction(region, self.wide, t, Resolution(degree))
+                self._found[key] = side_correction(region, self.wide, t, degree)
         return self._found[key]
 
-    def cost(self, degree: int) -> Cost:
+    def cost(self, degree: int) -> CorrectionCost:
         """Of that level with its estimates of the error, the coarser levels left out."""
-        once = cost_of(self.region, self.count, Resolution(degree))
+        once = cost_of(self.region, self.count, degree)
         if self.wide is not None:
-            once += cost_of(self.wide, self.count, Resolution(degree))
+            once += cost_of(self.wide, self.count, degree)
         if self.region.cut_beside:
             below = degree - STEP if self.region.algebraic else degree
-            once += cost_of(self.region.nearer(), self.count, Resolution(below))
+            once += cost_of(self.region.nearer(), self.count, below)
         return once
 
     def plain(self, degree: int) -> PolynomialKernel:
@@ -123,7 +180,7 @@ class Levels:
     def _whole(self, degree: int, below: int) -> PolynomialKernel:
         """Extrapolated where what the cut costs falls with the square of the distance."""
         K = self.correction(degree).K
-        return self._kernel(K + self._change(below) / (SHRINK**2 - 1) if self.region.algebraic else K)
+        return self._kernel(K + self._change(below) / (REGIONS.shrink**2 - 1) if self.region.algebraic else K)
 
     def _change(self, degree: int) -> Array:
         """What the distance from the second cut to the first changes."""

@@ -1,21 +1,45 @@
-"""High-order elements along one line; the elements of a rectangle are products of two of them.
+"""High-order elements along one line, and where their intervals end; elements of a rectangle are products of two.
 
 On every interval between ``edges`` stand Lagrange polynomials on the Gauss-Lobatto points of its own degree. A field
 that is smooth on an interval is met with an error that falls exponentially with the degree (Babuska and Suri 1994).
+
+Intervals are short where the correction varies fast, and towards singular corners: seen from a place where the body
+ends or changes, the contact is a ring source at some distance; the correction varies over that distance there, and over
+ever longer ones away from it.
 """
 
 from __future__ import annotations
 
+import itertools
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cache, cached_property
 
 import numpy as np
 from numpy.polynomial import legendre
 
+from ...base.arrays import Array
+from ...base.errors import Refusal
 from ..integral.quadrature import rule
+from .region import Region
 
-Array = np.ndarray
-EXTRA = 2  # Gauss points per interval beyond the degree
+
+@dataclass(frozen=True)
+class LineTuning:
+    """How long intervals are, and of which degree towards singular corners."""
+
+    extra: int = 2  # Gauss points per interval beyond the degree; tuned on the bodies of make tuning
+    length: float = 1.5  # of intervals, over the distance of the source; tuned on the bodies of make tuning
+    growth: float = 0.67  # of lengths with the distance from the contact; tuned on the bodies of make tuning
+    far_growth: float = 1.0  # the same far from it; tuned on the bodies of make tuning
+    far: float = 10.0  # contact radii, or depths of the first interface; tuned on the bodies of make tuning
+    corner: float = 0.15  # ratio of intervals towards a singular corner; theory: Babuska and Suri 1994, about 0.15
+    corner_degree: int = 2  # on the smallest of them, growing by one per interval; theory: likewise
+    most: int = 10_000  # intervals between two stops; choice: no solve of the cost that is allowed has as many
+
+
+TUNING = LineTuning()
+SAMPLES = np.unique(np.concatenate([np.linspace(0, 1, 65), np.geomspace(1e-5, 1, 65), 1 - np.geomspace(1e-5, 1, 65)]))
 
 
 @cache
@@ -41,7 +65,7 @@ def shapes(degree: int, x: Array) -> tuple[Array, Array]:
 
 
 @dataclass(frozen=True, eq=False)
-class Line:
+class LineElements:
     """Continuous elements between increasing ``edges``, interval i of degree ``degrees[i]`` >= 1."""
 
     edges: Array
@@ -59,7 +83,7 @@ class Line:
     @cached_property
     def rule(self) -> tuple[Array, Array]:
         """Gauss points and weights, interval by interval."""
-        parts = [rule(int(p) + EXTRA) for p in self.degrees]
+        parts = [rule(int(p) + TUNING.extra) for p in self.degrees]
         half = np.diff(self.edges) / 2
         centre = self.edges[:-1] + half
         x = np.concatenate([c + h * u for c, h, (u, _) in zip(centre, half, parts, strict=True)])
@@ -82,8 +106,8 @@ class Line:
         return values, slopes, _assembled(owner, local, self.degrees - 1, joined, np.diff(self.edges))[0]
 
     def _collocated(self, degrees: Array, joined: Array) -> tuple[Array, Array]:
-        local = np.concatenate([rule(int(p) + EXTRA)[0] for p in self.degrees])
-        owner = np.repeat(np.arange(self.degrees.size), self.degrees + EXTRA)
+        local = np.concatenate([rule(int(p) + TUNING.extra)[0] for p in self.degrees])
+        owner = np.repeat(np.arange(self.degrees.size), self.degrees + TUNING.extra)
         return _assembled(owner, local, degrees, joined, np.diff(self.edges))
 
 
@@ -97,3 +121,83 @@ def _assembled(owner: Array, local: Array, degrees: Array, joined: Array, widths
         values[block], slopes[block] = shapes(degree, local[rows])
         slopes[block] *= 2 / widths[i]
     return values, slopes
+
+
+def lines(region: Region, degree: int) -> tuple[LineElements, LineElements]:
+    """Elements of a ``degree`` along r and along z."""
+    first = region.first
+    gap = region.width - region.reach if not region.cut_beside else np.inf
+
+    def radial(r: Array) -> Array:
+        return TUNING.length * np.minimum(first + _grown(r - region.reach, first), gap + region.width - r)
+
+    def vertical(z: Array) -> Array:
+        return TUNING.length * np.minimum(first + _grown(z - first, first), gap + z)
+
+    # As many graded intervals as let both errors fall together; fewer where the singularity is weaker.
+    corners = [(z, degree // 2) for z in region.corners] + [(z, max(degree // 2 - 1, 1)) for z in region.free_edges]
+    at_side = max((count for _, count in corners), default=0)
+    r = _partition([0.0, *region.cuts, region.width], radial, region.cut_beside)
+    z = _partition(
+        [*region.tops, *region.kinks, *(region.cuts if region.far else ()), region.depth], vertical, region.cut_beside
+    )
+    return _graded(r, [(region.width, at_side)], degree), _graded(z, corners, degree)
+
+
+def extended(r: LineElements, region: Region, degree: int) -> LineElements:
+    """The line ``r`` and intervals on to the end of the wider ``region``."""
+    end = float(r.edges[-1])
+
+    def beyond(x: Array) -> Array:
+        return TUNING.length * (region.first + _grown(x - region.reach, region.first))
+
+    more = _partition([end, region.width], beyond, region.cut_beside)[1:]
+    degrees = np.full(more.size, degree)
+    return LineElements(np.concatenate([r.edges, more]), np.concatenate([r.degrees, degrees]))
+
+
+def _grown(beyond: Array, first: float) -> Array:
+    """What lengths gain at the distance ``beyond`` the contact, or below the ``first`` interface."""
+    faster = (TUNING.far_growth - TUNING.growth) * np.maximum(beyond - TUNING.far * max(1.0, first), 0.0)
+    return TUNING.growth * np.maximum(beyond, 0.0) + faster
+
+
+def _partition(stops: Iterable[float], size: Callable[[Array], Array], wide: bool) -> Array:
+    """Edges between the ``stops``, the intervals about as long as ``size`` says in them."""
+    ends = np.unique(list(stops))
+    edges: list[Array] = [ends[:1]]
+    for lo, hi in itertools.pairwise(ends):
+        x = lo + (hi - lo) * SAMPLES
+        density = 1 / size(x)
+        count = np.concatenate([[0.0], np.cumsum(np.diff(x) * (density[1:] + density[:-1]) / 2)])
+        if count[-1] > TUNING.most:
+            instead = "layered or fem" if wide else "fem (with a rigid indenter)"
+            raise Refusal(
+                f"hybrid: the contact or body is so large against the nearest interface that elements would lie in "
+                f"{count[-1]:.2g} rows (limit {TUNING.most}); ask for a smaller contact, or use the method {instead}"
+            )
+        pieces = max(1, round(float(count[-1]) + 0.2))
+        edges += [np.interp(np.arange(1, pieces) * count[-1] / pieces, count, x), np.array([hi])]
+    return np.concatenate(edges)
+
+
+def _graded(edges: Array, corners: list[tuple[float, int]], degree: int) -> LineElements:
+    """Intervals next to every corner cut geometrically, with degrees that fall towards it."""
+    groups = [[(a, b, degree)] for a, b in itertools.pairwise(edges.tolist())]
+    for corner, count in corners:
+        for i, (a, b) in enumerate(itertools.pairwise(edges.tolist())):
+            if count and corner in (a, b):
+                groups[i] = _cut(groups[i], corner, count)
+    pieces = list(itertools.chain(*groups))
+    return LineElements(np.array([0.0, *(b for _, b, _ in pieces)]), np.array([p for *_, p in pieces]))
+
+
+def _cut(pieces: list[tuple[float, float, int]], corner: float, count: int) -> list[tuple[float, float, int]]:
+    """The piece next to ``corner`` cut ``count`` times, every time at ``TUNING.corner`` of the distance."""
+    nearest = pieces[0] if pieces[0][0] == corner else pieces[-1]
+    a, b, degree = nearest
+    far = b if a == corner else a
+    marks = [far, *(corner + (far - corner) * TUNING.corner**k for k in range(1, count + 1)), corner]
+    degrees = [degree, *(min(degree, TUNING.corner_degree + k) for k in range(count - 1, -1, -1))]
+    cut = [(min(p, q), max(p, q), d) for (p, q), d in zip(itertools.pairwise(marks), degrees, strict=True)]
+    return sorted(cut + [piece for piece in pieces if piece is not nearest])

@@ -28,21 +28,25 @@ from ..integral.equation import EquationResult
 from ..layered.contact import LayeredContact
 from ..layered.layered import unbounded
 from ..radii import check_radius
-from .contact import EDGE, ROUGH, Body, fem_for
-from .kernel import STEP, Levels
+from .contact import TUNING as REFINING
+from .contact import AdaptiveKernel, fem_for
+from .kernel import STEP, KernelLevels
 from .options import HybridOptions
-from .refinement import LOWEST
 
-Array = np.ndarray
-ATTEMPTS = 8
-ROOM = 1.2  # reach of the first kernel over the radius expected on the unbounded body
-SPARE = 1.01  # of the last one over the largest radius found
-GRADED_SECONDS = 0.8  # for the kernel of the wide body
-ROUND_OFF = 1 + 1e-9
-BEGIN = 0.02  # s
-SEARCHES = 2  # kernels for finding the largest radius
-NODES_PER_RADIUS, MATRICES = 2, 6  # of the contact equation, at least
-SEARCH = 1e-3  # of the tolerance: accuracy to which a depth or load is met
+SEARCH = 1e-3  # of the tolerance: accuracy to which a depth or load is met; choice: far below what is stated
+
+
+@dataclass(frozen=True)
+class ReachTuning:
+    """How the largest radius is found, for which the kernel must be known before it is."""
+
+    attempts: int = 8  # kernels; choice: each costs as much as a solve
+    room: float = 1.2  # reach of the first one over the radius expected on the unbounded body; tuned by `make bench`
+    spare: float = 1.01  # of the last one over the largest radius found; choice: covers the accuracy of the search
+    searches: int = 2  # kernels for that in a forecast; tuned on the bodies of `make bench`
+
+
+TUNING = ReachTuning()
 
 
 @dataclass(frozen=True)
@@ -66,7 +70,7 @@ class Hybrid(HybridOptions):
             if loading.to == "radius":
                 check_radius(problem.indenter, loading.maximum)
             levels = body.levels(_expected_radius(problem, body))
-            body.guard(levels, LOWEST + STEP * int(body.expected_steps(levels)))
+            body.guard(levels, REFINING.lowest + STEP * int(body.expected_steps(levels)))
         except JkrError as error:
             return str(error).removeprefix("hybrid: ")
         return None
@@ -76,17 +80,18 @@ class Hybrid(HybridOptions):
         body = self._body(problem)
         levels = body.expected_levels(_expected_radius(problem, body))
         steps = body.expected_steps(levels)
-        costs = [levels.cost(degree) for degree in range(LOWEST, LOWEST + STEP * math.ceil(steps) + 1, STEP)]
+        degrees = range(REFINING.lowest, REFINING.lowest + STEP * math.ceil(steps) + 1, STEP)
+        costs = [levels.cost(degree) for degree in degrees]
         shares = np.clip(steps - np.arange(len(costs)) + 1, 0, 1)  # the last level is needed in some of such bodies
-        seconds = BEGIN + float(shares @ [cost.seconds for cost in costs])
+        seconds = 0.02 + float(shares @ [cost.seconds for cost in costs])
         if problem.loading.to != "radius":
-            seconds += SEARCHES * levels.cost(LOWEST + STEP).seconds
+            seconds += TUNING.searches * levels.cost(REFINING.lowest + STEP).seconds
         if levels.wide is not None:
-            seconds += GRADED_SECONDS
+            seconds += 0.8  # the kernel of the wide body; measured by `make bench`
         last = costs[-1]
-        nodes = NODES_PER_RADIUS * problem.loading.points
+        nodes = 2 * problem.loading.points  # at least
         seconds += nodes**3 / 3 / FLOPS_PER_SECOND
-        memory = 20 + last.memory_mib + 8 * MATRICES * nodes**2 / 2**20
+        memory = 20 + last.memory_mib + 8 * 6 * nodes**2 / 2**20
         return Forecast(seconds, memory, body.attainable, f"about {float(f'{last.unknowns:.2g}'):.0f} unknowns")
 
     def __call__(self, problem: Problem) -> Solution:
@@ -101,12 +106,12 @@ class Hybrid(HybridOptions):
         body = self._body(problem)
         with clock("largest radius"):
             reach = self._reach(problem, body)
-        for _ in range(ATTEMPTS):
+        for _ in range(TUNING.attempts):
             with clock("kernel"):
-                contact, judged, levels, degree = body.accurate(reach)
+                contact, errors, levels, degree = body.accurate(reach)
             with clock("radii"):
                 radii = radii_for_contact(contact, problem.loading, max(SEARCH * self.tolerance, 1e-12))
-            if radii[-1] <= contact.limit * ROUND_OFF:
+            if radii[-1] <= contact.limit * (1 + 1e-9):
                 break
             reach = self._further(problem, body, reach, float(radii[-1]))  # the first kernels had been too rough
         else:
@@ -118,10 +123,10 @@ class Hybrid(HybridOptions):
             refuse_shrinking(radii, result.delta)
             warnings = disc_warnings(contact, problem.specimen, float(radii[-1]), lambda _: contact.kernel)
         return Solution(
-            series_of(result, judged.at(radii), problem.indenter.a0, S0),
+            series_of(result, errors.at(radii), problem.indenter.a0, S0),
             ErrorBudget(
-                discretisation=float((judged.elements + judged.parameters).max()),
-                truncation=float(judged.cut.max()),
+                discretisation=float((errors.elements + errors.parameters).max()),
+                truncation=float(errors.cut.max()),
                 radius=0.0,
             ),
             "hybrid",
@@ -130,47 +135,47 @@ class Hybrid(HybridOptions):
             warnings=warnings,
         )
 
-    def _body(self, problem: Problem) -> Body:
-        return Body(problem.indenter, problem.specimen, self.tolerance)
+    def _body(self, problem: Problem) -> AdaptiveKernel:
+        return AdaptiveKernel(problem.indenter, problem.specimen, self.tolerance)
 
-    def _reach(self, problem: Problem, body: Body) -> float:
+    def _reach(self, problem: Problem, body: AdaptiveKernel) -> float:
         """The largest radius [m] that the loading asks for, with some room where it had to be found."""
         loading = problem.loading
         expected = _expected_radius(problem, body)
         if loading.to == "radius":
             return expected
-        reach = min(ROOM * expected, _end(problem, body))
-        for _ in range(ATTEMPTS):
-            largest = largest_for_contact(body.rough(reach), loading, ROUGH)
-            if largest <= reach and (SPARE * largest <= reach or reach == _end(problem, body)):
-                return min(SPARE * largest, _end(problem, body))
+        reach = min(TUNING.room * expected, _end(problem, body))
+        for _ in range(TUNING.attempts):
+            largest = largest_for_contact(body.rough(reach), loading, REFINING.rough)
+            if largest <= reach and (TUNING.spare * largest <= reach or reach == _end(problem, body)):
+                return min(TUNING.spare * largest, _end(problem, body))
             reach = self._further(problem, body, reach, largest)
         raise Refusal(_not_found(problem, reach))
 
-    def _further(self, problem: Problem, body: Body, reach: float, largest: float) -> float:
+    def _further(self, problem: Problem, body: AdaptiveKernel, reach: float, largest: float) -> float:
         """The next reach [m] after one that proved too short for the radius ``largest`` [m]."""
         end = _end(problem, body)
         if reach == end:
             raise Refusal(_too_much(problem))
-        return min(ROOM * largest, end)
+        return min(TUNING.room * largest, end)
 
 
-def _end(problem: Problem, body: Body) -> float:
+def _end(problem: Problem, body: AdaptiveKernel) -> float:
     """The largest contact radius [m] that body and profile allow."""
     return min(body.limit, problem.indenter.r_max * (1 - 1e-9))
 
 
-def _expected_radius(problem: Problem, body: Body) -> float:
+def _expected_radius(problem: Problem, body: AdaptiveKernel) -> float:
     """The largest contact radius [m] as on the laterally unbounded body, about."""
     if problem.loading.to == "radius":
         return problem.loading.maximum
     wide = LayeredContact(problem.indenter, unbounded(problem).specimen)
-    return min(largest_for_contact(wide, problem.loading, ROUGH), _end(problem, body))
+    return min(largest_for_contact(wide, problem.loading, REFINING.rough), _end(problem, body))
 
 
 def _not_found(problem: Problem, reach: float) -> str:
     return (
-        f"hybrid: no largest contact radius was found within {ATTEMPTS} kernels, the last up to "
+        f"hybrid: no largest contact radius was found within {TUNING.attempts} kernels, the last up to "
         f"{show(reach, 'length')}: prescribe loading.radius, or use method {fem_for(problem.indenter)}"
     )
 
@@ -201,12 +206,12 @@ def _too_much(problem: Problem) -> str:
         )
     word = {"depth": "depth", "load": "load", "radius": "contact radius"}[loading.to]
     return (
-        f"loading: before a {word} of {goal} the contact comes too near to the side (a at most {EDGE:g} of the body's "
-        f"radius, {show(radius, 'length')}): load less, or use method {fem_for(problem.indenter)}"
+        f"loading: before a {word} of {goal} the contact comes too near to the side (a at most {REFINING.edge:g} of "
+        f"the body's radius, {show(radius, 'length')}): load less, or use method {fem_for(problem.indenter)}"
     )
 
 
-def _facts(levels: Levels, degree: int, result: EquationResult) -> dict[str, Any]:
+def _facts(levels: KernelLevels, degree: int, result: EquationResult) -> dict[str, Any]:
     found = levels.correction(degree)
     region = levels.region
     facts: dict[str, Any] = {

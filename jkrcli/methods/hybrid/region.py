@@ -8,15 +8,23 @@ from functools import cached_property
 
 import numpy as np
 
+from ...base.arrays import Array
 from ...bodies.materials import Elastic, Graded, Material, TransverselyIsotropic
 from ...bodies.problem import HalfSpace, Rigid, Specimen
 
-Array = np.ndarray
-NEARLY_INCOMPRESSIBLE = 0.49  # above it a layer gets a pressure unknown
-SHRINK = 3.0  # a second cut, to see what the first one costs
-DECAYS = 40.0  # of a stack that is bonded to a rigid base: its field falls exponentially
-NEXT_ORDER = 12.0  # of what extrapolation leaves, over what it changes, times (size / length)
-CUT = 2.0  # relative error left by the cut elsewhere, after extrapolation, times (size / length)^3
+
+@dataclass(frozen=True)
+class RegionTuning:
+    """Which layers get a pressure, and where an unbounded body is cut."""
+
+    nearly_incompressible: float = 0.49  # above it a layer gets a pressure; tuned on the bodies of make tuning
+    shrink: float = 3.0  # of a second cut, which shows what the first one costs; choice: as cheap as it can be
+    decays: float = 40.0  # lengths, where the field falls exponentially; tuned on the bodies of make tuning
+    next_order: float = 12.0  # left by extrapolation over its change, times size/length; tuned on bodies of make tuning
+    cut: float = 2.0  # relative error left elsewhere, times (size/length)^3; tuned on the bodies of make tuning
+
+
+TUNING = RegionTuning()
 
 
 @dataclass(frozen=True)
@@ -100,7 +108,7 @@ class Region:
     @property
     def next_order(self) -> float:
         """What extrapolating the cut leaves of what it changes, about."""
-        return NEXT_ORDER * self.length / self.width
+        return TUNING.next_order * self.length / self.width
 
     @property
     def cuts(self) -> tuple[float, ...]:
@@ -112,7 +120,7 @@ class Region:
         if not self.cut_beside or (self.cut_again and self.far is None):
             return ()
         held = 0.0 if self.algebraic else self.reach
-        return (held + (self.width - held) / SHRINK,)
+        return (held + (self.width - held) / TUNING.shrink,)
 
     @property
     def corners(self) -> tuple[float, ...]:
@@ -150,7 +158,8 @@ class Region:
     @cached_property
     def mixed(self) -> tuple[bool, ...]:
         """Which layers have a pressure unknown."""
-        return tuple(not isinstance(m, TransverselyIsotropic) and m.nu > NEARLY_INCOMPRESSIBLE for m in self.materials)
+        limit = TUNING.nearly_incompressible
+        return tuple(not isinstance(m, TransverselyIsotropic) and m.nu > limit for m in self.materials)
 
     def moduli(self, z: Array) -> Moduli:
         """Stiffnesses at the depths ``z``, in units of E of the reference."""
@@ -182,6 +191,10 @@ class Moduli:
     inverse_lame: Array
     mixed: Array
 
+    def at(self, rows: Array | slice) -> Moduli:
+        """Those of some depths."""
+        return Moduli(self.C[:, rows], self.inverse_lame[rows], self.mixed[rows])
+
 
 def _size(specimen: Specimen, thick: list[float], error: float) -> tuple[float, float]:
     """Length over which the field decays, and radius (and depth, of a half-space) at which an unbounded body is cut.
@@ -197,13 +210,13 @@ def _size(specimen: Specimen, thick: list[float], error: float) -> tuple[float, 
         length = sum(thick)
         if specimen.base.bonded:
             length *= (stiffest / softest) ** 0.25
-            return length, 1.0 + DECAYS * length
+            return length, 1.0 + TUNING.decays * length
     else:
         assert isinstance(specimen.base.material, Elastic)
         soft = specimen.base.material.E
         length = sum(t * max(layer.moduli[1] / soft, 1.0) for t, layer in zip(thick, specimen.layers, strict=True))
     length = max(1.0, 2 * length)
-    return length, length * (CUT / error) ** (1 / 3)
+    return length, length * (TUNING.cut / error) ** (1 / 3)
 
 
 def nearest(region: Region) -> float:

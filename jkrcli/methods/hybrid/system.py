@@ -14,13 +14,15 @@ import numpy as np
 from scipy.sparse import bmat, coo_matrix, csr_matrix
 from scipy.sparse.linalg import splu
 
+from ...base.arrays import Array
 from ...base.errors import SolveError
-from .lines import Line
+from .lines import LineElements
 from .region import Moduli, Region
 
-Array = np.ndarray
-PIVOT = 1e-3  # of the column's largest entry, what a diagonal entry must be: with pressures some are zero
-RESIDUAL_LIMIT = 1e-6  # relative; great contrasts and distances leave 1e-7, and K errs by its square only
+# Of the column's largest entry, what a diagonal entry must be: with pressures some are zero.
+PIVOT = 1e-3  # tuned on nearly incompressible bodies, by `make tuning`
+# Relative; great contrasts and distances leave 1e-7, and K errs by its square only.
+RESIDUAL_LIMIT = 1e-6  # choice: a guard
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,8 +30,8 @@ class Mesh:
     """Lines along ``r`` and ``z`` over a region; fields at nodes or Gauss points have the shape (..., z, r)."""
 
     region: Region
-    r: Line
-    z: Line
+    r: LineElements
+    z: LineElements
 
     @cached_property
     def moduli(self) -> Moduli:

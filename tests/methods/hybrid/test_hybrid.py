@@ -16,8 +16,8 @@ from jkrcli.bodies.materials import Elastic, Graded, TransverselyIsotropic
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.methods import method_class
 from jkrcli.methods.choose import choose
-from jkrcli.methods.hybrid.contact import Body, KernelContact
-from jkrcli.methods.hybrid.kernel import Levels, count_for
+from jkrcli.methods.hybrid.contact import AdaptiveKernel, KernelContact
+from jkrcli.methods.hybrid.kernel import KernelLevels, count_for
 from jkrcli.methods.hybrid.method import Hybrid
 from jkrcli.methods.hybrid.region import Region
 from jkrcli.methods.integral.contact import COLUMNS
@@ -65,7 +65,7 @@ def stated(solution: Solution) -> float:
 
 def reference(specimen: Specimen, a: float) -> np.ndarray:
     """delta, P, S, S' by elements of degree 14, of which the estimates of 1e-4 know nothing."""
-    levels = Body(PARABOLOID, specimen, 1e-8).levels(a)
+    levels = AdaptiveKernel(PARABOLOID, specimen, 1e-8).levels(a)
     contact = KernelContact(PARABOLOID, specimen.surface.E_star, levels.kernel(14), a)
     return contact.columns(np.linspace(0, a, 21)[1:], 1e-10)
 
@@ -119,7 +119,7 @@ def test_tabulated_values(nu: float, a: float, column: str, value: float) -> Non
 def test_the_kernel_converges_exponentially_and_is_symmetric() -> None:
     specimen, a = WIDE["bonded, a/h = 1"]
     region = Region.of(specimen, a, 1e-10)
-    levels = Levels(region, count_for(region, 1e-9), 1.0)
+    levels = KernelLevels(region, count_for(region, 1e-9), 1.0)
     t = rule(2 * levels.count)[0][levels.count :]
     expected = LayeredSpectrum(specimen).kernel(2 * a).square(t * a) * a
     errors = [np.abs(levels.correction(p).K - expected).max() / np.abs(expected).max() for p in (4, 6, 8, 10)]
@@ -132,7 +132,7 @@ def test_the_kernel_converges_exponentially_and_is_symmetric() -> None:
 def test_better_than_second_order_where_a_free_side_meets_a_held_one(name: str) -> None:
     """In two dimensions the second order is one over the number of unknowns."""
     region = Region.of(FINITE[name], 1.0, 1e-9)
-    levels = Levels(region, count_for(region, 1e-7), 1.0)
+    levels = KernelLevels(region, count_for(region, 1e-7), 1.0)
     best = levels.correction(14).K
     found = [levels.correction(p) for p in (4, 6, 8, 10)]
     errors = [np.abs(c.K - best).max() for c in found]

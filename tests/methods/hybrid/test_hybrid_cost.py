@@ -13,9 +13,8 @@ from jkrcli.base.errors import Refusal
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
-from jkrcli.methods.hybrid.contact import Body
+from jkrcli.methods.hybrid.contact import AdaptiveKernel, ErrorEstimates, Refinement
 from jkrcli.methods.hybrid.method import Hybrid
-from jkrcli.methods.hybrid.refinement import Judged, Step
 from jkrcli.methods.hybrid.region import Region
 from jkrcli.methods.layered.layered import Layered
 
@@ -71,14 +70,14 @@ def test_a_refusal_for_accuracy_comes_soon() -> None:
     assert time.process_time() - start < 5.0  # 0.8 on an idle core
 
 
-def judged(elements: float, parameters: float, cut: float) -> Judged:
+def judged(elements: float, parameters: float, cut: float) -> ErrorEstimates:
     rows = (np.full((4, 1), error) for error in (elements, parameters, cut))
-    return Judged(np.ones(1), *rows)
+    return ErrorEstimates(np.ones(1), *rows)
 
 
 def test_the_largest_error_is_what_is_refined() -> None:
     sliding = Region.of(stack((1.0, 0.3, 1.0), base=Rigid(False)), 1.0, 1e-6)
-    first = Step()
+    first = Refinement()
     finer = first.after(judged(1e-3, 1e-4, 1e-4), 1e-5, sliding)
     assert finer is not None
     assert (finer.degree, finer.more, finer.sharper) == (first.degree + 2, 0, 1.0)
@@ -93,10 +92,10 @@ def test_the_largest_error_is_what_is_refined() -> None:
 
 def test_what_no_longer_gets_better_is_given_up() -> None:
     region = Region.of(FINITE["free"], 1.0, 1e-6)
-    step = Step().after(judged(1e-2, 0.0, 0.0), 1e-5, region)
+    step = Refinement().after(judged(1e-2, 0.0, 0.0), 1e-5, region)
     assert step is not None
     assert step.after(judged(9e-3, 0.0, 0.0), 1e-5, region) is None  # hopeless
-    near = Step().after(judged(2e-5, 0.0, 0.0), 1e-5, region)
+    near = Refinement().after(judged(2e-5, 0.0, 0.0), 1e-5, region)
     assert near is not None
     again = near.after(judged(1.9e-5, 0.0, 0.0), 1e-5, region)
     assert again is not None
@@ -117,7 +116,7 @@ def test_a_plate_that_lifts_is_said_so_by_both_methods() -> None:
 def test_levels_say_what_they_cost() -> None:
     """Unknowns as they are, but for those that supports hold: up to a third of so few."""
     for specimen in FINITE.values():
-        levels = Body(PARABOLOID, specimen, 1e-5).levels(1.0)
+        levels = AdaptiveKernel(PARABOLOID, specimen, 1e-5).levels(1.0)
         assert levels.cost(8).unknowns == pytest.approx(levels.correction(8).unknowns, rel=0.35)
 
 

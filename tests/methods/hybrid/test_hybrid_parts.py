@@ -13,9 +13,8 @@ from numpy.testing import assert_allclose
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Layer, Rigid, Specimen
 from jkrcli.methods.hybrid.halfspace import RingField, point_force
-from jkrcli.methods.hybrid.lines import Line
+from jkrcli.methods.hybrid.lines import TUNING, LineElements, lines
 from jkrcli.methods.hybrid.region import Region
-from jkrcli.methods.hybrid.sizes import CORNER, Resolution, lines
 from jkrcli.methods.hybrid.system import Mesh
 
 T = np.array([0.2, 0.7])
@@ -71,7 +70,7 @@ def test_far_away_the_ring_is_a_point_force() -> None:
 def test_line_elements_reproduce_polynomials(degrees: list[int], seed: int) -> None:
     """Of the lowest degree on the line, their derivatives and integrals, at Gauss points and elsewhere."""
     random = np.random.default_rng(seed)
-    line = Line(np.concatenate([[0.0], np.cumsum(random.uniform(0.2, 1.0, len(degrees)))]), np.array(degrees))
+    line = LineElements(np.concatenate([[0.0], np.cumsum(random.uniform(0.2, 1.0, len(degrees)))]), np.array(degrees))
     polynomial = np.polynomial.Polynomial(random.normal(size=min(degrees) + 1))
     x, w = line.rule
     values, slope = line.basis
@@ -95,7 +94,7 @@ def body(nu: float = 0.3, side: str | None = "free", layers: int = 1) -> Specime
 def test_stiffness(nu: float) -> None:
     """Symmetric; rigid motion along the axis costs nothing; a uniform compression costs its energy."""
     region = Region.of(body(nu), 1.0, 1e-5)
-    mesh = Mesh(region, *lines(region, Resolution(4)))
+    mesh = Mesh(region, *lines(region, 4))
     K = mesh.stiffness
     assert abs(K - K.T).max() < 1e-12
     _, z = np.meshgrid(mesh.r.nodes, mesh.z.nodes)
@@ -112,15 +111,15 @@ def test_stiffness(nu: float) -> None:
 def test_intervals() -> None:
     """Interfaces are edges; next to a singular corner the intervals shrink by the ratio and their degrees fall."""
     region = Region.of(body(layers=3), 1.0, 1e-5)
-    r, z = lines(region, Resolution(8))
+    r, z = lines(region, 8)
     assert np.isin(np.round(region.tops, 12), np.round(z.edges, 12)).all()
     assert (r.edges[-1], z.edges[-1]) == (region.width, region.depth)
     assert (np.diff(z.edges) > 0).all()
     gaps = np.diff(r.edges)[-4:]
-    assert_allclose(gaps[1:3] / gaps[:2], CORNER, rtol=1e-9)
+    assert_allclose(gaps[1:3] / gaps[:2], TUNING.corner, rtol=1e-9)
     assert list(r.degrees[-4:]) == [5, 4, 3, 2]
     smooth = Region.of(replace(body(), side="roller"), 1.0, 1e-5)
-    assert set(lines(smooth, Resolution(8))[1].degrees) == {8}
+    assert set(lines(smooth, 8)[1].degrees) == {8}
 
 
 def test_regions_of_unbounded_bodies() -> None:

@@ -17,10 +17,9 @@ from ..series import ErrorBudget, Series, first_of_plateaus
 from .comparison import Comparison, compare_half_space
 from .critical import Errors, point_error
 from .curve import AdhesiveCurve, CriticalPoint, transform
+from .device import CONTROLS
 from .slopes import Slopes, slopes, smoothed
 from .validity import Validity, check, end_of_body, judge, unresolved
-
-LOAD_CONTROL, DISPLACEMENT_CONTROL = 0.0, float("inf")
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,20 +53,13 @@ class Analysis:
     @cached_property
     def pull_off(self) -> dict[str, CriticalPoint | Unknown]:
         """Where contact is lost under control of the load and of the displacement."""
-        if self.w == 0:
-            nothing = Unknown("there is no adhesion at w = 0")
-            return {"load": nothing, "displacement": nothing}
-        return {
-            "load": self.curve.pull_off(LOAD_CONTROL),
-            "displacement": self.curve.pull_off(DISPLACEMENT_CONTROL),
-        }
+        return {name: self.curve.pull_off(stiffness) for name, stiffness in CONTROLS.items()}
 
     @cached_property
     def pull_off_errors(self) -> dict[str, Errors | Unknown]:
         """90 % half-widths of delta [m] and P [N] of each pull-off point that there is, or why they are unknown."""
-        controls = {"load": LOAD_CONTROL, "displacement": DISPLACEMENT_CONTROL}
         return {
-            name: point_error(self.curve, found, controls[name])
+            name: point_error(self.curve, found, CONTROLS[name])
             for name, found in self.pull_off.items()
             if isinstance(found, CriticalPoint)
         }

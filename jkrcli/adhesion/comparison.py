@@ -11,9 +11,11 @@ from ..base.arrays import Array
 from ..base.unknown import Estimate, Unknown
 from ..bodies.indenters import Indenter, Sphere
 from ..bodies.problem import Problem
+from ..formulas.griffith import shift
 from ..formulas.half_space import adhesive_half_space
 from ..series import Series
 from .curve import AdhesiveCurve, CriticalPoint, transform
+from .device import LOAD_CONTROL
 from .slopes.result import Slopes
 
 WINDOW = 1.8  # the nearest point of the exact curve is looked for within this factor of the radius
@@ -50,7 +52,7 @@ def compare_half_space(computed: AdhesiveCurve, problem: Problem) -> Comparison 
     exact_point = _exact_pull_off(problem, computed.w, float(series.a[-1]))
     if exact_point is None:
         return Comparison(load, OUTSIDE, OUTSIDE, None, exact)
-    point = computed.pull_off(0.0)
+    point = computed.pull_off(LOAD_CONTROL)
     pull_off = point.P / exact_point.P - 1 if isinstance(point, CriticalPoint) else OUTSIDE
     parabola = None
     if isinstance(problem.indenter, Sphere):
@@ -77,7 +79,7 @@ def _exact_pull_off(problem: Problem, w: float, a_max: float) -> CriticalPoint |
     The radius is that of the interpolated curve, where P is stationary: its error enters P by its square.
     """
     curve = exact_curve(problem, w, 1.02 * a_max)
-    point = curve.pull_off(0.0) if curve is not None and w > 0 else None
+    point = None if curve is None else curve.pull_off(LOAD_CONTROL)
     if not isinstance(point, CriticalPoint):
         return None
     delta, P = _formula(problem, w, np.array(point.a))
@@ -120,8 +122,8 @@ def _curve_distance(computed: AdhesiveCurve, problem: Problem, unit: CriticalPoi
     Where its displacement nearly vanishes (f = B r^1.5), a tenth of the shift t = sqrt(2 pi w a/E*) is the unit.
     """
     indenter = problem.indenter
-    shift = np.sqrt(2 * np.pi * computed.w * unit.a / problem.E_star)
-    units = CriticalPoint(unit.a, max(abs(unit.delta), 0.1 * shift), unit.P)
+    moved = shift(computed.w, unit.a, 2 * problem.E_star)
+    units = CriticalPoint(unit.a, max(abs(unit.delta), 0.1 * moved), unit.P)
     ends = (indenter.a0, indenter.r_max * (1 - 1e-12))
     return curve_distance(
         computed.a, computed.delta, computed.P, lambda a: _formula(problem, computed.w, a), units, ends

@@ -15,7 +15,8 @@ import numpy as np
 from ..base.arrays import Array
 from ..base.errors import InputError
 from ..base.unknown import Unknown
-from .curve import ORDER_FACTOR, AdhesiveCurve, CriticalPoint, thinned, transform
+from .curve import NO_ADHESION, TUNING, AdhesiveCurve, CriticalPoint, transform
+from .device import position
 from .slopes import NEGLIGIBLE, slopes_function
 
 STEP = 1e-3  # of the radius, for the curvature of the controlled quantity
@@ -26,7 +27,7 @@ def point_error(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) ->
     """90 % half-widths of "delta" [m] and "P" [N] at the lowest ``point`` under control by a device of ``stiffness``
     [N/m] (0: load, inf: displacement), or why they are unknown."""
     if curve.w == 0:
-        return Unknown("unknown: there is no adhesion at w = 0")
+        return Unknown(f"unknown: {NO_ADHESION}")
     between = curve.interpolation_error
     if isinstance(between, Unknown):
         return between
@@ -45,54 +46,44 @@ def point_error(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) ->
 
 def _propagated(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> Errors | Unknown:
     """First-order propagation of the joint covariance of the columns and of their rates."""
-    slopes, a = curve.slopes, point.a
+    slopes, a = curve.slopes, np.array(point.a)
     assert slopes.joint is not None
-    i = int(np.clip(np.searchsorted(curve.a, a) - 1, 0, curve.a.size - 2))
-    share = (a - curve.a[i]) / (curve.a[i + 1] - curve.a[i])
-    covariance = (1 - share) * slopes.joint[i] + share * slopes.joint[i + 1]
+    covariance = curve.nonadhesive.between(slopes.joint, a)
     delta, P, delta_rate, P_rate = _gradients(curve, a)
-    rates = [float(rate) for rate in curve.rates(np.array(a))]
     along = np.clip(a * (1 + STEP * np.array([-1.0, 1.0])), curve.a[0], curve.a[-1])
-    beside = curve.rates(along)
-    if stiffness == 0:
-        F, controlled = P_rate, beside[1]
-    else:
-        F, controlled = delta_rate + P_rate / stiffness, beside[0] + beside[1] / stiffness
+    F, controlled = position(delta_rate, P_rate, stiffness), position(*curve.rates(along), stiffness)
     rise = float(controlled[1] - controlled[0])
     if rise == 0:
         return Unknown("unknown: the curve is flat there")
     place = -F * float(along[1] - along[0]) / rise
+    rates = [float(rate) for rate in curve.rates(a)]
     total = {"delta": delta + rates[0] * place, "P": P + rates[1] * place}
     return {name: slopes.quantile * math.sqrt(max(g @ covariance @ g, 0.0)) for name, g in total.items()}
 
 
-def _gradients(curve: AdhesiveCurve, a: float) -> tuple[Array, Array, Array, Array]:
+def _gradients(curve: AdhesiveCurve, a: Array) -> tuple[Array, Array, Array, Array]:
     """Of delta, P, d(delta)/da and dP/da with respect to (delta_H, P_H, S, S', d(delta_H)/da, S''), each (6,)."""
-    rule, x = curve.rule, math.log(a)
-    t, S = rule.root_w * math.exp(float(rule.t(x))), math.exp(float(rule.S(x)))
-    dS = 4 * math.pi * curve.w * a / t**2
-    bend = 1 / a - 2 * float(rule.t(x, 1)) / a  # S''/S'
-    t_rate = t / 2 * (1 / a - bend)
-    delta_H_rate = float(curve.rates(np.array(a))[0]) + t_rate
-    t_by_dS = -t / (2 * dS)
-    rate_by_dS = -t / (4 * dS) * (1 / a - bend) + t * bend / (2 * dS)
-    rate_by_bend = -t / (2 * dS)
-    delta = np.array([1, 0, 0, -t_by_dS, 0, 0])
-    P = np.array([0, 1, -t, -S * t_by_dS, 0, 0])
+    (_, _, S, dS, t), rates = curve.nonadhesive.with_rates(a)
+    t, t_rate = math.sqrt(curve.w) * t, math.sqrt(curve.w) * rates.t
+    by_dS = -t / (2 * dS)  # of t; of its rate: the two below
+    rate_by_dS = -t / (4 * dS) * (1 / a - 3 * rates.dS / dS)
+    rate_by_bend = by_dS
+    delta = np.array([1, 0, 0, -by_dS, 0, 0])
+    P = np.array([0, 1, -t, -S * by_dS, 0, 0])
     delta_rate = np.array([0, 0, 0, -rate_by_dS, 1, -rate_by_bend])
-    P_rate = np.array([0, 0, delta_H_rate - t_rate, -t - dS * t_by_dS - S * rate_by_dS, S, -S * rate_by_bend])
+    P_rate = np.array([0, 0, rates.delta_H - t_rate, -t - dS * by_dS - S * rate_by_dS, S, -S * rate_by_bend])
     return delta, P, delta_rate, P_rate
 
 
 def _by_others(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> Errors | Unknown:
     """How far the point moves where every second row is left out: scatter from row to row moves it as much, a smooth
-    rule ``ORDER_FACTOR`` times as much as it errs. Smoothing splines do not see what rows share: their point is also
+    rule eight times as much as it errs. Smoothing splines do not see what rows share: their point is also
     compared with that of the slopes "integral"."""
     slopes = curve.slopes
     smooth = not isinstance(slopes.error, Unknown) and slopes.error <= NEGLIGIBLE
     found = [
-        (other, ORDER_FACTOR if smooth else 1)
-        for other in (thinned(curve, first).pull_off(stiffness) for first in (0, 1))
+        (other, TUNING.order_factor if smooth else 1)
+        for other in (curve.thinned(first).pull_off(stiffness) for first in (0, 1))
         if not isinstance(other, Unknown)
     ]
     if slopes.method != "exact":

@@ -1,15 +1,15 @@
-"""From a nonadhesive series to the adhesive curve (Eq. 13), and everything that is read off that curve.
+"""From a nonadhesive series to the adhesive curve of any work of adhesion, and what is read off that curve.
 
-delta(a) = delta_H(a) - t(a)      P(a) = P_H(a) - S(a) t(a)      t = sqrt(4 pi w a/S')
+delta(a) = delta_H(a) - sqrt(w) t(a)      P(a) = P_H(a) - sqrt(w) S(a) t(a)      t = sqrt(4 pi a/S')      (Eq. 13)
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, Literal, TypeVar
+from typing import Any, Literal, NamedTuple, TypeVar
 
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline, CubicSpline
@@ -19,68 +19,243 @@ from ..base.arrays import Array
 from ..base.errors import InputError
 from ..base.units import show
 from ..base.unknown import Estimate, Unknown
+from ..formulas.griffith import shift
 from ..series import Series
+from .device import CONTROLS, DISPLACEMENT_CONTROL, LOAD_CONTROL, position
 from .slopes.result import Slopes
 
-SAMPLES = 8  # per interval, where critical points are looked for
-FEWEST, FEW = 5, 10  # points for an interpolation error, and for one that is known to fall with the spacing
-WIDEST = 2.7  # ratio of neighbouring a - a0 up to which it can be told
-ORDER_FACTOR = 8  # by which half the spacing reduces it, at least
-ROUND_OFF = 1e-9  # radii may leave the series by this fraction
-
-
+NO_ADHESION = Unknown("there is no adhesion at w = 0")
 Columns = TypeVar("Columns", Series, Slopes)
 
 
 @dataclass(frozen=True)
-class CriticalPoint:
-    """Where the controlled quantity is stationary along the curve: ``a`` [m], ``delta`` [m], ``P`` [N].
+class Tuning:
+    """How a curve is searched, and when the error of its interpolation can be told."""
 
-    ``kind``: "minimum" is where contact is lost on retraction, "maximum" bounds a stable branch on the other side.
-    """
+    samples: int = 8  # choice: per interval, where zeros are looked for; two of them between two samples are missed
+    fewest: int = 5  # theory: every second of fewer points leaves no cubic
+    few: int = 10  # tuned on bodies of `make tuning`: points from which the error falls with the spacing
+    widest: float = 2.7  # tuned on bodies of `make tuning`: ratio of neighbouring a - a0 up to which it does
+    order_factor: float = 8.0  # theory: halving the spacing divides an error of third order by it, at least
+    end: float = 1e-9  # choice: fraction by which a radius may leave the series, for round-off of units
+
+
+TUNING = Tuning()
+
+
+@dataclass(frozen=True)
+class Equilibrium:
+    """One state of adhesive contact: contact radius ``a`` [m], displacement ``delta`` [m], load ``P`` [N]."""
 
     a: float
     delta: float
     P: float
+
+
+@dataclass(frozen=True)
+class CriticalPoint(Equilibrium):
+    """An equilibrium where the controlled quantity is stationary along the curve.
+
+    ``kind``: "minimum" is where contact is lost on retraction, "maximum" bounds a stable branch on the other side.
+    """
+
     kind: Literal["minimum", "maximum"] = "minimum"
 
 
-@dataclass(frozen=True, eq=False)
-class AdhesiveCurve:
-    """The adhesive curve at the radii of ``series`` for work of adhesion ``w`` [J/m^2]: ``delta`` [m], ``P`` [N], (n,).
+class Parts(NamedTuple):
+    """What a curve is made of at some radii, or its derivatives by the radius; ``t``: the shift at w = 1 J/m^2."""
 
-    ``errors``: 90 % half-widths of "delta" [m] and "P" [N] at given radius; empty where no error is known.
+    delta_H: Array
+    P_H: Array
+    S: Array
+    dS: Array
+    t: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Nonadhesive:
+    """The w-free functions delta_H, P_H, S, S' and shift t of a series: all that its adhesive curves are made of.
+
+    delta_H and P_H are those of the slopes' own fit where it has them. Between the points: cubic Hermite in the log of
+    the radius of their logs. The slope of log P_H comes from dP_H = S d(delta_H), that of log S is a S'/S; those of
+    log delta_H and log S' are of a not-a-knot spline through the points. Power laws (Hertz) are exact with any number
+    of points. delta_H and P_H vanish at the first contact radius a0: their logs are taken over log(a - a0).
+    Refused where S or S' is not positive.
     """
 
     series: Series
     slopes: Slopes
-    w: float
-    delta: Array
-    P: Array
-    errors: Mapping[str, Array] = field(default_factory=dict)
 
-    @cached_property
-    def rule(self) -> Rule:
-        """How the curve is evaluated between its points."""
-        return Rule.through(self.series, self.slopes, self.w)
+    def __post_init__(self) -> None:
+        bad = ~((self.slopes.dS > 0) & (self.slopes.S > 0))
+        if bad.any():
+            raise InputError(
+                f"slopes: S or dS/da is not positive at {int(bad.sum())} radii, first at a = {self.a[bad][0]:.4g} m: "
+                "Eq. 13 has no solution there; leave those points out or take other slopes"
+            )
+
+    def adhesive(self, w: float) -> AdhesiveCurve:
+        """The curve for the work of adhesion ``w`` >= 0 [J/m^2]."""
+        return AdhesiveCurve(self, w)
 
     @property
     def a(self) -> Array:
         """Contact radii of the series [m]."""
         return self.series.a
 
+    @cached_property
+    def points(self) -> Parts:
+        """The functions at the radii of the series, as the slopes' method gives them."""
+        series, slopes = self.series, self.slopes
+        delta_H = series.delta if slopes.delta is None else slopes.delta
+        P_H = series.P if slopes.P is None else slopes.P
+        return Parts(delta_H, P_H, slopes.S, slopes.dS, shift(1.0, self.a, slopes.dS))
+
+    def parts(self, a: Array) -> Parts:
+        """delta_H [m], P_H [N], S [N/m], S' [N/m^2], t [m] at radii within the series, by one evaluation rule."""
+        columns, slopes = self._logs
+        delta_H, P_H = np.exp(np.moveaxis(columns(np.log(a - self.series.a0)), -1, 0))
+        S, dS = np.exp(np.moveaxis(slopes(np.log(a)), -1, 0))
+        return Parts(delta_H, P_H, S, dS, shift(1.0, a, dS))
+
+    def rates(self, a: Array) -> Parts:
+        """The derivatives of ``parts`` by the radius: ``rates(a).dS`` is S''."""
+        return self.with_rates(a)[1]
+
+    def with_rates(self, a: Array) -> tuple[Parts, Parts]:
+        """``parts`` and ``rates`` at once."""
+        here, beyond = self.parts(a), a - self.series.a0
+        columns, slopes = self._logs
+        by_delta, by_P = np.moveaxis(columns(np.log(beyond), 1), -1, 0) / beyond
+        by_S, by_dS = np.moveaxis(slopes(np.log(a), 1), -1, 0) / a
+        by_t = (1 / a - by_dS) / 2
+        return here, Parts(here.delta_H * by_delta, here.P_H * by_P, here.S * by_S, here.dS * by_dS, here.t * by_t)
+
+    def between(self, values: Array, a: Array) -> Array:
+        """``values`` (n, ...) at the radii of the series, linear between them at the radii ``a``."""
+        columns = values.reshape(len(self.series), -1).T
+        there = np.stack([np.interp(a, self.a, column) for column in columns], axis=-1)
+        return there.reshape(*np.shape(a), *values.shape[1:])
+
+    @property
+    def gradients(self) -> dict[str, tuple[Array, Array]]:
+        """Of "delta" and "P" at the series' radii by (delta_H, P_H, S, S'): without adhesion, and per root of w; (n, 4)
+        each."""
+        _, _, S, dS, t = self.points
+        zero, one, by_dS = np.zeros_like(t), np.ones_like(t), t / (2 * dS)
+        by_columns = {"delta": (one, zero, zero, zero), "P": (zero, one, zero, zero)}
+        by_root_w = {"delta": (zero, zero, zero, by_dS), "P": (zero, zero, -t, S * by_dS)}
+        return {name: (np.stack(by_columns[name], 1), np.stack(by_root_w[name], 1)) for name in ("delta", "P")}
+
+    def at_rows(self, rows: Array) -> Nonadhesive:
+        """The functions through the points ``rows`` alone, without errors."""
+        return Nonadhesive(_at(self.series, rows), _at(self.slopes, rows))
+
+    @cached_property
+    def _logs(self) -> tuple[CubicHermiteSpline, CubicHermiteSpline]:
+        """Log of (delta_H, P_H) over log(a - a0), log of (S, S') over log a."""
+        if len(self.series) < 2:
+            raise InputError("adhesive curve: a series of one point has no values between points")
+        delta, P, S, dS, _ = self.points
+        x, z = np.log(self.a), np.log(self.a - self.series.a0)
+        rate = CubicSpline(z, np.log(delta))(z, 1)
+        rate_dS = CubicSpline(x, np.log(dS))(x, 1)
+        return (
+            CubicHermiteSpline(z, np.log(np.stack([delta, P], 1)), np.stack([rate, S * delta / P * rate], 1)),
+            CubicHermiteSpline(x, np.log(np.stack([S, dS], 1)), np.stack([self.a * dS / S, rate_dS], 1)),
+        )
+
+
+def _at(columns: Columns, rows: Array) -> Columns:
+    """The series or slopes at the points ``rows`` alone, without errors."""
+    names = ("a", "delta", "P", "S", "dS")
+    values = {name: getattr(columns, name)[rows] for name in names if getattr(columns, name, None) is not None}
+    blank: dict[str, Any] = {"errors": {}} if isinstance(columns, Series) else {"covariance": None, "joint": None}
+    return replace(columns, **values, **blank)
+
+
+def transform(series: Series, slopes: Slopes, w: float) -> AdhesiveCurve:
+    """The adhesive curve of ``series`` for the work of adhesion ``w`` >= 0 [J/m^2] (Eq. 13).
+
+    w = 0 is the limit of small w. Refused where S or S' is not positive.
+    """
+    return Nonadhesive(series, slopes).adhesive(w)
+
+
+@dataclass(frozen=True, eq=False)
+class AdhesiveCurve:
+    """The adhesive curve of a series for the work of adhesion ``w`` [J/m^2]: a view on its w-free functions."""
+
+    nonadhesive: Nonadhesive
+    w: float
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.w) and self.w >= 0):
+            raise InputError(f"w: must be >= 0 J/m^2, got {self.w:g}")
+
+    @property
+    def series(self) -> Series:
+        """The nonadhesive series that the curve is made from."""
+        return self.nonadhesive.series
+
+    @property
+    def slopes(self) -> Slopes:
+        """S and S' of the series."""
+        return self.nonadhesive.slopes
+
+    @property
+    def a(self) -> Array:
+        """Contact radii of the series [m]."""
+        return self.series.a
+
+    @cached_property
+    def _shift(self) -> Array:
+        return shift(self.w, self.a, self.slopes.dS)
+
+    @cached_property
+    def delta(self) -> Array:
+        """Displacement [m] at the radii of the series."""
+        return self.nonadhesive.points.delta_H - self._shift
+
+    @cached_property
+    def P(self) -> Array:
+        """Load [N] at the radii of the series."""
+        return self.nonadhesive.points.P_H - self.slopes.S * self._shift
+
+    @cached_property
+    def errors(self) -> Mapping[str, Array]:
+        """90 % half-widths of "delta" [m] and "P" [N] at given radius, by first-order propagation of the slopes'
+        covariance; empty where no error is known."""
+        covariance, root_w = self.slopes.covariance, math.sqrt(self.w)
+        if covariance is None:
+            return {}
+        gradients = {name: fixed + root_w * rest for name, (fixed, rest) in self.nonadhesive.gradients.items()}
+        return {
+            name: self.slopes.quantile * np.sqrt(np.einsum("ni,nij,nj->n", gradient, covariance, gradient))
+            for name, gradient in gradients.items()
+        }
+
     def at(self, a: Array) -> tuple[Array, Array]:
-        """delta [m] and P [N] at any contact radius within the series, by the curve's one evaluation rule."""
-        return self.rule.point(self._inside(a))
+        """delta [m] and P [N] at any contact radius within the series."""
+        return self._at(self._inside(a))
 
     def rates(self, a: Array) -> tuple[Array, Array]:
         """d(delta)/da [-] and dP/da [N/m] at any contact radius within the series."""
-        return self.rule.rates(self._inside(a))
+        return self._rates(self._inside(a))
+
+    def point(self, a: float) -> Equilibrium:
+        """The equilibrium at contact radius ``a`` [m] within the series."""
+        delta, P = self.at(np.array(a))
+        return Equilibrium(a, float(delta), float(P))
 
     def error_at(self, a: Array) -> dict[str, Array]:
         """The half-widths of ``errors`` at any contact radius within the series (linear between points)."""
         inside = self._inside(a)
         return {name: np.interp(inside, self.a, values) for name, values in self.errors.items()}
+
+    def thinned(self, first: int) -> AdhesiveCurve:
+        """The curve through every second point of its series from ``first`` on."""
+        return self.nonadhesive.at_rows(np.arange(first, len(self.series), 2)).adhesive(self.w)
 
     @cached_property
     def interpolation_error(self) -> Estimate:
@@ -90,22 +265,21 @@ class AdhesiveCurve:
         order in the spacing (16), of third where its splines end: 8; of few points nothing of the kind is assumed.
         Slopes with noise add theirs.
         """
-        if len(self.series) < FEWEST:
-            return Unknown(f"unknown: fewer than {FEWEST} points")
+        if len(self.series) < TUNING.fewest:
+            return Unknown(f"unknown: fewer than {TUNING.fewest} points")
         beyond = self.a - self.series.a0
-        if np.max(beyond[1:] / beyond[:-1]) > WIDEST:
-            return Unknown(f"unknown: neighbouring radii differ by more than a factor of {WIDEST:g}")
+        if np.max(beyond[1:] / beyond[:-1]) > TUNING.widest:
+            return Unknown(f"unknown: neighbouring radii differ by more than a factor of {TUNING.widest:g}")
         change = max(self._change_without(first) for first in (1, 2))
-        return change if len(self.series) < FEW else change / ORDER_FACTOR
+        return change if len(self.series) < TUNING.few else change / TUNING.order_factor
 
     def _change_without(self, first: int) -> float:
         """Largest relative change of delta and P at every second inner point from ``first`` on, left out."""
         rows = np.arange(len(self.series))
         left_out = rows[first:-1:2]
-        kept = np.setdiff1d(rows, left_out)
-        rule = Rule.through(_at(self.series, kept), _at(self.slopes, kept), self.w)
+        coarser = self.nonadhesive.at_rows(np.setdiff1d(rows, left_out)).adhesive(self.w)
         changes = []
-        for ours, there in zip((self.delta, self.P), rule.point(self.a[left_out]), strict=True):
+        for ours, there in zip((self.delta, self.P), coarser.at(self.a[left_out]), strict=True):
             unit = np.maximum(np.abs(ours[left_out]), abs(np.min(ours)))
             changes.append(np.max(np.abs(there - ours[left_out]) / unit))
         return float(max(changes))
@@ -115,19 +289,23 @@ class AdhesiveCurve:
 
         ``stiffness`` [N/m] of the device: 0 is load control (dP/da = 0), infinity displacement control.
         """
-        control = _control(stiffness)
         points = []
-        for a, rising in self.zeros(lambda a: control(*self.rule.rates(a))):
-            delta, P = (float(value) for value in self.at(np.array(a)))
-            points.append(CriticalPoint(a, delta, P, "minimum" if rising else "maximum"))
+        for a, rising in self.zeros(lambda a: position(*self._rates(a), stiffness)):
+            points.append(CriticalPoint(**vars(self.point(a)), kind="minimum" if rising else "maximum"))
         return tuple(points)
 
     def radii(self, *, P: float | None = None, delta: float | None = None) -> tuple[float, ...]:
         """All contact radii [m] in the series at which the load is ``P`` [N], or the displacement ``delta`` [m]."""
-        if (P is None) == (delta is None):
-            raise InputError("adhesive curve: give either P or delta to look for")
-        index, value = (0, delta) if P is None else (1, P)
-        return tuple(a for a, _ in self.zeros(lambda a: self.rule.point(a)[index] - value))
+        if P is not None and delta is None:
+            return self.radii_at(P, LOAD_CONTROL)
+        if delta is not None and P is None:
+            return self.radii_at(delta, DISPLACEMENT_CONTROL)
+        raise InputError("adhesive curve: give either P or delta to look for")
+
+    def radii_at(self, held: float, stiffness: float) -> tuple[float, ...]:
+        """All contact radii [m] in the series, increasing, at which a device of ``stiffness`` [N/m] stands at ``held``
+        (its ``position``)."""
+        return tuple(a for a, _ in self.zeros(lambda a: position(*self._at(a), stiffness) - held))
 
     def zeros(self, function: Callable[[Array], Array]) -> Iterator[tuple[float, bool]]:
         """Radii in the series where ``function`` of the radius [m] vanishes, increasing, and whether it rises there."""
@@ -144,38 +322,46 @@ class AdhesiveCurve:
             yield min(max(a, self.a[0]), self.a[-1]), bool(signs[i + 1] > signs[i])
 
     def pull_off(self, stiffness: float) -> CriticalPoint | Unknown:
-        """The last stable point on retraction; ``stiffness`` [N/m] as in ``critical`` (0: load control).
+        """The pull-off point: the last stable one on retraction by a device of ``stiffness`` [N/m] as in ``critical``.
 
-        Where the curve has several minima, the lowest: at the others contact shrinks to a smaller stable radius.
-        Unknown, with numbers and the remedy, where it does not lie in the series.
+        Load control is 0, pull-off under displacement control infinity. Where the curve has several minima, the lowest:
+        at the others contact shrinks to a smaller stable radius. Unknown, with numbers and the remedy, where it does
+        not lie in the series: contact is lost at a position <= 0 only, above the free bodies would overlap.
         """
-        control = _control(stiffness)
+        if self.w == 0:
+            return NO_ADHESION
+
+        def held(point: Equilibrium) -> float:
+            return float(position(point.delta, point.P, stiffness))
+
         minima = [point for point in self.critical(stiffness) if point.kind == "minimum"]
-        ends = {"smallest": self.a[0], "largest": self.a[-1]}
-        lowest = min(ends, key=lambda end: control(*self.at(ends[end])))
-        best = min(minima, key=lambda point: control(point.delta, point.P), default=None)
-        if best is None or control(best.delta, best.P) > control(*self.at(ends[lowest])):
-            return Unknown(self._outside_reason(stiffness, lowest, float(ends[lowest])))
+        ends = {"smallest": self.point(float(self.a[0])), "largest": self.point(float(self.a[-1]))}
+        lowest = min(ends, key=lambda end: held(ends[end]))
+        best = min(minima, key=held, default=None)
+        if best is None or held(best) > held(ends[lowest]):
+            return Unknown(_outside(stiffness, lowest, ends[lowest]))
+        if held(best) > 0:
+            return Unknown(
+                f"contact shrinks at P = {best.P:.4g} N, delta = {best.delta:.4g} m below the smallest radius of the "
+                f"series, a = {self.a[0]:.4g} m, where some must remain: the series would have to begin at a smaller "
+                "radius"
+            )
         return best
 
-    def _outside_reason(self, stiffness: float, end: str, a: float) -> str:
-        delta, P = (float(value) for value in self.at(np.array(a)))
-        quantity = {0.0: "load", math.inf: "displacement"}.get(stiffness, "device position")
-        remedy = (
-            'ask for smaller radii: loading.spacing = "log", by fem a smaller mesh.smallest '
-            "(or contact shrinks to a point before it is lost)"
-            if end == "smallest"
-            else "the series would have to reach a larger radius: load further"
-        )
-        return (
-            f"the {quantity} is lowest at the {end} radius of the series, a = {show(a, 'length')} "
-            f"(P = {show(P, 'load')}, delta = {show(delta, 'length')}): pull-off lies outside it; {remedy}"
-        )
+    def _at(self, a: Array) -> tuple[Array, Array]:
+        here, root_w = self.nonadhesive.parts(a), math.sqrt(self.w)
+        t = root_w * here.t
+        return here.delta_H - t, here.P_H - here.S * t
+
+    def _rates(self, a: Array) -> tuple[Array, Array]:
+        (here, rate), root_w = self.nonadhesive.with_rates(a), math.sqrt(self.w)
+        t, dt = root_w * here.t, root_w * rate.t
+        return rate.delta_H - dt, rate.P_H - here.S * dt - rate.S * t
 
     def _inside(self, a: Array) -> Array:
         a = np.asarray(a, dtype=float)
         low, high = self.a[0], self.a[-1]
-        outside = (a < low * (1 - ROUND_OFF)) | (a > high * (1 + ROUND_OFF)) | ~np.isfinite(a)
+        outside = (a < low * (1 - TUNING.end)) | (a > high * (1 + TUNING.end)) | ~np.isfinite(a)
         if outside.any():
             raise InputError(
                 f"adhesive curve: contact radius {np.atleast_1d(a)[np.atleast_1d(outside)][0]:g} m lies outside the "
@@ -185,130 +371,20 @@ class AdhesiveCurve:
 
     def _samples(self) -> Array:
         x = np.log(self.a)
-        inner = x[:-1, None] + np.diff(x)[:, None] * np.arange(SAMPLES) / SAMPLES
+        inner = x[:-1, None] + np.diff(x)[:, None] * np.arange(TUNING.samples) / TUNING.samples
         return np.append(inner.ravel(), x[-1])
 
 
-@dataclass(frozen=True, eq=False)
-class Rule:
-    """The evaluation rule: cubic Hermite in the log of the radius of log delta_H, log P_H, log S and log t.
-
-    The slope of log P_H comes from dP_H = S d(delta_H), that of log S is a S'/S; those of log delta_H and log S' are
-    of a not-a-knot spline through the points. Power laws (Hertz) are exact with any number of points. delta_H and P_H
-    vanish at the first contact radius a0: their logs are taken over log(a - a0).
-    """
-
-    a0: float
-    delta_H: CubicHermiteSpline
-    P_H: CubicHermiteSpline
-    S: CubicHermiteSpline
-    t: CubicHermiteSpline
-    root_w: float
-
-    @classmethod
-    def through(cls, series: Series, slopes: Slopes, w: float) -> Rule:
-        if len(series) < 2:
-            raise InputError("adhesive curve: a series of one point has no values between points")
-        delta, P = _columns(series, slopes, w)
-        x, z = np.log(series.a), np.log(series.a - series.a0)
-        y_delta, y_P, y_S, y_dS = (np.log(values) for values in (delta, P, slopes.S, slopes.dS))
-        rate_delta = CubicSpline(z, y_delta)(z, 1)
-        rate_dS = CubicSpline(x, y_dS)(x, 1)
-        return cls(
-            series.a0,
-            CubicHermiteSpline(z, y_delta, rate_delta),
-            CubicHermiteSpline(z, y_P, slopes.S * delta / P * rate_delta),
-            CubicHermiteSpline(x, y_S, series.a * slopes.dS / slopes.S),
-            CubicHermiteSpline(x, (math.log(4 * math.pi) + x - y_dS) / 2, (1 - rate_dS) / 2),
-            math.sqrt(w),
-        )
-
-    def point(self, a: Array) -> tuple[Array, Array]:
-        x, z = np.log(a), np.log(a - self.a0)
-        t = self.root_w * np.exp(self.t(x))
-        return np.exp(self.delta_H(z)) - t, np.exp(self.P_H(z)) - np.exp(self.S(x)) * t
-
-    def rates(self, a: Array) -> tuple[Array, Array]:
-        x, z = np.log(a), np.log(a - self.a0)
-        t, S = self.root_w * np.exp(self.t(x)), np.exp(self.S(x))
-        dt = t * self.t(x, 1) / a
-        ddelta = np.exp(self.delta_H(z)) * self.delta_H(z, 1) / (a - self.a0)
-        dP = np.exp(self.P_H(z)) * self.P_H(z, 1) / (a - self.a0)
-        return ddelta - dt, dP - S * dt - S * self.S(x, 1) / a * t
-
-
-def _at(columns: Columns, rows: Array) -> Columns:
-    """The series or slopes at the points ``rows`` alone, without errors."""
-    names = ("a", "delta", "P", "S", "dS")
-    values = {name: getattr(columns, name)[rows] for name in names if getattr(columns, name, None) is not None}
-    blank: dict[str, Any] = {"errors": {}} if isinstance(columns, Series) else {"covariance": None, "joint": None}
-    return replace(columns, **values, **blank)
-
-
-def thinned(curve: AdhesiveCurve, first: int) -> AdhesiveCurve:
-    """The curve through every second point of its series from ``first`` on."""
-    rows = np.arange(first, len(curve.series), 2)
-    return transform(_at(curve.series, rows), _at(curve.slopes, rows), curve.w)
-
-
-def transform(series: Series, slopes: Slopes, w: float) -> AdhesiveCurve:
-    """The adhesive curve of ``series`` for the work of adhesion ``w`` >= 0 [J/m^2] (Eq. 13).
-
-    Refused where S or S' is not positive. w = 0 returns the nonadhesive columns unchanged.
-    """
-    if not (math.isfinite(w) and w >= 0):
-        raise InputError(f"w: must be >= 0 J/m^2, got {w:g}")
-    bad = ~((slopes.dS > 0) & (slopes.S > 0))
-    if bad.any():
-        raise InputError(
-            f"slopes: S or dS/da is not positive at {int(bad.sum())} radii, first at a = {series.a[bad][0]:.4g} m: "
-            "Eq. 13 has no solution there; leave those points out or take other slopes"
-        )
-    delta_H, P_H = _columns(series, slopes, w)
-    t = np.sqrt(4 * math.pi * w * series.a / slopes.dS)
-    return AdhesiveCurve(series, slopes, w, delta_H - t, P_H - slopes.S * t, _band(slopes, t))
-
-
-def _columns(series: Series, slopes: Slopes, w: float) -> tuple[Array, Array]:
-    """delta_H and P_H: those of the slopes' own fit where it has them, the series' own at w = 0."""
-    if w == 0 or slopes.delta is None or slopes.P is None:
-        return series.delta, series.P
-    return slopes.delta, slopes.P
-
-
-def _band(slopes: Slopes, t: Array) -> dict[str, Array]:
-    """First-order propagation of the covariance of (delta_H, P_H, S, S') to delta and P: 90 % half-widths."""
-    if slopes.covariance is None:
-        return {}
-    zero, one = np.zeros_like(t), np.ones_like(t)
-    by_dS = t / (2 * slopes.dS)
-    gradients = {
-        "delta": np.stack([one, zero, zero, by_dS], axis=1),
-        "P": np.stack([zero, one, -t, slopes.S * by_dS], axis=1),
-    }
-    return {
-        name: slopes.quantile * np.sqrt(np.einsum("ni,nij,nj->n", gradient, slopes.covariance, gradient))
-        for name, gradient in gradients.items()
-    }
-
-
-def _control(stiffness: float) -> Callable[[Any, Any], Any]:
-    """What a device of ``stiffness`` [N/m] controls, of delta and P: P itself (0), else delta + P/stiffness."""
-    if math.isnan(stiffness) or stiffness < 0:
-        raise InputError(f"stiffness: must be >= 0 N/m (0: load control, infinite: displacement), got {stiffness:g}")
-    if stiffness == 0:
-        return lambda delta, P: P
-    return lambda delta, P: delta + P / stiffness
-
-
-def scales_half_space(R: float, E_star: float, w: float) -> tuple[float, float, float]:
-    """Units of P [N], delta [m] and a [m] for a half-space (Eq. 15 corrected)."""
-    P = math.pi * w * R
-    delta = (9 * math.pi**2 * w**2 * R / (16 * E_star**2)) ** (1 / 3)
-    a = (3 * math.pi * w * R**2 / (4 * E_star)) ** (1 / 3)
-    return P, delta, a
-
-
-def scales_thin_layer(R: float, K: float, w: float) -> tuple[float, float, float]:
-    """Units of P [N], delta [m] and a [m] for a thin layer of Winkler stiffness K [Pa/m] (Eq. 19 corrected)."""
-    return 2 * math.pi * w * R, math.sqrt(2 * w / K), (8 * w * R**2 / K) ** 0.25
+def _outside(stiffness: float, end: str, lowest: Equilibrium) -> str:
+    """Why pull-off lies outside the series: the device is lowest at its ``end``."""
+    quantity = next((name for name, value in CONTROLS.items() if value == stiffness), "device position")
+    remedy = (
+        'ask for smaller radii: loading.spacing = "log", by fem a smaller mesh.smallest '
+        "(or contact shrinks to a point before it is lost)"
+        if end == "smallest"
+        else "the series would have to reach a larger radius: load further"
+    )
+    return (
+        f"the {quantity} is lowest at the {end} radius of the series, a = {show(lowest.a, 'length')} "
+        f"(P = {show(lowest.P, 'load')}, delta = {show(lowest.delta, 'length')}): pull-off lies outside it; {remedy}"
+    )

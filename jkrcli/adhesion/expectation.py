@@ -9,6 +9,7 @@ from ..base.unknown import Unknown
 from ..bodies.problem import HalfSpace, Loading, Problem, Specimen
 from ..methods.layered.layered import Layered
 from .curve import CriticalPoint, transform
+from .device import LOAD_CONTROL
 from .slopes import slopes
 from .validity import Validity, judge
 
@@ -49,7 +50,7 @@ def expect(problem: Problem, works: tuple[float, ...], z0: float) -> Expectation
     a, delta, P = (float(column[-1]) for column in (series.a, series.delta, series.P))
     adhesion = []
     for w in works:
-        point = transform(series, found, w).pull_off(0.0) if w > 0 else Unknown("there is no adhesion at w = 0")
+        point = transform(series, found, w).pull_off(LOAD_CONTROL)
         judged = judge(
             a=a,
             delta=delta,

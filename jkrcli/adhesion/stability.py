@@ -16,13 +16,12 @@ from ..base.arrays import Array
 from ..base.errors import InputError
 from ..base.units import show
 from ..base.unknown import Estimate, Unknown
-from .curve import AdhesiveCurve, CriticalPoint
-from .stability_path import Path, grow, largest_stable, shrink
-from .states import DISPLACEMENT_CONTROL, LOAD_CONTROL, State, position, radii_at_position, state
+from .curve import NO_ADHESION, AdhesiveCurve, CriticalPoint, Equilibrium
+from .device import DISPLACEMENT_CONTROL, LOAD_CONTROL, control, position
+from .passage import Passage, grow, largest_stable, shrink
 
 STABLE, GRIPPED, UNSTABLE = "stable", "displacement-control", "unstable"
 UNBOUNDED = Unknown("under load control the device goes on pulling after contact is lost: there is no bound")
-NO_ADHESION = Unknown("there is no adhesion at w = 0")
 
 
 def branch(curve: AdhesiveCurve) -> Array:
@@ -41,8 +40,8 @@ def branch(curve: AdhesiveCurve) -> Array:
 class Jump:
     """Contact jumps from ``start`` to ``end`` at standing device; ``end = None``: it is lost."""
 
-    start: State
-    end: State | None
+    start: Equilibrium
+    end: Equilibrium | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,9 +52,9 @@ class Cycle:
     work of adhesion of the approach to that of the retraction.
     """
 
-    approach: Path
+    approach: Passage
     turn: float
-    retraction: Path
+    retraction: Passage
 
     @property
     def stiffness(self) -> float:
@@ -63,7 +62,7 @@ class Cycle:
         return self.approach.stiffness
 
     @property
-    def begin(self) -> State:
+    def begin(self) -> Equilibrium:
         """The first state in contact: jumped into at delta = 0, or the first of the series at w = 0."""
         return first_contact(self.approach)
 
@@ -100,7 +99,7 @@ class Cycle:
         high, low = self._held
         if not high.P > 0 >= low.P:
             return Unknown("no state of zero load is passed on retraction: load further")
-        unloaded = State(self.turn, low.delta - low.P * (high.delta - low.delta) / (high.P - low.P), 0.0)
+        unloaded = Equilibrium(self.turn, low.delta - low.P * (high.delta - low.delta) / (high.P - low.P), 0.0)
         return self._straight(unloaded, low) + self.retraction.work
 
     def _no_energy(self) -> Unknown | None:
@@ -112,14 +111,14 @@ class Cycle:
         return None
 
     def _first_chord(self) -> float:
-        return self._straight(State(0.0, 0.0, 0.0), self.begin) if self.approach.curve.w == 0 else 0.0
+        return self._straight(Equilibrium(0.0, 0.0, 0.0), self.begin) if self.approach.curve.w == 0 else 0.0
 
     @property
-    def _held(self) -> tuple[State, State]:
+    def _held(self) -> tuple[Equilibrium, Equilibrium]:
         """First and last state of the turn, at one radius."""
-        return state(self.approach.curve, self.turn), state(self.retraction.curve, self.turn)
+        return self.approach.curve.point(self.turn), self.retraction.curve.point(self.turn)
 
-    def _straight(self, first: State, last: State) -> float:
+    def _straight(self, first: Equilibrium, last: Equilibrium) -> float:
         """Work int P dD [J] of the device along a straight line of P over delta."""
         work = (first.P + last.P) / 2 * (last.delta - first.delta)
         return work if math.isinf(self.stiffness) else work + (last.P**2 - first.P**2) / (2 * self.stiffness)
@@ -137,7 +136,7 @@ class Behaviour:
     stiffness: float
     critical: tuple[CriticalPoint, ...]
     pull_off: CriticalPoint | Unknown
-    jump_in: State | Unknown
+    jump_in: Equilibrium | Unknown
     partial: tuple[Jump, ...]
     energy_lost: Estimate
     separation: Estimate
@@ -152,29 +151,19 @@ def behaviour(curve: AdhesiveCurve, stiffness: float) -> Behaviour:
     """What ``curve`` says about a device of ``stiffness`` [N/m] (0: load control, infinite: displacement)."""
     if curve.w == 0:
         return Behaviour(stiffness, (), NO_ADHESION, NO_ADHESION, (), NO_ADHESION, NO_ADHESION)
-    critical, pull_off = curve.critical(stiffness), _pull_off(curve, stiffness)
+    critical, pull_off = curve.critical(stiffness), curve.pull_off(stiffness)
     start = largest_stable(curve, stiffness)
     partial = () if start is None else jumps(shrink(curve, stiffness, start))
     whole = cycle(curve, curve, stiffness)
     if isinstance(whole, Unknown):
         energies: tuple[Estimate, Estimate] = (whole, whole)
-        jump_in: State | Unknown = whole
+        jump_in: Equilibrium | Unknown = whole
     else:
         energies, jump_in = (whole.energy_lost, whole.separation), whole.begin
     if isinstance(pull_off, Unknown) and stiffness != LOAD_CONTROL:
         energies = (pull_off, pull_off)
     between = tuple(jump for jump in partial if jump.end is not None)
     return Behaviour(stiffness, critical, pull_off, jump_in, between, *energies)
-
-
-def _pull_off(curve: AdhesiveCurve, stiffness: float) -> CriticalPoint | Unknown:
-    found = curve.pull_off(stiffness)
-    if isinstance(found, Unknown) or position(found.delta, found.P, stiffness) <= 0:
-        return found
-    return Unknown(
-        f"contact shrinks at P = {found.P:.4g} N, delta = {found.delta:.4g} m below the smallest radius of the series, "
-        f"a = {curve.a[0]:.4g} m, where some must remain: the series would have to begin at a smaller radius"
-    )
 
 
 def cycle(
@@ -207,9 +196,9 @@ def turning_radius(
     held, value = (LOAD_CONTROL, load) if depth is None else (DISPLACEMENT_CONTROL, depth)
     if value is None:
         raise InputError("cycle: give a load or a depth to turn at")
-    met = [a for a in radii_at_position(curve, held, value) if inwards.holds(a)]
+    met = [a for a in curve.radii_at(value, held) if inwards.holds(a)]
     if not met:
-        first, last = first_contact(inwards), state(curve, inwards.last)
+        first, last = first_contact(inwards), curve.point(inwards.last)
         name, unit = ("P", "load") if depth is None else ("delta", "length")
         raise InputError(
             f"cycle: the turn at {name} = {show(value, unit)} is not passed on approach, which in this series goes "
@@ -218,28 +207,22 @@ def turning_radius(
     return met[0]
 
 
-def first_contact(approach: Path) -> State:
+def first_contact(approach: Passage) -> Equilibrium:
     """The first state of an approach; what the device holds at 0 there is exactly 0."""
-    first = state(approach.curve, approach.stretches[0].first)
+    first = approach.curve.point(approach.stretches[0].first)
     if approach.curve.w == 0:
         return first
     held = {LOAD_CONTROL: "P", DISPLACEMENT_CONTROL: "delta"}.get(approach.stiffness)
     return replace(first, **{held: 0.0}) if held else first
 
 
-def jumps(path: Path) -> tuple[Jump, ...]:
+def jumps(path: Passage) -> tuple[Jump, ...]:
     """The jumps between the stretches of a path, and the loss of contact at its end."""
-    starts = [state(path.curve, stretch.last) for stretch in path.stretches]
-    ends: list[State | None] = [state(path.curve, stretch.first) for stretch in path.stretches[1:]]
+    starts = [path.curve.point(stretch.last) for stretch in path.stretches]
+    ends: list[Equilibrium | None] = [path.curve.point(stretch.first) for stretch in path.stretches[1:]]
     if path.ends == "lost":
         ends.append(None)
     return tuple(Jump(start, end) for start, end in zip(starts, ends, strict=False))
-
-
-def control(stiffness: float) -> str:
-    """``load control``, ``displacement control`` or ``device of 0.2 N/m``."""
-    words = {LOAD_CONTROL: "load control", DISPLACEMENT_CONTROL: "displacement control"}
-    return words.get(stiffness) or f"device of {show(stiffness, 'stiffness')}"
 
 
 def trace(found: Cycle, points: int) -> dict[str, Array]:
@@ -266,7 +249,7 @@ def trace(found: Cycle, points: int) -> dict[str, Array]:
     return columns | {"phase": np.repeat(words, sizes), "part": np.repeat(np.arange(len(words)) + 1, sizes)}
 
 
-def _along(path: Path, points: int) -> list[tuple[Array, Array, Array]]:
+def _along(path: Passage, points: int) -> list[tuple[Array, Array, Array]]:
     radii = [np.linspace(s.first, s.last, points if s.first != s.last else 1) for s in path.stretches]
     return [(a, *path.curve.at(a)) for a in radii]
 
@@ -281,10 +264,22 @@ def _held(found: Cycle, points: int) -> tuple[Array, Array, Array]:
 
 def _out_of_contact(found: Cycle, points: int) -> tuple[Array, Array]:
     """Positions [m] before contact and after it is lost; they reach a quarter beyond where it is lost."""
-    last = state(found.retraction.curve, found.retraction.last)
+    last = found.retraction.curve.point(found.retraction.last)
     D = last.delta if found.stiffness == LOAD_CONTROL else position(last.delta, last.P, found.stiffness)
     furthest = -1.25 * abs(D)
     before = np.linspace(furthest, 0, points)
     if found.retraction.ends != "lost" or found.stiffness == LOAD_CONTROL:
         return before, np.array([])
     return before, np.linspace(D, furthest, points)
+
+
+def stable_radius(curve: AdhesiveCurve, load: float) -> float:
+    """The largest contact radius [m] at which ``load`` [N] is carried stably under load control (dP/da > 0)."""
+    stable = [a for a in curve.radii(P=load) if curve.rates(np.array(a))[1] > 0]
+    if not stable:
+        P = curve.at(curve.a)[1]
+        raise InputError(
+            f"load: {show(load, 'load')} is not carried by a stable contact of this series, whose loads go from "
+            f"{show(float(P.min()), 'load')} to {show(float(P.max()), 'load')}"
+        )
+    return stable[-1]

@@ -12,10 +12,8 @@ from ..base.arrays import Array
 from ..base.errors import InputError, SolveError
 from ..base.units import show
 from ..base.unknown import Unknown
-from ..series import Series
-from .curve import AdhesiveCurve, CriticalPoint, transform
-from .slopes.result import Slopes
-from .states import LOAD_CONTROL
+from .curve import AdhesiveCurve, CriticalPoint, Nonadhesive
+from .device import LOAD_CONTROL, position
 
 INSIDE = 1e-6  # of a radius: how near to the ends of the series a pull-off may lie
 STEP = math.log(4.0)  # of w, where it is looked for beyond what the radii of the series give
@@ -39,7 +37,7 @@ class FoundWork:
 
 
 def work_from_pull_off(
-    series: Series, slopes: Slopes, load: float, stiffness: float = LOAD_CONTROL, R: float | None = None
+    body: Nonadhesive, load: float, stiffness: float = LOAD_CONTROL, R: float | None = None
 ) -> FoundWork:
     """The w at which contact is lost at P = -``load`` [N] by a device of ``stiffness`` [N/m]; ``R``: tip radius [m].
 
@@ -50,7 +48,7 @@ def work_from_pull_off(
         raise InputError(f"load: the measured pull-off force must be > 0 N, got {load:g}")
 
     def point(w: float) -> CriticalPoint | Unknown:
-        return transform(series, slopes, w).pull_off(stiffness)
+        return body.adhesive(w).pull_off(stiffness)
 
     def excess(log_w: float) -> float:
         found = point(math.exp(log_w))
@@ -71,7 +69,7 @@ def work_from_pull_off(
             log_w += step
         return log_w
 
-    works = _stationary(series, slopes, stiffness)
+    works = _stationary(body, stiffness)
     low, high = widened(inside(works), -STEP), widened(inside(works[::-1]), STEP)
     if not excess(low) <= 0 <= excess(high):
         raise InputError(_out_of_reach(load, (1 + excess(low)) * load, (1 + excess(high)) * load))
@@ -83,26 +81,18 @@ def work_from_pull_off(
             f"changes, at w = {show(w, 'work')}, the force jumps past it"
         )
     half_space = None if R is None else load / (1.5 * math.pi * R)
-    return FoundWork(load, stiffness, float(w), transform(series, slopes, w), found, half_space)
+    return FoundWork(load, stiffness, float(w), body.adhesive(w), found, half_space)
 
 
-def _stationary(series: Series, slopes: Slopes, stiffness: float) -> Array:
-    """For radii across the series the w whose curve is stationary there, increasing; those > 0 only.
-
-    The rates are linear in sqrt(w): two curves give the nonadhesive part and the factor of sqrt(w).
-    """
-    unit = float(np.median(series.delta**2 * slopes.dS / series.a)) / (4 * math.pi)  # t = delta_H
-    a = series.a.copy()
+def _stationary(body: Nonadhesive, stiffness: float) -> Array:
+    """For radii across the series the w whose curve is stationary there, increasing; those > 0 only."""
+    a = body.a.copy()
     a[0], a[-1] = a[0] * (1 + INSIDE), a[-1] * (1 - INSIDE)
-    one, two = (_control_rate(transform(series, slopes, factor * unit), a, stiffness) for factor in (1.0, 4.0))
-    nonadhesive, adhesive = 2 * one - two, one - two
+    here, rates = body.with_rates(a)
+    nonadhesive = position(rates.delta_H, rates.P_H, stiffness)
+    adhesive = position(rates.t, rates.S * here.t + here.S * rates.t, stiffness)
     root = np.divide(nonadhesive, adhesive, out=np.zeros_like(a), where=adhesive > 0)
-    return np.sort(root[root > 0] ** 2) * unit
-
-
-def _control_rate(curve: AdhesiveCurve, a: Array, stiffness: float) -> Array:
-    ddelta, dP = curve.rates(a)
-    return dP if stiffness == LOAD_CONTROL else ddelta + dP / stiffness
+    return np.sort(root[root > 0] ** 2)
 
 
 def _out_of_reach(load: float, least: float, greatest: float) -> str:

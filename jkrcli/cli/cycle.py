@@ -8,7 +8,8 @@ from typing import Any
 import click
 
 from ..adhesion.analysis import analyse, specification
-from ..adhesion.stability import Cycle, Jump, control, trace, turning_radius
+from ..adhesion.device import control
+from ..adhesion.stability import Cycle, Jump, trace, turning_radius
 from ..adhesion.stability import cycle as run_cycle
 from ..base.errors import InputError
 from ..base.units import show

@@ -54,7 +54,7 @@ def explore(
     works = (work,) if work is not None else tuple(w for w in specification(stored).w if w > 0)[:1]
     result = analyse(stored, works or (1.0,), slopes)[0]
     if not works:
-        result = analyse(stored, (start_work(result.curve.series, result.curve.slopes),), slopes)[0]
+        result = analyse(stored, (start_work(result.curve.nonadhesive),), slopes)[0]
     text = page(payload(result, curves, slopes))
     write_text(target, text)
     size, points = len(text.encode()), sum(map(len, curves))

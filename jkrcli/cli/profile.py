@@ -8,7 +8,7 @@ import click
 import numpy as np
 
 from ..adhesion.analysis import analyse, specification
-from ..adhesion.states import stable_radius
+from ..adhesion.stability import stable_radius
 from ..base.errors import InputError
 from ..base.units import show
 from ..bodies.problem import Problem

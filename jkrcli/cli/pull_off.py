@@ -9,10 +9,10 @@ from typing import Any
 import click
 
 from ..adhesion.analysis import Analysis, analyse, specification
-from ..adhesion.curve import CriticalPoint
-from ..adhesion.stability import Behaviour, behaviour, control
+from ..adhesion.curve import Equilibrium
+from ..adhesion.device import DISPLACEMENT_CONTROL, LOAD_CONTROL, control
+from ..adhesion.stability import Behaviour, behaviour
 from ..adhesion.stability_inverse import FoundWork, work_from_pull_off
-from ..adhesion.states import DISPLACEMENT_CONTROL, LOAD_CONTROL, State
 from ..adhesion.validity import check
 from ..base.errors import InputError
 from ..base.units import show
@@ -121,7 +121,7 @@ def _forward(result: Analysis, stiffnesses: Sequence[float]) -> Answer:
 def _inverse(result: Analysis, force: float, stiffness: float) -> Answer:
     R, path = result.case.problem.indenter.tip_radius, result.stored.path
     try:
-        found = work_from_pull_off(result.curve.series, result.curve.slopes, force, stiffness, R)
+        found = work_from_pull_off(result.curve.nonadhesive, force, stiffness, R)
     except InputError as error:
         raise InputError([f"{path}: {line}" for line in error.lines]) from None
     data = {
@@ -166,7 +166,7 @@ def _text(found: Behaviour) -> list[str]:
     return lines
 
 
-def _point(point: CriticalPoint | State | Unknown) -> str:
+def _point(point: Equilibrium | Unknown) -> str:
     if isinstance(point, Unknown):
         return f"none: {point.reason}"
     return f"P = {show(point.P, 'load'):<12} delta = {show(point.delta, 'length'):<12} a = {show(point.a, 'length')}"

@@ -59,9 +59,10 @@ def work(
     jkr work data.h5 map.jpk-force-map --contact estimate --segment retract
     """
     from ..adhesion.analysis import Fitted, adhesive, specification
+    from ..adhesion.curve import Nonadhesive
     from ..case import store
     from ..data.measured.speed import check_window
-    from ..identification.work import Body, Evaluation, typical
+    from ..identification.work import Evaluation, typical
     from ..report.work import summary
 
     check_window(options["window"])
@@ -74,7 +75,7 @@ def work(
     reading = reading_of(options)
     use = None if options["use"] is None else tuple(options["use"].split(","))
     evaluation = Evaluation(
-        Body(fitted.series, fitted.slopes), use, dict(options["noise"]), options["window"], options["segment"]
+        Nonadhesive(fitted.series, fitted.slopes), use, dict(options["noise"]), options["window"], options["segment"]
     )
     summaries = []
     for path, target in zip(measured, targets, strict=True):

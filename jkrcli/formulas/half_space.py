@@ -11,6 +11,7 @@ import math
 import numpy as np
 
 from ..base.arrays import Array
+from .griffith import shift
 
 
 def effective_radius(R_1: float, R_2: float) -> float:
@@ -89,8 +90,8 @@ def jkr_dimensionless(a_bar: Array) -> tuple[Array, Array]:
 
 def adhesive_half_space(a: Array, delta_H: Array, P_H: Array, E_star: float, w: float) -> tuple[Array, Array]:
     """Eq. 13 with S = 2 E* a: delta [m] and P [N] of the indenter whose nonadhesive contact is delta_H, P_H."""
-    shift = np.sqrt(2 * np.pi * w * np.asarray(a, dtype=float) / E_star)
-    return delta_H - shift, P_H - 2 * E_star * a * shift
+    t = shift(w, np.asarray(a, dtype=float), 2 * E_star)
+    return delta_H - t, P_H - 2 * E_star * a * t
 
 
 def tabor(R: float, w: float, E_star: float, z0: float) -> float:

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..adhesion.analysis import Analysis
-from ..adhesion.curve import scales_half_space, scales_thin_layer
 from ..base.errors import InputError
 from ..bodies.materials import Elastic
 from ..bodies.problem import Rigid
+from ..formulas.scales import scales_half_space, scales_thin_layer
 from ..formulas.thin_layer import foundation_modulus
 from ..series import Array
 

@@ -9,9 +9,9 @@ import numpy as np
 
 from ..adhesion.analysis import Analysis
 from ..adhesion.critical import Errors
-from ..adhesion.curve import AdhesiveCurve, CriticalPoint
+from ..adhesion.curve import AdhesiveCurve, Equilibrium
+from ..adhesion.device import CONTROLS
 from ..adhesion.stability import Behaviour, Jump, behaviour, branch
-from ..adhesion.states import DISPLACEMENT_CONTROL, LOAD_CONTROL, State
 from ..adhesion.validity import layer_tabor
 from ..base.errors import InputError
 from ..base.files import read_bytes
@@ -101,7 +101,7 @@ def summary(result: Analysis) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def point(found: CriticalPoint | State | Unknown) -> dict[str, Any]:
+def point(found: Equilibrium | Unknown) -> dict[str, Any]:
     """A critical point or state by its columns; all None with the reason where it lies outside the series."""
     if isinstance(found, Unknown):
         return {"P_N": None, "delta_m": None, "a_m": None, "reason": found.reason}
@@ -124,8 +124,7 @@ def validity(result: Analysis) -> dict[str, Any]:
 
 def stability(result: Analysis) -> dict[str, Any]:
     """What the curve means under load and under displacement control."""
-    controls = {"load": LOAD_CONTROL, "displacement": DISPLACEMENT_CONTROL}
-    return {name: control(behaviour(result.curve, stiffness)) for name, stiffness in controls.items()}
+    return {name: control(behaviour(result.curve, stiffness)) for name, stiffness in CONTROLS.items()}
 
 
 def control(found: Behaviour) -> dict[str, Any]:

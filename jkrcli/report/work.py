@@ -14,7 +14,7 @@ from ..adhesion.validity import check
 from ..base.units import show
 from ..data.measured.contact import saturation
 from ..identification.work.along import WorkAlong
-from ..identification.work.body import ABOVE, BELOW, NONE, OK
+from ..identification.work.radius import ABOVE, BELOW, NONE, OK
 from ..series import Array
 
 FORMAT, VERSION = "jkr-work", 1

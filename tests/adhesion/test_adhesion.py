@@ -8,11 +8,12 @@ import math
 import numpy as np
 import pytest
 
-from jkrcli.adhesion.curve import CriticalPoint, scales_half_space, scales_thin_layer, transform
+from jkrcli.adhesion.curve import CriticalPoint, transform
 from jkrcli.adhesion.slopes import Slopes, slopes
 from jkrcli.base.errors import InputError
 from jkrcli.base.unknown import Unknown
 from jkrcli.formulas.half_space import adhesive_half_space, hertz, jkr, rounded_flat, sneddon_sphere
+from jkrcli.formulas.scales import scales_half_space, scales_thin_layer
 from jkrcli.formulas.thin_layer import thin_incompressible_layer, thin_layer
 from jkrcli.series import Series
 

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from jkrcli.adhesion.curve import transform
+from jkrcli.adhesion.curve import Nonadhesive, transform
 from jkrcli.adhesion.slopes import slopes
 from jkrcli.adhesion.stability_inverse import work_from_pull_off
 from jkrcli.base.errors import InputError
@@ -47,7 +47,7 @@ def stiff_coating() -> Series:
 
 
 def found(series: Series, load: float, stiffness: float = 0.0, R: float | None = None):
-    return work_from_pull_off(series, slopes(series), load, stiffness, R)
+    return work_from_pull_off(Nonadhesive(series, slopes(series)), load, stiffness, R)
 
 
 def test_on_a_half_space_it_is_the_classical_answer() -> None:

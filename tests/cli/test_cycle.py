@@ -10,7 +10,6 @@ import pytest
 from jkrcli.adhesion.curve import AdhesiveCurve, transform
 from jkrcli.adhesion.slopes import slopes
 from jkrcli.adhesion.stability import UNBOUNDED, Cycle, cycle, trace, turning_radius
-from jkrcli.adhesion.states import state
 from jkrcli.base.errors import InputError
 from jkrcli.base.unknown import Unknown
 from jkrcli.formulas.half_space import hertz
@@ -33,7 +32,7 @@ def balance(found: Cycle) -> float:
 
     def stored(curve: AdhesiveCurve, a: float) -> float:
         """U_H - P_H t + S t^2/2 + P^2/(2 k), with U_H = (2/5) P_H delta_H of Hertz."""
-        here = state(curve, a)
+        here = curve.point(a)
         delta, P = (float(value) for value in hertz(np.array(a), E_STAR, R))
         t = delta - here.delta
         return 0.4 * P * delta - P * t + E_STAR * a * t**2 + here.P**2 / (2 * found.stiffness)
@@ -133,7 +132,7 @@ def test_work_of_separation_from_the_zero_load_within_the_turn() -> None:
     """With strong hysteresis the load falls through zero at held radius: the straight line is cut there."""
     soft, strong = half_space(10.0), half_space(200.0)
     found = cycle(soft, strong, 1e5, turn=1.2e-5)
-    high, low = state(soft, 1.2e-5), state(strong, 1.2e-5)
+    high, low = soft.point(1.2e-5), strong.point(1.2e-5)
     assert high.P > 0 > low.P
     assert found.retraction.stretches[0].first == 1.2e-5
     columns = trace(found, 20_000)
@@ -191,7 +190,7 @@ def test_a_thin_layer_is_traced_to_the_end_of_its_series() -> None:
 def test_turning_at_a_load_or_a_depth(quantity: str, value: float) -> None:
     curve = half_space(50.0)
     a = turning_radius(curve, RIGID, **{quantity: value})
-    here = state(curve, a)
+    here = curve.point(a)
     assert (here.P if quantity == "load" else here.delta) == pytest.approx(value, rel=1e-10)
     assert a > cycle(curve, curve, RIGID).begin.a
 

@@ -13,7 +13,7 @@ from jkrcli.adhesion.comparison import compare_half_space, exact_curve
 from jkrcli.adhesion.curve import transform
 from jkrcli.adhesion.expectation import expect
 from jkrcli.adhesion.slopes import slopes
-from jkrcli.adhesion.states import stable_radius
+from jkrcli.adhesion.stability import stable_radius
 from jkrcli.base.errors import InputError, Refusal
 from jkrcli.base.table import write_csv
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
@@ -78,7 +78,8 @@ def test_distance_of_the_curve_is_that_of_its_nearest_point() -> None:
     unit = exact.pull_off(0.0)
     ddelta, dP = exact.rates(exact.a[-1:])
     steepness = float(dP[0] / ddelta[0]) * abs(unit.delta / unit.P)
-    moved = replace(exact, P=exact.P + np.where(exact.a == exact.a[-1], step * abs(unit.P), 0.0))
+    P = exact.series.P + np.where(exact.a == exact.a[-1], step * abs(unit.P), 0.0)
+    moved = transform(replace(exact.series, P=P), exact.slopes, W)
     found = compare_half_space(moved, PROBLEM)
     assert found.curve == pytest.approx(step / np.hypot(1, steepness), rel=1e-4)
 

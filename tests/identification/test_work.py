@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from jkrcli.adhesion.curve import transform
+from jkrcli.adhesion.curve import Nonadhesive, transform
 from jkrcli.adhesion.slopes import slopes, smoothed
 from jkrcli.base.errors import InputError
 from jkrcli.bodies.indenters import Paraboloid
@@ -17,7 +17,7 @@ from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.data.measured import Curve
 from jkrcli.data.measured.speed import rate, runs
-from jkrcli.identification.work import ABOVE, BELOW, NONE, OK, PAIRS, Body, work_along
+from jkrcli.identification.work import ABOVE, BELOW, NONE, OK, PAIRS, work_along
 from jkrcli.methods.layered.layered import Layered
 from jkrcli.series import RawSeries, Series
 
@@ -31,11 +31,11 @@ BODIES = {
 
 
 @functools.cache
-def body(name: str, points: int = 100) -> Body:
+def body(name: str, points: int = 100) -> Nonadhesive:
     specimen, a_max = BODIES[name]
     problem = Problem(Paraboloid(R), specimen, Loading("radius", a_max, points))
     series = Layered()(problem).series
-    return Body(series, slopes(series))
+    return Nonadhesive(series, slopes(series))
 
 
 def synthetic(name: str, rows: np.ndarray | slice = slice(None), w: float | np.ndarray = W) -> Curve:
@@ -111,7 +111,7 @@ def test_units_do_not_matter() -> None:
     c = synthetic("coating")
     curve = Curve("c", a=c.a * length, delta=c.delta * length, P=c.P * force)
     for use in PAIRS:
-        found = work_along(Body(scaled, slopes(scaled)), curve, use)
+        found = work_along(Nonadhesive(scaled, slopes(scaled)), curve, use)
         np.testing.assert_allclose(found.w, W * force / length, rtol=1e-9)
     assert d.method == "exact"
 
@@ -185,11 +185,11 @@ def test_noise_is_carried_as_by_differences(name: str, use: tuple[str, str]) -> 
 
 
 @functools.cache
-def noisy_body(seed: int) -> Body:
+def noisy_body(seed: int) -> Nonadhesive:
     """The thin layer by a series with relative noise of 3e-3 in every column, smoothed."""
     rng, exact = np.random.default_rng(seed), body("thin layer").series
     noisy = [getattr(exact, key) * (1 + 3e-3 * rng.normal(size=100)) for key in ("a", "delta", "P")]
-    return Body(*smoothed(RawSeries(*noisy)))
+    return Nonadhesive(*smoothed(RawSeries(*noisy)))
 
 
 @pytest.mark.parametrize("use", PAIRS, ids="-".join)

@@ -24,7 +24,7 @@ from matplotlib.text import Text
 from matplotlib.transforms import Bbox
 
 from jkrcli.adhesion.analysis import Analysis, analyse, specification
-from jkrcli.adhesion.curve import CriticalPoint
+from jkrcli.adhesion.curve import CriticalPoint, transform
 from jkrcli.case import store
 from jkrcli.many.study.chart import chart_figure
 from jkrcli.many.study.chart_measure import Cost
@@ -166,7 +166,8 @@ def test_tension_is_enlarged_where_it_is_less_than_a_fifth_of_the_loads(
 
 def test_a_band_is_drawn_where_it_can_be_seen_only(jkr: Callable, body: str) -> None:
     def words(errors: float) -> list[str]:
-        curve = replace(result.curve, errors={"P": np.full(40, errors), "delta": np.zeros(40)})
+        curve = transform(result.curve.series, result.curve.slopes, result.w)
+        vars(curve)["errors"] = {"P": np.full(40, errors), "delta": np.zeros(40)}
         figure = curve_figure(replace(result, curve=curve), physical_units(curve))
         return [text.get_text() for text in figure.legends[0].get_texts()]
 

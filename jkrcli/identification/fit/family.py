@@ -7,15 +7,15 @@ D, H: delta_H and P_H of the series; T = sqrt(4 pi a/S'), V = S T: its adhesive 
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline, PPoly
 
-from ...adhesion.curve import transform
+from ...adhesion.curve import Nonadhesive
 from ...adhesion.slopes.result import Slopes
-from ...series import Array, Series
+from ...base.arrays import Array
+from ...series import Series
 
 REFINED = 6  # nodes per interval of the series: the cubics between them then err far less than the curve itself
 FUNCTIONS = 4  # D, T, H, V
@@ -37,19 +37,12 @@ class Family:
     @classmethod
     def of(cls, series: Series, slopes: Slopes) -> Family:
         """The family of a series; its adhesive curves are evaluated by their own rule, on a finer grid."""
-        u = _grid(series)
+        body, u = Nonadhesive(series, slopes), _grid(series)
         a = np.clip(np.exp(u), series.a[0], series.a[-1])
-        root = math.sqrt(np.median(series.delta**2 * slopes.dS / series.a) / (4 * math.pi))  # w at which t = delta_H
-        one, two = (transform(series, slopes, (k * root) ** 2) for k in (1, 2))
-        if slopes.delta is None:
-            two = transform(series, slopes, 0.0)
-        first, second = (np.stack([*curve.at(a), *curve.rates(a)]) for curve in (one, two))
-        nonadhesive = second if slopes.delta is None else 2 * first - second  # linear in the root of w
-        adhesive = (nonadhesive - first) / root
-        (D, H, dD, dH), (T, V, dT, dV) = nonadhesive, adhesive
-        values = np.stack([D, T, H, V], axis=1)
-        slope = a[:, None] * np.stack([dD, dT, dH, dV], axis=1)
-        logs = CubicHermiteSpline(u, np.log(values), slope / values)
+        here, rate = body.with_rates(a)
+        values = np.stack([here.delta_H, here.t, here.P_H, here.S * here.t], axis=1)
+        rates = np.stack([rate.delta_H, rate.t, rate.P_H, rate.S * here.t + here.S * rate.t], axis=1)
+        logs = CubicHermiteSpline(u, np.log(values), a[:, None] * rates / values)
         return cls(_with_derivatives(_extended(logs)), float(u[0]), float(u[-1]))
 
     def rate_from(self, base: Family, step: float) -> Array:

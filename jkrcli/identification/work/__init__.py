@@ -8,6 +8,6 @@ the rate-dependent adhesion (Maugis and Barquins, J. Phys. D 11 (1978) 1989).
 from __future__ import annotations
 
 from .along import PAIRS, Evaluation, WorkAlong, typical, work_along
-from .body import ABOVE, BELOW, NONE, OK, Body
+from .radius import ABOVE, BELOW, NONE, OK
 
-__all__ = ["ABOVE", "BELOW", "NONE", "OK", "PAIRS", "Body", "Evaluation", "WorkAlong", "typical", "work_along"]
+__all__ = ["ABOVE", "BELOW", "NONE", "OK", "PAIRS", "Evaluation", "WorkAlong", "typical", "work_along"]

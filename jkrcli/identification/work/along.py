@@ -7,14 +7,14 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ...adhesion.curve import ROUND_OFF
+from ...adhesion.curve import TUNING, Nonadhesive, Parts
 from ...base.errors import InputError
 from ...base.units import show
 from ...data.measured import Curve
 from ...data.measured.speed import check_window, rate, runs
 from ...series import Array
-from .body import ABOVE, BELOW, NONE, OK, Body
 from .propagation import errors
+from .radius import ABOVE, BELOW, NONE, OK, contact_radius
 
 PAIRS = (("a", "P"), ("a", "delta"), ("delta", "P"))  # the first needs no zero of the displacement
 
@@ -49,7 +49,7 @@ class WorkAlong:
 
 
 def work_along(
-    body: Body,
+    body: Nonadhesive,
     curve: Curve,
     use: tuple[str, str] | None = None,
     noise: Mapping[str, float] | None = None,
@@ -64,13 +64,13 @@ def work_along(
     values = {name: getattr(curve, name) for name in used}
     a, state = _radii(body, values)
     rows = state == OK
-    parts = body.at(a[rows])
-    lag = _lag(parts, {name: column[rows] for name, column in values.items()})
+    here = body.parts(a[rows])
+    lag = _lag(here, {name: column[rows] for name, column in values.items()})
     state[np.flatnonzero(rows)[lag <= 0]] = NONE
-    parts, lag, rows = parts[:, lag > 0], lag[lag > 0], state == OK
+    shift, lag, rows = here.t[lag > 0], lag[lag > 0], state == OK
     _refuse_none(body, curve, state)
     w = np.zeros_like(a)
-    w[rows] = body.w1 * (lag / parts[2]) ** 2
+    w[rows] = (lag / shift) ** 2
     a = np.where(rows, a, 0.0)
     sigma = {name: (noise or {}).get(name, 0.0) for name in used}
     found = errors(body, used, a[rows], w[rows], lag, sigma)
@@ -89,7 +89,7 @@ def typical(found: Sequence[WorkAlong]) -> float:
 class Evaluation:
     """``work_along`` of any curve, or of its rows of one ``segment``, with everything else settled; can be sent."""
 
-    body: Body
+    body: Nonadhesive
     use: tuple[str, str] | None = None
     noise: Mapping[str, float] = field(default_factory=dict)
     window: int = 11
@@ -109,25 +109,24 @@ def _pair(curve: Curve, use: tuple[str, str] | None) -> tuple[str, str]:
     return wanted[0]
 
 
-def _radii(body: Body, values: Mapping[str, Array]) -> tuple[Array, Array]:
+def _radii(body: Nonadhesive, values: Mapping[str, Array]) -> tuple[Array, Array]:
     """Contact radii and states: as measured, or of displacement and load."""
     if "a" not in values:
-        return body.radius(values["delta"], values["P"])
-    a, ends = values["a"], body.series.a[[0, -1]]
-    return a.copy(), np.select([a < ends[0] * (1 - ROUND_OFF), a > ends[1] * (1 + ROUND_OFF)], [BELOW, ABOVE], OK)
+        return contact_radius(body, values["delta"], values["P"])
+    a, ends = values["a"], body.a[[0, -1]]
+    return a.copy(), np.select([a < ends[0] * (1 - TUNING.end), a > ends[1] * (1 + TUNING.end)], [BELOW, ABOVE], OK)
 
 
-def _lag(parts: Array, values: Mapping[str, Array]) -> Array:
+def _lag(here: Parts, values: Mapping[str, Array]) -> Array:
     """delta_H - delta [m] at the rows' radii."""
-    delta_H, P_H, t, T = parts
-    return delta_H - values["delta"] if "delta" in values else (P_H - values["P"]) * t / T
+    return here.delta_H - values["delta"] if "delta" in values else (here.P_H - values["P"]) / here.S
 
 
-def _refuse_none(body: Body, curve: Curve, state: Array) -> None:
+def _refuse_none(body: Nonadhesive, curve: Curve, state: Array) -> None:
     """At least one row must have a work of adhesion."""
     if (state == OK).any():
         return
-    ends = [show(float(a), "length") for a in body.series.a[[0, -1]]]
+    ends = [show(float(a), "length") for a in body.a[[0, -1]]]
     why = {
         NONE: "at or above the nonadhesive load",
         BELOW: f"at contact radii below {ends[0]}, where the series begins",

@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 
 import numpy as np
 
+from ...adhesion.curve import Nonadhesive
 from ...adhesion.slopes.result import TWO_SIDED_90
 from ...series import Array
-from .body import Body
 
 
 def errors(
-    body: Body, used: tuple[str, str], a: Array, w: Array, lag: Array, sigma: Mapping[str, float]
+    body: Nonadhesive, used: tuple[str, str], a: Array, w: Array, lag: Array, sigma: Mapping[str, float]
 ) -> dict[str, Array]:
     """90 % half-widths of "w" and "a", and of w by "noise" and by "slopes" alone, as far as they are known."""
     by_noise, by_slopes = _gradients(body, used, a, lag)
-    covariance = body.covariance(a)
+    held = body.slopes.covariance
+    covariance = None if held is None else body.between(held, a)
     found: dict[str, dict[str, Array]] = {"w": {}, "a": {}}
     for target, unit in (("w", w), ("a", np.ones_like(a))):
         if any(sigma.values()) and by_noise[target]:
@@ -32,17 +32,16 @@ def errors(
 
 
 def _gradients(
-    body: Body, used: tuple[str, str], a: Array, lag: Array
+    body: Nonadhesive, used: tuple[str, str], a: Array, lag: Array
 ) -> tuple[dict[str, dict[str, Array]], dict[str, Array | None]]:
     """Derivatives of log w and of a: by the measured quantities, and by (delta_H, P_H, S, S') as arrays (4, n)."""
-    _, _, t, T = body.at(a)
-    d_delta_H, d_P_H, d_t, d_T = body.rates(a)
-    S, dS, zero = T / t, 4 * math.pi * body.w1 * a / t**2, np.zeros_like(a)
+    (_, _, S, dS, t), rates = body.with_rates(a)
+    zero = np.zeros_like(a)
     if used == ("a", "P"):
         below = S * lag  # P_H - P
-        noise = {"a": 2 * (d_P_H / below - d_T / T), "P": -2 / below}
+        noise = {"a": 2 * (rates.P_H / below - rates.S / S - rates.t / t), "P": -2 / below}
         return {"w": noise, "a": {}}, {"w": np.stack([zero, 2 / below, -2 / S, 1 / dS]), "a": None}
-    along = 2 * (d_delta_H / lag - d_t / t)  # d(log w)/da at constant delta
+    along = 2 * (rates.delta_H / lag - rates.t / t)  # d(log w)/da at constant delta
     if used == ("a", "delta"):
         return {"w": {"a": along, "delta": -2 / lag}, "a": {}}, {
             "w": np.stack([2 / lag, zero, zero, 1 / dS]),

@@ -20,6 +20,7 @@ from ...base.errors import JkrError
 from ...base.executors import Pool, completed
 from ...base.unknown import Unknown
 from ...bodies.problem import Loading, Problem
+from ...formulas.griffith import shift
 from ...methods import METHODS, Method, method_class
 from ...methods.layered.fields import profile
 from ...methods.layered.layered import Layered
@@ -239,8 +240,8 @@ def _work(exact: Series) -> float:
     assert exact.S is not None
     assert exact.dS is not None
     rate = np.gradient(exact.P, exact.a)[middle]
-    shift = exact.S * np.sqrt(4 * np.pi * exact.a / exact.dS)
-    return float((rate / np.gradient(shift, exact.a)[middle]) ** 2)
+    adhesive = exact.S * shift(1.0, exact.a, exact.dS)
+    return float((rate / np.gradient(adhesive, exact.a)[middle]) ** 2)
 
 
 def _fitted(raw: RawSeries, given: Series) -> tuple[Series, Slopes]:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ...adhesion.curve import AdhesiveCurve, scales_half_space, scales_thin_layer, transform
+from ...adhesion.curve import AdhesiveCurve, transform
 from ...adhesion.slopes import Slopes, slopes
 from ...base.errors import InputError
 from ...base.units import scale, show
@@ -19,6 +19,7 @@ from ...case import load_case
 from ...case.numerics import method_of
 from ...data.foreign import read_measured
 from ...formulas import half_space, thin_layer
+from ...formulas.scales import scales_half_space, scales_thin_layer
 from ...methods.fem.method import FEM
 from ...methods.layered.layered import Layered
 from ...report.output import PICTURES

@@ -15,9 +15,9 @@ from functools import partial
 import numpy as np
 
 from ... import __version__
-from ...adhesion.curve import AdhesiveCurve, transform
+from ...adhesion.curve import AdhesiveCurve, Nonadhesive
+from ...adhesion.device import LOAD_CONTROL
 from ...adhesion.slopes import slopes
-from ...adhesion.states import LOAD_CONTROL
 from ...base.errors import InputError, SolveError
 from ...base.executors import Pool, in_order
 from ...base.unknown import Unknown
@@ -73,8 +73,8 @@ def map_columns(points: Sequence[MapPoint]) -> dict[str, Array]:
 def _column(bonded: bool, qs: Sequence[float], nu: float) -> list[MapPoint]:
     """Units: h = R = 1 m, E* = 1 Pa; the paraboloid's problem is linear in R, so that no small strain is needed."""
     series = _unit_series(nu, bonded, qs)
-    found = slopes(series, "exact")
-    return [_point(nu, bonded, q, transform(series, found, q)) for q in qs]
+    body = Nonadhesive(series, slopes(series, "exact"))
+    return [_point(nu, bonded, q, body.adhesive(q)) for q in qs]
 
 
 def _point(nu: float, bonded: bool, q: float, curve: AdhesiveCurve) -> MapPoint:

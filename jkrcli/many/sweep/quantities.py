@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 
 from ...adhesion.analysis import Analysis
-from ...adhesion.curve import CriticalPoint
+from ...adhesion.curve import Equilibrium
+from ...adhesion.device import DISPLACEMENT_CONTROL
 from ...adhesion.stability import behaviour
-from ...adhesion.states import DISPLACEMENT_CONTROL, State
 from ...base.errors import InputError, did_you_mean
 from ...base.unknown import Unknown
 from ...report import tables
@@ -51,7 +51,7 @@ def _over_classical(result: Analysis) -> float | Unknown:
     return Unknown("the indenter has no tip radius") if R is None else -found.P / (math.pi * result.w * R)
 
 
-def _point(name: str, found: CriticalPoint | State | Unknown) -> dict[str, Any]:
+def _point(name: str, found: Equilibrium | Unknown) -> dict[str, Any]:
     told = tables.point(found)
     return {f"{name}.{key}": Unknown(told["reason"]) if told[key] is None else told[key] for key in POINT}
 
@@ -118,7 +118,7 @@ class Wanted:
         told = [
             _value(name, sections[section][key]) for name in self.names for section, _, key in [name.partition(".")]
         ]
-        devices = [_point("device", _by_device(result, k)) for k in self.stiffness]
+        devices = [_point("device", result.curve.pull_off(k)) for k in self.stiffness]
         along = [_along(result, a) for a in self.radii]
         return [*told, *(value for point in (*devices, *along) for value in point.values())]
 
@@ -132,10 +132,6 @@ def _value(name: str, told: Any) -> Value | Unknown:
     return float(told) if math.isfinite(told) else Unknown(f"{name} is not finite")
 
 
-def _by_device(result: Analysis, stiffness: float) -> CriticalPoint | Unknown:
-    return Unknown("there is no adhesion at w = 0") if result.w == 0 else result.curve.pull_off(stiffness)
-
-
 def _along(result: Analysis, a: float) -> dict[str, Value | Unknown]:
     """The curve at contact radius ``a`` [m]; index H: without adhesion."""
     curve = result.curve
@@ -143,9 +139,7 @@ def _along(result: Analysis, a: float) -> dict[str, Value | Unknown]:
         delta, P = (float(value) for value in curve.at(np.array(a)))
     except InputError as error:
         return dict.fromkeys(ALONG, Unknown(str(error)))
-    rule, x, z = curve.rule, math.log(a), math.log(a - curve.rule.a0)
-    P_H, delta_H, S = (math.exp(float(item)) for item in (rule.P_H(z), rule.delta_H(z), rule.S(x)))
-    dS = 4 * math.pi * a * math.exp(-2 * float(rule.t(x)))  # t = sqrt(4 pi a/S') at w = 1
+    delta_H, P_H, S, dS, _ = (float(value) for value in curve.nonadhesive.parts(np.array(a)))
     return dict(zip(ALONG, (P, delta, P_H, delta_H, S, dS), strict=True))
 
 

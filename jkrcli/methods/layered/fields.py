@@ -15,6 +15,7 @@ import numpy as np
 from ...base.arrays import Array
 from ...base.errors import InputError, Refusal
 from ...bodies.problem import Problem
+from ...formulas.griffith import shift
 from ..integral.contact import InaccurateError
 from ..integral.density import Density, unsmooth
 from .contact import LayeredContact
@@ -64,10 +65,10 @@ def profile(problem: Problem, a: float, w: float, r: Array | None = None, r_surf
         result, _ = contact.refined(np.array([a]), TOLERANCE)
     except InaccurateError as error:
         raise Refusal(error.fixed) from None
-    shift = math.sqrt(4 * math.pi * w * a / float(result.dS[0]))
+    t = float(shift(w, a, float(result.dS[0])))
     reach = max(a, float(r_surface.max(initial=a)))
     kernel = contact.spectrum.kernel(a + reach)
-    phi = Density.of(kernel, contact.indenter, result, shift, reach)
+    phi = Density.of(kernel, contact.indenter, result, t, reach)
     if w == 0:
         phi = phi.anchored()
     edge = float(phi(np.array([a]))[0]) if w > 0 else 0.0
@@ -76,7 +77,7 @@ def profile(problem: Problem, a: float, w: float, r: Array | None = None, r_surf
         a=a,
         w=w,
         delta=phi.delta,
-        P=float(result.P[0]) - shift * float(result.S[0]),
+        P=float(result.P[0]) - t * float(result.S[0]),
         r=r,
         pressure=contact.E_star / 2 * phi.pressures(edge, r),
         r_surface=r_surface,

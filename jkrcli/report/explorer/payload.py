@@ -13,17 +13,16 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.interpolate import CubicHermiteSpline
 
 from ... import __version__
-from ...adhesion.analysis import LOAD_CONTROL, Analysis
-from ...adhesion.curve import AdhesiveCurve, CriticalPoint, transform
-from ...adhesion.slopes.result import Slopes
+from ...adhesion.analysis import Analysis
+from ...adhesion.curve import AdhesiveCurve, CriticalPoint, Nonadhesive
+from ...adhesion.device import LOAD_CONTROL
 from ...adhesion.validity import TABOR_DMT, TABOR_JKR, regime
+from ...base.arrays import Array
 from ...base.units import SI, UNITS, decades, scale
 from ...base.unknown import Unknown
 from ...data.measured import Curve
-from ...series import Array, Series
 
 MOST_POINTS = 4000  # shown of all measured curves together: more cannot be told apart on a screen
 
@@ -71,9 +70,9 @@ def payload(result: Analysis, measured: Sequence[Curve], slopes_option: str = "a
         "slopes": curve.slopes.method,
         "error": result.budget.total,
         "notes": [*result.stored.warnings, *curve.slopes.flags],
-        "knots": _knots(curve),
-        "columns": _columns(curve),
-        "band": _band(curve.series, curve.slopes),
+        "knots": _knots(curve.nonadhesive),
+        "columns": _columns(curve.nonadhesive),
+        "band": _band(curve.nonadhesive),
         "tabor": _tabor(result),
         "R": problem.indenter.tip_radius,
         "controls": {name: vars(control) for name, control in _controls(curve, measured).items()},
@@ -83,55 +82,46 @@ def payload(result: Analysis, measured: Sequence[Curve], slopes_option: str = "a
     }
 
 
-def start_work(series: Series, slopes: Slopes) -> float:
+def start_work(body: Nonadhesive) -> float:
     """A work of adhesion [J/m^2] whose pull-off under load control lies a third into the series, two digits."""
-    a = series.a[len(series) // 3 : len(series) // 3 + 1]
-    without, one = (float(transform(series, slopes, w).rates(a)[1][0]) for w in (0.0, 1.0))
-    return float(f"{(without / (without - one)) ** 2:.1e}")
+    here, rate = body.with_rates(body.a[len(body.a) // 3])
+    return float(f"{(rate.P_H / (rate.S * here.t + here.S * rate.t)) ** 2:.1e}")
 
 
-def _knots(curve: AdhesiveCurve) -> dict[str, Any]:
-    """The Hermite splines of the rule: logs of radius (z: of a - a0), values and slopes there."""
-    rule = curve.rule
-    splines = {"delta": rule.delta_H, "P": rule.P_H, "S": rule.S, "t": rule.t}
+def _knots(body: Nonadhesive) -> dict[str, Any]:
+    """Knots of the evaluation rule: logs of radius (z: of a - a0), the logs of delta_H, P_H, S, t and their slopes."""
+    a, beyond = body.a, body.a - body.series.a0
+    here, rate = body.with_rates(a)
+    columns = (("delta", here.delta_H, rate.delta_H, beyond), ("P", here.P_H, rate.P_H, beyond),
+               ("S", here.S, rate.S, a), ("t", here.t, rate.t, a))  # fmt: skip
     return {
-        "a0": rule.a0,
-        "x": rule.S.x.tolist(),
-        "z": rule.P_H.x.tolist(),
-        **{name: {"value": _at(spline, 0), "slope": _at(spline, 1)} for name, spline in splines.items()},
+        "a0": body.series.a0,
+        "x": np.log(a).tolist(),
+        "z": np.log(beyond).tolist(),
+        **{
+            name: {"value": np.log(value).tolist(), "slope": (by_a * over / value).tolist()}
+            for name, value, by_a, over in columns
+        },
     }
 
 
-def _at(spline: CubicHermiteSpline, order: int) -> list[float]:
-    """Values (order 0) or first derivatives (1) at the knots."""
-    return spline(spline.x, order).tolist()
-
-
-def _columns(curve: AdhesiveCurve) -> dict[str, list[float]]:
+def _columns(body: Nonadhesive) -> dict[str, list[float]]:
     """What the CSV file needs beside: the nonadhesive columns, as they were solved and as the slopes' fit sees them."""
-    series, slopes = curve.series, curve.slopes
-    fitted = (series.delta, series.P) if slopes.delta is None or slopes.P is None else (slopes.delta, slopes.P)
+    series, fitted = body.series, body.points
     names = ("a", "delta_H", "P_H", "S", "dS", "delta", "P")
-    values = (series.a, series.delta, series.P, slopes.S, slopes.dS, *fitted)
+    values = (series.a, series.delta, series.P, fitted.S, fitted.dS, fitted.delta_H, fitted.P_H)
     return {name: array.tolist() for name, array in zip(names, values, strict=True)}
 
 
-def _band(series: Series, slopes: Slopes) -> dict[str, list[list[float]]] | None:
-    """Squares of the 90 % half-widths of delta and P at unit modulus, as coefficients of 1, q and q^2 in each row.
-
-    The gradients of both with respect to (delta_H, P_H, S, S') are linear in q.
-    """
-    if slopes.covariance is None:
+def _band(body: Nonadhesive) -> dict[str, list[list[float]]] | None:
+    """Squares of the 90 % half-widths of delta and P at unit modulus, as coefficients of 1, q and q^2 in each row."""
+    covariance, quantile = body.slopes.covariance, body.slopes.quantile
+    if covariance is None:
         return None
-    t = np.sqrt(4 * math.pi * series.a / slopes.dS)
-    zero, one, by_dS = np.zeros_like(t), np.ones_like(t), t / (2 * slopes.dS)
-    constant = {"delta": (one, zero, zero, zero), "P": (zero, one, zero, zero)}
-    linear = {"delta": (zero, zero, zero, by_dS), "P": (zero, zero, -t, slopes.S * by_dS)}
     held = {}
-    for name in ("delta", "P"):
-        g, h = (np.stack(part[name], axis=1) for part in (constant, linear))
-        square = [_form(g, slopes.covariance, g), 2 * _form(g, slopes.covariance, h), _form(h, slopes.covariance, h)]
-        held[name] = (slopes.quantile**2 * np.array(square)).tolist()
+    for name, (g, h) in body.gradients.items():  # linear in q
+        square = [_form(g, covariance, g), 2 * _form(g, covariance, h), _form(h, covariance, h)]
+        held[name] = (quantile**2 * np.array(square)).tolist()
     return held
 
 

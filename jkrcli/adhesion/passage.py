@@ -16,7 +16,7 @@ from ..base.errors import InputError
 from ..base.units import show
 from ..base.unknown import Unknown
 from .curve import AdhesiveCurve, CriticalPoint
-from .states import position, radii_at_position
+from .device import position
 
 GAUSS_X, GAUSS_W = np.polynomial.legendre.leggauss(8)
 
@@ -30,8 +30,8 @@ class Stretch:
 
 
 @dataclass(frozen=True, eq=False)
-class Path:
-    """The stretches that a device of ``stiffness`` [N/m] passes through on ``curve``, in order, jumps between them.
+class Passage:
+    """The stretches of ``curve`` that a device of ``stiffness`` [N/m] passes through, in order, jumps between them.
 
     ``ends``: "series" at the end of the data, "lost" where contact is lost, "jump" where it jumps out of the data.
     """
@@ -50,15 +50,15 @@ class Path:
         """Whether the contact radius ``a`` [m] is passed through."""
         return any(min(s.first, s.last) <= a <= max(s.first, s.last) for s in self.stretches)
 
-    def up_to(self, a: float) -> Path:
+    def up_to(self, a: float) -> Passage:
         """The path that ends at the contact radius ``a`` [m] on one of its stretches."""
-        return Path(self.curve, self.stiffness, _cut(self.stretches, a), "series")
+        return Passage(self.curve, self.stiffness, _cut(self.stretches, a), "series")
 
-    def beyond(self, a: float) -> Path:
+    def beyond(self, a: float) -> Passage:
         """The path that begins at the contact radius ``a`` [m] on one of its stretches."""
         turned = tuple(Stretch(s.last, s.first) for s in reversed(self.stretches))
         kept = tuple(Stretch(s.last, s.first) for s in reversed(_cut(turned, a)))
-        return Path(self.curve, self.stiffness, kept, self.ends)
+        return Passage(self.curve, self.stiffness, kept, self.ends)
 
     @property
     def work(self) -> float:
@@ -69,7 +69,7 @@ class Path:
         )
 
 
-def grow(curve: AdhesiveCurve, stiffness: float) -> Path | Unknown:
+def grow(curve: AdhesiveCurve, stiffness: float) -> Passage | Unknown:
     """The states passed on approach, from where the undeformed gap closes (D = delta = 0) to the end of the series.
 
     JKR forces have no range: nothing happens before, and there the contact spreads to the first stable radius. At
@@ -84,15 +84,15 @@ def grow(curve: AdhesiveCurve, stiffness: float) -> Path | Unknown:
         top = next((point for point in critical if point.kind == "maximum" and point.a > begin), None)
         stretches.append(Stretch(begin, float(curve.a[-1]) if top is None else top.a))
         if top is None:
-            return Path(curve, stiffness, tuple(stretches), "series")
+            return Passage(curve, stiffness, tuple(stretches), "series")
         valley = next((point.a for point in critical if point.a > top.a), np.inf)
         landings = [a for a in _same_position(curve, stiffness, top.a) if a > valley]
         if not landings:
-            return Path(curve, stiffness, tuple(stretches), "jump")
+            return Passage(curve, stiffness, tuple(stretches), "jump")
         begin = landings[0]
 
 
-def shrink(curve: AdhesiveCurve, stiffness: float, begin: float) -> Path:
+def shrink(curve: AdhesiveCurve, stiffness: float, begin: float) -> Passage:
     """The states passed on retraction from the contact radius ``begin`` [m] on, stable there or not.
 
     Contact is lost at D <= 0 only: above, the free bodies would overlap, so a smaller contact outside the data remains.
@@ -103,12 +103,12 @@ def shrink(curve: AdhesiveCurve, stiffness: float, begin: float) -> Path:
         bottom = _bottom(curve, stiffness, critical, begin)
         stretches.append(Stretch(begin, float(curve.a[0]) if bottom is None else bottom))
         if bottom is None:
-            return Path(curve, stiffness, tuple(stretches), "series")
+            return Passage(curve, stiffness, tuple(stretches), "series")
         hill = max((point.a for point in critical if point.a < bottom), default=0.0)
         landings = [a for a in _same_position(curve, stiffness, bottom) if a < hill]
         if not landings:
             released = position(*curve.at(np.array(bottom)), stiffness) <= 0
-            return Path(curve, stiffness, tuple(stretches), "lost" if released else "jump")
+            return Passage(curve, stiffness, tuple(stretches), "lost" if released else "jump")
         begin = landings[-1]
 
 
@@ -151,7 +151,7 @@ def _first_contact(curve: AdhesiveCurve, stiffness: float) -> float | Unknown:
             f"contact at delta = 0 settles below the smallest radius of the series, a = {curve.a[0]:.4g} m: "
             "the series would have to begin at a smaller radius"
         )
-    radii = radii_at_position(curve, stiffness, 0.0)
+    radii = curve.radii_at(0.0, stiffness)
     if not radii:
         return Unknown(
             f"contact at delta = 0 spreads beyond the largest radius of the series, a = {curve.a[-1]:.4g} m: "
@@ -170,8 +170,8 @@ def _bottom(curve: AdhesiveCurve, stiffness: float, critical: tuple[CriticalPoin
     return max((point.a for point in below if point.kind == "minimum"), default=None)
 
 
-def _same_position(curve: AdhesiveCurve, stiffness: float, a: float) -> list[float]:
-    return radii_at_position(curve, stiffness, float(position(*curve.at(np.array(a)), stiffness)))
+def _same_position(curve: AdhesiveCurve, stiffness: float, a: float) -> tuple[float, ...]:
+    return curve.radii_at(float(position(*curve.at(np.array(a)), stiffness)), stiffness)
 
 
 def _rate(curve: AdhesiveCurve, stiffness: float, a: float) -> float:

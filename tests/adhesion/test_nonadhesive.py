@@ -1,0 +1,86 @@
+"""The w-free functions: their derivatives, linear in the root of w, and w = 0 as the limit of small w."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from jkrcli.adhesion.curve import Nonadhesive, transform
+from jkrcli.adhesion.slopes import slopes, smoothed
+from jkrcli.formulas.griffith import shift
+from jkrcli.formulas.half_space import hertz
+from jkrcli.report.explorer import start_work
+from jkrcli.series import RawSeries, Series
+
+E_STAR, R = 5e9 / (1 - 0.4**2), 1e-4
+RADII = np.linspace(0, 0.173 * R, 61)[1:]
+
+
+def noisy_hertz(seed: int, noise: float = 1e-3) -> Series:
+    draw = np.random.default_rng(seed)
+    a, delta, P = (v * (1 + noise * draw.standard_normal(v.size)) for v in (RADII, *hertz(RADII, E_STAR, R)))
+    return Series(a, delta, P)
+
+
+def exact_hertz() -> Nonadhesive:
+    series = Series(RADII, *hertz(RADII, E_STAR, R), 2 * E_STAR * RADII, 2 * E_STAR * np.ones(60))
+    return Nonadhesive(series, slopes(series))
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_no_adhesion_is_the_limit_of_little(seed: int) -> None:
+    """On noisy data too: the fitted columns, not those of the data, which lie up to 0.7 % of the load beside them."""
+    series = noisy_hertz(seed)
+    body = Nonadhesive(series, slopes(series, "integral"))
+    nothing = body.adhesive(0.0)
+    assert np.max(np.abs(nothing.P - series.P)) > 3e-3 * series.P[-1]
+    for w in (1e-8, 1e-16, 1e-24):
+        little = body.adhesive(w)
+        for name in ("delta", "P"):
+            ours, limit = getattr(little, name), getattr(nothing, name)
+            t = shift(w, series.a, body.slopes.dS)
+            apart = t if name == "delta" else body.slopes.S * t
+            np.testing.assert_allclose(limit - ours, apart, rtol=1e-6, atol=1e-15 * limit[-1])
+        for ours, limit in zip(little.at(series.a), nothing.at(series.a), strict=True):
+            np.testing.assert_allclose(ours, limit, rtol=0, atol=1e4 * np.sqrt(w) * limit[-1] + 1e-14 * limit[-1])
+
+
+def test_the_columns_of_exact_slopes_are_the_curve_without_adhesion() -> None:
+    body = exact_hertz()
+    curve = body.adhesive(0.0)
+    np.testing.assert_array_equal(curve.delta, body.series.delta)
+    np.testing.assert_array_equal(curve.P, body.series.P)
+
+
+@pytest.mark.parametrize("way", ["series", "increments"])
+def test_the_explorer_begins_at_a_third_of_the_series(way: str) -> None:
+    """37.4 J/m^2 on noisy Hertz data (37.3 without noise), shown with two digits."""
+    series = noisy_hertz(3)
+    pair = (series, slopes(series, "integral"))
+    if way == "increments":
+        pair = smoothed(RawSeries(series.a, series.delta, series.P))
+    body = Nonadhesive(*pair)
+    assert start_work(body) == 37.0
+    assert body.adhesive(37.4).pull_off(0.0).a == pytest.approx(body.a[20], rel=1e-3)
+
+
+def test_rates_are_the_derivatives_of_the_parts() -> None:
+    """By central differences, whose error is of second order, and of round-off where a function hardly changes."""
+    series = noisy_hertz(1, 1e-3)
+    body = Nonadhesive(series, slopes(series, "integral"))
+    a, step = np.geomspace(1.1 * series.a[0], 0.9 * series.a[-1], 50), 1e-4
+    here, rates = body.with_rates(a)
+    for name in here._fields:
+        before, after = (getattr(body.parts(a * factor), name) for factor in (1 - step, 1 + step))
+        difference, rate = (after - before) / (2 * step), a * getattr(rates, name)
+        np.testing.assert_allclose(difference, rate, rtol=0, atol=1e-5 * np.abs(getattr(here, name)).max())
+
+
+@pytest.mark.parametrize("w", [0.0, 1.0, 50.0])
+def test_a_curve_is_a_view_on_the_parts(w: float) -> None:
+    body = exact_hertz()
+    curve, here = body.adhesive(w), body.parts(body.a)
+    t = np.sqrt(w) * here.t
+    for ours, own in zip((here.delta_H - t, here.P_H - here.S * t), (curve.delta, curve.P), strict=True):
+        np.testing.assert_allclose(ours, own, rtol=0, atol=1e-14 * np.abs(own).max())
+    np.testing.assert_array_equal(transform(body.series, body.slopes, w).P, curve.P)

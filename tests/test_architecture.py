@@ -25,9 +25,10 @@ DOORS = {
     "distributed": "base/executors.py",
     "gmsh": "methods/fem/mesh.py",
     "matplotlib": "report/plots",
-    "meshio": "methods/fem/export.py",
+    "meshio": "methods/fem/mesh.py",
     "plotly": "report/explorer/page.py",
     "pydantic": "case",
+    "skfem": "methods/fem/elasticity.py",
 }
 
 

@@ -87,7 +87,7 @@ def fields(
 
 
 def _write_vtu(state: ContactState, target: Path) -> None:
-    from ..methods.fem.export import write_vtu
+    from ..methods.fem.mesh import write_vtu
 
     flat = np.zeros(len(state.displacement))
     data = {"displacement_m": np.column_stack([state.displacement, flat])}

@@ -12,8 +12,7 @@ from ..base.files import atomic
 from ..base.units import show
 from ..case import load_case
 from ..case.numerics import fem_of
-from ..methods.fem.export import write_vtu
-from ..methods.fem.mesh import write_msh
+from ..methods.fem.mesh import write_msh, write_vtu
 from ..methods.guards import Limits, admit
 from ..report.output import Output
 from ..report.plots.body import mesh_figure

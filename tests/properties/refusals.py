@@ -152,18 +152,18 @@ KINDS = {
     "fem: smallest": kind(
         "method fem: " + TOO_MANY + "take a larger mesh.spacing or mesh.smallest, or a larger mesh.growth",
         fem({"smallest": 1e-6, "spacing": 0.04}), {"mesh": {"smallest": 0.1}},
-        jkrcli__methods__fem__method__MAX_CELLS=4000),
+        jkrcli__methods__fem__layout__TUNING__most_cells=4000),
     "fem: growth": kind(
         "method fem: " + TOO_MANY + "take a larger mesh.spacing or mesh.smallest, or a larger mesh.growth",
         fem({"growth": 1e-4}), {"mesh": {"growth": 0.15}}),
     "fem: quadrilaterals": kind(
         "method fem: " + TOO_MANY + "take a larger mesh.spacing or mesh.smallest, or triangles",
         fem({"element": "quadrilateral"}), {"mesh": {"element": "triangle"}},
-        jkrcli__methods__fem__method__MAX_CELLS=1000),
+        jkrcli__methods__fem__layout__TUNING__most_cells=1000),
     "fem: quadrilaterals on a thin layer": kind(  # of which triangles are more
         "method fem: " + TOO_MANY + "take a larger mesh.spacing or mesh.smallest, or a larger mesh.growth",
         fem({"element": "quadrilateral"}, specimen={"layers": [layer("200 nm")]}),
-        {"mesh": {"growth": 0.5}}, near=0.05, jkrcli__methods__fem__method__MAX_CELLS=1500),
+        {"mesh": {"growth": 0.5}}, near=0.05, jkrcli__methods__fem__layout__TUNING__most_cells=1500),
     "fem: zones": kind("method fem: " + TOO_MANY + "take a larger mesh.element_size, or a larger mesh.growth",
         {"method": "fem", "mesh": {**ZONES, "element_size": 1e-12}}, {"mesh": {"element_size": "1 um"}}),
     "fem: a tolerance of too many": kind("method fem: " + TOO_MANY + "ask for a larger mesh.tolerance, or use the "
@@ -203,7 +203,8 @@ KINDS = {
         LAYERED, near=0.03),
     "fem: tolerance with radii of vertices": kind(UNREACHED, {"method": "fem", "specimen": HALF_SPACE,
         "mesh": {"tolerance": 1e-3}, "contact": {"algorithm": "incremental"}},
-        lambda said: {"mesh": {"tolerance": 1.5 * float(said[2])}}, LAYERED, jkrcli__methods__fem__adapt__FINEST=0.02),
+        lambda said: {"mesh": {"tolerance": 1.5 * float(said[2])}}, LAYERED,
+        jkrcli__methods__fem__adapt__TUNING__finest=0.02),
     # ------------------------------------------------------------ hybrid
     "hybrid: half-space": kind(
         "method hybrid: a homogeneous half-space needs no correction: use method closed-form or layered",

@@ -146,7 +146,7 @@ class Timed:
 def _timed(problem: Problem, method: FEM) -> Timed:
     start = time.thread_time()  # of this mesh alone, whatever else the process works on
     run, solution = method.solve(problem)
-    return Timed(solution, run.level.model.grid.surface_radii(), time.thread_time() - start)
+    return Timed(solution, run.level.model.system.grid.surface_radii(), time.thread_time() - start)
 
 
 def coarser(method: FEM, problem: Problem, factor: float) -> FEM:

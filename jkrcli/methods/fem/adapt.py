@@ -7,8 +7,7 @@ step changes tells the error more closely where meshes converge faster than to f
 
 from __future__ import annotations
 
-from dataclasses import replace
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -18,87 +17,101 @@ from ...base.unknown import Estimate, Unknown
 from ...bodies.indenters import Indenter
 from ...bodies.problem import Problem
 from ...series import Solution
-from .budget import JUDGED_DEPTH
-from .level import Level
-from .run import Run, finished
-
-if TYPE_CHECKING:
-    from .method import FEM
-
-COARSEST, FINEST = 0.12, 5e-4  # spacings: of the first mesh, and of any
-USUAL_SPACING, USUAL, ORDER = 0.04, 4e-4, 1.7  # a spacing, the error it usually leaves, and how that falls with it
-AIM, LEAST, MOST = 0.6, 0.4, 0.75  # of the tolerance, and by what the spacing may shrink at once
-STEEPEST = 0.4  # growth
-MESHES = 8
-COMPANION = 2**0.5  # element sizes of the mesh that the first is judged against
+from .budget import TUNING as BUDGET
+from .budget import assessed, truncation_of
+from .options import FEMOptions
+from .report import finished
+from .run import Run
+from .solve import expected_reach, run
 
 
-def adapted(method: FEM, problem: Problem, clock: StageClock) -> Solution:
-    """Solve ``problem`` to ``method.tolerance``; Refusal with the error reached where that is not possible."""
-    tolerance = method.tolerance
+@dataclass(frozen=True)
+class RefinementTuning:
+    """Spacings from a tolerance, and from one mesh to the next."""
+
+    coarsest: float = 0.12  # spacing of the first mesh; tuned on the bodies of `make tuning`, by `make tuning`
+    finest: float = 5e-4  # of any; choice: more unknowns than machines have memory for
+    usual_spacing: float = 0.04  # theory: the default, whose usual error is
+    usual: float = 4e-4  # tuned on the bodies of `make failures`, by `make failures`
+    order: float = 1.7  # by which it falls with the spacing; tuned on the same, by `make failures`
+    aim: float = 0.6  # of the tolerance; tuned on the bodies of `make tuning`, by `make tuning`
+    least: float = 0.4  # by what the spacing may shrink at once; tuned on the same, by `make tuning`
+    most: float = 0.75  # and must; tuned on the same, by `make tuning`
+    steepest: float = 0.4  # growth; tuned on the same, by `make tuning`
+    meshes: int = 8  # choice: 0.75^8 is a tenth
+    companion: float = 2**0.5  # element sizes the first mesh is judged against; tuned on the same, by `make tuning`
+
+
+TUNING = RefinementTuning()
+
+
+def adapted(options: FEMOptions, problem: Problem, clock: StageClock) -> Solution:
+    """Solve ``problem`` to the tolerance; Refusal with the error reached where that is not possible."""
+    tolerance = options.tolerance
     assert tolerance is not None
-    method = first(method, problem)
-    spacing = method.spacing
-    run = method.run(problem, clock)
+    options = first(options, problem)
+    spacing, ratio = options.spacing, TUNING.companion
+    found = run(options, problem, clock)
     with clock("error estimate"):
-        recipe, ratio = run.level.model.recipe, COMPANION
-        coarse = Level.of(recipe.coarser(ratio), problem.indenter, run.level.correct, run.deepest)
-        truncation = run.truncation(coarse)
-    for _ in range(MESHES):
+        coarse = found.companion(ratio)
+        truncation = truncation_of(found, coarse)
+    for _ in range(TUNING.meshes):
         with clock("error estimate"):
-            judged = run.assessed(coarse, ratio, truncation)
+            judged = assessed(found, coarse, ratio, truncation)
         reached = judged.budget.series
         if isinstance(reached, float) and reached <= tolerance:
-            return finished(sized(method, spacing), run, judged, clock)
+            return finished(sized(options, spacing), found, judged, clock)
         finer = spacing * _shrinkage(tolerance, reached, truncation)
-        if finer < FINEST or (isinstance(truncation, float) and truncation >= tolerance):
+        if finer < TUNING.finest or (isinstance(truncation, float) and truncation >= tolerance):
             break
-        coarse, ratio, spacing = run.level, spacing / finer, finer
-        run = _run(sized(method, spacing), problem, clock, run, reached)
-    raise _unreached(tolerance, reached, run)
+        coarse, ratio, spacing = found.level, spacing / finer, finer
+        found = _finer(sized(options, spacing), problem, clock, found, _unreached(tolerance, reached, found))
+    raise _unreached(tolerance, reached, found)
 
 
-def first(method: FEM, problem: Problem) -> FEM:
-    """The method with the sizes to begin with."""
-    assert method.tolerance is not None
-    spacing = min(COARSEST, USUAL_SPACING * (AIM * method.tolerance / USUAL) ** (1 / ORDER))
-    smallest = _smallest(method, problem.indenter, method.reach(problem))
-    return sized(replace(method, smallest=smallest), max(spacing, FINEST))
+def first(options: FEMOptions, problem: Problem) -> FEMOptions:
+    """The options with the sizes of the first mesh: their own, or what the tolerance begins with."""
+    if options.tolerance is None:
+        return options
+    guess = TUNING.usual_spacing * (TUNING.aim * options.tolerance / TUNING.usual) ** (1 / TUNING.order)
+    spacing = max(min(TUNING.coarsest, guess), TUNING.finest)
+    smallest = _smallest(options, problem.indenter, expected_reach(options, problem))
+    return sized(replace(options, smallest=smallest), spacing)
 
 
-def _smallest(method: FEM, indenter: Indenter, reach: float) -> float:
+def _smallest(options: FEMOptions, indenter: Indenter, reach: float) -> float:
     """Fraction of the reach down to which the spacing follows the radius: half the width at the least depth judged."""
     width = np.geomspace(1e-4, 1, 400) * (reach - indenter.a0)
     depths = indenter.abel(indenter.a0 + width)
-    judged = np.interp(np.log(JUDGED_DEPTH * depths[-1]), np.log(depths), np.log(width))
-    return min(method.smallest, 0.5 * float(np.exp(judged)) / (reach - indenter.a0))
+    judged = np.interp(np.log(BUDGET.judged_depth * depths[-1]), np.log(depths), np.log(width))
+    return min(options.smallest, 0.5 * float(np.exp(judged)) / (reach - indenter.a0))
 
 
-def sized(method: FEM, spacing: float) -> FEM:
-    """The method with its elements in proportion to ``spacing``, as far as the growth may go."""
-    growth = min(method.growth_of_sizes * spacing / method.spacing, STEEPEST)
-    return replace(method, spacing=spacing, growth=growth)
+def sized(options: FEMOptions, spacing: float) -> FEMOptions:
+    """The options with elements in proportion to ``spacing``, as far as the growth may go."""
+    growth = min(options.growth_of_sizes * spacing / options.spacing, TUNING.steepest)
+    return replace(options, spacing=spacing, growth=growth)
 
 
 def _shrinkage(tolerance: float, reached: Estimate, truncation: Estimate) -> float:
     """By what the spacing is to shrink; what the truncation takes of the tolerance is lost."""
     if isinstance(reached, Unknown) or isinstance(truncation, Unknown) or truncation >= tolerance:
-        return LEAST
-    wanted = (AIM * (tolerance - truncation) / (reached - truncation)) ** (1 / ORDER)
-    return min(max(wanted, LEAST), MOST)
+        return TUNING.least
+    wanted = (TUNING.aim * (tolerance - truncation) / (reached - truncation)) ** (1 / TUNING.order)
+    return min(max(wanted, TUNING.least), TUNING.most)
 
 
-def _run(method: FEM, problem: Problem, clock: StageClock, before: Run, reached: Estimate) -> Run:
+def _finer(options: FEMOptions, problem: Problem, clock: StageClock, before: Run, unreached: Refusal) -> Run:
     """The next mesh, for the contact radius found on the one before."""
     try:
-        return method.run(problem, clock, before.level.model.recipe.reach)
+        return run(options, problem, clock, before.level.model.discretisation.reach)
     except Refusal as refusal:
-        raise Refusal([str(_unreached(method.tolerance or 0.0, reached, before)), *refusal.lines]) from None
+        raise Refusal([*unreached.lines, *refusal.lines]) from None
 
 
-def _unreached(tolerance: float, reached: Estimate, run: Run) -> Refusal:
+def _unreached(tolerance: float, reached: Estimate, found: Run) -> Refusal:
     error = reached if isinstance(reached, Unknown) else f"the estimated error is {reached:.1e}"
-    unknowns = run.level.model.system.free.size
+    unknowns = found.level.model.system.free.size
     return Refusal(
         f"mesh.tolerance: {tolerance:g} is not reached: with {unknowns} unknowns {error}; ask for a larger one, leave "
         "out mesh.depth and mesh.width, or use the method layered where it represents the body"

@@ -1,4 +1,4 @@
-"""Frictionless unilateral contact on the condensed surface: ``nested`` (all contact radii at once) and increments.
+"""Frictionless unilateral contact on the condensed surface: nested (all contact radii at once) and by increments.
 
 Nodal forces p >= 0, gaps f - delta + C p >= 0, and one of the two zero at every node, with f the indenter's
 profile at the nodes and C the surface compliance.
@@ -7,17 +7,26 @@ profile at the nodes and C the surface compliance.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.linalg import cholesky, solve_triangular
 
+from ...base.arrays import Array
 from ...base.errors import SolveError
 from .surface import Surface
 
-Array = np.ndarray
-ROUND_OFF = 1e-9  # of the largest force or of the depth
-MAX_SWEEPS = 60
+
+@dataclass(frozen=True)
+class ContactTuning:
+    """When the conditions of contact hold, and when the search for the nodes in contact is given up."""
+
+    round_off: float = 1e-9  # of the largest force or of the depth; theory: 1e7 eps, what C's condition leaves
+    most_sweeps: int = 60  # choice: Newton's method ends in ten, or goes in circles
+
+
+TUNING = ContactTuning()
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,32 +40,39 @@ class SurfaceContact:
 
     surface: Surface
     f: Array
-    L: Array = field(init=False, repr=False)
-    y: Array = field(init=False, repr=False)
-    z: Array = field(init=False, repr=False)
 
-    def __post_init__(self) -> None:
-        L = cholesky(self.surface.C, lower=True)
-        y, z = solve_triangular(L, np.column_stack([np.ones_like(self.f), self.f]), lower=True).T
-        for name, array in (("L", L), ("y", y), ("z", z)):
-            object.__setattr__(self, name, array)
+    @cached_property
+    def L(self) -> Array:
+        return cholesky(self.surface.C, lower=True)
+
+    @cached_property
+    def _solved(self) -> Array:
+        return solve_triangular(self.L, np.column_stack([np.ones_like(self.f), self.f]), lower=True).T
 
     @property
+    def y(self) -> Array:
+        return self._solved[0]
+
+    @property
+    def z(self) -> Array:
+        return self._solved[1]
+
+    @cached_property
     def S(self) -> Array:
         """Stiffness dP/d(delta) of the contact sets {0..k} [N/m]."""
         return np.cumsum(self.y**2)
 
-    @property
+    @cached_property
     def T(self) -> Array:
         """Load that the profile takes off: P = S delta - T for the contact set {0..k} [N]."""
         return np.cumsum(self.y * self.z)
 
-    @property
+    @cached_property
     def delta(self) -> Array:
         """Depth at which node k touches with zero force, all nodes inside it in contact [m]."""
         return self.z / self.y
 
-    @property
+    @cached_property
     def P(self) -> Array:
         """Load at that depth [N]."""
         return self.S * self.delta - self.T
@@ -64,7 +80,7 @@ class SurfaceContact:
 
 @dataclass(frozen=True, eq=False)
 class Events:
-    """First touches of the vertices by increasing radius: ``a``, ``delta``, ``P``, and ``S``, the stiffness from here
+    """First touches of the vertices, of increasing radius: ``a``, ``delta``, ``P``, and ``S``, the stiffness from here
     to the next node's touch (it belongs to a radius beyond ``a``). ``violation``: largest negative force or gap of
     all events, relative; ``p`` (events, n): nodal forces [N]."""
 
@@ -78,7 +94,11 @@ class Events:
     @property
     def valid(self) -> bool:
         """Whether the contact is a disc that only grows, so that these are solutions of the contact problem."""
-        return self.violation <= ROUND_OFF and bool((np.diff(self.delta) > 0).all())
+        return self.violation <= TUNING.round_off and bool((np.diff(self.delta) > 0).all())
+
+    def quantity(self, name: str) -> Array:
+        """The column of a loading's quantity: "depth", "load" or "radius"."""
+        return {"depth": self.delta, "load": self.P, "radius": self.a}[name]
 
     @property
     def rising(self) -> Events:
@@ -91,30 +111,36 @@ class Events:
 
 
 def nested_events(contact: SurfaceContact, a0: float, to: str, maximum: float, spare: int = 0) -> Events:
-    """Events at the vertices beyond the flat radius ``a0`` up to the first one at which the quantity ``to``
-    ("depth", "load" or "radius") reaches ``maximum`` [m or N], and up to ``spare`` more that hold as well; up to the
-    last candidate where none does."""
+    """Nested contact: all contact radii of a growing disc from one factor, whose leading blocks serve one radius each.
+
+    The events at the vertices beyond the flat radius ``a0`` up to the first one at which the quantity ``to`` ("depth",
+    "load" or "radius") reaches ``maximum`` [m or N], and up to ``spare`` more that hold as well; up to the last
+    candidate where none does.
+    """
     surface = contact.surface
-    is_event = surface.is_vertex & (surface.radii > a0 * (1 + 1e-9)) & (contact.delta > 0)
-    k = np.flatnonzero(is_event)
+    k = np.flatnonzero(surface.is_vertex & (surface.radii > a0 * (1 + 1e-9)) & (contact.delta > 0))
     quantity = {"depth": contact.delta, "load": contact.P, "radius": surface.radii}[to][k]
     beyond = np.flatnonzero(quantity >= maximum * (1 - 1e-9))
     needed = int(beyond[0]) + 1 if beyond.size else k.size
     k = k[: needed + spare]
-    inside = np.arange(surface.radii.size)[:, None] <= k
-    w = np.where(inside, contact.delta[k] * contact.y[:, None] - contact.z[:, None], 0.0)
-    p = solve_triangular(contact.L, w, lower=True, trans="T")
-    gap = contact.f[:, None] - contact.delta[k] + contact.L @ w
-    force_limit, depth = np.abs(p).max(axis=0, initial=0.0), contact.delta[k]
-    negative = np.maximum(
-        np.max(-p[surface.exempt :] / force_limit, axis=0, initial=0.0),
-        np.max(np.where(inside, 0.0, -gap) / depth, axis=0, initial=0.0),
-    )
-    sound = (negative[needed:] <= ROUND_OFF) & (np.diff(depth)[max(needed - 1, 0) :] > 0)
+    depth = contact.delta[k]
+    p, negative = _conditions(contact, k)
+    sound = (negative[needed:] <= TUNING.round_off) & (np.diff(depth)[max(needed - 1, 0) :] > 0)
     n = needed + int(np.cumprod(sound).sum())
-    k = k[:n]
     violation = float(np.max(negative[:n], initial=0.0))
-    return Events(surface.radii[k], contact.delta[k], contact.P[k], contact.S[k], p.T[:n], violation)
+    return Events(surface.radii[k[:n]], depth[:n], contact.P[k[:n]], contact.S[k[:n]], p[:n], violation)
+
+
+def _conditions(contact: SurfaceContact, k: Array) -> tuple[Array, Array]:
+    """Nodal forces (events, n) [N] when the nodes ``k`` touch, and the largest negative force or gap of each event,
+    relative to the largest force or the depth."""
+    depth = contact.delta[k]
+    inside = np.arange(contact.f.size)[:, None] <= k
+    w = np.where(inside, depth * contact.y[:, None] - contact.z[:, None], 0.0)
+    p = solve_triangular(contact.L, w, lower=True, trans="T")
+    gap = contact.f[:, None] - depth + contact.L @ w
+    pull = np.max(-p[contact.surface.exempt :] / np.abs(p).max(axis=0, initial=0.0), axis=0, initial=0.0)
+    return p.T, np.maximum(pull, np.max(np.where(inside, 0.0, -gap) / depth, axis=0, initial=0.0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,17 +176,18 @@ def solve_loads(contact: SurfaceContact, loads: Sequence[float] | Array) -> list
     increments: list[Increment] = []
     delta = 0.0
     for load in loads:
-        for _ in range(MAX_SWEEPS):
+        for _ in range(TUNING.most_sweeps):
             active = active if active.any() else contact.f <= contact.f[0]
             y = _on(contact, active, np.ones(int(active.sum())))
             z = _on(contact, active, contact.f[active])
             delta = (load + float(z.sum())) / float(y.sum())
             step = _increment(contact, delta, active)
-            if abs(step.P - load) <= ROUND_OFF * load:
+            if abs(step.P - load) <= TUNING.round_off * load:
                 break
             active = step.active
         else:
-            raise SolveError(f"contact: the load {load:g} N was not reached after {MAX_SWEEPS} steps (at {step.P:g} N)")
+            steps = TUNING.most_sweeps
+            raise SolveError(f"contact: the load {load:g} N was not reached after {steps} steps (at {step.P:g} N)")
         increments.append(step)
     return increments
 
@@ -177,10 +204,10 @@ def _increment(contact: SurfaceContact, delta: float, active: Array) -> Incremen
     """Newton's method on the set of active nodes (Hintermueller, Ito and Kunisch 2002)."""
     exempt = contact.surface.exempt
     active = active.copy()
-    for _ in range(MAX_SWEEPS):
+    for _ in range(TUNING.most_sweeps):
         p, gap = _state(contact, delta, active)
-        force_limit = ROUND_OFF * np.abs(p).max()
-        wanted = np.where(active, p >= -force_limit, gap < -ROUND_OFF * delta)
+        force_limit = TUNING.round_off * np.abs(p).max()
+        wanted = np.where(active, p >= -force_limit, gap < -TUNING.round_off * delta)
         wanted[:exempt] |= wanted.any()
         if np.array_equal(wanted, active):
             return _checked(contact, delta, p, gap, active)
@@ -205,7 +232,7 @@ def _checked(contact: SurfaceContact, delta: float, p: Array, gap: Array, active
     residual = contact.f - delta + contact.surface.C @ p
     closed = float(np.abs(residual[active]).max(initial=0.0)) / delta
     violation = max(negative_force, float(np.max(-gap, initial=0.0)) / delta, closed)
-    if violation > 10 * ROUND_OFF:
+    if violation > 10 * TUNING.round_off:
         raise SolveError(f"contact: conditions violated by {violation:.1e} (relative) at depth {delta:g} m")
     return Increment(delta, float(p.sum()), p, active, violation)
 
@@ -219,7 +246,7 @@ def _pivoting(contact: SurfaceContact, delta: float) -> Array:
         p, gap = _state(contact, delta, active)
         fault = np.where(active, -p / np.abs(p).max(), -gap / delta)
         fault[:exempt] = 0.0
-        bad = np.flatnonzero(fault > ROUND_OFF)
+        bad = np.flatnonzero(fault > TUNING.round_off)
         if not bad.size:
             return active
         stuck = step > active.size and bad.size >= previous

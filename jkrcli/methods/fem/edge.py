@@ -7,41 +7,38 @@ one solve with the same surface vertices and elements gives the factor a / r for
 
 from __future__ import annotations
 
-from typing import cast
-
 import numpy as np
 
+from ...base.arrays import Array
 from ...base.clock import StageClock
 from ...bodies.indenters import Indenter, Paraboloid
+from .body import half_space_like
 from .contact import SurfaceContact, nested_events
-from .domain import half_space_like
 from .model import Model
 
-Array = np.ndarray
-CUT = 100.0  # size of the calibration's half-space in candidate radii; what it lacks is added
+CUT = 100.0  # candidate radii to the half-space's end; theory: what it lacks is added, the rest falls like CUT^-3
 
 
-def radius_factors(model: Model, indenter: Indenter) -> Array:
-    """Contact radius over vertex radius for the candidate vertices beyond the flat radius, by increasing radius."""
-    profile = indenter if indenter.a0 > 0 else cast(Indenter, Paraboloid(model.recipe.reach))
-    body = model.body
+def edge_correction(model: Model, indenter: Indenter) -> Array:
+    """Edge correction: contact radius over vertex radius for the candidate vertices beyond the flat radius, by
+    increasing radius."""
+    reach = model.discretisation.reach
+    profile: Indenter = indenter if indenter.a0 > 0 else Paraboloid(reach)
     half_space = model
-    if not (body.cut_below and len(body.materials) == 1):
-        cut = half_space_like(body, CUT * model.recipe.reach)
-        half_space = model.recipe.on_half_space(cut).build(StageClock())
+    if not (model.body.cut_below and len(model.body.materials) == 1):
+        body = half_space_like(model.body, CUT * reach)
+        half_space = model.discretisation.on_half_space(body).build(StageClock())
     surface = half_space.completed()
     events = nested_events(SurfaceContact(surface, profile.f(surface.radii)), profile.a0, "radius", np.inf)
     return _edges(profile, events.delta, events.a) / events.a
 
 
 def _edges(profile: Indenter, delta: Array, guess: Array) -> Array:
-    """Radii with F(a) = delta: Newton's method from the vertex radii."""
-    a0 = profile.a0
+    """Radii with F(a) = delta: Newton's method in logarithms from the vertex radii."""
+    a0, step = profile.a0, 1e-6
     u = np.log(guess - a0)
     for _ in range(50):
-        a = a0 + np.exp(u)
-        step = 1e-6
-        value, ahead = np.log(profile.abel(a)), np.log(profile.abel(a0 + np.exp(u + step)))
+        value, ahead = (np.log(profile.abel(a0 + np.exp(at))) for at in (u, u + step))
         change = (value - np.log(delta)) * step / (ahead - value)
         u = u - change
         if np.abs(change).max() < 1e-13:

@@ -1,47 +1,54 @@
-"""Sparse factors of symmetric matrices that keep the order they are given (the door to CHOLMOD).
+"""Sparse factors of symmetric matrices that keep the order they are given, and that order (the door to CHOLMOD).
 
 SciPy's SuperLU factorises everything; CHOLMOD, where the optional package cvxopt is installed, positive definite
 matrices several times faster (Chen et al., ACM Trans. Math. Softw. 35 (2008) 22). Kept in order, the trailing block of
-either factor is the Cholesky factor of the matrix condensed onto its last unknowns.
+either factor is the Cholesky factor of the matrix condensed onto its last unknowns. The order is nested dissection of
+the mesh (George, SIAM J. Numer. Anal. 10 (1973) 345): every group of cells is split at its median along one of a few
+directions, whichever cuts the fewest facets, until the groups are small; all groups of a level at once. The nodes
+between two halves are eliminated after both.
 """
 
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from functools import cache
 from importlib.util import find_spec
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from scipy.sparse import csc_matrix, tril
-from scipy.sparse.linalg import SuperLU, splu
+from scipy.sparse.linalg import splu
 from threadpoolctl import ThreadpoolController
 
+from ...base.arrays import Array
 from ...base.errors import InputError, SolveError
 from .options import Solver
 
-Array = np.ndarray
-SMALL = 20_000  # unknowns, up to which CHOLMOD gains less than its import costs
-SYMMETRIC = {"SymmetricMode": True}
+
+@dataclass(frozen=True)
+class FactorTuning:
+    """What saves time only."""
+
+    small: int = 20_000  # unknowns up to which CHOLMOD gains less than its import costs; tuned by `make bench`
+    leaf: int = 6  # cells; smaller groups gain nothing; tuned on the cases of `make bench`, by `make bench`
+
+
+TUNING = FactorTuning()
 ONLY_THE_GIVEN_ORDER = {"supernodal": 2, "nmethods": 1, "postorder": False}
 
 
-class SparseFactor(Protocol):
-    """A factorised symmetric matrix; ``entries``: stored numbers, ``name``: of the library; ``root``: lower Cholesky
-    factor of the matrix condensed onto its last unknowns."""
+@dataclass(frozen=True, eq=False)
+class SparseFactor:
+    """Factorised symmetric matrix A: ``solve(b)`` gives A^-1 b; ``root``: lower Cholesky factor of A condensed onto
+    its last unknowns; ``name`` of the library, ``entries``: numbers it stores."""
 
-    @property
-    def name(self) -> str: ...
-
-    @property
-    def entries(self) -> int: ...
-
-    @property
-    def root(self) -> Array: ...
-
-    def solve(self, loads: Array) -> Array: ...
+    name: str
+    entries: int
+    root: Array
+    solve: Callable[[Array], Array]
 
 
 def sparse_factor(matrix: csc_matrix, tail: int, definite: bool, solver: Solver) -> SparseFactor:
@@ -50,12 +57,8 @@ def sparse_factor(matrix: csc_matrix, tail: int, definite: bool, solver: Solver)
     SolveError."""
     if solver == "cholmod" and not has_cholmod():
         raise InputError('mesh.solver: "cholmod" needs the optional package cvxopt: pip install "jkrcli[fast]"')
-    pays = solver == "cholmod" or (solver == "auto" and matrix.shape[0] > SMALL)
-    if definite and pays and has_cholmod():
-        return _cholmod(matrix, tail)
-    with one_thread():
-        lu = splu(matrix, permc_spec="NATURAL", diag_pivot_thresh=0.0, options=SYMMETRIC)
-    return SuperLUFactor(lu, _superlu_root(lu, tail))
+    pays = solver == "cholmod" or (solver == "auto" and matrix.shape[0] > TUNING.small)
+    return _cholmod(matrix, tail) if definite and pays and has_cholmod() else _superlu(matrix, tail)
 
 
 def one_thread() -> AbstractContextManager[Any]:
@@ -74,64 +77,21 @@ def has_cholmod() -> bool:
     return find_spec("cvxopt") is not None
 
 
-@dataclass(frozen=True, eq=False)
-class SuperLUFactor:
-    lu: SuperLU
-    root: Array
-    name = "SuperLU"
-
-    @property
-    def entries(self) -> int:
-        return int(self.lu.nnz)
-
-    def solve(self, loads: Array) -> Array:
-        with one_thread():
-            return self.lu.solve(loads)
-
-
-def _superlu_root(lu: SuperLU, n: int) -> Array:
-    """The factor of the Schur complement: the last n rows and columns of L, scaled by the pivots on U's diagonal."""
-    size = lu.shape[0]
-    last = np.arange(size - n, size)
-    if not (np.array_equal(lu.perm_c[-n:], last) and np.array_equal(lu.perm_r[-n:], last)):
+def _superlu(matrix: csc_matrix, tail: int) -> SparseFactor:
+    """SuperLU's L U: the factor of the Schur complement is the last part of L, scaled by the pivots on U's diagonal."""
+    with one_thread():
+        lu = splu(matrix, permc_spec="NATURAL", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+    last = np.arange(matrix.shape[0] - tail, matrix.shape[0])
+    if not (np.array_equal(lu.perm_c[-tail:], last) and np.array_equal(lu.perm_r[-tail:], last)):
         raise SolveError("factorisation: the solver did not keep the contact nodes last")
-    pivots = _last_block(lu.U, n).diagonal()
+    L, U = (part[:, -tail:][-tail:].toarray() for part in (lu.L, lu.U))
+    pivots = U.diagonal()
     if not (pivots > 0).all():
         raise SolveError(f"factorisation: the condensed stiffness is not positive (pivot {pivots.min():.3g} N/m)")
-    return np.tril(_last_block(lu.L, n)) * np.sqrt(pivots)
+    return SparseFactor("SuperLU", int(lu.nnz), np.tril(L) * np.sqrt(pivots), lu.solve)
 
 
-def _last_block(matrix: csc_matrix, n: int) -> Array:
-    """The last n rows and columns as a dense array."""
-    size = matrix.shape[0]
-    start = matrix.indptr[size - n]
-    rows = matrix.indices[start:] - (size - n)
-    columns = np.repeat(np.arange(n), np.diff(matrix.indptr[size - n :]))
-    block = np.zeros((n, n))
-    inside = rows >= 0
-    block[rows[inside], columns[inside]] = matrix.data[start:][inside]
-    return block
-
-
-@dataclass(frozen=True, eq=False)
-class CholmodFactor:
-    """``handle``: CHOLMOD's own object; ``root``: the trailing block."""
-
-    handle: Any
-    root: Array
-    entries: int
-    name = "CHOLMOD"
-
-    def solve(self, loads: Array) -> Array:
-        from cvxopt import cholmod, matrix
-
-        solution = matrix(np.ascontiguousarray(loads, dtype=float))
-        with one_thread():
-            cholmod.solve(self.handle, solution)
-        return np.array(solution).reshape(loads.shape)
-
-
-def _cholmod(matrix: csc_matrix, tail: int) -> CholmodFactor:
+def _cholmod(matrix: csc_matrix, tail: int) -> SparseFactor:
     """CHOLMOD gives its factor away only whole, and has none left then: it factorises once more for the solves."""
     from cvxopt import cholmod, spmatrix
     from cvxopt import matrix as dense
@@ -139,24 +99,86 @@ def _cholmod(matrix: csc_matrix, tail: int) -> CholmodFactor:
     lower = tril(matrix, format="coo")
     size = matrix.shape[0]
     rows, columns, natural = (dense(index.astype(np.int64)) for index in (lower.row, lower.col, np.arange(size)))
+    A = spmatrix(dense(lower.data), rows, columns, matrix.shape)
 
     def numeric() -> Any:
         handle = cholmod.symbolic(A, p=natural)
         cholmod.numeric(A, handle)
         return handle
 
+    def solve(loads: Array) -> Array:
+        solution = dense(np.ascontiguousarray(loads, dtype=float))
+        cholmod.solve(handle, solution)
+        return np.array(solution).reshape(loads.shape)
+
     before = dict(cholmod.options)
     cholmod.options.update(ONLY_THE_GIVEN_ORDER)
     try:
         with one_thread():
-            A = spmatrix(dense(lower.data), rows, columns, matrix.shape)
             L = cholmod.getfactor(numeric())
-            root = np.tril(np.array(dense(L[size - tail :, size - tail :])))
-            entries = len(L)
+            root, entries = np.tril(np.array(dense(L[size - tail :, size - tail :]))), len(L)
             del L
-            return CholmodFactor(numeric(), root, entries)
+            handle = numeric()
+        return SparseFactor("CHOLMOD", entries, root, solve)
     except ArithmeticError as error:
         raise SolveError(f"factorisation: the stiffness is not positive definite (row {error})") from None
     finally:
         cholmod.options.clear()
         cholmod.options.update(before)
+
+
+# ---------------------------------------------------------------------- the order
+def nested_dissection(cell_nodes: Array, centres: Array, neighbours: Array) -> Array:
+    """Rank of every node: eliminate in increasing rank.
+
+    ``cell_nodes`` (m, k): the nodes of each cell; ``centres`` (m, 2) [m]; ``neighbours`` (2, f): cells on both sides
+    of every inner facet.
+    """
+    code = _cell_codes(centres, neighbours)
+    nodes = cell_nodes.ravel()
+    codes = np.repeat(code, cell_nodes.shape[1])
+    lowest, highest = np.full(nodes.max() + 1, code.max()), np.zeros(nodes.max() + 1, dtype=np.int64)
+    np.minimum.at(lowest, nodes, codes)
+    np.maximum.at(highest, nodes, codes)
+    level = np.ceil(np.log2((lowest ^ highest) + 1)).astype(np.int64)  # digits in which the node's cells differ
+    last = lowest | ((1 << level) - 1)  # the last cell code of the subtree that the node separates
+    order = np.lexsort((level, last))
+    rank = np.empty_like(order)
+    rank[order] = np.arange(order.size)
+    return rank
+
+
+def _cell_codes(centres: Array, neighbours: Array) -> Array:
+    """Path of every cell in the tree of halves, as a binary number with one digit per level."""
+    m = len(centres)
+    by_axis = [np.argsort(values, kind="stable") for values in _directions(centres)]
+    code = np.zeros(m, dtype=np.int64)
+    groups = 1
+    while m > TUNING.leaf * groups:
+        code = 2 * code + _halves(code, groups, by_axis, neighbours)
+        groups *= 2
+    return code
+
+
+def _directions(centres: Array) -> list[Array]:
+    """What the cells may be split by: radius, depth, both diagonals, and the two polar coordinates of meshes that are
+    graded towards the origin."""
+    r, z = centres.T
+    return [r, z, r + z, r - z, np.hypot(r, z), np.arctan2(z, r)]
+
+
+def _halves(group: Array, groups: int, by_axis: list[Array], neighbours: Array) -> Array:
+    """Half 0 or 1 of every cell of its group."""
+    sizes = np.bincount(group, minlength=groups)
+    starts = np.concatenate([[0], np.cumsum(sizes)[:-1]])
+    together = neighbours[:, group[neighbours[0]] == group[neighbours[1]]]
+    halves, cuts = [], []
+    for order in by_axis:
+        order = order[np.argsort(group[order], kind="stable")]
+        half = np.empty(group.size, dtype=np.int64)
+        half[order] = 2 * (np.arange(group.size) - starts[group[order]]) >= sizes[group[order]]
+        halves.append(half)
+        crossing = half[together[0]] != half[together[1]]
+        cuts.append(np.bincount(group[together[0, crossing]], minlength=groups))
+    best = np.argmin(cuts, axis=0)
+    return np.array(halves)[best[group], np.arange(group.size)]

@@ -3,29 +3,45 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ...base.arrays import Array
 from ...base.errors import Refusal
-from .blocks import ringed_quads, tensor_quads
-from .domain import Body
-from .grid import Grid, make_grid
+from ...bodies.problem import Problem
+from .body import MeshedBody, cut_out
+from .grid import Grid, Strip, make_grid, ringed_quads, tensor_quads
 from .mesh import triangles
+from .options import FEMOptions
 from .sizes import SizeLaw, expected_triangles, graded_points
-from .strip import SHARE, Strip, strip_below
 
-Array = np.ndarray
-MAX_CELLS = 3_000_000
-TOP_LAYER, DEEP_LAYER = 1.0, 2.0  # layer limits in units of growth * thickness
-FAR_GROWTH, STEEPEST = 0.2, 0.6  # growth where the field is smooth, at most; and any
-ZONE_III = 20.0  # units: depth of the paper's body; beyond it elements grow on
-CORNER = 0.02  # size at a corner singularity, of growth times the body's smaller extent
-LONGEST = 100.0  # cells in a layer far from the contact, in thicknesses
-BEYOND = 4.0  # sizes at the reach: so far the strip below the surface goes on
-BELOW, FAR_BELOW = 5 / 3, 4.0  # growth of a calibration's elements below the strip, in that of the body's
-DIGITS = 12  # dimensionless lengths are rounded to this: the mesh does not depend on the unit of length
+
+@dataclass(frozen=True)
+class LayoutTuning:
+    """Element sizes over a body, dimensionless."""
+
+    far: float = 5.0  # reaches from the contact, beyond which the field is smooth; tuned on the bodies of `make tuning`
+    far_growth: float = 0.2  # growth there, at most, twice the near one; tuned on the same, by `make tuning`
+    steepest: float = 0.6  # growth of any mesh; choice: beyond it triangles are slender
+    top_layer: float = 1.0  # size in the top layer, of growth times thickness; tuned on the same, by `make tuning`
+    deep_layer: float = 2.0  # size in deeper ones; tuned on the same, by `make tuning`
+    fewest_rows: float = 2.0  # through a layer; choice: one row holds no bending
+    longest: float = 100.0  # cell in a layer far from the contact, in thicknesses; tuned on the same, by `make tuning`
+    corner: float = 0.02  # size at a corner singularity, of growth times extent; tuned on the same, by `make tuning`
+    zone_three: float = 20.0  # units; theory: depth of the paper's body (Sec. 4.1), beyond it elements grow on
+    rows: int = 2  # of the strip below the contact; tuned on the same, by `make tuning`
+    height: float = 0.8  # of a row, in local distances of the vertices; tuned on the same, by `make tuning`
+    share: float = 0.6  # of the top layer that the strip takes, at most; tuned on the same, by `make tuning`
+    beyond: float = 4.0  # sizes at the reach: so far the strip goes on; tuned on the same, by `make tuning`
+    below: float = 5 / 3  # growth below the strip of a calibration, in the body's; tuned on the same, by `make tuning`
+    far_below: float = 4.0  # and far from the contact; tuned on the same, by `make tuning`
+    digits: int = 12  # of dimensionless lengths; choice: the mesh does not depend on the unit of length
+    most_cells: int = 3_000_000  # choice: more need more memory than machines have
+
+
+TUNING = LayoutTuning()
 
 
 @dataclass(frozen=True)
@@ -36,7 +52,7 @@ class Layout:
     and ``thickest``: how deep the strip below them may be, both taken from another layout.
     """
 
-    body: Body
+    body: MeshedBody
     law: SizeLaw
     unit: float
     element: str
@@ -46,25 +62,12 @@ class Layout:
 
     def coarser(self, factor: float) -> Layout:
         """The same layout with every element ``factor`` times as large."""
-        law = self.law
-        return replace(
-            self,
-            law=replace(
-                law,
-                growth=min(law.growth * factor, STEEPEST),
-                far_growth=min(law.far_growth * factor, STEEPEST),
-                slope=law.slope * factor,
-                floor=law.floor * factor,
-                zones=tuple((extent, size * factor) for extent, size in law.zones),
-                layers=tuple((top, t, min(size * factor, t), longest) for top, t, size, longest in law.layers),
-                corners=tuple((r, depth, size * factor) for r, depth, size in law.corners),
-            ),
-            sides=tuple((extent, size * factor) for extent, size in self.sides),
-        )
+        sides = tuple((extent, size * factor) for extent, size in self.sides)
+        return replace(self, law=self.law.coarser(factor, TUNING.steepest), sides=sides)
 
-    def on(self, body: Body) -> Layout:
+    def on(self, body: MeshedBody) -> Layout:
         """The same surface vertices in the contact, and strip below them, on another body without layers."""
-        growth, far = (min(factor * self.law.growth, STEEPEST) for factor in (BELOW, FAR_BELOW))
+        growth, far = (min(factor * self.law.growth, TUNING.steepest) for factor in (TUNING.below, TUNING.far_below))
         law = replace(self.law, layers=(), zones=(), corners=(), growth=growth, far_growth=far)
         surface = self._surface_points(self.body.width / self.unit)
         fixed = surface[: self._strip_width(surface)]
@@ -84,19 +87,25 @@ class Layout:
 
     def grid(self) -> Grid:
         """Mesh the body."""
-        width, depth, interfaces = (
-            _rounded(x / self.unit) for x in (self.body.width, self.body.depth, self.body.interfaces)
-        )
-        surface = self._surface_points(float(width))
+        width, depth = _rounded(self.body.width / self.unit), _rounded(self.body.depth / self.unit)
+        interfaces = np.array([_rounded(depth) for depth in self.body.interfaces / self.unit])
+        surface = self._surface_points(width)
         if self.element == "triangle":
-            strip = self._strip(surface)
-            return triangles(surface, float(depth), interfaces, self.law.text(), strip).scaled(self.unit)
-        return self._quadrilaterals(surface, float(depth), interfaces).scaled(self.unit)
+            made = triangles(surface, depth, interfaces, self.law.text(), self._strip(surface))
+        else:
+            made = make_grid(*self._quadrilaterals(surface, depth, interfaces), interfaces)
+        return made.scaled(self.unit)
 
     def _along_surface(self, r: Array) -> Array:
-        if self.sides:
-            return np.interp(r, *_columns(self.sides))
-        return self.law(r, np.zeros_like(r))
+        return self._sizes(r, r, np.zeros_like(r))
+
+    def _down(self, z: Array) -> Array:
+        """Size along the depth at the finest part of the contact."""
+        return self._sizes(z, np.full_like(z, min(self.law.a0 + self.law.inner, self.law.reach)), -z)
+
+    def _sizes(self, along: Array, r: Array, z: Array) -> Array:
+        """By the law at (r, z), or those of the ``sides`` where these give them."""
+        return np.interp(along, *np.transpose(self.sides)) if self.sides else self.law(r, z)
 
     def _surface_points(self, width: float) -> Array:
         """Radii of the surface vertices; the edge of a flat end, the reach, the end of the strip and the corners of
@@ -110,7 +119,7 @@ class Layout:
     @property
     def _strip_end(self) -> float:
         law = self.law
-        return law.reach + BEYOND * float(self._along_surface(np.array([law.reach]))[0])
+        return law.reach + TUNING.beyond * float(self._along_surface(np.array([law.reach]))[0])
 
     def _strip_width(self, surface: Array) -> int:
         """Number of surface vertices of the strip; all where it would nearly reach the end of the body."""
@@ -125,23 +134,25 @@ class Layout:
         if self.thickest is not None:
             return self.thickest
         layers = self.body.layers or [(0.0, self.body.depth)]
-        return SHARE * layers[0][1] / self.unit
+        return TUNING.share * layers[0][1] / self.unit
 
     def _strip(self, surface: Array) -> Strip:
-        return strip_below(surface[: self._strip_width(surface)], float(_rounded(self._thickest)))
+        below = surface[: self._strip_width(surface)]
+        return Strip.below(below, _rounded(self._thickest), TUNING.rows, TUNING.height)
 
-    def _quadrilaterals(self, surface: Array, depth: float, interfaces: Array) -> Grid:
+    def _quadrilaterals(self, surface: Array, depth: float, interfaces: Array) -> tuple[Array, Array]:
+        """Vertices and cells of a tensor grid, or of rings around a smaller one."""
         corner = self._ring_start(surface[-1], depth, interfaces)
         if corner is None:
             stops = [0.0, *interfaces, depth]
             lines = [graded_points(p, q, self._down) for p, q in itertools.pairwise(stops)]
-            return _structured(*tensor_quads(surface, _limited(surface, np.unique(np.concatenate(lines)))), interfaces)
+            return tensor_quads(surface, _limited(surface, np.unique(np.concatenate(lines))))
         inner = surface[surface <= corner * (1 + 1e-9)]
         rings = surface[surface > corner * (1 + 1e-9)]
         across = np.log(rings / corner) / np.log(rings[-1] / corner)
         heights = corner * (depth / corner) ** across
         heights[-1] = depth
-        return _structured(*ringed_quads(inner, _limited(surface, inner), rings, heights), interfaces)
+        return ringed_quads(inner, _limited(surface, inner), rings, heights)
 
     def _ring_start(self, width: float, depth: float, interfaces: Array) -> float | None:
         """Side of the inner square that rings surround: of homogeneous large bodies touched at a point, else None (and
@@ -151,12 +162,6 @@ class Layout:
             return None
         return self.sides[2][0] if self.sides else law.inner
 
-    def _down(self, z: Array) -> Array:
-        """Size along the depth at the finest part of the contact."""
-        if self.sides:
-            return np.interp(z, *_columns(self.sides))
-        return self.law(np.full_like(z, min(self.law.a0 + self.law.inner, self.law.reach)), -z)
-
 
 def _expected_points(size: Callable[[Array], Array], stop: float) -> float:
     """About how many points spaced by ``size`` there are between 0 and ``stop``."""
@@ -164,106 +169,102 @@ def _expected_points(size: Callable[[Array], Array], stop: float) -> float:
     return float(np.trapezoid(1 / size(x), x))
 
 
-def _columns(pairs: tuple[tuple[float, float], ...]) -> tuple[Array, Array]:
-    table = np.array(pairs)
-    return table[:, 0], table[:, 1]
-
-
-def _rounded(x: float | Array) -> Array:
-    """Rounded to DIGITS significant digits."""
-    x = np.asarray(x, dtype=float)
-    scale = 10.0 ** (DIGITS - np.ceil(np.log10(np.where(x == 0, 1.0, x))))
-    return np.round(x * scale) / scale
+def _rounded(x: float) -> float:
+    """Rounded to so many digits that the mesh does not depend on the unit of length."""
+    scale = 10.0 ** (TUNING.digits - np.ceil(np.log10(x or 1.0)))
+    return float(np.round(x * scale) / scale)
 
 
 def _limited(surface: Array, lines: Array) -> Array:
-    if surface.size * lines.size > MAX_CELLS:
+    if surface.size * lines.size > TUNING.most_cells:
         raise Refusal(
-            f"mesh: {surface.size} x {lines.size} lines make too many quadrilaterals (at most {MAX_CELLS}): "
+            f"mesh: {surface.size} x {lines.size} lines make too many quadrilaterals (at most {TUNING.most_cells}): "
             "take larger elements, or triangles"
         )
     return lines
 
 
-def _structured(points: Array, cells: Array, interfaces: Array) -> Grid:
-    return make_grid(points, cells, interfaces)
+# ---------------------------------------------------------------------- the two layouts
+def layout_for(options: FEMOptions, problem: Problem, reach: float) -> Layout:
+    """The layout that is asked for, fine out to the radius ``reach`` [m]. Refusal: too many elements, or a truncation
+    that does not fit the body."""
+    body = cut_out(problem, reach, options.depth, options.width)
+    a0, growth = problem.indenter.a0, options.growth_of_sizes
+    if options.layout == "scaled":
+        smallest = options.smallest * (reach - a0)
+        layout = scaled_layout(body, options.element, reach, a0, smallest, options.spacing, growth)
+    else:
+        layout = zones_layout(body, options, reach, a0, problem.indenter.tip_radius or 6 * reach)
+    if (cells := layout.expected_cells()) > TUNING.most_cells:
+        raise Refusal(
+            f"mesh: about {cells:.1e} elements expected, too many {options.element}s (at most {TUNING.most_cells}): "
+            + _fewer(options, layout, cells)
+        )
+    return layout
+
+
+def _fewer(options: FEMOptions, layout: Layout, cells: float) -> str:
+    """What to do about too many ``cells``."""
+    if options.tolerance is not None:
+        return "ask for a larger mesh.tolerance, or use the method layered where it represents the body"
+    size = "mesh.element_size" if options.layout == "zones" else "mesh.spacing or mesh.smallest"
+    quads = options.element == "quadrilateral"
+    fewer = quads and replace(layout, element="triangle").expected_cells() < cells
+    return f"take a larger {size}, or {'triangles' if fewer else 'a larger mesh.growth'}"
 
 
 def scaled_layout(
-    body: Body, element: str, reach: float, a0: float, smallest: float, spacing: float, growth: float
+    body: MeshedBody, element: str, reach: float, a0: float, smallest: float, spacing: float, growth: float
 ) -> Layout:
     """Element size ``spacing`` times the distance from the first contact beyond ``smallest`` [m], then growing."""
-    unit = reach
-    law = SizeLaw(
-        reach=1.0,
-        growth=growth,
-        far_growth=_far_growth(growth),
-        corners=_corners(body, unit, growth),
-        a0=float(_rounded(a0 / unit)),
-        inner=float(_rounded(smallest / unit)),
-        slope=spacing,
-        layers=_layer_limits(body, unit, growth),
-    )
-    return Layout(body, law, unit, element)
+    law = _law(body, reach, 1.0, a0, growth)
+    return Layout(body, replace(law, inner=_rounded(smallest / reach), slope=spacing), reach, element)
 
 
-def zones_layout(
-    body: Body,
-    element: str,
-    reach: float,
-    a0: float,
-    element_size: float | None,
-    R: float,
-    sizes: tuple[float, ...],
-    growth: float,
-) -> Layout:
-    """The paper's zones (Sec. 4.1): uniform ``element_size`` over the contact, then up to ``sizes[k]`` (in units of
-    ``R``) within zone I (square R), II (square 2R), III. On a body thinner than R the unit is its depth instead."""
+def zones_layout(body: MeshedBody, options: FEMOptions, reach: float, a0: float, R: float) -> Layout:
+    """The paper's zones (Sec. 4.1): uniform ``element_size`` over the contact, then up to ``zone_sizes[k]`` (in units
+    of ``R``) within zone I (square R), II (square 2R), III. On a body thinner than R the unit is its depth instead."""
     thin = not body.cut_below and body.depth < R
     unit = body.depth if thin else R
-    size = element_size if element_size is not None else (0.02 if thin else 0.0005) * unit
-    extent = float(_rounded(reach / unit))
-    e = float(_rounded(size / unit))
-    first, second = max(1.0, 1.25 * extent), max(2.0, 2.5 * extent)
-    limits = tuple(max(s, e) for s in sizes)
-    third = max(ZONE_III, 2 * second)
-    zones = () if thin else ((first, limits[0]), (second, limits[1]), (third, limits[2]))
-    law = SizeLaw(
-        reach=extent,
+    size = options.element_size if options.element_size is not None else (0.02 if thin else 0.0005) * unit
+    extent, e = _rounded(reach / unit), _rounded(size / unit)
+    halves = 2 if options.order == 2 and options.element == "triangle" else 1
+    second = max(2.0, 2.5 * extent)
+    ends = (max(1.0, 1.25 * extent), second, max(TUNING.zone_three, 2 * second))
+    zones = tuple((end, max(halves * size, e)) for end, size in zip(ends, options.zone_sizes, strict=True))
+    law = replace(_law(body, unit, extent, a0, options.growth_of_sizes), floor=e, zones=() if thin else zones)
+    if options.element == "triangle":
+        return Layout(body, law, unit, options.element)
+    far = max(body.width, body.depth, 2 * ends[2] * unit) / unit
+    beyond = (far, zones[2][1] + law.far_growth * (far - ends[2]))
+    return Layout(body, law, unit, options.element, ((0.0, e), (extent, e), *zones, beyond))
+
+
+def _law(body: MeshedBody, unit: float, reach: float, a0: float, growth: float) -> SizeLaw:
+    """What contact, layers and corners ask for in units of ``unit`` [m]: out to ``reach`` units, round ``a0`` [m]."""
+    return SizeLaw(
+        reach=reach,
         growth=growth,
-        far_growth=_far_growth(growth),
-        a0=float(_rounded(a0 / unit)),
-        floor=e,
-        zones=zones,
-        layers=_layer_limits(body, unit, growth),
-        corners=_corners(body, unit, growth),
+        far_growth=max(growth, min(2 * growth, TUNING.far_growth)),
+        far=TUNING.far,
+        a0=_rounded(a0 / unit),
+        layers=tuple(_layer_limits(body, unit, growth)),
+        corners=tuple(_corners(body, unit, growth)),
     )
-    sides: tuple[tuple[float, float], ...] = ()
-    if element == "quadrilateral":
-        far = max(body.width, body.depth, 2 * third * unit) / unit
-        sides = ((0.0, e), (extent, e), (first, limits[0]), (second, limits[1]), (third, limits[2]))
-        sides = (*sides, (far, limits[2] + law.far_growth * (far - third)))
-    return Layout(body, law, unit, element, sides)
 
 
-def _far_growth(growth: float) -> float:
-    return max(growth, min(2 * growth, FAR_GROWTH))
-
-
-def _corners(body: Body, unit: float, growth: float) -> tuple[tuple[float, float, float], ...]:
+def _corners(body: MeshedBody, unit: float, growth: float) -> Iterator[tuple[float, float, float]]:
     """Where the side's support meets another one: a free side on a bonded base, a clamped side at the free surface."""
-    if body.cut_beside:
-        return ()
-    size = CORNER * growth * min(body.depth, body.width) / unit
-    depths = ([body.depth] if body.side == "free" and body.bonded else []) + ([0.0] if body.side == "clamped" else [])
-    return tuple((float(_rounded(body.width / unit)), float(_rounded(d / unit)), float(_rounded(size))) for d in depths)
+    size = TUNING.corner * growth * min(body.depth, body.width) / unit
+    singular = {body.depth: body.side == "free" and body.bonded, 0.0: body.side == "clamped"}
+    for depth, is_singular in singular.items():
+        if is_singular and not body.cut_beside:
+            yield _rounded(body.width / unit), _rounded(depth / unit), _rounded(size)
 
 
-def _layer_limits(body: Body, unit: float, growth: float) -> tuple[tuple[float, float, float, float], ...]:
+def _layer_limits(body: MeshedBody, unit: float, growth: float) -> Iterator[tuple[float, float, float, float]]:
     """Elements across the layers: ``1/growth`` through the uppermost one, half as many through deeper ones."""
-    limits = []
     for i, (top, thickness) in enumerate(body.layers):
-        share = (TOP_LAYER if i == 0 else DEEP_LAYER) * growth
-        t = float(_rounded(thickness / unit))
-        limits.append((float(_rounded(top / unit)), t, min(share, 0.5) * t, LONGEST * t))
-    return tuple(limits)
+        share = (TUNING.top_layer if i == 0 else TUNING.deep_layer) * growth
+        t = _rounded(thickness / unit)
+        yield _rounded(top / unit), t, min(share, 1 / TUNING.fewest_rows) * t, TUNING.longest * t

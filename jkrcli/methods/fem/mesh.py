@@ -1,20 +1,19 @@
-"""The only door to gmsh: free triangle meshes, and files in its format."""
+"""Free triangle meshes, and meshes and fields as files (the door to gmsh and meshio)."""
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from types import ModuleType
 
 import numpy as np
 
+from ...base.arrays import Array
 from ...base.errors import InputError, SolveError
-from .grid import Grid, make_grid
-from .strip import Strip
+from .grid import Grid, Strip, make_grid
 
-Array = np.ndarray
 SYSTEM_PACKAGES = "libgl1 libglu1-mesa libxcursor1 libxft2 libxinerama1 libgomp1"
 OPTIONS = {
     "Algorithm": 6,  # frontal Delaunay
@@ -155,3 +154,14 @@ def write_msh(grid: Grid, path: Path) -> None:
             model.mesh.addElementsByType(number, 1, [], (facets + 1).ravel())
             model.addPhysicalGroup(1, [number], name=name)
         gmsh.write(str(path))
+
+
+def write_vtu(grid: Grid, path: Path, point_data: Mapping[str, Array] | None = None) -> None:
+    """Write the mesh in VTK's format .vtu with layer and quality of each cell; ``point_data``: values at vertices."""
+    import meshio
+
+    points = np.column_stack([grid.points, np.zeros(len(grid.points))])
+    kind = "triangle" if grid.element == "triangle" else "quad"
+    cell_data = {"layer": [np.asarray(grid.materials)], "quality": [grid.quality()]}
+    mesh = meshio.Mesh(points, [(kind, np.asarray(grid.cells))], point_data=dict(point_data or {}), cell_data=cell_data)
+    mesh.write(str(path), file_format="vtu")

@@ -2,27 +2,33 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ...base.arrays import Array
 from ...base.clock import StageClock
 from ...bodies.indenters import Indenter
-from ...bodies.materials import Graded
+from ...bodies.materials import Graded, Material
+from .body import MeshedBody
 from .contact import SurfaceContact
-from .domain import Body
 from .elasticity import ElasticSystem, assemble
-from .grid import Grid
+from .far_field import missing_displacement
 from .layout import Layout
 from .options import Solver
-from .surface import Factor, Surface, condense, factorise
-from .truncation import missing_displacement
+from .surface import StiffnessFactor, Surface, condense, factorise
 
-Array = np.ndarray
+NEARLY_INCOMPRESSIBLE = 0.49  # tuned on the gel of Sec. 4.3 and its like, by `make tuning`: displacements lock beyond
+
+
+def pressure_layers(materials: Sequence[Material], above: float = NEARLY_INCOMPRESSIBLE) -> tuple[int, ...]:
+    """Layers that get a pressure unknown: those of a Poisson's ratio ``above`` this one."""
+    return tuple(i for i, material in enumerate(materials) if material.surface.nu > above)
 
 
 @dataclass(frozen=True)
-class Recipe:
+class Discretisation:
     """What a model is made from: ``layout`` on its body, element ``order``, ``mixed``: layers with a pressure unknown,
     ``reach``: radius out to which surface nodes are candidates [m]; ``solver``: of the sparse factor."""
 
@@ -33,13 +39,13 @@ class Recipe:
     solver: Solver = "auto"
 
     @property
-    def body(self) -> Body:
+    def body(self) -> MeshedBody:
         return self.layout.body
 
-    def coarser(self, factor: float) -> Recipe:
+    def coarser(self, factor: float) -> Discretisation:
         return replace(self, layout=self.layout.coarser(factor))
 
-    def on_half_space(self, body: Body) -> Recipe:
+    def on_half_space(self, body: MeshedBody) -> Discretisation:
         """The same surface vertices on a homogeneous ``body``."""
         return replace(self, layout=self.layout.on(body), mixed=tuple(i for i in self.mixed if i == 0))
 
@@ -50,43 +56,42 @@ class Recipe:
             grid = self.layout.grid()
         with clock("assembly"):
             system = assemble(grid, body.materials, self.order, bonded=body.bonded, side=body.side, mixed=self.mixed)
-        return self._condensed(grid, system, clock)
+        return self.condensed(system, clock)
 
-    def _condensed(self, grid: Grid, system: ElasticSystem, clock: StageClock) -> Model:
+    def condensed(self, system: ElasticSystem, clock: StageClock) -> Model:
+        """Factorise and condense the assembled ``system``."""
         candidates = int(np.searchsorted(system.radii, self.reach * (1 + 1e-9)))
         with clock("factorisation"):
-            factor = factorise(system, candidates, self.solver)
+            factor = factorise(system, system.normal[:candidates], self.solver)
         with clock("surface solves"):
             surface = condense(system, factor)
             w = self._missing_displacement(system, factor, surface) if self.body.cut_below else 0.0
         if self.body.completed:
             surface = replace(surface, C=surface.C + w)
-        return Model(self, grid, system, factor, surface, w)
+        return Model(self, system, factor, surface, w)
 
-    def _missing_displacement(self, system: ElasticSystem, factor: Factor, surface: Surface) -> float:
+    def _missing_displacement(self, system: ElasticSystem, factor: StiffnessFactor, surface: Surface) -> float:
         """Of the cut-out half-space, under a uniform pressure on the candidates' disc [m/N]."""
-        loads = np.zeros(system.K.shape[0])
-        loads[system.normal[: factor.tail]] = -surface.areas / surface.areas.sum()
         below = self.body.materials[-1]
         assert not isinstance(below, Graded)  # it stands for a half-space, which is homogeneous
-        return missing_displacement(system, below, factor.solve(loads), 1.0)
+        loads = factor.loads(-surface.areas / surface.areas.sum())
+        return missing_displacement(system, below, factor.solve(loads))
 
 
 @dataclass(frozen=True, eq=False)
 class Model:
-    """Grid, elastic system, factor and condensed surface of one body; ``missing``: displacement per load that a
-    cut-out half-space lacks [m/N], contained in the surface compliance where the body is ``completed``."""
+    """Elastic system, factor and condensed surface of one body; ``missing``: displacement per load that a cut-out
+    half-space lacks [m/N], contained in the surface compliance where the body is ``completed``."""
 
-    recipe: Recipe
-    grid: Grid
+    discretisation: Discretisation
     system: ElasticSystem
-    factor: Factor
+    factor: StiffnessFactor
     surface: Surface
     missing: float
 
     @property
-    def body(self) -> Body:
-        return self.recipe.body
+    def body(self) -> MeshedBody:
+        return self.discretisation.body
 
     def contact(self, indenter: Indenter) -> SurfaceContact:
         """The contact problem with ``indenter``."""
@@ -96,7 +101,7 @@ class Model:
         """The same body with its side held in radial direction; the mesh and the stiffness stay."""
         rim = self.system.basis.get_dofs("side").all()
         system = replace(self.system, free=np.setdiff1d(self.system.free, rim))
-        return self.recipe._condensed(self.grid, system, StageClock())
+        return self.discretisation.condensed(system, StageClock())
 
     def completed(self) -> Surface:
         """The surface of the whole half-space, whether or not the model is completed itself."""
@@ -104,6 +109,4 @@ class Model:
 
     def field(self, p: Array) -> Array:
         """Displacements (and pressures) of all unknowns under the nodal contact forces ``p`` [N]."""
-        loads = np.zeros(self.system.K.shape[0])
-        loads[self.system.normal[: p.size]] = -p
-        return self.factor.solve(loads)
+        return self.factor.solve(self.factor.loads(-p))

@@ -1,40 +1,69 @@
-"""Facts about a finite-element run, and warnings with numbers."""
+"""What is returned of a finite-element run: series with errors, facts, and warnings with numbers."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 
-from ...bodies.problem import Problem
-from .contact import Events, Increment
+from ...base.clock import StageClock
+from ...series import Series, Solution
+from .budget import Assessment
+from .loading import nodal_forces, pressures
 from .model import Model
 from .options import FEMOptions
+from .run import Run
 
-LOCKING = 0.45
+LOCKING = 0.45  # choice: Poisson's ratio from which a warning names the locking of first-order elements
 
 
-def facts(
-    method: FEMOptions,
-    problem: Problem,
-    model: Model,
-    events: Events,
-    increments: Sequence[Increment],
-    dropped: int,
-    judged_from: float | None,
-) -> dict[str, Any]:
+def finished(options: FEMOptions, run: Run, judged: Assessment, clock: StageClock) -> Solution:
+    """The solution: series, pressures, facts and warnings."""
+    level = run.level
+    with clock("contact"):
+        if run.raw is None:
+            forces = nodal_forces(level.contact, level.touches, run.columns[1])
+        else:
+            forces = np.array([step.p for step in run.increments])
+        series = _series(run, judged)
+    return Solution(
+        series=series,
+        raw=run.raw,
+        budget=judged.budget,
+        method="fem",
+        pressure=pressures(level.model.surface, forces),
+        facts=_facts(options, run, judged.judged_from),
+        timings=clock.seconds,
+        warnings=tuple(_warnings(options, run)),
+    )
+
+
+def _series(run: Run, judged: Assessment) -> Series:
+    """The nonadhesive series with the errors that are known; S and dS/da only where theirs are."""
+    a, delta, P = run.columns
+    a0, contact = run.problem.indenter.a0, run.level.contact
+    flat = int(np.count_nonzero(contact.surface.radii <= a0 * (1 + 1e-9)))
+    S0 = float(contact.S[flat - 1]) if a0 > 0 else 0.0
+    slopes = run.level.slopes(a) if "dS" in judged.errors else None
+    S, dS = (None, None) if slopes is None else slopes
+    values = {"a": a, "P": P, "S": S, "dS": dS}
+    errors = {name: error * values[name] for name, error in judged.errors.items()}
+    return Series(a, delta, P, S, dS, errors=errors, a0=a0, S0=S0)
+
+
+def _facts(options: FEMOptions, run: Run, judged_from: float | None) -> dict[str, Any]:
     """Plain numbers and words about mesh, solver and checks; ``judged_from``: least depth of the error budget [m]."""
-    grid, system, surface = model.grid, model.system, model.surface
-    quality = grid.quality()
+    model, events, increments = run.level.model, run.level.touches, run.increments
+    system, surface = model.system, model.surface
+    grid, quality = system.grid, system.grid.quality()
     last = increments[-1] if increments else None
     p, P = (last.p, last.P) if last is not None else (events.p[-1], float(events.P[-1]))
-    solution = model.field(p)
     violation = max((step.violation for step in increments), default=events.violation)
     return {
-        "layout": method.layout,
+        "layout": options.layout,
         "element": grid.element,
-        "order": method.order,
+        "order": options.order,
         "elements": len(grid.cells),
         "vertices": len(grid.points),
         "unknowns": int(system.free.size),
@@ -45,55 +74,55 @@ def facts(
         "width_m": grid.width,
         "formulation": _formulation(model),
         "contact": "nested" if last is None else "incremental",
-        "contact_reason": _contact_reason(method, events, bool(increments)),
-        "edge_correction": not increments and method.edge_correction,
+        "contact_reason": _contact_reason(options, run),
+        "edge_correction": not increments and options.edge_correction,
         "solver": f"{model.factor.factor.name}, nested dissection, contact nodes last",
         "factor_entries": model.factor.factor.entries,
         "residual": surface.residual,
         "asymmetry": surface.asymmetry,
-        "balance": abs(system.vertical_reaction(solution) / P - 1),
+        "balance": abs(system.vertical_reaction(model.field(p)) / P - 1),
         "complementarity": max(violation, 0.0),
         "increments": len(increments),
-        "dropped": dropped,
+        "dropped": run.dropped,
         "events": int(events.a.size),
-        "radii": _radii(problem, bool(increments)),
+        "radii": _radii(run),
     } | ({} if judged_from is None else {"judged_from_m": judged_from})
 
 
-def _radii(problem: Problem, incremental: bool) -> str:
+def _radii(run: Run) -> str:
     """Where the contact radii of the series come from."""
-    if incremental:
+    if run.increments:
         return "vertices in contact after each increment of the loading"
-    if problem.loading.spacing == "given":
+    if run.problem.loading.spacing == "given":
         return "at the given values, interpolated between the vertices' first touches"
     return "nested contact has its own: first touches of vertices, and the loading's end; no use of points and spacing"
 
 
 def _formulation(model: Model) -> str:
-    mixed = model.recipe.mixed
+    mixed = model.system.mixed
     if not mixed:
         return "displacement"
     nu = max(model.body.materials[i].surface.nu for i in mixed)
     return f"displacement and pressure in layers {', '.join(str(i + 1) for i in mixed)} (nu = {nu:g})"
 
 
-def _contact_reason(method: FEMOptions, events: Events, incremental: bool) -> str:
-    if incremental and method.contact == "nested":
-        return f"the contact is not a growing disc of nodes (violation {events.violation:.1e}): solved by increments"
+def _contact_reason(options: FEMOptions, run: Run) -> str:
+    if run.increments and options.contact == "nested":
+        violation = run.level.touches.violation
+        return f"the contact is not a growing disc of nodes (violation {violation:.1e}): solved by increments"
     return "as asked"
 
 
-def warnings(
-    method: FEMOptions, problem: Problem, events: Events, increments: Sequence[Increment], dropped: int
-) -> Iterator[str]:
-    """Sentences on what may spoil the result; ``dropped``: of the ``increments``, those without an own radius."""
+def _warnings(options: FEMOptions, run: Run) -> Iterator[str]:
+    """Sentences on what may spoil the result."""
+    problem, events, increments = run.problem, run.level.touches, run.increments
     nu = max(material.surface.nu for material in problem.specimen.materials)
-    if method.order == 1 and nu > LOCKING:
+    if options.order == 1 and nu > LOCKING:
         yield (
             f"first-order elements lock near incompressibility: nu = {nu:g} > {LOCKING:g}, the load may be several per "
             "cent too large; take mesh.order = 2"
         )
-    if method.contact == "nested" and not events.valid:
+    if options.contact == "nested" and not events.valid:
         yield (
             "nested contact does not hold here (a force or gap is negative by "
             f"{events.violation:.1e}, relative): increments were solved instead"
@@ -105,9 +134,9 @@ def warnings(
             "surfaces touch again beyond the edge; the radius is that of the outermost vertex, and the adhesive curve "
             "is right only where adhesion holds the disc together: load less"
         )
-    if dropped and (problem.loading.spacing in ("given", "log") or 2 * dropped > len(increments)):
+    if run.dropped and (problem.loading.spacing in ("given", "log") or 2 * run.dropped > len(increments)):
         yield (
-            f"{dropped} of {len(increments)} requested values share a node with another or lie below the first node "
-            "and are not in the series: take a finer mesh (mesh.spacing, mesh.smallest, mesh.element_size), or fewer "
-            "values"
+            f"{run.dropped} of {len(increments)} requested values share a node with another or lie below the first "
+            "node and are not in the series: take a finer mesh (mesh.spacing, mesh.smallest, mesh.element_size), or "
+            "fewer values"
         )

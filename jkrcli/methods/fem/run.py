@@ -1,42 +1,95 @@
-"""One mesh's answer to a loading, its assessment, and the solution that is made of both."""
+"""One mesh with the contact problem solved on it, and its answer to a loading."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
+from ...base.arrays import Array
 from ...base.clock import StageClock
-from ...base.unknown import Estimate
+from ...bodies.indenters import Indenter
 from ...bodies.problem import Problem
-from ...series import RawSeries, Series, Solution, filter_plateaus
-from .budget import Assessment, estimate, truncation_of
-from .contact import Increment
-from .ending import Columns
-from .increments import nodal_forces, pressures, raw_series
-from .level import Level
-from .options import FEMOptions
-from .report import facts, warnings
+from ...series import RawSeries, filter_plateaus
+from .contact import Events, Increment, SurfaceContact, nested_events
+from .edge import edge_correction
+from .loading import Columns, power_interpolated, raw_series
+from .model import Discretisation, Model
 
-Array = np.ndarray
+FEWEST = 4  # events for slopes; theory: S takes two, dS/da three, and its error one more
+SPARE = 2  # events beyond the end of the loading; theory: the end lies between two, and dS/da takes one more
+GAUSS_X, GAUSS_W = np.polynomial.legendre.leggauss(3)
+
+
+@dataclass(frozen=True, eq=False)
+class MeshLevel:
+    """One mesh of a sequence, with the contact problem solved on it; every part is computed once, when first needed.
+
+    ``model`` under ``indenter``: the ``contact`` problem and its ``touches`` (events with the radii of vertices);
+    ``correct``: whether the edge of the contact is looked for between the vertices.
+    """
+
+    model: Model
+    indenter: Indenter
+    contact: SurfaceContact
+    touches: Events
+    correct: bool
+
+    @classmethod
+    def of(cls, recipe: Discretisation, indenter: Indenter, correct: bool, deepest: float) -> MeshLevel:
+        """Mesh and solve ``recipe`` out to the depth ``deepest`` [m], or its last candidate."""
+        model = recipe.build(StageClock())
+        contact = model.contact(indenter)
+        return cls(model, indenter, contact, nested_events(contact, indenter.a0, "depth", deepest, SPARE), correct)
+
+    @cached_property
+    def events(self) -> Events:
+        """The touches with the radii of the contact."""
+        if not self.correct:
+            return self.touches
+        factors = edge_correction(self.model, self.indenter)
+        return replace(self.touches, a=self.touches.a * factors[: self.touches.a.size])
+
+    def slopes(self, a: Array) -> tuple[Array, Array] | None:
+        """S [N/m] and dS/da [N/m^2] at radii ``a`` [m]; None where the contact has too few nodes, or no correction.
+
+        From one touch to the next P(delta) is linear for each contact set, so that the increments of P over delta are
+        the mean of those sets' stiffness, and belong to the mean radius on the way; dS/da are their differences.
+        """
+        events = self.events
+        if not (self.correct and events.valid) or events.a.size < FEWEST:
+            return None
+        S, at = np.diff(events.P) / np.diff(events.delta), self._mean_radii()
+        dS, middle = np.diff(S) / np.diff(at), (at[1:] + at[:-1]) / 2
+        if not (dS > 0).all():
+            return None
+        return power_interpolated(at, S, a), power_interpolated(middle, dS, a)
+
+    def _mean_radii(self) -> Array:
+        """Mean of the radius over delta from each touch to the next [m]."""
+        delta, a0 = self.events.delta, self.indenter.a0
+        inner = delta[:-1, None] + np.diff(delta)[:, None] * (1 + GAUSS_X) / 2
+        radii = power_interpolated(delta, self.events.a - a0, inner.ravel()).reshape(inner.shape)
+        return a0 + radii @ GAUSS_W / 2
 
 
 @dataclass(frozen=True, eq=False)
 class Run:
-    """``columns``: a, delta, P of the series on ``level``; ``increments``, ``raw`` and the number of ``dropped`` ones
-    where the loading was followed in increments."""
+    """One mesh's answer to the loading of ``problem``: the ``columns`` of the series on ``level``; where the loading
+    was followed in ``increments``, these, their ``raw`` series and the number of those ``dropped`` from it."""
 
     problem: Problem
-    level: Level
+    level: MeshLevel
     columns: Columns
     increments: tuple[Increment, ...] = ()
     raw: RawSeries | None = None
     dropped: int = 0
 
     @classmethod
-    def of_increments(cls, problem: Problem, level: Level, increments: list[Increment]) -> Run:
+    def of_increments(cls, problem: Problem, level: MeshLevel, increments: list[Increment]) -> Run:
         """The increments with those dropped whose radius is not their own (the paper's filter)."""
-        raw = raw_series(level.model, increments)
+        raw = raw_series(level.model.surface, increments)
         kept, dropped = filter_plateaus(raw)
         return cls(problem, level, (kept.a, kept.delta, kept.P), tuple(increments), raw, dropped)
 
@@ -45,43 +98,7 @@ class Run:
         """Depth of the last point [m]."""
         return float(self.columns[1][-1])
 
-    def truncation(self, coarse: Level) -> Estimate:
-        """Relative error of P at the deepest point from where the body is cut, on the mesh ``coarse``."""
-        return truncation_of(self.level.model, coarse.model, coarse.contact, self.level.touches, self.deepest)
-
-    def assessed(self, coarse: Level, ratio: float, truncation: Estimate) -> Assessment:
-        """The errors by comparison with a level whose elements are ``ratio`` times as large."""
-        return estimate(self.level, coarse, ratio, self.columns, self.raw is not None, truncation)
-
-    def series(self, judged: Assessment) -> Series:
-        """The nonadhesive series with the errors that are known; S and dS/da only where theirs are."""
-        a, delta, P = self.columns
-        a0, contact = self.problem.indenter.a0, self.level.contact
-        flat = int(np.count_nonzero(contact.surface.radii <= a0 * (1 + 1e-9)))
-        S0 = float(contact.S[flat - 1]) if a0 > 0 else 0.0
-        slopes = self.level.slopes(a) if "dS" in judged.errors else None
-        S, dS = (None, None) if slopes is None else slopes
-        values = {"a": a, "P": P, "S": S, "dS": dS}
-        errors = {name: error * values[name] for name, error in judged.errors.items()}
-        return Series(a, delta, P, S, dS, errors=errors, a0=a0, S0=S0)
-
-
-def finished(method: FEMOptions, run: Run, judged: Assessment, clock: StageClock) -> Solution:
-    """Series, pressures, facts and warnings."""
-    level, problem = run.level, run.problem
-    with clock("contact"):
-        if run.raw is None:
-            forces = nodal_forces(level.contact, level.touches, run.columns[1])
-        else:
-            forces = np.array([step.p for step in run.increments])
-        series = run.series(judged)
-    return Solution(
-        series=series,
-        raw=run.raw,
-        budget=judged.budget,
-        method="fem",
-        pressure=pressures(level.model, forces),
-        facts=facts(method, problem, level.model, level.touches, run.increments, run.dropped, judged.judged_from),
-        timings=clock.seconds,
-        warnings=tuple(warnings(method, problem, level.touches, run.increments, run.dropped)),
-    )
+    def companion(self, ratio: float) -> MeshLevel:
+        """The same on a mesh whose elements are ``ratio`` times as large."""
+        recipe = self.level.model.discretisation.coarser(ratio)
+        return MeshLevel.of(recipe, self.problem.indenter, self.level.correct, self.deepest)

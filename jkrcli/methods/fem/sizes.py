@@ -5,66 +5,41 @@ The law is a formula written once: it is evaluated on numbers, or written out as
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar
 
 import numpy as np
+from numpy.lib.mixins import NDArrayOperatorsMixin
 
+from ...base.arrays import Array
 from ...base.errors import SolveError
 
-Array = np.ndarray
-FAR = 5.0  # reaches from the contact, beyond which the field is smooth
 
+class Expression(NDArrayOperatorsMixin):
+    """Text of an arithmetic expression, as which NumPy writes down the functions that are applied to it."""
 
-class Formula:
-    """Text of an arithmetic expression in x and y that grows by the usual operators."""
+    FORMS: ClassVar[dict[np.ufunc, str]] = {
+        np.add: "({}+{})",
+        np.subtract: "({}-{})",
+        np.multiply: "({}*{})",
+        np.maximum: "Max({},{})",
+        np.minimum: "Min({},{})",
+        np.hypot: "Sqrt({0}*{0}+{1}*{1})",
+    }
 
     def __init__(self, text: str):
         self.text = text
 
-    def __add__(self, other: Any) -> Formula:
-        return Formula(f"({self.text}+{_text(other)})")
-
-    def __sub__(self, other: Any) -> Formula:
-        return Formula(f"({self.text}-{_text(other)})")
-
-    def __rsub__(self, other: Any) -> Formula:
-        return Formula(f"({_text(other)}-{self.text})")
-
-    def __mul__(self, other: Any) -> Formula:
-        return Formula(f"({self.text}*{_text(other)})")
-
-    __radd__ = __add__
-    __rmul__ = __mul__
-
-
-def _text(value: Any) -> str:
-    return value.text if isinstance(value, Formula) else f"({float(value)!r})"
-
-
-def _largest(a: Any, b: Any) -> Any:
-    if isinstance(a, Formula) or isinstance(b, Formula):
-        return Formula(f"Max({_text(a)},{_text(b)})")
-    return np.maximum(a, b)
-
-
-def _smallest(a: Any, b: Any) -> Any:
-    if isinstance(a, Formula) or isinstance(b, Formula):
-        return Formula(f"Min({_text(a)},{_text(b)})")
-    return np.minimum(a, b)
-
-
-def _length(x: Any, y: Any) -> Any:
-    if isinstance(x, Formula) or isinstance(y, Formula):
-        return Formula(f"Sqrt({_text(x)}*{_text(x)}+{_text(y)}*{_text(y)})")
-    return np.hypot(x, y)
+    def __array_ufunc__(self, function: np.ufunc, method: str, *values: Any) -> Expression:
+        texts = (value.text if isinstance(value, Expression) else f"({float(value)!r})" for value in values)
+        return Expression(self.FORMS[function].format(*texts))
 
 
 @dataclass(frozen=True)
 class SizeLaw:
     """Element size [m] at (r, z): fine along the contact 0 <= r <= reach, growing by ``growth`` per distance from it
-    (``far_growth`` beyond ``FAR`` reaches, where the field is smooth).
+    (``far_growth`` from ``far`` reaches on, where the field is smooth).
 
     Along the contact the size is ``slope * max(|r - a0|, inner)``, or ``floor`` where that is larger.
     ``zones``: (extent, size) of squares around the origin, inside which the size stays below ``size`` [m].
@@ -75,6 +50,7 @@ class SizeLaw:
     reach: float
     growth: float
     far_growth: float
+    far: float
     a0: float = 0.0
     inner: float = 0.0
     slope: float = 0.0
@@ -85,36 +61,49 @@ class SizeLaw:
 
     def __call__(self, r: Any, z: Any) -> Any:
         """Size at radius ``r`` and height ``z <= 0`` (numbers, arrays, or formulas)."""
-        near = _smallest(r, self.reach)
+        near = np.minimum(r, self.reach)
         offset = near - self.a0
-        along = self.slope * _largest(_largest(offset, 0.0 - offset), self.inner)
-        distance = _length(r - near, z)
-        faster = (self.far_growth - self.growth) * _largest(distance - FAR * self.reach, 0.0)
-        size = _largest(along, self.floor) + self.growth * distance + faster
-        for limit in self._zone_limits(r, z):
-            size = _smallest(size, limit)
-        for layer in self.layers:
-            size = _smallest(size, self._layer_limit(layer, r, z))
-        for radius, depth, least in self.corners:
-            size = _smallest(size, least + self.growth * _length(r - radius, z + depth))
+        along = self.slope * np.maximum(np.maximum(offset, 0.0 - offset), self.inner)
+        distance = np.hypot(r - near, z)
+        faster = (self.far_growth - self.growth) * np.maximum(distance - self.far * self.reach, 0.0)
+        size = np.maximum(along, self.floor) + self.growth * distance + faster
+        for limit in self._limits(r, z):
+            size = np.minimum(size, limit)
         return size
 
-    def _zone_limits(self, r: Any, z: Any) -> list[Any]:
-        """Limit k holds inside square k and grows outwards from it."""
-        outside = _largest(r, 0.0 - z)
-        return [size + self.growth * _largest(outside - extent, 0.0) for extent, size in self.zones]
+    def _limits(self, r: Any, z: Any) -> Iterator[Any]:
+        """Of zones (inside square k, growing outwards from it), layers and corners."""
+        for extent, size in self.zones:
+            yield size + self.growth * np.maximum(np.maximum(r, 0.0 - z) - extent, 0.0)
+        for layer in self.layers:
+            yield self._layer_limit(layer, r, z)
+        for radius, depth, size in self.corners:
+            yield size + self.growth * np.hypot(r - radius, z + depth)
 
     def _layer_limit(self, layer: tuple[float, float, float, float], r: Any, z: Any) -> Any:
         """The layer's size inside it, growing with the distance from it and from the contact."""
         top, thickness, size, longest = layer
-        above = _largest((0.0 - z) - (top + thickness), top + z)
-        beyond = _largest(r - (self.reach + 2 * (top + thickness)), 0.0)
-        sideways = _smallest(size + self.growth * beyond, longest)
-        return sideways + self.growth * _largest(above, 0.0)
+        above = np.maximum((0.0 - z) - (top + thickness), top + z)
+        beyond = np.maximum(r - (self.reach + 2 * (top + thickness)), 0.0)
+        sideways = np.minimum(size + self.growth * beyond, longest)
+        return sideways + self.growth * np.maximum(above, 0.0)
+
+    def coarser(self, factor: float, steepest: float) -> SizeLaw:
+        """Every size ``factor`` times as large, but no growth above ``steepest``."""
+        return replace(
+            self,
+            growth=min(self.growth * factor, steepest),
+            far_growth=min(self.far_growth * factor, steepest),
+            slope=self.slope * factor,
+            floor=self.floor * factor,
+            zones=tuple((extent, size * factor) for extent, size in self.zones),
+            layers=tuple((top, t, min(size * factor, t), longest) for top, t, size, longest in self.layers),
+            corners=tuple((r, depth, size * factor) for r, depth, size in self.corners),
+        )
 
     def text(self) -> str:
         """The law as a formula in x = r and y = z."""
-        return self(Formula("x"), Formula("y")).text
+        return self(Expression("x"), Expression("y")).text
 
 
 def graded_points(start: float, stop: float, size: Callable[[Array], Array]) -> Array:

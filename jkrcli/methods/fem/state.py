@@ -13,21 +13,29 @@ from functools import cached_property
 import numpy as np
 from scipy.linalg import cho_solve
 
+from ...base.arrays import Array
 from ...base.clock import StageClock
 from ...base.errors import InputError, Refusal
-from ...bodies.materials import TransverselyIsotropic
 from ...bodies.problem import Problem
-from .domain import Body, cut_out
+from .body import cut_out
 from .grid import Grid
 from .layout import scaled_layout
-from .method import FEM, NEARLY_INCOMPRESSIBLE
-from .model import Model, Recipe
-from .stress import Line, Stress
+from .method import FEM
+from .model import Discretisation, Model, pressure_layers
+from .stress import Stress, TractionLine
 
-Array = np.ndarray
-SPACING, GROWTH = 0.08, 0.1  # element size over the distance from the contact's edge, within the contact and beyond
-NEAR = 3.0  # contact radii within which tractions are judged
-FINEST = 1e-4  # of the contact radius: within this distance of the edge elements are of one size
+
+@dataclass(frozen=True)
+class StateTuning:
+    """The mesh for the field at one contact radius."""
+
+    spacing: float = 0.08  # element size over the distance from the contact's edge; tuned on the same as growth
+    growth: float = 0.1  # beyond the contact; tuned on the bodies of `make tuning`, by `make tuning`
+    finest: float = 1e-4  # radii from the edge, within which elements are of one size; tuned on the same
+    near: float = 3.0  # radii within which tractions are judged; choice: what the error stands for
+
+
+TUNING = StateTuning()
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +53,7 @@ class ContactState:
     grid: Grid
     displacement: Array
     stress: Array
-    lines: dict[str, Line]
+    lines: dict[str, TractionLine]
 
     @cached_property
     def mises(self) -> Array:
@@ -60,8 +68,8 @@ class ContactState:
 
     @cached_property
     def error(self) -> dict[str, float]:
-        """Mean error of each line's tractions zz within ``NEAR`` contact radii, relative to their mean size."""
-        return {name: line.error(NEAR * self.a) for name, line in self.lines.items()}
+        """Mean error of each line's tractions zz within three contact radii, relative to their mean size."""
+        return {name: line.error(TUNING.near * self.a) for name, line in self.lines.items()}
 
 
 def contact_state(method: FEM, problem: Problem, a: float, delta: float) -> ContactState:
@@ -79,38 +87,27 @@ def contact_state(method: FEM, problem: Problem, a: float, delta: float) -> Cont
     if edge is not None and a >= edge:
         raise InputError(f"fields: contact radius {a:g} m reaches the edge of the body, {edge:g} m")
     body = cut_out(problem, a, method.depth, method.width)
-    layout = scaled_layout(body, "triangle", a, a, FINEST * a, SPACING, GROWTH)
-    model = Recipe(layout, 2, _mixed(body), a, method.solver).build(StageClock())
+    layout = scaled_layout(body, "triangle", a, a, TUNING.finest * a, TUNING.spacing, TUNING.growth)
+    model = Discretisation(layout, 2, pressure_layers(body.materials), a, method.solver).build(StageClock())
     contact = model.contact(problem.indenter)
     p = cho_solve((contact.L, True), delta - contact.f)
     # An elastic indenter is part of the body's modulus; the body's own displacements are smaller by that much.
     return _state(model, a, delta, p, problem.E_star / problem.specimen.surface.E_star)
 
 
-def _mixed(body: Body) -> tuple[int, ...]:
-    """Layers that get a pressure unknown."""
-    return tuple(
-        i
-        for i, material in enumerate(body.materials)
-        if not isinstance(material, TransverselyIsotropic) and material.nu > NEARLY_INCOMPRESSIBLE
-    )
-
-
 def _state(model: Model, a: float, delta: float, p: Array, share: float) -> ContactState:
     system, body, P = model.system, model.body, float(p.sum())
     solution = model.field(p)
-    stress = Stress(model.grid, system, body.materials, solution)
-    N, vertices = len(system.nodes), system.basis.nodal_dofs[0]
-    u = np.column_stack([solution[vertices], solution[N + vertices]])
+    stress, vertices = Stress(system, solution), system.basis.nodal_dofs[0]
+    u = np.column_stack([part[vertices] for part in system.components(solution)])
     u[:, 1] -= model.missing * P if body.completed else 0.0
-    used, values = zip(*(stress.at_vertices(layer) for layer in range(len(body.materials))), strict=True)
-    numbers = np.concatenate(used)
-    lines = {"surface": stress.end("surface", a)}
-    lines |= {f"interface {i + 1}": stress.interface(i) for i in range(len(body.materials) - 1)}
+    layers = range(len(body.materials))
+    used, values = zip(*(stress.at_vertices(layer) for layer in layers), strict=True)
+    lines = {"surface": stress.surface(a)} | {f"interface {i + 1}": stress.interface(i) for i in layers[:-1]}
     if not body.cut_below:
-        lines["base"] = stress.end("base")
-    grid = _split(model.grid, used)
-    return ContactState(a, delta, P, grid, share * u[numbers], np.concatenate(values, axis=1), lines)
+        lines["base"] = stress.base()
+    u = share * u[np.concatenate(used)]
+    return ContactState(a, delta, P, _split(system.grid, used), u, np.concatenate(values, axis=1), lines)
 
 
 def _split(grid: Grid, used: tuple[Array, ...]) -> Grid:

@@ -1,8 +1,8 @@
 """From the elastic body to its contact surface: one factorisation, condensed onto the candidate contact nodes.
 
-The normal displacements of the candidate nodes are eliminated last. The trailing block of the one sparse factor is
-then the Cholesky factor of the body's stiffness condensed onto them, and its inverse the surface compliance: no
-right-hand sides are needed.
+The displacements of the candidate nodes along which the contact acts are eliminated last. The trailing block of the one
+sparse factor is then the Cholesky factor of the body's stiffness condensed onto them, and its inverse the surface
+compliance: no right-hand sides are needed.
 """
 
 from __future__ import annotations
@@ -13,35 +13,44 @@ import numpy as np
 from scipy.linalg import cho_solve
 from scipy.sparse import csr_matrix
 
+from ...base.arrays import Array
 from ...base.errors import SolveError
 from .elasticity import ElasticSystem
-from .factor import SparseFactor, sparse_factor
+from .factor import SparseFactor, nested_dissection, one_thread, sparse_factor
 from .options import Solver
-from .ordering import nested_dissection
 
-Array = np.ndarray
-RESIDUAL_LIMIT = 1e-8  # relative; a sound factor leaves 1e-16 to 1e-12
-PROBES = 2
+RESIDUAL_LIMIT = 1e-8  # choice: a sound factor leaves 1e-16 to 1e-12, a wrong one 1
 
 
 @dataclass(frozen=True, eq=False)
-class Factor:
-    """Factorised stiffness of the free unknowns; the last ``tail`` of ``order`` are the candidates' normal ones.
-
-    The first ``displacements`` of all unknowns are displacements [m], the others pressures [Pa].
+class StiffnessFactor:
+    """Factorised stiffness of the free unknowns in the ``order`` of their elimination, the ``last`` of them those that
+    the contact acts on. The first ``displacements`` of all unknowns are displacements [m], the others pressures [Pa].
     """
 
     factor: SparseFactor
     order: Array
-    tail: int
+    last: Array
     stiffness: csr_matrix
     displacements: int
+
+    def loads(self, forces: Array) -> Array:
+        """Loads of all unknowns [N] from ``forces`` on the ``last`` ones."""
+        loads = np.zeros(self.stiffness.shape[0])
+        loads[self.last] = forces
+        return loads
 
     def solve(self, loads: Array) -> Array:
         """Displacements (and pressures) of all unknowns for nodal ``loads`` (n,); zero where held."""
         solution = np.zeros_like(loads)
-        solution[self.order] = self.factor.solve(loads[self.order])
+        with one_thread():
+            solution[self.order] = self.factor.solve(loads[self.order])
         return solution
+
+    def compliance(self) -> Array:
+        """Displacements of the ``last`` unknowns under unit forces on them [m/N], (n, n)."""
+        inverse = cho_solve((self.factor.root, True), np.eye(self.last.size))
+        return (inverse + inverse.T) / 2
 
     def residual(self, solution: Array, loads: Array) -> float:
         """Largest relative imbalance of the free unknowns: of the forces against the ``loads``, of the volumes that
@@ -50,10 +59,9 @@ class Factor:
         Their own terms are no measure: where a layer is held on all sides they are nothing but round-off.
         """
         left = np.abs(self.stiffness @ solution - loads)
-        forces, volumes = (
-            self.order[part] for part in (self.order < self.displacements, self.order >= self.displacements)
-        )
-        imbalance = float(left[forces].max() / np.abs(loads).max())
+        is_force = self.order < self.displacements
+        imbalance = float(left[self.order[is_force]].max() / np.abs(loads).max())
+        volumes = self.order[~is_force]
         if not volumes.size:
             return imbalance
         largest = np.abs(solution)
@@ -81,15 +89,13 @@ class Surface:
     asymmetry: float
 
 
-def factorise(system: ElasticSystem, candidates: int, solver: Solver = "auto") -> Factor:
-    """Factorise with the normal unknowns of the innermost ``candidates`` surface nodes last."""
-    last = system.normal[:candidates]
+def factorise(system: ElasticSystem, last: Array, solver: Solver = "auto") -> StiffnessFactor:
+    """Factorise with the unknowns ``last`` at the end, in their order."""
     rank = nested_dissection(system.cell_nodes, system.cell_centres, system.neighbours)
     inner = np.setdiff1d(system.free, last)
     order = np.concatenate([inner[np.argsort(_unknown_ranks(system, rank)[inner], kind="stable")], last])
-    matrix = system.K[order][:, order].tocsc()
-    factor = sparse_factor(matrix, candidates, not system.mixed, solver)
-    return Factor(factor, order, candidates, system.K, 2 * len(system.nodes))
+    factor = sparse_factor(system.K[order][:, order].tocsc(), last.size, not system.mixed, solver)
+    return StiffnessFactor(factor, order, last, system.K, 2 * len(system.nodes))
 
 
 def _unknown_ranks(system: ElasticSystem, rank: Array) -> Array:
@@ -104,27 +110,25 @@ def _unknown_ranks(system: ElasticSystem, rank: Array) -> Array:
     return ranks
 
 
-def condense(system: ElasticSystem, factor: Factor) -> Surface:
-    """Surface compliance of the candidates, checked by full solves."""
-    n = factor.tail
-    inverse = cho_solve((factor.factor.root, True), np.eye(n))
-    C = (inverse + inverse.T) / 2
-    residual, asymmetry = _check(system, factor, C)
+def condense(system: ElasticSystem, factor: StiffnessFactor) -> Surface:
+    """Surface of frictionless contact, whose forces act on the normal displacements alone; checked by full solves."""
+    n = factor.last.size
+    C = factor.compliance()
+    residual, asymmetry = _check(factor, C)
     radii, areas = system.radii[:n], system.areas[:n]
     exempt = int(radii[0] == 0 and abs(areas[0]) < 1e-6 * abs(areas[1]))
     return Surface(C, radii, system.is_vertex[:n], areas, exempt, residual, asymmetry)
 
 
-def _check(system: ElasticSystem, factor: Factor, C: Array) -> tuple[float, float]:
-    """Residual of full solves for unit forces on a few candidates, and their distance to the columns of C."""
-    n = factor.tail
+def _check(factor: StiffnessFactor, C: Array) -> tuple[float, float]:
+    """Residual of full solves for unit forces on the innermost and outermost candidate, and their distance to the
+    columns of C."""
     residuals, distances = [], []
-    for j in np.unique(np.linspace(0, n - 1, PROBES).astype(int)):
-        loads = np.zeros(system.K.shape[0])
-        loads[system.normal[j]] = -1.0
+    for j in {0, len(C) - 1}:
+        loads = factor.loads(np.eye(len(C))[j])
         solution = factor.solve(loads)
         residuals.append(factor.residual(solution, loads))
-        distances.append(np.abs(solution[system.normal[:n]] + C[:, j]).max() / np.abs(C[:, j]).max())
+        distances.append(np.abs(solution[factor.last] - C[:, j]).max() / np.abs(C[:, j]).max())
     if not max(residuals) < RESIDUAL_LIMIT:
         raise SolveError(
             f"factorisation: residual {max(residuals):.1e} of the check solves, allowed {RESIDUAL_LIMIT:g}"

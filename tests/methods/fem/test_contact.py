@@ -10,18 +10,18 @@ from hypothesis import strategies as st
 from jkrcli.base.clock import StageClock
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat
 from jkrcli.bodies.materials import Elastic
+from jkrcli.methods.fem.body import MeshedBody
 from jkrcli.methods.fem.contact import SurfaceContact, nested_events, solve_depths, solve_loads
-from jkrcli.methods.fem.domain import Body
 from jkrcli.methods.fem.layout import scaled_layout
-from jkrcli.methods.fem.model import Recipe
+from jkrcli.methods.fem.model import Discretisation
 from jkrcli.methods.fem.surface import Surface
 
 SOFT = Elastic(2.0, 0.35)
 
 
 def half_space_model(order, element="triangle", a0=0.0):
-    body = Body((200.0,), (SOFT,), 200.0, True, "free", True, True, completed=True)
-    return Recipe(scaled_layout(body, element, 1.0, a0, 0.1, 0.1, 0.2), order, (), 1.0).build(StageClock())
+    body = MeshedBody((200.0,), (SOFT,), 200.0, True, "free", True, True, completed=True)
+    return Discretisation(scaled_layout(body, element, 1.0, a0, 0.1, 0.1, 0.2), order, (), 1.0).build(StageClock())
 
 
 @pytest.fixture(scope="module")

@@ -14,7 +14,8 @@ from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Spe
 from jkrcli.methods.fem import factor
 from jkrcli.methods.fem.factor import sparse_factor
 from jkrcli.methods.fem.method import FEM
-from jkrcli.methods.fem.model import Model, Recipe
+from jkrcli.methods.fem.model import Discretisation, Model
+from jkrcli.methods.fem.solve import run
 
 UNIT = Problem(Paraboloid(10.0), Specimen((), HalfSpace(Elastic(1.0, 0.3))), Loading("radius", 1.0))
 GEL = Problem(Paraboloid(100.0), Specimen((Layer(Elastic(1.0, 0.5), 1.0),), Rigid()), Loading("radius", 1.0))
@@ -45,8 +46,8 @@ def test_both_libraries_give_the_same_surface() -> None:
     reach = method.reach(UNIT)
     models: dict[str, Model] = {}
     for solver in ("superlu", "cholmod"):
-        layout = method.run(UNIT, StageClock()).level.model.recipe.layout
-        models[solver] = Recipe(layout, 2, (), reach, solver).build(StageClock())  # type: ignore[arg-type]
+        layout = run(method, UNIT, StageClock()).level.model.discretisation.layout
+        models[solver] = Discretisation(layout, 2, (), reach, solver).build(StageClock())  # type: ignore[arg-type]
     C = [model.surface.C for model in models.values()]
     np.testing.assert_allclose(C[0], C[1], rtol=1e-12, atol=1e-12 * C[0].max())
     assert [model.factor.factor.name for model in models.values()] == ["SuperLU", "CHOLMOD"]
@@ -93,8 +94,8 @@ def test_a_missing_library_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
     assert sparse_factor(chain(5), 2, True, "auto").name == "SuperLU"
 
 
-def test_auto_takes_cholmod_where_it_pays(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_auto_takes_cholmod_where_it_pays(tuned) -> None:
     pytest.importorskip("cvxopt")
     assert sparse_factor(chain(50), 2, True, "auto").name == "SuperLU"
-    monkeypatch.setattr(factor, "SMALL", 10)
+    tuned("jkrcli.methods.fem.factor.TUNING.small", 10)
     assert sparse_factor(chain(50), 2, True, "auto").name == "CHOLMOD"

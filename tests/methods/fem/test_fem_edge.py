@@ -13,11 +13,12 @@ from jkrcli.bodies.indenters import Paraboloid, RoundedFlat
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.many.study.converge import converge
-from jkrcli.methods.fem.domain import half_space_like
+from jkrcli.methods.fem.body import half_space_like
 from jkrcli.methods.fem.edge import CUT
+from jkrcli.methods.fem.grid import Strip
+from jkrcli.methods.fem.layout import Layout, layout_for
 from jkrcli.methods.fem.method import FEM
-from jkrcli.methods.fem.model import Recipe
-from jkrcli.methods.fem.strip import ROWS, strip_below
+from jkrcli.methods.fem.model import Discretisation
 from jkrcli.methods.layered.layered import Layered
 
 UNIT = Problem(Paraboloid(10.0), Specimen((), HalfSpace(Elastic(1.0, 0.3))), Loading("radius", 1.0))
@@ -33,21 +34,21 @@ def exactly(problem: Problem, a: np.ndarray):
 
 def test_a_strip_is_filled_by_its_triangles():
     r = np.array([0.0, 0.1, 0.25, 0.5])
-    strip = strip_below(r, 10.0)
+    strip = Strip.below(r, 10.0, 2, 0.8)
     x, z = strip.points.reshape(-1, 2)[strip.cells].transpose(2, 0, 1)
     areas = 0.5 * ((x[:, 1] - x[:, 0]) * (z[:, 2] - z[:, 0]) - (x[:, 2] - x[:, 0]) * (z[:, 1] - z[:, 0]))
     assert (areas > 0).all()
     depth = -strip.points[-1, :, 1]
     assert areas.sum() == pytest.approx(np.trapezoid(depth, r), rel=1e-14)
-    assert depth == pytest.approx(ROWS * 0.8 * np.array([0.1, 0.1, 0.15, 0.25]))  # the smaller neighbouring step
-    assert -strip_below(r, 0.1).points[-1, :, 1].min() == pytest.approx(0.1)  # no deeper than asked
+    assert depth == pytest.approx(2 * 0.8 * np.array([0.1, 0.1, 0.15, 0.25]))  # the smaller neighbouring step
+    assert -Strip.below(r, 0.1, 2, 0.8).points[-1, :, 1].min() == pytest.approx(0.1)  # no deeper than asked
 
 
 @pytest.mark.parametrize("element", ["triangle", "quadrilateral"])
 def test_body_and_calibration_share_their_surface(element):
     method = FEM(element=element, spacing=0.1, growth=0.3)
     reach = method.reach(LAYER)
-    recipe = Recipe(method._layout(LAYER, reach), 2, (), reach)
+    recipe = Discretisation(layout_for(method, LAYER, reach), 2, (), reach)
     other = recipe.on_half_space(half_space_like(recipe.body, CUT * reach))
     grids = [recipe.layout.grid(), other.layout.grid()]
     radii = [grid.surface_radii() for grid in grids]
@@ -63,7 +64,7 @@ def test_a_calibration_of_fine_thin_layers_stays_small():
     """Lines of the paper's uniform mesh are not carried through a whole half-space."""
     problem = replace(LAYER, loading=Loading("depth", 0.15))
     method = FEM(layout="zones", element="quadrilateral", order=1, width=30.0)
-    layout = method._layout(problem, method.reach(problem))
+    layout = layout_for(method, problem, method.reach(problem))
     other = layout.on(half_space_like(layout.body, CUT * layout.law.reach * layout.unit))
     assert other.expected_cells() < layout.expected_cells()  # 61,000 of 73,000; millions with the body's own law
 
@@ -143,8 +144,6 @@ def test_the_corner_of_a_free_side_on_a_bonded_base_costs_no_order():
 
 
 def test_a_convergence_study_meshes_every_level_once(monkeypatch):
-    from jkrcli.methods.fem.layout import Layout
-
     meshed = []
     grid = Layout.grid
     monkeypatch.setattr(Layout, "grid", lambda layout: meshed.append(layout.law.slope) or grid(layout))

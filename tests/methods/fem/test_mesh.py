@@ -11,10 +11,8 @@ from jkrcli.base.errors import InputError, Refusal
 from jkrcli.bodies.indenters import Paraboloid, RoundedFlat, Sphere
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
-from jkrcli.methods.fem.blocks import ringed_quads, tensor_quads
-from jkrcli.methods.fem.export import write_vtu
-from jkrcli.methods.fem.grid import make_grid
-from jkrcli.methods.fem.mesh import triangles, write_msh
+from jkrcli.methods.fem.grid import make_grid, ringed_quads, tensor_quads
+from jkrcli.methods.fem.mesh import triangles, write_msh, write_vtu
 from jkrcli.methods.fem.method import FEM
 from jkrcli.methods.fem.sizes import SizeLaw, graded_points
 
@@ -23,6 +21,7 @@ LAW = SizeLaw(
     reach=1.1,
     growth=0.3,
     far_growth=0.3,
+    far=5.0,
     inner=0.1,
     slope=0.2,
     zones=((2.0, 0.3), (20.0, 2.0)),

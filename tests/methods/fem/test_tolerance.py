@@ -13,9 +13,9 @@ from jkrcli.bodies.indenters import Indenter, Paraboloid, PowerLaw, RoundedFlat,
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.case import store
-from jkrcli.methods.fem.adapt import COMPANION
+from jkrcli.methods.fem.adapt import TUNING
 from jkrcli.methods.fem.method import FEM
-from jkrcli.methods.fem.model import Recipe
+from jkrcli.methods.fem.model import Discretisation
 from jkrcli.methods.layered.layered import Layered
 from jkrcli.series import Solution
 
@@ -88,19 +88,19 @@ def test_thirteen_bodies_at_three_tolerances(tolerance: float) -> None:
     assert near >= 0.9 * len(problems)
 
 
-def test_a_finer_mesh_is_judged_against_the_one_before(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_finer_mesh_is_judged_against_the_one_before(monkeypatch: pytest.MonkeyPatch, tuned) -> None:
     sizes = []
-    build = Recipe.build
+    build = Discretisation.build
 
-    def counted(recipe: Recipe, clock):
+    def counted(recipe: Discretisation, clock):
         sizes.append(recipe.layout.law.slope)
         return build(recipe, clock)
 
-    monkeypatch.setattr(Recipe, "build", counted)
-    monkeypatch.setattr("jkrcli.methods.fem.adapt.USUAL", 1e-5)  # a guess that is much too coarse
+    monkeypatch.setattr(Discretisation, "build", counted)
+    tuned("jkrcli.methods.fem.adapt.TUNING.usual", 1e-5)  # a guess that is much too coarse
     solution = FEM(tolerance=5e-4)(PROBLEMS["half-space"])
     assert len(sizes) >= 3  # a first mesh, its companion, and at least one finer
-    assert sizes[1] == pytest.approx(COMPANION * sizes[0])
+    assert sizes[1] == pytest.approx(TUNING.companion * sizes[0])
     assert sizes[2:] == sorted(sizes[2:], reverse=True)
     assert sizes[-1] < sizes[0]
     assert len(set(sizes)) == len(sizes)
@@ -118,8 +118,8 @@ def test_a_finer_mesh_is_judged_against_the_one_before(monkeypatch: pytest.Monke
     ],
     ids=["the user's truncation", "radii of nodes"],
 )
-def test_a_tolerance_out_of_reach_is_refused_with_what_was_reached(options, message, monkeypatch) -> None:
-    monkeypatch.setattr("jkrcli.methods.fem.adapt.FINEST", 0.02)
+def test_a_tolerance_out_of_reach_is_refused_with_what_was_reached(options, message, tuned) -> None:
+    tuned("jkrcli.methods.fem.adapt.TUNING.finest", 0.02)
     with pytest.raises(Refusal, match=message):
         FEM(tolerance=1e-3, **options)(PROBLEMS["half-space"])
 

@@ -15,10 +15,9 @@ from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Spe
 from jkrcli.case import parse_case
 from jkrcli.formulas.half_space import hertz
 from jkrcli.methods.fem.elasticity import assemble
+from jkrcli.methods.fem.far_field import Boussinesq, TransversePointForce
 from jkrcli.methods.fem.mesh import triangles
 from jkrcli.methods.fem.method import FEM
-from jkrcli.methods.fem.point_force import PointForce
-from jkrcli.methods.fem.truncation import boussinesq_displacement, boussinesq_side_traction
 from jkrcli.methods.layered.layered import Layered
 from jkrcli.methods.layered.minors import Medium
 from jkrcli.methods.layered.spectrum import compliance_ratio, deviation
@@ -96,17 +95,17 @@ def test_a_paraboloid_on_the_half_space(material):
 
 def test_the_point_force_with_isotropic_constants_is_boussinesqs():
     r, z = np.array([0.0, 0.1, 1.0, 3.0]), np.array([-0.5, -1.0, -0.3, -2.0])
-    force = PointForce(AS_FIVE)
-    for found, exact in zip(force.displacement(r, z), boussinesq_displacement(r, z, ISOTROPIC), strict=True):
+    force = TransversePointForce(AS_FIVE)
+    for found, exact in zip(force.displacement(r, z), Boussinesq(ISOTROPIC).displacement(r, z), strict=True):
         assert found == pytest.approx(exact, rel=1e-6)  # equal roots are taken 1e-4 apart
-    for found, exact in zip(force.side_traction(r, z), boussinesq_side_traction(r, z, ISOTROPIC), strict=True):
+    for found, exact in zip(force.side_traction(r, z), Boussinesq(ISOTROPIC).side_traction(r, z), strict=True):
         assert found == pytest.approx(exact, rel=1e-5)
 
 
 @pytest.mark.parametrize("material", [REAL, CONJUGATE, FIBRES])
 def test_the_point_force_obeys_hookes_law_and_sinks_as_it_should(material):
     r, z, step = np.array([0.1, 1.0, 3.0]), np.array([-1.0, -0.3, -2.0]), 1e-5
-    force = PointForce(material)
+    force = TransversePointForce(material)
     assert force.displacement(r, 0 * r)[1] * np.pi * material.E_star * r == pytest.approx(-np.ones(3), rel=1e-12)
     along_r = [np.subtract(*pair) / (2 * step) for pair in zip(
         force.displacement(r + step, z), force.displacement(r - step, z), strict=True)]  # fmt: skip

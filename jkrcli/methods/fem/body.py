@@ -6,16 +6,26 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...base.arrays import Array
 from ...base.errors import Refusal
 from ...bodies.materials import Elastic, Material, TransverselyIsotropic
-from ...bodies.problem import HalfSpace, Problem, Rigid, Side, Specimen
-
-FAR = 500.0  # size of the cut-out of a half-space, in lengths over which its field changes
-WIDE, SLIDING_WIDE = 40.0, 1000.0  # width beyond the contact of a stack on a bonded or sliding base, in such lengths
+from ...bodies.problem import HalfSpace, Problem, Side, Specimen
 
 
 @dataclass(frozen=True)
-class Body:
+class CutTuning:
+    """Where an unbounded specimen is cut, in lengths over which its field changes far from the contact."""
+
+    half_space: float = 500.0  # size of the cut-out; tuned on the bodies of `make tuning`, by `make tuning`
+    bonded: float = 40.0  # width beyond the contact on a bonded base; tuned on the same, by `make tuning`
+    sliding: float = 1000.0  # width beyond the contact on a sliding base; tuned on the same, by `make tuning`
+
+
+TUNING = CutTuning()
+
+
+@dataclass(frozen=True)
+class MeshedBody:
     """Layers from the surface down, each ``thicknesses[i]`` m of ``materials[i]``, out to radius ``width`` [m].
 
     ``bonded``: the base holds the body, else it only supports it; ``cut_below``: the lowest layer stands for a
@@ -37,7 +47,7 @@ class Body:
         return float(sum(self.thicknesses))
 
     @property
-    def interfaces(self) -> np.ndarray:
+    def interfaces(self) -> Array:
         """Depths of the layer boundaries inside the body, increasing [m]."""
         return np.cumsum(self.thicknesses)[:-1]
 
@@ -49,35 +59,26 @@ class Body:
         return pairs[:-1] if self.cut_below else pairs
 
 
-def cut_out(problem: Problem, reach: float, depth: float | None, width: float | None) -> Body:
+def cut_out(problem: Problem, reach: float, depth: float | None, width: float | None) -> MeshedBody:
     """The body to mesh for contact radii up to ``reach``; ``depth`` and ``width``: the user's truncation, or None."""
     specimen = _with_equivalent_modulus(problem)
-    decay = _decay_length(specimen, reach)
-    base = specimen.base
+    base, decay = specimen.base, _decay_length(specimen, reach)
     thicknesses = [layer.thickness for layer in specimen.layers]
-    materials = [layer.material for layer in specimen.layers]
     if isinstance(base, HalfSpace):
-        H = depth if depth is not None else FAR * decay
-        if 2 * (sum(thicknesses) + reach) >= H:
-            raise Refusal(
-                f"mesh.depth: {H:g} m leaves too little of the half-space below contact and layers; "
-                f"give more than {2 * (sum(thicknesses) + reach):.3g} m or leave it out"
-            )
-        thicknesses.append(H - sum(thicknesses))
-        materials.append(base.material)
-        bonded, L = True, FAR * decay
+        far = TUNING.half_space * decay
+        thicknesses.append(_cut_below(sum(thicknesses), reach, far if depth is None else depth))
+        bonded = True
     else:
+        bonded, far = base.bonded, reach + (TUNING.bonded if base.bonded else TUNING.sliding) * decay
         if depth is not None:
             raise Refusal(
                 f"mesh.depth: the specimen ends at its rigid base, {specimen.thickness:g} m deep: leave it out"
             )
-        assert isinstance(base, Rigid)
-        bonded, L = base.bonded, reach + (WIDE if base.bonded else SLIDING_WIDE) * decay
     finite = specimen.radius is not None
-    return Body(
+    return MeshedBody(
         thicknesses=tuple(thicknesses),
-        materials=tuple(materials),
-        width=_width(specimen, reach, width, L),
+        materials=specimen.materials,
+        width=_width(specimen, reach, width, far),
         bonded=bonded,
         side=(specimen.side or "free") if finite else "free",
         cut_below=isinstance(base, HalfSpace),
@@ -86,29 +87,39 @@ def cut_out(problem: Problem, reach: float, depth: float | None, width: float | 
     )
 
 
-def half_space_like(body: Body, size: float) -> Body:
+def half_space_like(body: MeshedBody, size: float) -> MeshedBody:
     """A homogeneous half-space of the uppermost material at the surface, cut at depth and width ``size`` [m]."""
     top = body.materials[0]
     material = top if isinstance(top, TransverselyIsotropic) else top.surface
-    return Body((size,), (material,), size, True, "free", True, True, completed=True)
+    return MeshedBody((size,), (material,), size, True, "free", True, True, completed=True)
 
 
-def _width(specimen: Specimen, reach: float, width: float | None, automatic: float) -> float:
+def _cut_below(layers: float, reach: float, depth: float) -> float:
+    """Thickness of a half-space cut at ``depth`` below ``layers`` of this thickness together [m]."""
+    if 2 * (layers + reach) >= depth:
+        raise Refusal(
+            f"mesh.depth: {depth:g} m leaves too little of the half-space below contact and layers; "
+            f"give more than {2 * (layers + reach):.3g} m or leave it out"
+        )
+    return depth - layers
+
+
+def _width(specimen: Specimen, reach: float, width: float | None, far: float) -> float:
+    """Radius of the body [m]: the specimen's own, the user's ``width``, or ``far``."""
     if specimen.radius is not None:
         if width is not None:
             raise Refusal(f"mesh.width: the specimen ends at its radius, {specimen.radius:g} m: leave it out")
         return specimen.radius
-    if width is None:
-        return automatic
-    if width <= 1.5 * reach:
+    if width is not None and width <= 1.5 * reach:
         raise Refusal(
             f"mesh.width: {width:g} m, needs more than 1.5 times the refined zone, {1.5 * reach:.4g} m, or leave it out"
         )
-    return width
+    return far if width is None else width
 
 
 def _decay_length(specimen: Specimen, reach: float) -> float:
-    """Length over which the field changes far from the contact: layers' thickness, longer under a stiff plate."""
+    """Length over which the field changes far from the contact [m]: the layers' thickness, longer under a stiff plate
+    (of moduli E1 on E2 like (E1/E2)^(1/3) on a half-space, and like (E1/E2)^(1/4) on a layer, as Winkler's)."""
     moduli = [modulus for layer in specimen.layers for modulus in layer.moduli]
     total = sum(layer.thickness for layer in specimen.layers)
     if isinstance(specimen.base, HalfSpace):

@@ -16,7 +16,7 @@ CASES   := $(notdir $(basename $(wildcard cases/*.toml)))
 SOURCES := $(shell find jkrcli -name '*.py')
 
 .DEFAULT_GOAL := help
-.PHONY: help setup run test test-all test-minimal fuzz lint cases bench figures noise-study chart chart-peers failures sweep audit clean requirements
+.PHONY: help setup run test test-all test-minimal fuzz lint cases bench figures noise-study chart chart-peers failures tuning sweep audit clean requirements
 .DELETE_ON_ERROR:
 
 help: ## list the targets
@@ -86,6 +86,10 @@ chart-peers: $(READY) ## run other programs on the same work, in an environment 
 	$(PYTHON) -m venv --clear $(VENV)-peers
 	$(VENV)-peers/bin/python -m pip install --quiet ContactMechanics==1.8.3 tamaas==2.9.0 scikit-fem==12.0.2 scipy
 	$(VENV)/bin/python docs/peers/run.py --python $(VENV)-peers/bin/python
+
+tuning: $(READY) ## every tuned number halved and doubled: errors and times of reference bodies (half an hour)
+	@mkdir -p $(RESULTS)/tuning
+	$(STUDY).tuning -o $(RESULTS)/tuning | tee $(RESULTS)/tuning/tuning.txt
 
 failures: $(READY) ## where each method is right, refuses, or errs (an hour)
 	$(STUDY).failures -o $(RESULTS)/failures

@@ -23,6 +23,7 @@ CSV_HEADS = (  # our tables carry no mark but their own header
     b"body,points,noise,method,median",
     b"case,status,reason,",
     b"case,reason,command",
+    b"algorithm,field,shipped",
     b"method,setting,slopes,unknowns",
     b"method,outcome,nu,a_over_h",
     b"curve,segment,state,a_m,w_J_per_m2",

@@ -33,7 +33,7 @@ def test_a_study_that_left_is_found_in_make(jkr, name: str, target: str) -> None
     assert f"$(STUDY).{name} " in lines[lines.index(f"\n{target}:") :]
 
 
-@pytest.mark.parametrize("name", MAKE)
+@pytest.mark.parametrize("name", [*MAKE, "tuning"])
 def test_studies_run_by_make_have_help(study, capsys: pytest.CaptureFixture[str], name: str) -> None:
     with pytest.raises(SystemExit, match="0"):
         study(name, "--help")

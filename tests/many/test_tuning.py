@@ -1,0 +1,81 @@
+"""The study of tuned numbers: which are found, that varying them reaches the algorithm, and what is written."""
+
+from __future__ import annotations
+
+import csv
+import sys
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+from jkrcli.many.study import tuning
+from jkrcli.methods.layered import layered
+
+MADE_UP = '''
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class MadeUpTuning:
+    """Numbers of no algorithm."""
+
+    nodes: int = 40  # tuned on nothing, by `make tuning`
+    # A share of it; tuned likewise.
+    share: float = 0.5
+    few: int = 3  # tuned likewise
+    limit: float = 9.0  # choice: a guard
+    order: int = 2  # theory: Eq. 13
+    names: tuple[str, ...] = ("a",)  # tuned, but no number
+
+
+TUNING = MadeUpTuning()
+'''
+
+
+@pytest.fixture(name="module")
+def _module(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> ModuleType:
+    """A module of the package with a tuning set of its own, found where ``layered`` stands."""
+    path = tmp_path / "made_up.py"
+    path.write_text(MADE_UP)
+    monkeypatch.setattr("jkrcli.methods.layered.__path__", [str(tmp_path)])
+    monkeypatch.delitem(sys.modules, "jkrcli.methods.layered.made_up", raising=False)
+    import jkrcli.methods.layered.made_up as found
+
+    yield found
+    del sys.modules["jkrcli.methods.layered.made_up"]
+
+
+def test_tuned_numbers_are_found_by_their_comments(module: ModuleType) -> None:
+    found = tuning.knobs(["layered.made-up"])
+    assert {knob.field: knob.values for knob in found} == {"nodes": (20, 80), "share": (0.25, 1.0), "few": (2, 4)}
+
+
+def test_a_varied_number_reaches_all_who_hold_it(module: ModuleType, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(layered, "BORROWED", module.TUNING, raising=False)
+    knob = tuning.knobs(["made_up"])[0]
+    with tuning.varied(knob, 80):
+        assert (module.TUNING.nodes, layered.BORROWED.nodes) == (80, 80)
+    assert (module.TUNING.nodes, layered.BORROWED.nodes) == (40, 40)
+
+
+def test_the_study_writes_a_row_per_value_and_body(study, module: ModuleType) -> None:
+    outcome = study("tuning", "made_up", "--quick", "--workers", 1)
+    assert (outcome.code, outcome.err) == (0, "")
+    with Path("tuning.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["field"] for row in rows] == ["nodes", "nodes", "share", "share", "few", "few"]
+    assert {(row["algorithm"], row["body"], row["method"]) for row in rows} == {
+        ("methods.layered.made_up", "coating", "layered")
+    }
+    assert all(float(row["error"]) == float(row["shipped_error"]) < 1e-6 for row in rows)  # nothing depends on them
+    assert len(outcome.out.splitlines()) == 1 + len(rows)
+    assert study("tuning", "made_up", "--quick", "--workers", 1).code == 0  # its own file is replaced
+
+
+def test_failures_are_told_and_not_raised(monkeypatch: pytest.MonkeyPatch) -> None:
+    def broken(*_: object) -> float:
+        raise ZeroDivisionError("by zero")
+
+    monkeypatch.setattr(tuning, "_load_error", broken)
+    assert tuning.measure(tuning.Trial("half-space", "layered")).reason == "ZeroDivisionError: by zero"

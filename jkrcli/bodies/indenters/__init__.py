@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib
 import pkgutil
 
-from ..indenter import SHAPES, Indenter
+from ..indenter import SHAPES, Indenter, shape
 
 # isort: off
 from .sphere import Sphere  # in the order in which messages name the shapes
@@ -15,7 +15,7 @@ from .rounded_flat import RoundedFlat
 from .table import TableProfile
 # isort: on
 
-__all__ = ["SHAPES", "Indenter", "Paraboloid", "PowerLaw", "RoundedFlat", "Sphere", "TableProfile"]
+__all__ = ["SHAPES", "Indenter", "Paraboloid", "PowerLaw", "RoundedFlat", "Sphere", "TableProfile", "shape"]
 
 for _module in pkgutil.iter_modules(__path__):
     importlib.import_module(f"{__name__}.{_module.name}")

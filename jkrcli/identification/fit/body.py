@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -10,7 +9,7 @@ from functools import lru_cache
 from typing import Any
 
 from ...adhesion.slopes import Slopes, slopes
-from ...base.errors import InputError, JkrError, SolveError
+from ...base.errors import InputError, JkrError, SolveError, did_you_mean
 from ...bodies.materials import Elastic
 from ...bodies.problem import HalfSpace, Layer, Loading, Problem
 from ...methods.layered.layered import Layered, unbounded
@@ -182,6 +181,5 @@ def checked_names(names: Sequence[str], allowed: Sequence[str]) -> None:
     """Refuse a name that is none of ``allowed``, with the nearest that is."""
     for name in names:
         if name not in allowed:
-            close = difflib.get_close_matches(name, allowed, 1, 0.4)
-            hint = f', did you mean "{close[0]}"?' if close else ""
+            hint = did_you_mean(name, allowed, 0.4)
             raise InputError(f'fit: unknown parameter "{name}"{hint} (allowed: {", ".join(allowed)})')

@@ -1,0 +1,116 @@
+"""Adding an indenter or a method is one file: each is used from a case file to the CSV, in a process of its own."""
+
+from __future__ import annotations
+
+import csv
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from jkrcli.base.arrays import Array
+from jkrcli.formulas.thin_layer import foundation_modulus, thin_layer
+
+CASE = """
+method = "{method}"
+[indenter]
+shape = "{shape}"
+radius = "1 mm"
+{keys}
+[[specimen.layers]]
+E = "1 MPa"
+nu = 0.3
+thickness = "{thickness}"
+[loading]
+radius = "100 um"
+points = 40
+[adhesion]
+w = "10 mJ/m^2"
+"""
+
+
+def jkr(module: str, *words: object) -> subprocess.CompletedProcess[str]:
+    """``jkr`` with ``words``, once ``module`` is imported."""
+    code = f"import sys, {module}\nfrom jkrcli.cli import call\nsys.exit(call(sys.argv[1:]))"
+    tests = Path(__file__).parent
+    env = os.environ | {"PYTHONPATH": os.pathsep.join([str(tests.parent), str(tests)])}
+    return subprocess.run([sys.executable, "-c", code, *map(str, words)], capture_output=True, text=True, env=env)
+
+
+def curve(module: str, folder: Path, text: str) -> dict[str, Array]:
+    """The columns of the adhesive curve of the case ``text``, by ``jkr run`` and ``jkr transform``."""
+    (folder / "my.toml").write_text(text)
+    for words in (
+        ("run", folder / "my.toml", "-o", folder / "my.h5"),
+        ("transform", folder / "my.h5", "-o", folder / "out", "--no-plots"),
+    ):
+        done = jkr(module, *words)
+        assert done.returncode == 0, done.stderr
+    with next((folder / "out").glob("*.csv")).open() as file:
+        rows = list(csv.DictReader(file))
+    return {name: np.array([float(row[name]) for row in rows]) for name in ("a_m", "delta_H_m", "P_H_N", "P_N")}
+
+
+@pytest.mark.parametrize("method", ["layered", "closed-form", "fem"])
+def test_an_indenter_of_ones_own(method: str, tmp_path: Path) -> None:
+    text = CASE.format(method=method, shape="aspheric", keys="k = 1e11", thickness="1 km")
+    text = text if method == "layered" else text[: text.index("[[")] + (
+        '[specimen.half_space]\nE = "1 MPa"\nnu = 0.3\n' + text[text.index("[loading]") :]
+    )  # fmt: skip
+    found = curve("aspheric", tmp_path, text)
+    a, E_star = found["a_m"], 1e6 / (1 - 0.3**2)
+    P = E_star * (4 * a**3 / (3 * 1e-3) + 64 / 15 * 1e11 * a**5)
+    delta = a**2 / 1e-3 + 8 / 3 * 1e11 * a**4
+    tolerance = 2e-3 if method == "fem" else 2e-6  # a thick layer is not quite a half-space
+    np.testing.assert_allclose(found["P_H_N"], P, atol=tolerance * P[-1], rtol=0)
+    np.testing.assert_allclose(found["delta_H_m"], delta, atol=tolerance * delta[-1], rtol=0)
+    shift = np.sqrt(2 * np.pi * 0.01 * a / E_star)
+    np.testing.assert_allclose(found["P_N"], P - 2 * E_star * a * shift, atol=2 * tolerance * P[-1], rtol=0)
+
+
+def test_keys_of_an_indenter_of_ones_own_are_checked(tmp_path: Path) -> None:
+    (tmp_path / "my.toml").write_text(CASE.format(method="auto", shape="aspheric", keys="kk = 1", thickness="1 mm"))
+    assert jkr("aspheric", "check", tmp_path / "my.toml").stderr == (
+        f"jkr: error: {tmp_path}/my.toml: indenter.kk: unknown key, did you mean \"k\"? "
+        "(allowed: E, nu, shape, radius, k)\n"
+    )  # fmt: skip
+    (tmp_path / "my.toml").write_text(CASE.format(method="auto", shape="asferic", keys="k = -1", thickness="1 mm"))
+    assert jkr("aspheric", "check", tmp_path / "my.toml").stderr.endswith(
+        "indenter.shape: must be one of sphere, paraboloid, power, cone, flat, table, aspheric, "
+        'got "asferic", did you mean "aspheric"?\n'
+    )
+
+
+def test_a_method_of_ones_own(tmp_path: Path) -> None:
+    text = CASE.format(method="winkler", shape="paraboloid", keys="", thickness="1 um")
+    found = curve("winkler", tmp_path, text + "[winkler]\nstiffening = 2\n")
+    delta, P = thin_layer(found["a_m"], 2 * foundation_modulus(1e6, 0.3, 1e-6), 1e-3)
+    np.testing.assert_allclose(found["delta_H_m"], delta, rtol=1e-9)  # as the CSV is written
+    np.testing.assert_allclose(found["P_H_N"], P, rtol=1e-9)
+
+
+def test_options_of_a_method_of_ones_own_are_checked(tmp_path: Path) -> None:
+    case = tmp_path / "my.toml"
+    case.write_text(CASE.format(method="winkle", shape="sphere", keys="", thickness="1 um") + "[winkler]\nstiffening=0")
+    assert jkr("winkler", "check", case).stderr.splitlines() == [
+        f"jkr: error: {case}: method: must be one of auto, closed-form, winkler, layered, hybrid, fem, "
+        'got "winkle", did you mean "winkler"?',
+        f"jkr: error: {case}: winkler.stiffening: must be > 0 and <= 10, got 0",
+    ]
+    assert "winkler" not in jkr("winkler", "check", "cases/thin-layer.toml").stdout  # auto may not choose it
+
+
+def test_a_run_imports_no_solver_that_it_does_not_use(tmp_path: Path) -> None:
+    case = tmp_path / "my.toml"
+    case.write_text(CASE.format(method="layered", shape="sphere", keys="", thickness="1 mm"))
+    code = (
+        "import sys\nfrom jkrcli.cli import call\nassert call(sys.argv[1:]) == 0\n"
+        "others = (f'jkrcli.methods.{name}.method' for name in ('closed_form', 'fem', 'hybrid'))\n"
+        "print('UNUSED', *(other in sys.modules for other in others))"
+    )
+    words = [sys.executable, "-c", code, "run", case, "-o", tmp_path / "my.h5"]
+    done = subprocess.run(words, capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines()[-1] == "UNUSED False False False"

@@ -322,9 +322,9 @@ class AdhesiveCurve:
             yield min(max(a, self.a[0]), self.a[-1]), bool(signs[i + 1] > signs[i])
 
     def pull_off(self, stiffness: float) -> CriticalPoint | Unknown:
-        """The pull-off point: the last stable one on retraction by a device of ``stiffness`` [N/m] as in ``critical``.
+        """Pull-off under load control (``stiffness`` 0), pull-off under displacement control (inf), or by a device [N/m].
 
-        Load control is 0, pull-off under displacement control infinity. Where the curve has several minima, the lowest:
+        The last stable point on retraction, see ``critical``. Where the curve has several minima, the lowest:
         at the others contact shrinks to a smaller stable radius. Unknown, with numbers and the remedy, where it does
         not lie in the series: contact is lost at a position <= 0 only, above the free bodies would overlap.
         """

@@ -44,7 +44,7 @@ class Indenter(ABC):
 
     @property
     def kinks(self) -> tuple[float, ...]:
-        """Radii > 0 [m] where the slope f' bends, and with it the Abel image, increasing."""
+        """Radii > 0 [m] where the slope f' bends, and with it F, increasing."""
         return ()
 
     @property
@@ -66,7 +66,7 @@ class Indenter(ABC):
 
     @abstractmethod
     def abel_slope(self, x: Array) -> Array:
-        """Slope F'(x) [-] of the Abel image, x > 0: F' = F/x + int_0^x r f''(r)/sqrt(x^2 - r^2) dr."""
+        """F'(x) [-], x > 0: F' = F/x + int_0^x r f''(r)/sqrt(x^2 - r^2) dr."""
 
     def half_space(self, a: Array, E_star: float) -> tuple[Array, Array] | None:
         """delta_H = F(a) [m], P_H = 2 E* int_0^a (F(a) - F(x)) dx [N] on a half-space; None: it has no closed form."""

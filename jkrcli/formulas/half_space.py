@@ -47,7 +47,7 @@ def power_law(a: Array, E_star: float, B: float, d: float) -> tuple[Array, Array
 
 
 def abel_factor(n: float) -> float:
-    """Factor c_n of the Abel image of a power, r^n -> c_n x^n, n > 0: sqrt(pi) Gamma(n/2 + 1)/Gamma((n + 1)/2)."""
+    """Factor c_n of a power r^n, n > 0, whose F is c_n x^n: sqrt(pi) Gamma(n/2 + 1)/Gamma((n + 1)/2)."""
     z = (n + 1) / 2
     if z < 150:  # beyond, Gamma overflows soon, and the first term left out of its asymptotic series is below 1e-16
         return math.sqrt(math.pi) * math.gamma(z + 0.5) / math.gamma(z)
@@ -89,7 +89,7 @@ def jkr_dimensionless(a_bar: Array) -> tuple[Array, Array]:
 
 
 def adhesive_half_space(a: Array, delta_H: Array, P_H: Array, E_star: float, w: float) -> tuple[Array, Array]:
-    """Eq. 13 with S = 2 E* a: delta [m] and P [N] of the indenter whose nonadhesive contact is delta_H, P_H."""
+    """Adhesion with S = 2 E* a: delta [m] and P [N] of the indenter whose nonadhesive contact is delta_H, P_H."""
     t = shift(w, np.asarray(a, dtype=float), 2 * E_star)
     return delta_H - t, P_H - 2 * E_star * a * t
 

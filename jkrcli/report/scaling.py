@@ -27,7 +27,7 @@ class Scales:
     labels: tuple[str, str, str]
 
     def columns(self, result: Analysis) -> dict[str, Array]:
-        """The dimensionless columns of a curve."""
+        """The curve without dimensions, with Eq. 15 as units: Eq. 16."""
         curve, series = result.curve, result.curve.series
         return {
             "a_bar": series.a / self.a,

@@ -143,7 +143,7 @@ def smoothing_spline(
     smoothing_lambda: float | None = None,
     criterion: Criterion = "loocv",
 ) -> SmoothingSpline:
-    """Fit a smoothing spline to ``y`` (n,) at strictly increasing ``x`` (n,); n >= 4.
+    """Leave-one-out smoothing: a cubic smoothing spline of ``y`` (n,) at strictly increasing ``x`` (n,); n >= 4.
 
     ``weights``: positive, infinite for a value to be met exactly. ``smoothing_lambda``: in units of the mean spacing
     (abscissae) and of the weights; by default it minimises the left-out residuals ("loocv") or the generalised

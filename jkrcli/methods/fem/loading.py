@@ -27,7 +27,7 @@ def power_interpolated(x: Array, y: Array, at: Array) -> Array:
 
 
 def nested_columns(loading: Loading, events: Events, a0: float) -> Columns:
-    """Series of nested contact: the events before the loading's end and that end itself, or the given values.
+    """The series that a loading asks of the events: those before its end and that end itself, or the given values.
     Refusal: a value below the first event. ``a0``: flat radius [m]."""
     table = {"radius": events.a - a0, "depth": events.delta, "load": events.P}
     x, shift = table[loading.to], a0 if loading.to == "radius" else 0.0

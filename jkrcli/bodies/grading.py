@@ -4,43 +4,49 @@ from __future__ import annotations
 
 import itertools
 import math
+from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
-from typing import Protocol, Self
+from typing import Annotated, Self
 
 import numpy as np
 
 from ..base.arrays import Array
 from ..base.errors import InputError, positive
+from ..base.registry import Registry
+from ..base.units import AnyLength, Length, Modulus, Ranged
+
+LAWS = Registry(given="thickness")
+law = LAWS.register  # decorator: the name by which ``E = { law = ... }`` of a case file calls it
 
 
-class Law(Protocol):
-    """E(z) > 0 [Pa] for 0 <= z <= ``reach`` [m], smooth between its ``kinks``; frozen, hashable."""
+class Law(ABC):
+    """E(z) > 0 [Pa] for 0 <= z <= ``reach`` [m], smooth between its ``kinks``; a frozen dataclass."""
 
     @property
+    @abstractmethod
     def reach(self) -> float:
         """The depth [m] down to which the law says something."""
-        ...
 
     @property
     def kinks(self) -> tuple[float, ...]:
         """Depths [m] inside the reach at which the slope jumps."""
-        ...
+        return ()
 
+    @abstractmethod
     def at(self, depth: Array) -> Array:
         """E [Pa] at ``depth`` [m], same shape."""
-        ...
 
+    @abstractmethod
     def taylor(self, count: int) -> Array:
         """The first ``count`` coefficients of E(z)/E(0) in powers of z at the top [m^-n]."""
-        ...
 
+    @abstractmethod
     def scaled(self, factor: float) -> Self:
         """The same law with all moduli multiplied by ``factor``."""
-        ...
 
 
 @dataclass(frozen=True)
-class _Between:
+class _Between(Law):
     """A smooth law from ``top`` to ``bottom`` [Pa] over ``depth`` [m]."""
 
     top: float
@@ -54,10 +60,6 @@ class _Between:
     @property
     def reach(self) -> float:
         return self.depth
-
-    @property
-    def kinks(self) -> tuple[float, ...]:
-        return ()
 
     def scaled(self, factor: float) -> Self:
         return replace(self, top=self.top * factor, bottom=self.bottom * factor)
@@ -88,8 +90,20 @@ class Exponential(_Between):
         return np.array([self.rate**n / math.factorial(n) for n in range(count)])
 
 
+@law("linear")
+def over_layer(top: Modulus, bottom: Modulus, thickness: float) -> Linear:
+    """From ``top`` to ``bottom`` of the layer on a straight line."""
+    return Linear(top, bottom, thickness)
+
+
+@law("exponential")
+def by_equal_factors(top: Modulus, bottom: Modulus, thickness: float) -> Exponential:
+    """From ``top`` to ``bottom`` of the layer by equal factors over equal depths."""
+    return Exponential(top, bottom, thickness)
+
+
 @dataclass(frozen=True)
-class Power:
+class Power(Law):
     """E = top (1 + z/length)^exponent; any real ``exponent``."""
 
     top: float
@@ -106,10 +120,6 @@ class Power:
     def reach(self) -> float:
         return math.inf
 
-    @property
-    def kinks(self) -> tuple[float, ...]:
-        return ()
-
     def at(self, depth: Array) -> Array:
         return self.top * (1 + np.asarray(depth, dtype=float) / self.length) ** self.exponent
 
@@ -117,12 +127,18 @@ class Power:
         ratios = [(self.exponent - n + 1) / (n * self.length) for n in range(1, count)]
         return np.array(list(itertools.accumulate(ratios, lambda c, ratio: c * ratio, initial=1.0)))
 
-    def scaled(self, factor: float) -> Power:
+    def scaled(self, factor: float) -> Self:
         return replace(self, top=self.top * factor)
 
 
+@law("power")
+def by_power(top: Modulus, length: Length, exponent: Annotated[float, Ranged("number")], thickness: float) -> Power:
+    """top (1 + z/length)^exponent."""
+    return Power(top, length, exponent)
+
+
 @dataclass(frozen=True)
-class Tabulated:
+class Tabulated(Law):
     """``moduli`` [Pa] at increasing ``depths`` [m] from 0 on, straight lines between them."""
 
     depths: tuple[float, ...]
@@ -156,8 +172,14 @@ class Tabulated:
     def taylor(self, count: int) -> Array:
         return _padded([1.0, (self.moduli[1] / self.moduli[0] - 1) / self.depths[1]], count)
 
-    def scaled(self, factor: float) -> Tabulated:
+    def scaled(self, factor: float) -> Self:
         return replace(self, moduli=tuple(modulus * factor for modulus in self.moduli))
+
+
+@law("table")
+def by_depths(depth: tuple[AnyLength, ...], E: tuple[Modulus, ...], thickness: float) -> Tabulated:
+    """Moduli ``E`` at ``depth`` below the layer's top, straight lines between them."""
+    return Tabulated(depth, E)
 
 
 def _padded(coefficients: list[float], count: int) -> Array:

@@ -6,16 +6,13 @@ image F; on a half-space F is the displacement itself: delta_H(a) = F(a) (Sneddo
 
 from __future__ import annotations
 
-import inspect
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Callable
-from typing import Any, ClassVar, TypeVar, get_type_hints
+from typing import ClassVar
 
 from ..base.arrays import Array
+from ..base.registry import Registry
 from .materials import Elastic
-
-Build = TypeVar("Build", bound=Callable[..., "Indenter"])
 
 
 class Indenter(ABC):
@@ -73,25 +70,5 @@ class Indenter(ABC):
         return None
 
 
-SHAPES: dict[str, Callable[..., Indenter]] = {}  # by the name of the shape in a case file
-
-
-def shape(name: str) -> Callable[[Build], Build]:
-    """Make an indenter known to case files as ``shape = "name"`` in the table [indenter].
-
-    The decorated class or function gives the indenter; its parameters but ``material`` are the keys of the table, read
-    by their annotations (``jkrcli.base.units``: ``Length``, ``Ranged``...) and optional where they have a default.
-    """
-
-    def known(build: Build) -> Build:
-        SHAPES[name] = build
-        return build
-
-    return known
-
-
-def keys_of(build: Callable[..., Indenter]) -> dict[str, tuple[Any, Any]]:
-    """Annotation and default (``...``: none) of every key of a shape."""
-    hints = get_type_hints(build, include_extras=True)
-    given = {name: item.default for name, item in inspect.signature(build).parameters.items() if name != "material"}
-    return {name: (hints[name], ... if value is inspect.Parameter.empty else value) for name, value in given.items()}
+SHAPES = Registry(given="material")
+shape = SHAPES.register  # decorator: the shape by which the table [indenter] of a case file calls it

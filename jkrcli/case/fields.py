@@ -2,21 +2,34 @@
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import operator
 import types
+from collections.abc import Callable, Iterator
 from typing import Annotated, Any, ClassVar, Union, get_args, get_origin
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict
+from pydantic import BaseModel, BeforeValidator, ConfigDict, create_model
 from pydantic_core import PydanticCustomError
 
 from ..base import units
+from ..base.errors import InputError
+from ..base.registry import Registry
 from ..base.units import Ranged
 
 
 def wrong(message: str) -> PydanticCustomError:
     """A finding in our own words; braces would be taken as a template."""
     return PydanticCustomError("jkr", "{message}", {"message": message})
+
+
+@contextlib.contextmanager
+def findings() -> Iterator[None]:
+    """What an InputError says within becomes a finding on the table."""
+    try:
+        yield
+    except InputError as error:
+        raise wrong(str(error)) from None
 
 
 def readable(annotation: Any) -> Any:
@@ -66,15 +79,30 @@ class Table(BaseModel):
     """A table of the case file: strict types, no unknown keys, frozen."""
 
     model_config = ConfigDict(strict=True, extra="forbid", frozen=True, allow_inf_nan=False)
-    tag: ClassVar[str] = ""
+    tag: ClassVar[str] = ""  # what an error's path calls this table where several are possible
 
     @classmethod
     def allowed_keys(cls) -> list[str]:
         """The keys that a file may hold here."""
         return list(cls.model_fields)
 
-    @classmethod
-    def tags(cls) -> tuple[str, ...]:
-        """What an error's path may call this table where several are possible: its ``tag``, or its shape."""
-        shape = cls.model_fields.get("shape")
-        return (cls.tag,) if shape is None else get_args(shape.annotation)
+
+class BuiltTable(Table):
+    """A table whose keys are the parameters of what builds it: ``table_of`` makes the model."""
+
+    name: ClassVar[str] = ""
+    builder: ClassVar[Callable[..., Any]]
+    parameters: ClassVar[tuple[str, ...]] = ()
+
+    def built(self, **given: Any) -> Any:
+        """What the table describes; InputError where its keys do not go together."""
+        return type(self).builder(**{key: getattr(self, key) for key in self.parameters}, **given)
+
+
+def table_of(registry: Registry, name: str, base: type[BuiltTable], **keys: Any) -> Any:
+    """The model of the table of what ``registry`` calls ``name``, with more ``keys`` (type, default) than its own."""
+    found = registry.keys_of(name)
+    keys |= {key: (readable(annotation), default) for key, (annotation, default) in found.items()}
+    table = create_model(name, __base__=base, **keys)
+    table.name, table.builder, table.parameters = name, staticmethod(registry[name]), tuple(found)
+    return table

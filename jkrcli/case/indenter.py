@@ -5,27 +5,23 @@ from __future__ import annotations
 import functools
 import math
 import operator
-from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Literal, Self, get_origin
+from typing import Annotated, Any, Literal, Self, get_origin
 
-from pydantic import Field, ValidationInfo, create_model, model_validator
+from pydantic import Field, ValidationInfo, model_validator
 
 from ..base.errors import InputError
 from ..base.files import read_bytes
-from ..bodies.indenter import Indenter, keys_of
+from ..bodies.indenters import SHAPES, Indenter
 from ..bodies.materials import Elastic
-from .fields import Modulus, Poisson, Table, readable, wrong
+from .fields import BuiltTable, Modulus, Poisson, findings, table_of, wrong
 
 
-class IndenterTable(Table):
+class IndenterTable(BuiltTable):
     """Keys that every shape has: its name, E and nu of an elastic indenter (left out: rigid).
 
     A shape by lists may be given as a CSV ``file`` with a column in m for each, ``r_m`` for the key ``r``.
     """
-
-    registered: ClassVar[Callable[..., Indenter]]
-    lists: ClassVar[tuple[str, ...]] = ()
 
     E: Modulus | None = None
     nu: Poisson | None = None
@@ -34,50 +30,44 @@ class IndenterTable(Table):
     @model_validator(mode="before")
     @classmethod
     def _from_file(cls, data: Any, info: ValidationInfo) -> Any:
-        if not (cls.lists and isinstance(data, dict) and "file" in data):
+        lists = cls.lists()
+        if not (lists and isinstance(data, dict) and "file" in data):
             return data
         data = dict(data)
         name = data.pop("file")
-        if not isinstance(name, str) or any(key in data for key in cls.lists):
-            raise wrong(f"give either file or the lists {' and '.join(cls.lists)}")
+        if not isinstance(name, str) or any(key in data for key in lists):
+            raise wrong(f"give either file or the lists {' and '.join(lists)}")
         folder = (info.context or {}).get("folder") or Path()
-        return data | read_columns(folder / name, [f"{key}_m" for key in cls.lists])
+        return data | read_columns(folder / name, [f"{key}_m" for key in lists])
 
     @model_validator(mode="after")
     def _buildable(self) -> Self:
         if (self.E is None) != (self.nu is None):
             raise wrong("an elastic indenter needs both E and nu (leave both out for a rigid one)")
-        try:
+        with findings():
             self.build()
-        except InputError as error:
-            raise wrong(str(error)) from None
         return self
 
     def build(self) -> Indenter:
         """The indenter of the table."""
         material = None if self.E is None or self.nu is None else Elastic(self.E, self.nu)
-        keys = type(self).model_fields.keys() - IndenterTable.model_fields.keys()
-        return type(self).registered(**{key: getattr(self, key) for key in keys}, material=material)
+        indenter: Indenter = self.built(material=material)
+        return indenter
+
+    @classmethod
+    def lists(cls) -> list[str]:
+        """Keys that are lists of lengths."""
+        return [key for key in cls.parameters if get_origin(cls.model_fields[key].annotation) is tuple]
 
     @classmethod
     def allowed_keys(cls) -> list[str]:
-        return [*super().allowed_keys(), *(["file"] if cls.lists else [])]
+        return [*super().allowed_keys(), *(["file"] if cls.lists() else [])]
 
 
-def any_indenter(shapes: Mapping[str, Callable[..., Indenter]]) -> Any:
-    """The type of the table of any of ``shapes``, told apart by their names."""
-    tables = [_table(name, build) for name, build in shapes.items()]
+def any_indenter() -> Any:
+    """The type of the table of any registered shape, told apart by their names."""
+    tables = [table_of(SHAPES, name, IndenterTable, shape=(Literal.__getitem__(name), ...)) for name in SHAPES]
     return Annotated[functools.reduce(operator.or_, tables), Field(discriminator="shape")]
-
-
-def _table(name: str, build: Callable[..., Indenter]) -> Any:
-    keys = keys_of(build)
-    fields: dict[str, Any] = {key: (readable(annotation), default) for key, (annotation, default) in keys.items()}
-    fields["shape"] = (Literal.__getitem__(name), ...)
-    table = create_model(name, __base__=IndenterTable, **fields)
-    table.registered = staticmethod(build)
-    table.lists = tuple(key for key, (annotation, _) in keys.items() if get_origin(annotation) is tuple)
-    return table
 
 
 def read_columns(path: Path, wanted: list[str]) -> dict[str, tuple[float, ...]]:

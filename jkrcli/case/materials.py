@@ -2,91 +2,38 @@
 
 from __future__ import annotations
 
+import functools
+import operator
 from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import BeforeValidator, Discriminator, Tag, model_validator
 
-from ..base.errors import InputError, did_you_mean
-from ..bodies import grading
+from ..base.errors import did_you_mean
+from ..bodies.grading import LAWS
 from ..bodies.materials import Elastic, Graded, TransverselyIsotropic
 from ..bodies.problem import Layer
-from .fields import AnyLength, Length, Modulus, Poisson, Table, as_tuple, quantity, wrong
+from .fields import BuiltTable, Length, Modulus, Poisson, Table, findings, quantity, table_of, wrong
 
 CONSTANTS = ("E_p", "E_z", "nu_p", "nu_zp", "G_z")
 
 
-class LawTable(Table):
-    """E of a graded layer."""
+class LawTable(BuiltTable):
+    """E of a graded layer, one model per registered law."""
 
-    def build(self, thickness: float) -> grading.Law:
-        raise AssertionError("each law builds its own")
-
-
-class LinearTable(LawTable):
-    """From ``top`` to ``bottom`` of the layer on a straight line."""
-
-    tag: ClassVar[str] = "<linear>"
-    law: Literal["linear"]
-    top: Modulus
-    bottom: Modulus
-
-    def build(self, thickness: float) -> grading.Law:
-        return grading.Linear(self.top, self.bottom, thickness)
-
-
-class ExponentialTable(LawTable):
-    """From ``top`` to ``bottom`` of the layer by equal factors over equal depths."""
-
-    tag: ClassVar[str] = "<exponential>"
-    law: Literal["exponential"]
-    top: Modulus
-    bottom: Modulus
-
-    def build(self, thickness: float) -> grading.Law:
-        return grading.Exponential(self.top, self.bottom, thickness)
-
-
-class PowerTable(LawTable):
-    """top (1 + z/length)^exponent."""
-
-    tag: ClassVar[str] = "<power>"
-    law: Literal["power"]
-    top: Modulus
-    length: Length
-    exponent: quantity("number")
-
-    def build(self, thickness: float) -> grading.Law:
-        return grading.Power(self.top, self.length, self.exponent)
-
-
-class TabulatedTable(LawTable):
-    """Moduli ``E`` at ``depth`` below the layer's top, straight lines between them."""
-
-    tag: ClassVar[str] = "<table>"
-    law: Literal["table"] = "table"
-    depth: Annotated[tuple[AnyLength, ...], BeforeValidator(as_tuple)]
-    E: Annotated[tuple[Modulus, ...], BeforeValidator(as_tuple)]
+    law: str
 
     @model_validator(mode="after")
     def _usable(self) -> Self:
-        try:
-            self.build(0.0)
-        except InputError as error:
-            raise wrong(str(error)) from None
+        with findings():
+            self.built(thickness=1.0)
         return self
-
-    def build(self, thickness: float) -> grading.Law:
-        return grading.Tabulated(self.depth, self.E)
-
-
-LAWS = ("linear", "exponential", "power", "table")
 
 
 def _known_law(value: Any) -> Any:
     """A table that names no known law is told so before its other keys are looked at."""
     if isinstance(value, dict) and not {"law", "depth"} & set(value):
         raise wrong(f"needs a law, one of {', '.join(LAWS)}, got keys {', '.join(value) or 'none'}")
-    if isinstance(value, dict) and value.get("law", "table") not in LAWS:
+    if isinstance(value, dict) and str(value.get("law", "table")) not in LAWS:
         hint = did_you_mean(value["law"], LAWS)
         raise wrong(f'law must be one of {", ".join(LAWS)}, got "{value["law"]}"{hint}')
     return value
@@ -94,19 +41,19 @@ def _known_law(value: Any) -> Any:
 
 def _tag_of_modulus(value: Any) -> str:
     if isinstance(value, LawTable):
-        return value.tag
+        return f"<{value.law}>"
     return f"<{value.get('law', 'table')}>" if isinstance(value, dict) else "<number>"
 
 
+def _law_table(name: str) -> Any:
+    table = table_of(LAWS, name, LawTable, law=(Literal.__getitem__(name), name))
+    table.tag = f"<{name}>"
+    return Annotated[table, Tag(table.tag)]
+
+
 ModulusOrLaw = Annotated[
-    Annotated[
-        Annotated[Modulus, Tag("<number>")]
-        | Annotated[LinearTable, Tag(LinearTable.tag)]
-        | Annotated[ExponentialTable, Tag(ExponentialTable.tag)]
-        | Annotated[PowerTable, Tag(PowerTable.tag)]
-        | Annotated[TabulatedTable, Tag(TabulatedTable.tag)],
-        Discriminator(_tag_of_modulus),
-    ],
+    functools.reduce(operator.or_, map(_law_table, LAWS), Annotated[Modulus, Tag("<number>")]),
+    Discriminator(_tag_of_modulus),
     BeforeValidator(_known_law),
 ]
 
@@ -128,10 +75,8 @@ class TransverseTable(Table):
 
     @model_validator(mode="after")
     def _positive_energy(self) -> Self:
-        try:
+        with findings():
             _ = self.material
-        except InputError as error:
-            raise wrong(str(error)) from None
         return self
 
     @property
@@ -162,16 +107,15 @@ class LayerTable(Table):
 
     @model_validator(mode="after")
     def _law_reaches(self) -> Self:
-        try:
+        with findings():
             self.build()
-        except InputError as error:
-            raise wrong(str(error)) from None
         return self
 
     def build(self) -> Layer:
-        if isinstance(self.E, LawTable):
-            return Layer(Graded(self.E.build(self.thickness), self.nu), self.thickness, self.name)
-        return Layer(Elastic(self.E, self.nu), self.thickness, self.name)
+        E: Any = self.E
+        if isinstance(E, LawTable):
+            return Layer(Graded(E.built(thickness=self.thickness), self.nu), self.thickness, self.name)
+        return Layer(Elastic(E, self.nu), self.thickness, self.name)
 
 
 class TransverseLayerTable(TransverseTable):

@@ -104,7 +104,7 @@ class RootTable(Table):
             if part in tables[0].model_fields:
                 tables = list(_tables_in(tables[0].model_fields[part].annotation))
             else:
-                tables = [table for table in tables if part in table.tags()]
+                tables = [table for table in tables if part in (table.tag, getattr(table, "name", None))]
         return list(dict.fromkeys(key for table in tables for key in table.allowed_keys()))
 
 
@@ -142,7 +142,7 @@ def _restored(tree: dict[str, Any]) -> CaseModel:
 @cache
 def _completed(shapes: tuple[tuple[str, Any], ...], methods: tuple[Descriptor, ...]) -> type[CaseModel]:
     names = Literal.__getitem__(("auto", *(method.name for method in methods)))
-    fields: dict[str, Any] = {"method": (names, "auto"), "indenter": (any_indenter(dict(shapes)), ...)}
+    fields: dict[str, Any] = {"method": (names, "auto"), "indenter": (any_indenter(), ...)}
     fields |= {table: (kind, kind()) for table, kind in _option_tables(methods).items()}
     return create_model("CaseModel", __base__=CaseModel, **fields)
 

@@ -1,4 +1,4 @@
-"""The indenters, one file per shape; every module in this folder is imported, and registers its own."""
+"""The indenters; every module in this folder is imported, and registers its own."""
 
 from __future__ import annotations
 
@@ -6,14 +6,8 @@ import importlib
 import pkgutil
 
 from ..indenter import SHAPES, Indenter, shape
-
-# isort: off
-from .sphere import Sphere  # in the order in which messages name the shapes
-from .paraboloid import Paraboloid
-from .power_law import PowerLaw
-from .rounded_flat import RoundedFlat
+from .analytic import Paraboloid, PowerLaw, RoundedFlat, Sphere
 from .table import TableProfile
-# isort: on
 
 __all__ = ["SHAPES", "Indenter", "Paraboloid", "PowerLaw", "RoundedFlat", "Sphere", "TableProfile", "shape"]
 

@@ -16,7 +16,7 @@ from ..materials import Elastic
 KINK = 1e-10  # choice: fraction of an interval over which a kink that the points force is rounded
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class TableProfile(Indenter):
     """A measured or designed profile given by points (``r``, ``f``) [m], convex, from (0, 0) outwards.
 
@@ -27,9 +27,9 @@ class TableProfile(Indenter):
     r: tuple[float, ...]
     heights: tuple[float, ...]
     material: Elastic | None = None
-    knots: Array = field(init=False, repr=False)
-    slopes: Array = field(init=False, repr=False)
-    values: Array = field(init=False, repr=False)
+    knots: Array = field(init=False, repr=False, compare=False)
+    slopes: Array = field(init=False, repr=False, compare=False)
+    values: Array = field(init=False, repr=False, compare=False)
     noun: ClassVar[str] = "tabulated profile"
 
     def __post_init__(self) -> None:
@@ -40,16 +40,6 @@ class TableProfile(Indenter):
         for name, array in (("knots", knots), ("slopes", slopes), ("values", values)):
             array.setflags(write=False)
             object.__setattr__(self, name, array)
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, TableProfile) and (self.r, self.heights, self.material) == (
-            other.r,
-            other.heights,
-            other.material,
-        )
-
-    def __hash__(self) -> int:
-        return hash((self.r, self.heights, self.material))
 
     @property
     def a0(self) -> float:

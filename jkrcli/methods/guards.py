@@ -10,10 +10,7 @@ from pathlib import Path
 from ..base.errors import Refusal
 from . import Forecast
 
-SHARE = 0.8  # of the free memory that a solve may plan with
-WORTH_TELLING = 20.0, 2048.0  # CPU seconds, MiB
-HEADROOM = 1.3  # on a forecast, in the limits that a refusal proposes
-MIB_PER_GIB, SECONDS_PER_HOUR = 1024.0, 3600.0
+SHARE = 0.8  # of the free memory that a solve may plan with; choice: the rest is for what forecasts miss
 CGROUP = Path("/sys/fs/cgroup")
 
 
@@ -27,8 +24,8 @@ class Limits:
 
 def admit(what: str, forecast: Forecast, limits: Limits) -> str | None:
     """A sentence on what the solve ``what`` will cost, None where that is little; Refusal beyond the limits."""
-    memory, hours = forecast.memory_mib / MIB_PER_GIB, forecast.seconds / SECONDS_PER_HOUR
-    most = free_memory() * SHARE / MIB_PER_GIB if limits.memory is None else limits.memory
+    memory, hours = forecast.memory_mib / 1024, forecast.seconds / 3600
+    most = free_memory() * SHARE / 1024 if limits.memory is None else limits.memory
     needs = f"{what} would need about {memory:.3g} GiB of memory and {duration(forecast.seconds)} of CPU time"
     remedy = "ask for fewer points, larger elements or a cheaper method, or raise the limit by"
     if not memory <= most:
@@ -38,21 +35,21 @@ def admit(what: str, forecast: Forecast, limits: Limits) -> str | None:
         )
     if not hours <= limits.hours:
         raise Refusal(f"{needs}, the limit is {limits.hours:g} h: {remedy} --limit-time {_raised(hours)}")
-    seconds, mib = WORTH_TELLING
-    if forecast.seconds < seconds and forecast.memory_mib < mib:
+    if forecast.seconds < 20 and forecast.memory_mib < 2048:
         return None
     return needs.replace("would need", "needs")
 
 
 def _raised(value: float) -> str:
-    return f"{float(f'{HEADROOM * value:.1e}'):g}"
+    """A limit that leaves some room above ``value``."""
+    return f"{float(f'{1.3 * value:.1e}'):g}"
 
 
 def duration(seconds: float) -> str:
     """``40 s``, ``12 min``, ``3.4 h``."""
     if seconds < 90:
         return f"{seconds:.2g} s" if seconds < 10 else f"{seconds:.0f} s"
-    return f"{seconds / 60:.0f} min" if seconds < 5400 else f"{seconds / SECONDS_PER_HOUR:.3g} h"
+    return f"{seconds / 60:.0f} min" if seconds < 5400 else f"{seconds / 3600:.3g} h"
 
 
 def free_memory() -> float:

@@ -11,21 +11,32 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..base.arrays import Array
 from ..base.errors import InputError, Refusal, SolveError
 from ..base.units import show
 from ..bodies.indenters import Indenter
 from ..bodies.problem import Loading, Quantity
 
-Array = np.ndarray
 Response = Callable[[Array], Array]  # increasing radii [m] -> delta_H [m] or P_H [N] there
 Responses = Callable[[Quantity, float], Response]  # "depth" or "load", relative accuracy -> its response
 
-STEPS = 80
-PROBE = 0.98  # a second radius beside each trial, for the slope
-STRIDE = 3.0  # largest factor from one trial to the next, as a larger contact costs more
-TABLE = 48
-NEAR = 30.0  # a step from this many times the accuracy leads well within it
-DOUBTFUL = 0.5  # part of a miss that may be left after a step along a tangent, above which none is taken
+
+@dataclass(frozen=True)
+class SearchTuning:
+    """How radii are followed to the depths and loads that are asked for."""
+
+    steps: int = 80  # choice: bisection alone would be done by then
+    probe: float = 0.98  # a second radius beside each trial, for the slope; tuned on reference bodies, by `make tuning`
+    # Largest factor between trials, as a larger contact costs more:
+    stride: float = 3.0  # tuned on reference bodies, by `make tuning`
+    table: int = 48  # radii of the first response to all targets; tuned on reference bodies, by `make tuning`
+    # Times the accuracy, from where a Newton step leads well within it:
+    near: float = 30.0  # tuned on reference bodies, by `make tuning`
+    # Part of a miss left after a step along a tangent, above which none is taken:
+    doubtful: float = 0.5  # tuned on reference bodies, by `make tuning`
+
+
+TUNING = SearchTuning()
 
 
 def radii_of_loading(
@@ -118,26 +129,26 @@ def radius_for(response: Response, target: float, indenter: Indenter, start: flo
     a0, end = indenter.a0, indenter.r_max * (1 - 1e-12)
     low, high = 0.0, math.sqrt((end - a0) * (end + a0)) if math.isfinite(end) else math.inf
     v, tried_end = min(math.sqrt(max(start**2 - a0**2, 0.0)) or start, high / 2), False
-    for _ in range(STEPS):
-        values = response(np.hypot(a0, np.array([PROBE * v, v])))
+    for _ in range(TUNING.steps):
+        values = response(np.hypot(a0, np.array([TUNING.probe * v, v])))
         if not 0 < values.min() < values.max() < math.inf:
             raise SolveError(f"no contact radius can be told from {a0:g} m, where contact begins; are the sizes right?")
         miss = math.log(values[1] / target)
-        slope = math.log(values[1] / values[0]) / -math.log(PROBE)
-        if abs(miss) <= NEAR * tolerance:
+        slope = math.log(values[1] / values[0]) / -math.log(TUNING.probe)
+        if abs(miss) <= TUNING.near * tolerance:
             return math.hypot(a0, min(v * math.exp(-miss / slope), high))
         if tried_end and v == high and miss < 0:
             break
         low, high = (v, high) if miss < 0 else (low, v)
-        proposal = v * min(max(math.exp(-miss / slope), 1 / STRIDE), STRIDE)
+        proposal = v * min(max(math.exp(-miss / slope), 1 / TUNING.stride), TUNING.stride)
         if proposal >= high:
             tried_end = miss < 0 and math.isfinite(high)
-            proposal = high if tried_end else math.sqrt(v * max(low, v / STRIDE))
+            proposal = high if tried_end else math.sqrt(v * max(low, v / TUNING.stride))
         elif proposal <= low:
             proposal = math.sqrt(v * low)
         v = proposal
     else:
-        raise SolveError(f"no contact radius was found in {STEPS} steps, last a = {v:g} m; is the value right?")
+        raise SolveError(f"no contact radius was found in {TUNING.steps} steps, last a = {v:g} m; is the value right?")
     raise Refusal(
         f"it needs a contact radius beyond the profile, which ends at r = {show(indenter.r_max, 'length')}; "
         "ask for less, or give a larger profile"
@@ -163,7 +174,7 @@ def _first_radii(response: Response, targets: Array, indenter: Indenter, largest
     """v at the targets from a table of the response between their ends."""
     a0, log_target = indenter.a0, np.log(targets)
     first = radius_for(response, float(targets[0]), indenter, math.hypot(a0, 0.3 * _v(largest, a0)), 0.1)
-    v = np.geomspace(0.7 * _v(first, a0), _v(largest, a0), TABLE)
+    v = np.geomspace(0.7 * _v(first, a0), _v(largest, a0), TUNING.table)
     table = np.log(v), np.log(response(np.hypot(a0, v)))
     bracket = _bracketed(table, log_target)
     log_v = bracket.within(_inverse(*table, log_target), bracket.secant)
@@ -174,20 +185,21 @@ def _followed(response: Response, log_v: Array, log_target: Array, a0: float, ac
     """Newton steps for all targets but the last at once; within brackets, or secants of them, where slopes jump."""
     known: tuple[Array, Array] = np.empty(0), np.empty(0)
     before = np.full(log_target.size, np.inf)
-    for _ in range(STEPS):
+    for _ in range(TUNING.steps):
         log_values = np.log(response(np.hypot(a0, np.exp(log_v))))
         miss, doubt = np.abs(log_values - log_target), _doubt(log_v, log_values)
         tangent = _inverse(log_v, log_values, log_target)
         near = miss * doubt <= accuracy
         if near[:-1].all():
-            return np.append(np.sort(np.where(doubt < DOUBTFUL, tangent, log_v)[:-1]), log_v[-1])
+            return np.append(np.sort(np.where(doubt < TUNING.doubtful, tangent, log_v)[:-1]), log_v[-1])
         known = _with(known, log_v, log_values)
         bracket = _bracketed(known, log_target)
-        step = bracket.within(np.where(doubt < DOUBTFUL, tangent, bracket.secant), bracket.middle)
+        step = bracket.within(np.where(doubt < TUNING.doubtful, tangent, bracket.secant), bracket.middle)
         step = np.where(near | (miss < before / 2), step, bracket.middle)
         log_v = np.append(np.sort(step[:-1]), log_v[-1])  # the response wants them increasing
         before = miss
-    raise SolveError(f"loading: the contact radii of {log_target.size} increments were not found in {STEPS} passes")
+    count = log_target.size
+    raise SolveError(f"loading: the contact radii of {count} increments were not found in {TUNING.steps} passes")
 
 
 def _inverse(log_v: Array, log_values: Array, log_target: Array) -> Array:
@@ -202,7 +214,7 @@ def _doubt(log_v: Array, log_values: Array) -> Array:
     secants = np.diff(log_v) / np.diff(log_values)
     jumps = np.abs(np.diff(secants)) / np.minimum(np.abs(secants[1:]), np.abs(secants[:-1]))
     inner = np.pad(jumps, 1, mode="edge") if jumps.size else np.zeros(log_v.size)
-    return np.clip(np.nan_to_num(inner, nan=1.0), 1 / NEAR, 1.0)
+    return np.clip(np.nan_to_num(inner, nan=1.0), 1 / TUNING.near, 1.0)
 
 
 @dataclass(frozen=True)
@@ -227,7 +239,7 @@ def _bracketed(known: tuple[Array, Array], log_target: Array) -> _Bracket:
     left, right = np.clip([above - 1, above], 0, v.size - 1)
     rise = np.maximum(values[right] - values[left], np.finfo(float).tiny)
     part = np.clip((log_target - values[left]) / rise, 0, 1)
-    beyond = math.log(STRIDE) * np.isinf(low)
+    beyond = math.log(TUNING.stride) * np.isinf(low)
     secant, middle = (v[left] + x * (v[right] - v[left]) - beyond for x in (part, 0.25 + 0.5 * part))
     return _Bracket(low, high, secant, middle)
 

@@ -32,34 +32,39 @@ class HybridTuning:
     rough: float = 1e-3  # accuracy of the kernel with which radii are looked for; choice: what costs least
     # Shares of the tolerance:
     quadrature: float = 1e-3  # of the contact equation; choice: cheap
-    parameters: float = 1e-2  # planned for the number of t; conditioning takes the rest; tuned on bodies of make tuning
+    # Planned for the number of t; conditioning takes the rest:
+    parameters: float = 1e-2  # tuned on reference bodies, by `make tuning`
     cut: float = 0.1  # of an unbounded body; choice: a tenth
     no_claim: float = 0.05  # smaller errors are not told apart; choice: quadratures, rounding
     finest: float = 1e-7  # accuracy of K where the modulus changes from the contact on; choice: below ``GRADED``
     # Errors from what a step changes, at some radii:
-    samples: int = 6  # radii; tuned on the bodies of `make failures`
-    safety: float = 2.5  # on the error that the last step of the degree leaves; tuned on the bodies of `make failures`
-    slowest: float = 3.0  # what a step divides it by, at least; tuned on the bodies of `make failures`
-    fastest: float = 15.0  # at most; tuned on the bodies of `make failures`
-    cornered: float = 8.0  # at most, with singular corners; tuned on the bodies of `make failures`
-    steeper: float = 2.0  # error of S' over that of the others, at least; tuned on the bodies of `make failures`
+    samples: int = 6  # radii; tuned on random bodies, by `make failures`
+    # On the error that the last step of the degree leaves:
+    safety: float = 2.5  # tuned on random bodies, by `make failures`
+    slowest: float = 3.0  # what a step divides it by, at least; tuned on random bodies, by `make failures`
+    fastest: float = 15.0  # at most; tuned on random bodies, by `make failures`
+    cornered: float = 8.0  # at most, with singular corners; tuned on random bodies, by `make failures`
+    steeper: float = 2.0  # error of S' over that of the others, at least; tuned on random bodies, by `make failures`
     allowed: float = 0.5  # of the tolerance, up to which ``steeper`` asks for no finer elements; choice: half
     unseen: float = 3.0  # times the last polynomial's change / (convergence - 1): its error; theory: geometric series
-    least: float = 0.5  # of that change, at least; tuned on the bodies of `make failures`
-    extrapolated: float = 0.5  # of what extrapolating the cut changes, at most; tuned on the bodies of `make failures`
-    decayed: float = 0.05  # of what the second cut changes where fields decay exponentially; tuned on `make failures`
+    least: float = 0.5  # of that change, at least; tuned on random bodies, by `make failures`
+    # Of what extrapolating the cut changes, at most:
+    extrapolated: float = 0.5  # tuned on random bodies, by `make failures`
+    # Of what the second cut changes where fields decay exponentially:
+    decayed: float = 0.05  # tuned on random bodies, by `make failures`
     # Refinement:
-    lowest: int = 4  # degree; tuned on the bodies of make tuning
+    lowest: int = 4  # degree; tuned on reference bodies, by `make tuning`
     highest: int = 16  # degree; choice: rounding sets the limit beyond
-    share: float = 0.25  # of the tolerance, to which parameters and cut are brought; tuned on the bodies of make tuning
+    # Of the tolerance, to which parameters and cut are brought:
+    share: float = 0.25  # tuned on reference bodies, by `make tuning`
     more: int = 2  # times that parameters are added; choice: each costs a solve
     widened: int = 2  # times that the cut is moved outwards; choice: each costs a solve
     stalls: int = 1  # times that a step may bring next to nothing; choice: corners need one
-    hopeless: float = 30.0  # times the tolerance, where none is forgiven; tuned on the bodies of `make failures`
+    hopeless: float = 30.0  # times the tolerance, where none is forgiven; tuned on random bodies, by `make failures`
     # Forecasts of the degree, in steps from the lowest:
-    per_decade: float = 0.5  # of moduli; tuned on the bodies of `make bench`
-    per_decade_wide: float = 0.6  # of contact radius over depth; tuned on the bodies of `make bench`
-    at_sides: float = 1.0  # more for nearly incompressible layers with sides; tuned on the bodies of `make bench`
+    per_decade: float = 0.5  # of moduli; tuned on shipped cases, by `make bench`
+    per_decade_wide: float = 0.6  # of contact radius over depth; tuned on shipped cases, by `make bench`
+    at_sides: float = 1.0  # more for nearly incompressible layers with sides; tuned on shipped cases, by `make bench`
     # Limits of one level:
     most_seconds: float = 60.0  # CPU time; choice: what a user waits for
     most_mib: float = 4096.0  # choice: what a laptop has
@@ -187,13 +192,10 @@ class AdaptiveKernel:
         """The tolerance that holds for this body."""
         return max(self.tolerance, 2 * GRADED) if isinstance(self.specimen.materials[0], Graded) else self.tolerance
 
-    @property
-    def _wide(self) -> Specimen:
-        return replace(self.specimen, radius=None, side=None)
-
     @cached_property
-    def _layered(self) -> LayeredContact:
-        return LayeredContact(self.indenter, self._wide)
+    def wide(self) -> LayeredContact:
+        """The same without sides, solved exactly."""
+        return LayeredContact(self.indenter, replace(self.specimen, radius=None, side=None))
 
     def levels(self, reach: float, step: Refinement | None = None) -> KernelLevels:
         """For contact radii up to ``reach`` [m], as far as ``step`` has refined what was planned."""
@@ -201,7 +203,7 @@ class AdaptiveKernel:
         cut = TUNING.cut * self.tolerance / step.sharper
         region = Region.of(self.specimen, reach, cut)
         count = count_for(region, TUNING.parameters * self.tolerance) + step.more
-        wide = Region.of(self._wide, reach, cut) if region.changing else None
+        wide = Region.of(self.wide.specimen, reach, cut) if region.changing else None
         return KernelLevels(region, count, self.E_star / self.specimen.surface.E_star, wide)
 
     def expected_levels(self, reach: float) -> KernelLevels:
@@ -254,7 +256,7 @@ class AdaptiveKernel:
     def _contact(self, levels: KernelLevels, degree: int) -> KernelContact:
         self.guard(levels, degree)
         own = (self.indenter, self.E_star, levels.kernel(degree), levels.region.unit)
-        return KernelContact(*own) if levels.wide is None else SideContact(*own, self._layered)
+        return KernelContact(*own) if levels.wide is None else SideContact(*own, self.wide)
 
     def accurate(self, reach: float) -> tuple[KernelContact, ErrorEstimates, KernelLevels, int]:
         """The contact for radii up to ``reach`` [m] that meets the tolerance, its errors, and its degree."""
@@ -295,7 +297,7 @@ class AdaptiveKernel:
             except SolveError:
                 return np.full_like(best, np.inf)
 
-        last, before = (change(levels.coarser(degree, steps)) for steps in (1, 2))
+        last, before = (change(levels.kernel(degree, coarser=steps)) for steps in (1, 2))
         fastest = TUNING.cornered if levels.region.corners else TUNING.fastest
         known = np.isfinite(before).all()
         fall = float(np.clip(before.max() / last.max() - 1, TUNING.slowest, fastest)) if known else TUNING.slowest
@@ -303,9 +305,9 @@ class AdaptiveKernel:
         if not levels.region.cut_beside:
             cut = np.zeros_like(best)
         elif levels.region.algebraic:
-            cut = min(TUNING.extrapolated, levels.region.next_order) * change(levels.plain(degree))
+            cut = min(TUNING.extrapolated, levels.region.next_order) * change(levels.cut(degree))
         else:
-            cut = TUNING.decayed * change(levels.nearer(degree))
+            cut = TUNING.decayed * change(levels.cut(degree, nearer=True))
         parameters = max(left, TUNING.least) * change(contact.kernel.shorter())
         least = TUNING.no_claim * self.tolerance + (GRADED if levels.wide is not None else 0.0)
         elements = TUNING.safety / fall * last + least

@@ -22,7 +22,7 @@ STEP = 2  # in the degree, from one level to the next; choice: odd ones gain lit
 
 @dataclass(frozen=True)
 class CostTuning:
-    """Rates of one core for forecasts; all tuned on the bodies of `make bench`, which measures them."""
+    """Rates of one core for forecasts; all tuned on shipped cases, by `make bench`, which measures them."""
 
     begin: float = 5e-3  # s
     per_entry: float = 1e-7  # s, to integrate and factorise, per entry of the stiffness
@@ -161,30 +161,18 @@ class KernelLevels:
             once += cost_of(self.region.nearer(), self.count, below)
         return once
 
-    def plain(self, degree: int) -> PolynomialKernel:
-        """K of the body as it was cut."""
-        return self._kernel(self.correction(degree).K)
+    def cut(self, degree: int, nearer: bool = False) -> PolynomialKernel:
+        """K of the body after its first cut, or the second one."""
+        return self._kernel(self.correction(degree, nearer).K)
 
-    def kernel(self, degree: int) -> PolynomialKernel:
-        """K of the whole body, by elements of ``degree``, what the cut costs by those of one level below."""
-        return self._whole(degree, degree - STEP)
-
-    def coarser(self, degree: int, steps: int) -> PolynomialKernel:
-        """The same by elements of so many levels below, as far as the body itself goes."""
-        return self._whole(degree - STEP * steps, degree - STEP)
-
-    def nearer(self, degree: int) -> PolynomialKernel:
-        """K of the body after the second cut."""
-        return self._kernel(self.correction(degree, nearer=True).K)
-
-    def _whole(self, degree: int, below: int) -> PolynomialKernel:
-        """Extrapolated where what the cut costs falls with the square of the distance."""
-        K = self.correction(degree).K
-        return self._kernel(K + self._change(below) / (REGIONS.shrink**2 - 1) if self.region.algebraic else K)
-
-    def _change(self, degree: int) -> Array:
-        """What the distance from the second cut to the first changes."""
-        return self.correction(degree).K - self.correction(degree, nearer=True).K
+    def kernel(self, degree: int, coarser: int = 0) -> PolynomialKernel:
+        """K of the whole body by elements of ``degree``, or so many levels ``coarser``; extrapolated, by those of one
+        level below ``degree``, where what the cut costs falls with the square of its distance."""
+        K, below = self.correction(degree - STEP * coarser).K, degree - STEP
+        if self.region.algebraic:
+            change = self.correction(below).K - self.correction(below, nearer=True).K
+            K = K + change / (REGIONS.shrink**2 - 1)
+        return self._kernel(K)
 
     def _kernel(self, K: Array) -> PolynomialKernel:
         t, w = (half[self.count :] for half in rule(2 * self.count))

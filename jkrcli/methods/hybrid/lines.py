@@ -28,11 +28,11 @@ from .region import Region
 class LineTuning:
     """How long intervals are, and of which degree towards singular corners."""
 
-    extra: int = 2  # Gauss points per interval beyond the degree; tuned on the bodies of make tuning
-    length: float = 1.5  # of intervals, over the distance of the source; tuned on the bodies of make tuning
-    growth: float = 0.67  # of lengths with the distance from the contact; tuned on the bodies of make tuning
-    far_growth: float = 1.0  # the same far from it; tuned on the bodies of make tuning
-    far: float = 10.0  # contact radii, or depths of the first interface; tuned on the bodies of make tuning
+    extra: int = 2  # Gauss points per interval beyond the degree; tuned on reference bodies, by `make tuning`
+    length: float = 1.5  # of intervals, over the distance of the source; tuned on reference bodies, by `make tuning`
+    growth: float = 0.67  # of lengths with the distance from the contact; tuned on reference bodies, by `make tuning`
+    far_growth: float = 1.0  # the same far from it; tuned on reference bodies, by `make tuning`
+    far: float = 10.0  # contact radii, or depths of the first interface; tuned on reference bodies, by `make tuning`
     corner: float = 0.15  # ratio of intervals towards a singular corner; theory: Babuska and Suri 1994, about 0.15
     corner_degree: int = 2  # on the smallest of them, growing by one per interval; theory: likewise
     most: int = 10_000  # intervals between two stops; choice: no solve of the cost that is allowed has as many

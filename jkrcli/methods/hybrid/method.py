@@ -16,17 +16,9 @@ from ...bodies.materials import Graded, TransverselyIsotropic
 from ...bodies.problem import HalfSpace, Problem
 from ...series import ErrorBudget, Solution
 from .. import Forecast
-from ..integral.contact import (
-    FLOPS_PER_SECOND,
-    first_stiffness,
-    largest_for_contact,
-    radii_for_contact,
-    series_of,
-)
+from ..integral.contact import FLOPS_PER_SECOND, first_stiffness, largest_for_contact, radii_for_contact, series_of
 from ..integral.disc import disc_warnings, refuse_shrinking
 from ..integral.equation import EquationResult
-from ..layered.contact import LayeredContact
-from ..layered.layered import unbounded
 from ..radii import check_radius
 from .contact import TUNING as REFINING
 from .contact import AdaptiveKernel, fem_for
@@ -41,9 +33,10 @@ class ReachTuning:
     """How the largest radius is found, for which the kernel must be known before it is."""
 
     attempts: int = 8  # kernels; choice: each costs as much as a solve
-    room: float = 1.2  # reach of the first one over the radius expected on the unbounded body; tuned by `make bench`
+    # Reach of the first one over the radius expected on the unbounded body:
+    room: float = 1.2  # tuned on shipped cases, by `make bench`
     spare: float = 1.01  # of the last one over the largest radius found; choice: covers the accuracy of the search
-    searches: int = 2  # kernels for that in a forecast; tuned on the bodies of `make bench`
+    searches: int = 2  # kernels for that in a forecast; tuned on shipped cases, by `make bench`
 
 
 TUNING = ReachTuning()
@@ -124,11 +117,7 @@ class Hybrid(HybridOptions):
             warnings = disc_warnings(contact, problem.specimen, float(radii[-1]), lambda _: contact.kernel)
         return Solution(
             series_of(result, errors.at(radii), problem.indenter.a0, S0),
-            ErrorBudget(
-                discretisation=float((errors.elements + errors.parameters).max()),
-                truncation=float(errors.cut.max()),
-                radius=0.0,
-            ),
+            ErrorBudget(float((errors.elements + errors.parameters).max()), float(errors.cut.max()), radius=0.0),
             "hybrid",
             facts=_facts(levels, degree, result),
             timings=clock.seconds,
@@ -169,8 +158,7 @@ def _expected_radius(problem: Problem, body: AdaptiveKernel) -> float:
     """The largest contact radius [m] as on the laterally unbounded body, about."""
     if problem.loading.to == "radius":
         return problem.loading.maximum
-    wide = LayeredContact(problem.indenter, unbounded(problem).specimen)
-    return min(largest_for_contact(wide, problem.loading, REFINING.rough), _end(problem, body))
+    return min(largest_for_contact(body.wide, problem.loading, REFINING.rough), _end(problem, body))
 
 
 def _not_found(problem: Problem, reach: float) -> str:

@@ -17,11 +17,13 @@ from ...bodies.problem import HalfSpace, Rigid, Specimen
 class RegionTuning:
     """Which layers get a pressure, and where an unbounded body is cut."""
 
-    nearly_incompressible: float = 0.49  # above it a layer gets a pressure; tuned on the bodies of make tuning
+    nearly_incompressible: float = 0.49  # above it a layer gets a pressure; tuned on reference bodies, by `make tuning`
     shrink: float = 3.0  # of a second cut, which shows what the first one costs; choice: as cheap as it can be
-    decays: float = 40.0  # lengths, where the field falls exponentially; tuned on the bodies of make tuning
-    next_order: float = 12.0  # left by extrapolation over its change, times size/length; tuned on bodies of make tuning
-    cut: float = 2.0  # relative error left elsewhere, times (size/length)^3; tuned on the bodies of make tuning
+    decays: float = 40.0  # lengths, where the field falls exponentially; tuned on reference bodies, by `make tuning`
+    # Left by extrapolation over its change, times size/length:
+    next_order: float = 12.0  # tuned on reference bodies, by `make tuning`
+    # Relative error left elsewhere, times (size/length)^3:
+    cut: float = 2.0  # tuned on reference bodies, by `make tuning`
 
 
 TUNING = RegionTuning()

@@ -30,9 +30,10 @@ from .quadrature import crowded_rule, gauss, rule, split
 class DensityTuning:
     """Nodes for phi between those of the equation."""
 
-    piece: int = 18  # on each piece of the smooth part, one kernel scale wide; tuned on the bodies of `make tuning`
-    more: int = 6  # than that on each panel of an integral over phi; tuned on the bodies of `make tuning`
-    widest: float = 1.5  # panel in an angle [rad]; tuned on the bodies of `make tuning`
+    # On each piece of the smooth part, one kernel scale wide:
+    piece: int = 18  # tuned on reference bodies, by `make tuning`
+    more: int = 6  # than that on each panel of an integral over phi; tuned on reference bodies, by `make tuning`
+    widest: float = 1.5  # panel in an angle [rad]; tuned on reference bodies, by `make tuning`
 
 
 TUNING = DensityTuning()

@@ -17,13 +17,15 @@ class QuadratureTuning:
     """How nodes are planned for an accuracy of the contact equation."""
 
     most_nodes: int = 10  # on a panel; choice: beyond, narrower panels are as cheap
-    frequency: float = 5.0  # times the kernel's scale: highest wave number noticed; tuned on bodies of `make tuning`
+    # Times the kernel's scale: highest wave number noticed:
+    frequency: float = 5.0  # tuned on reference bodies, by `make tuning`
     narrower: float = (
         1.5  # of panels, from one refinement to the next where phi is not smooth; choice: what a step costs
     )
     # Crowding of panels before each radius under a kernel with a logarithm, where phi is not smooth at its edge:
     unsmooth_nodes: int = 4  # least on a panel; tuned on graded layers, by `make tuning`
-    edge: float = 0.03  # error there: square of this, the panel's width, the logarithm's strength; tuned likewise
+    # Error there: square of this, the panel's width, the logarithm's strength:
+    edge: float = 0.03  # tuned on reference bodies, by `make tuning`
     most_cuts: int = 8  # tuned on graded layers, by `make tuning`
     shrink: float = 0.2  # ratio of successive panels; tuned on graded layers, by `make tuning`
 

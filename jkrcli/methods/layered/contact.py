@@ -25,11 +25,12 @@ from .spectrum import LayeredSpectrum
 class LayeredTuning:
     """How a result is refined and checked, and what is refused."""
 
-    margin: float = 8.0  # the quadrature is planned for this much less than the tolerance; tuned on `make failures`
+    # The quadrature is planned for this much less than the tolerance:
+    margin: float = 8.0  # tuned on random bodies, by `make failures`
     refinements: int = 4  # at most; choice: each takes about twice the time
-    checks: int = 12  # radii of the second quadrature, spread over all; tuned on the bodies of `make failures`
-    gaps: int = 6  # more of them, after the widest gaps; tuned on the bodies of `make failures`
-    safety: float = 4.0  # on the difference of the two quadratures; tuned on the bodies of `make failures`
+    checks: int = 12  # radii of the second quadrature, spread over all; tuned on random bodies, by `make failures`
+    gaps: int = 6  # more of them, after the widest gaps; tuned on random bodies, by `make failures`
+    safety: float = 4.0  # on the difference of the two quadratures; tuned on random bodies, by `make failures`
     no_claim: float = 1e-3  # of the tolerance; choice: smaller errors are not told apart
     most_nodes: int = 4000  # choice: a matrix of 128 MB
     most_flops: float = 4e11  # choice: minutes
@@ -94,12 +95,7 @@ class LayeredContact:
             )
 
     def solved(
-        self,
-        radii: Array,
-        plan: Quadrature,
-        order: int = 24,
-        inner: int = 20,
-        added: FredholmKernel | None = None,
+        self, radii: Array, plan: Quadrature, order: int = 24, inner: int = 20, added: FredholmKernel | None = None
     ) -> EquationResult:
         """Contact at the increasing ``radii`` [m]; ``order``: Gauss nodes per panel in k, ``inner``: per panel in the
         integrals of F; ``added``: what the sides of a finite body add to K."""

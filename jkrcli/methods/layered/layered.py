@@ -11,13 +11,7 @@ from ...base.errors import Refusal
 from ...bodies.problem import Problem, Specimen
 from ...series import ErrorBudget, Solution
 from .. import Forecast
-from ..integral.contact import (
-    FLOPS_PER_SECOND,
-    first_stiffness,
-    largest_for_contact,
-    radii_for_contact,
-    series_of,
-)
+from ..integral.contact import FLOPS_PER_SECOND, first_stiffness, largest_for_contact, radii_for_contact, series_of
 from ..integral.disc import disc_warnings, refuse_shrinking
 from ..integral.equation import EquationResult
 from .contact import TUNING, LayeredContact

@@ -32,10 +32,10 @@ from .tail import Tail
 class SpectrumTuning:
     """How far and how finely g(k) is resolved."""
 
-    samples: int = 16  # Gauss nodes per panel on which it is judged; tuned on the bodies of `make tuning`
+    samples: int = 16  # Gauss nodes per panel on which it is judged; tuned on reference bodies, by `make tuning`
     last: float = 1e-10  # coefficients of g on a panel, relative; theory: Gauss quadrature squares this
     noise: float = 1e-14  # theory: 50 times machine epsilon, the rounding of g - 1 and of its coefficients
-    floor: float = 1e-12  # |g - 1| beyond k_max; tuned on the bodies of `make tuning`
+    floor: float = 1e-12  # |g - 1| beyond k_max; tuned on reference bodies, by `make tuning`
     graded_floor: float = 1e-9  # the same of graded layers; choice: there g is accurate to 1e-10
     phase: float = 1e-14  # error of a panel of (g - 1) cos(k s); theory: 50 times machine epsilon
     halvings: int = 45  # choice: panels are then 2^-45 of k_max

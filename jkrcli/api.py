@@ -104,8 +104,8 @@ def transform(
 ) -> Analysis:
     """The adhesive curve for the work of adhesion ``w`` [J/m^2], with pull-off, errors, validity and warnings.
 
-    ``w``: a number, or text with a unit, "40 mJ/m^2"; ``slopes``: "auto", "exact", "integral", "loocv" or "gcv";
-    ``modulus_factor``: all moduli times this.
+    ``w``: a number, or text with a unit, "40 mJ/m^2"; ``slopes``: "auto", or a rule ("exact", "integral", "loocv",
+    "gcv"); ``modulus_factor``: all moduli times this.
     """
     stored = solved if isinstance(solved, Stored) else read(solved)
     return analyse(stored, [_work(w) if isinstance(w, str) else w], slopes, modulus_factor)[0]

@@ -1,4 +1,4 @@
-"""Adding an indenter or a method is one file: each is used from a case file to the CSV, in a process of its own."""
+"""Adding an indenter, a method or a slopes rule is one file: each is used to the CSV, in a process of its own."""
 
 from __future__ import annotations
 
@@ -101,6 +101,43 @@ def test_options_of_a_method_of_ones_own_are_checked(tmp_path: Path) -> None:
         f"jkr: error: {case}: winkler.stiffening: must be > 0 and <= 10, got 0",
     ]
     assert "winkler" not in jkr("winkler", "check", "cases/thin-layer.toml").stdout  # auto may not choose it
+
+
+def test_a_slopes_rule_of_ones_own(tmp_path: Path) -> None:
+    (tmp_path / "my.toml").write_text(CASE.format(method="layered", shape="paraboloid", keys="", thickness="1 km"))
+    series, out = tmp_path / "my.h5", tmp_path / "out"
+    assert jkr("differences", "run", tmp_path / "my.toml", "-o", series).returncode == 0
+    done = jkr("differences", "transform", series, "--slopes", "differences", "-o", out, "--no-plots")
+    assert done.returncode == 0, done.stderr
+    assert "slopes differences (asked for)" in done.stdout
+    with next(out.glob("*.csv")).open() as file:
+        rows = list(csv.DictReader(file))
+    S, a = (np.array([float(row[name]) for row in rows]) for name in ("S_N_per_m", "a_m"))
+    np.testing.assert_allclose(S, 2 * 1e6 / (1 - 0.3**2) * a, rtol=1e-5)  # a thick layer: Hertz
+
+
+def test_a_slopes_rule_of_ones_own_is_named(tmp_path: Path) -> None:
+    assert "[auto|exact|integral|loocv|gcv|differences]" in jkr("differences", "transform", "--help").stdout
+    (tmp_path / "my.toml").write_text(CASE.format(method="layered", shape="paraboloid", keys="", thickness="1 mm"))
+    sweep = tmp_path / "sweep.toml"
+    text = 'base = "my.toml"\n[[axes]]\nkey = "adhesion.w"\nvalues = [0.01, 0.02]\n[outputs]\nslopes = "{}"\n'
+    sweep.write_text(text.format("difference"))
+    assert jkr("differences", "sweep", sweep, "-o", tmp_path / "swept").stderr == (
+        f"jkr: error: {sweep}: outputs.slopes: must be one of auto, exact, integral, loocv, gcv, differences, "
+        'got "difference", did you mean "differences"?\n'
+    )
+    sweep.write_text(text.format("differences"))
+    done = jkr("differences", "sweep", sweep, "-o", tmp_path / "swept", "--workers", "1")
+    assert done.returncode == 0, done.stderr
+
+
+def test_the_names_of_slopes_import_nothing_heavy() -> None:
+    code = (
+        "import sys\nfrom jkrcli.adhesion.slopes import RULES\nassert 'loocv' in RULES\n"
+        "print('HEAVY', sorted({'numpy', 'scipy', 'h5py', 'pydantic'} & set(sys.modules)))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines()[-1] == "HEAVY []"
 
 
 def test_a_run_imports_no_solver_that_it_does_not_use(tmp_path: Path) -> None:

@@ -18,7 +18,8 @@ from .comparison import Comparison, compare_half_space
 from .critical import Errors, point_error
 from .curve import AdhesiveCurve, CriticalPoint, transform
 from .device import CONTROLS
-from .slopes import Slopes, slopes, smoothed
+from .slopes.choice import slopes, smoothed
+from .slopes.result import Slopes
 from .validity import Validity, check, end_of_body, judge, unresolved
 
 

@@ -17,7 +17,8 @@ from ..base.errors import InputError
 from ..base.unknown import Unknown
 from .curve import NO_ADHESION, TUNING, AdhesiveCurve, CriticalPoint, transform
 from .device import position
-from .slopes import NEGLIGIBLE, slopes_function
+from .slopes import slopes_function
+from .slopes.choice import NEGLIGIBLE
 
 STEP = 1e-3  # of the radius, for the curvature of the controlled quantity
 Errors = Mapping[str, float]

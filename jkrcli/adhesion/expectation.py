@@ -10,7 +10,7 @@ from ..bodies.problem import HalfSpace, Loading, Problem, Specimen
 from ..methods.layered.layered import Layered
 from .curve import CriticalPoint, transform
 from .device import LOAD_CONTROL
-from .slopes import slopes
+from .slopes.choice import slopes
 from .validity import Validity, judge
 
 COARSE = 1e-5

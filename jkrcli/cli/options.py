@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from ..adhesion.slopes import RULES
 from ..base import units
 from ..methods.guards import Limits
 
@@ -36,7 +37,7 @@ def limits_options(command: Callable[..., Any]) -> Callable[..., Any]:
 
 slopes_option = click.option(
     "--slopes",
-    type=click.Choice(["auto", "exact", "integral", "loocv", "gcv"]),
+    type=click.Choice(["auto", *RULES]),
     default="auto",
     show_default=True,
     help="How S and S' are found.",

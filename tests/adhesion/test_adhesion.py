@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from jkrcli.adhesion.curve import CriticalPoint, transform
-from jkrcli.adhesion.slopes import Slopes, slopes
+from jkrcli.adhesion.slopes.choice import slopes
+from jkrcli.adhesion.slopes.result import Slopes
 from jkrcli.base.errors import InputError
 from jkrcli.base.unknown import Unknown
 from jkrcli.formulas.half_space import adhesive_half_space, hertz, jkr, rounded_flat, sneddon_sphere

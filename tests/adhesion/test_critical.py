@@ -13,7 +13,7 @@ from scipy.integrate import cumulative_trapezoid
 
 from jkrcli.adhesion.critical import point_error
 from jkrcli.adhesion.curve import AdhesiveCurve, CriticalPoint, transform
-from jkrcli.adhesion.slopes import slopes, smoothed
+from jkrcli.adhesion.slopes.choice import slopes, smoothed
 from jkrcli.base.unknown import Unknown
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.materials import Elastic

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from jkrcli.adhesion.curve import Nonadhesive, transform
-from jkrcli.adhesion.slopes import slopes, smoothed
+from jkrcli.adhesion.slopes.choice import slopes, smoothed
 from jkrcli.formulas.griffith import shift
 from jkrcli.formulas.half_space import hertz
 from jkrcli.report.explorer import start_work

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from jkrcli.adhesion.curve import transform
-from jkrcli.adhesion.slopes import slopes, smoothed
+from jkrcli.adhesion.slopes.choice import slopes, smoothed
 from jkrcli.adhesion.slopes.events import has_plateaus, touch_events
 from jkrcli.adhesion.slopes.integral import integral
 from jkrcli.adhesion.slopes.loocv import loocv

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from jkrcli.adhesion.curve import transform
-from jkrcli.adhesion.slopes import slopes, slopes_function
+from jkrcli.adhesion.slopes import slopes_function
+from jkrcli.adhesion.slopes.choice import slopes
 from jkrcli.adhesion.slopes.loocv import interpolated_slope, loocv
 from jkrcli.base.errors import InputError, Refusal
 from jkrcli.formulas.half_space import hertz
@@ -35,7 +36,7 @@ def test_exact_slopes_are_those_of_the_series() -> None:
 
 
 def test_unknown_method_is_refused_by_name() -> None:
-    with pytest.raises(InputError, match="must be one of auto, exact, loocv, gcv, integral, got 'spline'"):
+    with pytest.raises(InputError, match='must be one of auto, exact, integral, loocv, gcv, got "spline"'):
         slopes(half_space(10), "spline")
 
 

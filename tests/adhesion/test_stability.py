@@ -15,7 +15,8 @@ from scipy.optimize import brentq
 from jkrcli.adhesion.curve import AdhesiveCurve, CriticalPoint, transform
 from jkrcli.adhesion.device import position
 from jkrcli.adhesion.passage import grow, largest_stable, shrink
-from jkrcli.adhesion.slopes import Slopes, slopes
+from jkrcli.adhesion.slopes.choice import slopes
+from jkrcli.adhesion.slopes.result import Slopes
 from jkrcli.adhesion.stability import (
     GRIPPED,
     NO_ADHESION,

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from jkrcli.adhesion.curve import Nonadhesive, transform
-from jkrcli.adhesion.slopes import slopes
+from jkrcli.adhesion.slopes.choice import slopes
 from jkrcli.adhesion.stability_inverse import work_from_pull_off
 from jkrcli.base.errors import InputError
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from jkrcli.adhesion.curve import AdhesiveCurve, transform
-from jkrcli.adhesion.slopes import slopes
+from jkrcli.adhesion.slopes.choice import slopes
 from jkrcli.adhesion.stability import UNBOUNDED, Cycle, cycle, trace, turning_radius
 from jkrcli.base.errors import InputError
 from jkrcli.base.unknown import Unknown

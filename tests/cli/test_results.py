@@ -12,7 +12,7 @@ from jkrcli.adhesion.analysis import Analysis, Specification
 from jkrcli.adhesion.comparison import compare_half_space, exact_curve
 from jkrcli.adhesion.curve import transform
 from jkrcli.adhesion.expectation import expect
-from jkrcli.adhesion.slopes import slopes
+from jkrcli.adhesion.slopes.choice import slopes
 from jkrcli.adhesion.stability import stable_radius
 from jkrcli.base.errors import InputError, Refusal
 from jkrcli.base.table import write_csv

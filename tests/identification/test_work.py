@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from jkrcli.adhesion.curve import Nonadhesive, transform
-from jkrcli.adhesion.slopes import slopes, smoothed
+from jkrcli.adhesion.slopes.choice import slopes, smoothed
 from jkrcli.base.errors import InputError
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.materials import Elastic

@@ -15,7 +15,7 @@ import pytest
 from conftest import CASES
 
 from jkrcli.adhesion.curve import CriticalPoint, transform
-from jkrcli.adhesion.slopes import slopes
+from jkrcli.adhesion.slopes.choice import slopes
 from jkrcli.base.errors import InputError
 from jkrcli.bodies.indenters import Indenter, Paraboloid, PowerLaw, RoundedFlat
 from jkrcli.bodies.materials import Elastic

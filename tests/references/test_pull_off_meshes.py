@@ -7,7 +7,7 @@ import pytest
 
 from jkrcli.adhesion.comparison import exact_curve
 from jkrcli.adhesion.curve import CriticalPoint, transform
-from jkrcli.adhesion.slopes import slopes
+from jkrcli.adhesion.slopes.choice import slopes
 from jkrcli.bodies.indenters import Sphere
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Specimen

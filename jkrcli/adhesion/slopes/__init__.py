@@ -1,121 +1,65 @@
-"""S = dP/d(delta) and S' = dS/da of a nonadhesive series, by one of several methods with one result type."""
+"""The rules by which S = dP/d(delta) and S' = dS/da of a nonadhesive series are found; each registers itself.
+
+Every module in the folder ``rules`` is light and registers a rule whose function is imported when it is called; a rule
+of one's own may do so in any module that has been imported.
+"""
 
 from __future__ import annotations
 
 import importlib
-import math
-from collections.abc import Callable, Mapping
-from dataclasses import replace
+import pkgutil
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
-import numpy as np
+from ...base.errors import InputError, did_you_mean
 
-from ...base.arrays import Array
-from ...base.errors import InputError
-from ...base.unknown import Unknown
-from ...series import RawSeries, Series
-from .result import Slopes
-
-SLOPES = {
-    "exact": "jkrcli.adhesion.slopes.exact:exact",
-    "loocv": "jkrcli.adhesion.slopes.loocv:loocv",
-    "gcv": "jkrcli.adhesion.slopes.loocv:gcv",
-    "integral": "jkrcli.adhesion.slopes.integral:integral",
-}
-NEGLIGIBLE = 1e-4  # stated error of S' below which the slopes of a series count as exact
-FEW = 0.05  # of the radii
-__all__ = ["SLOPES", "Slopes", "slopes", "slopes_function", "smoothed"]
+if TYPE_CHECKING:
+    from ...series import Series
+    from .result import Slopes
 
 
-def slopes_function(name: str) -> Callable[[Series], Slopes]:
-    """The function of the method called ``name``; imports its module, and only that."""
-    if name not in SLOPES:
-        raise InputError(f"slopes: must be one of auto, {', '.join(SLOPES)}, got {name!r}")
-    module, attribute = SLOPES[name].split(":")
-    return getattr(importlib.import_module(module), attribute)
+@dataclass(frozen=True)
+class Rule:
+    """A way to find slopes, known before anything heavy is imported.
 
-
-def slopes(series: Series, name: str = "auto") -> Slopes:
-    """S and S' of ``series``; "auto" takes those that the series carries, unless they are no better than a smooth fit
-    that agrees with them; else the surer estimate."""
-    if name in ("loocv", "gcv"):
-        paper = slopes_function(name)(series)
-        return replace(_measured_against(paper, _integral_or_none(series)), reason="asked for")
-    if name != "auto":
-        return replace(slopes_function(name)(series), reason="asked for")
-    if series.S is not None and series.dS is not None:
-        return _carried(series)
-    return _surer(series)
-
-
-def _carried(series: Series) -> Slopes:
-    """The slopes that the series carries; or, where their stated error is noticeable and the fit "integral" stays
-    within it, that fit: it smooths the scatter of differences. At a flat end, where S' jumps, it errs more."""
-    exact = slopes_function("exact")(series)
-    if isinstance(exact.error, Unknown) or exact.error <= NEGLIGIBLE or "dS" not in series.errors:
-        return replace(exact, reason="the series carries exact slopes")
-    if series.a0 > 0:
-        return replace(exact, reason="the series carries slopes, and a smooth fit errs at the edge of the flat end")
-    fitted = _integral_or_none(series)
-    if fitted is None:
-        return replace(exact, reason="the series carries slopes, and 'integral' finds none")
-    beyond = float(np.mean(np.abs(fitted.dS - exact.dS) > series.errors["dS"]))
-    if beyond > FEW:
-        reason = f"the series carries slopes, and 'integral' leaves their stated error at {beyond:.0%} of the radii"
-        return replace(exact, reason=reason)
-    reason = f"smoother than the slopes that the series carries, within their stated error ({exact.error:.1g})"
-    return replace(fitted, reason=reason)
-
-
-def smoothed(
-    raw: RawSeries, a0: float = 0.0, S0: float | None = 0.0, errors: Mapping[str, Array] | None = None
-) -> tuple[Series, Slopes]:
-    """Series and slopes straight from increments, noisy or with repeated radii, by the method "integral"."""
-    from .integral import smoothed as fitted
-
-    series, found = fitted(raw, a0, S0, errors)
-    return series, replace(found, reason="the increments themselves were fitted")
-
-
-def _integral_or_none(series: Series) -> Slopes | None:
-    try:
-        return slopes_function("integral")(series)
-    except InputError:
-        return None
-
-
-def _measured_against(paper: Slopes, fitted: Slopes | None) -> Slopes:
-    """The slopes of "loocv" with an error (and a band) no smaller than their distance from those of "integral".
-
-    A smoothing spline cannot see the error of what it is given, a derivative of the data: its own estimate is often
-    20 to 100 times too small on series of finite elements.
+    ``sentence``: what it does. ``function``: of a series, or "module:function", imported when called. ``optimistic``:
+    whether its own error estimate misses what "integral" shows, and is held against that.
     """
-    if fitted is None:
-        return paper
-    distance = float(np.quantile(np.abs(np.sqrt(paper.dS / fitted.dS) - 1), 0.9))
-    if isinstance(paper.error, float) and distance <= paper.error:
-        return paper
-    covariance = paper.covariance
-    if covariance is not None and isinstance(paper.error, float) and paper.error > 0:
-        covariance = covariance * (distance / paper.error) ** 2
-    return replace(paper, error=distance, covariance=covariance)
+
+    name: str
+    sentence: str
+    function: Callable[[Series], Slopes] | str
+    optimistic: bool = False
+
+    def __call__(self, series: Series) -> Slopes:
+        if not isinstance(self.function, str):
+            return self.function(series)
+        module, attribute = self.function.split(":")
+        found: Slopes = getattr(importlib.import_module(module), attribute)(series)
+        return found
 
 
-def _surer(series: Series) -> Slopes:
-    """Of "integral" and "loocv" the one with the smaller estimate of its error."""
-    fitted = slopes_function("integral")(series)
-    try:
-        paper = _measured_against(slopes_function("loocv")(series), fitted)
-    except InputError:
-        return replace(fitted, reason="the series carries no exact slopes, and those of 'loocv' are not positive")
-    if _number(paper) < _number(fitted):
-        fitted, paper = paper, fitted
-    others = f"by {paper.method!r} {_words(paper)}"
-    return replace(fitted, reason=f"the series carries no exact slopes; estimated error {_words(fitted)}, {others}")
+RULES: dict[str, Rule] = {}  # by name, in the order in which messages name them
 
 
-def _number(found: Slopes) -> float:
-    return math.inf if isinstance(found.error, Unknown) else found.error
+def register(rule: Rule) -> None:
+    """Make a rule known by its name."""
+    RULES[rule.name] = rule
 
 
-def _words(found: Slopes) -> str:
-    return str(found.error) if isinstance(found.error, Unknown) else f"{found.error:.1g}"
+def checked_rule(name: Any, where: str = "slopes") -> str:
+    """``name`` if it is "auto" or that of a rule; InputError that begins with ``where`` otherwise."""
+    known = ["auto", *RULES]
+    if name not in known:
+        raise InputError(f'{where}: must be one of {", ".join(known)}, got "{name}"{did_you_mean(name, known)}')
+    return str(name)
+
+
+def slopes_function(name: str) -> Rule:
+    """The rule called ``name``."""
+    return RULES[name] if name in RULES else RULES[checked_rule(name)]
+
+
+for _module in pkgutil.iter_modules([f"{folder}/rules" for folder in __path__]):
+    importlib.import_module(f"{__name__}.rules.{_module.name}")

@@ -8,7 +8,8 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
 
-from ...adhesion.slopes import Slopes, slopes
+from ...adhesion.slopes.choice import slopes
+from ...adhesion.slopes.result import Slopes
 from ...base.errors import InputError, JkrError, SolveError, did_you_mean
 from ...bodies.materials import Elastic
 from ...bodies.problem import HalfSpace, Layer, Loading, Problem

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from ...adhesion.analysis import Fitted, specification
-from ...adhesion.slopes import slopes as slopes_of
+from ...adhesion.slopes.choice import slopes as slopes_of
 from ...case import Case, load_case, store
 from ...case.solving import solve
 from ...case.store import Stored

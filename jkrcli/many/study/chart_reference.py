@@ -9,7 +9,7 @@ from scipy.interpolate import CubicHermiteSpline
 
 from ...adhesion.comparison import curve_distance
 from ...adhesion.curve import AdhesiveCurve, CriticalPoint, transform
-from ...adhesion.slopes import slopes
+from ...adhesion.slopes.choice import slopes
 from ...base.errors import JkrError, Refusal
 from ...bodies.problem import Loading, Problem
 from ...methods import Method, method_class

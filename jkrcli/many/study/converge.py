@@ -12,7 +12,7 @@ from functools import cached_property, partial
 import numpy as np
 
 from ...adhesion.curve import AdhesiveCurve, CriticalPoint, transform
-from ...adhesion.slopes import slopes
+from ...adhesion.slopes.choice import slopes
 from ...base.errors import InputError
 from ...base.executors import Pool, in_order
 from ...base.unknown import Estimate, Unknown

@@ -14,7 +14,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...adhesion.curve import AdhesiveCurve, CriticalPoint, transform
-from ...adhesion.slopes import Slopes, slopes, smoothed
+from ...adhesion.slopes.choice import slopes, smoothed
+from ...adhesion.slopes.result import Slopes
 from ...adhesion.validity import unresolved
 from ...base.errors import JkrError
 from ...base.executors import Pool, completed

@@ -10,7 +10,8 @@ from pathlib import Path
 import numpy as np
 
 from ...adhesion.curve import AdhesiveCurve, transform
-from ...adhesion.slopes import Slopes, slopes
+from ...adhesion.slopes.choice import slopes
+from ...adhesion.slopes.result import Slopes
 from ...base.errors import InputError
 from ...base.units import scale, show
 from ...bodies.materials import Elastic

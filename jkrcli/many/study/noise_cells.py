@@ -14,7 +14,8 @@ from functools import partial
 import numpy as np
 
 from ...adhesion.curve import AdhesiveCurve, transform
-from ...adhesion.slopes import slopes, slopes_function, smoothed
+from ...adhesion.slopes import slopes_function
+from ...adhesion.slopes.choice import slopes, smoothed
 from ...base.errors import InputError
 from ...base.executors import Pool, in_order
 from ...base.unknown import Unknown

@@ -17,7 +17,7 @@ import numpy as np
 from ... import __version__
 from ...adhesion.curve import AdhesiveCurve, Nonadhesive
 from ...adhesion.device import LOAD_CONTROL
-from ...adhesion.slopes import slopes
+from ...adhesion.slopes.choice import slopes
 from ...base.errors import InputError, SolveError
 from ...base.executors import Pool, in_order
 from ...base.unknown import Unknown

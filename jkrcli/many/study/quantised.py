@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...adhesion.curve import transform
-from ...adhesion.slopes import slopes_function, smoothed
+from ...adhesion.slopes import slopes_function
+from ...adhesion.slopes.choice import smoothed
 from ...base.errors import InputError
 from ...base.unknown import Unknown
 from ...formulas.half_space import hertz

@@ -23,7 +23,7 @@ from typing import Any
 import jkrcli
 
 from ...adhesion.curve import transform
-from ...adhesion.slopes import slopes
+from ...adhesion.slopes.choice import slopes
 from ...base.errors import JkrError
 from ...base.executors import in_order
 from ...bodies.grading import Exponential

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from ... import __version__
+from ...adhesion.slopes import checked_rule
 from ...base.errors import InputError
 from ...bodies.problem import Problem
 from ...case import Case, CaseModel
@@ -149,7 +150,8 @@ def load_plan(path: Path) -> Plan:
 
 def _wanted(model: SweepModel, source: str) -> Wanted:
     asked = model.outputs
-    return Wanted(names_of(asked.quantities, source), asked.radii, asked.stiffness, asked.slopes)
+    rule = checked_rule(asked.slopes, f"{source}: outputs.slopes")
+    return Wanted(names_of(asked.quantities, source), asked.radii, asked.stiffness, rule)
 
 
 def _self_contained(tables: Tables, first: CaseModel, axes: Sequence[Axis]) -> Tables:

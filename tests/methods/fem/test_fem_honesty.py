@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from jkrcli.adhesion.curve import CriticalPoint, transform
-from jkrcli.adhesion.slopes import slopes
+from jkrcli.adhesion.slopes.choice import slopes
 from jkrcli.bodies.indenters import Indenter, Paraboloid, PowerLaw, TableProfile
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen

@@ -1,0 +1,107 @@
+"""Slopes of a series by the rule asked for, or by the surest: what "auto" takes, and why."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from ...base.arrays import Array
+from ...base.errors import InputError
+from ...base.unknown import Unknown
+from ...series import RawSeries, Series
+from . import slopes_function
+from .result import Slopes
+
+NEGLIGIBLE = 1e-4  # stated error of S' below which the slopes of a series count as exact
+FEW = 0.05  # of the radii
+
+
+def slopes(series: Series, name: str = "auto") -> Slopes:
+    """S and S' of ``series``; "auto" takes those that the series carries, unless they are no better than a smooth fit
+    that agrees with them; else the surer estimate."""
+    if name != "auto":
+        rule = slopes_function(name)
+        found = rule(series)
+        if rule.optimistic:
+            found = _measured_against(found, _integral_or_none(series))
+        return replace(found, reason="asked for")
+    if series.S is not None and series.dS is not None:
+        return _carried(series)
+    return _surer(series)
+
+
+def _carried(series: Series) -> Slopes:
+    """The slopes that the series carries; or, where their stated error is noticeable and the fit "integral" stays
+    within it, that fit: it smooths the scatter of differences. At a flat end, where S' jumps, it errs more."""
+    exact = slopes_function("exact")(series)
+    if isinstance(exact.error, Unknown) or exact.error <= NEGLIGIBLE or "dS" not in series.errors:
+        return replace(exact, reason="the series carries exact slopes")
+    if series.a0 > 0:
+        return replace(exact, reason="the series carries slopes, and a smooth fit errs at the edge of the flat end")
+    fitted = _integral_or_none(series)
+    if fitted is None:
+        return replace(exact, reason="the series carries slopes, and 'integral' finds none")
+    beyond = float(np.mean(np.abs(fitted.dS - exact.dS) > series.errors["dS"]))
+    if beyond > FEW:
+        reason = f"the series carries slopes, and 'integral' leaves their stated error at {beyond:.0%} of the radii"
+        return replace(exact, reason=reason)
+    reason = f"smoother than the slopes that the series carries, within their stated error ({exact.error:.1g})"
+    return replace(fitted, reason=reason)
+
+
+def smoothed(
+    raw: RawSeries, a0: float = 0.0, S0: float | None = 0.0, errors: Mapping[str, Array] | None = None
+) -> tuple[Series, Slopes]:
+    """Series and slopes straight from increments, noisy or with repeated radii, by the method "integral"."""
+    from .integral import smoothed as fitted
+
+    series, found = fitted(raw, a0, S0, errors)
+    return series, replace(found, reason="the increments themselves were fitted")
+
+
+def _integral_or_none(series: Series) -> Slopes | None:
+    try:
+        return slopes_function("integral")(series)
+    except InputError:
+        return None
+
+
+def _measured_against(paper: Slopes, fitted: Slopes | None) -> Slopes:
+    """The slopes of "loocv" with an error (and a band) no smaller than their distance from those of "integral".
+
+    A smoothing spline cannot see the error of what it is given, a derivative of the data: its own estimate is often
+    20 to 100 times too small on series of finite elements.
+    """
+    if fitted is None:
+        return paper
+    distance = float(np.quantile(np.abs(np.sqrt(paper.dS / fitted.dS) - 1), 0.9))
+    if isinstance(paper.error, float) and distance <= paper.error:
+        return paper
+    covariance = paper.covariance
+    if covariance is not None and isinstance(paper.error, float) and paper.error > 0:
+        covariance = covariance * (distance / paper.error) ** 2
+    return replace(paper, error=distance, covariance=covariance)
+
+
+def _surer(series: Series) -> Slopes:
+    """Of "integral" and "loocv" the one with the smaller estimate of its error."""
+    fitted = slopes_function("integral")(series)
+    try:
+        paper = _measured_against(slopes_function("loocv")(series), fitted)
+    except InputError:
+        return replace(fitted, reason="the series carries no exact slopes, and those of 'loocv' are not positive")
+    if _number(paper) < _number(fitted):
+        fitted, paper = paper, fitted
+    others = f"by {paper.method!r} {_words(paper)}"
+    return replace(fitted, reason=f"the series carries no exact slopes; estimated error {_words(fitted)}, {others}")
+
+
+def _number(found: Slopes) -> float:
+    return math.inf if isinstance(found.error, Unknown) else found.error
+
+
+def _words(found: Slopes) -> str:
+    return str(found.error) if isinstance(found.error, Unknown) else f"{found.error:.1g}"

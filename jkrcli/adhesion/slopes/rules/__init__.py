@@ -1,0 +1,1 @@
+"""The rules, one light file each: what is known of them before their functions are imported."""

@@ -1,4 +1,4 @@
-"""Which column of a text table is which quantity, in which unit: by its name in the header, or as the user says."""
+"""Quantities of the columns of a text table and their units, by the names in its header or as the user says."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ EXAMPLES = {"length": "um", "area": "um^2", "load": "mN", "time": "s"}
 
 @dataclass(frozen=True)
 class Quantity:
-    """What a column can hold: its ``meaning`` in messages, the ``dimension`` of its numbers, "" where it holds words,
-    and the ``names`` of such columns, lower case, without unit."""
+    """A quantity that a column can hold: its ``meaning`` in messages, the ``dimension`` of its numbers, "" where it
+    holds words, and the ``names`` of such columns, lower case, without unit."""
 
     meaning: str
     dimension: str

@@ -30,7 +30,7 @@ NAMES = Vocabulary({  # those of Abaqus histories and CalculiX results among the
 
 @dataclass(frozen=True)
 class SeriesReading:
-    """How to read a foreign table; keys of the mappings are "a", "area", "delta" and "P".
+    """Conventions of a foreign table; keys of the mappings are "a", "area", "delta" and "P".
 
     ``columns``: names or numbers (from 1), where the header does not tell; ``units``: where the header names none;
     ``factors``: on top of the units (P = 180 for CalculiX, which prints the force on its wedge of 2 degrees).
@@ -103,7 +103,7 @@ def _values(table: TextTable, key: str, index: int, reading: SeriesReading) -> A
 
 # ---------------------------------------------------------------------- rows
 def _check(path: Path, values: Mapping[str, Array], lines: Array, touching: Array) -> None:
-    """Rows in contact are in the order of loading: displacement and load rise, radius or area does not fall."""
+    """Refuse rows in contact out of the order of loading: displacement and load rise, radius or area does not fall."""
     if touching.sum() < LEAST_ROWS:
         there = f" (lines {', '.join(map(str, lines[touching]))})" if touching.any() else ""
         raise InputError(f"{path}: holds {touching.sum()} rows in contact{there}, at least {LEAST_ROWS} are needed")

@@ -27,7 +27,7 @@ _NUMBER = re.compile(r"[+-]?(\d+[.]?\d*|[.]\d+)([eEdD][+-]?\d+)?\Z|[+-]?(nan|inf
 
 @dataclass(frozen=True)
 class Dialect:
-    """How a table is written: the ``separator`` (a key of ``SEPARATORS``), the ``decimal`` mark, and which columns
+    """The way a table is written: the ``separator`` (a key of ``SEPARATORS``), the ``decimal`` mark, and which columns
     (from 0) hold ``text``: their cells count as the number 0."""
 
     separator: str
@@ -60,7 +60,7 @@ class Dialect:
 
 @dataclass(frozen=True, eq=False)
 class TextTable:
-    """``values`` (rows, columns) with the ``lines`` they stand in (from 1), and the ``names`` of the columns.
+    """A table as read: ``values`` (rows, columns), the ``lines`` they stand in (from 1), ``names`` of the columns.
 
     ``text``: the cells of the columns (from 0) that hold words.
     """
@@ -157,7 +157,7 @@ def _dialect(
     least: int,
     is_text: Callable[[int, str], bool],
 ) -> Dialect | None:
-    """Of all ways to read the lines the one that gives most rows of numbers."""
+    """The way to read the lines that gives most rows of numbers."""
     found = [Dialect(s, d) for s in SEPARATORS for d in (".", ",") if (s, d) != ("comma", ",")]
     allowed = [d for d in found if separator in (None, d.separator) and decimal in (None, d.decimal)]
     if not allowed:
@@ -181,7 +181,7 @@ def _data(content: list[tuple[int, str]], dialect: Dialect, least: int) -> Itera
 def _check_rows(
     path: Path, content: list[tuple[int, str]], dialect: Dialect, lines: Array, values: Array, finite: bool
 ) -> None:
-    """Every line from the first row on is a row of (finite) numbers or a comment."""
+    """Refuse lines after the first row that are neither a row of (finite) numbers nor a comment."""
     rows = set(lines.tolist())
     width = values.shape[1]
     words = f" and {len(dialect.text)} words" if dialect.text else ""

@@ -70,7 +70,7 @@ def _load(path: Path, reading: Reading) -> list[Any]:
 
 
 def _curve(path: Path, name: str, data: Any) -> Curve:
-    """Minus the height of the tip, else of the piezo, the force, time and segments of one data set."""
+    """The curve of one data set: minus the height of the tip, else of the piezo, force, time and segments."""
     where = place(path, name)
     height = next((name for name in ("tip position", *HEIGHTS) if _holds(data, name)), None)
     if height is None or not _holds(data, "force"):

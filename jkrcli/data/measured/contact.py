@@ -17,7 +17,7 @@ GIVE = "give --zero P=... and --zero delta=..."
 
 @dataclass(frozen=True)
 class FirstTouchTuning:
-    """How the free part of an approach is told from contact."""
+    """Limits that tell the free part of an approach from contact."""
 
     free: float = 0.1  # choice: of the approach, by displacement: the part that must be free of contact
     fewest: int = 10  # choice: rows in it
@@ -80,7 +80,7 @@ def saturation(curve: Curve) -> tuple[str, ...]:
 
 
 def _approach(curve: Curve) -> Array:
-    """Rows of the approach, in order: as told, else those before the largest displacement."""
+    """Rows of the approach, in order: those the file names so, else those before the largest displacement."""
     assert curve.delta is not None
     if curve.segment is None:
         return np.arange(int(np.argmax(curve.delta)) + 1)

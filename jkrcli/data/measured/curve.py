@@ -19,12 +19,12 @@ LEAST_ROWS = 3  # choice: of a curve
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """Contact radius ``a`` [m], displacement ``delta`` [m], load ``P`` [N], time ``t`` [s]; None: not measured.
+    """One measured curve: contact radius ``a`` [m], displacement ``delta`` [m], load ``P`` [N], time ``t`` [s].
 
-    One-dimensional read-only arrays of equal length; rows are neither ordered nor, in ``delta`` and ``P``, of known
-    zero: signs are those of the project (indentation and compression positive). ``segment``: a word per row
-    ("approach", "retract" or another), None where not told. ``name``: unique in its file; ``origin``: that file;
-    ``flags``: sentences on how the rows were read.
+    None stands where one was not measured. One-dimensional read-only arrays of equal length; rows are neither ordered
+    nor, in ``delta`` and ``P``, of known zero: signs are those of the project (indentation and compression positive).
+    ``segment``: a word per row ("approach", "retract" or another), None where not told. ``name``: unique in its file;
+    ``origin``: that file; ``flags``: sentences on how the rows were read.
     """
 
     name: str

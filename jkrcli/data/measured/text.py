@@ -57,7 +57,7 @@ def _curve(
 
 
 def _is_text(reading: Reading) -> Callable[[int, str], bool]:
-    """Whether a column holds words: by its name, or as told."""
+    """A function that tells whether a column holds words: by its name, or as told."""
     of_words = NAMES.quantities.keys() - set(NAMES.numbers)
     told = {name for key, name in reading.columns.items() if key in of_words}
 
@@ -109,7 +109,7 @@ def _groups(table: TextTable, chosen: dict[str, int]) -> Iterator[tuple[str, Arr
 
 
 def _check(table: TextTable, name: str, lines: Array, values: dict[str, Array]) -> None:
-    """Enough rows of finite numbers, areas and radii not negative, time not running back."""
+    """Refuse too few rows, numbers that are not finite, negative areas and radii, time that runs back."""
     where = place(table.path, name)
     if lines.size < LEAST_ROWS:
         there = ", ".join(map(str, lines))

@@ -1,4 +1,7 @@
-"""From measured curves to E*, w and the zero points: orthogonal distances to the two-parameter family of one series."""
+"""Fits of E*, w and the zero points to measured curves: orthogonal distances to the two-parameter family of one series.
+
+settings: what is asked; points: which rows; model: what an instrument reads; search: the nearest curve; confidence.
+"""
 
 from __future__ import annotations
 

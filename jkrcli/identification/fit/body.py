@@ -39,7 +39,9 @@ TUNING = ResolvingTuning()
 
 @dataclass(frozen=True, eq=False)
 class FittedBody:
-    """``problem``: bodies and nominal values; ``series``, ``slopes``: its nonadhesive solution, by any method.
+    """A body whose measured curves are fitted, with its family of adhesive curves.
+
+    ``problem``: bodies and nominal values; ``series``, ``slopes``: its nonadhesive solution, by any method.
 
     Only bodies that the method ``layered`` represents can be solved anew: ``with_values``. ``extensible``: may also be
     solved to other radii than those of the series.
@@ -58,7 +60,7 @@ class FittedBody:
 
     @property
     def layer_names(self) -> tuple[str, ...]:
-        """How the layers are called: their names, or their numbers from 1 at the contact; "base": the half-space."""
+        """Names of the layers as told in the case, else their numbers from 1 at the contact; "base": the half-space."""
         layers = self.problem.specimen.layers
         names = [layer.name or str(i) for i, layer in enumerate(layers, start=1)]
         below = [BASE] if isinstance(self.problem.specimen.base, HalfSpace) else []
@@ -91,7 +93,7 @@ class FittedBody:
         return replace(self, problem=problem, family=self._solved(problem))
 
     def rated(self, values: dict[str, float], varied: Sequence[str]) -> FittedBody:
-        """As ``with_values``, with the family's derivatives by the logs of the values of ``varied``.
+        """The body of ``with_values`` with the family's derivatives by the logs of the values of ``varied``.
 
         They are taken at rounded values, so that steps near the solution need no more solves for them.
         """
@@ -131,7 +133,7 @@ def _nearby(value: float) -> float:
 
 @lru_cache(maxsize=REMEMBERED)
 def solved(problem: Problem, tolerance: float) -> Family:
-    """The family of a problem by ``layered``, where need be to a hundred or ten thousand times the tolerance.
+    """The family of a problem by ``layered``, at a coarser tolerance where it cannot be solved to this one.
 
     SolveError where it cannot be solved, with the reason.
     """

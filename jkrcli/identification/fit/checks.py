@@ -1,4 +1,4 @@
-"""What a reader of a fit should know: each sentence with its numbers, and what to do."""
+"""Warnings about a fit: what a reader should know, each sentence with its numbers and what to do."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .search import Minimum
 
 @dataclass(frozen=True)
 class WarningThresholds:
-    """Where a reader is warned; nothing else depends on them."""
+    """Limits beyond which a reader is warned; nothing else depends on them."""
 
     apart: float = 0.99  # choice: correlation beyond which two parameters can hardly be told apart
     vague: float = 0.3  # choice: relative standard error beyond which a value is little more than its order
@@ -31,7 +31,7 @@ THRESHOLDS = WarningThresholds()
 
 
 def warnings_of(found: Fit, minimum: Minimum) -> list[str]:
-    """All that stands against the fit or limits it."""
+    """Sentences on all that stands against the fit or limits it."""
     return [
         *_told_apart(found, minimum),
         *_structured(found),
@@ -108,7 +108,7 @@ def _bounds(found: Fit, minimum: Minimum) -> Iterator[str]:
 
 
 def _pull_off(found: Fit) -> Iterator[str]:
-    """Whether the data reach the least load of their curve."""
+    """A sentence where the data do not reach the least load of their curve."""
     if "P" not in found.scales or not _adhesion(found):
         return
     radius = float(found.line["a"][int(np.argmin(found.line["P"]))])
@@ -128,7 +128,7 @@ def _elastic_indenter(found: Fit, minimum: Minimum) -> Iterator[str]:
 
 
 def _validity(found: Fit, minimum: Minimum) -> list[str]:
-    """a/R, delta/h and the Tabor number at the largest radius of the data."""
+    """Sentences on a/R, delta/h and the Tabor number at the largest radius of the data."""
     problem, a = minimum.objective.body.problem, float(np.max(found.a))
     (D, _, _, _), _, _ = minimum.found.readings.family.at(np.array([np.log(a)]))
     free = (item.value for item in found.estimates if item.name.startswith("h:") and item.free)

@@ -27,8 +27,8 @@ Interval = tuple[float | None, float | None]
 
 @dataclass(frozen=True, eq=False)
 class Confidence:
-    """``estimates`` with their intervals; ``covariance`` of the free parameters, SI; ``samples`` of a bootstrap;
-    ``scatter``: standard deviation of the residuals; ``dof``: degrees of freedom."""
+    """What is known of a fit: ``estimates`` with their intervals, ``covariance`` of the free parameters, SI,
+    ``samples`` of a bootstrap, ``scatter``: standard deviation of the residuals, ``dof``: degrees of freedom."""
 
     estimates: tuple[FittedValue, ...]
     covariance: Array | None
@@ -59,7 +59,7 @@ def confidence_of(minimum: Minimum, settings: Settings) -> Confidence:
 
 @dataclass(frozen=True, eq=False)
 class _Spread:
-    """How far the optimiser's unknowns may be off: covariance ``inner`` and bootstrap ``samples`` of the free ones."""
+    """Uncertainty of the optimiser's unknowns: covariance ``inner`` and bootstrap ``samples`` of the free ones."""
 
     minimum: Minimum
     settings: Settings
@@ -115,7 +115,8 @@ class _Spread:
         return (None, None) if sigma is None else (x - self.t * sigma, x + self.t * sigma)
 
     def _profile(self, i: int, side: int) -> float | None:
-        """Where the least cost with parameter ``i`` held rises by t^2/2 times the variance; None: it never does."""
+        """The end of the interval, where the least cost with parameter ``i`` held is t^2/2 times the variance higher;
+        None: it never is."""
         x, limit = float(self.minimum.x[i]), self.minimum.cost + 0.5 * self.t**2 * self.factor
         sigma = self._sigma(i)
         step = side * (self.t * sigma if sigma is not None else 0.1)

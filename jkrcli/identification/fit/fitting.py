@@ -100,7 +100,7 @@ def _fit(body: FittedBody, curve: Curve, settings: Settings) -> Fit:
 
 
 def _told_by(settings: Settings, points: Points) -> tuple[Settings, tuple[str, ...]]:
-    """With the parameters that the measured columns do not tell fixed, and words on what cannot be told."""
+    """The settings with the parameters that the measured columns do not tell fixed, and words on what is not told."""
     absent = set() if "delta" in points.columns else {"delta0", "compliance"}
     fixed = dict.fromkeys(absent if "P" in points.columns else absent | {"P0"}, 0.0)
     words: tuple[str, ...] = ()

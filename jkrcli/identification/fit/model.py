@@ -25,7 +25,7 @@ from .settings import Parameter
 
 @dataclass(frozen=True)
 class FootPointTuning:
-    """Where foot points are looked for on the curve of readings, and how closely; radii by their logs."""
+    """Limits of the search for foot points on the curve of readings; radii by their logs."""
 
     vertices: int = 400  # choice: of the polyline on which the nearest vertex of each point starts its foot point
     beyond_last: float = 0.4  # choice: beyond the series, for curves on their way to the solution

@@ -1,4 +1,4 @@
-"""Which rows of a measured curve lie on the adhesive curve, and by how much their readings scatter."""
+"""The rows of a measured curve that lie on the adhesive curve, and the scatter of their readings."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ COLUMNS = ("a", "delta", "P")
 
 @dataclass(frozen=True)
 class RowsTuning:
-    """How rows out of contact are told from rows of the curve, and noise from the curve."""
+    """Limits that tell rows out of contact from rows of the curve, and noise from the curve."""
 
     least: int = 8  # choice: points, and at least twice as many as free parameters
     lost: float = 0.3  # choice: of the pull-off force, how near to no load a reading beyond a jump is out of contact
@@ -40,7 +40,7 @@ TUNING = RowsTuning()
 
 @dataclass(frozen=True, eq=False)
 class Points:
-    """The rows taken: ``values`` of the measured columns among a, delta [m], P [N], their ``rows`` in the curve.
+    """The rows to be fitted: ``values`` of the measured columns among a, delta [m], P [N], their ``rows`` in the curve.
 
     ``left_out``: sentences on rows that were not taken; ``baseline``: load reading out of contact [N], where it was
     recorded.
@@ -118,7 +118,7 @@ def _of_segment(curve: Curve, segment: SegmentName | None) -> Array:
 
 
 def _in_contact(values: Mapping[str, Array], level: float) -> Array:
-    """All rows but those of a base line at the load reading ``level`` [N]; where radii were read, those above zero.
+    """Mask of the rows in contact: not of a base line at the load reading ``level`` [N]; of radius > 0 where read.
 
     The base line lies at displacements below that of the least load (see ``_lost``); where no adhesion stands out of
     the noise, below the displacement from which on all loads do.
@@ -139,7 +139,7 @@ def _in_contact(values: Mapping[str, Array], level: float) -> Array:
 
 
 def _lost(beyond: Array, P: Array, near: float) -> Array:
-    """Which of the rows ``beyond`` the least load have lost contact; ``P`` in units of the pull-off force.
+    """Mask of those rows ``beyond`` the least load that have lost contact; ``P`` in units of the pull-off force.
 
     Contact is lost in a jump, on whose way lie few readings. Many of them there are a curve that a stiff device follows
     further, as on thin layers: then only what stands ``near`` the base line is out of contact.
@@ -165,7 +165,7 @@ def _level(values: Mapping[str, Array]) -> float:
 
 
 def _check_signs(curve: Curve, values: Mapping[str, Array]) -> None:
-    """Each column varies, and rises with the others as contact grows."""
+    """Refuse columns that do not vary, or that fall where others rise."""
     for name, column in values.items():
         if not np.ptp(column) > 0:
             raise InputError(f"{curve.where}: {name} has the same value {column[0]:g} in all rows")

@@ -28,7 +28,7 @@ from .statistics import TURNS, robust_scale
 
 @dataclass(frozen=True)
 class SearchTuning:
-    """Where starts are looked for, how they are followed, and when a minimum is taken for the answer."""
+    """Limits of the search: where starts are looked for, how they are followed, which minimum is the answer."""
 
     # Least squares
     converged: float = 1e-13  # choice: relative change of unknowns and cost; leaves only round-off
@@ -76,7 +76,7 @@ TUNING = SearchTuning()
 # ---------------------------------------------------------------------- least squares
 @dataclass(frozen=True, eq=False)
 class Minimum:
-    """Where the sum of losses is least: ``x`` all unknowns, ``found`` the distances there, ``cost`` half that sum.
+    """The point of least sum of losses: ``x`` all unknowns, ``found`` the distances there, ``cost`` half that sum.
 
     ``at_bound``: names of parameters that end on a bound; ``width``: of the robust loss, in scaled units.
     """
@@ -131,7 +131,7 @@ def minimise(objective: Objective, start: Array, loss: Loss = "linear", width: f
 
 
 def robust(minimum: Minimum, loss: Loss) -> Minimum:
-    """With a robust loss: from the least squares on, its turn set twice by the scatter of the residuals."""
+    """The minimum of a robust loss from that of least squares on; its turn is set twice by the residuals' scatter."""
     for _ in range(2 * (loss != "linear")):
         width = TURNS[loss] * max(robust_scale(minimum.found.residuals), 1e-12)
         minimum = minimise(minimum.objective, minimum.x, loss, width)
@@ -155,7 +155,7 @@ def _bounds(objective: Objective, start: Array) -> tuple[Array, Array]:
 
 
 def _inside(y: Array, low: Array, high: Array) -> Array:
-    """Strictly between the bounds, as the trust region wants it."""
+    """Unknowns strictly between the bounds, as the trust region wants it."""
     room = np.where(np.isfinite(high - low), high - low, np.maximum(np.abs(y), 1.0))
     return np.clip(y, low + 1e-8 * room, high - 1e-8 * room)
 
@@ -267,7 +267,7 @@ def _load_zeros(points: Points, known: Mapping[str, float]) -> tuple[float, ...]
 
 
 def _with_radii(family: Family, points: Points, known: Mapping[str, float]) -> Start:
-    """Known radii: the load is linear in s, sqrt(w s), P0; the displacement in sqrt(w/s), delta0."""
+    """The start by measured radii: the load is linear in s, sqrt(w s), P0; the displacement in sqrt(w/s), delta0."""
     (D, T, H, V), _, _ = family.at(np.clip(np.log(points.values["a"]), family.low - 0.5, family.high + 0.5))
     compliance, P0, load = known.get("compliance") or 0.0, known.get("P0") or 0.0, None
     s, w = known.get("modulus"), known.get("w")
@@ -349,7 +349,7 @@ def _among_radii(body: FittedBody, points: Points) -> FittedBody:
 
 
 def _check_reach(body: FittedBody, least: float, reach: float) -> None:
-    """The contact radii of the data lie within those of the series, but for noise."""
+    """Refuse contact radii of the data outside those of the series, but for noise."""
     low, high = (float(a) for a in body.series.a[[0, -1]])
     above = reach > high * TUNING.past_end
     if low / TUNING.past_end <= least and not above:
@@ -379,7 +379,7 @@ def _all_starts(body: FittedBody, points: Points, settings: Settings) -> list[St
 
 
 def _bodies(body: FittedBody, settings: Settings) -> Iterator[dict[str, float]]:
-    """Values of the body's own parameters to begin with: the fixed ones, and around the nominal of the free ones."""
+    """Values of the body's own parameters to begin with: fixed ones, and around the nominal values of free ones."""
     own = [p for p in settings.parameters if p.of_body]
     fixed = {p.name: float(p.value) for p in own if not p.free and p.value is not None}
     free = [p for p in own if p.free]

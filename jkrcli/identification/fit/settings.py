@@ -1,4 +1,4 @@
-"""What is asked of a fit: parameters with units and bounds, rows, noise, loss and confidence."""
+"""Settings of a fit: parameters with units and bounds, rows, noise, loss and confidence; from what a user types."""
 
 from __future__ import annotations
 
@@ -19,6 +19,9 @@ ConfidenceName = Literal["covariance", "profile", "bootstrap"]
 DIMENSIONS = {"modulus": "number", "w": "work", "delta0": "length", "P0": "load", "compliance": "number"}
 KINDS: dict[str, Kind] = {"modulus": "log", "w": "positive", "delta0": "linear", "P0": "linear", "compliance": "linear"}
 OF_A_LAYER = {"E": "modulus", "h": "length", "nu": "number"}
+USUALLY_FREE = ("modulus", "w", "delta0")
+ALIAS = "E_star"  # the common modulus by its value rather than as a factor
+BETWEEN = ".."  # the ends of bounds
 
 
 @dataclass(frozen=True)
@@ -62,7 +65,7 @@ class Parameter:
 
     @property
     def dimension(self) -> str:
-        return DIMENSIONS.get(self.name) or OF_A_LAYER[self.name.partition(":")[0]]
+        return dimension_of(self.name)
 
     @property
     def of_body(self) -> bool:
@@ -89,9 +92,14 @@ class Parameter:
 AS_IN_THE_CASE = {"modulus": 1.0, "delta0": 0.0, "P0": 0.0, "compliance": 0.0}
 
 
+def dimension_of(name: str) -> str:
+    """The dimension of a parameter of the model, or of "E:layer", "h:layer", "nu:layer"."""
+    return DIMENSIONS.get(name) or OF_A_LAYER[name.partition(":")[0]]
+
+
 @dataclass(frozen=True)
 class Settings:
-    """What to fit, and how.
+    """All that a fit is asked.
 
     ``parameters``: in the order of the tables; w must be among them, of the other common ones those that are left out
     are fixed as in the case. ``segment``: None takes the retraction where the curve names one, else all rows.
@@ -132,11 +140,6 @@ class Settings:
     def parameter(self, name: str) -> Parameter | None:
         """The parameter called ``name``, None where it plays no part."""
         return next((parameter for parameter in self.parameters if parameter.name == name), None)
-
-
-ALIAS = "E_star"  # the common modulus by its value rather than as a factor
-USUALLY_FREE = ("modulus", "w", "delta0")
-BETWEEN = ".."
 
 
 def settings_of(
@@ -182,19 +185,18 @@ def uncertain_of(body: FittedBody, pairs: Iterable[tuple[str, str]], settings: S
         fitted = settings.parameter(whole)
         if fitted is not None:
             raise InputError(f"fit: {whole} is {'free' if fitted.free else 'fixed'}, it cannot be uncertain as well")
-        value = _share(text, body.nominal(whole)) if text.endswith("%") else _parsed(name, text, _dimension(whole))
+        if text.endswith("%"):
+            value = _parsed("uncertain", text[:-1], "number") / 100 * abs(body.nominal(whole))
+        else:
+            value = _parsed(name, text, dimension_of(whole))
         if not (math.isfinite(value) and value > 0):
             raise InputError(f"fit: the uncertainty of {name} must be > 0, got {text}")
         found[whole] = value
     return found
 
 
-def _share(text: str, value: float) -> float:
-    return _parsed("uncertain", text[:-1], "number") / 100 * abs(value)
-
-
 def _by_name(body: FittedBody, pairs: Iterable[tuple[str, str]]) -> dict[str, tuple[str, str]]:
-    """Parameter -> (name as the user wrote it, text)."""
+    """Names as the user wrote them and texts, by the parameters' own names."""
     found: dict[str, tuple[str, str]] = {}
     for name, text in pairs:
         own = _own_name(body, name)
@@ -212,7 +214,7 @@ def _own_name(body: FittedBody, name: str) -> str:
 
 
 def _value(body: FittedBody, name: str, written: str, text: str) -> float:
-    value = _parsed(written, text, "modulus" if written == ALIAS else _dimension(name))
+    value = _parsed(written, text, "modulus" if written == ALIAS else dimension_of(name))
     return value / body.problem.E_star if written == ALIAS else value
 
 
@@ -221,12 +223,10 @@ def _ends(body: FittedBody, name: str, pair: tuple[str, str]) -> tuple[float, fl
     low, mark, high = text.partition(BETWEEN)
     if not mark:
         raise InputError(f'fit: the bounds of {written} must be LOW{BETWEEN}HIGH, one may be left out, got "{text}"')
-    ends = [_value(body, name, written, part.strip()) if part.strip() else None for part in (low, high)]
-    return -math.inf if ends[0] is None else ends[0], math.inf if ends[1] is None else ends[1]
-
-
-def _dimension(name: str) -> str:
-    return Parameter(name, True).dimension
+    return (
+        _value(body, name, written, low.strip()) if low.strip() else -math.inf,
+        _value(body, name, written, high.strip()) if high.strip() else math.inf,
+    )
 
 
 def _parsed(name: str, text: str, dimension: str) -> float:

@@ -1,4 +1,4 @@
-"""What the residuals say: scatter, covariance, structure. Formulae of nonlinear regression, with SciPy's quantiles."""
+"""Statistics of residuals: scatter, covariance, structure. Formulae of nonlinear regression, SciPy's quantiles."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def variance_factor(residuals: Array, dof: int, loss: Loss, width: float) -> flo
 
 
 def covariance(jacobian: Array, factor: float) -> Array | None:
-    """``factor`` (J^T J)^-1; None where the data do not tell the parameters apart."""
+    """Covariance ``factor`` (J^T J)^-1; None where the data do not tell the parameters apart."""
     size = np.linalg.norm(jacobian, axis=0)
     if not (size > 0).all():
         return None
@@ -64,7 +64,7 @@ def rise(level: float, dof: int, parameters: int = 1) -> float:
 
 @dataclass(frozen=True)
 class Structure:
-    """Residuals in the order of the curve: ``lag1`` autocorrelation, number of sign ``runs`` and how many are
+    """Order in residuals along the curve: ``lag1`` autocorrelation, number of sign ``runs`` and how many are
     ``expected``; ``probability`` that independent residuals show as much (the smaller of both tests, doubled)."""
 
     lag1: float

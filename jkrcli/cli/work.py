@@ -61,8 +61,7 @@ def work(
     from ..adhesion.analysis import Fitted, adhesive, specification
     from ..adhesion.curve import Nonadhesive
     from ..case import store
-    from ..data.measured.speed import check_window
-    from ..identification.work import Evaluation, typical
+    from ..identification.work import Evaluation, check_window, typical
     from ..report.work import summary
 
     check_window(options["window"])

@@ -13,8 +13,7 @@ from ..adhesion.analysis import Analysis
 from ..adhesion.validity import check
 from ..base.units import show
 from ..data.measured.contact import saturation
-from ..identification.work.along import WorkAlong
-from ..identification.work.radius import ABOVE, BELOW, NONE, OK
+from ..identification.work import ABOVE, BELOW, NONE, OK, WorkAlong
 from ..series import Array
 
 FORMAT, VERSION = "jkr-work", 1

@@ -16,8 +16,7 @@ from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.data.measured import Curve
-from jkrcli.data.measured.speed import rate, runs
-from jkrcli.identification.work import ABOVE, BELOW, NONE, OK, PAIRS, work_along
+from jkrcli.identification.work import ABOVE, BELOW, NONE, OK, PAIRS, rate, runs, work_along
 from jkrcli.methods.layered.layered import Layered
 from jkrcli.series import RawSeries, Series
 

@@ -17,7 +17,7 @@ from ...adhesion.slopes.result import Slopes
 from ...base.arrays import Array
 from ...series import Series
 
-REFINED = 6  # nodes per interval of the series: the cubics between them then err far less than the curve itself
+REFINED = 6  # choice: nodes per interval of the series; the cubics between them err far less than the curve itself
 FUNCTIONS = 4  # D, T, H, V
 
 

@@ -1,0 +1,324 @@
+"""The work of adhesion along measured data: Eq. 13 solved for w at every measured point.
+
+w = S'(a) (delta_H(a) - delta)^2/(4 pi a) is the energy release rate G of the contact's edge, whatever the specimen;
+in equilibrium it is the work of adhesion, and along a curve recorded at speed its dependence on the edge's speed shows
+the rate-dependent adhesion (Maugis and Barquins, J. Phys. D 11 (1978) 1989).
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy.special import stdtrit
+
+from ..adhesion.curve import TUNING as CURVES
+from ..adhesion.curve import Nonadhesive, Parts
+from ..adhesion.slopes.result import TWO_SIDED_90
+from ..base.arrays import Array
+from ..base.errors import InputError
+from ..base.units import show
+from ..data.measured import Curve
+
+PAIRS = (("a", "P"), ("a", "delta"), ("delta", "P"))  # the first needs no zero of the displacement
+# What a measured row is: usable, or why it is not.
+OK, NONE, BELOW, ABOVE = "ok", "no adhesion", "below the series", "above the series"
+
+
+@dataclass(frozen=True)
+class WorkTuning:
+    """Limits of the search for contact radii, and of speeds."""
+
+    steps: int = 60  # theory: halvings of any bracket down to round-off
+    converged: float = 1e-13  # theory: relative step, a thousand times round-off
+    least_window: int = 5  # theory: rows, a parabola and two more for its error
+
+
+TUNING = WorkTuning()
+
+
+@dataclass(frozen=True, eq=False)
+class WorkAlong:
+    """The work of adhesion ``w`` [J/m^2] at each row of a measured ``curve`` and the contact radius ``a`` [m] there.
+
+    Rows whose ``state`` is not "ok" have none: 0 stands there. ``used``: the two quantities that w follows from.
+    ``w_err, a_err``: 90 % half-widths by the noise and the slopes' errors, None where neither is known;
+    ``shares``: those of w by "noise" and "slopes" alone. ``speed, speed_err`` [m/s]: da/dt, positive where the contact
+    advances, over ``window`` rows; only where ``timed``.
+    """
+
+    curve: Curve
+    used: tuple[str, str]
+    a: Array
+    w: Array
+    state: Array
+    w_err: Array | None = None
+    a_err: Array | None = None
+    shares: Mapping[str, Array] = field(default_factory=dict)
+    speed: Array | None = None
+    speed_err: Array | None = None
+    timed: Array | None = None
+    window: int = 0
+
+    @property
+    def ok(self) -> Array:
+        """The rows that have a work of adhesion."""
+        return self.state == OK
+
+
+def work_along(
+    body: Nonadhesive,
+    curve: Curve,
+    use: tuple[str, str] | None = None,
+    noise: Mapping[str, float] | None = None,
+    window: int = 11,
+) -> WorkAlong:
+    """The work of adhesion at each row of ``curve`` on ``body``.
+
+    ``use``: the pair of ``PAIRS`` to take [default: the first that was measured]. ``noise``: standard deviations of
+    "a" [m], "delta" [m], "P" [N], independent from row to row. InputError where no row gives a work of adhesion.
+    """
+    used = _pair(curve, use)
+    values = {name: getattr(curve, name) for name in used}
+    a, state = _radii(body, values)
+    rows = state == OK
+    here = body.parts(a[rows])
+    lag = _lag(here, {name: column[rows] for name, column in values.items()})
+    state[np.flatnonzero(rows)[lag <= 0]] = NONE
+    shift, lag, rows = here.t[lag > 0], lag[lag > 0], state == OK
+    _refuse_none(body, curve, state)
+    w = np.zeros_like(a)
+    w[rows] = (lag / shift) ** 2
+    a = np.where(rows, a, 0.0)
+    sigma = {name: (noise or {}).get(name, 0.0) for name in used}
+    found = errors(body, used, a[rows], w[rows], lag, sigma)
+    spread = {name: _spread(rows, column) for name, column in found.items()}
+    return WorkAlong(
+        curve, used, a, w, state, spread.pop("w", None), spread.pop("a", None), spread, *_speed(curve, a, rows, window)
+    )
+
+
+def typical(found: Sequence[WorkAlong]) -> float:
+    """The median of w [J/m^2] over all rows of all curves."""
+    return float(np.median(np.concatenate([item.w[item.ok] for item in found])))
+
+
+@dataclass(frozen=True, eq=False)
+class Evaluation:
+    """``work_along`` of any curve, or of its rows of one ``segment``, with everything else settled; can be sent."""
+
+    body: Nonadhesive
+    use: tuple[str, str] | None = None
+    noise: Mapping[str, float] = field(default_factory=dict)
+    window: int = 11
+    segment: str | None = None
+
+    def __call__(self, curve: Curve) -> WorkAlong:
+        part = curve if self.segment is None else curve.only(self.segment)
+        return work_along(self.body, part, self.use, self.noise, self.window)
+
+
+def _pair(curve: Curve, use: tuple[str, str] | None) -> tuple[str, str]:
+    possible = [pair for pair in PAIRS if set(pair) <= set(curve.measured)]
+    wanted = [pair for pair in possible if use is None or set(pair) == set(use)]
+    if not wanted:
+        need = "two of a, delta, P" if use is None else f"{use[0]} and {use[1]}"
+        raise InputError(f"{curve.where}: w follows from {need}, it holds {', '.join(curve.measured)}")
+    return wanted[0]
+
+
+def _radii(body: Nonadhesive, values: Mapping[str, Array]) -> tuple[Array, Array]:
+    """Contact radii and states: as measured, or of displacement and load."""
+    if "a" not in values:
+        return contact_radius(body, values["delta"], values["P"])
+    a, ends = values["a"], body.a[[0, -1]]
+    return a.copy(), np.select([a < ends[0] * (1 - CURVES.end), a > ends[1] * (1 + CURVES.end)], [BELOW, ABOVE], OK)
+
+
+def _lag(here: Parts, values: Mapping[str, Array]) -> Array:
+    """delta_H - delta [m] at the rows' radii."""
+    return here.delta_H - values["delta"] if "delta" in values else (here.P_H - values["P"]) / here.S
+
+
+def _refuse_none(body: Nonadhesive, curve: Curve, state: Array) -> None:
+    """At least one row must have a work of adhesion."""
+    if (state == OK).any():
+        return
+    ends = [show(float(a), "length") for a in body.a[[0, -1]]]
+    why = {
+        NONE: "at or above the nonadhesive load",
+        BELOW: f"at contact radii below {ends[0]}, where the series begins",
+        ABOVE: f"at contact radii above {ends[1]}, where it ends",
+    }
+    found = [f"{count} {why[word]}" for word in why if (count := int((state == word).sum()))]
+    raise InputError(
+        f"{curve.where}: none of its {len(curve)} rows gives a work of adhesion: {', '.join(found)}; are the zero "
+        "points (--zero), signs (--flip), units and the modulus right?"
+    )
+
+
+def _spread(rows: Array, values: Array) -> Array:
+    """``values`` of the chosen rows among all rows, 0 elsewhere."""
+    found = np.zeros(rows.size)
+    found[rows] = values
+    return found
+
+
+def _speed(curve: Curve, a: Array, ok: Array, window: int) -> tuple[Array | None, Array | None, Array | None, int]:
+    """da/dt [m/s], its half-width, the rows that have them, and the window; Nones without a time."""
+    if curve.t is None:
+        return None, None, None, 0
+    check_window(window)
+    whole = ok[1:] & ok[:-1] & (np.diff(curve.t) > 0)
+    if curve.segment is not None:
+        whole &= curve.segment[1:] == curve.segment[:-1]
+    speed, error, timed = np.zeros_like(a), np.zeros_like(a), np.zeros(a.size, dtype=bool)
+    for run in runs(whole):
+        if run.stop - run.start >= window:
+            speed[run], error[run] = rate(curve.t[run], a[run], window)
+            timed[run] = True
+    return speed, error, timed, window
+
+
+# ---------------------------------------------------------------------- the contact radius
+def contact_radius(body: Nonadhesive, delta: Array, P: Array) -> tuple[Array, Array]:
+    """Contact radius [m] at each displacement [m] and load [N], and the state of each row (radius 0 where not OK).
+
+    The radius solves F(a) = P_H - P - S (delta_H - delta) = 0. As P_H' = S delta_H', F' = -S' (delta_H - delta): F
+    rises up to the nonadhesive contact at ``delta`` and falls beyond, where delta_H > delta. So there is one
+    adhesive radius or none: one, if the load is below the nonadhesive load at the same displacement.
+    """
+    nodes = body.a
+    before, last = _last_positive(body, delta, P)
+    end = nodes.size - 1
+    low, high = nodes[np.maximum(last, 0)].copy(), nodes[np.minimum(last + 1, end)]
+    top = (last == before) & (0 <= before) & (before < end)  # F may rise above 0 between two nodes
+    low[top] = _root(lambda a: (delta[top] - body.parts(a).delta_H, body.rates(a).delta_H), low[top], high[top])
+    none = top & (_excess(body, low, delta, P)[0] < 0)
+    below, above = last < 0, last == end
+    for out, rows, node in ((below, below.copy(), nodes[0]), (above, above & (before < end), nodes[-1])):
+        excess, fall = _excess(body, np.full(rows.sum(), node), delta[rows], P[rows])
+        out[rows] = np.abs(excess) > CURVES.end * node * fall
+    state = np.select([none, below, above], [NONE, BELOW, ABOVE], OK)
+    a = low  # the very ends, but for round-off
+    between = (state == OK) & (0 <= last) & (last < end)
+    a[between] = _root(lambda a: _excess(body, a, delta[between], P[between]), low[between], high[between])
+    return np.where(state == OK, a, 0.0), state
+
+
+def _last_positive(body: Nonadhesive, delta: Array, P: Array) -> tuple[Array, Array]:
+    """Of the nodes of the series the last with delta_H <= ``delta``, and the last with F > 0 beyond that, or that
+    one (-1: none): by bisection, as F falls there."""
+    delta_H, P_H, S, _, _ = body.parts(body.a)
+    before = np.searchsorted(delta_H, delta, side="right") - 1
+    low, high = before, np.full(delta.size, delta_H.size)
+    while (high - low > 1).any():
+        middle = np.maximum((low + high) // 2, 0)
+        positive = P_H[middle] - P - S[middle] * (delta_H[middle] - delta) > 0
+        open_ = high - low > 1
+        low, high = np.where(open_ & positive, middle, low), np.where(open_ & ~positive, middle, high)
+    return before, low
+
+
+def _excess(body: Nonadhesive, a: Array, delta: Array, P: Array) -> tuple[Array, Array]:
+    """F(a) [N] and -F'(a) [N/m]."""
+    delta_H, P_H, S, dS, _ = body.parts(a)
+    return P_H - P - S * (delta_H - delta), dS * (delta_H - delta)
+
+
+def _root(falling: Callable[[Array], tuple[Array, Array]], low: Array, high: Array) -> Array:
+    """The root of a falling function in each bracket: Newton's method, halving where that would leave the bracket.
+
+    ``falling``: the function and minus its derivative.
+    """
+    a = (low + high) / 2
+    for _ in range(TUNING.steps):
+        value, fall = falling(a)
+        low, high = np.where(value > 0, a, low), np.where(value > 0, high, a)
+        step = np.divide(value, fall, out=np.full_like(a, np.inf), where=fall > 0)
+        new = np.where((a + step >= low) & (a + step <= high), a + step, (low + high) / 2)
+        done = np.abs(new - a) <= TUNING.converged * a
+        a = new
+        if done.all():
+            break
+    return a
+
+
+# ---------------------------------------------------------------------- errors, to first order
+def errors(
+    body: Nonadhesive, used: tuple[str, str], a: Array, w: Array, lag: Array, sigma: Mapping[str, float]
+) -> dict[str, Array]:
+    """90 % half-widths of "w" and "a", and of w by "noise" and by "slopes" alone, as far as they are known."""
+    by_noise, by_slopes = _gradients(body, used, a, lag)
+    held = body.slopes.covariance
+    covariance = None if held is None else body.between(held, a)
+    found: dict[str, dict[str, Array]] = {"w": {}, "a": {}}
+    for target, unit in (("w", w), ("a", np.ones_like(a))):
+        if any(sigma.values()) and by_noise[target]:
+            squares = [(gradient * sigma[name]) ** 2 for name, gradient in by_noise[target].items()]
+            found[target]["noise"] = TWO_SIDED_90 * unit * np.sqrt(np.sum(squares, axis=0))
+        gradient = by_slopes[target]
+        if covariance is not None and gradient is not None:
+            variance = np.einsum("in,nij,jn->n", gradient, covariance, gradient)
+            found[target]["slopes"] = body.slopes.quantile * unit * np.sqrt(variance)
+    totals = {name: np.hypot.reduce(list(parts.values())) for name, parts in found.items() if parts}
+    return totals | found["w"]
+
+
+def _gradients(
+    body: Nonadhesive, used: tuple[str, str], a: Array, lag: Array
+) -> tuple[dict[str, dict[str, Array]], dict[str, Array | None]]:
+    """Derivatives of log w and of a: by the measured quantities, and by (delta_H, P_H, S, S') as arrays (4, n)."""
+    (_, _, S, dS, t), rates = body.with_rates(a)
+    zero = np.zeros_like(a)
+    if used == ("a", "P"):
+        below = S * lag  # P_H - P
+        noise = {"a": 2 * (rates.P_H / below - rates.S / S - rates.t / t), "P": -2 / below}
+        return {"w": noise, "a": {}}, {"w": np.stack([zero, 2 / below, -2 / S, 1 / dS]), "a": None}
+    along = 2 * (rates.delta_H / lag - rates.t / t)  # d(log w)/da at constant delta
+    if used == ("a", "delta"):
+        return {"w": {"a": along, "delta": -2 / lag}, "a": {}}, {
+            "w": np.stack([2 / lag, zero, zero, 1 / dS]),
+            "a": None,
+        }
+    slope = dS * lag  # -F': a moves by (S d(delta) - dP)/slope
+    of_a = {"delta": S / slope, "P": -1 / slope}
+    noise = {"delta": along * of_a["delta"] - 2 / lag, "P": along * of_a["P"]}
+    by_fields = np.stack([-S / slope, 1 / slope, -lag / slope, zero])
+    of_w = along * by_fields + np.stack([2 / lag, zero, zero, 1 / dS])
+    return {"w": noise, "a": of_a}, {"w": of_w, "a": by_fields}
+
+
+# ---------------------------------------------------------------------- the speed of the edge
+def check_window(window: int) -> None:
+    """Refuse a window without a middle row, or too short for a parabola with an error."""
+    if window < TUNING.least_window or window % 2 == 0:
+        raise InputError(f"--window: must be an odd number of rows, at least {TUNING.least_window}, got {window}")
+
+
+def rate(t: Array, y: Array, window: int) -> tuple[Array, Array]:
+    """dy/dt and its 90 % half-width at each row, from the parabola through the ``window`` rows around it.
+
+    ``t`` strictly increasing, of at least ``window`` (odd) rows, spaced as they are; near the ends the first or last
+    window is evaluated off its middle. The half-width is of the scatter about the parabolas: what these smooth away is
+    not in it. (Savitzky and Golay's first derivative, Anal. Chem. 36 (1964) 1627, for any spacing.)
+    """
+    starts = np.clip(np.arange(t.size) - window // 2, 0, t.size - window)
+    times, values = (np.lib.stride_tricks.sliding_window_view(column, window)[starts] for column in (t, y))
+    half = (times[:, -1] - times[:, 0]) / 2
+    x = (times - t[:, None]) / half[:, None]
+    powers = np.stack([np.ones_like(x), x, x**2], axis=2)
+    normal = np.einsum("nik,nil->nkl", powers, powers)
+    middle = values[:, window // 2, None]
+    coefficients = np.linalg.solve(normal, np.einsum("nik,ni->nk", powers, values - middle)[..., None])
+    residuals = values - middle - (powers @ coefficients)[..., 0]
+    variance = np.sum(residuals**2, axis=1) / (window - 3) * np.linalg.inv(normal)[:, 1, 1]
+    return coefficients[:, 1, 0] / half, stdtrit(window - 3, 0.95) * np.sqrt(variance) / half
+
+
+def runs(whole: Array) -> list[slice]:
+    """The longest stretches of rows in which every step to the next row is ``whole`` (a mask, one shorter)."""
+    ends = [0, *(np.flatnonzero(~whole) + 1), whole.size + 1]
+    return [slice(int(first), int(last)) for first, last in itertools.pairwise(ends)]

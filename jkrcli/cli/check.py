@@ -16,7 +16,7 @@ from ..base.units import show
 from ..base.unknown import Estimate, Unknown
 from ..case import CaseModel, load_case
 from ..case.numerics import method_of
-from ..methods.choose import Option, choose, cost, objection, survey
+from ..methods.choose import Option, choose, survey
 from ..report import tables
 from .output import answer, json_option
 
@@ -60,8 +60,8 @@ def _option(option: Option) -> str:
     if option.forecast is None:
         return f"cannot: {option.refusal}"
     note = f" ({option.forecast.note})" if option.forecast.note else ""
-    against = f"; {words}" if (words := objection(option)) else ""
-    return f"about {cost(option)}, {option.forecast.memory_mib:.0f} MiB{note}{against}"
+    against = f"; {words}" if (words := option.objection) else ""
+    return f"about {option.cost}, {option.forecast.memory_mib:.0f} MiB{note}{against}"
 
 
 def _as_dict(expected: Expectation | Unknown) -> dict[str, Any]:

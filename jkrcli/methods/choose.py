@@ -1,9 +1,9 @@
 """Model no more than a scene needs: the least method that can represent a problem, and why.
 
 The rule of "auto", from the charts of speed against accuracy (``make chart``, which checks it): of the methods in
-the order of ``least_first`` the first that represents the body with an expected error of at most ``NOTICEABLE`` within
-``PATIENCE``. Each runs with its default mesh or tolerance, the point of its own front beyond which more time buys an
-accuracy that no measurement sees. Slopes: exact where the series carries them, else the surer of "integral" and
+the order of ``least_first`` the first that represents the body with an unnoticeable expected error within a user's
+patience (``Tuning``). Each runs with its default mesh or tolerance, the point of its own front beyond which more time
+buys an accuracy that no measurement sees. Slopes: exact where the series carries them, else the surer of "integral" and
 "loocv" (``jkrcli.adhesion.slopes``). The choice lies on the Pareto front of whole-process time and error of P or next
 to it: nothing as exact is quicker by more than a half.
 """
@@ -15,10 +15,18 @@ from dataclasses import dataclass
 
 from ..base.errors import InputError, Refusal
 from ..bodies.problem import Problem
-from . import METHODS, Forecast, Method, least_first
+from . import Forecast, Method, least_first
 
-PATIENCE = 10.0  # CPU seconds; a simpler model that would take longer gives way to a quicker one
-NOTICEABLE = 1e-3  # a simpler model with a larger relative error gives way to a better one
+
+@dataclass(frozen=True)
+class Tuning:
+    """When a simpler model gives way to a more general one."""
+
+    patience: float = 10.0  # tuned on the cases, by `make chart`: CPU seconds that a simpler model may take
+    noticeable: float = 1e-3  # choice: relative error that is seen beside nothing measured
+
+
+TUNING = Tuning()
 
 
 @dataclass(frozen=True)
@@ -28,6 +36,29 @@ class Option:
     name: str
     forecast: Forecast | None
     refusal: str | None
+
+    @property
+    def is_quick(self) -> bool:
+        """Whether it is possible within a user's patience."""
+        return self.forecast is not None and self.forecast.seconds <= TUNING.patience
+
+    @property
+    def is_accurate(self) -> bool:
+        """Whether it is possible with an error that is known and too small to be noticed."""
+        return self.forecast is not None and self.forecast.error <= TUNING.noticeable
+
+    @property
+    def objection(self) -> str | None:
+        """What speaks against a possible method, for which "auto" passes over it if another is better; None: nothing."""
+        if not self.is_quick:
+            return f"would take longer than {TUNING.patience:g} s"
+        return None if self.is_accurate else f"would err by more than {TUNING.noticeable:g}"
+
+    @property
+    def cost(self) -> str:
+        """``0.02 s, error 1e-8`` of an option that is possible."""
+        assert self.forecast is not None
+        return f"{self.forecast.seconds:.1g} s, error {self.forecast.error:.0e}"
 
 
 @dataclass(frozen=True)
@@ -69,15 +100,9 @@ def choose(problem: Problem, wanted: str, build: Callable[[str], Method]) -> Cho
     possible = [option for option in options if option.forecast is not None]
     if not possible:
         raise InputError([f"method {option.name}: {option.refusal}" for option in options])
-    accurate = [option for option in possible if _accurate(option)] or possible
-    option = next((option for option in accurate if _quick(option)), accurate[0])
+    accurate = [option for option in possible if option.is_accurate] or possible
+    option = next((option for option in accurate if option.is_quick), accurate[0])
     return Choice(option.name, build(option.name), _why(option, options), tuple(options))
-
-
-def _accurate(option: Option) -> bool:
-    """Whether the expected error is small enough not to be noticed beside anything measured."""
-    assert option.forecast is not None
-    return option.forecast.error <= NOTICEABLE
 
 
 def survey(problem: Problem, build: Callable[[str], Method], names: Sequence[str] = ()) -> list[Option]:
@@ -90,36 +115,14 @@ def survey(problem: Problem, build: Callable[[str], Method], names: Sequence[str
     return options
 
 
-def _quick(option: Option) -> bool:
-    assert option.forecast is not None
-    return option.forecast.seconds <= PATIENCE
-
-
 def _why(chosen: Option, options: Sequence[Option]) -> str:
     """One sentence: what was chosen, what simpler methods could not do, what more general ones would cost."""
-    parts = [f"the least model that represents this body ({cost(chosen)})"]
+    parts = [f"the least model that represents this body ({chosen.cost})"]
     for option in options:
         if option.refusal:
             parts.append(f"{option.name} cannot ({option.refusal})")
-        elif option is not chosen and _before(option, chosen) and (against := objection(option)):
-            parts.append(f"{option.name} {against} ({cost(option)})")
+        elif option is not chosen and options.index(option) < options.index(chosen) and option.objection:
+            parts.append(f"{option.name} {option.objection} ({option.cost})")
         elif option is not chosen:
-            parts.append(f"{option.name} would take about {cost(option)}")
+            parts.append(f"{option.name} would take about {option.cost}")
     return "; ".join(parts)
-
-
-def objection(option: Option) -> str | None:
-    """What speaks against a possible method, so that "auto" passes over it where another is better; None: nothing."""
-    if not _quick(option):
-        return f"would take longer than {PATIENCE:g} s"
-    return None if _accurate(option) else f"would err by more than {NOTICEABLE:g}"
-
-
-def _before(option: Option, chosen: Option) -> bool:
-    return METHODS[option.name].effort < METHODS[chosen.name].effort
-
-
-def cost(option: Option) -> str:
-    """``0.02 s, error 1e-8`` of an option that is possible."""
-    assert option.forecast is not None
-    return f"{option.forecast.seconds:.1g} s, error {option.forecast.error:.0e}"

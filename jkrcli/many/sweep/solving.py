@@ -17,7 +17,7 @@ from ...case import CaseModel
 from ...case.numerics import method_of
 from ...case.store import Stored
 from ...methods import least_first
-from ...methods.choose import NOTICEABLE, PATIENCE, Choice, choose, survey
+from ...methods.choose import Choice, choose, survey
 from ..cache import at_unit_modulus, solved
 from .plan import Group, Recipe
 from .quantities import Value
@@ -81,8 +81,8 @@ def least(body: Problem, model: CaseModel) -> Choice:
     """What ``choose`` chooses, without asking the methods behind the first that will do: that would cost more."""
     build = partial(method_of, model)
     for name in least_first() if model.method == "auto" else ():
-        forecast = survey(body, build, [name])[0].forecast
-        if forecast is not None and forecast.error <= NOTICEABLE and forecast.seconds <= PATIENCE:
+        (option,) = survey(body, build, [name])
+        if option.is_accurate and option.is_quick:
             return Choice(name, build(name), "the least model that represents this body")
     return choose(body, model.method, build)
 

@@ -20,9 +20,18 @@ from .. import Forecast
 from ..layered.layered import Layered, unbounded
 from ..radii import half_space_guess, radii_of_loading
 
-ROUND_OFF = 1e-14
-WORST = 0.05  # largest error at which the leading order of a thin layer is still offered
-CHECKED = 1e-6  # accuracy of the exact layer solution it is checked against
+
+@dataclass(frozen=True)
+class Tuning:
+    """Accuracies, relative."""
+
+    round_off: float = 1e-14  # theory: 45 times the machine epsilon, for the dozen operations of a formula
+    worst: float = 0.05  # choice: largest error at which the leading order of a thin layer is still offered
+    checked: float = 1e-6  # choice: accuracy of the exact layer that it is checked against, small beside ``worst``
+    searched: float = 1e-6  # choice: accuracy of the radii from which the search for those of a loading is refined
+
+
+TUNING = Tuning()
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,7 +40,7 @@ class Formula:
 
     name: str
     columns: Callable[[Array], tuple[Array, Array, Array, Array]]
-    error: float = ROUND_OFF
+    error: float = TUNING.round_off
 
 
 @dataclass(frozen=True)
@@ -46,19 +55,18 @@ class ClosedForm:
     name: ClassVar[str] = "closed-form"
 
     def refusal(self, problem: Problem) -> str | None:
-        found = _formula(problem)
-        return found if isinstance(found, str) else None
+        try:
+            _formula(problem)
+        except Refusal as refusal:
+            return "; ".join(refusal.lines)
+        return None
 
     def forecast(self, problem: Problem) -> Forecast:
         found = _formula(problem)
-        assert isinstance(found, Formula)
         return Forecast(1e-3, 1.0, found.error, found.name)
 
     def __call__(self, problem: Problem) -> Solution:
-        found = _formula(problem)
-        if isinstance(found, str):
-            raise Refusal(found)
-        clock = StageClock()
+        found, clock = _formula(problem), StageClock()
         with clock("solve"):
             series = _series(problem, found)
         budget = ErrorBudget(discretisation=found.error, truncation=0.0, radius=0.0)
@@ -81,24 +89,24 @@ def _radii(problem: Problem, formula: Formula) -> Array:
     def responses(quantity: str, accuracy: float) -> Callable[[Array], Array]:
         return lambda a: formula.columns(a)[column[quantity]]
 
-    return radii_of_loading(problem.loading, problem.indenter, responses, start, (1e-6, ROUND_OFF))
+    return radii_of_loading(problem.loading, problem.indenter, responses, start, (TUNING.searched, TUNING.round_off))
 
 
-def _formula(problem: Problem) -> Formula | str:
-    """The formula for this body, or why there is none and what to use instead."""
+def _formula(problem: Problem) -> Formula:
+    """The formula for this body; Refusal where there is none, with what to use instead."""
     if problem.specimen.is_half_space:
         return _half_space(problem)
     match problem.specimen.layers, problem.specimen.base, problem.specimen.radius:
         case (Layer(material=Elastic()) as layer,), Rigid() as base, None:
             return _thin_layer(problem, layer, base)
     other = "layered" if problem.specimen.radius is None else "hybrid"
-    return f"solves homogeneous half-spaces and thin single isotropic layers only: use method {other} (or fem)"
+    raise Refusal(f"solves homogeneous half-spaces and thin single isotropic layers only: use method {other} (or fem)")
 
 
-def _half_space(problem: Problem) -> Formula | str:
+def _half_space(problem: Problem) -> Formula:
     E_star, indenter = problem.E_star, problem.indenter
     if indenter.half_space(np.array([indenter.a0]), 1.0) is None:
-        return f"there is no closed form for a {indenter.noun}: use method layered"
+        raise Refusal(f"there is no closed form for a {indenter.noun}: use method layered")
 
     def columns(a: Array) -> tuple[Array, Array, Array, Array]:
         pair = indenter.half_space(a, E_star)
@@ -108,21 +116,22 @@ def _half_space(problem: Problem) -> Formula | str:
     return Formula("half-space", columns)
 
 
-def _thin_layer(problem: Problem, layer: Layer, base: Rigid) -> Formula | str:
+def _thin_layer(problem: Problem, layer: Layer, base: Rigid) -> Formula:
     """The leading order for a/h -> infinity, where the exact layer solution confirms it at the radii asked for."""
     indenter = problem.indenter
     if not isinstance(indenter, Paraboloid | Sphere) or indenter.material is not None:
-        return "the thin-layer formulae are for a rigid sphere or paraboloid: use method layered"
+        raise Refusal("the thin-layer formulae are for a rigid sphere or paraboloid: use method layered")
     formula = _leading_order(indenter.R, layer, base)
     try:
         radii = _radii(problem, formula)
         error = _leading_order_error(problem, formula, radii[[0, -1]] if radii.size > 1 else radii)
     except (InputError, SolveError) as reason:
-        return f"the thin-layer formula could not be checked: {reason}"
-    if error > WORST:
-        return (
-            f"the thin-layer formula errs by {error:.2g} between a/h = {radii[0] / layer.thickness:.3g} and "
-            f"{radii[-1] / layer.thickness:.3g}, more than {WORST:g}: use method layered"
+        raise Refusal(f"the thin-layer formula could not be checked: {reason}") from None
+    if error > TUNING.worst:
+        first, last = radii[[0, -1]] / layer.thickness
+        raise Refusal(
+            f"the thin-layer formula errs by {error:.2g} between a/h = {first:.3g} and {last:.3g}, more than "
+            f"{TUNING.worst:g}: use method layered"
         )
     return replace(formula, error=error)
 
@@ -147,6 +156,6 @@ def _leading_order(R: float, layer: Layer, base: Rigid) -> Formula:
 
 def _leading_order_error(problem: Problem, formula: Formula, radii: Array) -> float:
     """Largest relative difference of delta, P, S and S' to the exact layer solution at ``radii``."""
-    exact = Layered(CHECKED)(replace(unbounded(problem), loading=Loading.given("radius", tuple(radii)))).series
+    exact = Layered(TUNING.checked)(replace(unbounded(problem), loading=Loading.given("radius", tuple(radii)))).series
     pairs = zip(formula.columns(radii), (exact.delta, exact.P, exact.S, exact.dS), strict=True)
     return float(max(np.max(np.abs(ours / theirs - 1)) for ours, theirs in pairs if theirs is not None))

@@ -44,7 +44,7 @@ Progress: TypeAlias = Callable[[str, int], AbstractContextManager[Step]]  # of a
 
 
 @dataclass(frozen=True)
-class Tuning:
+class PoolTuning:
     """Limits of handing out work; no result depends on them."""
 
     ahead: int = 2  # choice: tasks per worker that are handed out before they can be worked on: none ever waits
@@ -52,7 +52,7 @@ class Tuning:
     connect: float = 15.0  # choice: seconds to reach a scheduler, as long as a user will wait for a wrong address
 
 
-TUNING = Tuning()
+TUNING = PoolTuning()
 
 
 @contextlib.contextmanager

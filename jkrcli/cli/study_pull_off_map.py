@@ -20,7 +20,6 @@ from .voice import progress
 if TYPE_CHECKING:
     from ..report.plots import Figure
 
-PER_RATIO = 1.0  # CPU seconds of one Poisson's ratio
 SHOWN = ("nu", "w_R2_over_Estar_h3", "minus_P_over_pi_w_R", "a_over_h")
 
 
@@ -52,7 +51,7 @@ def study_pull_off_map(
             raise InputError(f"--nu: must be > -1 and <= 0.5, got {nu:g}")
     files = output.files(output.folder(Path()) / "pull-off-map", (".csv", *PICTURES))
     wanted = qs or tuple(10.0 ** (np.arange(-12, 17) / 4))
-    with executor(workers, scheduler, progress, PER_RATIO * len(nus)) as pool:
+    with executor(workers, scheduler, progress, len(nus)) as pool:
         columns = map_columns(pull_off_map(nus, base == "bonded", wanted, pool))
     files.write(columns, figure=files.draw(lambda: _figure(columns)))
     if output.json:

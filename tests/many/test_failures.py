@@ -79,7 +79,7 @@ def test_an_exception_that_is_not_ours_is_a_crash(monkeypatch) -> None:
 
 def test_cells_fill_the_axes_and_follow_the_seed() -> None:
     cells = [draw(np.random.default_rng(seed), "layered") for seed in range(300)]
-    for name, (least, largest, _) in AXES.items():
+    for name, (least, largest) in AXES.items():
         values = np.array([getattr(cell, name) for cell in cells if getattr(cell, name) > 0])
         if values.size:  # noise is drawn for slopes only
             decades = np.log(largest / least)
@@ -95,8 +95,8 @@ def endless(cell: Cell) -> None:
         pass
 
 
-def test_a_cell_that_does_not_end_is_too_slow(monkeypatch) -> None:
-    monkeypatch.setattr(failures_judge, "LIMIT", 0.2)
+def test_a_cell_that_does_not_end_is_too_slow(monkeypatch, tuned) -> None:
+    tuned("jkrcli.many.study.failures_judge.TUNING.limit", 0.2)
     monkeypatch.setattr(failures_judge, "method_of", endless)
     start = time.process_time()
     verdict = judge(PLAIN)

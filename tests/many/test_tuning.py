@@ -78,4 +78,4 @@ def test_failures_are_told_and_not_raised(monkeypatch: pytest.MonkeyPatch) -> No
         raise ZeroDivisionError("by zero")
 
     monkeypatch.setattr(tuning, "_load_error", broken)
-    assert tuning.measure(tuning.Trial("half-space", "layered")).reason == "ZeroDivisionError: by zero"
+    assert tuning.measure(tuning.Variant("half-space", "layered")).reason == "ZeroDivisionError: by zero"

@@ -34,7 +34,6 @@ from ...report.plots import (
 from .chart_measure import machine, yardstick
 from .chart_peers import Peer, read_peers
 from .chart_points import (
-    PATIENCE,
     LeftOut,
     Measured,
     automatic,
@@ -87,7 +86,7 @@ def main(words: Sequence[str] | None = None) -> int:
     parser.add_argument("--methods", action="append", default=[], choices=list(METHODS), help="only these")
     parser.add_argument("--w", type=quantity("work"), help="work of adhesion [default: the case's first]")
     parser.add_argument("--repeat", type=int, default=3, help="runs, whose medians are shown [default: 3]")
-    parser.add_argument("--patience", type=float, default=PATIENCE, help="leave out what would take longer [CPU s]")
+    parser.add_argument("--patience", type=float, default=30.0, help="leave out what takes longer [CPU s, 30]")
     parser.add_argument("--peers", type=Path, help="stored timings of other programs, to be drawn too")
     given = parser.parse_args(words)
     loaded = load_case(given.case)
@@ -225,8 +224,6 @@ def _print(found: Found) -> None:
 GREY = "0.45"
 LOOKS = {"closed-form": (BLACK, "D"), "layered": (GREEN, "s"), "hybrid": (ORANGE, "P"), "fem": (BLUE, "o")}
 PEER_MARKERS = "^v<>"
-WANTED = 1e-3  # what auto asks for
-NOT_ZERO = 1e-16  # errors below are drawn here
 
 
 @dataclass(frozen=True)
@@ -239,7 +236,7 @@ class Spot:
 
 
 @dataclass(frozen=True)
-class Panel:
+class ChartPanel:
     """``ours`` and ``theirs``: (cost, error) of a measured point and of a peer, None where there is none."""
 
     title: str
@@ -249,13 +246,13 @@ class Panel:
 
 
 PANELS = (
-    Panel("whole process", "error of P(δ)", lambda p: (p.whole.cpu_s, p.errors.load),
+    ChartPanel("whole process", "error of P(δ)", lambda p: (p.whole.cpu_s, p.errors.load),
           lambda q: (q.whole.cpu_s, q.errors.load)),
-    Panel("after imports", "error of P(δ)", lambda p: (p.after_imports.cpu_s, p.errors.load),
+    ChartPanel("after imports", "error of P(δ)", lambda p: (p.after_imports.cpu_s, p.errors.load),
           lambda q: (q.after_imports_cpu_s, q.errors.load)),
-    Panel("whole process, with slopes", "error of the pull-off force",
+    ChartPanel("whole process, with slopes", "error of the pull-off force",
           lambda p: (p.whole.cpu_s + p.slopes_cpu_s, p.errors.pull_off), lambda q: (q.whole.cpu_s, q.errors.pull_off)),
-    Panel("after imports, with slopes", "error of the pull-off force",
+    ChartPanel("after imports, with slopes", "error of the pull-off force",
           lambda p: (p.after_imports.cpu_s + p.slopes_cpu_s, p.errors.pull_off),
           lambda q: (q.after_imports_cpu_s, q.errors.pull_off)),
 )  # fmt: skip
@@ -274,7 +271,7 @@ def chart_figure(points: Sequence[Measured], peers: Sequence[Peer], title: str) 
         return figure
 
 
-def _draw(axes: Axes, panel: Panel, points: Sequence[Measured], peers: Sequence[Peer]) -> None:
+def _draw(axes: Axes, panel: ChartPanel, points: Sequence[Measured], peers: Sequence[Peer]) -> None:
     ours = [spot for point in points if (spot := _spot(*panel.ours(point), point.setting.method))]
     theirs = [spot for peer in peers if (spot := _spot(*panel.theirs(peer), f"{peer.name} {peer.version}"))]
     axes.set(xscale="log", yscale="log", title=panel.title, xlabel="CPU seconds")
@@ -284,7 +281,7 @@ def _draw(axes: Axes, panel: Panel, points: Sequence[Measured], peers: Sequence[
         _scatter(axes, [spot for spot in ours if spot.family == name], name, color, marker)
     for name, marker in zip(dict.fromkeys(spot.family for spot in theirs), PEER_MARKERS, strict=False):
         _scatter(axes, [spot for spot in theirs if spot.family == name], name, GREY, marker)
-    axes.axhline(WANTED, color=PURPLE, lw=1.0, ls="--", zorder=1, label=f"error of {WANTED:g}")
+    axes.axhline(1e-3, color=PURPLE, lw=1.0, ls="--", zorder=1, label="error of 0.001")  # what auto asks for
     if ours or theirs:
         axes.set_xlim(*log_ends(np.array([spot.x for spot in (*ours, *theirs)]), least=10.0, margin=1.3))
         log_ticks(axes.xaxis)
@@ -297,7 +294,7 @@ def _scatter(axes: Axes, spots: Sequence[Spot], name: str, color: str, marker: s
 
 
 def _spot(x: float | None, y: float | None, family: str) -> Spot | None:
-    return None if x is None or y is None else Spot(x, max(y, NOT_ZERO), family)
+    return None if x is None or y is None else Spot(x, max(y, 1e-16), family)  # 0 has no logarithm
 
 
 if __name__ == "__main__":

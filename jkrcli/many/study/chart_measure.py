@@ -19,8 +19,6 @@ from scipy.sparse.linalg import splu
 
 from ...base.errors import SolveError
 
-SHOWN = 300  # last characters of what a failed process said
-YARDSTICK_SIDE, YARDSTICK_RUNS = 250, 3
 LAUNCHER = """
 import resource, subprocess, sys
 code = subprocess.call(sys.argv[1:])
@@ -29,7 +27,6 @@ if code == 0:
     print(usage.ru_utime + usage.ru_stime, usage.ru_maxrss, file=sys.stderr)
 sys.exit(code if code >= 0 else 1)
 """
-LONG = 5.0  # CPU seconds after which nothing is repeated
 
 T = TypeVar("T")
 
@@ -55,7 +52,7 @@ def process_cost(command: Sequence[str], folder: Path | None = None, output: Pat
     wall = time.perf_counter() - start
     said = done.stderr.decode(errors="replace").splitlines()
     if done.returncode != 0:
-        words = " ".join(said[-2:])[-SHOWN:]
+        words = " ".join(said[-2:])[-300:]
         raise SolveError(f"{' '.join(command)}: ended with code {done.returncode}: {words}")
     cpu, kilobytes = map(float, said[-1].split())
     return Cost(cpu, wall, kilobytes / 1024)
@@ -68,10 +65,10 @@ def timed(function: Callable[[], T]) -> tuple[T, Cost]:
     return result, Cost(time.process_time() - cpu, time.perf_counter() - wall)
 
 
-def typical(run: Callable[[], Cost], repeat: int) -> Cost:
-    """The median of each figure over ``repeat`` runs, fewer where they are long."""
+def typical(run: Callable[[], Cost], repeat: int, long: float = 5.0) -> Cost:
+    """The median of each figure over ``repeat`` runs, fewer where they take ``long`` [CPU s]."""
     costs = [run()]
-    while len(costs) < repeat and sum(cost.cpu_s for cost in costs) < LONG:
+    while len(costs) < repeat and sum(cost.cpu_s for cost in costs) < long:
         costs.append(run())
     memory = [cost.memory_mib for cost in costs if cost.memory_mib is not None]
     return Cost(
@@ -81,14 +78,13 @@ def typical(run: Callable[[], Cost], repeat: int) -> Cost:
     )
 
 
-def yardstick() -> float:
+def yardstick(side: int = 250, runs: int = 3) -> float:
     """CPU seconds of a fixed piece of work that has nothing to do with this program, the least of several runs.
 
     A sparse factorisation of the five-point Laplacian on 250 x 250 points, dense products, a loop of the interpreter.
     """
-    line = diags_array([-np.ones(YARDSTICK_SIDE - 1), 2 * np.ones(YARDSTICK_SIDE), -np.ones(YARDSTICK_SIDE - 1)],
-                       offsets=[-1, 0, 1])  # fmt: skip
-    unit = eye_array(YARDSTICK_SIDE)
+    line = diags_array([-1.0, 2.0, -1.0], offsets=[-1, 0, 1], shape=(side, side))
+    unit = eye_array(side)
     laplacian = (kron(line, unit) + kron(unit, line)).tocsc()
     dense = np.ones((600, 600))
 
@@ -98,7 +94,7 @@ def yardstick() -> float:
             dense @ dense
         sum(i * i for i in range(1_000_000))
 
-    return min(timed(work)[1].cpu_s for _ in range(YARDSTICK_RUNS))
+    return min(timed(work)[1].cpu_s for _ in range(runs))
 
 
 def machine() -> Mapping[str, Any]:

@@ -22,8 +22,6 @@ from .chart_measure import Cost, process_cost, timed, typical
 from .chart_reference import Errors, Reference
 
 SLOPES = ("exact", "integral", "loocv")
-SLACK = 1.5  # a point is beside the front where nothing as accurate is quicker by more than this factor
-PATIENCE = 30.0  # CPU seconds; settings that would take longer are left out
 
 
 @dataclass(frozen=True)
@@ -98,7 +96,7 @@ def settings_of(model: CaseModel, methods: Sequence[str]) -> list[Setting]:
 
 
 def chart(
-    case: Case, settings: Iterable[Setting], w: float, reference: Reference, repeat: int, patience: float = PATIENCE
+    case: Case, settings: Iterable[Setting], w: float, reference: Reference, repeat: int, patience: float
 ) -> Iterator[list[Measured] | LeftOut]:
     """Measure every setting: a point for each way of finding the slopes, or why there is none."""
     problem = case.model.problem()
@@ -156,7 +154,7 @@ def front(points: Sequence[tuple[float, float]]) -> list[int]:
     return kept
 
 
-def beside_front(point: tuple[float, float], points: Sequence[tuple[float, float]], slack: float = SLACK) -> bool:
+def beside_front(point: tuple[float, float], points: Sequence[tuple[float, float]], slack: float = 1.5) -> bool:
     """Whether a (cost, error) lies on the front or next to it: nothing as exact is quicker by more than ``slack``."""
     return not any(cost * slack < point[0] and error <= point[1] for cost, error in points)
 

@@ -10,17 +10,26 @@ from scipy.interpolate import CubicHermiteSpline
 from ...adhesion.comparison import curve_distance
 from ...adhesion.curve import AdhesiveCurve, CriticalPoint, transform
 from ...adhesion.slopes.choice import slopes
+from ...base.arrays import Array
 from ...base.errors import JkrError, Refusal
 from ...bodies.problem import Loading, Problem
 from ...methods import Method, method_class
 from ...methods.integral.contact import InaccurateError
 from ...methods.layered.layered import Layered, largest_radius
-from ...series import Array, Series
+from ...series import Series
 
-POINTS = 400  # radii of the reference
-BEYOND = 1.02  # how far it goes beyond the largest contact radius
-TOLERANCES = (1e-10, 1e-9, 1e-8)  # of the exact method, the first that double precision allows
-JUDGED = 0.1  # of the deepest: P is compared at larger depths
+
+@dataclass(frozen=True)
+class ReferenceTuning:
+    """How exact the exact solution is, and where it is compared."""
+
+    points: int = 400  # choice: radii of the reference, whose cubics are then good to 1e-9
+    beyond: float = 1.02  # choice: how far it goes beyond the largest contact radius
+    tolerances: tuple[float, ...] = (1e-10, 1e-9, 1e-8)  # choice: the first that double precision allows
+    judged: float = 0.1  # choice: of the deepest; P is compared at larger depths
+
+
+TUNING = ReferenceTuning()
 
 
 @dataclass(frozen=True)
@@ -47,7 +56,7 @@ class Reference:
         assert series.S is not None
         x, y = np.log(series.delta), np.log(series.P)
         load = CubicHermiteSpline(x, y, series.S * series.delta / series.P)
-        deep = (delta >= JUDGED * delta[-1]) & (delta <= series.delta[-1])
+        deep = (delta >= TUNING.judged * delta[-1]) & (delta <= series.delta[-1])
         return float(np.max(np.abs(P[deep] / np.exp(load(np.log(delta[deep]))) - 1)))
 
     def errors(self, curve: AdhesiveCurve) -> Errors:
@@ -80,15 +89,15 @@ def reference_of(problem: Problem, w: float) -> Reference:
             f"chart: the specimen has a finite radius of {problem.specimen.radius:g} m, for which there is no exact "
             "solution to measure against: leave radius and side out, or see jkr study converge"
         )
-    largest = min(BEYOND * largest_radius(problem), problem.indenter.r_max * (1 - 1e-9))
-    dense = replace(problem, loading=Loading("radius", largest, POINTS))
+    largest = min(TUNING.beyond * largest_radius(problem), problem.indenter.r_max * (1 - 1e-9))
+    dense = replace(problem, loading=Loading("radius", largest, TUNING.points))
     name, series = _exact(dense)
     return Reference(name, transform(series, slopes(series, "exact"), w))
 
 
 def _exact(problem: Problem) -> tuple[str, Series]:
     """Name and series of the first exact method that can solve ``problem``."""
-    candidates: list[tuple[str, Method]] = [(f"layered, tolerance {t:g}", Layered(t)) for t in TOLERANCES]
+    candidates: list[tuple[str, Method]] = [(f"layered, tolerance {t:g}", Layered(t)) for t in TUNING.tolerances]
     if problem.specimen.is_half_space:
         candidates.insert(0, ("closed form", method_class("closed-form")()))
     reasons = []

@@ -13,18 +13,29 @@ import numpy as np
 
 from ...adhesion.curve import AdhesiveCurve, CriticalPoint, transform
 from ...adhesion.slopes.choice import slopes
+from ...base.arrays import Array
 from ...base.errors import InputError
 from ...base.executors import Pool, in_order
 from ...base.unknown import Estimate, Unknown
 from ...bodies.problem import Problem
 from ...methods.fem.method import FEM
 from ...methods.layered.layered import Layered
-from ...series import Array, Series, Solution
+from ...series import Series, Solution
 
-RATIO = 2.0  # between the element sizes of neighbouring meshes
-COARSEST_SPACING, STEEPEST_GROWTH = 0.49, 0.59
 QUANTITIES = ("a", "P", "pull_off")
-ROUND_OFF = 1e-12
+
+
+@dataclass(frozen=True)
+class MeshesTuning:
+    """The sequence of meshes, and what differences between them mean something."""
+
+    ratio: float = 2.0  # choice: between the element sizes of neighbouring meshes
+    coarsest_spacing: float = 0.49  # choice: limit of the mesher
+    steepest_growth: float = 0.59  # choice: limit of the mesher
+    round_off: float = 1e-12  # theory: some thousand times machine epsilon, relative
+
+
+TUNING = MeshesTuning()
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,7 +95,7 @@ class Convergence:
         if self.exact is None:
             return limit if isinstance(limit, Unknown) else limit[0]
         pairs = [(level.size, abs(error)) for level, error in zip(self.levels, self.errors(quantity), strict=True)
-                 if error is not None and abs(error) > ROUND_OFF]  # fmt: skip
+                 if error is not None and abs(error) > TUNING.round_off]  # fmt: skip
         if len(pairs) < 3:
             return Unknown("needs three meshes with an error above round-off")
         sizes, errors = np.log(np.array(pairs)).T
@@ -120,7 +131,7 @@ def converge(
     if count < 2:
         raise InputError(f"levels: must be >= 2 meshes, got {count}")
     method = replace(method, estimate_error=False, tolerance=None)
-    factors = [RATIO**k for k in reversed(range(count))]
+    factors = [TUNING.ratio**k for k in reversed(range(count))]
     methods = [coarser(method, problem, factor) for factor in factors]
     meshes = in_order(pool, partial(_timed, problem), methods, "meshes")
     depth = min(float(_increments(mesh.solution)[1][-1]) for mesh in meshes)
@@ -153,13 +164,13 @@ def coarser(method: FEM, problem: Problem, factor: float) -> FEM:
     """The method with every element ``factor`` times as large, as far as the mesher's limits let it."""
     if factor == 1:
         return method
-    growth = min(factor * method.growth_of_sizes, STEEPEST_GROWTH)
+    growth = min(factor * method.growth_of_sizes, TUNING.steepest_growth)
     if method.layout == "scaled":
         spacing = factor * method.spacing
-        if spacing > COARSEST_SPACING:
+        if spacing > TUNING.coarsest_spacing:
             raise InputError(
-                f"levels: the coarsest mesh would have mesh.spacing = {spacing:g}, at most {COARSEST_SPACING:g} is "
-                "possible: take fewer levels or a finer mesh in the case"
+                f"levels: the coarsest mesh would have mesh.spacing = {spacing:g}, at most "
+                f"{TUNING.coarsest_spacing:g} is possible: take fewer levels or a finer mesh in the case"
             )
         return replace(method, spacing=spacing, growth=growth)
     zones = tuple(factor * size for size in method.zone_sizes)
@@ -173,10 +184,10 @@ def richardson(values: Sequence[float | None]) -> tuple[float, float] | Unknown:
     if len(last) < 3 or any(value is None for value in last):
         return Unknown("needs three meshes with a value")
     first, second = (b - a for a, b in itertools.pairwise(last))  # type: ignore[operator]
-    if abs(second) <= ROUND_OFF * abs(last[-1]) or first / second <= 1:  # type: ignore[arg-type]
+    if abs(second) <= TUNING.round_off * abs(last[-1]) or first / second <= 1:  # type: ignore[arg-type]
         return Unknown("the differences do not shrink from mesh to mesh")
-    order = math.log(first / second) / math.log(RATIO)
-    return order, last[-1] + second / (RATIO**order - 1)  # type: ignore[operator]
+    order = math.log(first / second) / math.log(TUNING.ratio)
+    return order, last[-1] + second / (TUNING.ratio**order - 1)  # type: ignore[operator]
 
 
 def edge_size(method: FEM, problem: Problem, a: float) -> float:
@@ -198,7 +209,7 @@ def _increments(solution: Solution) -> tuple[Array, Array, Array]:
 
 def _state(a: Array, delta: Array, P: Array, curve: AdhesiveCurve | Unknown, depth: float) -> State:
     """Values at ``depth``: the load between rows in logarithms; so the radius, which of increments is a node's."""
-    at = math.log(depth * (1 + ROUND_OFF))
+    at = math.log(depth * (1 + TUNING.round_off))
     touching = a > 0
     x = np.log(delta[touching])
     load = math.exp(np.interp(at, x, np.log(P[touching])))

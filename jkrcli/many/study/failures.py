@@ -34,7 +34,6 @@ from .failures_judge import (
     random_cells,
 )  # fmt: skip
 
-PER_CELL = 1.0  # CPU seconds, on average
 FIRST = ("method", "outcome", "nu", "a_over_h")
 
 
@@ -57,7 +56,7 @@ def main(words: Sequence[str] | None = None) -> int:
     named = given.methods or every
     pictures = {name: output.files(given.output / f"failures-{name}", PICTURES[:1]) for name in named}
     seed = int(f"{datetime.date.today():%Y%m%d}") if given.seed is None else given.seed
-    with pool_of(given, PER_CELL * given.cells) as pool:
+    with pool_of(given, given.cells) as pool:
         verdicts = failures(random_cells(given.cells, seed, given.methods), pool)
     data = as_dict(verdicts, seed)
     files.write(_columns(verdicts), data)
@@ -120,7 +119,6 @@ WORDS = {
 COMMON = ("nu", "a_over_h", "contrast", "points", "shape", "body", "length_unit", "force_unit")
 RELEVANT = {"fem": ("nodes", "increments", *COMMON), "slopes": ("noise", *COMMON)}
 CATEGORIES = {"shape": SHAPES, "body": BODIES}
-PANEL = 1.25  # inch
 SMALL = {"font.size": 7, "xtick.labelsize": 6, "ytick.labelsize": 6, "axes.grid": False}
 SPACING = {"left": 0.09, "right": 0.99, "bottom": 0.09, "top": 0.99, "hspace": 0.12, "wspace": 0.12}
 LEAST = {"increments": 1.0, "noise": 1e-7}  # where none stands on a logarithmic axis
@@ -131,7 +129,7 @@ def failures_figure(verdicts: Sequence[Verdict], method: str) -> Figure:
     mine = [verdict for verdict in verdicts if verdict.cell.method == method]
     names = RELEVANT.get(method, COMMON)
     n = len(names) - 1
-    with drawing(PANEL * n + 0.8, PANEL * n + 0.8, SMALL, layout=None) as figure:
+    with drawing(1.25 * n + 0.8, 1.25 * n + 0.8, SMALL, layout=None) as figure:
         axes = figure.subplots(n, n, squeeze=False, gridspec_kw=SPACING)
         for (row, below), (column, beside) in itertools.product(enumerate(names[1:]), enumerate(names[:-1])):
             if column > row:

@@ -7,36 +7,34 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...base.arrays import Array
 from ...bodies.indenters import Indenter, Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
 from ...bodies.materials import Elastic
 from ...bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
-from ...series import Array
 
 SHAPES = ("sphere", "paraboloid", "cone", "power", "flat", "table")
 BODIES = ("half-space", "bonded", "sliding", "coating", "two layers")
 SUITED = {"closed-form": BODIES[:3], "hybrid": BODIES[1:]}  # what a formula may exist for; what needs a correction
-AXES = {  # name: (least, largest) and whether it is drawn evenly in the logarithm
-    "a_over_h": (1e-3, 1e2, True),
-    "contrast": (1e-4, 1e4, True),
-    "nodes": (3, 300, True),
-    "increments": (3, 1000, True),
-    "points": (4, 1000, True),
-    "noise": (1e-6, 1e-1, True),
-    "length_unit": (1e-12, 1e6, True),
-    "force_unit": (1e-12, 1e6, True),
+AXES = {  # (least, largest), drawn evenly in the logarithm
+    "a_over_h": (1e-3, 1e2),
+    "contrast": (1e-4, 1e4),
+    "nodes": (3, 300),
+    "increments": (3, 1000),
+    "points": (4, 1000),
+    "noise": (1e-6, 1e-1),
+    "length_unit": (1e-12, 1e6),
+    "force_unit": (1e-12, 1e6),
 }
-NOISELESS = 0.3  # share of series without noise
-TABLE_POINTS = 15
-STEEPNESS = (0.03, 0.3)  # slope of the profile at the largest contact radius: a/R of a sphere
 
 
 @dataclass(frozen=True)
 class Cell:
     """One problem for one method; lengths in units of the top layer's thickness, E of the top layer is 1.
 
-    ``contrast``: modulus of what lies below over that of the top; ``nodes``: on the surface within the largest contact
-    radius, of finite elements; ``increments``: of finite elements in increments, 0: nested; ``noise``: relative, on a,
-    delta and P; ``length_unit`` [m], ``force_unit`` [N]: what the case is written in; ``seed``: of the noise.
+    ``contrast``: modulus of what lies below over that of the top; ``steepness``: slope of the profile at the largest
+    contact radius, a/R of a sphere; ``nodes``: on the surface within that radius, of finite elements;
+    ``increments``: of finite elements in increments, 0: nested; ``noise``: relative, on a, delta and P;
+    ``length_unit`` [m], ``force_unit`` [N]: what the case is written in; ``seed``: of the noise.
     """
 
     method: str
@@ -79,7 +77,7 @@ def indenter_of(shape: str, a: float, steepness: float) -> Indenter:
             return PowerLaw(steepness / (4 * a**3), 4.0)
         case "flat":
             return RoundedFlat(a / 2, a / 2 / steepness)
-    r = 1.5 * a * np.linspace(0, 1, TABLE_POINTS)
+    r = 1.5 * a * np.linspace(0, 1, 15)
     return TableProfile(tuple(r), tuple(steepness * a * (0.4 * (r / a) ** 2 + 0.05 * (r / a) ** 4)))
 
 
@@ -103,7 +101,7 @@ def draw(rng: np.random.Generator, method: str) -> Cell:
     """A random cell for ``method``; "slopes" is a noisy series whose slopes are to be found."""
     value = {name: _drawn(rng, *limits) for name, limits in AXES.items()}
     whole = {name: round(value[name]) for name in ("nodes", "increments", "points")}
-    noisy = method == "slopes" and rng.random() > NOISELESS
+    noisy = method == "slopes" and rng.random() > 0.3
     return Cell(
         method=method,
         shape=str(rng.choice(SHAPES)),
@@ -111,7 +109,7 @@ def draw(rng: np.random.Generator, method: str) -> Cell:
         nu=_poisson(rng),
         a_over_h=value["a_over_h"],
         contrast=value["contrast"],
-        steepness=_drawn(rng, *STEEPNESS, True),
+        steepness=_drawn(rng, 0.03, 0.3),
         nodes=whole["nodes"],
         increments=whole["increments"] if rng.random() < 0.5 else 0,
         points=whole["points"],
@@ -122,10 +120,8 @@ def draw(rng: np.random.Generator, method: str) -> Cell:
     )
 
 
-def _drawn(rng: np.random.Generator, least: float, largest: float, logarithmic: bool) -> float:
-    if logarithmic:
-        return float(math.exp(rng.uniform(math.log(least), math.log(largest))))
-    return float(rng.uniform(least, largest))
+def _drawn(rng: np.random.Generator, least: float, largest: float) -> float:
+    return math.exp(rng.uniform(math.log(least), math.log(largest)))
 
 
 def _poisson(rng: np.random.Generator) -> float:

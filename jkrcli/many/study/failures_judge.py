@@ -17,6 +17,7 @@ from ...adhesion.curve import AdhesiveCurve, CriticalPoint, transform
 from ...adhesion.slopes.choice import slopes, smoothed
 from ...adhesion.slopes.result import Slopes
 from ...adhesion.validity import unresolved
+from ...base.arrays import Array
 from ...base.errors import JkrError
 from ...base.executors import Pool, completed
 from ...base.unknown import Unknown
@@ -25,7 +26,7 @@ from ...formulas.griffith import shift
 from ...methods import METHODS, Method, method_class
 from ...methods.layered.fields import profile
 from ...methods.layered.layered import Layered
-from ...series import Array, RawSeries, Series, Solution, first_of_plateaus
+from ...series import RawSeries, Series, Solution, first_of_plateaus
 from .failures_cells import Cell, draw, noisy
 from .watchdog import TooSlowError, cpu_limit
 
@@ -35,17 +36,24 @@ OUTCOMES = (RIGHT, SAID, REFUSED, UNJUDGED, TOO_SLOW, SILENT, CRASHED)
 BUGS = (SILENT, CRASHED)
 SHARES = {"closed-form": 3, "layered": 6, "hybrid": 2, "fem": 2, "slopes": 6}  # of the cells
 WITHIN = {"closed-form": 1.0, "layered": 1.0}  # of the stated error, which is a bound
-ESTIMATED = 2.0  # of the stated error, which elsewhere is an estimate
-BANDS = 3.0  # a 90 % band within this many half-widths (five standard deviations)
-OF_THE_CURVE = 0.9  # of its points must be that near: what a 90 % band promises, whatever its errors have in common
-TOLERANCES = (1e-10, 1e-8, 1e-6)  # of the exact solution
-PULLS = 0.01  # of the mean pressure: what pulls less is not told apart
-INSIDE = np.linspace(0.05, 0.9, 10)  # of the contact radius, where it is looked for
-PATIENCE = 20.0  # CPU seconds that a solve may be forecast to take
-LIMIT = 60.0  # CPU seconds that a cell may take
-CHUNK = 4  # cells handed out together
-JUDGED = 0.01  # of the largest depth: rows below are not judged, as in the error budget
-ROWS = 15  # of a series of finite elements that are compared
+
+
+@dataclass(frozen=True)
+class JudgeTuning:
+    """What counts as right, where it is looked at, and how long that may take."""
+
+    estimated: float = 2.0  # choice: of the stated error, where that is an estimate
+    bands: float = 3.0  # theory: half-widths of a 90 % band that are five standard deviations
+    of_the_curve: float = 0.9  # theory: of its points, what a 90 % band promises, whatever its errors have in common
+    tolerances: tuple[float, ...] = (1e-10, 1e-8, 1e-6)  # choice: of the exact solution, the first that is reached
+    pulls: float = 0.01  # choice: of the mean pressure; what pulls less is not told apart
+    patience: float = 20.0  # choice: CPU seconds that a solve may be forecast to take
+    limit: float = 60.0  # choice: CPU seconds that a cell may take
+    judged: float = 0.01  # choice: of the largest depth; rows below are not judged, as in the error budget
+    rows: int = 15  # choice: rows of a series that are compared
+
+
+TUNING = JudgeTuning()
 
 
 @dataclass(frozen=True)
@@ -79,7 +87,7 @@ def random_cells(count: int, seed: int, methods: Sequence[str] = ()) -> list[Cel
 def failures(cells: Sequence[Cell], pool: Pool) -> list[Verdict]:
     """The verdicts on the cells, in their order; a cell whose process dies counts as a crash."""
     found: dict[int, Verdict] = {}
-    for index, verdict in completed(pool, judge, cells, "failures", CHUNK):
+    for index, verdict in completed(pool, judge, cells, "failures", chunk=4):
         found[index] = verdict if isinstance(verdict, Verdict) else Verdict(cells[index], CRASHED, str(verdict))
     return [found[index] for index in range(len(cells))]
 
@@ -87,10 +95,10 @@ def failures(cells: Sequence[Cell], pool: Pool) -> list[Verdict]:
 def judge(cell: Cell) -> Verdict:
     """The verdict on one cell."""
     try:
-        with cpu_limit(LIMIT):
+        with cpu_limit(TUNING.limit):
             return _judge_slopes(cell) if cell.method == "slopes" else _judge_solve(cell)
     except TooSlowError:
-        return Verdict(cell, TOO_SLOW, f"took more than {LIMIT:g} CPU s")
+        return Verdict(cell, TOO_SLOW, f"took more than {TUNING.limit:g} CPU s")
     except JkrError as error:
         return Verdict(cell, REFUSED, "; ".join(str(error).splitlines()))
     except Exception as error:  # any other exception is a bug, and is what is looked for
@@ -114,7 +122,7 @@ def _judge_solve(cell: Cell) -> Verdict:
     if reason := method.refusal(problem):
         return Verdict(cell, REFUSED, reason)
     seconds = method.forecast(problem).seconds
-    if seconds > PATIENCE:
+    if seconds > TUNING.patience:
         return Verdict(cell, UNJUDGED, f"would take {seconds:.0f} s")
     solution = method(problem)
     if not solution.series.errors:
@@ -128,7 +136,7 @@ def _judge_solve(cell: Cell) -> Verdict:
 def _compared(cell: Cell, solution: Solution) -> Verdict:
     """The verdict on a solution with stated errors: the columns first, then the conditions of contact."""
     found = _distances(cell, solution.series)
-    verdict = _verdict(cell, found, WITHIN.get(cell.method, ESTIMATED), solution.warnings)
+    verdict = _verdict(cell, found, WITHIN.get(cell.method, TUNING.estimated), solution.warnings)
     if verdict.outcome == RIGHT and (broken := _not_a_disc(cell)):
         outcome = SAID if solution.warnings else SILENT
         return Verdict(cell, outcome, "; ".join(solution.warnings) or broken, verdict.error, verdict.stated)
@@ -138,9 +146,9 @@ def _compared(cell: Cell, solution: Solution) -> Verdict:
 def _not_a_disc(cell: Cell) -> str | None:
     """Where the contact pressure of the exact solution at the largest radius pulls: no disc without adhesion."""
     plain = replace(cell, length_unit=1.0, force_unit=1.0)
-    found = profile(plain.problem, cell.a_over_h, 0.0, cell.a_over_h * INSIDE, np.array([]))
+    found = profile(plain.problem, cell.a_over_h, 0.0, cell.a_over_h * np.linspace(0.05, 0.9, 10), np.array([]))
     pull = float(found.pressure.min()) * np.pi * found.a**2 / found.P
-    return f"the contact pulls with {-pull:.2g} of its mean pressure" if pull < -PULLS else None
+    return f"the contact pulls with {-pull:.2g} of its mean pressure" if pull < -TUNING.pulls else None
 
 
 def _verdict(cell: Cell, found: Sequence[Off], factor: float, warnings: Sequence[str]) -> Verdict:
@@ -157,7 +165,7 @@ def _exact(cell: Cell, loading: Loading) -> tuple[Series, float]:
     """The exact solution for a ``loading`` in units of the cell, back in SI, and its tolerance."""
     plain = replace(cell, length_unit=1.0, force_unit=1.0)
     problem = Problem(plain.problem.indenter, plain.problem.specimen, loading)
-    for tolerance in TOLERANCES:
+    for tolerance in TUNING.tolerances:
         try:
             series = Layered(tolerance)(problem).series
             break
@@ -177,8 +185,8 @@ def _exact(cell: Cell, loading: Loading) -> tuple[Series, float]:
 
 def _distances(cell: Cell, series: Series) -> list[Off]:
     """How far the columns lie from the exact ones, each with its stated error; empty where none is stated."""
-    judged = np.flatnonzero(series.delta >= JUDGED * series.delta[-1])
-    rows = judged[np.unique(np.linspace(0, judged.size - 1, ROWS).round().astype(int))]
+    judged = np.flatnonzero(series.delta >= TUNING.judged * series.delta[-1])
+    rows = judged[np.unique(np.linspace(0, judged.size - 1, TUNING.rows).round().astype(int))]
     names: tuple[str, ...]
     if not np.any(series.errors.get("a", 0.0)):
         exact, tolerance = _exact(cell, Loading.given("radius", tuple(series.a[rows] / cell.length_unit)))
@@ -221,7 +229,7 @@ def _judge_slopes(cell: Cell) -> Verdict:
     if stated is None:
         return Verdict(cell, SAID, f"error unknown: {found.error}", error)
     flags = found.flags + unresolved(cell.problem.indenter, given.a)
-    return _verdict(cell, [Off("pull-off", error, stated), _band(curve, exact_curve, truth)], BANDS, flags)
+    return _verdict(cell, [Off("pull-off", error, stated), _band(curve, exact_curve, truth)], TUNING.bands, flags)
 
 
 def _band(curve: AdhesiveCurve, exact: AdhesiveCurve, unit: CriticalPoint) -> Off:
@@ -231,7 +239,7 @@ def _band(curve: AdhesiveCurve, exact: AdhesiveCurve, unit: CriticalPoint) -> Of
     assert not isinstance(curve.interpolation_error, Unknown)
     stated = curve.errors["P"][common] / abs(unit.P) + curve.interpolation_error + exact.interpolation_error
     order = np.argsort(error / stated)
-    i = order[int(OF_THE_CURVE * (order.size - 1))]
+    i = order[int(TUNING.of_the_curve * (order.size - 1))]
     return Off("the curve", float(error[i]), float(stated[i]))
 
 

@@ -12,6 +12,7 @@ import numpy as np
 from ...adhesion.curve import AdhesiveCurve, transform
 from ...adhesion.slopes.choice import slopes
 from ...adhesion.slopes.result import Slopes
+from ...base.arrays import Array
 from ...base.errors import InputError
 from ...base.units import scale, show
 from ...bodies.materials import Elastic
@@ -26,11 +27,10 @@ from ...methods.layered.layered import Layered
 from ...report.output import PICTURES
 from ...report.plots import BLACK, BLUE, GREEN, ORANGE, pretty
 from ...report.plots.study import UNNAMED, Figure, Line, Panel, panels_figure
-from ...series import Array, Series
+from ...series import Series
 from .command import call, output_of, parser_of, quantity
 from .converge import Convergence, converge
 
-LEVELS = 5  # meshes of Fig. 10
 COLORS = (ORANGE, BLUE, GREEN, "#CC79A7", "#56B4E9", "#E69F00", "#F0E442")
 Measured = tuple[Array, Array]  # displacement [m], load [N]
 
@@ -139,7 +139,7 @@ def mesh_figure(cases: Sequence[Path]) -> Figure:
         method = method_of(model, "fem")
         assert isinstance(method, FEM)
         paper = replace(method, layout="zones", contact="incremental")
-        studies.append(converge(model.problem(), paper, model.adhesion.w[0], LEVELS))
+        studies.append(converge(model.problem(), paper, model.adhesion.w[0], 5))
     panels = [panel for study in studies for panel in (radius_panel(study), curves_panel(study))]
     return panels_figure([replace(panel, title=title) for panel, title in zip(panels, _doubled(cases), strict=True)])
 

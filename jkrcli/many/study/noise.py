@@ -12,9 +12,7 @@ import numpy as np
 from ...report.output import PICTURES
 from ...report.plots import BLUE, NARROW, ORANGE, WIDE, Figure, drawing, legend_below
 from .command import call, output_of, parser_of, pool_of
-from .noise_cells import BODIES, METHODS, NOISE, POINTS, SEEDS, Cell, noise_study
-
-PER_RUN = 0.1  # CPU seconds of one fit
+from .noise_cells import BODIES, METHODS, NOISE, POINTS, NoiseCell, noise_study
 
 
 def main(words: Sequence[str] | None = None) -> int:
@@ -24,7 +22,7 @@ def main(words: Sequence[str] | None = None) -> int:
     Writes noise-study.csv, .png and .svg; 200 seeds take about twenty minutes.
     """
     parser = parser_of(str(main.__doc__))
-    parser.add_argument("--seeds", type=int, default=SEEDS, help=f"runs per cell [default: {SEEDS}]")
+    parser.add_argument("--seeds", type=int, default=200, help="runs per cell [default: 200]")
     names = [body.name for body in BODIES]
     parser.add_argument("--body", action="append", choices=names, help="only these")
     parser.add_argument("--points", action="append", type=int, help=f"of a series [default: {POINTS}]")
@@ -32,9 +30,9 @@ def main(words: Sequence[str] | None = None) -> int:
     files = output_of(given).files(given.output / "noise-study", (".csv", *PICTURES))
     chosen, points = [body for body in BODIES if body.name in (given.body or names)], given.points or POINTS
     runs = given.seeds * len(chosen) * len(points) * len(NOISE) * len(METHODS)
-    with pool_of(given, PER_RUN * runs) as pool:
+    with pool_of(given, 0.1 * runs) as pool:
         cells = noise_study(chosen, points, NOISE, METHODS, given.seeds, pool)
-    columns = {item.name: [getattr(cell, item.name) for cell in cells] for item in fields(Cell)}
+    columns = {item.name: [getattr(cell, item.name) for cell in cells] for item in fields(NoiseCell)}
     files.write(columns, figure=files.draw(lambda: noise_figure(cells)))
     _print(cells)
     print(f"  written {files}")
@@ -46,7 +44,7 @@ def _known(value: object) -> bool:
     return value is not None and value != math.inf
 
 
-def _print(cells: Sequence[Cell]) -> None:
+def _print(cells: Sequence[NoiseCell]) -> None:
     print(f"  {'body':<14}{'points':>7}{'noise':>8} {'slopes':<9}{'median':>9}{'worst':>9}{'band':>7}{'failed':>8}")
     for cell in cells:
         band = "" if cell.band is None else f"{cell.band:.0%}"
@@ -61,10 +59,9 @@ def _print(cells: Sequence[Cell]) -> None:
 WAYS = {"integral": (ORANGE, "o-"), "loocv": (BLUE, "s--")}
 SHADES = {0: 0.35, 1: 0.65, 2: 1.0}
 TICKS = {1e-6: "none", 1e-4: "10⁻⁴", 1e-2: "10⁻²"}
-FLOOR = 1e-6  # of the errors drawn, and the place of "no noise" on the axis
 
 
-def noise_figure(cells: Sequence[Cell]) -> Figure:
+def noise_figure(cells: Sequence[NoiseCell]) -> Figure:
     """One column per body: median error of the pull-off force above, pointwise coverage of the 90 % band below."""
     bodies = list(dict.fromkeys(cell.body for cell in cells))
     with drawing(WIDE if len(bodies) > 1 else NARROW, 4.6) as figure:
@@ -79,15 +76,16 @@ def noise_figure(cells: Sequence[Cell]) -> Figure:
         return figure
 
 
-def _panel(axes: np.ndarray, cells: Sequence[Cell]) -> None:
+def _panel(axes: np.ndarray, cells: Sequence[NoiseCell]) -> None:
+    floor = min(TICKS)  # of the errors drawn, and the place of "no noise" on the axis
     sizes = sorted({cell.points for cell in cells})
     for method, (color, style) in WAYS.items():
         for rank, points in enumerate(sizes):
             line = [cell for cell in cells if cell.method == method and cell.points == points]
             known = [cell for cell in line if np.isfinite(cell.median)]
-            noise = [max(cell.noise, FLOOR) for cell in known]
+            noise = [max(cell.noise, floor) for cell in known]
             look = {"color": color, "alpha": SHADES.get(rank, 1.0), "ms": 3, "label": f"{method}, {points} points"}
-            axes[0].loglog(noise, [max(cell.median, FLOOR) for cell in known], style, **look)
+            axes[0].loglog(noise, [max(cell.median, floor) for cell in known], style, **look)
             banded = [cell for cell in line if cell.band is not None and cell.noise > 0]
             axes[1].semilogx([cell.noise for cell in banded], [cell.band for cell in banded], style, **look)
     axes[1].axhspan(0.8, 0.97, color="0.9", zorder=0)

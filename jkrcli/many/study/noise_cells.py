@@ -16,6 +16,7 @@ import numpy as np
 from ...adhesion.curve import AdhesiveCurve, transform
 from ...adhesion.slopes import slopes_function
 from ...adhesion.slopes.choice import slopes, smoothed
+from ...base.arrays import Array
 from ...base.errors import InputError
 from ...base.executors import Pool, in_order
 from ...base.unknown import Unknown
@@ -23,12 +24,11 @@ from ...bodies.indenters import Paraboloid
 from ...bodies.materials import Elastic
 from ...bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from ...methods import method_class
-from ...series import Array, RawSeries, Series
+from ...series import RawSeries, Series
 
 POINTS = (30, 60, 200)
 NOISE = (0.0, 1e-4, 1e-3, 1e-2, 3e-2)
 METHODS = ("integral", "loocv")
-SEEDS = 200
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ class Body:
 
 
 @dataclass(frozen=True)
-class Cell:
+class NoiseCell:
     """Figures of one cell; errors of the pull-off force under load control are relative to the exact one.
 
     ``coverage``: share of runs whose 90 % band of the pull-off force holds the exact one; ``band``: share of points of
@@ -92,29 +92,29 @@ def noise_study(
     points: Iterable[int] = POINTS,
     noise: Iterable[float] = NOISE,
     methods: Iterable[str] = METHODS,
-    seeds: int = SEEDS,
+    seeds: int = 200,
     pool: Pool | None = None,
-) -> list[Cell]:
+) -> list[NoiseCell]:
     """All cells, worked on by ``pool`` (default: this process); a noise-free cell needs one run only."""
     asked = list(itertools.product(bodies, points, noise, methods))
     return in_order(pool, partial(_figures, seeds), asked, "noise study")
 
 
-def _figures(seeds: int, asked: tuple[Body, int, float, str]) -> Cell:
+def _figures(seeds: int, asked: tuple[Body, int, float, str]) -> NoiseCell:
     body, points, noise, method = asked
     exact = body.series(points)
     truth = transform(exact, slopes(exact, "exact"), body.w)
     return cell(body, truth, noise, method, seeds if noise > 0 else 1)
 
 
-def cell(body: Body, truth: AdhesiveCurve, noise: float, method: str, seeds: int) -> Cell:
+def cell(body: Body, truth: AdhesiveCurve, noise: float, method: str, seeds: int) -> NoiseCell:
     """The figures of one cell, from seeds 0, 1, ... (the same noise for every method)."""
     runs = [_run(truth, noise, method, body.w, seed) for seed in range(seeds)]
     good = [run for run in runs if run is not None]
     errors = np.abs([error for error, _, _ in good]) if good else np.array([np.inf])
     inside = [hit for _, hit, _ in good if hit is not None]
     shares = [share for _, _, share in good if share is not None]
-    return Cell(
+    return NoiseCell(
         body.name,
         len(truth.series),
         noise,

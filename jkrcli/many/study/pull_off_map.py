@@ -18,6 +18,7 @@ from ... import __version__
 from ...adhesion.curve import AdhesiveCurve, Nonadhesive
 from ...adhesion.device import LOAD_CONTROL
 from ...adhesion.slopes.choice import slopes
+from ...base.arrays import Array
 from ...base.errors import InputError, SolveError
 from ...base.executors import Pool, in_order
 from ...base.unknown import Unknown
@@ -25,11 +26,20 @@ from ...bodies.indenters import Paraboloid
 from ...bodies.materials import Elastic
 from ...bodies.problem import Layer, Loading, Problem, Rigid, Specimen
 from ...methods.layered.layered import Layered
-from ...series import Array, Series
+from ...series import Series
 
-POINTS_PER_DECADE = 40  # of the contact radius: twice as many change the pull-off force by 4e-8
-TOLERANCE = 1e-6  # relative, of the series: a/h near 100 at nu = 1/2 leaves 1e-7
-MIN_Q, MAX_Q = 1e-6, 1e7  # a/h at pull-off from 0.015 to 90
+
+@dataclass(frozen=True)
+class MapTuning:
+    """Which part of the map there is, and how finely its series are solved."""
+
+    per_decade: int = 40  # choice: of the contact radius; twice as many change the pull-off force by 4e-8
+    tolerance: float = 1e-6  # choice: relative, of the series; a/h near 100 at nu = 1/2 leaves 1e-7
+    least: float = 1e-6  # choice: q, where a/h at pull-off is 0.015
+    largest: float = 1e7  # choice: q, where a/h at pull-off is 90
+
+
+TUNING = MapTuning()
 
 
 @dataclass(frozen=True)
@@ -51,8 +61,10 @@ def pull_off_map(nus: Iterable[float], bonded: bool, qs: Sequence[float], pool: 
     Errors: InputError for q outside the range or nu not allowed.
     """
     wanted = sorted(set(qs))
-    if not wanted or not (wanted[0] >= MIN_Q and wanted[-1] <= MAX_Q):
-        raise InputError(f"q: must be between {MIN_Q:g} and {MAX_Q:g}, got {', '.join(f'{q:g}' for q in qs)}")
+    if not wanted or not (wanted[0] >= TUNING.least and wanted[-1] <= TUNING.largest):
+        raise InputError(
+            f"q: must be between {TUNING.least:g} and {TUNING.largest:g}, got {', '.join(f'{q:g}' for q in qs)}"
+        )
     columns = in_order(pool, partial(_column, bonded, wanted), list(dict.fromkeys(nus)), "pull-off map")
     return [point for column in columns for point in column]
 
@@ -88,10 +100,10 @@ def _point(nu: float, bonded: bool, q: float, curve: AdhesiveCurve) -> MapPoint:
 def _unit_series(nu: float, bonded: bool, qs: Sequence[float]) -> Series:
     material = Elastic(1 - nu**2 if -1 < nu <= 0.5 else 1.0, nu)
     low, high = _lowest(qs[0]), _highest(qs[-1])
-    count = max(8, math.ceil(POINTS_PER_DECADE * math.log10(high / low)))
+    count = max(8, math.ceil(TUNING.per_decade * math.log10(high / low)))
     radii = tuple(float(a) for a in np.geomspace(low, high, count))
     specimen = Specimen((Layer(material, 1.0),), Rigid(bonded))
-    return Layered(TOLERANCE)(Problem(Paraboloid(1.0), specimen, Loading.given("radius", radii))).series
+    return Layered(TUNING.tolerance)(Problem(Paraboloid(1.0), specimen, Loading.given("radius", radii))).series
 
 
 def _lowest(q: float) -> float:

@@ -50,7 +50,6 @@ SPECIMENS = {
 BODIES = {name: Problem(Paraboloid(1e-3), held, Loading("radius", 5e-6, 25)) for name, held in SPECIMENS.items()}
 NOISY = ("noisy Hertz", "noisy layer")  # series for slopes, with relative noise of 1e-3
 USERS = {"integral": ("layered", "hybrid")}  # methods that share what stands in a folder; else the folder's own
-PER_TRIAL = 0.5  # CPU seconds, on average
 SHARED: dict[str, Reference] = {}  # exact solutions of this process, by shipped tunings
 
 
@@ -73,7 +72,7 @@ class Knob:
 
 
 @dataclass(frozen=True)
-class Trial:
+class Variant:
     """A body solved by a method (or slopes found of a noisy series) with ``value`` at ``knob``; None: all shipped."""
 
     body: str
@@ -122,7 +121,7 @@ def _tuned(cls: type) -> list[str]:
     return fields
 
 
-def trials(knob: Knob, bodies: Sequence[str]) -> list[Trial]:
+def trials(knob: Knob, bodies: Sequence[str]) -> list[Variant]:
     """All that the algorithm of ``knob`` has a part in, with each of its values; empty where it has none."""
     _, room, *rest = knob.module.split(".")
     if room == "adhesion":
@@ -132,10 +131,10 @@ def trials(knob: Knob, bodies: Sequence[str]) -> list[Trial]:
         names = USERS.get(folder, (folder.replace("_", "-"),)) if room == "methods" else ()
         methods = {name: method_class(name)() for name in names if name in METHODS}
         able = [(body, name) for body in bodies for name, held in methods.items() if not held.refusal(BODIES[body])]
-    return [Trial(*pair, knob, value) for pair in able for value in knob.values]
+    return [Variant(*pair, knob, value) for pair in able for value in knob.values]
 
 
-def measure(trial: Trial) -> Outcome:
+def measure(trial: Variant) -> Outcome:
     """Solve a trial; a failure is an outcome too."""
     work = _prepared(trial)
     with contextlib.nullcontext() if trial.knob is None else varied(trial.knob, trial.value):
@@ -147,7 +146,7 @@ def measure(trial: Trial) -> Outcome:
         return Outcome(error, time.process_time() - start, reason)
 
 
-def _prepared(trial: Trial) -> partial[float]:
+def _prepared(trial: Variant) -> partial[float]:
     """What is timed, its exact solution found beforehand with the shipped tunings."""
     if trial.body in NOISY:
         body = noise_cells.BODIES[NOISY.index(trial.body)]
@@ -198,12 +197,12 @@ def varied(knob: Knob, value: float | None) -> Iterator[None]:
         put(shipped)
 
 
-def table(found: Mapping[Trial, Outcome]) -> dict[str, list[Any]]:
+def table(found: Mapping[Variant, Outcome]) -> dict[str, list[Any]]:
     """A row per varied number, value, body and method, the shipped one beside it."""
     rows = []
     for trial, outcome in found.items():
         if trial.knob is not None:
-            usual = found[Trial(trial.body, trial.method)]
+            usual = found[Variant(trial.body, trial.method)]
             named = {"algorithm": trial.knob.module.removeprefix("jkrcli."), "field": trial.knob.field}
             told = {"shipped": trial.knob.shipped, "value": trial.value, "body": trial.body, "method": trial.method}
             errors = {"shipped_error": usual.error, "error": outcome.error}
@@ -212,7 +211,7 @@ def table(found: Mapping[Trial, Outcome]) -> dict[str, list[Any]]:
     return {name: [row[name] for row in rows] for name in (rows[0] if rows else ("algorithm", "field", "shipped"))}
 
 
-def words(found: Mapping[Trial, Outcome], every: Sequence[Knob]) -> list[str]:
+def words(found: Mapping[Variant, Outcome], every: Sequence[Knob]) -> list[str]:
     """A line per varied number, value and method: worst error and whole time of all bodies, varied and shipped."""
     titles = f"{'error':>10}{'CPU s':>8}"
     lines = [f"{'tuned number':<48}{'method':<10}{'value':>10}{titles}{'shipped':>10}{titles}"]
@@ -221,7 +220,7 @@ def words(found: Mapping[Trial, Outcome], every: Sequence[Knob]) -> list[str]:
         mine = {trial: held for trial, held in found.items() if (trial.knob, trial.value) == (knob, value)}
         for method in dict.fromkeys(trial.method for trial in mine):
             changed = {trial: held for trial, held in mine.items() if trial.method == method}
-            usual = _summary([found[Trial(trial.body, method)] for trial in changed])
+            usual = _summary([found[Variant(trial.body, method)] for trial in changed])
             lines.append(
                 f"{label:<48}{method:<10}{value:>10.4g}{_summary(changed.values())}{knob.shipped:>10.4g}{usual}"
             )
@@ -250,8 +249,8 @@ def main(given_words: Sequence[str] | None = None) -> int:
     bodies = list(BODIES)[: 1 if given.quick else None]
     every = knobs(given.algorithms)
     asked = [trial for knob in every for trial in trials(knob, bodies)]
-    asked = [*dict.fromkeys(Trial(trial.body, trial.method) for trial in asked), *asked]
-    with pool_of(given, PER_TRIAL * len(asked)) as pool:
+    asked = [*dict.fromkeys(Variant(trial.body, trial.method) for trial in asked), *asked]
+    with pool_of(given, 0.5 * len(asked)) as pool:
         found = dict(zip(asked, in_order(pool, measure, asked, "tuning"), strict=True))
     files.write(table(found))
     print("\n".join(words(found, every)))

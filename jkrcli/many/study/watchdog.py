@@ -10,33 +10,30 @@ import threading
 import time
 from collections.abc import Iterator
 
-DEADLY = 3  # times the limit, after which a worker process ends that no exception reaches
-EVERY = 0.05  # seconds between two looks at a clock that is about to run out
-
 
 class TooSlowError(BaseException):
     """The limit is reached; no ``except Exception`` on the way stops it."""
 
 
 @contextlib.contextmanager
-def cpu_limit(seconds: float) -> Iterator[None]:
+def cpu_limit(seconds: float, deadly: float = 3.0) -> Iterator[None]:
     """Raise TooSlowError in this thread after so many seconds of its CPU time.
 
     A call into a library is left when it returns. One that does not return at all ends the process, where that is a
-    worker's: the executor then reports its death.
+    worker's, after ``deadly`` times the limit: the executor then reports its death.
     """
     thread = threading.get_ident()
     clock, over = time.pthread_getcpuclockid(thread), threading.Event()
     end = time.clock_gettime(clock) + seconds
 
     def watch() -> None:
-        while not over.wait(max(end - time.clock_gettime(clock), EVERY)):
+        while not over.wait(max(end - time.clock_gettime(clock), 0.05)):
             if time.clock_gettime(clock) >= end:
                 ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(thread), ctypes.py_object(TooSlowError))
                 return
 
     watcher = threading.Thread(target=watch, daemon=True)
-    with _deadly_limit(DEADLY * seconds):
+    with _deadly_limit(deadly * seconds):
         watcher.start()
         try:
             yield

@@ -9,10 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from ...base.arrays import Array
 from ...base.errors import InputError
-
-Array = np.ndarray
-EDGE = 1e-12  # points stay this far inside the unit interval: the normal distribution has no ends
 
 
 @dataclass(frozen=True)
@@ -78,7 +76,8 @@ METHODS: dict[str, Callable[[int, int, int], Array]] = {
 
 def draw(distributions: list[Distribution], count: int, method: str, seed: int) -> list[tuple[Any, ...]]:
     """``count`` draws of all distributions together, a tuple per draw."""
-    points = np.clip(METHODS[method](count, len(distributions), seed), EDGE, 1 - EDGE)
+    inside = 1e-12, 1 - 1e-12  # the normal distribution has no ends
+    points = np.clip(METHODS[method](count, len(distributions), seed), *inside)
     return list(zip(*(item.at(u) for item, u in zip(distributions, points.T, strict=True)), strict=True))
 
 

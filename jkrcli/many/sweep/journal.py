@@ -18,7 +18,6 @@ from .solving import FAILED, Row
 FORMAT, VERSION = "jkr-sweep-journal", 1
 HEAD = json.dumps({"format": FORMAT, "version": VERSION, "jkr": __version__}).encode() + b"\n"
 ENTRY = [str, str, str, list, float]  # of a line: identity, status, reason, values, CPU seconds
-SYNC_EVERY = 5.0  # seconds; what a power failure may cost. A killed process loses nothing that was appended.
 
 
 class Journal:
@@ -36,7 +35,9 @@ class Journal:
         self._file.write(json.dumps(entry, allow_nan=False).encode() + b"\n")
         self._file.flush()
         self.rows[identity] = row
-        if time.monotonic() - self._synced > SYNC_EVERY:
+        if (
+            time.monotonic() - self._synced > 5.0
+        ):  # seconds that a power failure may cost; a killed process loses nothing
             self.sync()
 
     def sync(self) -> None:

@@ -22,7 +22,6 @@ from .axes import Axis, W, resolve
 from .paths import Tables, model_of, unit_of, with_values
 from .quantities import Wanted, names_of
 
-CURVES_PER_GROUP = 1000  # cases of one solve that make one piece of work
 PHYSICS = {"title", "indenter", "specimen", "loading", "adhesion"}
 
 
@@ -93,10 +92,11 @@ class Plan:
         """Case ``number`` as a case of its own."""
         return Case(self.recipe.model(self.values(number)), f"{self.source}: case {number}")
 
-    def groups(self, numbers: Iterable[int]) -> tuple[list[Group], list[tuple[int, str]]]:
+    def groups(self, numbers: Iterable[int], most: int = 1000) -> tuple[list[Group], list[tuple[int, str]]]:
         """The cases ``numbers`` by shared solves, and those that are none, each with its reason.
 
-        Cases share a solve where they differ in the work of adhesion, or by one factor of all moduli, alone.
+        Cases share a solve where they differ in the work of adhesion, or by one factor of all moduli, alone; at most
+        ``most`` make one piece of work.
         """
         shared: dict[Any, list[tuple[int, dict[str, Any]]]] = {}
         wrong = []
@@ -110,9 +110,9 @@ class Plan:
                 continue
             shared.setdefault(_solve_identity(body, model), []).append((number, values))
         groups = [
-            Group(tuple(cases[start : start + CURVES_PER_GROUP]))
+            Group(tuple(cases[start : start + most]))
             for cases in shared.values()
-            for start in range(0, len(cases), CURVES_PER_GROUP)
+            for start in range(0, len(cases), most)
         ]
         return groups, wrong
 

@@ -21,11 +21,20 @@ from .solving import Row, failed, least, solve_group
 from .table import STEM, Table, endings, write
 
 JOURNAL, FAILED_TABLE, SOLVES = "journal.jsonl", "failed.csv", "solves"
-PER_CASE = 0.012  # CPU seconds of a case besides its solve: validation, adhesive curve, critical points
-TASK = 2.0  # CPU seconds that one task should take: much more than handing it out, little to lose
-SHARES = 8  # tasks per worker at least, so that the last ones end together
-LOOKED_AT = 12  # groups whose cost is looked at for the forecast
 Say = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class SweepTuning:
+    """What a sweep is expected to cost, and in what portions it is handed out."""
+
+    per_case: float = 0.012  # CPU seconds of a case besides its solve; tuned on the shipped sweeps, by `make sweep`
+    looked_at: int = 12  # choice: groups whose forecasts stand for all
+    task: float = 2.0  # choice: CPU seconds of one task: much more than handing it out, little to lose
+    shares: int = 8  # choice: tasks per worker at least, so that the last ones end together
+
+
+TUNING = SweepTuning()
 
 
 @dataclass(frozen=True)
@@ -54,8 +63,8 @@ class Work:
 
     def chunk(self, workers: int) -> int:
         """Groups that make one task."""
-        by_time = TASK * len(self.groups) / max(self.seconds, 1e-9)
-        return max(1, min(round(by_time), math.ceil(len(self.groups) / (SHARES * workers))))
+        by_time = TUNING.task * len(self.groups) / max(self.seconds, 1e-9)
+        return max(1, min(round(by_time), math.ceil(len(self.groups) / (TUNING.shares * workers))))
 
 
 def sweep(plan: Plan, folder: Path, means: Means, force: bool, say: Say) -> tuple[Table, list[Path]]:
@@ -113,10 +122,10 @@ def _missing(plan: Plan, journal: Journal) -> list[int]:
 
 def forecast(plan: Plan, groups: list[Group]) -> float:
     """CPU seconds that the groups will take, from the methods' own forecasts for some of them."""
-    some = groups[:: max(1, len(groups) // LOOKED_AT)]
+    some = groups[:: max(1, len(groups) // TUNING.looked_at)]
     seconds = [_solve_seconds(plan, group) for group in some]
     cases = sum(len(group.cases) for group in groups)
-    return PER_CASE * cases + len(groups) * sum(seconds) / max(len(seconds), 1)
+    return TUNING.per_case * cases + len(groups) * sum(seconds) / max(len(seconds), 1)
 
 
 def _solve_seconds(plan: Plan, group: Group) -> float:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import subprocess
 import sys
 import tempfile
@@ -14,6 +13,7 @@ import click
 
 from ..base.clock import StageClock
 from ..case import Case, load_case, store
+from ..many.study.chart_measure import process_cost
 from ..methods.guards import Limits
 from .options import limits_options
 from .run import METHODS, solve
@@ -71,10 +71,6 @@ def _import_seconds(module: str) -> float:
 
 def _process_seconds(case: Path, name: str) -> float:
     """CPU seconds of ``jkr run`` as a whole process."""
-    before = os.times()
     with tempfile.TemporaryDirectory() as folder:
         target = str(Path(folder) / "series.h5")
-        command = [sys.executable, "-m", "jkrcli", "run", str(case), "--method", name, "-o", target]
-        subprocess.run(command, capture_output=True, check=True)
-    after = os.times()
-    return after.children_user + after.children_system - before.children_user - before.children_system
+        return process_cost([sys.executable, "-m", "jkrcli", "run", str(case), "--method", name, "-o", target]).cpu_s

@@ -6,6 +6,7 @@ import time
 
 import numpy as np
 import pytest
+from quantised import node_based, quantised_study
 
 from jkrcli.adhesion.curve import transform
 from jkrcli.adhesion.slopes.choice import slopes, smoothed
@@ -21,7 +22,6 @@ from jkrcli.formulas.half_space import hertz, power_law, rounded_flat
 from jkrcli.formulas.thin_layer import thin_incompressible_layer, thin_layer
 from jkrcli.many.study.failures_cells import indenter_of, specimen_of
 from jkrcli.many.study.noise_cells import BODIES, cell, noise_study, noisy
-from jkrcli.many.study.quantised import node_based, quantised_study
 from jkrcli.methods.layered.layered import Layered
 from jkrcli.series import RawSeries, Series
 

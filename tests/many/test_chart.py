@@ -21,8 +21,7 @@ from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Spe
 from jkrcli.case import load_case
 from jkrcli.case.numerics import method_of
 from jkrcli.many.study.chart_measure import Cost, process_cost, typical
-from jkrcli.many.study.chart_peers import read_peers
-from jkrcli.many.study.chart_points import DEFAULT, SETTINGS, automatic, beside_front, front, settings_of
+from jkrcli.many.study.chart_points import DEFAULT, SETTINGS, automatic, beside_front, front, read_peers, settings_of
 from jkrcli.many.study.chart_reference import reference_of
 from jkrcli.methods.choose import choose
 from jkrcli.methods.layered.layered import Layered

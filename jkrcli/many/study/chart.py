@@ -32,15 +32,16 @@ from ...report.plots import (
     pretty,
 )
 from .chart_measure import machine, yardstick
-from .chart_peers import Peer, read_peers
 from .chart_points import (
     LeftOut,
     Measured,
+    Peer,
     automatic,
     beside_front,
     chart,
     chosen_points,
     front,
+    read_peers,
     settings_of,
 )  # fmt: skip
 from .chart_reference import reference_of

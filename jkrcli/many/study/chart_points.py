@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import sys
 import tempfile
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -10,7 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from ...adhesion.analysis import analyse
-from ...base.errors import JkrError
+from ...base.errors import InputError, JkrError
+from ...base.files import read_bytes
 from ...base.unknown import Estimate
 from ...bodies.problem import Problem
 from ...case import Case, store
@@ -168,3 +170,44 @@ def automatic(case: Case) -> str:
 def chosen_points(points: Sequence[Measured], method: str) -> list[Measured]:
     """What was measured of ``method`` at its defaults."""
     return [point for point in points if point.setting.method == method and point.setting.words == DEFAULT]
+
+
+# ---------------------------------------------------------------------- other programs
+@dataclass(frozen=True)
+class Peer:
+    """One run of another program, its costs as on this machine; ``after_imports_cpu_s``: None where not known."""
+
+    name: str
+    version: str
+    body: str
+    settings: str
+    unknowns: int
+    whole: Cost
+    after_imports_cpu_s: float | None
+    errors: Errors
+
+
+def read_peers(path: Path, yardstick: float) -> list[Peer]:
+    """The stored runs, their times multiplied by ``yardstick`` [CPU s, of now] over the one of then."""
+    try:
+        data = json.loads(read_bytes(path, "file of peers"))
+        if (data["format"], data["version"]) != ("jkr-peers", 1):
+            raise InputError(f"{path}: must be jkr-peers version 1, got {data['format']} {data['version']}")
+        ratio = yardstick / min(data["yardstick_cpu_s"])
+        return [_peer(run, ratio) for run in data["runs"]]
+    except (json.JSONDecodeError, KeyError, TypeError, ValueError) as error:
+        raise InputError(f"{path}: is not a file of peers' timings ({error!r})") from None
+
+
+def _peer(run: Mapping[str, Any], ratio: float) -> Peer:
+    after = run["after_imports_cpu_s"]
+    return Peer(
+        run["peer"],
+        run["version"],
+        run["body"],
+        run["settings"],
+        run["unknowns"],
+        Cost(run["cpu_s"] * ratio, run["wall_s"] * ratio, run["memory_mib"]),
+        None if after is None else after * ratio,
+        Errors(**run["errors"]),
+    )

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...base.arrays import Array
 from ...bodies.indenters import Indenter, Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
 from ...bodies.materials import Elastic
 from ...bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
@@ -130,9 +129,3 @@ def _poisson(rng: np.random.Generator) -> float:
     if kind < 0.1:
         return 0.5
     return float(0.5 - 10 ** rng.uniform(-7, -1)) if kind < 0.33 else float(rng.uniform(0, 0.5))
-
-
-def noisy(columns: tuple[Array, ...], noise: float, seed: int) -> tuple[Array, ...]:
-    """The columns with independent relative Gaussian noise."""
-    rng = np.random.default_rng(seed)
-    return tuple(column * (1 + noise * rng.standard_normal(column.size)) for column in columns)

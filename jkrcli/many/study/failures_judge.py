@@ -27,7 +27,8 @@ from ...methods import METHODS, Method, method_class
 from ...methods.layered.fields import profile
 from ...methods.layered.layered import Layered
 from ...series import RawSeries, Series, Solution, first_of_plateaus
-from .failures_cells import Cell, draw, noisy
+from .failures_cells import Cell, draw
+from .noise_cells import noisy
 from .watchdog import TooSlowError, cpu_limit
 
 RIGHT, SAID, REFUSED, SILENT, CRASHED = "right", "said", "refused", "silent", "crashed"
@@ -218,7 +219,7 @@ def _judge_slopes(cell: Cell) -> Verdict:
     truth = exact_curve.pull_off(0.0)
     if not isinstance(truth, CriticalPoint):
         return Verdict(cell, UNJUDGED, truth.reason)
-    raw = RawSeries(*noisy((given.a, given.delta, given.P), cell.noise, cell.seed))
+    raw = noisy(given, cell.noise, cell.seed)
     series, found = _fitted(raw, given)
     curve = transform(series, found, w)
     point = curve.pull_off(0.0)

@@ -7,13 +7,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...adhesion.curve import transform
-from ...adhesion.slopes import slopes_function
-from ...adhesion.slopes.choice import smoothed
-from ...base.errors import InputError
-from ...base.unknown import Unknown
-from ...formulas.half_space import hertz
-from ...series import RawSeries, Series, filter_plateaus
+from jkrcli.adhesion.curve import transform
+from jkrcli.adhesion.slopes import slopes_function
+from jkrcli.adhesion.slopes.choice import smoothed
+from jkrcli.base.errors import InputError
+from jkrcli.base.unknown import Unknown
+from jkrcli.formulas.half_space import hertz
+from jkrcli.series import RawSeries, Series, filter_plateaus
 
 WAYS = ("integral from increments", "integral", "loocv")
 

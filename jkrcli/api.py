@@ -30,6 +30,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .adhesion.analysis import Analysis, analyse
+from .base.arrays import Array
 from .base.errors import InputError
 from .base.files import check_series_target
 from .base.threads import one_thread
@@ -37,12 +38,11 @@ from .base.units import parse
 from .case import Case, load_case, store
 from .case import parse_case as _parse_case
 from .case.solving import solve as _solve
-from .case.store import Kept, Stored
 from .data.measured import Curve, Reading
 from .data.measured import read as read_curves
 from .methods.guards import Limits
 from .report import tables
-from .series import Array
+from .series import Solution
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -74,41 +74,40 @@ def parse_case(text: str, folder: str | Path = ".") -> Case:
     return _parse_case(text.encode(), "case", Path(folder))
 
 
-def solve(problem: Case | str | Path, method: str | None = None, limits: Limits | None = None) -> Kept:
-    """The nonadhesive series of a case (or of the case file at a path), as a series file would hold it.
+def solve(problem: Case | str | Path, method: str | None = None, limits: Limits | None = None) -> Solution:
+    """The nonadhesive series of a case (or of the case file at a path), as its series file gives it back.
 
     ``method``: instead of the case's own; ``limits``: most memory and time to begin with, Limits(memory=8, hours=2).
     Raises InputError where the case is wrong, no method can represent it, or it would cost too much.
     """
-    loaded = problem if isinstance(problem, Case) else load_case(problem)
-    _, solution = _solve(loaded, method, limits)
-    return store.kept(solution, loaded.to_toml(), loaded.model.problem().key)
+    _, solution = _solve(problem if isinstance(problem, Case) else load_case(problem), method, limits)
+    return solution
 
 
-def read(path: str | Path) -> Stored:
-    """What the series file (HDF5) at ``path`` holds."""
-    return store.read(path)
+def read(path: str | Path) -> Solution:
+    """What the series file (HDF5) at ``path`` holds, contact pressures included."""
+    return store.read(path, with_pressure=True)
 
 
-def save(solved: Kept, path: str | Path, force: bool = False) -> Path:
+def save(solved: Solution, path: str | Path, force: bool = False) -> Path:
     """Write a series file, whole or not at all; a file that jkr did not write is replaced only with ``force``."""
     target = Path(path)
     check_series_target(target, force)
-    store.write(target, solved.solution, solved.case, solved.key, "import jkrcli")
+    store.write(target, solved, "import jkrcli")
     return target
 
 
 @one_thread
 def transform(
-    solved: Stored | str | Path, w: float | str, slopes: str = "auto", modulus_factor: float = 1.0
+    solved: Solution | str | Path, w: float | str, slopes: str = "auto", modulus_factor: float = 1.0
 ) -> Analysis:
     """The adhesive curve for the work of adhesion ``w`` [J/m^2], with pull-off, errors, validity and warnings.
 
     ``w``: a number, or text with a unit, "40 mJ/m^2"; ``slopes``: "auto", or a rule ("exact", "integral", "loocv",
     "gcv"); ``modulus_factor``: all moduli times this.
     """
-    stored = solved if isinstance(solved, Stored) else read(solved)
-    return analyse(stored, [_work(w) if isinstance(w, str) else w], slopes, modulus_factor)[0]
+    solution = solved if isinstance(solved, Solution) else store.read(solved)
+    return analyse(solution, [_work(w) if isinstance(w, str) else w], slopes, modulus_factor)[0]
 
 
 def _work(text: str) -> float:
@@ -119,7 +118,7 @@ def _work(text: str) -> float:
 
 
 def identify(
-    body: Case | Stored | str | Path,
+    body: Case | Solution | str | Path,
     measured: Curve | str | Path,
     free: Iterable[str] = (),
     fix: Mapping[str, str] | None = None,

@@ -63,8 +63,8 @@ def test_python_and_command_line_agree_to_the_last_bit(jkr: Callable, tmp_path: 
     summary = json.loads(next(tmp_path.glob("coating-w*.json")).read_text())
     assert summary["pull_off"]["load"]["P_N"] == curve.pull_off["load"].P
     again = jkr_python.read(jkr_python.save(solved, "again.h5"))
-    np.testing.assert_array_equal(again.raw.P, solved.raw.P)
-    assert (again.key, again.case, again.method) == (solved.key, solved.case, solved.method)
+    np.testing.assert_array_equal(again.series.P, solved.series.P)
+    assert (again.key, again.record.toml, again.method) == (solved.key, solved.record.toml, solved.method)
 
 
 def test_save_replaces_nothing_that_jkr_did_not_write(tmp_path: Path) -> None:
@@ -112,5 +112,5 @@ def test_the_example_scripts_run(script: Path, tmp_path: Path) -> None:
 def test_what_is_printed_is_one_line() -> None:
     solved = jkr_python.solve(CASES / "coating.toml")
     curve = jkr_python.transform(solved, w=0.05)
-    assert repr(solved) == "<Kept solved: 100 rows by method layered, a to 8e-06 m>"
+    assert repr(solved) == "<Solution solved: 100 rows by method layered, a to 8e-06 m>"
     assert repr(curve) == "<Analysis of solved: w = 0.05 J/m^2, 100 points>"

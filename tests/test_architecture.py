@@ -23,6 +23,7 @@ DOORS = {
     "click": "cli",
     "cvxopt": "methods/fem/factor.py",
     "distributed": "base/executors.py",
+    "h5py": "base/hdf5.py",
     "gmsh": "methods/fem/mesh.py",
     "matplotlib": "report/plots",
     "meshio": "methods/fem/mesh.py",

@@ -36,7 +36,7 @@ class Winkler:
         r = a[:, None] * (x + 1) / 2
         P = math.pi * K * a * np.sum(weights * (f(a)[:, None] - f(r)) * r, axis=-1)
         S, dS = thin_layer_slopes(a, K)
-        return Solution(Series(a, f(a), P, S, dS), ErrorBudget(0.5, 0.0, 0.0), "winkler")
+        return Solution(problem, Series(a, f(a), P, S, dS), ErrorBudget(0.5, 0.0, 0.0), "winkler")
 
 
 register(Descriptor("winkler", "A bed of springs.", Winkler, effort=15, options=Winkler, automatic=False))

@@ -94,6 +94,10 @@ class Nonadhesive:
                 "Eq. 13 has no solution there; leave those points out or take other slopes"
             )
 
+    def scaled(self, factor: float) -> Nonadhesive:
+        """The functions of the same bodies with all moduli multiplied by ``factor``."""
+        return self if factor == 1 else Nonadhesive(self.series.scaled(factor), self.slopes.scaled(factor))
+
     def adhesive(self, w: float) -> AdhesiveCurve:
         """The curve for the work of adhesion ``w`` >= 0 [J/m^2]."""
         return AdhesiveCurve(self, w)

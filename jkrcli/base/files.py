@@ -9,7 +9,7 @@ import re
 import secrets
 from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import BinaryIO
 
 from .errors import InputError, JkrError, nearest
 
@@ -35,7 +35,6 @@ HEADS = {  # how a file begins, and what then stands near its head
     b"{": b'"format": "jkr-',
 }
 TAILS = (b"$Comments\njkr ", b"<!-- jkr ")  # of meshes
-HDF5 = b"\x89HDF\r\n\x1a\n"
 SERIES_ENDINGS = (".h5", ".hdf5")
 
 
@@ -45,12 +44,6 @@ def read_bytes(path: Path, what: str, limit: int = 1 << 30) -> bytes:
         if os.fstat(file.fileno()).st_size > limit:
             raise InputError(f"{path}: {what} is larger than {limit >> 20} MiB")
         return file.read()
-
-
-def is_hdf5(path: Path, what: str) -> bool:
-    """Whether the file at ``path`` begins like HDF5; InputError where it is missing, a folder or unreadable."""
-    with _opened(path, what) as file:
-        return file.read(len(HDF5)) == HDF5
 
 
 @contextlib.contextmanager
@@ -81,21 +74,14 @@ def is_ours(path: Path) -> bool:
     """Whether ``jkr`` wrote this file, by the exact mark that each kind of file carries; a mention of jkr is none."""
     with contextlib.suppress(OSError), path.open("rb") as file:
         head = file.read(4096)
-        if head.startswith(HDF5):
-            return _hdf5_is_ours(path)
+        if head.startswith(b"\x89HDF"):
+            from .hdf5 import kind
+
+            return kind(path).startswith("jkr-")
         file.seek(max(0, path.stat().st_size - 256))
         tail = file.read()
         marked = any(head.startswith(start) and mark in head for start, mark in HEADS.items())
         return marked or head.startswith(CSV_HEADS) or any(mark in tail for mark in TAILS)
-    return False
-
-
-def _hdf5_is_ours(path: Path) -> bool:
-    import h5py
-
-    with contextlib.suppress(OSError), h5py.File(path, "r") as file:
-        kind = file.attrs.get("format", b"")
-        return isinstance(kind, bytes) and kind.startswith(b"jkr-")
     return False
 
 
@@ -155,22 +141,6 @@ def atomic(path: Path) -> Iterator[Path]:
             temporary.unlink(missing_ok=True)
 
 
-@contextlib.contextmanager
-def hdf5(path: Path, **options: Any) -> Iterator[Any]:
-    """An HDF5 file (h5py) to fill, built in memory and written whole to ``path`` when the block ends well.
-
-    In memory, because HDF5 itself neither says clearly that a disk is full nor gets over it.
-    """
-    import h5py
-
-    with h5py.File(path.name, "w", driver="core", backing_store=False, **options) as file:
-        yield file
-        file.flush()
-        image = file.id.get_file_image()
-    with atomic(path) as temporary:
-        temporary.write_bytes(image)
-
-
 def _mark() -> str:
     """How the names of this machine's temporary files begin; the number of their process follows."""
     return f".jkr-{re.sub(r'[^A-Za-z0-9]', '', os.uname().nodename)}-"
@@ -198,5 +168,10 @@ def _is_running(process: int) -> bool:
 
 def write_text(path: Path, text: str) -> None:
     """Write ``text`` atomically."""
+    write_bytes(path, text.encode("utf-8"))
+
+
+def write_bytes(path: Path, content: bytes) -> None:
+    """Write ``content`` atomically."""
     with atomic(path) as temporary:
-        temporary.write_text(text, encoding="utf-8")
+        temporary.write_bytes(content)

@@ -25,11 +25,13 @@ KeysAt = Callable[[tuple[str, ...]], list[str]]
 
 
 class Case:
-    """A validated case: ``model`` holds the values in SI, ``source`` the file they came from."""
+    """A validated case: ``model`` holds the values in SI, ``source`` the file they came from, ``text`` what stands
+    there where that is a series file."""
 
-    def __init__(self, model: CaseModel, source: str):
+    def __init__(self, model: CaseModel, source: str, text: str = ""):
         self.model = model
         self.source = source
+        self.text = text
 
     def with_mesh(self, **values: Any) -> Case:
         """The case with other values in its table mesh; InputError where they are wrong."""
@@ -39,7 +41,7 @@ class Case:
 
     def to_toml(self) -> str:
         """The resolved case, every default written out, SI numbers: reads back to the same numbers."""
-        return tomli_w.dumps(self.model.model_dump(exclude_none=True))
+        return self.text or tomli_w.dumps(self.model.model_dump(exclude_none=True))
 
 
 def load_case(path: str | Path) -> Case:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 from ..base.errors import JkrError
 from ..base.threads import one_thread
@@ -12,6 +13,7 @@ from ..methods.guards import Limits, admit
 from ..series import Solution
 from . import Case
 from .numerics import method_of
+from .store import record_of
 
 Announce = Callable[[str], None]
 
@@ -36,7 +38,7 @@ def solve(
         if cost and announce:
             announce(cost)
         try:
-            return choice, choice.method(problem)
+            return choice, replace(choice.method(problem), record=record_of(case))
         except JkrError as error:
             choice = choice.after_failure(error, build)
             if choice is None:

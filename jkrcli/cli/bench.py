@@ -58,7 +58,7 @@ def _once(case: Case, name: str) -> dict[str, float]:
     with clock("solve, total"):
         _, solution = solve(case, name)
     with tempfile.TemporaryDirectory() as folder, clock("write"):
-        store.write(Path(folder) / "series.h5", solution, case.to_toml(), "bench", "jkr bench")
+        store.write(Path(folder) / "series.h5", solution, "jkr bench")
     return {**solution.timings, **clock.seconds}
 
 

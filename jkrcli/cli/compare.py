@@ -6,13 +6,12 @@ from pathlib import Path
 
 import click
 
-from ..adhesion.analysis import specification
 from ..base.errors import InputError
-from ..case import store
 from ..report import tables
 from ..report.output import PICTURES, Output
 from ..series.differences import Difference, curve_differences, series_differences
 from .output import answer, output_options
+from .series import read_series
 from .voice import say
 
 COLUMNS = ("P", "a", "S", "dS")
@@ -76,12 +75,12 @@ def compare(
 
 
 def _series(first: Path, second: Path) -> list[Difference]:
-    held = [store.read(path) for path in (first, second)]
-    one, two = (specification(stored).problem for stored in held)
+    held = [read_series(path) for path in (first, second)]
+    one, two = (solution.problem for solution in held)
     for name in ("indenter", "specimen"):
         if getattr(one, name) != getattr(two, name):
             raise InputError(f"{second}: its {name} is not that of {first}; compare results of the same problem")
-    return series_differences(*(stored.series()[0] for stored in held))
+    return series_differences(*(solution.filtered for solution in held))
 
 
 def _curves(first: Path, second: Path) -> list[Difference]:

@@ -7,20 +7,19 @@ from typing import Any
 
 import click
 
-from ..adhesion.analysis import analyse, specification
+from ..adhesion.analysis import analyse
 from ..adhesion.device import control
 from ..adhesion.stability import Cycle, Jump, trace, turning_radius
 from ..adhesion.stability import cycle as run_cycle
 from ..base.errors import InputError
 from ..base.units import show
 from ..base.unknown import Unknown
-from ..case import store
-from ..case.store import Stored
 from ..report import tables
 from ..report.output import PICTURES, Output
 from .options import Length, Load, WorkOfAdhesion, modulus_factor_option, slopes_option
 from .output import answer, into_folder, output_options
 from .pull_off import Control
+from .series import read_series, works_of
 from .voice import say
 
 
@@ -59,10 +58,11 @@ def cycle(
     """
     if to_load is not None and to_depth is not None:
         raise InputError("cycle: give at most one of --to-load and --to-depth")
-    stored = store.read(file)
-    works = _works(stored, w_approach, w_retract)
+    solution = read_series(file)
+    approach = works_of(solution, "--w-approach")[0] if w_approach is None else w_approach
+    works = approach, approach if w_retract is None else w_retract
     targets = output.files(output.folder(file.parent) / f"{file.stem}-cycle", (".csv", *PICTURES), [file])
-    inwards, outwards = (result.curve for result in analyse(stored, works, slopes, modulus_factor))
+    inwards, outwards = (result.curve for result in analyse(solution, works, slopes, modulus_factor))
     turn = None
     if to_load is not None or to_depth is not None:
         turn = turning_radius(inwards, stiffness, load=to_load, depth=to_depth)
@@ -81,15 +81,6 @@ def cycle(
     else:
         _print(file, found)
         say(f"  written {targets}")
-
-
-def _works(stored: Stored, approach: float | None, retract: float | None) -> tuple[float, float]:
-    if approach is None:
-        named = specification(stored).w
-        if not named:
-            raise InputError(f"{stored.path}: its case names no work of adhesion: give --w-approach")
-        approach = named[0]
-    return approach, approach if retract is None else retract
 
 
 def _as_dict(file: Path, found: Cycle) -> dict[str, Any]:

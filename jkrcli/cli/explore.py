@@ -7,16 +7,16 @@ from typing import Any
 
 import click
 
-from ..adhesion.analysis import analyse, specification
+from ..adhesion.analysis import analyse
 from ..base.errors import InputError
 from ..base.files import write_text
-from ..case import store
 from ..data import measured
 from ..report.explorer import page, payload, start_work
 from ..report.output import Output
 from .measured import reading_of, reading_options
 from .options import WorkOfAdhesion, slopes_option
 from .output import ONE_FILE, answer, into_file, output_options
+from .series import read_series
 from .voice import say
 
 
@@ -49,12 +49,12 @@ def explore(
     if work == 0:
         raise InputError("explore: --w must be > 0 J/m^2 to begin with, got 0")
     target = output.file(file.with_name(f"{file.stem}-explore.html"), [file, *data])
-    stored = store.read(file)
+    solution = read_series(file)
     curves = [curve for path in data for curve in measured.read(path, reading_of(dict(reading)))]
-    works = (work,) if work is not None else tuple(w for w in specification(stored).w if w > 0)[:1]
-    result = analyse(stored, works or (1.0,), slopes)[0]
+    works = (work,) if work is not None else tuple(w for w in solution.record.w if w > 0)[:1]
+    result = analyse(solution, works or (1.0,), slopes)[0]
     if not works:
-        result = analyse(stored, (start_work(result.curve.nonadhesive),), slopes)[0]
+        result = analyse(solution, (start_work(result.curve.nonadhesive),), slopes)[0]
     text = page(payload(result, curves, slopes))
     write_text(target, text)
     size, points = len(text.encode()), sum(map(len, curves))

@@ -3,21 +3,22 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import click
 import numpy as np
 
-from ..adhesion.analysis import analyse, specification
+from ..adhesion.analysis import analyse
 from ..adhesion.stability import stable_radius
 from ..base.errors import InputError
 from ..base.files import atomic
 from ..base.units import show
-from ..case import store
+from ..case import Case
 from ..report.output import PICTURES, Files, Output
 from .mesh import MARKS
 from .options import Length, Load, WorkOfAdhesion
 from .output import answer, into_folder, output_options
+from .series import read_series
 from .voice import say
 
 if TYPE_CHECKING:
@@ -55,22 +56,21 @@ def fields(
     """
     if (radius is None) == (load is None):
         raise InputError("fields: give exactly one of --a and --load")
-    stored = store.read(file)
-    works = specification(stored).w
+    solution = read_series(file)
+    works = solution.record.w
     w = work if work is not None else (works or (0.0,))[0]
     targets = output.files(output.folder(file.parent) / f"{file.stem}-fields", (".vtu", ".csv", *PICTURES), [file])
-    from ..case import parse_case
     from ..case.numerics import fem_of
     from ..methods.fem.state import contact_state
 
-    result = analyse(stored, [w])[0]
+    result = analyse(solution, [w])[0]
     if radius is None:
         assert load is not None
         radius = stable_radius(result.curve, load)
     delta, P = (float(value) for value in result.curve.at(np.array(radius)))
     P = P if load is None else load  # but for round-off
-    method = fem_of(parse_case(stored.case.encode(), f"{file}: case").model)
-    problem = result.case.problem
+    method = fem_of(cast(Case, solution.record.case).model)
+    problem = result.problem
     state = contact_state(method, problem, radius, delta)
     figure = None
     if output.plots:

@@ -110,12 +110,14 @@ def fit(
     from ..identification.fit import archive, report
     from ..identification.fit.settings import settings_of, uncertain_of
     from ..identification.fit.source import body_of
+    from .series import read_series
 
     inputs = (body_file, *measured)
     targets = output.files(output.folder(body_file.parent) / f"{body_file.stem}-fit", (".csv", ".json", ".h5"), inputs)
     reading = reading_of(options)
     options["noise"] = dict(options["noise"])
-    body = body_of(body_file, slopes, limits)
+    source = body_file if body_file.suffix == ".toml" else read_series(body_file)
+    body = body_of(source, slopes, limits)
     names = [name for group in free for name in group]
     settings = settings_of(body, names, fix, start, bound, **options)
     if uncertain:

@@ -7,6 +7,7 @@ import math
 import shlex
 import tomllib
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -95,15 +96,15 @@ def import_(
     target = output.series(Path(f"{table.stem}.h5"), [table, *([case] if case else [])])
     held = _case(case, body)
     reading = SeriesReading(dict(columns), dict(units), dict(factors), **options)
-    solution = read_series(table, held.model.indenter.build(), reading)
+    solution = read_series(table, held.model.problem(), reading)
     loaded = _with_loading(held, solution)
-    problem = loaded.model.problem()
-    store.write(target, solution, loaded.to_toml(), problem.key, shlex.join(ctx.find_root().obj))
+    solution = replace(solution, record=store.record_of(loaded))
+    store.write(target, solution, shlex.join(ctx.find_root().obj))
     if output.json:
         answer(_as_dict(target, solution))
         return
     series = solution.series
-    say(problem.words)
+    say(solution.problem.words)
     say(f"  columns   {solution.facts['columns']}; separated by: {solution.facts['separator']}")
     say(f"  read      {solution.facts['rows']} rows, {len(series)} different contact radii")
     say(f"  reached   a = {show(series.a[-1], 'length')}, delta = {show(series.delta[-1], 'length')}, "
@@ -155,9 +156,8 @@ def _number(text: str | None) -> float | str | None:
 
 def _with_loading(case: Case, solution: Solution) -> Case:
     """The case with the loading that the table went through."""
-    assert solution.raw is not None
-    depth, points = float(solution.raw.delta.max()), int(solution.raw.delta.size)
-    loading = LoadingTable.model_validate({"depth": depth, "points": points, "spacing": "depth"})
+    went = solution.problem.loading
+    loading = LoadingTable.model_validate({went.to: went.maximum, "points": went.points, "spacing": went.spacing})
     model: CaseModel = case.model.model_copy(update={"loading": loading})
     return Case(model, case.source)
 

@@ -7,18 +7,18 @@ from pathlib import Path
 import click
 import numpy as np
 
-from ..adhesion.analysis import analyse, specification
+from ..adhesion.analysis import analyse
 from ..adhesion.stability import stable_radius
 from ..base.errors import InputError
 from ..base.units import show
 from ..bodies.problem import Problem
-from ..case import store
 from ..methods.layered.fields import profile as solve_profile
 from ..methods.layered.layered import unbounded
 from ..report.output import PICTURES, Output
 from ..report.plots.body import profile_figure
 from .options import Length, Load, WorkOfAdhesion
 from .output import into_folder, output_options
+from .series import read_series
 from .voice import say
 
 
@@ -43,14 +43,13 @@ def profile(file: Path, radius: float | None, load: float | None, work: float | 
     """
     if (radius is None) == (load is None):
         raise InputError("profile: give exactly one of --a and --load")
-    stored = store.read(file)
-    case = specification(stored)
-    w = work if work is not None else (case.w or (0.0,))[0]
+    solution = read_series(file)
+    w = work if work is not None else (solution.record.w or (0.0,))[0]
     targets = output.files(output.folder(file.parent) / f"{file.stem}-profile", (".csv", *PICTURES), [file])
     if radius is None:
         assert load is not None
-        radius = stable_radius(analyse(stored, [w])[0].curve, load)
-    columns = _columns(unbounded(case.problem), radius, w)
+        radius = stable_radius(analyse(solution, [w])[0].curve, load)
+    columns = _columns(unbounded(solution.problem), radius, w)
     targets.write(columns, figure=profile_figure(columns, radius, w))
     say(f"{file}: a = {show(radius, 'length')}, w = {show(w, 'work')}")
     say(f"  written {targets}")

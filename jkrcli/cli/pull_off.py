@@ -8,7 +8,7 @@ from typing import Any
 
 import click
 
-from ..adhesion.analysis import Analysis, analyse, specification
+from ..adhesion.analysis import Analysis, analyse
 from ..adhesion.curve import Equilibrium
 from ..adhesion.device import DISPLACEMENT_CONTROL, LOAD_CONTROL, control
 from ..adhesion.stability import Behaviour, behaviour
@@ -17,10 +17,10 @@ from ..adhesion.validity import check
 from ..base.errors import InputError
 from ..base.units import show
 from ..base.unknown import Estimate, Unknown
-from ..case import store
 from ..report import tables
 from .options import Load, Quantity, WorkOfAdhesion, modulus_factor_option, slopes_option
 from .output import answer, json_option
+from .series import read_series, works_of
 
 SIZES = {"a/R": "a_over_R", "a/R at pull-off": "a_over_R_pull_off", "a/h": "a_over_h", "a/L": "a_over_L"}
 Answer = tuple[dict[str, Any], list[str]]  # for machines, for people
@@ -80,14 +80,11 @@ def pull_off(
         raise InputError("pull-off: give either --w or --load, not both")
     if force is not None and force == 0:
         raise InputError("pull-off: --load must not be 0; give the measured pull-off force")
-    held = [store.read(path) for path in files]
+    held = [read_series(path) for path in files]
     results: list[Answer] = []
-    for stored in held:
-        wanted = works if force is None else (0.0,)
-        wanted = wanted or specification(stored).w
-        if not wanted:
-            raise InputError(f"{stored.path}: its case names no work of adhesion: give --w")
-        analyses = analyse(stored, wanted, slopes, modulus_factor)
+    for solution in held:
+        wanted = (works or works_of(solution)) if force is None else (0.0,)
+        analyses = analyse(solution, wanted, slopes, modulus_factor)
         if force is None:
             results += [_forward(result, stiffnesses or (LOAD_CONTROL, DISPLACEMENT_CONTROL)) for result in analyses]
         else:
@@ -101,12 +98,12 @@ def pull_off(
 
 def _forward(result: Analysis, stiffnesses: Sequence[float]) -> Answer:
     found = [behaviour(result.curve, stiffness) for stiffness in stiffnesses]
-    lines = [f"{result.stored.path}: w = {show(result.w, 'work')}"]
+    lines = [f"{result.path}: w = {show(result.w, 'work')}"]
     for item in found:
         lines += _text(item)
     lines += _validity(result)
     data = {
-        "file": str(result.stored.path),
+        "file": str(result.path),
         "w_J_per_m2": result.w,
         "modulus_factor": result.modulus_factor,
         "controls": [
@@ -119,7 +116,7 @@ def _forward(result: Analysis, stiffnesses: Sequence[float]) -> Answer:
 
 
 def _inverse(result: Analysis, force: float, stiffness: float) -> Answer:
-    R, path = result.case.problem.indenter.tip_radius, result.stored.path
+    R, path = result.problem.indenter.tip_radius, result.path
     try:
         found = work_from_pull_off(result.curve.nonadhesive, force, stiffness, R)
     except InputError as error:

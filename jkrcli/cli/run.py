@@ -58,7 +58,7 @@ def run(
     for stage, used in solution.timings.items():
         detail(f"{stage}: {used:.3f} s CPU")
     problem = loaded.model.problem()
-    store.write(target, solution, loaded.to_toml(), problem.key, shlex.join(ctx.find_root().obj))
+    store.write(target, solution, shlex.join(ctx.find_root().obj))
     seconds = time.process_time() - start
     warnings = [*solution.warnings, *_geometry(problem, solution)]
     if output.json:

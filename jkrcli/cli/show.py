@@ -8,9 +8,9 @@ from typing import Any
 import click
 
 from ..base.units import show as quantity
-from ..case import store
-from ..case.store import Stored
+from ..series import COLUMNS, Solution
 from .output import answer, json_option
+from .series import read_series
 
 
 @click.command()
@@ -24,48 +24,53 @@ def show(files: tuple[Path, ...], case_only: bool, as_json: bool) -> None:
     jkr show data.h5
     jkr show --case data.h5 > again.toml
     """
-    held = [store.read(path) for path in files]
+    held = [read_series(path) for path in files]
     if as_json:
-        answer({"files": [_as_dict(stored) for stored in held]})
+        answer({"files": [_as_dict(solution) for solution in held]})
         return
-    for stored in held:
-        click.echo(stored.case.rstrip() if case_only else _text(stored))
+    for solution in held:
+        click.echo(solution.record.toml.rstrip() if case_only else _text(solution))
 
 
-def _as_dict(stored: Stored) -> dict[str, Any]:
-    raw = stored.raw
+def _as_dict(solution: Solution) -> dict[str, Any]:
+    raw = solution.increments
     return {
-        "file": str(stored.path),
-        "method": stored.method,
-        "problem_key": stored.key,
-        "command_line": stored.command_line,
+        "file": str(solution.record.path),
+        "method": solution.method,
+        "problem_key": solution.key,
+        "command_line": solution.record.command_line,
         "rows": raw.a.size,
-        "columns": list(stored.columns),
+        "columns": _columns(solution),
         "range": {"a_m": _ends(raw.a), "delta_m": _ends(raw.delta), "P_N": _ends(raw.P)},
-        "errors": stored.budget.as_dict(),
-        "facts": {name: _plain(value) for name, value in stored.facts.items()},
-        "timings_s": dict(stored.timings),
-        "versions": dict(stored.versions),
-        "warnings": list(stored.warnings),
+        "errors": solution.budget.as_dict(),
+        "facts": {name: _plain(value) for name, value in solution.facts.items()},
+        "timings_s": dict(solution.timings),
+        "versions": dict(solution.record.versions),
+        "warnings": list(solution.warnings),
     }
 
 
-def _text(stored: Stored) -> str:
-    raw = stored.raw
+def _text(solution: Solution) -> str:
+    raw = solution.increments
     lines = [
-        f"{stored.path}: {raw.a.size} rows by method {stored.method}, columns {', '.join(stored.columns)}",
+        f"{solution.record.path}: {raw.a.size} rows by method {solution.method}, "
+        f"columns {', '.join(_columns(solution))}",
         f"  a         {quantity(raw.a[0], 'length')} to {quantity(raw.a[-1], 'length')}",
         f"  delta     {quantity(raw.delta[0], 'length')} to {quantity(raw.delta[-1], 'length')}",
         f"  P         {quantity(raw.P[0], 'load')} to {quantity(raw.P[-1], 'load')}",
-        f"  written   by: {stored.command_line or 'unknown'}",
+        f"  written   by: {solution.record.command_line or 'unknown'}",
     ]
-    lines += [f"  error     {name}: {_number(value)}" for name, value in stored.budget.as_dict().items()]
-    lines += [f"  fact      {name}: {_number(_plain(value))}" for name, value in stored.facts.items()]
-    lines += [f"  time      {name}: {seconds:.3f} s CPU" for name, seconds in stored.timings.items()]
-    lines += [f"  version   {name} {version}" for name, version in stored.versions.items()]
-    lines += [f"  warning   {warning}" for warning in stored.warnings]
-    lines += ["  case", *(f"    {line}" for line in stored.case.splitlines() if line)]
+    lines += [f"  error     {name}: {_number(value)}" for name, value in solution.budget.as_dict().items()]
+    lines += [f"  fact      {name}: {_number(_plain(value))}" for name, value in solution.facts.items()]
+    lines += [f"  time      {name}: {seconds:.3f} s CPU" for name, seconds in solution.timings.items()]
+    lines += [f"  version   {name} {version}" for name, version in solution.record.versions.items()]
+    lines += [f"  warning   {warning}" for warning in solution.warnings]
+    lines += ["  case", *(f"    {line}" for line in solution.record.toml.splitlines() if line)]
     return "\n".join(lines)
+
+
+def _columns(solution: Solution) -> list[str]:
+    return [name for name in COLUMNS if getattr(solution.filtered, name) is not None]
 
 
 def _ends(values: Any) -> list[float]:

@@ -7,18 +7,17 @@ from typing import Any
 
 import click
 
-from ..adhesion.analysis import Analysis, analyse, specification
+from ..adhesion.analysis import Analysis, analyse
 from ..adhesion.curve import CriticalPoint
 from ..base.errors import InputError
 from ..base.units import show
 from ..base.unknown import Estimate, Unknown
-from ..case import store
-from ..case.store import Stored
 from ..report import tables
 from ..report.output import PICTURES, Files, Output
 from ..report.scaling import Scales, own_scales, scales_of
 from .options import Scale, WorkOfAdhesion, modulus_factor_option, slopes_option
 from .output import answer, into_folder, output_options, refuse_doubles
+from .series import read_series, works_of
 from .voice import say, warn
 
 
@@ -51,8 +50,8 @@ def transform(
     if own and dimensionless:
         raise InputError("transform: give either --dimensionless or --scale, got both")
     users = own_scales(dict(own)) if own else None
-    held = [store.read(path) for path in files]
-    wanted = [works or _works(stored) for stored in held]
+    held = [read_series(path) for path in files]
+    wanted = [works or works_of(solution) for solution in held]
     suffix = "" if modulus_factor == 1 else f"-modulus{modulus_factor:g}"
     stems = [
         [(output.where or path.parent) / f"{path.stem}-w{w:g}{suffix}" for w in some]
@@ -62,8 +61,8 @@ def transform(
     output.folder(Path())
     targets = [[output.files(stem, (".csv", ".json", *PICTURES), files) for stem in some] for some in stems]
     summaries = []
-    for stored, some, written in zip(held, wanted, targets, strict=True):
-        results = analyse(stored, some, slopes, modulus_factor)
+    for solution, some, written in zip(held, wanted, targets, strict=True):
+        results = analyse(solution, some, slopes, modulus_factor)
         for result, target in zip(results, written, strict=True):
             scales = scales_of(result, dimensionless) if dimensionless else users
             summaries.append(_write(result, target, scales, output.plots))
@@ -71,14 +70,6 @@ def transform(
             _print(results, written)
     if output.json:
         answer({"results": summaries})
-
-
-def _works(stored: Stored) -> tuple[float, ...]:
-    """The works of adhesion that the case of a series names."""
-    named = specification(stored).w
-    if not named:
-        raise InputError(f"{stored.path}: its case names no work of adhesion: give --w")
-    return named
 
 
 def _write(result: Analysis, target: Files, scales: Scales | None, with_plots: bool) -> dict[str, Any]:
@@ -107,7 +98,7 @@ def _known(result: Analysis, control: str) -> str:
 
 
 def _print(results: list[Analysis], targets: list[Files]) -> None:
-    path, slopes = results[0].stored.path, results[0].curve.slopes
+    path, slopes = results[0].path, results[0].curve.slopes
     kept = len(results[0].curve.series)
     say(f"{path}: {kept} points kept, {results[0].dropped} dropped; slopes {slopes.method} ({slopes.reason})")
     for result, target in zip(results, targets, strict=True):

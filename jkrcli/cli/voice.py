@@ -11,7 +11,7 @@ import click
 
 from ..base.errors import printable
 
-LEVEL = "jkr.level"
+LEVEL, SAID = "jkr.level", "jkr.said"
 QUIET, USUAL, VERBOSE = range(3)
 
 
@@ -70,8 +70,12 @@ def detail(text: str) -> None:
 
 
 def warn(text: str) -> None:
-    """A sentence that a reader of the numbers should know."""
-    click.echo(f"jkr: warning: {printable(text)}", err=True)
+    """A sentence that a reader of the numbers should know; said once."""
+    ctx = click.get_current_context(silent=True)
+    said: set[str] = set() if ctx is None else ctx.meta.setdefault(SAID, set())
+    if text not in said:
+        said.add(text)
+        click.echo(f"jkr: warning: {printable(text)}", err=True)
 
 
 @contextlib.contextmanager

@@ -58,29 +58,27 @@ def work(
     jkr work gel.h5 probe.csv --unit P=mN --flip delta --stiffness "2 kN/m" --zero delta="-310 um"
     jkr work data.h5 map.jpk-force-map --contact estimate --segment retract
     """
-    from ..adhesion.analysis import Fitted, adhesive, specification
-    from ..adhesion.curve import Nonadhesive
-    from ..case import store
+    from ..adhesion.analysis import adhesive, nonadhesive
     from ..identification.work import Evaluation, check_window, typical
     from ..report.work import summary
+    from .series import read_series
 
     check_window(options["window"])
     stems = [(output.where or path.parent) / f"{path.stem}-work" for path in measured]
     refuse_doubles(stems, "give each its own -o")
     output.folder(Path())
     targets = [output.files(stem, (".csv", ".json", *PICTURES), (series, *measured)) for stem in stems]
-    stored = store.read(series)
-    fitted = Fitted.of(stored, specification(stored), slopes).scaled(modulus_factor)
+    solution = read_series(series)
+    unit = nonadhesive(solution, slopes)
     reading = reading_of(options)
     use = None if options["use"] is None else tuple(options["use"].split(","))
-    evaluation = Evaluation(
-        Nonadhesive(fitted.series, fitted.slopes), use, dict(options["noise"]), options["window"], options["segment"]
-    )
+    body = unit.scaled(modulus_factor)
+    evaluation = Evaluation(body, use, dict(options["noise"]), options["window"], options["segment"])
     summaries = []
     for path, target in zip(measured, targets, strict=True):
         found, skipped = _curves(path, reading, evaluation, workers)
-        body = adhesive(fitted, typical(found), modulus_factor)
-        summaries.append(summary(found, body, path, skipped))
+        curve = adhesive(solution, unit, typical(found), modulus_factor)
+        summaries.append(summary(found, curve, path, skipped))
         _write(target, found, summaries[-1], output.plots)
         if not output.json:
             _print(found)

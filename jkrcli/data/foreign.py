@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal
 
@@ -14,6 +14,7 @@ from ..base.arrays import Array
 from ..base.errors import InputError
 from ..base.unknown import Unknown
 from ..bodies.indenters import Indenter, Sphere
+from ..bodies.problem import Loading, Problem
 from ..series import ErrorBudget, RawSeries, Series, Solution, filter_plateaus
 from .columns import CONTACT, Vocabulary, asked, check_chosen, words
 from .text_table import TextTable, read_table, some
@@ -50,8 +51,12 @@ class SeriesReading:
     decimal: str | None = None
 
 
-def read_series(path: Path, indenter: Indenter, reading: SeriesReading) -> Solution:
-    """The series in the table at ``path``, made by a contact with ``indenter``; InputError names lines and columns."""
+def read_series(path: Path, problem: Problem, reading: SeriesReading) -> Solution:
+    """The series in the table at ``path``, made by the bodies of ``problem``; its loading is that of the table.
+
+    InputError names lines and columns.
+    """
+    indenter = problem.indenter
     table = read_table(path, reading.separator, reading.decimal)
     chosen = _columns(table, reading)
     values = {key: _values(table, key, index, reading) for key, index in chosen.items()}
@@ -67,6 +72,7 @@ def read_series(path: Path, indenter: Indenter, reading: SeriesReading) -> Solut
     kept, dropped = filter_plateaus(raw)
     _check_kept(table.path, kept, dropped, indenter)
     return Solution(
+        problem=replace(problem, loading=Loading("depth", float(raw.delta.max()), raw.delta.size, "depth")),
         series=Series(kept.a, kept.delta, kept.P, a0=indenter.a0, S0=None if indenter.a0 > 0 else 0.0),
         raw=raw,
         budget=ErrorBudget(UNKNOWN, UNKNOWN, UNKNOWN),

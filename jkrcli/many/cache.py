@@ -6,6 +6,7 @@ its surface. The result depends on the problem alone, never on which of several 
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import time
 from dataclasses import fields, is_dataclass, replace
@@ -16,9 +17,8 @@ from .. import __version__
 from ..base.errors import InputError
 from ..bodies.problem import Problem
 from ..case import store
-from ..case.store import Stored
 from ..methods import Method
-from ..series import COLUMNS, RawSeries, Solution
+from ..series import Record, Solution
 
 DIGITS = 13  # kept of every number at unit modulus: 1e-13 is far below what any method promises
 WORTH_KEEPING = 0.1  # CPU seconds; reading a file takes a tenth of it
@@ -46,46 +46,24 @@ def solve_key(problem: Problem, method: Method) -> str:
     return hashlib.sha256(f"{problem!r}\n{method!r}\n{__version__}".encode()).hexdigest()[:24]
 
 
-def solved(problem: Problem, method: Method, folder: Path | None = None) -> Stored:
+def solved(problem: Problem, method: Method, folder: Path | None = None) -> Solution:
     """The solution of ``problem`` by ``method``: from ``folder`` where it is kept there, else solved, and kept there
     where that was expensive (``WORTH_KEEPING``)."""
-    key = solve_key(problem, method)
-    path = None if folder is None else folder / f"{key}.h5"
-    if path is not None and (kept := _read(path)) is not None:
-        return kept
+    path = None if folder is None else folder / f"{solve_key(problem, method)}.h5"
+    if path is not None and (found := _read(path, problem)) is not None:
+        return found
     start = time.process_time()
-    solution = method(problem)
+    solution = replace(method(problem), record=Record(path=Path("series")))
     expensive = time.process_time() - start > WORTH_KEEPING
     if path is not None and expensive and solution.raw is None and path.parent.is_dir():
-        store.write(path, solution, "", problem.key, "")
-    return stored(solution, problem.key)
+        with contextlib.suppress(InputError):  # a shape that no case can say is solved every time
+            store.write(path, solution)
+    return solution
 
 
-def _read(path: Path) -> Stored | None:
-    """A kept solve; None where there is none or its file is damaged."""
+def _read(path: Path, problem: Problem) -> Solution | None:
+    """A solution that was kept; None where there is none or its file is damaged."""
     try:
-        return store.read(path) if path.exists() else None
+        return store.read(path, problem) if path.exists() else None
     except InputError:
         return None
-
-
-def stored(solution: Solution, key: str) -> Stored:
-    """``solution`` as a series file would hold it."""
-    series = solution.series
-    rows = series if solution.raw is None else solution.raw
-    present = {name: values for name in COLUMNS if (values := getattr(rows, name, None)) is not None}
-    return Stored(
-        path=Path("series"),
-        raw=RawSeries(rows.a, rows.delta, rows.P),
-        columns=present,
-        errors=series.errors if solution.raw is None else {},
-        a0=series.a0,
-        S0=series.S0,
-        budget=solution.budget,
-        method=solution.method,
-        key=key,
-        case="",
-        facts=solution.facts,
-        timings=solution.timings,
-        warnings=solution.warnings,
-    )

@@ -40,7 +40,7 @@ class Scales:
 
 def scales_of(result: Analysis, name: str) -> Scales:
     """The scales of Eq. 15 ("half-space") or Eq. 19 ("thin-layer") for the body and w of a result."""
-    problem, w = result.case.problem, result.w
+    problem, w = result.problem, result.w
     R = problem.indenter.tip_radius
     if R is None or w == 0:
         raise InputError("--dimensionless: needs an indenter with a tip radius and w > 0")

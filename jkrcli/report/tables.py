@@ -74,11 +74,11 @@ def summary(result: Analysis) -> dict[str, Any]:
     return {
         "format": SUMMARY_FORMAT,
         "version": SUMMARY_VERSION,
-        "file": str(result.stored.path),
-        "title": result.case.title,
+        "file": str(result.path),
+        "title": result.solution.record.title,
         "w_J_per_m2": result.w,
         "modulus_factor": result.modulus_factor,
-        "method": result.stored.method,
+        "method": result.solution.method,
         "slopes": slopes.method,
         "slopes_reason": slopes.reason,
         "smoothing_lambda": slopes.smoothing_lambda,
@@ -119,7 +119,7 @@ def _errors(found: Errors | Unknown | None) -> dict[str, Any]:
 
 def validity(result: Analysis) -> dict[str, Any]:
     """The numbers by which the result is judged, those of a layer last."""
-    return vars(result.validity) | layer_tabor(result.case.problem, result.w, result.case.z0)
+    return vars(result.validity) | layer_tabor(result.problem, result.w, result.solution.record.z0)
 
 
 def stability(result: Analysis) -> dict[str, Any]:

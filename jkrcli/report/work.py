@@ -69,8 +69,8 @@ def summary(found: Sequence[WorkAlong], body: Analysis, path: Path, skipped: Seq
         "format": FORMAT,
         "version": VERSION,
         "file": str(path),
-        "series": str(body.stored.path),
-        "title": body.case.title,
+        "series": str(body.path),
+        "title": body.solution.record.title,
         "modulus_factor": body.modulus_factor,
         "slopes": body.curve.slopes.method,
         "errors": body.budget.as_dict(),
@@ -132,7 +132,7 @@ def flags(item: WorkAlong) -> list[str]:
 
 def body_warnings(body: Analysis) -> list[str]:
     """What holds for every curve on this body: of its series, slopes and validity."""
-    return [*body.stored.warnings, *body.curve.slopes.flags, *check(body.validity)]
+    return [*body.solution.warnings, *body.curve.slopes.flags, *check(body.validity)]
 
 
 def words(item: WorkAlong) -> str:

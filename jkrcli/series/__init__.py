@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
+from pathlib import Path
+from typing import Any, Protocol
 
 import numpy as np
 
 from ..base.arrays import Array
 from ..base.errors import InputError
 from ..base.unknown import Estimate, Unknown
+from ..bodies.problem import Problem
 
 COLUMNS = ("a", "delta", "P", "S", "dS")
 NO_SMOOTHING = Unknown("no smoothing was done")
@@ -154,11 +156,43 @@ class PressureTable:
     p: Array
 
 
-@dataclass(frozen=True, eq=False)
-class Solution:
-    """What a method returns. ``raw``: its increments, where it works in increments; ``facts``: plain numbers and words
-    about mesh, solver and choices; ``timings``: CPU seconds per stage; ``warnings``: sentences with numbers."""
+class Resolved(Protocol):
+    """A case with every default written out."""
 
+    def to_toml(self) -> str: ...
+
+
+@dataclass(frozen=True, eq=False)
+class Record:
+    """What a solution keeps of the case it came from, beside the physics: for the transformation and for its file.
+
+    ``w``: works of adhesion [J/m^2]; ``z0``: interatomic distance [m]; ``path``: its file, as messages name it;
+    ``case``: None where the problem was made in Python; ``versions``: of jkr and what it rests on, by name.
+    """
+
+    title: str = ""
+    w: tuple[float, ...] = ()
+    z0: float = 0.3e-9
+    path: Path = Path("solved")
+    case: Resolved | None = None
+    command_line: str = ""
+    versions: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def toml(self) -> str:
+        """The text of the case."""
+        return "" if self.case is None else self.case.to_toml()
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Solution:
+    """A solved problem: what every method returns, and what its file gives back.
+
+    ``raw``: the increments, where the method works in increments; ``facts``: plain numbers and words about mesh, solver
+    and choices; ``timings``: CPU seconds per stage; ``warnings``: sentences with numbers.
+    """
+
+    problem: Problem
     series: Series
     budget: ErrorBudget
     method: str
@@ -167,12 +201,46 @@ class Solution:
     facts: Mapping[str, Any] = field(default_factory=dict)
     timings: Mapping[str, float] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
+    record: Record = field(default_factory=Record)
+
+    def __repr__(self) -> str:
+        a = self.increments.a
+        return f"<Solution {self.record.path}: {a.size} rows by method {self.method}, a to {a[-1]:.4g} m>"
+
+    @property
+    def key(self) -> str:
+        """A hash of the physics."""
+        return self.problem.key
+
+    @property
+    def increments(self) -> RawSeries:
+        """The rows as they were computed: ``raw``, or those of the series."""
+        return self.raw or RawSeries(self.series.a, self.series.delta, self.series.P)
+
+    @property
+    def filtered(self) -> Series:
+        """What can be known from the increments alone, without S, dS/da and errors; else the series itself."""
+        return self.series if self.raw is None else replace(self.series, S=None, dS=None, errors={})
+
+    def scaled(self, factor: float) -> Solution:
+        """The solution for bodies whose moduli are all ``factor`` times as large; nothing is solved anew."""
+        if factor == 1:
+            return self
+        raw = None if self.raw is None else replace(self.raw, P=self.raw.P * factor)
+        pressure = None if self.pressure is None else replace(self.pressure, p=self.pressure.p * factor)
+        problem, series = self.problem.scaled(factor), self.series.scaled(factor)
+        return replace(self, problem=problem, series=series, raw=raw, pressure=pressure)
 
 
 def first_of_plateaus(a: Array) -> Array:
     """Mask of the increments at which the radius ``a`` exceeds every one before it (and 0): the ones to keep."""
     a = np.asarray(a, dtype=float)
     return a > np.maximum.accumulate(np.concatenate([[0.0], a[:-1]]))
+
+
+def is_series(raw: RawSeries) -> bool:
+    """Whether the increments are a series as they stand: radii, displacements and loads all increase."""
+    return bool(first_of_plateaus(raw.a).all() and all((np.diff(column) > 0).all() for column in (raw.delta, raw.P)))
 
 
 def filter_plateaus(raw: RawSeries) -> tuple[RawSeries, int]:

@@ -43,17 +43,17 @@ def test_equals_a_new_solve(pair: tuple[Path, Path], slopes: str) -> None:
     for name, band in theirs.curve.errors.items():
         np.testing.assert_allclose(ours.curve.errors[name], band, rtol=1e-3)  # goes with the smoothing's square
     assert ours.validity.tabor == pytest.approx(theirs.validity.tabor, rel=1e-12)
-    assert ours.case.problem.E_star == pytest.approx(theirs.case.problem.E_star, rel=1e-15)
+    assert ours.problem.E_star == pytest.approx(theirs.problem.E_star, rel=1e-15)
 
 
 def test_elastic_indenter_and_prescribed_load_scale_too(jkr: Callable) -> None:
     text = CASE.format(film=2e6, base=5e6, loading='load = "2 uN"').replace("[[", 'E = "3 MPa"\nnu = 0.4\n[[')
     Path("soft.toml").write_text(text)
     assert jkr("run", "soft.toml").code == 0
-    problem = analyse(store.read(Path("soft.h5")), [0.05], "auto", FACTOR)[0].case.problem
+    problem = analyse(store.read(Path("soft.h5")), [0.05], "auto", FACTOR)[0].problem
     assert problem.indenter.material.E == 9e6
     assert problem.loading.maximum == pytest.approx(6e-6, rel=1e-15)
-    assert problem.E_star == pytest.approx(FACTOR * analyse(store.read(Path("soft.h5")), [0.05])[0].case.problem.E_star)
+    assert problem.E_star == pytest.approx(FACTOR * analyse(store.read(Path("soft.h5")), [0.05])[0].problem.E_star)
 
 
 def test_verbs_take_it(jkr: Callable, pair: tuple[Path, Path]) -> None:

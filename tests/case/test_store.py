@@ -2,72 +2,101 @@
 
 from __future__ import annotations
 
+import builtins
+import io
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import h5py
 import numpy as np
 import pytest
+from series_files import edit
 
 from jkrcli.base.errors import InputError
 from jkrcli.base.unknown import Unknown
-from jkrcli.case import load_case, store
+from jkrcli.case import load_case, parse_case, store
 from jkrcli.methods.closed_form.method import ClosedForm
-from jkrcli.series import ErrorBudget, PressureTable, RawSeries, Series, Solution
+from jkrcli.series import COLUMNS, ErrorBudget, PressureTable, RawSeries, Series, Solution
 
 CASE = load_case(Path(__file__).parents[2] / "cases" / "halfspace.toml")
+PROBLEM = CASE.model.problem()
+# Written by release 0.1.0 (commit 80f3bba): `jkr run small.toml`; the case is what `jkr show --case` prints of it.
+FORMAT_1 = Path(__file__).with_name("format-1.h5")
 
 
 @pytest.fixture(name="path")
 def _path(tmp_path: Path) -> Path:
     path = tmp_path / "data.h5"
-    solution = ClosedForm()(CASE.model.problem())
-    store.write(path, solution, CASE.to_toml(), CASE.model.problem().key, "jkr run halfspace.toml")
+    store.write(path, replace(ClosedForm()(PROBLEM), record=store.record_of(CASE)), "jkr run halfspace.toml")
     return path
 
 
-def test_round_trip(path: Path) -> None:
-    solution, stored = ClosedForm()(CASE.model.problem()), store.read(path)
-    series, dropped = stored.series()
-    assert dropped == 0
-    for name in ("a", "delta", "P", "S", "dS"):
-        np.testing.assert_array_equal(getattr(series, name), getattr(solution.series, name))
-        np.testing.assert_array_equal(series.errors[name], solution.series.errors[name])
-    assert stored.budget == solution.budget
-    assert (stored.case, stored.key, stored.method) == (CASE.to_toml(), CASE.model.problem().key, "closed-form")
-    assert stored.command_line == "jkr run halfspace.toml"
-    assert stored.versions["numpy"] == np.__version__
-
-
-def test_raw_increments_pressure_and_reasons_come_back(tmp_path: Path) -> None:
-    raw = RawSeries(np.array([0.0, 1, 1, 2]), np.array([1.0, 2, 3, 4]), np.array([1.0, 2, 3, 4]))
-    series = Series(np.array([1.0, 2]), np.array([2.0, 4]), np.array([2.0, 4]), a0=0.5, S0=None)
-    pressure = PressureTable(np.array([0.0, 1]), np.ones((4, 2)))
-    budget = ErrorBudget(1e-3, Unknown("nobody asked"), 0.0)
-    solution = Solution(
-        series, budget, "fem", raw, pressure, {"nodes": 7, "solver": "SuperLU"}, {"mesh": 0.1}, ("mind",)
+def in_increments(**changes: Any) -> Solution:
+    """A solution with increments, pressures, reasons and words."""
+    raw = RawSeries(np.array([0.0, 1, 1, 2]), np.array([1.0, 2, 3, 4]), np.array([1.0, 2, 3, 4]), np.arange(5, 9))
+    series = Series(
+        np.array([1.0, 2]), np.array([2.0, 4]), np.array([2.0, 4]), errors={"P": np.ones(2)}, a0=0.5, S0=None
     )
-    store.write(tmp_path / "x.h5", solution, "", "key", "")
-    stored = store.read(tmp_path / "x.h5")
-    kept, dropped = stored.series()
-    assert dropped == 2
-    np.testing.assert_array_equal(kept.a, [1, 2])
-    np.testing.assert_array_equal(kept.delta, [2, 4])
-    assert (kept.a0, kept.S0) == (0.5, None)
-    assert stored.budget == budget
-    assert stored.budget.total == Unknown("nobody asked")
-    assert (stored.facts, stored.timings, stored.warnings) == (
-        {"nodes": 7, "solver": "SuperLU"},
-        {"mesh": 0.1},
-        ("mind",),
-    )
-    found = store.read_pressure(tmp_path / "x.h5")
-    assert found is not None
-    np.testing.assert_array_equal(found.p, pressure.p)
+    pressure = PressureTable(np.array([0.0, 1]), np.arange(8.0).reshape(4, 2))
+    budget, facts = ErrorBudget(1e-3, Unknown("nobody asked"), 0.0), {"nodes": 7, "solver": "SuperLU", "fits": True}
+    made = Solution(PROBLEM, series, budget, "fem", raw, pressure, facts, {"mesh": 0.1}, ("mind", "the gap"))
+    return replace(made, record=store.record_of(CASE), **changes)
 
 
-def _edit(path: Path, change) -> None:
-    with h5py.File(path, "r+") as file:
-        change(file)
+def assert_same(one: Solution, other: Solution) -> None:
+    """Every number and string of two solutions is the same."""
+    for name in COLUMNS:
+        np.testing.assert_array_equal(getattr(one.series, name), getattr(other.series, name))
+        np.testing.assert_array_equal(one.series.errors.get(name), other.series.errors.get(name))
+    for name in ("a", "delta", "P", "rows"):
+        np.testing.assert_array_equal(getattr(one.increments, name), getattr(other.increments, name))
+    assert (one.raw is None) == (other.raw is None)
+    for name in ("problem", "budget", "method", "facts", "timings", "warnings", "key"):
+        assert getattr(one, name) == getattr(other, name), name
+    assert (one.series.a0, one.series.S0) == (other.series.a0, other.series.S0)
+    for name in ("title", "w", "z0", "toml"):
+        assert getattr(one.record, name) == getattr(other.record, name), name
+    assert (one.pressure is None) == (other.pressure is None)
+    if one.pressure is not None and other.pressure is not None:
+        np.testing.assert_array_equal(one.pressure.p, other.pressure.p)
+        np.testing.assert_array_equal(one.pressure.r, other.pressure.r)
+
+
+@pytest.mark.parametrize("solution", [replace(ClosedForm()(PROBLEM), record=store.record_of(CASE)), in_increments()])
+def test_what_a_method_returns_is_what_its_file_gives_back(solution: Solution, tmp_path: Path) -> None:
+    path = tmp_path / "x.h5"
+    store.write(path, solution, "jkr run halfspace.toml")
+    found = store.read(path, with_pressure=True)
+    assert_same(found, solution)
+    assert found.record.command_line == "jkr run halfspace.toml"
+    assert found.record.versions["numpy"] == np.__version__
+    store.write(path, found, "jkr again")
+    again = store.read(path, with_pressure=True)
+    assert_same(again, solution)
+    assert again.record.command_line == "jkr run halfspace.toml"
+
+
+def test_pressures_are_read_where_they_are_asked_for(tmp_path: Path) -> None:
+    store.write(tmp_path / "x.h5", in_increments())
+    assert store.read(tmp_path / "x.h5").pressure is None
+    edit(tmp_path / "x.h5", lambda file: file["contact"].attrs.__setitem__("sha256", "0"))
+    with h5py.File(tmp_path / "x.h5", "r+") as file:
+        file["contact/pressure"][1, 1] = 9.0
+    assert store.read(tmp_path / "x.h5").facts["nodes"] == 7
+    with pytest.raises(InputError, match="does not hold what was written"):
+        store.read(tmp_path / "x.h5", with_pressure=True)
+
+
+def test_a_problem_without_a_case_is_written_as_one(tmp_path: Path) -> None:
+    store.write(tmp_path / "x.h5", ClosedForm()(PROBLEM))
+    found = store.read(tmp_path / "x.h5")
+    assert (found.problem, found.record.w, found.record.title) == (PROBLEM, (), "")
 
 
 def _replace(name: str, values, unit: str | None = "m"):
@@ -107,10 +136,12 @@ WRONG = {
         lambda file: file.attrs.__delitem__("format"),
         'format must be "jkr-series", got ""; was this file written by jkr?',
     ),
-    "version": (_attribute("version", 2), "version must be 1, got 2; this file needs another release of jkr"),
+    "version": (_attribute("version", 3), "version must be 2, got 3; this file needs another release of jkr"),
     "no series": (_delete("series"), 'group "series" is missing'),
     "no column": (_delete("series/delta"), 'dataset "series/delta" is missing'),
     "no errors": (_delete("errors"), 'group "errors" is missing'),
+    "no facts": (_delete("facts"), 'group "facts" is missing'),
+    "no warnings": (_delete("warnings"), 'group "warnings" is missing'),
     "no case": (_delete("case"), 'dataset "case" is missing'),
     "text column": (
         _replace("series/a", np.array([b"x", b"y"])),
@@ -134,9 +165,19 @@ WRONG = {
 @pytest.mark.parametrize("name", WRONG)
 def test_wrong_content_gives_its_whole_line(path: Path, name: str) -> None:
     change, line = WRONG[name]
-    _edit(path, change)
+    edit(path, change)
     with pytest.raises(InputError) as caught:
         store.read(path)
+    assert caught.value.lines == (f"{path}: {line}",)
+
+
+@pytest.mark.parametrize("name", set(WRONG) - {"format", "no format", "version"})
+def test_what_was_not_sealed_is_refused(path: Path, name: str) -> None:
+    with h5py.File(path, "r+") as file:
+        WRONG[name][0](file)
+    with pytest.raises(InputError) as caught:
+        store.read(path)
+    line = "the HDF5 file is damaged (it does not hold what was written) and cannot be read; run the case again"
     assert caught.value.lines == (f"{path}: {line}",)
 
 
@@ -144,9 +185,9 @@ def test_falling_load_is_named(path: Path) -> None:
     def change(file: h5py.File) -> None:
         file["series/P"][4] = 0.0
 
-    _edit(path, change)
+    edit(path, change)
     with pytest.raises(InputError) as caught:
-        store.read(path).series()
+        store.read(path)
     assert caught.value.lines == (f"{path}: series: P must be positive and increase, point 5 is 0",)
 
 
@@ -166,10 +207,23 @@ def test_foreign_truncated_missing(path: Path) -> None:
         store.read(path)
 
 
+def test_a_file_that_another_program_writes_is_not_called_damaged(path: Path) -> None:
+    words = "import h5py, sys; f = h5py.File(sys.argv[1], 'r+'); f.attrs['x'] = 1; f.flush(); print('open'); input()"
+    with subprocess.Popen([sys.executable, "-c", words, path], stdin=subprocess.PIPE, stdout=subprocess.PIPE) as other:
+        assert other.stdout is not None
+        assert other.stdout.readline() == b"open\n"
+        with pytest.raises(InputError) as caught:
+            store.read(path)
+        other.communicate(b"\n")
+    assert caught.value.lines == (
+        f"{path}: the HDF5 file is open in another program, which is writing it; try again later",
+    )
+
+
 @pytest.mark.parametrize("trials", [100, pytest.param(10_000, marks=pytest.mark.slow)])
-def test_damage_is_refused_in_one_line_or_did_not_touch_a_number(path: Path, trials: int) -> None:
+def test_damage_is_refused_in_one_line_or_did_not_touch_anything(path: Path, trials: int) -> None:
     whole, rng = path.read_bytes(), np.random.default_rng(1)
-    before, _ = store.read(path).series()
+    before = store.read(path)
     refused = []
     for _ in range(trials):
         damaged = bytearray(whole)
@@ -177,20 +231,120 @@ def test_damage_is_refused_in_one_line_or_did_not_touch_a_number(path: Path, tri
             damaged[place] ^= 1 << int(rng.integers(8))
         path.write_bytes(damaged[: rng.integers(len(whole) // 2, len(whole))] if rng.random() < 0.1 else damaged)
         try:
-            series, _ = store.read(path).series()
+            found = store.read(path)
         except InputError as error:
             refused.append(error.lines)
             continue
-        for name in ("a", "delta", "P", "S", "dS"):
-            np.testing.assert_array_equal(getattr(series, name), getattr(before, name))
+        assert_same(found, before)
     assert refused
     assert all(len(lines) == 1 and "\n" not in lines[0] for lines in refused)
 
 
+@pytest.mark.parametrize("trials", [200, pytest.param(2000, marks=pytest.mark.slow)])
+def test_one_changed_byte_is_refused_or_changes_nothing(tmp_path: Path, trials: int) -> None:
+    path, rng = tmp_path / "x.h5", np.random.default_rng(2)
+    store.write(path, in_increments())
+    whole, before, refused = path.read_bytes(), store.read(path, with_pressure=True), 0
+    for place in rng.integers(0, len(whole), trials):
+        damaged = bytearray(whole)
+        damaged[place] ^= int(rng.integers(1, 256))
+        path.write_bytes(damaged)
+        try:
+            found = store.read(path, with_pressure=True)
+        except InputError:
+            refused += 1
+            continue
+        assert_same(found, before)
+        assert found.record.command_line == before.record.command_line
+        assert found.record.versions == before.record.versions
+    assert refused > trials / 10
+
+
+def test_a_changed_letter_of_the_case_is_found(path: Path) -> None:
+    content = path.read_bytes()
+    assert content.count(b"w = [\n    50.0") == 1
+    path.write_bytes(content.replace(b"w = [\n    50.0", b"w = [\n    70.0"))
+    with pytest.raises(InputError, match="does not hold what was written"):
+        store.read(path)
+
+
+# ---------------------------------------------------------------------- format 1
+def test_format_1_reads_and_is_said_to_be_without_full_protection(jkr: Callable, tmp_path: Path) -> None:
+    shutil.copy(FORMAT_1, tmp_path / "old.h5")
+    found = store.read("old.h5")
+    case = parse_case(found.record.toml.encode(), "old")
+    exact = ClosedForm()(case.model.problem())
+    for name in COLUMNS:
+        np.testing.assert_array_equal(getattr(found.series, name), getattr(exact.series, name))
+        np.testing.assert_array_equal(found.series.errors[name], exact.series.errors[name])
+    assert (found.record.title, found.record.w, found.record.versions["jkr"]) == (
+        "A file of format 1",
+        (50.0,),
+        "0.1.0",
+    )
+    assert (found.method, found.budget.total, found.raw) == ("closed-form", exact.budget.total, None)
+    warning = f"jkr: warning: old.h5: {store.DOUBT}\n"
+    for words in (
+        ("show", "old.h5"),
+        ("transform", "old.h5", "--no-plots"),
+        ("pull-off", "old.h5"),
+        ("profile", "old.h5", "--a", "5 um"),
+        ("cycle", "old.h5", "--no-plots"),
+        ("explore", "old.h5"),
+        ("compare", "old.h5", "old.h5"),
+    ):
+        done = jkr(*words)
+        assert done.code == 0, done.err
+        assert done.err.count(warning) == 1, words
+    assert store.DOUBT in jkr("show", "old.h5", "--json").out
+    assert store.DOUBT in (tmp_path / "old-w50.json").read_text()
+
+
+def test_format_1_with_increments_is_filtered(tmp_path: Path) -> None:
+    path = tmp_path / "old.h5"
+    shutil.copy(FORMAT_1, path)
+    with h5py.File(path, "r+") as file:
+        a = file["series/a"][()]
+        a[2] = a[1]  # a node-based radius stays while the load grows
+        file["series/a"][...] = a
+        del file["series/S"], file["series/dS_da"], file["errors/a"], file["facts"]
+    found = store.read(path)
+    assert found.raw is not None
+    np.testing.assert_array_equal(found.raw.a, a)
+    np.testing.assert_array_equal(found.series.a, np.delete(a, 2))
+    assert (found.series.errors, found.facts) == ({}, {})
+
+
+# ---------------------------------------------------------------------- how often
+def test_transform_opens_each_file_once_and_reads_its_case_once(
+    jkr: Callable, path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    other = path.with_name("other.h5")
+    shutil.copy(path, other)
+    opened: list[str] = []
+    parsed: list[str] = []
+
+    def counted(plain: Callable[..., Any]) -> Callable[..., Any]:
+        def call(file: Any, *arguments: Any, **options: Any) -> Any:
+            if isinstance(file, str | os.PathLike):
+                opened.append(Path(file).name)
+            return plain(file, *arguments, **options)
+
+        return call
+
+    for module, name in ((builtins, "open"), (io, "open"), (os, "open"), (h5py, "File")):
+        monkeypatch.setattr(module, name, counted(getattr(module, name)))
+    plain = store.parse_case
+    monkeypatch.setattr(store, "parse_case", lambda text, source: parsed.append(source) or plain(text, source))
+    done = jkr("transform", path, other, "--w", "40", "--w", "50", "--no-plots")
+    assert done.code == 0, done.err
+    assert (opened.count("data.h5"), opened.count("other.h5")) == (1, 1)
+    assert parsed == [f"{path}: case", f"{other}: case"]
+
+
 def test_failed_write_leaves_the_old_file_and_no_other(path: Path) -> None:
     before = path.read_bytes()
-    bad = Solution(ClosedForm()(CASE.model.problem()).series, ErrorBudget(0.0, 0.0, 0.0), "fem", facts={"x": object()})
     with pytest.raises(TypeError):
-        store.write(path, bad, "", "", "")
+        store.write(path, in_increments(facts={"x": object()}))
     assert path.read_bytes() == before
     assert [p.name for p in path.parent.iterdir()] == [path.name]

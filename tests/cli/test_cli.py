@@ -85,7 +85,7 @@ def test_stored_case_runs_again_to_the_same_numbers(jkr, tmp_path: Path) -> None
     jkr("run", CASES / "thin-layer.toml")
     (tmp_path / "again.toml").write_text(jkr("show", "--case", "thin-layer.h5").out)
     assert jkr("run", "again.toml").code == 0
-    first, second = (store.read(name).raw for name in ("thin-layer.h5", "again.h5"))
+    first, second = (store.read(name).increments for name in ("thin-layer.h5", "again.h5"))
     np.testing.assert_array_equal(first.P, second.P)
     np.testing.assert_array_equal(first.delta, second.delta)
 
@@ -219,7 +219,7 @@ def test_interrupt_leaves_nothing(jkr, tmp_path: Path, monkeypatch: pytest.Monke
     def interrupted(*_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("jkrcli.case.store._write_errors", interrupted)
+    monkeypatch.setattr("jkrcli.base.hdf5._describe", interrupted)
     outcome = jkr("run", HALFSPACE, "--method", "closed-form")
     assert (outcome.code, outcome.err.strip()) == (130, "jkr: error: interrupted; nothing half-written was left")
     assert files(tmp_path) == []

@@ -65,7 +65,7 @@ def test_after_import_every_verb_works_as_on_our_own(jkr, table: Path, tmp_path:
 def test_the_case_may_have_a_loading_that_the_table_replaces(jkr, table: Path) -> None:
     Path("other.toml").write_text(CASE + '[loading]\nradius = "1 um"\n')
     assert jkr("import", table, "--case", "other.toml", "-o", "x.h5").code == 0
-    loading = parse_case(store.read("x.h5").case.encode(), "x").model.loading
+    loading = parse_case(store.read("x.h5").record.toml.encode(), "x").model.loading
     assert loading.radius is None
     assert loading.depth == (pytest.approx(1.44e-5, rel=1e-12),)
 
@@ -76,7 +76,7 @@ def test_bodies_by_flags(jkr, table: Path) -> None:
     assert store.read("flags.h5").key == store.read("case.h5").key
     found = json.loads(jkr("import", table, *BODY, "--thickness", "1 mm", "--base", "frictionless", "--json").out)
     assert (found["file"], found["points"], found["method"]) == ("t.h5", 60, "import")
-    model = parse_case(store.read("t.h5").case.encode(), "t").model
+    model = parse_case(store.read("t.h5").record.toml.encode(), "t").model
     assert (model.specimen.base, model.specimen.layers[0].thickness) == ("frictionless", 1e-3)
 
 

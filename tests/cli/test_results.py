@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from jkrcli.adhesion.analysis import Analysis, Specification
+from jkrcli.adhesion.analysis import Analysis
 from jkrcli.adhesion.comparison import compare_half_space, exact_curve
 from jkrcli.adhesion.curve import transform
 from jkrcli.adhesion.expectation import expect
@@ -24,7 +23,7 @@ from jkrcli.methods.choose import choose
 from jkrcli.methods.closed_form.method import ClosedForm
 from jkrcli.methods.layered.layered import Layered
 from jkrcli.report import tables
-from jkrcli.series import ErrorBudget, Series
+from jkrcli.series import ErrorBudget, Series, Solution
 from jkrcli.series.differences import curve_differences, series_differences
 
 R, W = 1e-4, 50.0
@@ -85,9 +84,7 @@ def test_distance_of_the_curve_is_that_of_its_nearest_point() -> None:
 
 
 def analysis_of(curve, budget: ErrorBudget) -> Analysis:
-    case = Specification(PROBLEM, (W,), 3e-10, "")
-    stored = SimpleNamespace(warnings=(), facts={})
-    return Analysis(stored, case, curve, 0, budget)
+    return Analysis(Solution(PROBLEM, curve.series, budget, "closed-form"), curve, budget)
 
 
 def test_a_pull_off_that_is_worse_than_was_estimated_is_warned_of() -> None:

@@ -12,7 +12,9 @@ from hypothesis import strategies as st
 
 from jkrcli.base.errors import InputError
 from jkrcli.base.unknown import Unknown
-from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
+from jkrcli.bodies.indenters import Indenter, Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
+from jkrcli.bodies.materials import Elastic
+from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Specimen
 from jkrcli.data.columns import split_name
 from jkrcli.data.foreign import SeriesReading, radius_from_area, read_measured, read_series, surface_area
 from jkrcli.data.text_table import unit_power
@@ -20,6 +22,12 @@ from jkrcli.formulas.half_space import hertz
 
 R, E_STAR = 1e-3, 2e6
 BALL = Paraboloid(R)
+
+
+def on_a_half_space(indenter: Indenter) -> Problem:
+    return Problem(indenter, Specimen((), HalfSpace(Elastic(1e6, 0.3))), Loading("depth", 1.0))
+
+
 A = np.array([2.0, 3.0, 3.0, 5.0, 8.0, 9.0]) * 1e-5  # the radius repeats, as node-based radii do
 DELTA = A**2 / R * np.array([1, 1, 1.05, 1, 1, 1])
 P = hertz(A, E_STAR, R)[1] * np.array([1, 1, 1.02, 1, 1, 1])
@@ -87,7 +95,7 @@ GUISES = {
 def test_every_guise_gives_the_same_series(tmp_path: Path, text: str, reading: SeriesReading) -> None:
     path = tmp_path / "t.csv"
     path.write_text(text, encoding="utf-8")
-    solution = read_series(path, BALL, reading)
+    solution = read_series(path, on_a_half_space(BALL), reading)
     assert solution.raw is not None
     raw = solution.raw
     touching = raw.a > 0
@@ -109,7 +117,7 @@ def test_units_only_change_the_numbers(tmp_path_factory, length: str, depth: str
     )  # type: ignore[index]
     path = tmp_path_factory.mktemp("units") / "t.csv"
     path.write_text(f"a [{length}],delta [{depth}],P [{load}]\n" + rows(a, delta, force))
-    series = read_series(path, BALL, SeriesReading()).series
+    series = read_series(path, on_a_half_space(BALL), SeriesReading()).series
     np.testing.assert_allclose([series.a, series.delta, series.P], [A[KEPT], DELTA[KEPT], P[KEPT]], rtol=1e-14)
 
 
@@ -254,7 +262,7 @@ def test_wrong_tables_are_reported_by_line(tmp_path: Path, monkeypatch, text: st
     monkeypatch.chdir(tmp_path)
     Path("t.csv").write_text(text)
     with pytest.raises(InputError) as caught:
-        read_series(Path("t.csv"), Sphere(R), SeriesReading())
+        read_series(Path("t.csv"), on_a_half_space(Sphere(R)), SeriesReading())
     assert list(caught.value.lines) == lines
 
 
@@ -280,7 +288,7 @@ def test_wrong_choices_name_the_columns(tmp_path: Path, monkeypatch, reading: Se
     monkeypatch.chdir(tmp_path)
     Path("t.csv").write_text(table_of(GOOD))
     with pytest.raises(InputError) as caught:
-        read_series(Path("t.csv"), Sphere(R), reading)
+        read_series(Path("t.csv"), on_a_half_space(Sphere(R)), reading)
     assert list(caught.value.lines) == [line]
 
 
@@ -290,7 +298,7 @@ def test_any_text_gives_a_series_or_a_sentence(tmp_path_factory, text: str) -> N
     path.write_text("a_m,delta_m,P_N\n" + text)
     lines: tuple[str, ...] = ()
     try:
-        assert len(read_series(path, Sphere(R), SeriesReading()).series) >= 5
+        assert len(read_series(path, on_a_half_space(Sphere(R)), SeriesReading()).series) >= 5
     except InputError as error:
         lines = error.lines
     assert all(line.startswith((str(path), "...")) for line in lines)
@@ -299,6 +307,6 @@ def test_any_text_gives_a_series_or_a_sentence(tmp_path_factory, text: str) -> N
 def test_a_sign_is_left_alone_when_asked(tmp_path: Path) -> None:
     path = tmp_path / "t.csv"
     path.write_text(table_of([(a, -d, p) for a, d, p in GOOD]))
-    assert read_series(path, Sphere(R), SeriesReading()).series.delta[0] == 1e-6
+    assert read_series(path, on_a_half_space(Sphere(R)), SeriesReading()).series.delta[0] == 1e-6
     with pytest.raises(InputError, match="line 2: displacement must be positive in contact, got -1e-06"):
-        read_series(path, Sphere(R), SeriesReading(sign="as-is"))
+        read_series(path, on_a_half_space(Sphere(R)), SeriesReading(sign="as-is"))

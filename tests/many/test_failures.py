@@ -49,7 +49,7 @@ class Wrong:
         exact = Layered()(problem).series
         P = exact.P * self.factor
         series = Series(exact.a, exact.delta, P, exact.S, exact.dS, errors={"P": P * self.stated})
-        return Solution(series, ErrorBudget(self.stated, 0.0, 0.0), "wrong", warnings=self.warnings)
+        return Solution(problem, series, ErrorBudget(self.stated, 0.0, 0.0), "wrong", warnings=self.warnings)
 
 
 @pytest.mark.parametrize(

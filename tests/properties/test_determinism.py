@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from jkrcli.case import store
+from jkrcli.series import COLUMNS
 
 CASES = Path(__file__).parents[2] / "cases"
 FINITE = """
@@ -55,12 +56,13 @@ def run(case: Path, folder: Path, **environment: str) -> Path:
 def same(one: Path, other: Path) -> None:
     """All numbers of two series files and the text of two tables are equal, bit by bit."""
     a, b = store.read(one / "x.h5"), store.read(other / "x.h5")
-    assert a.columns.keys() == b.columns.keys()
-    for name in a.columns:
-        assert np.array_equal(a.columns[name], b.columns[name]), name
-        if name in a.errors:
-            assert np.array_equal(a.errors[name], b.errors[name]), name
-    assert (a.case, a.key, a.budget, dict(a.facts)) == (b.case, b.key, b.budget, dict(b.facts))
+    assert a.series.errors.keys() == b.series.errors.keys()
+    for name in COLUMNS:
+        assert np.array_equal(getattr(a.series, name), getattr(b.series, name)), name
+        if name in a.series.errors:
+            assert np.array_equal(a.series.errors[name], b.series.errors[name]), name
+    assert np.array_equal(a.increments.P, b.increments.P)
+    assert (a.record.toml, a.key, a.budget, dict(a.facts)) == (b.record.toml, b.key, b.budget, dict(b.facts))
     for name in ("x-w0.05.csv", "x-w0.05.json"):
         assert (one / name).read_bytes() == (other / name).read_bytes()
 

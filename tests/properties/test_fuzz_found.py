@@ -9,12 +9,14 @@ import subprocess
 import sys
 import tracemalloc
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
 from fuzzing import bounded
+from series_files import edit
 
 from jkrcli.base.errors import InputError, Refusal, SolveError
 from jkrcli.base.files import read_bytes
@@ -157,7 +159,7 @@ def test_a_profile_is_looked_for_beside_the_case_and_its_place_is_shown(jkr: Cal
 def _path(tmp_path: Path) -> Path:
     case = load_case(CASES / "halfspace.toml")
     problem = case.model.problem()
-    store.write(tmp_path / "x.h5", ClosedForm()(problem), case.to_toml(), problem.key, "")
+    store.write(tmp_path / "x.h5", replace(ClosedForm()(problem), record=store.record_of(case)))
     return tmp_path / "x.h5"
 
 
@@ -209,8 +211,7 @@ SERIES = {
 
 @pytest.mark.parametrize("change", SERIES, ids=lambda change: change.__name__.strip("_"))
 def test_found_in_series_files(change: Callable[[h5py.File], None], path: Path) -> None:
-    with h5py.File(path, "r+") as file:
-        change(file)
+    edit(path, change)
     with pytest.raises(InputError) as caught:
         store.read(path)
     assert caught.value.lines == (f"{path}: {SERIES[change]}",)
@@ -226,12 +227,14 @@ def test_found_in_series_files(change: Callable[[h5py.File], None], path: Path) 
     ],
 )
 def test_found_in_pressures(r: np.ndarray | None, pressure: np.ndarray | None, line: str, path: Path) -> None:
-    with h5py.File(path, "r+") as file:
+    def change(file: h5py.File) -> None:
         for name, values in (("r", r), ("pressure", pressure)):
             if values is not None:
                 file[f"contact/{name}"] = values
+
+    edit(path, change)
     with pytest.raises(InputError) as caught:
-        store.read_pressure(path)
+        store.read(path, with_pressure=True)
     assert caught.value.lines == (f"{path}: {line}",)
 
 
@@ -257,10 +260,12 @@ def test_too_many_cases_are_counted_before_they_are_made(table: str, jkr: Callab
 
 
 def test_arithmetic_that_overflows_is_told_in_one_line(jkr: Callable, path: Path) -> None:
-    with h5py.File(path, "r+") as file:
+    def change(file: h5py.File) -> None:
         file["series/S"][5] = 1e59
         file["series/dS_da"][6] = 1e-59
         file["series/P"][7] = 1e59
+
+    edit(path, change)
     done = jkr("transform", path, "--w", "0.05", "--no-plots")
     assert done.code in (1, 2)
     assert done.err.count("\n") == 1
@@ -282,8 +287,7 @@ def test_output_in_a_poor_encoding(tmp_path: Path, path: Path) -> None:
 
 
 def test_estimate_without_words(jkr: Callable, path: Path) -> None:
-    with h5py.File(path, "r+") as file:
-        file["errors"].attrs["truncation"] = ""
+    edit(path, lambda file: file["errors"].attrs.__setitem__("truncation", ""))
     assert store.read(path).budget.truncation == Unknown("not stated in the file")
     assert jkr("show", path, "--json").code == 0
 

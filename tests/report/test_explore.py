@@ -150,7 +150,7 @@ def test_without_a_work_one_is_found_whose_pull_off_is_seen(jkr: Callable, gel: 
     assert jkr("run", "bare.toml").code == 0
     w = json.loads(jkr("explore", "bare.h5", "--json").out)["w_J_per_m2"]
     found = json.loads(jkr("pull-off", "bare.h5", "--w", w, "--json").out)
-    third = store.read(Path("bare.h5")).raw.a[100 // 3]
+    third = store.read(Path("bare.h5")).increments.a[100 // 3]
     # w has two digits; the radius of pull-off goes with w^(1/3) to w^(1/2)
     assert found["results"][0]["controls"][0]["pull_off"]["a_m"] == pytest.approx(third, rel=0.03)
 

@@ -23,7 +23,7 @@ from matplotlib.legend import Legend
 from matplotlib.text import Text
 from matplotlib.transforms import Bbox
 
-from jkrcli.adhesion.analysis import Analysis, analyse, specification
+from jkrcli.adhesion.analysis import Analysis, analyse
 from jkrcli.adhesion.curve import CriticalPoint, transform
 from jkrcli.case import store
 from jkrcli.many.study.chart import chart_figure
@@ -138,8 +138,8 @@ def _covered(axes: Axes, box: Bbox) -> bool:
 def analysed(jkr: Callable, case: str) -> Analysis:
     """A shipped case by the layered method, with its first work of adhesion."""
     assert jkr("run", CASES / f"{case}.toml", "--method", "layered", "-o", "x.h5").code == 0
-    stored = store.read(Path("x.h5"))
-    return analyse(stored, specification(stored).w[:1])[0]
+    solution = store.read(Path("x.h5"))
+    return analyse(solution, solution.record.w[:1])[0]
 
 
 # ---------------------------------------------------------------------- adhesive curves

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from ... import __version__
-from ...base.files import hdf5
+from ...base.arrays import Array
+from ...base.files import write_bytes
+from ...base.hdf5 import Dataset, Group, column, image
 from .fitting import Failure
 from .report import FORMAT, VERSION, summary
 from .result import Fit
@@ -20,28 +21,24 @@ UNITS = {"a": "m", "delta": "m", "P": "N"}
 
 def write(path: Path, found: Sequence[Fit | Failure], body: str) -> None:
     """Write all fits to ``path``: one group per curve, numbered, its summary as JSON in an attribute."""
-    with hdf5(path) as file:
-        file.attrs["format"], file.attrs["version"], file.attrs["jkr"] = np.bytes_(FORMAT), VERSION, __version__
-        file.attrs["body"] = body
-        for number, (item, told) in enumerate(zip(found, summary(found, body)["curves"], strict=True)):
-            group = file.create_group(f"curves/{number:06d}")
-            group.attrs["summary"] = json.dumps(told)
-            if isinstance(item, Fit):
-                _write(group, item)
+    told = summary(found, body)["curves"]
+    curves = {
+        f"{number:06d}": Group({"summary": json.dumps(words)}, _columns(item) if isinstance(item, Fit) else {})
+        for number, (item, words) in enumerate(zip(found, told, strict=True))
+    }
+    identity = {"format": np.bytes_(FORMAT), "version": VERSION, "jkr": __version__, "body": body}
+    write_bytes(path, image(Group(identity, {"curves": Group({}, curves)})))
 
 
-def _write(group: Any, item: Fit) -> None:
-    for name, values in item.data.items():
-        _dataset(group, f"data/{name}", values, UNITS[name])
-    for name, values in item.line.items():
-        _dataset(group, f"fitted/{name}", values, UNITS[name])
-    _dataset(group, "data/row", item.rows + 1, "1")
-    _dataset(group, "foot_a", item.a, "m")
-    _dataset(group, "residuals", item.residuals, "1")
-    if item.samples is not None:
-        _dataset(group, "bootstrap", item.samples, "SI")
+def _columns(item: Fit) -> dict[str, Group | Dataset]:
+    held: dict[str, Group | Dataset] = {
+        "data": Group({}, {**_with_units(item.data), "row": column(item.rows + 1, "1")}),
+        "fitted": Group({}, _with_units(item.line)),
+        "foot_a": column(item.a, "m"),
+        "residuals": column(item.residuals, "1"),
+    }
+    return held if item.samples is None else held | {"bootstrap": column(item.samples, "SI")}
 
 
-def _dataset(group: Any, name: str, values: np.ndarray, unit: str) -> None:
-    data = group.create_dataset(name, data=values, compression="gzip", shuffle=True)
-    data.attrs["unit"] = unit
+def _with_units(columns: Mapping[str, Array]) -> dict[str, Dataset]:
+    return {name: column(values, UNITS[name]) for name, values in columns.items()}

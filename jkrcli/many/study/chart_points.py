@@ -132,10 +132,10 @@ def _measured(case: Case, setting: Setting, w: float, reference: Reference, repe
         file.write_text(case.to_toml(), encoding="utf-8")
         command = [sys.executable, "-m", "jkrcli", "run", str(file), "-o", str(target)]
         whole = typical(lambda: process_cost(command), repeat)
-        stored = store.read(target)
+        solved = store.read(target)
         for slopes in SLOPES:
             try:
-                found, cost = timed(lambda name=slopes: analyse(stored, [w], name)[0].curve)  # type: ignore[misc]
+                found, cost = timed(lambda name=slopes: analyse(solved, [w], name)[0].curve)  # type: ignore[misc]
             except JkrError:
                 continue  # these slopes do not exist for such a series
             errors = reference.errors(found)

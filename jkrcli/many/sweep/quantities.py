@@ -28,11 +28,11 @@ def _at_end(result: Analysis) -> dict[str, Any]:
 
 
 def _solved_by(result: Analysis) -> dict[str, Any]:
-    return {"method": result.stored.method, "slopes": result.curve.slopes.method}
+    return {"method": result.solution.method, "slopes": result.curve.slopes.method}
 
 
 def _contact(result: Analysis) -> dict[str, Any]:
-    return {"E_star_Pa": result.case.problem.E_star}
+    return {"E_star_Pa": result.problem.E_star}
 
 
 def _pull_off(result: Analysis) -> dict[str, Any]:
@@ -45,7 +45,7 @@ def _pull_off(result: Analysis) -> dict[str, Any]:
 
 def _over_classical(result: Analysis) -> float | Unknown:
     """-P/(pi w R) under load control: 3/2 on a half-space."""
-    found, R = result.pull_off["load"], result.case.problem.indenter.tip_radius
+    found, R = result.pull_off["load"], result.problem.indenter.tip_radius
     if isinstance(found, Unknown):
         return Unknown(found.reason)
     return Unknown("the indenter has no tip radius") if R is None else -found.P / (math.pi * result.w * R)

@@ -9,15 +9,16 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from ...adhesion.analysis import Fitted, Specification, adhesive
+from ...adhesion.analysis import adhesive, nonadhesive
+from ...adhesion.curve import Nonadhesive
 from ...base.errors import JkrError
 from ...base.unknown import Unknown
 from ...bodies.problem import Problem
 from ...case import CaseModel
 from ...case.numerics import method_of
-from ...case.store import Stored
 from ...methods import least_first
 from ...methods.choose import Choice, choose, survey
+from ...series import Solution
 from ..cache import at_unit_modulus, solved
 from .plan import Group, Recipe
 from .quantities import Value
@@ -44,23 +45,17 @@ def solve_group(recipe: Recipe, kept: Path | None, group: Group) -> list[Row]:
     """
     start = time.process_time()
     try:
-        fitted = _fitted(recipe, kept, group.cases[0][1])
+        model = recipe.model(group.cases[0][1])
+        solution = _solved(at_unit_modulus(model.problem())[0], model, kept)
+        body = nonadhesive(solution, recipe.wanted.slopes)
     except Exception as error:
         share = (time.process_time() - start) / len(group.cases)
         return [_failed(recipe, number, error, share) for number, _ in group.cases]
     share = (time.process_time() - start) / len(group.cases)
-    return [_row(recipe, fitted, number, values, share) for number, values in group.cases]
+    return [_row(recipe, solution, body, number, values, share) for number, values in group.cases]
 
 
-def _fitted(recipe: Recipe, kept: Path | None, values: Mapping[str, Any]) -> Fitted:
-    """The series of the group at unit modulus, with its slopes."""
-    model = recipe.model(values)
-    body, _ = at_unit_modulus(model.problem())
-    case = Specification(body, (), model.adhesion.z0, model.title)
-    return Fitted.of(_solved(body, model, kept), case, recipe.wanted.slopes)
-
-
-def _solved(body: Problem, model: CaseModel, kept: Path | None) -> Stored:
+def _solved(body: Problem, model: CaseModel, kept: Path | None) -> Solution:
     """The solution by the case's method; where "auto" has the choice and a method fails, by the next one."""
     build = partial(method_of, model)
     choice = least(body, model)
@@ -87,14 +82,17 @@ def least(body: Problem, model: CaseModel) -> Choice:
     return choose(body, model.method, build)
 
 
-def _row(recipe: Recipe, fitted: Fitted, number: int, values: Mapping[str, Any], share: float) -> Row:
+def _row(
+    recipe: Recipe, solution: Solution, body: Nonadhesive, number: int, values: Mapping[str, Any], share: float
+) -> Row:
+    """What is wanted of one case; ``solution``, ``body``: at unit modulus, which all cases of the group share."""
     start = time.process_time()
     try:
         model = recipe.model(values)
         works, z0 = model.adhesion.w, model.adhesion.z0
         factor = at_unit_modulus(model.problem())[1]
-        case = replace(fitted.case, z0=z0, w=works)
-        result = adhesive(replace(fitted, case=case).scaled(factor), works[0] if works else 0.0)
+        solution = replace(solution, record=replace(solution.record, z0=z0))
+        result = adhesive(solution, body, works[0] if works else 0.0, factor)
         told = recipe.wanted.values(result)
     except Exception as error:
         return _failed(recipe, number, error, share + time.process_time() - start)

@@ -8,11 +8,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import h5py
 import numpy as np
 
 from ... import __version__
-from ...base.files import atomic, hdf5
+from ...base.arrays import Array
+from ...base.files import atomic, write_bytes
+from ...base.hdf5 import Dataset, Group, image
 from ...base.table import write_csv
 from .journal import Journal
 from .plan import Plan
@@ -76,18 +77,18 @@ def _is_numeric(values: list[Any]) -> bool:
 
 
 def _write_hdf5(path: Path, columns: dict[str, list[Any]]) -> None:
-    with hdf5(path) as file:
-        file.attrs["format"], file.attrs["version"], file.attrs["jkr"] = np.bytes_(FORMAT), VERSION, __version__
-        file.attrs["missing"] = MISSING
-        group = file.create_group("table", track_order=True)
-        for name, values in columns.items():
-            if name == "case":
-                group.create_dataset(name, data=np.array(values, dtype=np.int64))
-            elif _is_numeric(values):
-                group.create_dataset(name, data=np.array([np.nan if v is None else v for v in values], dtype=float))
-            else:
-                words = ["" if value is None else str(value) for value in values]
-                group.create_dataset(name, data=words, dtype=h5py.string_dtype("utf-8"))
+    identity = {"format": np.bytes_(FORMAT), "version": VERSION, "jkr": __version__, "missing": MISSING}
+    table = {name: Dataset(_as_dataset(values, name == "case")) for name, values in columns.items()}
+    write_bytes(path, image(Group(identity, {"table": Group({}, table)})))
+
+
+def _as_dataset(values: list[Any], whole: bool) -> Array | list[str]:
+    """A column of whole numbers, numbers or words: NaN or an empty text where there is no value."""
+    if whole:
+        return np.array(values, dtype=np.int64)
+    if _is_numeric(values):
+        return np.array([np.nan if value is None else value for value in values], dtype=float)
+    return ["" if value is None else str(value) for value in values]
 
 
 def _write_parquet(path: Path, columns: dict[str, list[Any]]) -> None:

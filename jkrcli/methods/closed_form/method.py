@@ -70,7 +70,7 @@ class ClosedForm:
         with clock("solve"):
             series = _series(problem, found)
         budget = ErrorBudget(discretisation=found.error, truncation=0.0, radius=0.0)
-        return Solution(series, budget, self.name, facts={"solution": found.name}, timings=clock.seconds)
+        return Solution(problem, series, budget, self.name, facts={"solution": found.name}, timings=clock.seconds)
 
 
 def _series(problem: Problem, formula: Formula) -> Series:

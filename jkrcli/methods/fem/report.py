@@ -28,6 +28,7 @@ def finished(options: FEMOptions, run: Run, judged: Assessment, clock: StageCloc
             forces = np.array([step.p for step in run.increments])
         series = _series(run, judged)
     return Solution(
+        problem=run.problem,
         series=series,
         raw=run.raw,
         budget=judged.budget,

@@ -116,6 +116,7 @@ class Hybrid(HybridOptions):
             refuse_shrinking(radii, result.delta)
             warnings = disc_warnings(contact, problem.specimen, float(radii[-1]), lambda _: contact.kernel)
         return Solution(
+            problem,
             series_of(result, errors.at(radii), problem.indenter.a0, S0),
             ErrorBudget(float((errors.elements + errors.parameters).max()), float(errors.cut.max()), radius=0.0),
             "hybrid",

@@ -76,6 +76,7 @@ class Layered(LayeredOptions):
             refuse_shrinking(radii, result.delta)
             warnings = disc_warnings(contact, problem.specimen, float(radii[-1]), contact.spectrum.kernel)
         return Solution(
+            problem,
             series_of(result, errors, problem.indenter.a0, S0),
             ErrorBudget(discretisation=float(errors.max()), truncation=0.0, radius=0.0),
             "layered",

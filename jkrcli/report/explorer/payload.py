@@ -57,19 +57,19 @@ def payload(result: Analysis, measured: Sequence[Curve], slopes_option: str = "a
     ``result`` gives the work of adhesion to begin with, which must be > 0; its modulus factor must be 1.
     ``slopes_option``: as asked for on the command line that is reproduced.
     """
-    curve, problem = result.curve, result.case.problem
+    curve, problem = result.curve, result.problem
     shown, total = _thinned(measured)
     return {
         "version": __version__,
-        "file": shlex.quote(str(result.stored.path)),
-        "stem": result.stored.path.stem,
+        "file": shlex.quote(str(result.path)),
+        "stem": result.path.stem,
         "options": "" if slopes_option == "auto" else f" --slopes {slopes_option}",
-        "title": result.case.title,
+        "title": result.solution.record.title,
         "body": problem.words,
-        "method": result.stored.method,
+        "method": result.solution.method,
         "slopes": curve.slopes.method,
         "error": result.budget.total,
-        "notes": [*result.stored.warnings, *curve.slopes.flags],
+        "notes": [*result.solution.warnings, *curve.slopes.flags],
         "knots": _knots(curve.nonadhesive),
         "columns": _columns(curve.nonadhesive),
         "band": _band(curve.nonadhesive),

@@ -83,7 +83,7 @@ def _draw(axes: Axes, result: Analysis, units: Units, x: str, y: str) -> None:
         for held, label in ((exact.series, "closed form"), (exact, None)):
             axes.plot(_of(held, x, units)[shown], _of(held, y, units)[shown], color="0.75", lw=3.5, label=label)
     axes.plot(_of(curve.series, x, units), _of(curve.series, y, units), "s-", color=BLUE, ms=3, mfc="none", lw=1.0,
-              markevery=SPACING, label=f"nonadhesive ({result.stored.method})")  # fmt: skip
+              markevery=SPACING, label=f"nonadhesive ({result.solution.method})")  # fmt: skip
     _band(axes, curve, units, x, y)
     _by_stability(axes, result, units, x, y)
     point = result.pull_off["load"]

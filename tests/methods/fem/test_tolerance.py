@@ -141,10 +141,10 @@ def test_run_takes_a_tolerance_and_records_it(jkr, tmp_path: Path) -> None:
     case = CASES / "gel.toml"
     outcome = jkr("run", case, "--method", "fem", "--tolerance", "1e-2", "-o", "gel.h5")
     assert outcome.code == 0, outcome.err
-    stored = store.read(tmp_path / "gel.h5")
-    assert "tolerance = 0.01" in stored.case
-    assert stored.budget.series < 1e-2
-    assert set(stored.errors) == {"a", "P", "S", "dS"}
+    solved = store.read(tmp_path / "gel.h5")
+    assert "tolerance = 0.01" in solved.record.toml
+    assert solved.budget.series < 1e-2
+    assert set(solved.series.errors) == {"a", "P", "S", "dS"}
     outcome = jkr("run", case, "--tolerance", "5", "-o", "no.h5")
     assert outcome.code == 2
     assert outcome.err == f"jkr: error: {case}: mesh.tolerance: must be >= 1e-06 and <= 0.1, got 5.0\n"

@@ -16,7 +16,7 @@ CGROUP = Path("/sys/fs/cgroup")
 
 @dataclass(frozen=True)
 class Limits:
-    """Most ``memory`` [GiB] (None: ``SHARE`` of what is free) and CPU ``hours`` of a solve that is begun."""
+    """Limits of a solve that is begun: most ``memory`` [GiB] (None: ``SHARE`` of what is free) and CPU ``hours``."""
 
     memory: float | None = None
     hours: float = 1.0
@@ -46,7 +46,7 @@ def _raised(value: float) -> str:
 
 
 def duration(seconds: float) -> str:
-    """``40 s``, ``12 min``, ``3.4 h``."""
+    """A duration in words: ``40 s``, ``12 min``, ``3.4 h``."""
     if seconds < 90:
         return f"{seconds:.2g} s" if seconds < 10 else f"{seconds:.0f} s"
     return f"{seconds / 60:.0f} min" if seconds < 5400 else f"{seconds / 3600:.3g} h"

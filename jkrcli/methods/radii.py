@@ -26,14 +26,14 @@ class SearchTuning:
     """How radii are followed to the depths and loads that are asked for."""
 
     steps: int = 80  # choice: bisection alone would be done by then
-    probe: float = 0.98  # a second radius beside each trial, for the slope; tuned on reference bodies, by `make tuning`
+    probe: float = 0.98  # a second radius beside each trial, for the slope; choice: what costs least
     # Largest factor between trials, as a larger contact costs more:
-    stride: float = 3.0  # tuned on reference bodies, by `make tuning`
-    table: int = 48  # radii of the first response to all targets; tuned on reference bodies, by `make tuning`
+    stride: float = 3.0  # choice: what costs least
+    table: int = 48  # radii of the first response to all targets; choice: what costs least
     # Times the accuracy, from where a Newton step leads well within it:
-    near: float = 30.0  # tuned on reference bodies, by `make tuning`
+    near: float = 30.0  # choice: what costs least
     # Part of a miss left after a step along a tangent, above which none is taken:
-    doubtful: float = 0.5  # tuned on reference bodies, by `make tuning`
+    doubtful: float = 0.5  # choice: what costs least
 
 
 TUNING = SearchTuning()
@@ -171,7 +171,7 @@ def radii_for(stages: Sequence[tuple[Response, float]], targets: Array, indenter
 
 
 def _first_radii(response: Response, targets: Array, indenter: Indenter, largest: float) -> Array:
-    """v at the targets from a table of the response between their ends."""
+    """Values of v at the targets from a table of the response between their ends."""
     a0, log_target = indenter.a0, np.log(targets)
     first = radius_for(response, float(targets[0]), indenter, math.hypot(a0, 0.3 * _v(largest, a0)), 0.1)
     v = np.geomspace(0.7 * _v(first, a0), _v(largest, a0), TUNING.table)

@@ -62,9 +62,9 @@ class HybridTuning:
     stalls: int = 1  # times that a step may bring next to nothing; choice: corners need one
     hopeless: float = 30.0  # times the tolerance, where none is forgiven; tuned on random bodies, by `make failures`
     # Forecasts of the degree, in steps from the lowest:
-    per_decade: float = 0.5  # of moduli; tuned on shipped cases, by `make bench`
-    per_decade_wide: float = 0.6  # of contact radius over depth; tuned on shipped cases, by `make bench`
-    at_sides: float = 1.0  # more for nearly incompressible layers with sides; tuned on shipped cases, by `make bench`
+    per_decade: float = 0.5  # of moduli; choice: for forecasts
+    per_decade_wide: float = 0.6  # of contact radius over depth; choice: for forecasts
+    at_sides: float = 1.0  # more for nearly incompressible layers with sides; choice: for forecasts
     # Limits of one level:
     most_seconds: float = 60.0  # CPU time; choice: what a user waits for
     most_mib: float = 4096.0  # choice: what a laptop has
@@ -91,18 +91,19 @@ class KernelContact:
         return Quadrature.cheapest(radii, self.indenter.a0, self.scale, tolerance)
 
     def solved(self, radii: Array, plan: Quadrature) -> EquationResult:
-        """Solve at the increasing ``radii`` [m]."""
+        """Nonadhesive contact at the increasing ``radii`` [m]."""
         equation = DiscreteEquation.of(self.kernel, Panels.through(radii, plan, self.indenter.a0))
         return solve(equation, self.indenter, self.E_star)
 
     def columns(self, radii: Array, tolerance: float) -> Array:
-        """delta, P, S, S' at ``radii`` [m] as rows."""
+        """Rows delta, P, S, S' at ``radii`` [m]."""
         return self.solved(radii, self.plan(radii, tolerance)).columns
 
 
 @dataclass(frozen=True, eq=False)
 class SideContact(KernelContact):
-    """The same where ``kernel`` is only what the side adds to the K of the ``wide`` body, which is known exactly."""
+    """An indenter on a body whose ``kernel`` is only what the side adds to the K of the ``wide`` body, which is known
+    exactly."""
 
     wide: LayeredContact
 
@@ -132,14 +133,14 @@ class ErrorEstimates:
         return self.elements + self.parameters + self.cut
 
     def at(self, radii: Array) -> Array:
-        """The total (columns, radii) at any radii: never less than at a smaller one."""
+        """Total errors (columns, radii) at any radii: never less than at a smaller one."""
         rising = np.maximum.accumulate(self.total, axis=1)
         return np.array([np.interp(radii, self.radii, row) for row in rising])
 
 
 @dataclass(frozen=True)
 class Refinement:
-    """Where a refinement stands: elements of ``degree``, ``more`` parameters t than planned, and the cut planned for an
+    """State of a refinement: elements of ``degree``, ``more`` parameters t than planned, and the cut planned for an
     error that is ``sharper`` times as small; how often parameters were ``added``, the cut was ``widened``, and a higher
     degree ``stalled``: left more than half of the ``least`` error so far, last seen ``at`` a lower degree."""
 
@@ -194,11 +195,11 @@ class AdaptiveKernel:
 
     @cached_property
     def wide(self) -> LayeredContact:
-        """The same without sides, solved exactly."""
+        """Contact with the body without its sides, solved exactly."""
         return LayeredContact(self.indenter, replace(self.specimen, radius=None, side=None))
 
     def levels(self, reach: float, step: Refinement | None = None) -> KernelLevels:
-        """For contact radii up to ``reach`` [m], as far as ``step`` has refined what was planned."""
+        """Levels for contact radii up to ``reach`` [m], as far as ``step`` has refined what was planned."""
         step = step or Refinement()
         cut = TUNING.cut * self.tolerance / step.sharper
         region = Region.of(self.specimen, reach, cut)
@@ -207,7 +208,7 @@ class AdaptiveKernel:
         return KernelLevels(region, count, self.E_star / self.specimen.surface.E_star, wide)
 
     def expected_levels(self, reach: float) -> KernelLevels:
-        """The same with as many parameters t as will be needed, about: more than planned where the body is stiff."""
+        """Levels with as many parameters t as will be needed, about: more than planned where the body is stiff."""
         levels = self.levels(reach)
         error = TUNING.parameters * self.tolerance / _stiffening(levels.region)
         return replace(levels, count=count_for(levels.region, error))
@@ -242,7 +243,7 @@ class AdaptiveKernel:
         return min(max(steps, 1.0), (TUNING.highest - TUNING.lowest) / STEP)
 
     def rough(self, reach: float) -> KernelContact:
-        """For finding radii: the first level from the second on that gives a positive definite equation."""
+        """Contact for finding radii: by the first level from the second on that gives a positive definite equation."""
         levels = replace(self, tolerance=max(self.tolerance, TUNING.rough)).levels(reach)
         for degree in range(TUNING.lowest + STEP, TUNING.highest, STEP):
             contact = self._contact(levels, degree)
@@ -285,7 +286,7 @@ class AdaptiveKernel:
         )
 
     def _judge(self, contact: KernelContact, levels: KernelLevels, degree: int) -> ErrorEstimates:
-        """What levels less, one polynomial less and the cut change at some radii."""
+        """Errors at some radii, from what lower levels, one polynomial less and the cut change."""
         a0, end = self.indenter.a0, levels.region.unit
         radii = a0 + (end - a0) * np.arange(1, TUNING.samples + 1) / TUNING.samples
         precise = TUNING.quadrature * self.tolerance

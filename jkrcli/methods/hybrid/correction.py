@@ -42,7 +42,8 @@ TUNING = CorrectionTuning()
 
 @dataclass(frozen=True, eq=False)
 class Correction:
-    """K(t_i, t_j) [1/unit of length]; ``asymmetry`` relative to its largest entry; the size of the system solved."""
+    """Kernel ``K`` (t_i, t_j) [1/unit of length]; its ``asymmetry`` relative to its largest entry; the size of the
+    system solved."""
 
     K: Array
     asymmetry: float
@@ -51,7 +52,7 @@ class Correction:
 
 
 def correction(region: Region, t: Array, degree: int) -> Correction:
-    """K at the parameters ``t`` from one factorisation with as many right-hand sides."""
+    """Correction at the parameters ``t`` from one factorisation with as many right-hand sides."""
     return _solved(Mesh(region, *lines(region, degree)), t)
 
 
@@ -69,7 +70,7 @@ def side_correction(region: Region, wide: Region, t: Array, degree: int) -> Corr
 
 
 def _solved(mesh: Mesh, t: Array, inner: float = 0.0) -> Correction:
-    """K; ``inner``: radius inside which D leaves out the top layer."""
+    """Correction on one mesh; ``inner``: radius inside which D leaves out the top layer."""
     region = mesh.region
     loads = _Loads(mesh, t, inner)
     data = loads.over_layers() + loads.on_base() + loads.on_side()
@@ -86,7 +87,8 @@ def _solved(mesh: Mesh, t: Array, inner: float = 0.0) -> Correction:
 
 
 class _Loads:
-    """Gathers the vector F (unknowns, t) and returns the contributions to D (t, t) part by part."""
+    """Loads of the half-space's fields: gathers the vector F (unknowns, t), returns the parts of D (t, t) one by
+    one."""
 
     def __init__(self, mesh: Mesh, t: Array, inner: float):
         self.mesh, self.t, self.inner = mesh, t, inner
@@ -131,14 +133,14 @@ class _Loads:
         return force * np.stack(point_force(r, z, E, region.far.nu))
 
     def on_base(self) -> Array:
-        """Tractions and displacements of the half-space on the base."""
+        """Part of D on the base: tractions and displacements of the half-space."""
         r, w = self.mesh.r.rule
         z = np.full_like(r, self.mesh.region.depth)
         held = (self.mesh.region.supports.base_r, self.mesh.region.supports.base_z)
         return self._on(r, z, w, held, ("s_rz", "s_zz"), self.mesh.r.basis[0], np.s_[:, -1, :])
 
     def on_side(self) -> Array:
-        """The same on the side."""
+        """Part of D on the side."""
         z, w = self.mesh.z.rule
         r = np.full_like(z, self.mesh.region.width)
         held = (self.mesh.region.supports.side_r, self.mesh.region.supports.side_z)
@@ -154,8 +156,8 @@ class _Loads:
         basis: Array,
         nodes: tuple[slice | int, ...],
     ) -> Array:
-        """A boundary at the points (r, z) with weights w: where a component is held, its displacement in the tractions;
-        where it is free, loads on the ``nodes`` and the tractions in the displacement."""
+        """Part of D on a boundary at the points (r, z) with weights w: where a component is held, its displacement in
+        the tractions; where it is free, loads on the ``nodes`` and the tractions in the displacement."""
         field, far = self._field(r, z), self._far(r, z)
         total = np.zeros((self.t.size, self.t.size))
         for i, u in enumerate((field.u_r, field.u_z)):
@@ -170,8 +172,8 @@ class _Loads:
         return total
 
     def over_layers(self) -> Array:
-        """The stress of the half-space's strains in other materials; of a modulus that changes from the contact on,
-        inside ``inner``, its loads only: its work there is singular and in the kernel of the wide body."""
+        """Part of D by the stress of the half-space's strains in other materials; of a modulus that changes from the
+        contact on, inside ``inner``, its loads only: its work there is singular and in the kernel of the wide body."""
         mesh = self.mesh
         total = np.zeros((self.t.size, self.t.size))
         for slab in Patch.regular(mesh, self.inner).slabs(self.t.size):
@@ -202,7 +204,7 @@ class Patch:
 
     @classmethod
     def regular(cls, mesh: Mesh, inner: float) -> Patch:
-        """At the Gauss points of all other materials; not of the top layer inside the radius ``inner``."""
+        """Patch of the Gauss points of all other materials; not of the top layer inside the radius ``inner``."""
         (r, w_r), (z, w_z) = mesh.r.rule, mesh.z.rule
         rows = np.flatnonzero(mesh.region.differs(z))
         near = (r < inner) & (mesh.region.layer_at(z[rows]) == 0)[:, None]
@@ -213,8 +215,8 @@ class Patch:
 
     @classmethod
     def around(cls, mesh: Mesh, inner: float, t: float) -> Patch:
-        """In the top layer inside ``inner``, at points that crowd towards the ring r = t, z = 0, where stresses are
-        singular."""
+        """Patch in the top layer inside ``inner``, of points that crowd towards the ring r = t, z = 0, where stresses
+        are singular."""
         r, w_r = _crowded(mesh.r, 0.0, inner, t)
         z, w_z = _crowded(mesh.z, 0.0, mesh.region.first, 0.0)
         weights = 2 * np.pi * w_z[:, None] * (w_r * r)
@@ -222,7 +224,7 @@ class Patch:
         return cls(r, z, weights, (V, D, Q), (V_z, D_z, Q_z[:, mesh.used]), mesh.region.moduli(z))
 
     def slabs(self, count: int) -> Iterator[Patch]:
-        """The same in slices of z, for ``count`` parameters t at a time within the memory allowed."""
+        """Patches that are slices of z, for ``count`` parameters t at a time within the memory allowed."""
         rows = max(1, TUNING.at_once // (count * self.r.size))
         for start in range(0, self.z.size, rows):
             part = slice(start, start + rows)

@@ -16,7 +16,7 @@ from ...base.arrays import Array
 
 @dataclass(frozen=True, eq=False)
 class RingField:
-    """One field per parameter t: arrays of shape (t.size, points).
+    """Fields of a half-space, one per parameter t: arrays of shape (t.size, points).
 
     ``u_r, u_z`` [1/length]; stresses ``s_rr, s_tt, s_zz, s_rz`` and the pressure ``p`` = -lambda div u, finite at
     nu = 1/2 too [E/length^2]. ``u_z`` and z point into the half-space.
@@ -65,7 +65,8 @@ class RingField:
 
 
 def point_force(r: Array, z: Array, E: float, nu: float) -> tuple[Array, Array]:
-    """u_r, u_z of a half-space of modulus ``E`` under a unit force into it at the origin (Johnson 1985, Sec. 3.2)."""
+    """Displacements u_r, u_z of a half-space of modulus ``E`` under a unit force into it at the origin (Johnson 1985,
+    Sec. 3.2)."""
     rho = np.hypot(r, z)
     factor = (1 + nu) / (2 * np.pi * E * rho)
     return factor * (r * z / rho**2 - (1 - 2 * nu) * r / (rho + z)), factor * (z**2 / rho**2 + 2 * (1 - nu))

@@ -22,26 +22,26 @@ STEP = 2  # in the degree, from one level to the next; choice: odd ones gain lit
 
 @dataclass(frozen=True)
 class CostTuning:
-    """Rates of one core for forecasts; all tuned on shipped cases, by `make bench`, which measures them."""
+    """Rates of one core for forecasts."""
 
-    begin: float = 5e-3  # s
-    per_entry: float = 1e-7  # s, to integrate and factorise, per entry of the stiffness
-    per_entry_and_side: float = 1.2e-9  # s, to solve, per entry and right-hand side
-    per_point: float = 2e-7  # s, for the half-space's field, per Gauss point and parameter t
-    per_point_and_pair: float = 2e-9  # s, for their works in one another, per Gauss point and pair of parameters
-    around: float = 8e-3  # s, for the field towards its ring, per t, where the modulus changes from the contact on
-    fill: float = 4.5  # entries of the factor beside elements graded to a corner, per unknown
-    operations: float = 1.2e10  # on them, per s
-    bytes_per_entry: float = 40.0  # of the stiffness and its factor
-    bytes_per_value: float = 100.0  # of the unknowns of one parameter t
+    begin: float = 5e-3  # s; choice: for forecasts
+    per_entry: float = 1e-7  # s, to integrate and factorise, per entry of the stiffness; choice: for forecasts
+    per_entry_and_side: float = 1.2e-9  # s, to solve, per entry and right-hand side; choice: for forecasts
+    per_point: float = 2e-7  # s, for the half-space's field, per Gauss point and parameter t; choice: for forecasts
+    per_point_and_pair: float = 2e-9  # s, for their works in one another, per pair of t; choice: for forecasts
+    around: float = 8e-3  # s, for a field towards its ring under a graded top; choice: for forecasts
+    fill: float = 4.5  # entries of the factor beside elements graded to a corner, per unknown; choice: for forecasts
+    operations: float = 1.2e10  # on them, per s; choice: for forecasts
+    bytes_per_entry: float = 40.0  # of the stiffness and its factor; choice: for forecasts
+    bytes_per_value: float = 100.0  # of the unknowns of one parameter t; choice: for forecasts
 
 
-COSTS = CostTuning()
+COST_TUNING = CostTuning()
 
 
 @dataclass(frozen=True, eq=False)
 class PolynomialKernel:
-    """K [1/m] for 0 <= x, t <= ``reach`` [m]: sum of c_ij P_2i(x/reach) P_2j(t/reach), Legendre polynomials.
+    """Kernel K [1/m] for 0 <= x, t <= ``reach`` [m]: sum of c_ij P_2i(x/reach) P_2j(t/reach), Legendre polynomials.
 
     ``scale``: the length over which K varies [m].
     """
@@ -58,12 +58,12 @@ class PolynomialKernel:
         return self(x, x)
 
     def shorter(self) -> PolynomialKernel:
-        """The same without the highest polynomial in x and in t."""
+        """Kernel without the highest polynomial in x and in t."""
         return replace(self, coefficients=self.coefficients[:-1, :-1])
 
 
 def _even(x: Array, count: int) -> Array:
-    """P_0, P_2, ... at ``x``, (x.size, count)."""
+    """Even Legendre polynomials P_0, P_2, ... at ``x``, (x.size, count)."""
     return legendre.legvander(x, 2 * count - 1)[:, ::2]
 
 
@@ -94,7 +94,7 @@ class CorrectionCost:
     unknowns: int
 
     def __add__(self, other: CorrectionCost) -> CorrectionCost:
-        """One after the other."""
+        """Cost of both, one after the other."""
         memory, unknowns = max(self.memory_mib, other.memory_mib), max(self.unknowns, other.unknowns)
         return CorrectionCost(self.seconds + other.seconds, memory, unknowns)
 
@@ -102,18 +102,19 @@ class CorrectionCost:
 def cost_of(region: Region, count: int, degree: int) -> CorrectionCost:
     """Cost of the correction for ``count`` parameters t: operations counted, with rates of one core."""
     r, z = lines(region, degree)
+    rates = COST_TUNING
     pressures = 1 + any(region.mixed) / 3
     unknowns = 2 * pressures * (r.degrees.sum() + 1.0) * (z.degrees.sum() + 1.0)
     entries = 4 * pressures**2 * _pairs(r) * _pairs(z)
     points = float((r.degrees + LINES.extra).sum() * (z.degrees + LINES.extra).sum())
     fill = 0.0
     if region.corners or region.free_edges:
-        fill = COSTS.fill * unknowns * 2 * pressures * min(r.degrees.sum(), z.degrees.sum())
-    seconds = COSTS.begin + COSTS.per_entry * entries + COSTS.per_entry_and_side * count * (entries + fill)
-    seconds += fill * (fill + 2 * entries) / unknowns / COSTS.operations
-    fields = (COSTS.per_point + COSTS.per_point_and_pair * count) * points * count
-    seconds += fields + COSTS.around * count * region.changing
-    memory = (COSTS.bytes_per_entry * (entries + fill / 2) + COSTS.bytes_per_value * unknowns * count) / 2**20
+        fill = rates.fill * unknowns * 2 * pressures * min(r.degrees.sum(), z.degrees.sum())
+    seconds = rates.begin + rates.per_entry * entries + rates.per_entry_and_side * count * (entries + fill)
+    seconds += fill * (fill + 2 * entries) / unknowns / rates.operations
+    fields = (rates.per_point + rates.per_point_and_pair * count) * points * count
+    seconds += fields + rates.around * count * region.changing
+    memory = (rates.bytes_per_entry * (entries + fill / 2) + rates.bytes_per_value * unknowns * count) / 2**20
     return CorrectionCost(float(seconds), float(memory), int(unknowns))
 
 
@@ -152,7 +153,7 @@ class KernelLevels:
         return self._found[key]
 
     def cost(self, degree: int) -> CorrectionCost:
-        """Of that level with its estimates of the error, the coarser levels left out."""
+        """Cost of a level with its estimates of the error, the coarser levels left out."""
         once = cost_of(self.region, self.count, degree)
         if self.wide is not None:
             once += cost_of(self.wide, self.count, degree)

@@ -36,7 +36,7 @@ class ReachTuning:
     # Reach of the first one over the radius expected on the unbounded body:
     room: float = 1.2  # tuned on shipped cases, by `make bench`
     spare: float = 1.01  # of the last one over the largest radius found; choice: covers the accuracy of the search
-    searches: int = 2  # kernels for that in a forecast; tuned on shipped cases, by `make bench`
+    searches: int = 2  # kernels for that; choice: for forecasts
 
 
 TUNING = ReachTuning()
@@ -44,7 +44,7 @@ TUNING = ReachTuning()
 
 @dataclass(frozen=True)
 class Hybrid(HybridOptions):
-    """The half-space of the material at the contact exactly, and finite elements for what the rest of the body changes.
+    """The contact equation with the half-space as exact part and finite elements for what the rest of the body changes.
 
     Valid for stacks of isotropic layers (-1 < nu <= 1/2) on a rigid base, bonded or frictionless, or a half-space, wide
     or cylinders with free, roller or clamped sides; layers below the uppermost may be graded or transversely isotropic.
@@ -69,7 +69,7 @@ class Hybrid(HybridOptions):
         return None
 
     def forecast(self, problem: Problem) -> Forecast:
-        """The levels up to the one that the tolerance is expected to need, those of the search, and the solves."""
+        """Cost of the levels up to the one that the tolerance is expected to need, of the search, and of the solves."""
         body = self._body(problem)
         levels = body.expected_levels(_expected_radius(problem, body))
         steps = body.expected_steps(levels)
@@ -186,7 +186,7 @@ def _unable(problem: Problem) -> str | None:
 
 
 def _too_much(problem: Problem) -> str:
-    """The contact would come too near to the side, or to the end of the profile."""
+    """Reason: the contact would come too near to the side, or to the end of the profile."""
     loading, radius = problem.loading, problem.specimen.radius
     goal = show(loading.maximum, "load" if loading.to == "load" else "length")
     if radius is None:

@@ -31,7 +31,8 @@ TUNING = RegionTuning()
 
 @dataclass(frozen=True)
 class Supports:
-    """Which components of the displacement are prescribed on the base and on the side; the others are free there."""
+    """Supports: which components of the displacement are prescribed on the base and on the side; the others are free
+    there."""
 
     base_r: bool
     base_z: bool
@@ -109,7 +110,7 @@ class Region:
 
     @property
     def next_order(self) -> float:
-        """What extrapolating the cut leaves of what it changes, about."""
+        """Part of the change by extrapolating the cut that is left as its error, about."""
         return TUNING.next_order * self.length / self.width
 
     @property

@@ -27,7 +27,8 @@ RESIDUAL_LIMIT = 1e-6  # choice: a guard
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
-    """Lines along ``r`` and ``z`` over a region; fields at nodes or Gauss points have the shape (..., z, r)."""
+    """Mesh of a region: line elements along ``r`` and ``z``; fields at nodes or Gauss points have the shape (..., z,
+    r)."""
 
     region: Region
     r: LineElements
@@ -35,7 +36,7 @@ class Mesh:
 
     @cached_property
     def moduli(self) -> Moduli:
-        """At the Gauss points along z."""
+        """Stiffnesses at the Gauss points along z."""
         return self.region.moduli(self.z.rule[0])
 
     @cached_property
@@ -152,5 +153,5 @@ def _touching(left: Array, right: Array) -> Array:
 
 
 def _integral(left: Array, weights: Array, right: Array) -> Array:
-    """int left right with the given weights at the Gauss points."""
+    """Integral of ``left`` times ``right`` with the given weights at the Gauss points."""
     return left.T @ (weights[:, None] * right)

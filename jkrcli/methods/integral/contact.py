@@ -20,7 +20,7 @@ from .quadrature import Quadrature
 COLUMNS = ("delta", "P", "S", "dS")
 LOOSEST = 1e-2  # tolerance of a method; choice: no worse result is worth a method without a mesh
 ROUGH = 1e-5  # accuracy of the first part of every search; choice: what costs least
-FLOPS_PER_SECOND = 5e9  # of the dense algebra, for forecasts; tuned on a core of 2024, by `make bench`
+FLOPS_PER_SECOND = 5e9  # of the dense algebra; choice: for forecasts
 
 
 class Contact(Protocol):
@@ -52,7 +52,8 @@ class Contact(Protocol):
 
 
 class InaccurateError(Refusal):
-    """The tolerance was not reached; ``fixed``: the message where the tolerance is not the user's to choose."""
+    """Refusal: the tolerance was not reached; ``fixed``: the message where the tolerance is not the user's to
+    choose."""
 
     def __init__(self, lines: str | Sequence[str], fixed: str):
         super().__init__(lines)
@@ -79,7 +80,7 @@ def _search(contact: Contact, loading: Loading, accuracy: float) -> tuple[Respon
 
 
 def response(contact: Contact, to: Quantity, accuracy: float) -> Response:
-    """delta_H or P_H over the contact radius, with a quadrature planned for ``accuracy``."""
+    """Function delta_H or P_H of the contact radius, with a quadrature planned for ``accuracy``."""
     name = {"depth": "delta", "load": "P"}[to]
 
     def at(radii: Array) -> Array:
@@ -105,5 +106,5 @@ def series_of(result: EquationResult, errors: Array, a0: float, S0: float) -> Se
 
 
 def tolerance_remedy(method: str, error: float) -> str:
-    """How to accept the relative ``error`` that was reached, empty where no such tolerance is allowed."""
+    """Advice to accept the relative ``error`` that was reached, empty where no such tolerance is allowed."""
     return f"set {method}.tolerance to {2 * error:.0e}, or " if 2 * error <= LOOSEST else ""

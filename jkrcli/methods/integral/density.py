@@ -57,7 +57,8 @@ class Density:
     def of(
         cls, kernel: FredholmKernel, indenter: Indenter, result: EquationResult, shift: float, reach: float
     ) -> Density:
-        """phi at the last radius of ``result`` for the displacement delta_H - ``shift`` [m], up to ``reach`` [m]."""
+        """Density at the last radius of ``result`` for the displacement delta_H - ``shift`` [m], up to ``reach``
+        [m]."""
         return next(cls.each(kernel, indenter, result, [result.panels.radii.size - 1], shift, reach))
 
     @classmethod
@@ -71,7 +72,7 @@ class Density:
         reach: float,
         order: int | None = None,
     ) -> Iterator[Density]:
-        """The same at the radii of the numbers ``which``, from one evaluation of the kernel; ``order``: nodes on each
+        """Densities at the radii of the numbers ``which``, from one evaluation of the kernel; ``order``: nodes on each
         piece."""
         order = order or TUNING.piece
         pieces = max(math.ceil(reach / kernel.scale), 1)
@@ -88,15 +89,15 @@ class Density:
             yield cls(indenter, a, delta, edges, (smooth @ project).T, breaks)
 
     def anchored(self) -> Density:
-        """The same with phi(a) = 0 not only to rounding: that is what decides on the gap next to a nonadhesive edge."""
+        """Density with phi(a) = 0 not only to rounding: that is what decides on the gap next to a nonadhesive edge."""
         return replace(self, delta=self.delta - math.pi / 2 * float(self(np.array([self.a]))[0]))
 
     def __call__(self, x: Array) -> Array:
-        """phi(x) [m]."""
+        """Value phi(x) [m]."""
         return 2 / math.pi * (self.delta - self.indenter.abel(x)) - self._smooth(x, self.coefficients)
 
     def slope(self, x: Array) -> Array:
-        """phi'(x) [-], x > 0."""
+        """Slope phi'(x) [-], x > 0."""
         derivative = legendre.legder(self.coefficients) * (2 / self.edges[1])
         return -2 / math.pi * self.indenter.abel_slope(x) - self._smooth(x, derivative)
 
@@ -120,12 +121,13 @@ class Density:
         return np.ravel(left[:, None] + width * u), np.ravel(width * v)
 
     def arc(self, lo: float, hi: float, r: float) -> float:
-        """int_lo^hi phi(x)/sqrt(r^2 - x^2) dx [m] for hi <= r."""
+        """Abel integral int_lo^hi phi(x)/sqrt(r^2 - x^2) dx [m] for hi <= r."""
         theta, weights = self.nodes(lo, hi, lambda x: np.arcsin(np.minimum(x / r, 1.0)))
         return float(weights @ self(np.minimum(r * np.sin(theta), hi)))
 
     def pressures(self, edge: float, r: Array) -> Array:
-        """2 p/E* [-] at the radii 0 < r < a [m], for the value phi(a) = ``edge`` [m], by t = r cosh(theta)."""
+        """Pressures 2 p/E* [-] at the radii 0 < r < a [m], for the value phi(a) = ``edge`` [m], by t = r
+        cosh(theta)."""
         if not r.size:
             return r
         parts = [self.nodes(x, self.a, partial(_angle, x)) for x in r.tolist()]
@@ -145,7 +147,7 @@ def _angle(r: float, t: Array) -> Array:
 
 
 def unsmooth(specimen: Specimen) -> str | None:
-    """Why fields on the ``specimen`` cannot be found by this module; None where they can."""
+    """Why pressures and gaps on the ``specimen`` cannot be found from its density; None where they can."""
     if isinstance(specimen.materials[0], Graded):
         return (
             "profile: under a modulus that varies right below the contact phi is not smooth at the edge, and its "

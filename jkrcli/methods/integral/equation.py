@@ -40,7 +40,8 @@ class DiscreteEquation:
 
     @classmethod
     def of(cls, kernel: FredholmKernel, panels: Panels, singular: Array | None = None) -> DiscreteEquation:
-        """``singular``: what is to be added to the smooth ``kernel`` at the nodes and radii (``product_matrix``).
+        """Equation of a kernel; ``singular``: what is to be added to the smooth ``kernel`` at the nodes and radii
+        (``product_matrix``).
 
         Raises SolveError where A is not positive definite: the panels do not resolve the kernel.
         """
@@ -57,8 +58,8 @@ class DiscreteEquation:
         return cls(panels, factor, root[:, None] * K[:n, n:], np.max(np.abs(np.diag(K))))
 
     def forward(self, nodes: Array, edges: Array) -> tuple[Array, Array]:
-        """L^-1 sqrt(w) U (m, nodes) and the ends (pi/2) phi(a) (m, radii) of the solutions for the m right-hand sides
-        (2/pi) U, given at the ``nodes`` (m, nodes) and at the radii, ``edges`` (m, radii)."""
+        """Halves L^-1 sqrt(w) U (m, nodes) and the ends (pi/2) phi(a) (m, radii) of the solutions for the m right-hand
+        sides (2/pi) U, given at the ``nodes`` (m, nodes) and at the radii, ``edges`` (m, radii)."""
         right = np.column_stack([*(np.sqrt(self.panels.w) * nodes), self.columns])
         found = solve_triangular(self.factor, right, lower=True, check_finite=False, overwrite_b=True)
         halves, columns = found[:, : len(nodes)].T, found[:, len(nodes) :]
@@ -67,7 +68,8 @@ class DiscreteEquation:
         return halves, edges - np.array(sums)
 
     def density(self, n: int, U: Array) -> Array:
-        """phi at the nodes inside the radius n for the right-hand side (2/pi) ``U``, given there; in the unit of U."""
+        """Density phi at the nodes inside the radius n for the right-hand side (2/pi) ``U``, given there; in the unit
+        of U."""
         stop = int(self.panels.stops[n])
         root, factor = np.sqrt(self.panels.w[:stop]), self.factor[:stop, :stop]
         half = solve_triangular(factor, 2 / math.pi * root * U, lower=True, check_finite=False)
@@ -96,7 +98,7 @@ class EquationResult:
 
     @property
     def columns(self) -> Array:
-        """delta, P, S, S' as rows."""
+        """Rows delta, P, S, S'."""
         return np.array([self.delta, self.P, self.S, self.dS])
 
     def density(self, n: int, adhesive_shift: float = 0.0) -> tuple[Array, Array, Array]:
@@ -131,7 +133,7 @@ def _rounding(equation: DiscreteEquation, S: Array) -> Array:
 
 
 def panel_means(indenter: Indenter, panels: Panels, inner: int) -> Array:
-    """F at the nodes, replaced on each panel by its projection on polynomials of degree order - 1 [m].
+    """Abel image F at the nodes, replaced on each panel by its projection on polynomials of degree order - 1 [m].
 
     Sums of w F q over the nodes are then exact integrals of F q for such polynomials q, whatever kinks F has: only
     the kernel limits the accuracy. The integrals cut panels at the kinks of F and place nodes quadratically above each

@@ -66,7 +66,8 @@ def split(lo: Array, hi: Array, pieces: Array) -> tuple[Array, Array]:
 
 
 def gauss_constant(order: int) -> float:
-    """C in the error C (k d)^(2 order) of Gauss quadrature of cos(kx) on a panel of width d, relative to d [-]."""
+    """Constant C in the error C (k d)^(2 order) of Gauss quadrature of cos(kx) on a panel of width d, relative to d
+    [-]."""
     return math.exp(4 * math.lgamma(order + 1) - 3 * math.lgamma(2 * order + 1)) / (2 * order + 1)
 
 
@@ -89,8 +90,8 @@ class Quadrature:
     def cheapest(
         cls, radii: Array, a0: float, scale: float, tolerance: float, orders: Iterable[int] | None = None
     ) -> Quadrature:
-        """The one of fewest nodes expected to be accurate to ``tolerance`` at the increasing ``radii`` [m], for a flat
-        end of the radius ``a0`` and a kernel that varies over the length ``scale`` [m]."""
+        """Quadrature of fewest nodes expected to be accurate to ``tolerance`` at the increasing ``radii`` [m], for a
+        flat end of the radius ``a0`` and a kernel that varies over the length ``scale`` [m]."""
         widths = np.diff(np.unique(np.concatenate([[0.0, a0], radii])))
         plans = []
         for order in orders or range(1, TUNING.most_nodes + 1):
@@ -101,7 +102,8 @@ class Quadrature:
 
     @classmethod
     def crowded(cls, radii: Array, a0: float, scale: float, tolerance: float, strength: float) -> Quadrature:
-        """As ``cheapest``, with panels that crowd before each radius, for a kernel -``strength`` ln |x - t| [1/m]."""
+        """Quadrature as by ``cheapest``, with panels that crowd before each radius, for a kernel -``strength`` ln |x -
+        t| [1/m]."""
         orders = range(TUNING.unsmooth_nodes, TUNING.most_nodes + 1)
         plain = cls.cheapest(radii, a0, scale, tolerance, orders)
         wide = min(float(np.max(np.diff(radii, prepend=0.0))), plain.widest)
@@ -110,13 +112,14 @@ class Quadrature:
         return cls(plain.order, plain.widest, plain.nodes + plain.order * cuts * radii.size, cuts)
 
     def finer(self) -> Quadrature:
-        """One or two more nodes on the same panels: at least one order of magnitude more accurate."""
+        """Quadrature of one or two more nodes on the same panels: at least one order of magnitude more accurate."""
         step = 1 if self.order <= 4 else 2
         crowding = self.crowding + 1 if self.crowding else 0
         return Quadrature(self.order + step, self.widest, self.nodes // self.order * (self.order + step), crowding)
 
     def narrower(self) -> Quadrature:
-        """Narrower panels of the same order, more crowded: product integration loses accuracy at higher orders."""
+        """Quadrature of narrower panels and the same order, more crowded: product integration loses accuracy at higher
+        orders."""
         nodes = math.ceil(self.nodes * TUNING.narrower)
         return Quadrature(self.order, self.widest / TUNING.narrower, nodes, self.crowding + 1)
 
@@ -152,8 +155,3 @@ class Panels:
         edges = np.sort(np.concatenate([edges, np.ravel(cuts)]))
         x, w = gauss(edges[:-1], edges[1:], *rule(quadrature.order))
         return cls(edges, quadrature.order, radii, x, w, quadrature.order * np.searchsorted(edges, radii))
-
-    @property
-    def largest(self) -> float:
-        """The largest radius [m]."""
-        return float(self.radii[-1])

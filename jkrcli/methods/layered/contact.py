@@ -35,7 +35,7 @@ class LayeredTuning:
     most_nodes: int = 4000  # choice: a matrix of 128 MB
     most_flops: float = 4e11  # choice: minutes
     crowd: int = 8  # nodes per radius, below which a refusal names the points as the cause; choice: for the message
-    logarithm: int = 400  # operations per entry of a kernel's logarithmic part; tuned on graded layers, by `make bench`
+    logarithm: int = 400  # operations per entry of a kernel's logarithmic part; choice: for forecasts
 
 
 TUNING = LayeredTuning()
@@ -47,6 +47,7 @@ class LayeredContact:
 
     indenter: Indenter
     specimen: Specimen
+    limit = math.inf  # the kernel is known at every radius
 
     @property
     def E_star(self) -> float:
@@ -56,11 +57,6 @@ class LayeredContact:
     def scale(self) -> float:
         """The length over which the kernel varies [m]; infinite for a homogeneous half-space."""
         return self.spectrum.scale
-
-    @property
-    def limit(self) -> float:
-        """The kernel is known at every radius."""
-        return math.inf
 
     @cached_property
     def spectrum(self) -> LayeredSpectrum:
@@ -138,7 +134,7 @@ class LayeredContact:
         raise _inaccurate(best, plan.nodes, tolerance)
 
     def _attempt(self, radii: Array, plan: Quadrature, order: int, inner: int) -> EquationResult | None:
-        """As ``solved``; None where the quadrature is too coarse for a positive definite matrix."""
+        """Result of ``solved``; None where the quadrature is too coarse for a positive definite matrix."""
         try:
             return self.solved(radii, plan, order, inner)
         except SolveError:
@@ -146,7 +142,7 @@ class LayeredContact:
 
 
 def _inaccurate(error: float, nodes: int, tolerance: float) -> InaccurateError:
-    """The least ``error`` that was found, infinite where none was, and what may help."""
+    """Refusal that names the least ``error`` found (infinite: none was) and what may help."""
     smaller = "ask for a smaller contact radius"
     if math.isinf(error):
         missed = f"layered: {nodes} nodes do not resolve the kernel, the error is not known; "

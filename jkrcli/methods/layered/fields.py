@@ -114,5 +114,5 @@ def _specimen_surface(phi: Density, problem: Problem, r: Array, gap: Array) -> A
 
 
 def _axis(phi: Density) -> float:
-    """The same from 0 for r -> 0 [m]."""
+    """Limit of ``arc`` from 0 to r for r -> 0 [m]."""
     return math.pi / 2 * float(phi(np.zeros(1))[0])

@@ -77,7 +77,7 @@ class Medium:
 
     @classmethod
     def isotropic(cls, nu: float) -> Medium:
-        """c = lambda/(lambda + 2 G), beta = G/(lambda + 2 G), e = 4 (lambda + G) beta/G."""
+        """Constants c = lambda/(lambda + 2 G), beta = G/(lambda + 2 G), e = 4 (lambda + G) beta/G."""
         return cls(nu / (1 - nu), (1 - 2 * nu) / (2 * (1 - nu)), 2 / (1 - nu))
 
     @classmethod
@@ -87,12 +87,12 @@ class Medium:
 
     @cached_property
     def _root(self) -> float:
-        """s1 s2."""
+        """Product s1 s2 of the roots."""
         return math.sqrt(self.c**2 + self.e * self.beta)
 
     @property
     def squares(self) -> tuple[float, float]:
-        """A^2 and D^2."""
+        """Squares A^2 and D^2 of the sum and the difference of the roots."""
         middle = self.e - 2 * self.c
         return middle + 2 * self._root, middle - 2 * self._root
 
@@ -111,13 +111,13 @@ class Medium:
         return [1.0, rr, zz, rz, rr * zz - rz**2]
 
     def powers(self, m: Array) -> Iterator[Array]:
-        """B m, B^2 m, B^3 m, B^4 m."""
+        """Products B m, B^2 m, B^3 m, B^4 m, one after the other."""
         for _ in range(4):
             m = self.generator(m)
             yield m
 
     def generator(self, m: Array) -> Array:
-        """B m."""
+        """Product B m of the minors' equation."""
         out = np.empty_like(m)
         out[0] = self.e * m[1]
         out[1] = m[0] - 2 * m[3]
@@ -163,7 +163,7 @@ def _even(y: Array) -> Array:
 
 
 def _transverse_functions(A2: float, D2: float, y: Array) -> tuple[Array, Array, Array, Array]:
-    """o and q of D^2, o1, q1, all times exp(-A y)."""
+    """Functions o and q of D^2, o1, q1 of the matrix exponential, all times exp(-A y)."""
     A = math.sqrt(A2)
     o_A, q_A = _hyperbolic(A2, y, A)
     o, q = _hyperbolic(D2, y, A)
@@ -182,7 +182,7 @@ def _transverse_functions(A2: float, D2: float, y: Array) -> tuple[Array, Array,
 
 
 def _hyperbolic(X: float, y: Array, A: float) -> tuple[Array, Array]:
-    """o(X) and q(X), times exp(-A y), A >= sqrt(X)."""
+    """Functions o(X) and q(X) of the matrix exponential, times exp(-A y), A >= sqrt(X)."""
     d = math.sqrt(abs(X))
     x = np.maximum(d * y, 1e-300)
     if X < 0:
@@ -236,7 +236,7 @@ def _sublayers(material: Graded, top: float, bottom: float, tuning: MinorsTuning
 
 
 def _through_part(m: Array, k: Array, material: Graded, top: float, bottom: float, count: int) -> Array:
-    """Through ``count`` homogeneous sublayers between the depths ``bottom`` and ``top`` [m]."""
+    """Minors after ``count`` homogeneous sublayers between the depths ``bottom`` and ``top`` [m]."""
     seen = np.minimum(bottom - top, TUNING.seen / k)
     edges = np.linspace(0, 1, 2 * count + 1) ** 2
     modulus = material.at(top + seen)
@@ -285,7 +285,7 @@ def minors_below(specimen: Specimen, k: Array) -> Array:
 
 
 def upwards(m: Array, k: Array, layer: Layer) -> Array:
-    """From the bottom of a layer, in units of the shear modulus there, to its top, in units of that at the top."""
+    """Minors at the top of a layer, in units of the shear modulus there, from those at its bottom, in units of that."""
     match layer.material:
         case Graded() as material:
             return through_graded(m, k, material, layer.thickness)

@@ -11,7 +11,7 @@ from .. import Descriptor, register
 
 @dataclass(frozen=True)
 class LayeredOptions:
-    """``tolerance``: relative error of delta, P, S and S' at every radius."""
+    """Options: ``tolerance``, the relative error of delta, P, S and S' at every radius."""
 
     tolerance: Annotated[float, Ranged("number", least=1e-12, most=1e-2)] = 1e-8
 

@@ -41,7 +41,7 @@ TUNING = ProductTuning()
 
 
 def product_matrix(transform: Transform, panels: Panels) -> Array:
-    """K at all nodes and, as last columns and rows, at the radii; the rows of a radius belong to the nodes inside it.
+    """Matrix of K at all nodes and, in its last columns and rows, at the radii (of those only the nodes inside count).
 
     ``transform``: tau(s) [1/m] for s > 0, at most a logarithm at 0; entries [1/m], shape (nodes + radii, nodes +
     radii). The block of the radii among themselves is left at zero.
@@ -56,7 +56,7 @@ def product_matrix(transform: Transform, panels: Panels) -> Array:
 
 
 def _tabulated(transform: Transform, panels: Panels) -> Transform:
-    """A spline of tau over ln(s) in its place, several times as fast and good to 1e-9."""
+    """A spline over ln(s) in place of tau, several times as fast and good to 1e-9."""
     smallest = float(np.diff(panels.edges).min()) * crowded_rule(TUNING.alone, 3)[0][0]
     decades = math.log10(2 * panels.edges[-1] / smallest)
     ln_s = np.linspace(math.log(smallest), math.log(2 * panels.edges[-1]), math.ceil(TUNING.per_decade * decades))
@@ -65,7 +65,7 @@ def _tabulated(transform: Transform, panels: Panels) -> Transform:
 
 
 def _entries(transform: Transform, panels: Panels, mirrored: bool) -> Array:
-    """The part of x - t, or of x + t, at the nodes."""
+    """Block of the nodes: the part of x - t or, ``mirrored``, of x + t."""
     order, count = panels.order, panels.edges.size - 1
     lo, width = panels.edges[:-1], np.diff(panels.edges)
     plain = _symmetric(transform, panels.x, mirrored).reshape(count, order, count, order)
@@ -87,7 +87,7 @@ def _entries(transform: Transform, panels: Panels, mirrored: bool) -> Array:
 
 
 def _columns(transform: Transform, panels: Panels, mirrored: bool) -> Array:
-    """The part of a - t, or of a + t, at the nodes t inside each radius a."""
+    """Columns of the radii a at the nodes t inside each: the part of a - t or, ``mirrored``, of a + t."""
     order, count = panels.order, panels.edges.size - 1
     lo, width = panels.edges[:-1], np.diff(panels.edges)
     distance = panels.x[:, None] + panels.radii if mirrored else np.abs(panels.x[:, None] - panels.radii)

@@ -52,7 +52,8 @@ def _projection(samples: int) -> Array:
 
 
 def deviation(specimen: Specimen, k: Array, indenter: Elastic | None = None) -> Array:
-    """g(k) - 1 at the wave numbers ``k`` >= 0 [1/m], shape of ``k``; small values keep their relative accuracy.
+    """Deviation g(k) - 1 at the wave numbers ``k`` >= 0 [1/m], shape of ``k``; small values keep their relative
+    accuracy.
 
     With an elastic ``indenter`` g belongs to both bodies together, normalised by E* of both: its own half-space adds a
     constant to the compliance, so that only the factor E*/E*_top remains.
@@ -66,7 +67,8 @@ def deviation(specimen: Specimen, k: Array, indenter: Elastic | None = None) -> 
 
 
 def compliance_ratio(specimen: Specimen, k: Array, indenter: Elastic | None = None) -> Array:
-    """g(k), the surface compliance over that of a half-space of the top material: 1 for k h -> infinity [-].
+    """Compliance ratio g(k): the surface compliance over that of a half-space of the top material: 1 for k h ->
+    infinity [-].
 
     Relative accuracy also where g is small (rigid base, k -> 0), except that an elastic ``indenter`` adds its constant.
     """
@@ -82,7 +84,8 @@ def compliance_ratio(specimen: Specimen, k: Array, indenter: Elastic | None = No
 
 
 def _positive(specimen: Specimen, k: Array) -> Array:
-    """``k``, flat, with zero replaced by next to nothing: the minors over a frictionless base vanish at zero itself."""
+    """Wave numbers ``k``, flat, with zero replaced by next to nothing: the minors over a frictionless base vanish at
+    zero itself."""
     return np.maximum(np.ravel(k), 1e-30 / specimen.top_thickness)
 
 
@@ -100,17 +103,18 @@ def _deviation_of_stack(specimen: Specimen, k: Array) -> Array:
 
 
 def _half_space(specimen: Specimen) -> float:
-    """F_zz of a half-space of the material at the surface, in units of 1/G of that: 1 - nu if isotropic."""
+    """Compliance F_zz of a half-space of the material at the surface, in units of 1/G of that: 1 - nu if isotropic."""
     return 2 * shear_moduli(specimen.layers[0])[0] / specimen.surface.E_star
 
 
 def _excess(m: Array, half_space: float) -> Array:
-    """g - 1 from the minors at the surface, by subtraction."""
+    """Deviation g - 1 from the minors at the surface, by subtraction."""
     return m[2] / (half_space * m[0]) - 1
 
 
 def _far(m: Array, y: Array, nu: float) -> Array:
-    """g - 1 for a thick top layer: its growing part, a half-space, is taken out of exp(B y) before any subtraction."""
+    """Deviation g - 1 for a thick top layer: its growing part, a half-space, is taken out of exp(B y) before any
+    subtraction."""
     b1, b2, b3, b4 = Medium.isotropic(nu).powers(m)
     once = np.exp(-2 * y)
     twice = once * once
@@ -126,7 +130,8 @@ def _far(m: Array, y: Array, nu: float) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class LayeredSpectrum:
-    """g(k) - 1 of one pair of bodies, with the panels in k on which it is resolved; makes kernels of any reach."""
+    """Spectrum g(k) - 1 of one pair of bodies, with the panels in k on which it is resolved; makes kernels of any
+    reach."""
 
     specimen: Specimen
     indenter: Elastic | None = None
@@ -142,7 +147,7 @@ class LayeredSpectrum:
 
     @property
     def floor(self) -> float:
-        """The rest beyond k_max."""
+        """Size of the rest beyond k_max."""
         return TUNING.floor if self.tail is None else TUNING.graded_floor
 
     @cached_property
@@ -188,7 +193,7 @@ class LayeredSpectrum:
         return resolved(self, edges[:-1], edges[1:], self.tail)
 
     def kernel(self, reach: float, order: int = 24) -> CosineKernel:
-        """K for all x, t with x + t <= ``reach`` [m], from ``order`` Gauss nodes in k on every panel."""
+        """Kernel for all x, t with x + t <= ``reach`` [m], from ``order`` Gauss nodes in k on every panel."""
         if self.bandwidth(self.floor) == 0:
             return CosineKernel(np.zeros(0), np.zeros(0), np.inf)
         lo, hi, values = self.panels
@@ -210,7 +215,7 @@ class LayeredSpectrum:
 def resolved(
     function: Callable[[Array], Array], lo: Array, hi: Array, tail: Callable[[Array], Array] | None = None
 ) -> tuple[Array, Array, Array]:
-    """Halve panels until ``function`` = g - 1, less its ``tail``, is a polynomial on each, to ``TUNING.last`` of its g.
+    """Panels, halved until ``function`` = g - 1, less its ``tail``, is a polynomial on each, to ``TUNING.last`` of g.
 
     Returns the ends and the values at the Gauss nodes of each. An error of g relative to g itself is what counts: S is
     the minimum of a quadratic form with the symbol g > 0.

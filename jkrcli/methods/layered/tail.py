@@ -34,8 +34,8 @@ COUNT = 6  # terms of the tail; tuned on graded layers, by `make tuning`
 
 @dataclass(frozen=True, eq=False)
 class Tail:
-    """t(k) with ``coefficients`` b_n [m^-n], n = 1, 2, ..., and q = ``rate`` [1/m]; ``finest``: the length [m] over
-    which the modulus changes below the surface."""
+    """Slowly decaying part t(k) of g - 1, with ``coefficients`` b_n [m^-n], n = 1, 2, ..., and q = ``rate`` [1/m];
+    ``finest``: the length [m] over which the modulus changes below the surface."""
 
     coefficients: Array
     rate: float
@@ -43,7 +43,7 @@ class Tail:
 
     @classmethod
     def of(cls, specimen: Specimen, indenter: Elastic | None = None) -> Tail | None:
-        """That of g - 1 of ``specimen`` under an ``indenter``; None where g - 1 decays exponentially."""
+        """Tail of g - 1 of ``specimen`` under an ``indenter``; None where g - 1 decays exponentially."""
         material = specimen.layers[0].material if specimen.layers else None
         if not isinstance(material, Graded):
             return None
@@ -82,7 +82,7 @@ class Tail:
 
 
 def surface_series(material: Graded, count: int) -> Array:
-    """c_0 = 1, c_1, ..., c_count [m^-n] of g ~ sum c_n/k^n at the top of a graded layer."""
+    """Coefficients c_0 = 1, c_1, ..., c_count [m^-n] of g ~ sum c_n/k^n at the top of a graded layer."""
     nu, size = material.nu, count + 1
     rates = _logarithmic_slope(material.law.taylor(size + 1))
     F = [np.outer((1 - nu, 1 - nu, nu - 0.5), np.eye(1, size)[0])]  # rr, zz, rz as power series in z
@@ -112,7 +112,7 @@ def _product(a: Array, b: Array) -> Array:
 
 
 def _regularised(c: Array, rate: float) -> Array:
-    """b with sum b_n (k^2 + q^2)^(-n/2) = sum c_n k^-n up to the last term."""
+    """Coefficients b with sum b_n (k^2 + q^2)^(-n/2) = sum c_n k^-n up to the last term."""
     b = c.copy()
     for n in range(1, c.size + 1):
         term = 1.0

@@ -160,7 +160,7 @@ def test_radius_and_load_from_a_microscope(jkr, folder: Path) -> None:
     (folder / "scope.csv").write_text("a_um;P_uN\n" + rows + "\n")
     found = json.loads(jkr("fit", "sphere.toml", "scope.csv", "--json", "--no-plots").out)["curves"][0]
     assert found["free"] == ["modulus", "w"]
-    assert found["estimates"]["w"]["value"] == pytest.approx(W, rel=1e-6)
+    assert found["estimates"]["w"]["value"] == pytest.approx(W, rel=1e-12)  # linear in its unknowns
 
 
 def test_sizes_of_the_data_are_those_of_the_literature() -> None:

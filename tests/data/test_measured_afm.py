@@ -49,8 +49,8 @@ def test_indentation_is_minus_height_minus_deflection(tmp_path: Path) -> None:
     assert curve.measured == ("delta", "P", "t")
     assert curve.segment.tolist() == ["approach"] * 3 + ["retract"] * 2
     assert curve.flags == ("displacement from the height (measured)",)
-    np.testing.assert_allclose(curve.P, FORCE, rtol=1e-7)  # the file holds eight digits
-    np.testing.assert_allclose(curve.delta, -HEIGHT - FORCE / K, rtol=1e-7)
+    np.testing.assert_allclose(curve.P, FORCE, rtol=1e-14)  # the file holds eight digits, these numbers have two
+    np.testing.assert_allclose(curve.delta, -HEIGHT - FORCE / K, rtol=1e-14)
 
 
 def test_a_map_of_many_curves_is_read_one_by_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -65,7 +65,7 @@ def test_a_map_of_many_curves_is_read_one_by_one(tmp_path: Path, monkeypatch: py
     assert isinstance(first, Curve)
     assert set(loaded) == {"0"}
     assert [first.name, *(item.name for item in curves if isinstance(item, Curve))] == ["0", "1", "2", "3"]
-    np.testing.assert_allclose(first.delta, 5e-6 - HEIGHT - FORCE / K, rtol=1e-12)
+    np.testing.assert_allclose(first.delta, 5e-6 - HEIGHT - FORCE / K, rtol=1e-14)
 
 
 def test_the_position_of_the_tip_itself_needs_no_deflection(tmp_path: Path) -> None:
@@ -85,7 +85,7 @@ def test_one_bad_curve_of_a_map_is_told_and_the_others_follow(tmp_path: Path) ->
     ]
     (_, _, last) = measured.each(path, Reading(stiffness=K))
     assert isinstance(last, Curve)
-    np.testing.assert_allclose(last.delta, -HEIGHT - FORCE / K, rtol=1e-12)
+    np.testing.assert_allclose(last.delta, -HEIGHT - FORCE / K, rtol=1e-14)
 
 
 WRONG: dict[str, tuple[Callable[[Path], Path], Reading, str]] = {

@@ -163,7 +163,7 @@ KINDS = {
     "fem: quadrilaterals on a thin layer": kind(  # of which triangles are more
         "method fem: " + TOO_MANY + "take a larger mesh.spacing or mesh.smallest, or a larger mesh.growth",
         fem({"element": "quadrilateral"}, specimen={"layers": [layer("200 nm")]}),
-        {"mesh": {"growth": 0.5}}, near=0.05, jkrcli__methods__fem__layout__TUNING__most_cells=1500),
+        {"mesh": {"growth": 0.5}}, near=0.05, jkrcli__methods__fem__layout__TUNING__most_cells=2100),
     "fem: zones": kind("method fem: " + TOO_MANY + "take a larger mesh.element_size, or a larger mesh.growth",
         {"method": "fem", "mesh": {**ZONES, "element_size": 1e-12}}, {"mesh": {"element_size": "1 um"}}),
     "fem: a tolerance of too many": kind("method fem: " + TOO_MANY + "ask for a larger mesh.tolerance, or use the "

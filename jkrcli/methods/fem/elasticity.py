@@ -18,19 +18,8 @@ from functools import wraps
 from typing import Any, Literal
 
 import numpy as np
+import skfem
 from scipy.sparse import bmat, csr_matrix
-from skfem import (
-    Basis,
-    BilinearForm,
-    ElementQuad1,
-    ElementQuad2,
-    ElementTriP1,
-    ElementTriP2,
-    FacetBasis,
-    LinearForm,
-    MeshQuad,
-    MeshTri,
-)
 
 from ...base.arrays import Array
 from ...base.errors import Refusal
@@ -38,11 +27,9 @@ from ...bodies.materials import Elastic, Graded, Material, TransverselyIsotropic
 from .grid import Grid, sides
 
 Side = Literal["free", "roller", "clamped"]
-ELEMENTS = {
-    ("triangle", 1): ElementTriP1,
-    ("triangle", 2): ElementTriP2,
-    ("quadrilateral", 1): ElementQuad1,
-    ("quadrilateral", 2): ElementQuad2,
+ELEMENTS = {  # of first and second order
+    "triangle": (skfem.ElementTriP1, skfem.ElementTriP2),
+    "quadrilateral": (skfem.ElementQuad1, skfem.ElementQuad2),
 }
 GRADED_DEGREE = 2  # theory: what moduli that vary over an element add to the degree of the integrands
 
@@ -58,7 +45,7 @@ def ring(form: Callable[..., Any]) -> Callable[..., Any]:
     return weighted
 
 
-@BilinearForm
+@skfem.BilinearForm
 @ring
 def stiffness_rr(u: Any, v: Any, w: Any) -> Any:
     """C11 (rr rr + tt tt) + C12 (rr tt + tt rr) + C44 rz rz, of u_r with v_r."""
@@ -68,62 +55,62 @@ def stiffness_rr(u: Any, v: Any, w: Any) -> Any:
     return w["C11"] * same + w["C12"] * cross + w["C44"] * u.grad[1] * v.grad[1]
 
 
-@BilinearForm
+@skfem.BilinearForm
 @ring
 def stiffness_rz(u: Any, v: Any, w: Any) -> Any:
     """C13 zz (rr + tt) + C44 rz rz, of u_z with v_r."""
     return w["C13"] * u.grad[1] * (v.grad[0] + v / w.x[0]) + w["C44"] * u.grad[0] * v.grad[1]
 
 
-@BilinearForm
+@skfem.BilinearForm
 @ring
 def stiffness_zz(u: Any, v: Any, w: Any) -> Any:
     """C33 zz zz + C44 rz rz, of u_z with v_z."""
     return w["C33"] * u.grad[1] * v.grad[1] + w["C44"] * u.grad[0] * v.grad[0]
 
 
-@BilinearForm
+@skfem.BilinearForm
 @ring
 def pressure_r(u: Any, q: Any, w: Any) -> Any:
     """-q (rr + tt)."""
     return -q * (u.grad[0] + u / w.x[0])
 
 
-@BilinearForm
+@skfem.BilinearForm
 @ring
 def pressure_z(u: Any, q: Any, w: Any) -> Any:
     """-q zz."""
     return -q * u.grad[1]
 
 
-@BilinearForm
+@skfem.BilinearForm
 @ring
 def pressure_mass(p: Any, q: Any, w: Any) -> Any:
     """p q/lambda."""
     return w["compressibility"] * p * q
 
 
-@BilinearForm
+@skfem.BilinearForm
 @ring
 def mass(u: Any, v: Any, w: Any) -> Any:
     """u v."""
     return u * v
 
 
-@LinearForm
+@skfem.LinearForm
 def force_r(v: Any, w: Any) -> Any:
     """sigma : eps(v) = s_rr rr + s_tt tt + s_rz rz of a radial v."""
     return (w["rr"] * v.grad[0] + w["rz"] * v.grad[1]) * 2 * np.pi * w.x[0] + w["tt"] * v * 2 * np.pi
 
 
-@LinearForm
+@skfem.LinearForm
 @ring
 def force_z(v: Any, w: Any) -> Any:
     """sigma : eps(v) = s_zz zz + s_rz rz of an axial v."""
     return w["zz"] * v.grad[1] + w["rz"] * v.grad[0]
 
 
-@LinearForm
+@skfem.LinearForm
 @ring
 def measure(v: Any, w: Any) -> Any:
     """v: on the surface the area that belongs to each node."""
@@ -144,7 +131,7 @@ class ElasticSystem:
     grid: Grid
     materials: Sequence[Material]
     mixed: tuple[int, ...]
-    basis: Basis
+    basis: skfem.Basis
     K: csr_matrix
     node_of: Array
     free: Array
@@ -202,22 +189,19 @@ class ElasticSystem:
         """Upward force of the supports on the body [N]."""
         return float(self.components(self.reactions(solution))[1].sum())
 
-    def on_facets(self, facets: Array | str, degree: int) -> FacetBasis:
+    def on_facets(self, facets: Array | str, degree: int) -> skfem.FacetBasis:
         """The basis on facets, or on a named side; quadrature exact for polynomials of ``degree``."""
-        return FacetBasis(self.basis.mesh, self.basis.elem, facets=facets, intorder=degree)
+        return skfem.FacetBasis(self.basis.mesh, self.basis.elem, facets=facets, intorder=degree)
 
-    def in_layer(self, layer: int, degree: int | None = None) -> Basis:
+    def in_layer(self, layer: int, degree: int | None = None) -> skfem.Basis:
         """The basis on the cells of a layer, with the quadrature of the stiffness or one of its own ``degree``."""
-        if degree is None:
-            return _restricted(self.basis, self.grid, layer)
-        cells = np.flatnonzero(self.grid.materials == layer)
-        return Basis(self.basis.mesh, self.basis.elem, elements=cells, intorder=degree)
+        return _restricted(self.basis, self.grid, layer, self.basis.elem, degree)
 
     def side_load(self, traction: Callable[[Array, Array], Array]) -> Array:
         """Consistent nodal loads [N], shape (nodes,), of one component of a ``traction(r, z)`` [Pa] on the side."""
-        return LinearForm(ring(lambda v, w: traction(*w.x) * v)).assemble(self.on_facets("side", 4))
+        return skfem.LinearForm(ring(lambda v, w: traction(*w.x) * v)).assemble(self.on_facets("side", 4))
 
-    def pressure(self, solution: Array, layer: int, basis: Basis) -> Array | float:
+    def pressure(self, solution: Array, layer: int, basis: skfem.Basis) -> Array | float:
         """The pressure unknown [Pa] of a layer at the points of ``basis``; 0 where it has none."""
         if layer not in self.mixed:
             return 0.0
@@ -246,7 +230,7 @@ def assemble(
     K, pressure_nodes = _stiffness(basis, grid, materials, tuple(mixed))
     surface = basis.get_dofs("surface").all()
     surface = surface[np.argsort(basis.doflocs[0, surface], kind="stable")]
-    top = FacetBasis(basis.mesh, basis.elem, facets="surface", intorder=2 * order + 1)
+    top = skfem.FacetBasis(basis.mesh, basis.elem, facets="surface", intorder=2 * order + 1)
     return ElasticSystem(
         grid=grid,
         materials=materials,
@@ -260,29 +244,29 @@ def assemble(
     )
 
 
-def _basis(grid: Grid, order: int, degree: int) -> Basis:
+def _basis(grid: Grid, order: int, degree: int) -> skfem.Basis:
     """Scalar basis on the grid with its boundaries named; quadrature exact for polynomials of ``degree``."""
-    kind = MeshTri if grid.element == "triangle" else MeshQuad
+    kind = skfem.MeshTri if grid.element == "triangle" else skfem.MeshQuad
     mesh = kind(np.ascontiguousarray(grid.points.T), np.ascontiguousarray(grid.cells.T))
     middles = mesh.p[:, mesh.facets].mean(axis=1)
     named = sides(middles.T, grid.width, grid.depth)
     mesh = mesh.with_boundaries({name: np.flatnonzero(on_side) for name, on_side in named.items()})
-    return Basis(mesh, ELEMENTS[grid.element, order](), intorder=degree)
+    return skfem.Basis(mesh, ELEMENTS[grid.element][order - 1](), intorder=degree)
 
 
 def _linear(grid: Grid) -> Any:
     """Element of the pressure."""
-    return ELEMENTS[grid.element, 1]()
+    return ELEMENTS[grid.element][0]()
 
 
-def _restricted(basis: Basis, grid: Grid, layer: int, element: Any = None) -> Basis:
-    """The basis, or one of another ``element``, on the cells of a layer, with the same quadrature."""
-    cells = np.flatnonzero(grid.materials == layer)
-    return Basis(basis.mesh, element or basis.elem, elements=cells, quadrature=(basis.X, basis.W))
+def _restricted(basis: skfem.Basis, grid: Grid, layer: int, element: Any, degree: int | None = None) -> skfem.Basis:
+    """Basis of the ``element`` on the cells of a layer, with the same quadrature or one exact to ``degree``."""
+    quadrature = {"quadrature": (basis.X, basis.W)} if degree is None else {"intorder": degree}
+    return skfem.Basis(basis.mesh, element, elements=np.flatnonzero(grid.materials == layer), **quadrature)
 
 
 def _stiffness(
-    basis: Basis, grid: Grid, materials: Sequence[Material], mixed: tuple[int, ...]
+    basis: skfem.Basis, grid: Grid, materials: Sequence[Material], mixed: tuple[int, ...]
 ) -> tuple[csr_matrix, Array]:
     """All blocks, and the nodes that the pressure unknowns sit on."""
     C = dict(zip(("C11", "C12", "C13", "C33", "C44"), _constants(basis, grid, materials, mixed), strict=True))
@@ -294,10 +278,10 @@ def _stiffness(
     return bmat(blocks, format="csr"), np.concatenate([np.zeros(0, dtype=int), *(nodes for *_, nodes in pressures)])
 
 
-def _pressure_blocks(basis: Basis, grid: Grid, layer: int, material: Material) -> tuple[Any, Any, Any, Array]:
+def _pressure_blocks(basis: skfem.Basis, grid: Grid, layer: int, material: Material) -> tuple[Any, Any, Any, Array]:
     """Divergence blocks, compressibility and nodes of a linear pressure in one layer: it may jump at interfaces."""
     assert not isinstance(material, TransverselyIsotropic)  # always compressible
-    displacement, linear = _restricted(basis, grid, layer), _restricted(basis, grid, layer, _linear(grid))
+    displacement, linear = (_restricted(basis, grid, layer, element) for element in (basis.elem, _linear(grid)))
     used = np.unique(linear.element_dofs)
     B_r, B_z = (form.assemble(displacement, linear)[used] for form in (pressure_r, pressure_z))
     moduli = material.at(_depths(basis, grid, layer, material))
@@ -306,7 +290,7 @@ def _pressure_blocks(basis: Basis, grid: Grid, layer: int, material: Material) -
     return B_r, B_z, M, basis.nodal_dofs[0][used]
 
 
-def _constants(basis: Basis, grid: Grid, materials: Sequence[Material], mixed: tuple[int, ...]) -> Array:
+def _constants(basis: skfem.Basis, grid: Grid, materials: Sequence[Material], mixed: tuple[int, ...]) -> Array:
     """C11, C12, C13, C33, C44 [Pa] at the quadrature points of every cell, or one value per cell if none is graded."""
     points = basis.X.shape[1] if any(isinstance(material, Graded) for material in materials) else 1
     C = np.empty((5, len(grid.cells), points))
@@ -315,7 +299,7 @@ def _constants(basis: Basis, grid: Grid, materials: Sequence[Material], mixed: t
     return C
 
 
-def _depths(basis: Basis, grid: Grid, layer: int, material: Material) -> Array:
+def _depths(basis: skfem.Basis, grid: Grid, layer: int, material: Material) -> Array:
     """Depths below the top of the layer [m] at the quadrature points of its cells, or one for all if homogeneous."""
     if not isinstance(material, Graded):
         return np.zeros((1, 1))
@@ -334,7 +318,7 @@ def stiffness_constants(material: Material, mixed: bool, depth: Array) -> Array:
     return np.multiply.outer([lame + 2 * G, lame, lame, lame + 2 * G, G], material.at(depth))
 
 
-def _held(basis: Basis, bonded: bool, side: Side) -> Array:
+def _held(basis: skfem.Basis, bonded: bool, side: Side) -> Array:
     """Unknowns that the supports hold at zero."""
     N = basis.N
     axis, base, rim = (basis.get_dofs(name).all() for name in ("axis", "base", "side"))

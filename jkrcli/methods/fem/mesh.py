@@ -15,26 +15,6 @@ from ...base.errors import InputError, SolveError
 from .grid import Grid, Strip, make_grid
 
 SYSTEM_PACKAGES = "libgl1 libglu1-mesa libxcursor1 libxft2 libxinerama1 libgomp1"
-OPTIONS = {
-    "Algorithm": 6,  # frontal Delaunay
-    "Binary": 0,
-    "ElementOrder": 1,
-    "MeshSizeExtendFromBoundary": 0,
-    "MeshSizeFactor": 1,
-    "MeshSizeFromCurvature": 0,
-    "MeshSizeFromParametricPoints": 0,
-    "MeshSizeFromPoints": 0,
-    "MeshSizeMax": 1e22,
-    "MeshSizeMin": 0,
-    "MshFileVersion": 4.1,
-    "Optimize": 1,
-    "RandomFactor": 1e-9,
-    "RecombineAll": 0,
-    "SaveAll": 0,
-    "Smoothing": 1,
-    "SubdivisionAlgorithm": 0,
-    "ToleranceEdgeLength": 0,
-}
 
 
 @contextmanager
@@ -51,8 +31,8 @@ def _gmsh() -> Iterator[ModuleType]:
     try:
         gmsh.option.setNumber("General.Terminal", 0)
         gmsh.option.setNumber("General.NumThreads", 1)
-        for name, value in OPTIONS.items():
-            gmsh.option.setNumber(f"Mesh.{name}", value)
+        for name in ("ExtendFromBoundary", "FromPoints"):  # only the size law counts
+            gmsh.option.setNumber(f"Mesh.MeshSize{name}", 0)
         gmsh.model.add("body")
         yield gmsh
     finally:

@@ -18,11 +18,21 @@ from .curve import AdhesiveCurve, CriticalPoint, transform
 from .device import LOAD_CONTROL
 from .slopes.result import Slopes
 
-WINDOW = 1.8  # the nearest point of the exact curve is looked for within this factor of the radius
-COARSE, FINE = 129, 17  # points of the exact curve in that window, and in each refinement around the nearest
-REFINEMENTS = 17  # by FINE // 2 each: down to round-off of the radius
 OUTSIDE = Unknown("pull-off lies outside the series")
-HALVINGS = 70  # of the interval that holds the logarithm of a radius
+
+
+@dataclass(frozen=True)
+class DistanceTuning:
+    """How the point of the exact curve is found that is nearest to a computed one."""
+
+    window: float = 1.8  # factor of the radius within which it lies; choice: errors of the radius are far smaller
+    coarse: int = 129  # points of the exact curve in that window; choice: several to each of its bends
+    fine: int = 17  # and in each refinement around the nearest; choice: time alone depends on it
+    refinements: int = 17  # theory: by fine // 2 each, down to round-off of the radius
+    halvings: int = 70  # of the interval that holds the logarithm of a radius; theory: down to round-off
+
+
+TUNING = DistanceTuning()
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,7 +119,7 @@ def _radii_of_depth(delta: Array, indenter: Indenter) -> Array:
     while high < top and (indenter.abel(np.array(a0 + high)) < delta).any():
         high = min(2 * high, top)
     start, end = np.full_like(delta, np.log(low)), np.full_like(delta, np.log(high))
-    for _ in range(HALVINGS):
+    for _ in range(TUNING.halvings):
         middle = (start + end) / 2
         below = indenter.abel(a0 + np.exp(middle)) < delta
         start, end = np.where(below, middle, start), np.where(below, end, middle)
@@ -136,7 +146,7 @@ def curve_distance(
 ) -> float:  # fmt: skip
     """Greatest distance of the points (``delta``, ``P``) from the curve ``exact`` of the radius, which is looked for
     near their radii ``a`` [m] between the ``ends`` [m]; the axes in units of the displacement and load of ``unit``."""
-    low, high = np.maximum(a / WINDOW, ends[0]), np.minimum(a * WINDOW, ends[1])
+    low, high = np.maximum(a / TUNING.window, ends[0]), np.minimum(a * TUNING.window, ends[1])
 
     def distances(v: Array) -> Array:
         delta_there, P_there = exact(low + (high - low) * v**2)
@@ -148,12 +158,12 @@ def curve_distance(
 def _least(distances: Callable[[Array], Array], size: int) -> Array:
     """The least of each of ``size`` distances over v in [0, 1], ``distances``: (m, size) -> (m, size)."""
     columns = np.arange(size)
-    v = np.broadcast_to(np.linspace(0, 1, COARSE)[:, None], (COARSE, size))
-    step, found = 1 / (COARSE - 1), np.full(size, np.inf)
-    for _ in range(REFINEMENTS):
+    v = np.broadcast_to(np.linspace(0, 1, TUNING.coarse)[:, None], (TUNING.coarse, size))
+    step, found = 1 / (TUNING.coarse - 1), np.full(size, np.inf)
+    for _ in range(TUNING.refinements):
         values = distances(v)
         nearest = np.argmin(values, axis=0)
         found = np.minimum(found, values[nearest, columns])
-        v = np.clip(v[nearest, columns] + step * np.linspace(-1, 1, FINE)[:, None], 0, 1)
-        step *= 2 / (FINE - 1)
+        v = np.clip(v[nearest, columns] + step * np.linspace(-1, 1, TUNING.fine)[:, None], 0, 1)
+        step *= 2 / (TUNING.fine - 1)
     return found

@@ -18,9 +18,8 @@ from ..base.unknown import Unknown
 from .curve import NO_ADHESION, TUNING, AdhesiveCurve, CriticalPoint, transform
 from .device import position
 from .slopes import slopes_function
-from .slopes.choice import NEGLIGIBLE
+from .slopes.choice import TUNING as CHOICE
 
-STEP = 1e-3  # of the radius, for the curvature of the controlled quantity
 Errors = Mapping[str, float]
 
 
@@ -51,7 +50,7 @@ def _propagated(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) ->
     assert slopes.joint is not None
     covariance = curve.nonadhesive.between(slopes.joint, a)
     delta, P, delta_rate, P_rate = _gradients(curve, a)
-    along = np.clip(a * (1 + STEP * np.array([-1.0, 1.0])), curve.a[0], curve.a[-1])
+    along = np.clip(a * (1 + np.array([-1e-3, 1e-3])), curve.a[0], curve.a[-1])
     F, controlled = position(delta_rate, P_rate, stiffness), position(*curve.rates(along), stiffness)
     rise = float(controlled[1] - controlled[0])
     if rise == 0:
@@ -81,7 +80,7 @@ def _by_others(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> 
     rule eight times as much as it errs. Smoothing splines do not see what rows share: their point is also
     compared with that of the slopes "integral"."""
     slopes = curve.slopes
-    smooth = not isinstance(slopes.error, Unknown) and slopes.error <= NEGLIGIBLE
+    smooth = not isinstance(slopes.error, Unknown) and slopes.error <= CHOICE.negligible
     found = [
         (other, TUNING.order_factor if smooth else 1)
         for other in (curve.thinned(first).pull_off(stiffness) for first in (0, 1))

@@ -29,18 +29,18 @@ Columns = TypeVar("Columns", Series, Slopes)
 
 
 @dataclass(frozen=True)
-class Tuning:
+class CurveTuning:
     """How a curve is searched, and when the error of its interpolation can be told."""
 
     samples: int = 8  # choice: per interval, where zeros are looked for; two of them between two samples are missed
     fewest: int = 5  # theory: every second of fewer points leaves no cubic
-    few: int = 10  # tuned on bodies of `make tuning`: points from which the error falls with the spacing
-    widest: float = 2.7  # tuned on bodies of `make tuning`: ratio of neighbouring a - a0 up to which it does
+    few: int = 10  # points from which the error falls with the spacing; tuned on noisy series, by `make tuning`
+    widest: float = 2.7  # ratio of neighbouring a - a0 up to which it does; tuned on the same, by `make tuning`
     order_factor: float = 8.0  # theory: halving the spacing divides an error of third order by it, at least
     end: float = 1e-9  # choice: fraction by which a radius may leave the series, for round-off of units
 
 
-TUNING = Tuning()
+TUNING = CurveTuning()
 
 
 @dataclass(frozen=True)
@@ -326,11 +326,11 @@ class AdhesiveCurve:
             yield min(max(a, self.a[0]), self.a[-1]), bool(signs[i + 1] > signs[i])
 
     def pull_off(self, stiffness: float) -> CriticalPoint | Unknown:
-        """Pull-off under load control (``stiffness`` 0), pull-off under displacement control (inf), or by a device [N/m].
+        """Pull-off under load control (``stiffness`` 0), pull-off under displacement control (inf), or by a device.
 
-        The last stable point on retraction, see ``critical``. Where the curve has several minima, the lowest:
-        at the others contact shrinks to a smaller stable radius. Unknown, with numbers and the remedy, where it does
-        not lie in the series: contact is lost at a position <= 0 only, above the free bodies would overlap.
+        The last stable point on retraction; ``stiffness`` [N/m] as in ``critical``. Where the curve has several minima,
+        the lowest: at the others contact shrinks to a smaller stable radius. Unknown, with numbers and a remedy, where
+        it does not lie in the series: contact is lost at a position <= 0 only, above the free bodies would overlap.
         """
         if self.w == 0:
             return NO_ADHESION

@@ -13,8 +13,8 @@ from .device import LOAD_CONTROL
 from .slopes.choice import slopes
 from .validity import Validity, judge
 
-COARSE = 1e-5
-LONGEST = 3.0  # CPU seconds that an expectation may take
+COARSE = Layered(1e-5)
+LONGEST = 3.0  # CPU seconds that an expectation may take; choice: it is asked for before anything is solved
 
 
 @dataclass(frozen=True)
@@ -42,10 +42,10 @@ def expect(problem: Problem, works: tuple[float, ...], z0: float) -> Expectation
     if loading.spacing != "radius":
         loading = Loading(loading.to, loading.maximum)
     unbounded = replace(problem, specimen=specimen, loading=replace(loading, points=max(loading.points, 100)))
-    seconds = Layered(COARSE).forecast(unbounded).seconds
+    seconds = COARSE.forecast(unbounded).seconds
     if seconds > LONGEST:
         raise Refusal(f"the coarse solution would take about {seconds:.0f} s")
-    series = Layered(COARSE)(unbounded).series
+    series = COARSE(unbounded).series
     found = slopes(series, "exact")
     a, delta, P = (float(column[-1]) for column in (series.a, series.delta, series.P))
     adhesion = []
@@ -73,7 +73,7 @@ def _layers_matter(problem: Problem, delta: float, P: float) -> float | None:
         return None
     half_space = Specimen((), HalfSpace(problem.specimen.surface))
     try:
-        reference = Layered(COARSE)(Problem(problem.indenter, half_space, Loading("depth", delta, 1))).series.P[-1]
+        reference = COARSE(Problem(problem.indenter, half_space, Loading("depth", delta, 1))).series.P[-1]
     except Refusal:  # a half-space would need more of the profile than there is
         return None
     return float(P / reference - 1)

@@ -15,9 +15,17 @@ from ..base.unknown import Unknown
 from .curve import AdhesiveCurve, CriticalPoint, Nonadhesive
 from .device import LOAD_CONTROL, position
 
-INSIDE = 1e-6  # of a radius: how near to the ends of the series a pull-off may lie
-STEP = math.log(4.0)  # of w, where it is looked for beyond what the radii of the series give
-MET = 1e-9  # relative, of the pull-off force
+
+@dataclass(frozen=True)
+class InverseTuning:
+    """Where the work of adhesion is looked for, and when it is found."""
+
+    inside: float = 1e-6  # of a radius, how near to the ends of the series a pull-off may lie; choice: the range told
+    step: float = math.log(4.0)  # of log w, beyond what the radii of the series give; choice: time alone depends on it
+    met: float = 1e-9  # relative, of the pull-off force; choice: above round-off, below any jump
+
+
+TUNING = InverseTuning()
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,12 +78,12 @@ def work_from_pull_off(
         return log_w
 
     works = _stationary(body, stiffness)
-    low, high = widened(inside(works), -STEP), widened(inside(works[::-1]), STEP)
+    low, high = widened(inside(works), -TUNING.step), widened(inside(works[::-1]), TUNING.step)
     if not excess(low) <= 0 <= excess(high):
         raise InputError(_out_of_reach(load, (1 + excess(low)) * load, (1 + excess(high)) * load))
     w = math.exp(brentq(excess, low, high, xtol=1e-14, rtol=1e-14)) if low < high else math.exp(low)
     found = point(w)
-    if isinstance(found, Unknown) or abs(-found.P / load - 1) > MET:
+    if isinstance(found, Unknown) or abs(-found.P / load - 1) > TUNING.met:
         raise InputError(
             f"load: no work of adhesion gives a pull-off force of {show(load, 'load')}: where the last stable branch "
             f"changes, at w = {show(w, 'work')}, the force jumps past it"
@@ -87,7 +95,7 @@ def work_from_pull_off(
 def _stationary(body: Nonadhesive, stiffness: float) -> Array:
     """For radii across the series the w whose curve is stationary there, increasing; those > 0 only."""
     a = body.a.copy()
-    a[0], a[-1] = a[0] * (1 + INSIDE), a[-1] * (1 - INSIDE)
+    a[0], a[-1] = a[0] * (1 + TUNING.inside), a[-1] * (1 - TUNING.inside)
     here, rates = body.with_rates(a)
     nonadhesive = position(rates.delta_H, rates.P_H, stiffness)
     adhesive = position(rates.t, rates.S * here.t + here.S * rates.t, stiffness)

@@ -28,14 +28,22 @@ from ..bodies.problem import HalfSpace, Layer, Problem
 from ..formulas.half_space import tabor
 from ..formulas.thin_layer import foundation_modulus
 
-TABOR_JKR = 5.0  # JKR within some per cent above it
-TABOR_DMT = 0.1  # rigid-body (DMT, Bradley) limit below it
-SEEN = 2  # points per bend of a tabulated profile, with which slopes fitted through them see it
-MAX_A_OVER_R = 0.3
-MAX_DELTA_OVER_H = 0.1
-MAX_A_OVER_L = 0.1
-ROUND_OFF = 1e-6  # of the ratios: a limit that is just met gives no warning
-MAX_NU_COMPRESSIBLE = 0.45  # Reedy (2006): thin-layer theory agrees with finite elements below it
+
+@dataclass(frozen=True)
+class TheoryLimits:
+    """The limits of JKR theory, each with its source; a result beyond one is warned of."""
+
+    tabor_jkr: float = 5.0  # theory: Johnson and Greenwood (1997), JKR within some per cent above it
+    tabor_dmt: float = 0.1  # theory: the same, rigid-body (DMT, Bradley) limit below it
+    a_over_R: float = 0.3  # choice: strains and slopes of order a/R
+    delta_over_h: float = 0.1  # choice: strains of a tenth
+    a_over_L: float = 0.1  # choice: nearer, the end of a mesh is felt
+    nu_compressible: float = 0.45  # theory: Reedy (2006), thin layers agree with finite elements below it
+    slack: float = 1e-6  # choice: a ratio that just meets its limit, but for round-off, gives no warning
+    seen: int = 2  # theory: points per bend of a tabulated profile, with which slopes fitted through them see it
+
+
+LIMITS = TheoryLimits()
 NO_TIP_RADIUS = Unknown("the indenter has no tip radius (pointed, flat or blunter than a parabola)")
 NO_RANGE, NO_ADHESION = Unknown("no equilibrium distance z0 given"), Unknown("no adhesion (w = 0)")
 
@@ -106,9 +114,9 @@ def judge(
 
 def regime(number: float) -> str:
     """What a Tabor number means, in words, and which model to use instead of JKR."""
-    if number > TABOR_JKR:
+    if number > LIMITS.tabor_jkr:
         return "JKR holds"
-    if number >= TABOR_DMT:
+    if number >= LIMITS.tabor_dmt:
         return "JKR is doubtful: use the Maugis-Dugdale transition model"
     return "JKR does not hold: use DMT (the limit of stiff, small or weakly adhering bodies)"
 
@@ -145,9 +153,9 @@ def _thin_tabor(layer: Layer, bonded: bool, w: float, z0: float | None) -> Estim
         return Unknown("the layer slides on its base: the literature has bonded layers only")
     if not isinstance(layer.material, Elastic):
         return Unknown("the layer is not homogeneous and isotropic: the literature has only such layers")
-    if layer.material.nu > MAX_NU_COMPRESSIBLE:
+    if layer.material.nu > LIMITS.nu_compressible:
         return Unknown(
-            f"nu = {layer.material.nu:g} is above {MAX_NU_COMPRESSIBLE:g}: the layer is not compressible (Eq. 22)"
+            f"nu = {layer.material.nu:g} is above {LIMITS.nu_compressible:g}: the layer is not compressible (Eq. 22)"
         )
     if z0 is None:
         return NO_RANGE
@@ -166,15 +174,17 @@ def _words(number: Estimate) -> str:
 def check(judged: Validity) -> list[str]:
     """Warnings, each with its number and limit; empty where all is well or nothing is known."""
     return [
-        *_above(judged.a_over_R, MAX_A_OVER_R, "a/R", "the geometrically linear theory and the indenter's profile err"),
-        *_above(judged.delta_over_h, MAX_DELTA_OVER_H, "delta/h", "small strains no longer hold in the layer"),
+        *_above(
+            judged.a_over_R, LIMITS.a_over_R, "a/R", "the geometrically linear theory and the indenter's profile err"
+        ),
+        *_above(judged.delta_over_h, LIMITS.delta_over_h, "delta/h", "small strains no longer hold in the layer"),
         *_cut_warning(judged),
         *_tabor_warning(judged),
     ]
 
 
 def _above(value: Estimate, limit: float, name: str, meaning: str) -> list[str]:
-    if isinstance(value, Unknown) or value <= limit * (1 + ROUND_OFF):
+    if isinstance(value, Unknown) or value <= limit * (1 + LIMITS.slack):
         return []
     return [f"{name} = {value:.3g} at the largest contact radius is above {limit:g}: {meaning}"]
 
@@ -182,13 +192,13 @@ def _above(value: Estimate, limit: float, name: str, meaning: str) -> list[str]:
 def _cut_warning(judged: Validity) -> list[str]:
     if not judged.end_is_cut:
         return []
-    return _above(judged.a_over_L, MAX_A_OVER_L, "a/L", "the end of the mesh, where the body goes on, is felt")
+    return _above(judged.a_over_L, LIMITS.a_over_L, "a/L", "the end of the mesh, where the body goes on, is felt")
 
 
 def _tabor_warning(judged: Validity) -> list[str]:
-    if isinstance(judged.tabor, Unknown) or judged.tabor >= TABOR_JKR:
+    if isinstance(judged.tabor, Unknown) or judged.tabor >= LIMITS.tabor_jkr:
         return []
-    return [f"Tabor number {judged.tabor:.3g} is below {TABOR_JKR:g}: {judged.regime}"]
+    return [f"Tabor number {judged.tabor:.3g} is below {LIMITS.tabor_jkr:g}: {judged.regime}"]
 
 
 def _tabor(R: float | None, w: float, E_star: float, z0: float | None) -> Estimate:
@@ -214,7 +224,7 @@ def _ratio(value: float, size: float | None, reason: Unknown) -> Estimate:
 def unresolved(indenter: Indenter, a: np.ndarray) -> tuple[str, ...]:
     """A warning where slopes fitted through the radii ``a`` [m] cannot see every bend of a tabulated profile."""
     bends = sum(indenter.a0 < kink < a[-1] for kink in indenter.kinks)
-    if a.size >= SEEN * bends:
+    if a.size >= LIMITS.seen * bends:
         return ()
     return (
         f"the {indenter.noun} bends at {bends} radii within the contact and the series has {a.size} points: slopes "

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -15,8 +15,18 @@ from ...series import RawSeries, Series
 from . import slopes_function
 from .result import Slopes
 
-NEGLIGIBLE = 1e-4  # stated error of S' below which the slopes of a series count as exact
-FEW = 0.05  # of the radii
+
+@dataclass(frozen=True)
+class ChoiceTuning:
+    """When "auto" takes the slopes that a series carries."""
+
+    negligible: float = 1e-4  # stated error of S' below which they count as exact; choice: no measurement sees it
+    few: float = (
+        0.05  # of the radii at which a smooth fit may leave their error; choice: half of what 90 % intervals leave
+    )
+
+
+TUNING = ChoiceTuning()
 
 
 def slopes(series: Series, name: str = "auto") -> Slopes:
@@ -37,7 +47,7 @@ def _carried(series: Series) -> Slopes:
     """The slopes that the series carries; or, where their stated error is noticeable and the fit "integral" stays
     within it, that fit: it smooths the scatter of differences. At a flat end, where S' jumps, it errs more."""
     exact = slopes_function("exact")(series)
-    if isinstance(exact.error, Unknown) or exact.error <= NEGLIGIBLE or "dS" not in series.errors:
+    if isinstance(exact.error, Unknown) or exact.error <= TUNING.negligible or "dS" not in series.errors:
         return replace(exact, reason="the series carries exact slopes")
     if series.a0 > 0:
         return replace(exact, reason="the series carries slopes, and a smooth fit errs at the edge of the flat end")
@@ -45,7 +55,7 @@ def _carried(series: Series) -> Slopes:
     if fitted is None:
         return replace(exact, reason="the series carries slopes, and 'integral' finds none")
     beyond = float(np.mean(np.abs(fitted.dS - exact.dS) > series.errors["dS"]))
-    if beyond > FEW:
+    if beyond > TUNING.few:
         reason = f"the series carries slopes, and 'integral' leaves their stated error at {beyond:.0%} of the radii"
         return replace(exact, reason=reason)
     reason = f"smoother than the slopes that the series carries, within their stated error ({exact.error:.1g})"

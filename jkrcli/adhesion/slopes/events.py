@@ -12,9 +12,6 @@ import numpy as np
 from ...base.arrays import Array
 from ...series import RawSeries, filter_plateaus
 
-MANY = 0.2  # share of increments with the radius of the one before
-HALF_WIDTH_90 = 0.45  # of an interval in which nothing is known about the place, as a 90 % half-width
-
 
 def has_plateaus(raw: RawSeries) -> bool:
     """Whether radii repeat while depth and load go on, as node-based radii do: at one increment in five at least."""
@@ -22,7 +19,7 @@ def has_plateaus(raw: RawSeries) -> bool:
     if np.sum(touching) < 2 or min(raw.delta[touching][0], raw.P[touching][0]) <= 0:
         return False
     a, delta, P = (np.diff(values[touching]) for values in (raw.a, raw.delta, raw.P))
-    return bool(np.mean(a == 0) > MANY and np.all(a >= 0) and np.all(delta > 0) and np.all(P > 0))
+    return bool(np.mean(a == 0) > 0.2 and np.all(a >= 0) and np.all(delta > 0) and np.all(P > 0))
 
 
 def touch_events(raw: RawSeries) -> tuple[RawSeries, dict[str, Array]]:
@@ -39,7 +36,7 @@ def touch_events(raw: RawSeries) -> tuple[RawSeries, dict[str, Array]]:
     before = np.array([np.max(raw.delta[raw.delta < depth], initial=0.0) for depth in after])
     middle = (before + after) / 2
     slope = np.gradient(np.log(kept.a), np.log(middle)) if kept.a.size > 1 else np.ones(1)
-    half_width = HALF_WIDTH_90 * (after - before) / middle * np.abs(slope) * kept.a
+    half_width = 0.9 / 2 * (after - before) / middle * np.abs(slope) * kept.a
     first = (log_P[1] - log_P[0]) / (log_delta[1] - log_delta[0])
     load = np.interp(np.log(middle), log_delta, log_P) + first * np.minimum(np.log(middle) - log_delta[0], 0)
     return RawSeries(kept.a, middle, np.exp(load)), {"a": half_width}

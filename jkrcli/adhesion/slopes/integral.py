@@ -19,19 +19,29 @@ from ...base.arrays import Array
 from ...base.errors import InputError, Refusal
 from ...series import RawSeries, Series
 from .events import has_plateaus, touch_events
-from .model import Grid, LogSplineModel, interpolate
-from .penalised import FREEZE, Fit, minimise
+from .model import LogSplineModel, OnGrid, interpolate
+from .penalised import TUNING as PENALTIES
+from .penalised import PenalisedFit, minimise
 from .result import TWO_SIDED_90, Slopes, covariance_from_errors, shift_error
 from .scatter import correlation_length, estimate, floored, whitener
 
-MIN_POINTS = 5
-INTERVALS = (24, 48)  # of the splines, within the data; the second where the residuals of the first are correlated
-FREE_SCATTER_FROM = 20  # points, from which the errors of a, delta and P are told apart
-MAX_BINS = 400
 UNSETTLED = "the fit did not settle: a, delta and P contradict each other somewhere; look for points out of place"
-STIFF = 1e-2  # penalty of the first fit, in units of what the data weigh
-RELATIVE_FLOOR = 1e-7  # of the scatter: accuracy of the model's own integrals and linear algebra
-SMALLEST_SHARES = (1.0, 1e-2, 1e-2)  # of the variances of a, delta and P, round by round
+
+
+@dataclass(frozen=True)
+class IntegralTuning:
+    """The rounds of the rule "integral"."""
+
+    fewest: int = 5  # points; theory: two power laws have four parameters
+    intervals: int = 24  # of the splines, twice as many if need be; tuned on noisy series, by `make tuning`
+    free_scatter: int = 20  # points that tell the errors of a, delta, P apart; tuned on the same, by `make tuning`
+    most_bins: int = 400  # of points; choice: more points are fitted no better
+    stiff: float = 1e-2  # penalty of the first fit over what the data weigh; tuned on the same, by `make tuning`
+    share: float = 1e-2  # least of the variances of a, delta, P in later rounds; tuned on the same, by `make tuning`
+    floor: float = 1e-7  # theory: of the scatter, accuracy of the model's own integrals and linear algebra
+
+
+TUNING = IntegralTuning()
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,7 +81,7 @@ def smoothed(
 def _slopes(
     a: Array, delta: Array, P: Array, errors: Mapping[str, Array], a0: float, S0: float | None, wanted: Array
 ) -> Slopes:
-    """Fit the columns (n,) and evaluate at the radii ``wanted`` (m,)."""
+    """PenalisedFit the columns (n,) and evaluate at the radii ``wanted`` (m,)."""
     data = _prepare(a, delta, P, errors, a0)
     y_scale, delta_scale, P_scale = float(np.max(a) - a0), float(np.max(delta)), float(np.max(P))
     S_scale = P_scale / delta_scale
@@ -104,7 +114,7 @@ def _slopes(
     )
 
 
-def _evaluate(model: LogSplineModel, fit: Fit, x: Array, scales: Array) -> tuple[Array, Array]:
+def _evaluate(model: LogSplineModel, fit: PenalisedFit, x: Array, scales: Array) -> tuple[Array, Array]:
     """delta_H, P_H, S, S' in SI at the log radii ``x``, shape (4, m), and the covariance, (m, 6, 6), of these,
     d(delta_H)/da and S'', from that of the coefficients."""
     basis, y = model.design(x), np.exp(x)[:, None]
@@ -124,10 +134,10 @@ def _prepare(a: Array, delta: Array, P: Array, errors: Mapping[str, Array], a0: 
     a, delta, P = (np.asarray(values, dtype=float) for values in (a, delta, P))
     usable = (a > a0) & (delta > 0) & (P > 0)
     different = np.unique(a[usable]).size
-    if different < MIN_POINTS:
+    if different < TUNING.fewest:
         raise Refusal(
-            f"slopes 'integral': needs at least {MIN_POINTS} points with different contact radii, delta > 0 and P > 0, "
-            f"got {different}; give more increments, or refine the mesh where radii repeat"
+            f"slopes 'integral': needs at least {TUNING.fewest} points with different contact radii, delta > 0 and "
+            f"P > 0, got {different}; give more increments, or refine the mesh where radii repeat"
         )
     if not usable.all():
         i = int(np.argmin(usable))
@@ -154,13 +164,13 @@ class _Task:
         self.measured = np.stack([data.log_delta, data.log_P])[:, self.bins.order]
         self.lever = data.lever[self.bins.order]
 
-    def difference(self, grid: Grid) -> Array:
+    def difference(self, grid: OnGrid) -> Array:
         """Model minus data at every point, shape (2, n)."""
         (log_delta, _), (log_P, _), _ = grid
         return np.stack([interpolate(self.everywhere, *pair) for pair in (log_delta, log_P)]) - self.measured
 
-    def minimise(self, start: Array, variances: Array, lambdas: Array, floor: float, freeze: int = FREEZE) -> Fit:
-        """Fit with given relative variances of (a, delta, P), shape (3, n), the radius' slopes taken at ``start``."""
+    def minimise(self, start: Array, variances: Array, lambdas: Array, floor: float, freeze: int) -> PenalisedFit:
+        """The fit with given relative variances of (a, delta, P), (3, n), the radius' slopes taken at ``start``."""
         columns = self.model.columns(start, self.at, self.basis)
         lever = self.bins.mean(self.lever)
         k, m = columns.rate_delta * lever, columns.rate_P * lever
@@ -174,17 +184,17 @@ class _Task:
 
         return minimise(residuals, start, self.blocks, floor, lambdas, freeze)
 
-    def scatter(self, fit: Fit) -> Array:
+    def scatter(self, fit: PenalisedFit) -> Array:
         """Relative variances of (a, delta, P), shape (3, n), as the residuals of ``fit`` show them."""
         grid = self.model.on_grid(fit.c)
         columns = self.model.columns(fit.c, self.at, self.basis, grid)
         k, m = (self.lever * self.bins.spread(rate) for rate in (columns.rate_delta, columns.rate_P))
-        return estimate(self.bins.sorted_x, self.difference(grid), k, m, fit.spent, RELATIVE_FLOOR**2)
+        return estimate(self.bins.sorted_x, self.difference(grid), k, m, fit.spent, TUNING.floor**2)
 
 
-def _fine_enough(data: _Data, S0: float | None) -> tuple[LogSplineModel, Fit]:
+def _fine_enough(data: _Data, S0: float | None) -> tuple[LogSplineModel, PenalisedFit]:
     """The fit with the knots that the data need; residuals still correlated count as that many fewer data."""
-    for intervals in INTERVALS:
+    for intervals in (TUNING.intervals, 2 * TUNING.intervals):
         model = LogSplineModel(data.x, intervals, S0)
         fit = _fit(_Task(model, data), data)
         explained = fit.floored or (data.given is not None and fit.phi <= 1)  # by round-off, or by the stated errors
@@ -194,23 +204,23 @@ def _fine_enough(data: _Data, S0: float | None) -> tuple[LogSplineModel, Fit]:
     return model, replace(fit, V=length * fit.V)
 
 
-def _fit(task: _Task, data: _Data) -> Fit:
-    """Fit with penalties found from the data, in rounds, each with the scatter that the one before has shown."""
-    stiff = np.full(len(task.blocks), STIFF)
+def _fit(task: _Task, data: _Data) -> PenalisedFit:
+    """The fit with penalties found from the data, in rounds, each with the scatter that the one before has shown."""
+    stiff = np.full(len(task.blocks), TUNING.stiff)
     variances = np.ones((3, data.x.size)) if data.given is None else data.given[:, task.bins.order]
     given = variances
-    best: Fit | None = None
-    for share in SMALLEST_SHARES:
-        variances = floored(variances, share, RELATIVE_FLOOR**2)
-        floor = RELATIVE_FLOOR**2 / float(np.mean(variances))
+    best: PenalisedFit | None = None
+    for share in (1.0, TUNING.share, TUNING.share):
+        variances = floored(variances, share, TUNING.floor**2)
+        floor = TUNING.floor**2 / float(np.mean(variances))
         # a stiff fit first: far from the solution a linearised one takes all for signal
-        start = best or task.minimise(_start(task.model, data), variances, stiff, floor, freeze=0)
-        found = task.minimise(start.c, variances, start.lambdas, floor)
+        start = best or task.minimise(_start(task.model, data), variances, stiff, floor, 0)
+        found = task.minimise(start.c, variances, start.lambdas, floor, PENALTIES.freeze)
         if best is not None and not found.settled:
             break  # weights too uneven to go on: the last fit stands
         if found.settled:
             best = found
-        if data.given is None and (data.x.size < FREE_SCATTER_FROM or found.phi <= floor):
+        if data.given is None and (data.x.size < TUNING.free_scatter or found.phi <= floor):
             break
         variances = given if data.given is not None else task.scatter(best or start)
     return best or found
@@ -222,7 +232,7 @@ class _Bins:
     def __init__(self, x: Array):
         self.order = np.argsort(x, kind="stable")
         self.sorted_x = x[self.order]
-        self.starts = np.linspace(0, x.size, min(x.size, MAX_BINS), endpoint=False).astype(int)
+        self.starts = np.linspace(0, x.size, min(x.size, TUNING.most_bins), endpoint=False).astype(int)
         self.counts = np.diff(np.append(self.starts, x.size))
         self.x = self.mean(self.sorted_x)
 

@@ -13,7 +13,7 @@ flagged.
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -24,16 +24,24 @@ from ...series import Series
 from .result import Slopes, covariance_from_errors, shift_error
 from .smoothing import Criterion, SmoothingSpline, linear_fit, smoothing_spline
 
-MIN_POINTS = 5
-PROBES = 64  # random replicas of the data's noise; their scatter is good to 1/sqrt(2 * 64), 9 %
-END_BIAS_FLAG = 1e-3
+
+@dataclass(frozen=True)
+class LoocvTuning:
+    """What the rule "loocv" asks of a series, and how it tells its errors."""
+
+    fewest: int = 5  # points; theory: leaving one out must leave a cubic
+    probes: int = 64  # random replicas of the noise; choice: their scatter is good to 1/sqrt(2 * 64), 9 %
+    end_bias: float = 1e-3  # relative, of S'; choice: smaller ones are not mentioned
+
+
+TUNING = LoocvTuning()
 
 
 def loocv(series: Series, criterion: Criterion = "loocv") -> Slopes:
     """S and S' at the radii of ``series``, shape (n,); refused below 5 points or where S' is not positive."""
-    if len(series) < MIN_POINTS:
+    if len(series) < TUNING.fewest:
         raise Refusal(
-            f"slopes 'loocv': needs at least {MIN_POINTS} points with different contact radii, got {len(series)}; "
+            f"slopes 'loocv': needs at least {TUNING.fewest} points with different contact radii, got {len(series)}; "
             "give more increments, or refine the mesh where radii repeat"
         )
     raw = interpolated_slope(series.delta, series.P)
@@ -102,12 +110,12 @@ def _end_bias(spline: SmoothingSpline, a: Array) -> Array:
 
 def _end_flags(series: Series, dS: Array, bias: Array) -> list[str]:
     relative = abs(bias[-1]) / dS[-1]
-    if relative < END_BIAS_FLAG:
+    if relative < TUNING.end_bias:
         return []
-    reached = int(np.sum(np.abs(bias) / dS > END_BIAS_FLAG))
+    reached = int(np.sum(np.abs(bias) / dS > TUNING.end_bias))
     return [
         f"natural end of the smoothing spline: dS/da is off by about {100 * relative:.2g} % at the largest radius "
-        f"{series.a[-1]:.4g} m, by more than {100 * END_BIAS_FLAG:g} % at the last {reached} points"
+        f"{series.a[-1]:.4g} m, by more than {100 * TUNING.end_bias:g} % at the last {reached} points"
     ]
 
 
@@ -119,18 +127,18 @@ def _covariance(series: Series, spline: SmoothingSpline, weights: Array, dS: Arr
     slopes about the smoothing spline.
     """
     first = spline.x.size - len(series)
-    shape = (3, len(series), PROBES)
+    shape = (3, len(series), TUNING.probes)
     a, delta, P = (
         np.random.default_rng(1).standard_normal(shape) * np.stack([series.a, series.delta, series.P])[..., None]
     )
     S, growth = spline.g[first:, None], np.gradient(series.delta, series.a)[:, None]
     raw = interpolated_slope(series.delta, P - S * delta) - dS[:, None] * a
-    smooth, slope = linear_fit(spline, weights, np.concatenate([np.zeros((first, PROBES)), raw]))
+    smooth, slope = linear_fit(spline, weights, np.concatenate([np.zeros((first, TUNING.probes)), raw]))
     smooth, slope = smooth[first:], slope[first:]
     scatter = interpolated_slope(series.delta, series.P) - spline.g[first:]
     size = math.sqrt(np.sum(scatter**2) / np.mean(np.sum((raw - smooth) ** 2, axis=0)))
     replicas = size * np.stack([delta - growth * a, P - S * growth * a, smooth, slope], axis=1)
-    covariance = np.einsum("nip,njp->nij", replicas, replicas) / PROBES
+    covariance = np.einsum("nip,njp->nij", replicas, replicas) / TUNING.probes
     covariance[:, 3, 3] += bias**2
     given = covariance_from_errors(series, spline.g[first:], dS)
     return covariance if given is None else covariance + given

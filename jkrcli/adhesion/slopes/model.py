@@ -18,18 +18,27 @@ from scipy.interpolate import BSpline
 
 from ...base.arrays import Array
 
-DEGREE = 5
-BELOW = 2.5  # the splines reach this far in x below the first point, a factor 12 in radius
-INTERVALS_BELOW = 3
-STEP = 0.04  # of the integration grid in x: Hermite and Gauss errors stay below 1e-9
-SMALL_EXPONENT = 0.2  # of an integral towards zero radius, from where on it is kept positive
 Points = tuple[Array, Array, Array]
-Grid = tuple[tuple[tuple[Array, Array], tuple[Array, Array]], ...]
+OnGrid = tuple[tuple[tuple[Array, Array], tuple[Array, Array]], ...]
 GAUSS_X, GAUSS_W = np.polynomial.legendre.leggauss(3)
 
 
+@dataclass(frozen=True)
+class SplineTuning:
+    """The splines of log g and log s, and the grid on which they are integrated."""
+
+    degree: int = 5  # tuned on noisy series, by `make tuning`
+    below: float = 2.5  # in x, how far they reach below the first point; tuned on the same, by `make tuning`
+    intervals_below: int = 3  # there; tuned on the same, by `make tuning`
+    step: float = 0.04  # of the grid in x; theory: Hermite and Gauss errors stay below 1e-9
+    small_exponent: float = 0.2  # of an integral towards zero radius, kept positive below it; choice: no body has less
+
+
+TUNING = SplineTuning()
+
+
 @dataclass(frozen=True, eq=False)
-class Columns:
+class LogColumns:
     """Logs of the columns at some radii and their derivatives with respect to all coefficients.
 
     ``log_delta, log_P, log_S, log_dS``: shape (m,); ``rate_delta, rate_P``: d log/dx, shape (m,);
@@ -54,12 +63,12 @@ class LogSplineModel:
     """
 
     def __init__(self, x: Array, intervals: int, S0: float | None):
-        low, high = float(np.min(x)) - BELOW, float(np.max(x))
+        low, high = float(np.min(x)) - TUNING.below, float(np.max(x))
         self.knots = _knots(np.sort(x), intervals)
-        self.size = self.knots.size - DEGREE - 1
+        self.size = self.knots.size - TUNING.degree - 1
         self.shapes = self._shapes()
         self.S0 = S0
-        self.x = np.linspace(low, high, int(np.ceil((high - low) / STEP)) + 2)
+        self.x = np.linspace(low, high, int(np.ceil((high - low) / TUNING.step)) + 2)
         self.step = self.x[1] - self.x[0]
         inner = (self.x[:-1, None] + self.step * (1 + GAUSS_X) / 2).ravel()
         self.inner_y = np.exp(inner)
@@ -84,11 +93,11 @@ class LogSplineModel:
         return float(self.first_slope @ coefficients[self.v]), float(self.first_slope @ coefficients[self.u])
 
     def interpolation(self, x: Array) -> Points:
-        """Grid index and the cubic Hermite weights (for values, for x-derivatives) of the points ``x``."""
+        """OnGrid index and the cubic Hermite weights (for values, for x-derivatives) of the points ``x``."""
         i = np.clip(((x - self.x[0]) / self.step).astype(int), 0, self.x.size - 2)
         return (i, *_hermite((x - self.x[i]) / self.step, self.step))
 
-    def columns(self, coefficients: Array, at: Points, basis: Array, grid: Grid | None = None) -> Columns:
+    def columns(self, coefficients: Array, at: Points, basis: Array, grid: OnGrid | None = None) -> LogColumns:
         """The columns at the points of ``at`` (from ``interpolation``), whose spline values are ``basis``."""
         (log_delta, d_delta), (log_P, d_P), (log_S, d_S) = grid or self.on_grid(coefficients)
         jacobian = np.zeros((4, basis.shape[0], self.parameters))
@@ -98,9 +107,9 @@ class LogSplineModel:
         delta, P, S = (interpolate(at, *pair) for pair in (log_delta, log_P, log_S))
         v, u = basis @ coefficients[self.v], basis @ coefficients[self.u]
         rate = np.exp(interpolate(at, self.x, np.ones_like(self.x)) + v)
-        return Columns(delta, P, S, u, rate / np.exp(delta), rate * np.exp(S - P), jacobian)
+        return LogColumns(delta, P, S, u, rate / np.exp(delta), rate * np.exp(S - P), jacobian)
 
-    def on_grid(self, c: Array) -> Grid:
+    def on_grid(self, c: Array) -> OnGrid:
         """For each of delta, P, S on the grid: (log, its d/dx) and the same two of the log's Jacobian."""
         g, s = np.exp(self.basis @ c[self.v]), np.exp(self.basis @ c[self.u])
         gy, sy = g * self.y, s * self.y
@@ -163,19 +172,21 @@ class LogSplineModel:
     def _splines(self, x: Array, order: int = 0) -> Array:
         """B-splines (or derivatives) at ``x``, shape (m, size)."""
         if order == 0:
-            return BSpline.design_matrix(np.clip(x, self.knots[0], self.knots[-1]), self.knots, DEGREE).toarray()
-        return BSpline(self.knots, np.eye(self.size), DEGREE)(x, order)
+            return BSpline.design_matrix(np.clip(x, self.knots[0], self.knots[-1]), self.knots, TUNING.degree).toarray()
+        return BSpline(self.knots, np.eye(self.size), TUNING.degree)(x, order)
 
     def _shapes(self) -> Array:
         """B-spline coefficients, by columns, of 1, of x, and of shapes of unit roughness orthogonal in it."""
-        sites = np.array([self.knots[i + 1 : i + 1 + DEGREE].mean() for i in range(self.size)])  # Greville: they give x
+        sites = np.array(
+            [self.knots[i + 1 : i + 1 + TUNING.degree].mean() for i in range(self.size)]
+        )  # Greville: they give x
         rough, vectors = np.linalg.eigh(self._roughness())
         return np.column_stack([np.ones(self.size), sites, vectors[:, 2:] / np.sqrt(rough[2:])])
 
     def _roughness(self) -> Array:
         """Gram matrix of second derivatives, int B_i'' B_j'' dx, exact by Gauss points in every interval."""
-        breaks = self.knots[DEGREE : self.size + 1]
-        nodes, weights = np.polynomial.legendre.leggauss(DEGREE - 1)
+        breaks = self.knots[TUNING.degree : self.size + 1]
+        nodes, weights = np.polynomial.legendre.leggauss(TUNING.degree - 1)
         h = np.diff(breaks)[:, None]
         x = (breaks[:-1, None] + h * (1 + nodes) / 2).ravel()
         second = self._splines(x, 2)
@@ -183,11 +194,11 @@ class LogSplineModel:
 
 
 def _kept_positive(power: float) -> tuple[float, float]:
-    """``power`` and 1 (its derivative), continued smoothly to positive values below SMALL_EXPONENT."""
-    if power >= SMALL_EXPONENT:
+    """``power`` and 1 (its derivative), continued smoothly to positive values below TUNING.small_exponent."""
+    if power >= TUNING.small_exponent:
         return power, 1.0
-    slope = float(np.exp(max(power / SMALL_EXPONENT - 1, -50.0)))
-    return SMALL_EXPONENT * slope, slope
+    slope = float(np.exp(max(power / TUNING.small_exponent - 1, -50.0)))
+    return TUNING.small_exponent * slope, slope
 
 
 def _hermite(t: Array, step: float) -> tuple[Array, Array]:
@@ -218,5 +229,5 @@ def _knots(x: Array, intervals: int) -> Array:
     even = np.linspace(0, 1, x.size)
     rank = (even + (x - low) / (high - low)) / 2
     breaks = np.interp(np.linspace(0, 1, intervals + 1), rank, x)
-    below = np.linspace(low - BELOW, low, INTERVALS_BELOW, endpoint=False)
-    return np.concatenate([[below[0]] * DEGREE, below, breaks, [high] * DEGREE])
+    below = np.linspace(low - TUNING.below, low, TUNING.intervals_below, endpoint=False)
+    return np.concatenate([[below[0]] * TUNING.degree, below, breaks, [high] * TUNING.degree])

@@ -24,25 +24,35 @@ from scipy.linalg import cho_factor, cho_solve
 from ...base.arrays import Array
 
 Residuals = Callable[[Array], tuple[Array, Array]]
-LAMBDA_RANGE = (1e-15, 100.0)  # in units of the mean diagonal of J^T J over the block; the second leaves none of it
-SPREAD = 4.0 ** np.arange(-7, 3)  # of a lambda about the best one, over which the covariance is averaged
-NEGLIGIBLE = 1e-4  # weight of a lambda
-LARGEST_PRIOR = 10.0  # variance of a coefficient before data are seen: bodies do not bend more
-MAX_STEPS = 50
-LEAST_DAMPING = 1e-8  # of the diagonal of the linearised problem
-FREEZE = 25  # steps, after which the lambdas stay
-POOR_STEP = 0.2  # of a line search, below which the next step is damped (Levenberg)
-MAX_HALVINGS = 30
-LONGEST_STEP = 5.0  # of a coefficient: all of them belong to logarithms
-MAX_UPDATES = 40
-FACTOR_PER_UPDATE = 100.0
-SETTLED = 0.02  # change of log(lambda)
-TOLERANCE = 3e-2  # of a step, in standard deviations of the fit
-STUCK = 0.5  # standard deviations of a step that is still open at the end: not settled
+
+
+@dataclass(frozen=True)
+class PenaltyTuning:
+    """How the fit steps, how the penalties follow the data, and when both are settled."""
+
+    least: float = 1e-15  # lambda, in units of the mean diagonal of J^T J over the block; theory: round-off
+    most: float = 100.0  # and the largest; choice: it leaves none of the block
+    most_prior: float = 10.0  # variance of a coefficient before data are seen; choice: bodies do not bend more
+    spread: tuple[float, ...] = tuple(4.0**n for n in range(-7, 3))  # about a lambda; choice: beyond, weights vanish
+    negligible: float = 1e-4  # weight of a lambda; choice: below, it does not show
+    updates: int = 40  # of the lambdas in a step; choice: they settle long before
+    factor: float = 100.0  # most that an update changes a lambda by; tuned on noisy series, by `make tuning`
+    settled: float = 0.02  # change of log(lambda); tuned on the same, by `make tuning`
+    freeze: int = 25  # steps, after which the lambdas stay; tuned on the same, by `make tuning`
+    steps: int = 50  # choice: what has not settled then does not
+    damping: float = 1e-8  # least, of the diagonal of the linearised problem; tuned on the same, by `make tuning`
+    poor_step: float = 0.2  # below it the next step is damped (Levenberg); tuned on the same, by `make tuning`
+    halvings: int = 30  # choice: down to a billionth of a step
+    longest_step: float = 5.0  # of a coefficient; choice: all of them belong to logarithms
+    tolerance: float = 3e-2  # of a step, in standard deviations of the fit; tuned on the same, by `make tuning`
+    stuck: float = 0.5  # standard deviations of a step still open at the end; choice: more is flagged as not settled
+
+
+TUNING = PenaltyTuning()
 
 
 @dataclass(frozen=True, eq=False)
-class Fit:
+class PenalisedFit:
     """Coefficients ``c`` (p,), their covariance ``V`` (p, p) over the variance ``phi``, residuals (m,), ``lambdas`` in
     units of the mean diagonal of J^T J, ``spent``: the effective number of parameters, ``settled``: whether the steps
     became small, ``floored``: whether the residuals show less than the least ``phi``."""
@@ -70,26 +80,28 @@ class _Linear:
 
 
 def minimise(
-    residuals: Residuals, start: Array, blocks: Sequence[slice], phi_floor: float, lambdas: Array, freeze: int = FREEZE
-) -> Fit:
-    """Fit from ``start``. ``residuals(c)``: (r, Jacobian of r); ``lambdas``: first guess.
+    residuals: Residuals, start: Array, blocks: Sequence[slice], phi_floor: float, lambdas: Array, freeze: int
+) -> PenalisedFit:
+    """PenalisedFit from ``start``. ``residuals(c)``: (r, Jacobian of r); ``lambdas``: first guess.
 
     After ``freeze`` steps the lambdas stay as they are.
     """
     c, damping = start, 0.0
     now = residuals(c)
-    for step in range(MAX_STEPS):
-        linear = _linear(*now, c, blocks, lambdas, phi_floor, damping, updates=MAX_UPDATES if step < freeze else 0)
+    for step in range(TUNING.steps):
+        linear = _linear(*now, c, blocks, lambdas, phi_floor, damping, updates=TUNING.updates if step < freeze else 0)
         lambdas = linear.lambdas
         c, now, taken = _line_search(residuals, c, now, linear)
         moved = taken * linear.deviations
-        if linear.deviations < TOLERANCE or moved < 1e-3 * TOLERANCE:
+        if linear.deviations < TUNING.tolerance or moved < 1e-3 * TUNING.tolerance:
             break
-        damping = max(10 * damping, LEAST_DAMPING) if taken < POOR_STEP else damping / 3 * (damping > LEAST_DAMPING)
-    settled = moved < STUCK and (taken > 0 or linear.deviations < STUCK)
+        damping = (
+            max(10 * damping, TUNING.damping) if taken < TUNING.poor_step else damping / 3 * (damping > TUNING.damping)
+        )
+    settled = moved < TUNING.stuck and (taken > 0 or linear.deviations < TUNING.stuck)
     known = freeze > 0  # else only a place to start from
     V = _averaged(linear, *now, c, blocks, phi_floor) if known else np.zeros((c.size, c.size))
-    return Fit(c, V, now[0], linear.phi, lambdas, linear.spent, settled, linear.phi <= phi_floor)
+    return PenalisedFit(c, V, now[0], linear.phi, lambdas, linear.spent, settled, linear.phi <= phi_floor)
 
 
 def _averaged(linear: _Linear, r: Array, J: Array, c: Array, blocks: Sequence[slice], phi_floor: float) -> Array:
@@ -103,7 +115,7 @@ def _averaged(linear: _Linear, r: Array, J: Array, c: Array, blocks: Sequence[sl
     best = [lam * np.diag(normal)[block].mean() for lam, block in zip(linear.lambdas, blocks, strict=True)]
     free = r.size - c.size + sum(c[block].size for block in blocks)
     likelihoods, covariances = [], []
-    for factors in itertools.product(SPREAD, repeat=len(blocks)):
+    for factors in itertools.product(TUNING.spread, repeat=len(blocks)):
         penalty, log_prior = np.zeros(c.size), 0.0
         for block, lam, factor in zip(blocks, best, factors, strict=True):
             penalty[block] = lam * factor
@@ -118,7 +130,7 @@ def _averaged(linear: _Linear, r: Array, J: Array, c: Array, blocks: Sequence[sl
     weights = np.exp(np.array(likelihoods) - max(likelihoods))
     V = np.zeros_like(normal)
     for weight, (system, ratio, step) in zip(weights / weights.sum(), covariances, strict=True):
-        if weight > NEGLIGIBLE:
+        if weight > TUNING.negligible:
             V += weight * (ratio * cho_solve(system, np.eye(c.size)) + np.outer(step, step) / linear.phi)
     return V
 
@@ -151,7 +163,7 @@ def _linear(
             break
         pieces = zip(blocks, lambdas, scales, strict=True)
         updated = np.array([_update(lam, scale, (c + step)[b], V[b, b], phi) for b, lam, scale in pieces])
-        if np.abs(np.log(updated / lambdas)).max() < SETTLED:
+        if np.abs(np.log(updated / lambdas)).max() < TUNING.settled:
             break
         lambdas = updated
     deviations = float(np.sqrt(max(step @ system @ step, 0.0) / phi))
@@ -163,8 +175,8 @@ def _linear(
 def _update(lam: float, scale: float, c: Array, V: Array, phi: float) -> float:
     free = max(c.size - lam * scale * float(np.trace(V)), 1e-12 * c.size)
     rough = max(lam * scale * float(c @ c), 1e-300)
-    ratio = np.clip(phi * free / rough, 1 / FACTOR_PER_UPDATE, FACTOR_PER_UPDATE)
-    return float(np.clip(lam * ratio, max(LAMBDA_RANGE[0], phi / (scale * LARGEST_PRIOR)), LAMBDA_RANGE[1]))
+    ratio = np.clip(phi * free / rough, 1 / TUNING.factor, TUNING.factor)
+    return float(np.clip(lam * ratio, max(TUNING.least, phi / (scale * TUNING.most_prior)), TUNING.most))
 
 
 def _line_search(
@@ -176,8 +188,8 @@ def _line_search(
         return float(r @ r + linear.penalty @ c**2)
 
     before = objective(now[0], c) + 1e-6 * linear.phi
-    taken = min(1.0, LONGEST_STEP / max(float(np.max(np.abs(linear.step))), 1e-300))
-    for _ in range(MAX_HALVINGS):
+    taken = min(1.0, TUNING.longest_step / max(float(np.max(np.abs(linear.step))), 1e-300))
+    for _ in range(TUNING.halvings):
         trial = c + taken * linear.step
         found = residuals(trial)
         if objective(found[0], trial) <= before:

@@ -8,15 +8,25 @@ k = dlog(delta)/dlog(a) and m = dlog(P)/dlog(a) (effective variance; Orear, Am. 
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from scipy.optimize import minimize_scalar
 
 from ...base.arrays import Array
 
-TRACE = 1e-3  # the smallest share of the scatter that a column is taken to carry
-MAX_TREND = 4.0  # exponent of the variance over the radius
-OUTLIER = 3.0  # standard deviations, beyond which a point counts less (Huber)
-CHANCE = 2.5  # standard deviations of the correlation of neighbours that chance may bring
+
+@dataclass(frozen=True)
+class ScatterTuning:
+    """What the residuals are believed to tell about the scatter of the data."""
+
+    trace: float = 1e-3  # the least share of a column; tuned on noisy series, by `make tuning`
+    most_trend: float = 4.0  # exponent of the variance over the radius; tuned on the same, by `make tuning`
+    outlier: float = 3.0  # standard deviations where points begin to count less; tuned on the same, by `make tuning`
+    chance: float = 2.5  # theory: standard deviations of the correlation of neighbours that chance brings once in 160
+
+
+TUNING = ScatterTuning()
 
 
 def floored(variances: Array, share: float, floor: float) -> Array:
@@ -50,7 +60,7 @@ def estimate(x: Array, residuals: Array, k: Array, m: Array, spent: float, floor
     trend = _trend(x, squares)
     size = np.exp(trend * x)
     distance = np.sqrt(squares / size / np.mean(squares / size))
-    return shares * size * np.maximum(1.0, distance / OUTLIER) ** 2
+    return shares * size * np.maximum(1.0, distance / TUNING.outlier) ** 2
 
 
 def _shares(residuals: Array, k: Array, m: Array, spent: float, floor: float) -> Array:
@@ -64,7 +74,7 @@ def _shares(residuals: Array, k: Array, m: Array, spent: float, floor: float) ->
     largest = max(radius, delta, P)
     if largest <= floor:
         return np.ones((3, 1))
-    return np.maximum(np.array([[radius], [delta], [P]]) / largest, TRACE)
+    return np.maximum(np.array([[radius], [delta], [P]]) / largest, TUNING.trace)
 
 
 def _trend(x: Array, squares: Array) -> float:
@@ -72,7 +82,7 @@ def _trend(x: Array, squares: Array) -> float:
     centred = x - x.mean()
     found = minimize_scalar(
         lambda b: float(np.log(np.mean(squares * np.exp(-b * centred)))),
-        bounds=(-MAX_TREND, MAX_TREND),
+        bounds=(-TUNING.most_trend, TUNING.most_trend),
         method="bounded",
     )
     return float(found.x)
@@ -86,7 +96,7 @@ def correlation_length(residuals: Array) -> float:
     lengths = [1.0]
     for row in residuals:
         correlations = np.correlate(row, row, "full")[n:] / max(float(row @ row), 1e-300)
-        if correlations[0] * np.sqrt(n) > CHANCE:
+        if correlations[0] * np.sqrt(n) > TUNING.chance:
             positive = np.logical_and.accumulate(correlations > 0)
             lengths.append(1 + 2 * float(correlations[positive].sum()))
     return max(lengths)

@@ -26,8 +26,18 @@ from ...base.arrays import Array
 from ...base.errors import InputError
 
 Criterion = Literal["loocv", "gcv"]
-LAMBDA_RANGE = (1e-8, 1e13)  # in units of the mean spacing; beyond them T or the penalty drowns in round-off
-GRID_POINTS = 22
+
+
+@dataclass(frozen=True)
+class SmoothingTuning:
+    """Where the smoothing is looked for, in units of the mean spacing."""
+
+    least: float = 1e-8  # theory: below, the penalty drowns in round-off
+    most: float = 1e13  # theory: above, the Gram matrix does
+    grid: int = 22  # points, one to a decade; choice: Brent's method starts from the lowest
+
+
+TUNING = SmoothingTuning()
 
 
 @dataclass(frozen=True, eq=False)
@@ -227,7 +237,7 @@ def _score(smoother: _Smoother, y: Array, weights: Array, criterion: Criterion) 
 
 def _minimise(score: Callable[[float], float]) -> float:
     """Lambda at the least score: a coarse grid in log(lambda) finds the valley, Brent's method its floor."""
-    grid = np.linspace(math.log(LAMBDA_RANGE[0]), math.log(LAMBDA_RANGE[1]), GRID_POINTS)
+    grid = np.linspace(math.log(TUNING.least), math.log(TUNING.most), TUNING.grid)
     values = [score(value) for value in grid]
     best = int(np.argmin(values))
     low, high = grid[max(best - 1, 0)], grid[min(best + 1, grid.size - 1)]

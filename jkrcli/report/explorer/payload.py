@@ -18,13 +18,13 @@ from ... import __version__
 from ...adhesion.analysis import Analysis
 from ...adhesion.curve import AdhesiveCurve, CriticalPoint, Nonadhesive
 from ...adhesion.device import LOAD_CONTROL
-from ...adhesion.validity import TABOR_DMT, TABOR_JKR, regime
+from ...adhesion.validity import LIMITS, regime
 from ...base.arrays import Array
 from ...base.units import SI, UNITS, decades, scale
 from ...base.unknown import Unknown
 from ...data.measured import Curve
 
-MOST_POINTS = 4000  # shown of all measured curves together: more cannot be told apart on a screen
+MOST_POINTS = 4000  # shown of all measured curves together; choice: more cannot be told apart on a screen
 
 
 @dataclass(frozen=True)
@@ -134,8 +134,8 @@ def _tabor(result: Analysis) -> dict[str, Any] | None:
     number = result.validity.tabor
     if isinstance(number, Unknown):
         return None
-    limits = (TABOR_JKR, TABOR_DMT, 0.0)
-    words = [regime(2 * limit if limit else TABOR_DMT / 2) for limit in limits]
+    limits = (LIMITS.tabor_jkr, LIMITS.tabor_dmt, 0.0)
+    words = [regime(2 * limit if limit else LIMITS.tabor_dmt / 2) for limit in limits]
     return {"number": number, "w": result.w, "limits": [list(pair) for pair in zip(limits, words, strict=True)]}
 
 

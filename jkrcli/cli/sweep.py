@@ -11,7 +11,7 @@ from ..many.sweep.plan import Plan, load_plan
 from ..many.sweep.running import Means, alone, rerun
 from ..many.sweep.running import sweep as carry_out
 from ..many.sweep.solving import FAILED
-from ..many.sweep.table import Table
+from ..many.sweep.table import SweepTable
 from ..report import tables
 from .options import parallel_options
 from .voice import note, progress, say, warn
@@ -83,7 +83,7 @@ def _print_row(plan: Plan, number: int, as_json: bool) -> None:
         click.echo(f"{name:<40} {'' if value is None else value}".rstrip())
 
 
-def _print_summary(plan: Plan, table: Table, paths: list[Path], as_json: bool) -> None:
+def _print_summary(plan: Plan, table: SweepTable, paths: list[Path], as_json: bool) -> None:
     failed = table.failed
     if as_json:
         summary = {

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
@@ -50,7 +51,7 @@ from .command import call, counted, output_of, parser_of, quantity
 
 @dataclass(frozen=True)
 class Found:
-    """All that the verb reports."""
+    """All that the study reports of one case."""
 
     case: Case
     w: float
@@ -67,7 +68,7 @@ class Found:
 
     @property
     def auto_beside_front(self) -> bool | None:
-        """None where the method that "auto" takes was not measured."""
+        """Whether the method that "auto" takes lies on the front or next to it; None where it was not measured."""
         mine = chosen_points(self.points, self.auto)
         return any(beside_front(_pair(p), [_pair(q) for q in self.points]) for p in mine) if mine else None
 
@@ -118,7 +119,8 @@ def main(words: Sequence[str] | None = None) -> int:
     )
     title = loaded.model.problem().words
     data = as_dict(found)
-    files.write(_columns(found), data, files.draw(lambda: chart_figure(found.points, found.peers, title)))
+    table = {name: [cell(point) for point in found.points] for name, cell in CELLS.items()}
+    files.write(table, data, files.draw(lambda: chart_figure(found.points, found.peers, title)))
     if output.json:
         print(as_json(data), end="")
     else:
@@ -173,28 +175,22 @@ def as_dict(found: Found) -> dict[str, Any]:
     }
 
 
-def _columns(found: Found) -> dict[str, list[Any]]:
-    rows = [
-        {
-            "method": point.setting.method,
-            "setting": point.setting.words,
-            "slopes": point.slopes,
-            "unknowns": point.unknowns,
-            "whole_cpu_s": point.whole.cpu_s,
-            "whole_wall_s": point.whole.wall_s,
-            "memory_MiB": point.whole.memory_mib,
-            "after_imports_cpu_s": point.after_imports.cpu_s,
-            "after_imports_wall_s": point.after_imports.wall_s,
-            "slopes_cpu_s": point.slopes_cpu_s,
-            "stated_error": known(point.stated),
-            "P_error": point.errors.load,
-            "curve_error": point.errors.curve,
-            "pull_off_error": point.errors.pull_off,
-        }
-        for point in found.points
-    ]
-    names = list(rows[0]) if rows else ["method", "setting", "slopes", "unknowns"]
-    return {name: [row[name] for row in rows] for name in names}
+CELLS: dict[str, Callable[[Measured], Any]] = {
+    "method": attrgetter("setting.method"),
+    "setting": attrgetter("setting.words"),
+    "slopes": attrgetter("slopes"),
+    "unknowns": attrgetter("unknowns"),
+    "whole_cpu_s": attrgetter("whole.cpu_s"),
+    "whole_wall_s": attrgetter("whole.wall_s"),
+    "memory_MiB": attrgetter("whole.memory_mib"),
+    "after_imports_cpu_s": attrgetter("after_imports.cpu_s"),
+    "after_imports_wall_s": attrgetter("after_imports.wall_s"),
+    "slopes_cpu_s": attrgetter("slopes_cpu_s"),
+    "stated_error": lambda point: known(point.stated),
+    "P_error": attrgetter("errors.load"),
+    "curve_error": attrgetter("errors.curve"),
+    "pull_off_error": attrgetter("errors.pull_off"),
+}
 
 
 def _print(found: Found) -> None:
@@ -238,7 +234,7 @@ class Spot:
 
 @dataclass(frozen=True)
 class ChartPanel:
-    """``ours`` and ``theirs``: (cost, error) of a measured point and of a peer, None where there is none."""
+    """One pair of axes; ``ours``, ``theirs``: (cost, error) of a measured point and of a peer, None where unknown."""
 
     title: str
     ylabel: str

@@ -51,7 +51,7 @@ class State:
     curve: AdhesiveCurve | None
 
     def value(self, quantity: str) -> float | None:
-        """a [m], P [N] or the pull-off force [N]; None where the pull-off lies outside the series."""
+        """The quantity, a [m], P [N] or the pull-off force [N]; None where the pull-off lies outside the series."""
         if quantity == "pull_off":
             return self.point.P if isinstance(self.point, CriticalPoint) else None
         return float(getattr(self, quantity))
@@ -202,13 +202,13 @@ def spacing_at(radii: Array, a: float) -> float:
 
 
 def _increments(solution: Solution) -> tuple[Array, Array, Array]:
-    """a, delta, P in the order of loading: every increment where there are some."""
+    """Columns a, delta, P in the order of loading: every increment where there are some."""
     rows = solution.raw if solution.raw is not None else solution.series
     return rows.a, rows.delta, rows.P
 
 
 def _state(a: Array, delta: Array, P: Array, curve: AdhesiveCurve | Unknown, depth: float) -> State:
-    """Values at ``depth``: the load between rows in logarithms; so the radius, which of increments is a node's."""
+    """The state at ``depth`` [m]: load and radius (of increments that of a node) between rows in logarithms."""
     at = math.log(depth * (1 + TUNING.round_off))
     touching = a > 0
     x = np.log(delta[touching])

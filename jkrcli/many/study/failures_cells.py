@@ -124,7 +124,7 @@ def _drawn(rng: np.random.Generator, least: float, largest: float) -> float:
 
 
 def _poisson(rng: np.random.Generator) -> float:
-    """Evenly from 0 to 1/2; a third of the draws near 1/2 or on it."""
+    """Poisson's ratio, drawn evenly from 0 to 1/2; a third of the draws near 1/2 or on it."""
     kind = rng.random()
     if kind < 0.1:
         return 0.5

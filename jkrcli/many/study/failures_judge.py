@@ -145,7 +145,7 @@ def _compared(cell: Cell, solution: Solution) -> Verdict:
 
 
 def _not_a_disc(cell: Cell) -> str | None:
-    """Where the contact pressure of the exact solution at the largest radius pulls: no disc without adhesion."""
+    """Why the contact is no disc without adhesion: the exact pressure pulls at the largest radius; None: it is one."""
     plain = replace(cell, length_unit=1.0, force_unit=1.0)
     found = profile(plain.problem, cell.a_over_h, 0.0, cell.a_over_h * np.linspace(0.05, 0.9, 10), np.array([]))
     pull = float(found.pressure.min()) * np.pi * found.a**2 / found.P
@@ -255,7 +255,7 @@ def _work(exact: Series) -> float:
 
 
 def _fitted(raw: RawSeries, given: Series) -> tuple[Series, Slopes]:
-    """As ``jkr transform`` does it: a series as it stands where it is one, else the increments by "integral"."""
+    """Series and slopes as ``jkr transform`` finds them: of a series as it stands, else of increments by "integral"."""
     ordered = first_of_plateaus(raw.a).all() and all((np.diff(column) > 0).all() for column in (raw.delta, raw.P))
     if not ordered:
         return smoothed(raw, given.a0, given.S0)

@@ -83,7 +83,10 @@ def map_columns(points: Sequence[MapPoint]) -> dict[str, Array]:
 
 
 def _column(bonded: bool, qs: Sequence[float], nu: float) -> list[MapPoint]:
-    """Units: h = R = 1 m, E* = 1 Pa; the paraboloid's problem is linear in R, so that no small strain is needed."""
+    """The points of one Poisson's ratio, in units of h = R = 1 m, E* = 1 Pa.
+
+    The paraboloid's problem is linear in R, so that no small strain is needed.
+    """
     series = _unit_series(nu, bonded, qs)
     body = Nonadhesive(series, slopes(series, "exact"))
     return [_point(nu, bonded, q, body.adhesive(q)) for q in qs]
@@ -99,18 +102,11 @@ def _point(nu: float, bonded: bool, q: float, curve: AdhesiveCurve) -> MapPoint:
 
 def _unit_series(nu: float, bonded: bool, qs: Sequence[float]) -> Series:
     material = Elastic(1 - nu**2 if -1 < nu <= 0.5 else 1.0, nu)
-    low, high = _lowest(qs[0]), _highest(qs[-1])
+    # From well below to well above a/h at pull-off: (9 pi q/8)^(1/3) for thick layers, for thin ones between
+    # (96 q)^(1/6) and (384 q)^(1/6) where they are incompressible, and up to (8 q)^(1/4).
+    thick = [(9 * math.pi * q / 8) ** (1 / 3) for q in (qs[0], qs[-1])]
+    low, high = 0.4 * min(thick[0], (96 * qs[0]) ** (1 / 6)), 1.5 * min(thick[1], (8 * qs[-1]) ** (1 / 4) + 1)
     count = max(8, math.ceil(TUNING.per_decade * math.log10(high / low)))
     radii = tuple(float(a) for a in np.geomspace(low, high, count))
     specimen = Specimen((Layer(material, 1.0),), Rigid(bonded))
     return Layered(TUNING.tolerance)(Problem(Paraboloid(1.0), specimen, Loading.given("radius", radii))).series
-
-
-def _lowest(q: float) -> float:
-    """Well below a/h at pull-off: (9 pi q/8)^(1/3) for thick layers, (96 q)^(1/6) to (384 q)^(1/6) for thin ones."""
-    return 0.4 * min((9 * math.pi * q / 8) ** (1 / 3), (96 * q) ** (1 / 6))
-
-
-def _highest(q: float) -> float:
-    """Well above a/h at pull-off: (9 pi q/8)^(1/3) for thick layers, at most (8 q)^(1/4) for thin ones."""
-    return 1.5 * min((9 * math.pi * q / 8) ** (1 / 3), (8 * q) ** (1 / 4) + 1)

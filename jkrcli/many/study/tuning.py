@@ -64,7 +64,7 @@ class Knob:
 
     @property
     def values(self) -> tuple[float, ...]:
-        """What it is varied to: a half and a double, of small whole numbers the neighbours."""
+        """The values it is varied to: a half and a double, of small whole numbers the neighbours."""
         x = self.shipped
         if isinstance(x, int):
             return (x // 2, 2 * x) if x > 7 else tuple(n for n in (x - 1, x + 1) if n > 0)
@@ -135,7 +135,7 @@ def trials(knob: Knob, bodies: Sequence[str]) -> list[Variant]:
 
 
 def measure(trial: Variant) -> Outcome:
-    """Solve a trial; a failure is an outcome too."""
+    """The outcome of a variant solved here; a failure is one too."""
     work = _prepared(trial)
     with contextlib.nullcontext() if trial.knob is None else varied(trial.knob, trial.value):
         start = time.process_time()

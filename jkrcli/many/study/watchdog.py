@@ -12,7 +12,7 @@ from collections.abc import Iterator
 
 
 class TooSlowError(BaseException):
-    """The limit is reached; no ``except Exception`` on the way stops it."""
+    """Raised where the limit is reached; no ``except Exception`` on the way stops it."""
 
 
 @contextlib.contextmanager
@@ -44,7 +44,7 @@ def cpu_limit(seconds: float, deadly: float = 3.0) -> Iterator[None]:
 
 @contextlib.contextmanager
 def _deadly_limit(seconds: float) -> Iterator[None]:
-    """The operating system ends this process after so many seconds of its CPU time, if it is a worker's."""
+    """A limit of CPU ``seconds`` at which the operating system ends this process, if it is a worker's."""
     if multiprocessing.parent_process() is None:
         yield
         return

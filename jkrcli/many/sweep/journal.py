@@ -41,7 +41,7 @@ class Journal:
             self.sync()
 
     def sync(self) -> None:
-        """Have the file on the disk."""
+        """Make sure that the file is on the disk."""
         os.fsync(self._file.fileno())
         self._synced = time.monotonic()
 

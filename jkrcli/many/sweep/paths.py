@@ -5,20 +5,20 @@ from __future__ import annotations
 import copy
 import re
 from collections.abc import Mapping
-from pathlib import Path as File
+from pathlib import Path
 from typing import Any
 
 from ...base.errors import InputError
 from ...case import CaseModel, case_model, validated
 
-Path = tuple[str | int, ...]
+KeyPath = tuple[str | int, ...]
 Tables = dict[str, Any]
 LAYER_COUNT = "specimen.layers.count"  # a key of sweeps alone: the first so many layers of the base case
 _KEY = re.compile(r"[A-Za-z_]\w*(\[\d+\])?(\.[A-Za-z_]\w*(\[\d+\])?)*")
 UNITS = {"m": "m", "Pa": "Pa", "N": "N", "J/m^2": "J_per_m2", "rad": "rad"}
 
 
-def parse(key: str) -> Path:
+def parse(key: str) -> KeyPath:
     """``"specimen.layers[0].nu"`` -> ``("specimen", "layers", 0, "nu")``."""
     if not _KEY.fullmatch(key):
         raise InputError(f'must be a key of a case such as "specimen.layers[0].nu", got "{key}"')
@@ -58,7 +58,7 @@ def _keep_layers(tables: Tables, count: Any) -> None:
     tables["specimen"]["layers"] = layers[: int(count)]
 
 
-def model_of(tables: Tables, source: str, folder: File | None) -> CaseModel:
+def model_of(tables: Tables, source: str, folder: Path | None) -> CaseModel:
     """The case of these tables; InputError with a line per mistake, each led by ``source``."""
     return validated(case_model(), tables, source, folder)
 
@@ -75,7 +75,7 @@ def value_at(model: CaseModel, key: str) -> Any:
     return here
 
 
-def unit_of(tables: Tables, key: str, value: Any, folder: File | None) -> str:
+def unit_of(tables: Tables, key: str, value: Any, folder: Path | None) -> str:
     """The SI unit of ``key`` for a column's name, "" for plain numbers and words: the one that the case accepts."""
     if key == LAYER_COUNT or isinstance(value, bool) or not isinstance(value, int | float):
         return ""

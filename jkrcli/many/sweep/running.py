@@ -18,7 +18,7 @@ from ..cache import at_unit_modulus
 from .journal import Journal, opened
 from .plan import Group, Plan
 from .solving import Row, failed, least, solve_group
-from .table import STEM, Table, endings, write
+from .table import STEM, SweepTable, endings, write
 
 JOURNAL, FAILED_TABLE, SOLVES = "journal.jsonl", "failed.csv", "solves"
 Say = Callable[[str], None]
@@ -39,9 +39,9 @@ TUNING = SweepTuning()
 
 @dataclass(frozen=True)
 class Means:
-    """By what a sweep is carried out: local ``workers`` (None: as many as serve) or a Dask ``scheduler``; ``hours``:
-    core hours beyond which nothing is begun; ``retry``: failed cases of earlier runs are tried again; ``progress``: how
-    it is shown."""
+    """The means by which a sweep is carried out: local ``workers`` (None: as many as serve) or a Dask ``scheduler``;
+    ``hours``: core hours beyond which nothing is begun; ``retry``: failed cases of earlier runs are tried again;
+    ``progress``: how it is shown."""
 
     workers: int | None = None
     scheduler: str | None = None
@@ -62,12 +62,12 @@ class Work:
         return sum(len(group.cases) for group in self.groups)
 
     def chunk(self, workers: int) -> int:
-        """Groups that make one task."""
+        """The number of groups that make one task."""
         by_time = TUNING.task * len(self.groups) / max(self.seconds, 1e-9)
         return max(1, min(round(by_time), math.ceil(len(self.groups) / (TUNING.shares * workers))))
 
 
-def sweep(plan: Plan, folder: Path, means: Means, force: bool, say: Say) -> tuple[Table, list[Path]]:
+def sweep(plan: Plan, folder: Path, means: Means, force: bool, say: Say) -> tuple[SweepTable, list[Path]]:
     """Carry out ``plan`` with the results in ``folder``; a sweep that was interrupted there goes on.
 
     ``say`` is told what goes on in the meantime. Errors: InputError where more than ``means.hours`` are forecast or
@@ -82,7 +82,7 @@ def sweep(plan: Plan, folder: Path, means: Means, force: bool, say: Say) -> tupl
         _guard(work, means.hours)
         if work.groups:
             _solve(plan, work, folder, journal, means, say)
-        table = Table.of(plan, journal)
+        table = SweepTable.of(plan, journal)
     paths = [*write(folder, table), *_write_failed(plan, folder, table)]
     if len(table.failed) == plan.count:
         raise JkrError(f"{plan.source}: every case failed, the first because: {table.failed[0][1]}")
@@ -170,7 +170,7 @@ def _rows(plan: Plan, group: Group, result: list[Row] | Exception) -> Iterable[R
     return result
 
 
-def _write_failed(plan: Plan, folder: Path, table: Table) -> list[Path]:
+def _write_failed(plan: Plan, folder: Path, table: SweepTable) -> list[Path]:
     """A table of the failed cases with the command that runs each alone; none where none failed."""
     path = folder / FAILED_TABLE
     if not table.failed:

@@ -25,7 +25,7 @@ MISSING = "NaN: there is no value; the column reason says why"
 
 
 @dataclass(frozen=True)
-class Table:
+class SweepTable:
     """Columns by name, all of one length; None where there is no value."""
 
     columns: dict[str, list[Any]]
@@ -34,7 +34,7 @@ class Table:
         return len(self.columns["case"])
 
     @classmethod
-    def of(cls, plan: Plan, journal: Journal) -> Table:
+    def of(cls, plan: Plan, journal: Journal) -> SweepTable:
         """The finished cases of a plan in the order of their numbers."""
         names = ("case", "status", "reason", *plan.key_columns, *plan.recipe.wanted.columns)
         columns: dict[str, list[Any]] = {name: [] for name in names}
@@ -63,7 +63,7 @@ def endings() -> tuple[str, ...]:
     return (".csv", ".h5", ".parquet") if importlib.util.find_spec("pyarrow") else (".csv", ".h5")
 
 
-def write(folder: Path, table: Table) -> list[Path]:
+def write(folder: Path, table: SweepTable) -> list[Path]:
     """Write the table in every form, each whole or not at all; returns the files."""
     writers = {".csv": write_csv, ".h5": _write_hdf5, ".parquet": _write_parquet}
     paths = [folder / f"{STEM}{ending}" for ending in endings()]

@@ -94,7 +94,7 @@ def sized(options: FEMOptions, spacing: float) -> FEMOptions:
 
 
 def _shrinkage(tolerance: float, reached: Estimate, truncation: Estimate) -> float:
-    """By what the spacing is to shrink; what the truncation takes of the tolerance is lost."""
+    """Factor by which the spacing is to shrink; what the truncation takes of the tolerance is lost."""
     if isinstance(reached, Unknown) or isinstance(truncation, Unknown) or truncation >= tolerance:
         return TUNING.least
     wanted = (TUNING.aim * (tolerance - truncation) / (reached - truncation)) ** (1 / TUNING.order)

@@ -53,7 +53,7 @@ class MeshedBody:
 
     @property
     def layers(self) -> list[tuple[float, float]]:
-        """(top depth, thickness) of the layers whose lower side is a boundary of the specimen."""
+        """Top depth and thickness [m] of the layers whose lower side is a boundary of the specimen."""
         tops = np.concatenate([[0.0], self.interfaces])
         pairs = list(zip(tops.tolist(), self.thicknesses, strict=True))
         return pairs[:-1] if self.cut_below else pairs

@@ -78,8 +78,8 @@ def _on_coarse(run: Run, coarse: MeshLevel, caution: float) -> tuple[Array, Arra
 
 
 def _at_least_decaying(errors: Array, width: Array) -> Array:
-    """The errors, but nowhere less than any before decayed with the square of the contact's ``width`` [m]: as those of
-    a uniform mesh do."""
+    """Errors that nowhere fall below any before them decayed with the square of the contact's ``width`` [m], as those
+    of a uniform mesh do."""
     return np.maximum.accumulate(errors * width**2) / width**2
 
 
@@ -108,9 +108,11 @@ def load_at(contact: SurfaceContact, delta: Array) -> Array:
 
 
 def _radius(coarse: Events, events: Events, a: Array, delta: Array, caution: float) -> Array | Unknown:
-    """What larger elements change at equal depth (a vertex radius is off by a fraction of the spacing), plus where
-    the series' radii differ from the events' (increments). Below the meshes' first events, where the spacing is
-    uniform, the change grows like the inverse radius."""
+    """Relative error of the radius: what larger elements change at equal depth (a vertex radius is off by a fraction of
+    the spacing), plus where the series' radii differ from the events' (increments).
+
+    Below the meshes' first events, where the spacing is uniform, the change grows like the inverse radius.
+    """
     first, last = max(coarse.delta[0], events.delta[0]), min(coarse.delta[-1], events.delta[-1])
     if first >= last or delta[-1] < first:
         return Unknown("no radius common to the mesh and its coarser companion")
@@ -128,7 +130,7 @@ def _radius_at(events: Events, delta: Array) -> Array:
 
 
 def _slopes(run: Run, coarse: MeshLevel, caution: float) -> dict[str, Array]:
-    """Of S and dS at equal radius: what larger elements change; empty where either level has none."""
+    """Relative errors of S and dS: what larger elements change at equal radius; empty where either level has none."""
     a, delta, _ = run.columns
     ours, theirs = run.level.slopes(a), coarse.slopes(a)
     if ours is None or theirs is None:

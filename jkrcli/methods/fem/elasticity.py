@@ -48,7 +48,7 @@ def ring(form: Callable[..., Any]) -> Callable[..., Any]:
 @skfem.BilinearForm
 @ring
 def stiffness_rr(u: Any, v: Any, w: Any) -> Any:
-    """C11 (rr rr + tt tt) + C12 (rr tt + tt rr) + C44 rz rz, of u_r with v_r."""
+    """Elastic energy C11 (rr rr + tt tt) + C12 (rr tt + tt rr) + C44 rz rz, of u_r with v_r."""
     r = w.x[0]
     same = u.grad[0] * v.grad[0] + u * v / r**2
     cross = (u.grad[0] * v + u * v.grad[0]) / r
@@ -58,62 +58,62 @@ def stiffness_rr(u: Any, v: Any, w: Any) -> Any:
 @skfem.BilinearForm
 @ring
 def stiffness_rz(u: Any, v: Any, w: Any) -> Any:
-    """C13 zz (rr + tt) + C44 rz rz, of u_z with v_r."""
+    """Elastic energy C13 zz (rr + tt) + C44 rz rz, of u_z with v_r."""
     return w["C13"] * u.grad[1] * (v.grad[0] + v / w.x[0]) + w["C44"] * u.grad[0] * v.grad[1]
 
 
 @skfem.BilinearForm
 @ring
 def stiffness_zz(u: Any, v: Any, w: Any) -> Any:
-    """C33 zz zz + C44 rz rz, of u_z with v_z."""
+    """Elastic energy C33 zz zz + C44 rz rz, of u_z with v_z."""
     return w["C33"] * u.grad[1] * v.grad[1] + w["C44"] * u.grad[0] * v.grad[0]
 
 
 @skfem.BilinearForm
 @ring
 def pressure_r(u: Any, q: Any, w: Any) -> Any:
-    """-q (rr + tt)."""
+    """Work of a pressure, -q (rr + tt), in a radial u."""
     return -q * (u.grad[0] + u / w.x[0])
 
 
 @skfem.BilinearForm
 @ring
 def pressure_z(u: Any, q: Any, w: Any) -> Any:
-    """-q zz."""
+    """Work of a pressure, -q zz, in an axial u."""
     return -q * u.grad[1]
 
 
 @skfem.BilinearForm
 @ring
 def pressure_mass(p: Any, q: Any, w: Any) -> Any:
-    """p q/lambda."""
+    """Energy of a pressure, p q/lambda."""
     return w["compressibility"] * p * q
 
 
 @skfem.BilinearForm
 @ring
 def mass(u: Any, v: Any, w: Any) -> Any:
-    """u v."""
+    """Product u v."""
     return u * v
 
 
 @skfem.LinearForm
 def force_r(v: Any, w: Any) -> Any:
-    """sigma : eps(v) = s_rr rr + s_tt tt + s_rz rz of a radial v."""
+    """Virtual work sigma : eps(v) = s_rr rr + s_tt tt + s_rz rz of a radial v."""
     return (w["rr"] * v.grad[0] + w["rz"] * v.grad[1]) * 2 * np.pi * w.x[0] + w["tt"] * v * 2 * np.pi
 
 
 @skfem.LinearForm
 @ring
 def force_z(v: Any, w: Any) -> Any:
-    """sigma : eps(v) = s_zz zz + s_rz rz of an axial v."""
+    """Virtual work sigma : eps(v) = s_zz zz + s_rz rz of an axial v."""
     return w["zz"] * v.grad[1] + w["rz"] * v.grad[0]
 
 
 @skfem.LinearForm
 @ring
 def measure(v: Any, w: Any) -> Any:
-    """v: on the surface the area that belongs to each node."""
+    """Integral of v: on the surface the area that belongs to each node."""
     return v
 
 
@@ -140,12 +140,12 @@ class ElasticSystem:
 
     @property
     def nodes(self) -> Array:
-        """(N, 2) [m]."""
+        """Positions of the nodes (N, 2) [m]."""
         return self.basis.doflocs.T
 
     @property
     def radii(self) -> Array:
-        """Of the nodes of the surface [m]."""
+        """Radii of the nodes of the surface [m]."""
         return self.basis.doflocs[0, self.surface]
 
     @property
@@ -165,7 +165,7 @@ class ElasticSystem:
 
     @property
     def cell_centres(self) -> Array:
-        """(m, 2) [m]."""
+        """Centres of the cells (m, 2) [m]."""
         return self.grid.points[self.grid.cells].mean(axis=1)
 
     @property

@@ -30,7 +30,7 @@ from .options import Solver
 
 @dataclass(frozen=True)
 class FactorTuning:
-    """What saves time only."""
+    """Sizes on which the time of a solve depends, not its result."""
 
     small: int = 20_000  # unknowns up to which CHOLMOD gains less than its import costs; tuned by `make bench`
     leaf: int = 6  # cells; smaller groups gain nothing; tuned on the cases of `make bench`, by `make bench`
@@ -62,7 +62,7 @@ def sparse_factor(matrix: csc_matrix, tail: int, definite: bool, solver: Solver)
 
 
 def one_thread() -> AbstractContextManager[Any]:
-    """While it lasts, BLAS works in one thread: on small matrices and many-column solves more only wait."""
+    """Context in which BLAS works in one thread: on small matrices and many-column solves more only wait."""
     return _blas("cvxopt" in sys.modules).limit(limits=1)
 
 
@@ -78,7 +78,7 @@ def has_cholmod() -> bool:
 
 
 def _superlu(matrix: csc_matrix, tail: int) -> SparseFactor:
-    """SuperLU's L U: the factor of the Schur complement is the last part of L, scaled by the pivots on U's diagonal."""
+    """Factor by SuperLU, whose root is the last part of L, scaled by the pivots on U's diagonal."""
     with one_thread():
         lu = splu(matrix, permc_spec="NATURAL", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
     last = np.arange(matrix.shape[0] - tail, matrix.shape[0])
@@ -92,7 +92,7 @@ def _superlu(matrix: csc_matrix, tail: int) -> SparseFactor:
 
 
 def _cholmod(matrix: csc_matrix, tail: int) -> SparseFactor:
-    """CHOLMOD gives its factor away only whole, and has none left then: it factorises once more for the solves."""
+    """Factor by CHOLMOD, which gives it away whole and has none left then: it factorises once more for the solves."""
     from cvxopt import cholmod, spmatrix
     from cvxopt import matrix as dense
 
@@ -168,7 +168,7 @@ def _directions(centres: Array) -> list[Array]:
 
 
 def _halves(group: Array, groups: int, by_axis: list[Array], neighbours: Array) -> Array:
-    """Half 0 or 1 of every cell of its group."""
+    """The half of its group, 0 or 1, that every cell goes to."""
     sizes = np.bincount(group, minlength=groups)
     starts = np.concatenate([[0], np.cumsum(sizes)[:-1]])
     together = neighbours[:, group[neighbours[0]] == group[neighbours[1]]]

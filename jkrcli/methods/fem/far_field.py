@@ -83,7 +83,7 @@ class TransversePointForce:
 
     @cached_property
     def _terms(self) -> list[tuple[complex, complex, complex]]:
-        """s_j [-], m_j [-] and the factor c_j [1/Pa] of both terms."""
+        """Roots s_j [-], ratios m_j [-] and the factor c_j [1/Pa] of both terms."""
         C11, _, C13, C33, C44 = self.material.stiffness
         middle = (C11 * C33 - C13**2 - 2 * C13 * C44) / (2 * C33 * C44)
         apart = np.sqrt(complex(middle**2 - C11 / C33))

@@ -104,7 +104,7 @@ class Layout:
         return self._sizes(z, np.full_like(z, min(self.law.a0 + self.law.inner, self.law.reach)), -z)
 
     def _sizes(self, along: Array, r: Array, z: Array) -> Array:
-        """By the law at (r, z), or those of the ``sides`` where these give them."""
+        """Element sizes by the law at (r, z), or those of the ``sides`` where these give them."""
         return np.interp(along, *np.transpose(self.sides)) if self.sides else self.law(r, z)
 
     def _surface_points(self, width: float) -> Array:
@@ -170,7 +170,7 @@ def _expected_points(size: Callable[[Array], Array], stop: float) -> float:
 
 
 def _rounded(x: float) -> float:
-    """Rounded to so many digits that the mesh does not depend on the unit of length."""
+    """The length ``x``, rounded to so many digits that the mesh does not depend on the unit of length."""
     scale = 10.0 ** (TUNING.digits - np.ceil(np.log10(x or 1.0)))
     return float(np.round(x * scale) / scale)
 
@@ -204,7 +204,7 @@ def layout_for(options: FEMOptions, problem: Problem, reach: float) -> Layout:
 
 
 def _fewer(options: FEMOptions, layout: Layout, cells: float) -> str:
-    """What to do about too many ``cells``."""
+    """Remedy for too many ``cells``."""
     if options.tolerance is not None:
         return "ask for a larger mesh.tolerance, or use the method layered where it represents the body"
     size = "mesh.element_size" if options.layout == "zones" else "mesh.spacing or mesh.smallest"
@@ -241,7 +241,7 @@ def zones_layout(body: MeshedBody, options: FEMOptions, reach: float, a0: float,
 
 
 def _law(body: MeshedBody, unit: float, reach: float, a0: float, growth: float) -> SizeLaw:
-    """What contact, layers and corners ask for in units of ``unit`` [m]: out to ``reach`` units, round ``a0`` [m]."""
+    """Size law of contact, layers and corners in units of ``unit`` [m]: out to ``reach`` units, round ``a0`` [m]."""
     return SizeLaw(
         reach=reach,
         growth=growth,
@@ -254,7 +254,8 @@ def _law(body: MeshedBody, unit: float, reach: float, a0: float, growth: float) 
 
 
 def _corners(body: MeshedBody, unit: float, growth: float) -> Iterator[tuple[float, float, float]]:
-    """Where the side's support meets another one: a free side on a bonded base, a clamped side at the free surface."""
+    """Points of singular fields, where the side's support meets another one: a free side on a bonded base, a clamped
+    side at the free surface."""
     size = TUNING.corner * growth * min(body.depth, body.width) / unit
     singular = {body.depth: body.side == "free" and body.bonded, 0.0: body.side == "clamped"}
     for depth, is_singular in singular.items():

@@ -70,7 +70,7 @@ def nodal_forces(contact: SurfaceContact, events: Events, delta: Array) -> Array
 
 
 def needed_radius(problem: Problem, events: Events, reach: float) -> float | None:
-    """None where the events reach the end of the loading; else about the contact radius that does."""
+    """Contact radius, about, at which the loading ends [m]; None where the events reach it."""
     loading, a0 = problem.loading, problem.indenter.a0
     if not events.a.size:
         return 2 * reach

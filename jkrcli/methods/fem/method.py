@@ -85,7 +85,7 @@ class FEM(FEMOptions):
         return self._first_layout(problem).grid()
 
     def forecast(self, problem: Problem) -> Forecast:
-        """From the expected number of elements and the measured cost per unknown; of the first mesh to a tolerance."""
+        """Cost and error from the expected number of elements, by measured ones; of the first mesh to a tolerance."""
         expected = _forecast(self, problem, self._first_layout(problem))
         return expected if self.tolerance is None else replace(expected, error=self.tolerance)
 
@@ -135,7 +135,7 @@ TUNING = ForecastTuning()
 
 
 def _forecast(options: FEMOptions, problem: Problem, layout: Layout) -> Forecast:
-    """From the expected number of elements of ``layout``."""
+    """Cost and error from the expected number of elements of ``layout``."""
     per_cell = _unknowns_per_cell(options, bool(mixed_layers(options, problem)))
     cells = layout.expected_cells()
     seconds = _seconds(options, cells * per_cell)
@@ -155,7 +155,7 @@ def _seconds(options: FEMOptions, unknowns: float) -> float:
 
 
 def _unknowns_per_cell(options: FEMOptions, mixed: bool) -> float:
-    """Of large meshes: a triangle has half a vertex, and two displacements per node."""
+    """Unknowns per element of large meshes: a triangle has half a vertex, and two displacements per node."""
     first_order = 1.0 if options.element == "triangle" else 2.0
     return first_order * (1.0 if options.order == 1 else 4.2) * (1.1 if mixed else 1.0)
 

@@ -71,7 +71,7 @@ class Discretisation:
         return Model(self, system, factor, surface, w)
 
     def _missing_displacement(self, system: ElasticSystem, factor: StiffnessFactor, surface: Surface) -> float:
-        """Of the cut-out half-space, under a uniform pressure on the candidates' disc [m/N]."""
+        """What the cut-out half-space lacks, under a uniform pressure on the candidates' disc [m/N]."""
         below = self.body.materials[-1]
         assert not isinstance(below, Graded)  # it stands for a half-space, which is homogeneous
         loads = factor.loads(-surface.areas / surface.areas.sum())

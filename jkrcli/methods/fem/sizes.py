@@ -72,7 +72,7 @@ class SizeLaw:
         return size
 
     def _limits(self, r: Any, z: Any) -> Iterator[Any]:
-        """Of zones (inside square k, growing outwards from it), layers and corners."""
+        """Upper limits of the size from zones (inside square k, growing outwards from it), layers and corners."""
         for extent, size in self.zones:
             yield size + self.growth * np.maximum(np.maximum(r, 0.0 - z) - extent, 0.0)
         for layer in self.layers:

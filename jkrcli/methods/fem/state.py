@@ -63,7 +63,7 @@ class ContactState:
 
     @cached_property
     def imbalance(self) -> dict[str, float]:
-        """Of each line the compressive force that passes through it less the load, relative to its ``size``."""
+        """Compressive force that passes through each line less the load, relative to the line's ``size``."""
         return {name: (line.load - self.P) / line.size for name, line in self.lines.items()}
 
     @cached_property

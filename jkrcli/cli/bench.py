@@ -13,10 +13,11 @@ import click
 
 from ..base.clock import StageClock
 from ..case import Case, load_case, store
+from ..case.solving import solve
 from ..many.study.chart_measure import process_cost
+from ..methods import METHODS
 from ..methods.guards import Limits
 from .options import limits_options
-from .run import METHODS, solve
 
 IMPORTS = "import time; t = time.process_time(); import {}; print(time.process_time() - t)"
 

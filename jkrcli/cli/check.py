@@ -14,11 +14,14 @@ from ..adhesion.expectation import Expectation, expect
 from ..base.errors import Refusal
 from ..base.units import show
 from ..base.unknown import Estimate, Unknown
-from ..case import CaseModel, load_case
+from ..case import load_case
+from ..case.models import CaseModel
 from ..case.numerics import method_of
 from ..methods.choose import Option, choose, survey
 from ..report import tables
 from .output import answer, json_option
+from .series import reached
+from .voice import warn
 
 
 @click.command()
@@ -82,10 +85,7 @@ def _print(expected: Expectation | Unknown) -> None:
     if isinstance(expected, Unknown):
         click.echo(f"  reaches   unknown: {expected}")
         return
-    click.echo(
-        f"  reaches   a = {show(expected.a, 'length')}, delta = {show(expected.delta, 'length')}, "
-        f"P = {show(expected.P, 'load')}"
-    )
+    click.echo(f"  reaches   {reached(expected.a, expected.delta, expected.P)}")
     if expected.half_space_error is not None:
         ratio = 1 + expected.half_space_error
         click.echo(
@@ -98,7 +98,7 @@ def _print(expected: Expectation | Unknown) -> None:
         click.echo(f"            a/R = {_ratio(judged.a_over_R)}, a/h = {_ratio(judged.a_over_h)}, "
                    f"delta/h = {_ratio(judged.delta_over_h)}")  # fmt: skip
     for warning in dict.fromkeys(text for _, _, judged in expected.adhesion for text in validity.check(judged)):
-        click.echo(f"jkr: warning: {warning}", err=True)
+        warn(warning)
 
 
 def _pull_off(point: CriticalPoint | Unknown) -> str:

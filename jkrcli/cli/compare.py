@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -87,7 +88,9 @@ def _curves(first: Path, second: Path) -> list[Difference]:
     return curve_differences(*(tables.read_curve(path) for path in (first, second)))
 
 
-def _as_dict(first: Path, second: Path, rtol: float, found: list[Difference], judged: list[Difference], agree: bool):
+def _as_dict(
+    first: Path, second: Path, rtol: float, found: list[Difference], judged: list[Difference], agree: bool
+) -> dict[str, Any]:
     return {
         "first": str(first),
         "second": str(second),

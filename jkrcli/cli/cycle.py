@@ -16,20 +16,22 @@ from ..base.units import show
 from ..base.unknown import Unknown
 from ..report import tables
 from ..report.output import PICTURES, Output
-from .options import Length, Load, WorkOfAdhesion, modulus_factor_option, slopes_option
+from .options import LengthType, LoadType, WorkType, modulus_factor_option, slopes_option
 from .output import answer, into_folder, output_options
-from .pull_off import Control
+from .pull_off import ControlType
 from .series import read_series, works_of
 from .voice import say
 
 
 @click.command()
 @click.argument("file", type=click.Path(path_type=Path))
-@click.option("--w-approach", type=WorkOfAdhesion(), help="While the contact grows [default: the case's first w].")
-@click.option("--w-retract", type=WorkOfAdhesion(), help="While it shrinks, not smaller [default: that of approach].")
-@click.option("--stiffness", type=Control(), default="rigid", show_default=True, help='"0.2 N/m", "rigid" or "load".')
-@click.option("--to-load", type=Load(), help="Turn at this load [default: at the end of the series].")
-@click.option("--to-depth", type=Length(), help="Turn at this displacement delta.")
+@click.option("--w-approach", type=WorkType(), help="While the contact grows [default: the case's first w].")
+@click.option("--w-retract", type=WorkType(), help="While it shrinks, not smaller [default: that of approach].")
+@click.option(
+    "--stiffness", type=ControlType(), default="rigid", show_default=True, help='"0.2 N/m", "rigid" or "load".'
+)
+@click.option("--to-load", type=LoadType(), help="Turn at this load [default: at the end of the series].")
+@click.option("--to-depth", type=LengthType(), help="Turn at this displacement delta.")
 @click.option("--points", type=click.IntRange(2, 100_000), default=200, show_default=True, help="Rows per branch.")
 @slopes_option
 @modulus_factor_option

@@ -14,7 +14,7 @@ from ..data import measured
 from ..report.explorer import page, payload, start_work
 from ..report.output import Output
 from .measured import reading_of, reading_options
-from .options import WorkOfAdhesion, slopes_option
+from .options import WorkType, slopes_option
 from .output import ONE_FILE, answer, into_file, output_options
 from .series import read_series
 from .voice import say
@@ -24,7 +24,7 @@ from .voice import say
 @click.argument("file", type=click.Path(path_type=Path))
 @click.argument("data", nargs=-1, type=click.Path(path_type=Path))
 @into_file("The page [default: <file>-explore.html].")
-@click.option("--w", "work", type=WorkOfAdhesion(), help="To begin with [default: the case's first].")
+@click.option("--w", "work", type=WorkType(), help="To begin with [default: the case's first].")
 @slopes_option
 @reading_options
 @output_options(force=ONE_FILE, json="Print what was written as JSON.")

@@ -16,7 +16,7 @@ from ..base.units import show
 from ..case import Case
 from ..report.output import PICTURES, Files, Output
 from .mesh import MARKS
-from .options import Length, Load, WorkOfAdhesion
+from .options import LengthType, LoadType, WorkType
 from .output import answer, into_folder, output_options
 from .series import read_series
 from .voice import say
@@ -27,11 +27,9 @@ if TYPE_CHECKING:
 
 @click.command()
 @click.argument("file", type=click.Path(path_type=Path))
-@click.option("--a", "radius", type=Length(), help='Contact radius, "2 um".')
-@click.option("--load", type=Load(), help='Load, "-3 mN" (stable branch), compression positive.')
-@click.option(
-    "--w", "work", type=WorkOfAdhesion(), help="Work of adhesion; 0: nonadhesive [default: the case's first]."
-)
+@click.option("--a", "radius", type=LengthType(), help='Contact radius, "2 um".')
+@click.option("--load", type=LoadType(), help='Load, "-3 mN" (stable branch), compression positive.')
+@click.option("--w", "work", type=WorkType(), help="Work of adhesion; 0: nonadhesive [default: the case's first].")
 @click.option("--component", type=click.Choice(["zz", "rr", "tt", "rz", "mises"]), default="zz", show_default=True,
               help="Stress in the picture; the .vtu holds all.")  # fmt: skip
 @into_folder()

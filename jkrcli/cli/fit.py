@@ -12,7 +12,7 @@ from ..base.errors import InputError
 from ..methods.guards import Limits
 from ..report.output import PICTURES, Files, Output
 from .measured import reading_of, reading_options
-from .options import ParamType, Scale, limits_options, parallel_options, slopes_option
+from .options import ParamType, ScaleType, limits_options, parallel_options, slopes_option
 from .output import answer, into_folder, output_options
 from .voice import progress, say, warn
 
@@ -25,7 +25,7 @@ SHOWN = 10  # curves that are told line by line, and drawn
 SECONDS = 0.1  # CPU seconds of a curve, about
 
 
-class Named(ParamType):
+class NamedType(ParamType):
     """NAME=TEXT, told apart by the name alone: what the text may be depends on it."""
 
     name = "NAME=VALUE"
@@ -39,7 +39,7 @@ class Named(ParamType):
         return name, text
 
 
-class Names(ParamType):
+class NamesType(ParamType):
     """One or several names, separated by commas."""
 
     name = "NAME,..."
@@ -53,15 +53,19 @@ class Names(ParamType):
 @click.command()
 @click.argument("body_file", metavar="BODY", type=click.Path(path_type=Path))
 @click.argument("measured", nargs=-1, required=True, type=click.Path(path_type=Path))
-@click.option("--free", multiple=True, type=Names(), help="Also free: P0, compliance, E:LAYER, h:LAYER (thickness).")
-@click.option("--fix", multiple=True, type=Named(), help='Known: w="50 mJ/m^2", delta0=0, modulus=1, E_star="1 MPa".')
-@click.option("--start", multiple=True, type=Named(), help="Starting value, beside those found in the data.")
-@click.option("--bound", multiple=True, type=Named(), help='Bounds, w="10 mJ/m^2..1 J/m^2"; one may be left out.')
+@click.option(
+    "--free", multiple=True, type=NamesType(), help="Also free: P0, compliance, E:LAYER, h:LAYER (thickness)."
+)
+@click.option(
+    "--fix", multiple=True, type=NamedType(), help='Known: w="50 mJ/m^2", delta0=0, modulus=1, E_star="1 MPa".'
+)
+@click.option("--start", multiple=True, type=NamedType(), help="Starting value, beside those found in the data.")
+@click.option("--bound", multiple=True, type=NamedType(), help='Bounds, w="10 mJ/m^2..1 J/m^2"; one may be left out.')
 @click.option("--segment", type=click.Choice(["approach", "retract", "both"]),
               help="Rows to fit [default: retract where the file names segments, else all].")  # fmt: skip
 @click.option("--branch", type=click.Choice(["all", "compressive"]), default="all", show_default=True,
               help="compressive: rows under compression only.")  # fmt: skip
-@click.option("--noise", multiple=True, type=Scale(),
+@click.option("--noise", multiple=True, type=ScaleType(),
               help='Standard deviation of the readings, P="2 nN" [default: from the record].')  # fmt: skip
 @click.option("--loss", type=click.Choice(["linear", "soft_l1", "huber", "cauchy"]), default="linear",
               show_default=True, help="Anything but linear is robust against outliers.")  # fmt: skip
@@ -70,7 +74,7 @@ class Names(ParamType):
 @click.option("--level", type=float, default=0.95, show_default=True, help="Of the intervals.")
 @click.option("--samples", type=click.IntRange(20, 100_000), default=200, show_default=True, help="Of the bootstrap.")
 @click.option("--seed", type=int, default=0, show_default=True, help="Of the bootstrap.")
-@click.option("--uncertain", multiple=True, type=Named(),
+@click.option("--uncertain", multiple=True, type=NamedType(),
               help="Standard deviation of an input, carried through: nu=0.02, thickness=5%, E:LAYER=10%.")  # fmt: skip
 @slopes_option
 @reading_options

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import math
-import shlex
 import tomllib
 from collections.abc import Sequence
 from dataclasses import replace
@@ -16,22 +15,22 @@ import tomli_w
 
 from ..base.errors import InputError
 from ..base.files import read_bytes
-from ..base.units import show
 from ..case import Case, load_case, parse_case, store
 from ..case.models import CaseModel, LoadingTable
 from ..data.foreign import NAMES, SeriesReading, read_series
 from ..data.text_table import SEPARATORS
 from ..report.output import Output
 from ..series import Solution
-from .options import KeyValue, Length
+from .options import KeyValueType, LengthType
 from .output import ONE_FILE, answer, into_file, output_options
-from .voice import say
+from .series import end_of, reached
+from .voice import command_line, say
 
 KEYS = tuple(NAMES.quantities)
 SOME_LOADING = b"\n[loading]\ndepth = 1.0\n"  # stands in where a case has none: the table says how far it went
 
 
-class KeyNumber(KeyValue):
+class KeyNumberType(KeyValueType):
     """KEY=NUMBER, the number finite and not 0."""
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[str, Any]:
@@ -55,13 +54,15 @@ class KeyNumber(KeyValue):
 @click.option("--thickness", help="A layer of this thickness [default: a half-space].")
 @click.option("--base", help="Under the layer: bonded or frictionless [default: bonded].")
 @click.option(
-    "--column", "columns", multiple=True, type=KeyValue("NAME", KEYS), help="Column name or number, delta=U2."
+    "--column", "columns", multiple=True, type=KeyValueType("NAME", KEYS), help="Column name or number, delta=U2."
 )
 @click.option(
-    "--unit", "units", multiple=True, type=KeyValue("UNIT", KEYS), help="Unit where the header has none, P=mN."
+    "--unit", "units", multiple=True, type=KeyValueType("UNIT", KEYS), help="Unit where the header has none, P=mN."
 )
-@click.option("--factor", "factors", multiple=True, type=KeyNumber("NUMBER", KEYS), help="Factor of a column, P=180.")
-@click.option("--zero", type=Length(), default=0.0, help="Displacement at first touch, subtracted.")
+@click.option(
+    "--factor", "factors", multiple=True, type=KeyNumberType("NUMBER", KEYS), help="Factor of a column, P=180."
+)
+@click.option("--zero", type=LengthType(), default=0.0, help="Displacement at first touch, subtracted.")
 @click.option("--sign", type=click.Choice(["auto", "as-is"]), default="auto", show_default=True,
               help="auto: a displacement or load that is negative in compression is turned.")  # fmt: skip
 @click.option("--area", type=click.Choice(["surface", "projected"]), default="surface", show_default=True,
@@ -70,9 +71,7 @@ class KeyNumber(KeyValue):
 @click.option("--decimal", type=click.Choice([".", ","]), help="Decimal mark [default: found out].")
 @click.option("--sort", is_flag=True, help="Order the rows by displacement first.")
 @output_options(force=ONE_FILE, json="Print the summary as JSON.")
-@click.pass_context
 def import_(
-    ctx: click.Context,
     table: Path,
     case: Path | None,
     columns: Sequence[tuple[str, str]],
@@ -99,7 +98,7 @@ def import_(
     solution = read_series(table, held.model.problem(), reading)
     loaded = _with_loading(held, solution)
     solution = replace(solution, record=store.record_of(loaded))
-    store.write(target, solution, shlex.join(ctx.find_root().obj))
+    store.write(target, solution, command_line())
     if output.json:
         answer(_as_dict(target, solution))
         return
@@ -107,8 +106,7 @@ def import_(
     say(solution.problem.words)
     say(f"  columns   {solution.facts['columns']}; separated by: {solution.facts['separator']}")
     say(f"  read      {solution.facts['rows']} rows, {len(series)} different contact radii")
-    say(f"  reached   a = {show(series.a[-1], 'length')}, delta = {show(series.delta[-1], 'length')}, "
-               f"P = {show(series.P[-1], 'load')}")  # fmt: skip
+    say(f"  reached   {reached(series.a[-1], series.delta[-1], series.P[-1])}")
     say(f"  written   {target}")
 
 
@@ -163,14 +161,10 @@ def _with_loading(case: Case, solution: Solution) -> Case:
 
 
 def _as_dict(target: Path, solution: Solution) -> dict[str, Any]:
-    series = solution.series
     return {
         "file": str(target),
         "method": solution.method,
-        "points": len(series),
-        "a_m": float(series.a[-1]),
-        "delta_m": float(series.delta[-1]),
-        "P_N": float(series.P[-1]),
+        **end_of(solution.series),
         "facts": dict(solution.facts),
         "errors": solution.budget.as_dict(),
     }

@@ -10,7 +10,7 @@ import click
 from ..data.measured import Reading
 from ..data.measured.text import NAMES
 from ..data.text_table import SEPARATORS
-from .options import KeyValue, Scale, Stiffness
+from .options import KeyValueType, ScaleType, StiffnessType
 
 KEYS = tuple(NAMES.quantities)
 Command = TypeVar("Command", bound=Callable[..., Any])
@@ -18,17 +18,17 @@ FIELDS = ("columns", "units", "flip", "stiffness", "sensitivity", "zero", "conta
 
 
 OPTIONS = (
-    click.option("--column", "columns", multiple=True, type=KeyValue("NAME", KEYS),
+    click.option("--column", "columns", multiple=True, type=KeyValueType("NAME", KEYS),
                  help=f"Column name or number where the header does not tell; keys {', '.join(KEYS)}."),
-    click.option("--unit", "units", multiple=True, type=KeyValue("UNIT", NAMES.numbers),
+    click.option("--unit", "units", multiple=True, type=KeyValueType("UNIT", NAMES.numbers),
                  help="Unit where the header has none, P=nN."),
     click.option("--flip", multiple=True, type=click.Choice(["delta", "P"]),
                  help="Turn the sign: of a height or separation, of loads that count adhesion positive."),
-    click.option("--zero", multiple=True, type=Scale(("delta", "P")),
+    click.option("--zero", multiple=True, type=ScaleType(("delta", "P")),
                  help='Reading at the zero point, subtracted after the flip: delta="1.2 um".'),
     click.option("--contact", type=click.Choice(["as-is", "estimate"]), default="as-is", show_default=True,
                  help="estimate: baseline with tilt and first touch from the free part of the approach."),
-    click.option("--stiffness", type=Stiffness(),
+    click.option("--stiffness", type=StiffnessType(),
                  help="The displacement is that of a device (piezo) of this stiffness: P/stiffness is subtracted."),
     click.option("--sensitivity", type=float, help="Of a force microscope [m/V], where its file lacks it."),
     click.option("--format", type=click.Choice(["auto", "text", "afm"]), default="auto", show_default=True,

@@ -55,7 +55,7 @@ def parallel_options(command: Callable[..., Any]) -> Callable[..., Any]:
     return workers(scheduler(command))
 
 
-class Quantity(ParamType):
+class QuantityType(ParamType):
     """A finite number of a dimension, SI or with a unit."""
 
     dimension = "number"
@@ -73,23 +73,23 @@ class Quantity(ParamType):
         return number
 
 
-class WorkOfAdhesion(Quantity):
+class WorkType(QuantityType):
     name = "WORK"
     dimension = "work"
     least = 0.0
 
 
-class Length(Quantity):
+class LengthType(QuantityType):
     name = "LENGTH"
     dimension = "length"
 
 
-class Load(Quantity):
+class LoadType(QuantityType):
     name = "LOAD"
     dimension = "load"
 
 
-class Positive(Quantity):
+class PositiveType(QuantityType):
     """A number > 0."""
 
     least = 0.0
@@ -101,25 +101,25 @@ class Positive(Quantity):
         return found
 
 
-class Factor(Positive):
+class FactorType(PositiveType):
     name = "FACTOR"
 
 
-class Stiffness(Positive):
+class StiffnessType(PositiveType):
     name = "STIFFNESS"
     dimension = "stiffness"
 
 
 modulus_factor_option = click.option(
     "--modulus-factor",
-    type=Factor(),
+    type=FactorType(),
     default="1",
     show_default=True,
     help="All moduli this many times the case's; nothing is solved anew.",
 )
 
 
-class KeyValue(ParamType):
+class KeyValueType(ParamType):
     """KEY=TEXT with one of ``keys``; ``what`` names the text in help."""
 
     def __init__(self, what: str, keys: Sequence[str]):
@@ -135,7 +135,7 @@ class KeyValue(ParamType):
         return key, text
 
 
-class Scale(KeyValue):
+class ScaleType(KeyValueType):
     """KEY=VALUE with a key among a, delta, P: a length or a load."""
 
     def __init__(self, keys: Sequence[str] = ("a", "delta", "P")):
@@ -143,5 +143,5 @@ class Scale(KeyValue):
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[str, float]:
         key, text = super().convert(value, param, ctx)
-        kind = Load() if key == "P" else Length()
+        kind = LoadType() if key == "P" else LengthType()
         return key, kind.convert(text, param, ctx)

@@ -16,7 +16,7 @@ from ..methods.layered.fields import profile as solve_profile
 from ..methods.layered.layered import unbounded
 from ..report.output import PICTURES, Output
 from ..report.plots.body import profile_figure
-from .options import Length, Load, WorkOfAdhesion
+from .options import LengthType, LoadType, WorkType
 from .output import into_folder, output_options
 from .series import read_series
 from .voice import say
@@ -24,11 +24,9 @@ from .voice import say
 
 @click.command()
 @click.argument("file", type=click.Path(path_type=Path))
-@click.option("--a", "radius", type=Length(), help='Contact radius, "2 um".')
-@click.option("--load", type=Load(), help='Load, "-3 mN" (stable branch), compression positive.')
-@click.option(
-    "--w", "work", type=WorkOfAdhesion(), help="Work of adhesion; 0: nonadhesive [default: the case's first]."
-)
+@click.option("--a", "radius", type=LengthType(), help='Contact radius, "2 um".')
+@click.option("--load", type=LoadType(), help='Load, "-3 mN" (stable branch), compression positive.')
+@click.option("--w", "work", type=WorkType(), help="Work of adhesion; 0: nonadhesive [default: the case's first].")
 @into_folder()
 @output_options()
 def profile(file: Path, radius: float | None, load: float | None, work: float | None, output: Output) -> None:

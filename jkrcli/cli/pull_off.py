@@ -18,7 +18,7 @@ from ..base.errors import InputError
 from ..base.units import show
 from ..base.unknown import Estimate, Unknown
 from ..report import tables
-from .options import Load, Quantity, WorkOfAdhesion, modulus_factor_option, slopes_option
+from .options import LoadType, QuantityType, WorkType, modulus_factor_option, slopes_option
 from .output import answer, json_option
 from .series import read_series, works_of
 
@@ -26,7 +26,7 @@ SIZES = {"a/R": "a_over_R", "a/R at pull-off": "a_over_R_pull_off", "a/h": "a_ov
 Answer = tuple[dict[str, Any], list[str]]  # for machines, for people
 
 
-class Control(Quantity):
+class ControlType(QuantityType):
     """A stiffness > 0, or "rigid" (displacement control) or "load" (load control)."""
 
     name = "STIFFNESS"
@@ -45,15 +45,15 @@ class Control(Quantity):
 
 @click.command("pull-off")
 @click.argument("files", nargs=-1, required=True, type=click.Path(path_type=Path))
-@click.option("--w", "works", multiple=True, type=WorkOfAdhesion(), help='J/m^2 or "35 mJ/m^2" [default: the case\'s].')
+@click.option("--w", "works", multiple=True, type=WorkType(), help='J/m^2 or "35 mJ/m^2" [default: the case\'s].')
 @click.option(
     "--stiffness",
     "stiffnesses",
     multiple=True,
-    type=Control(),
+    type=ControlType(),
     help='Of the machine or cantilever, "0.2 N/m"; also "load" and "rigid" [default: these two].',
 )
-@click.option("--load", "force", type=Load(), help='A measured pull-off force, "12 uN": which w does it mean?')
+@click.option("--load", "force", type=LoadType(), help='A measured pull-off force, "12 uN": which w does it mean?')
 @slopes_option
 @modulus_factor_option
 @json_option

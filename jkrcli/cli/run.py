@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import shlex
 import time
 from pathlib import Path
 
 import click
 
 from ..adhesion.validity import check, end_of_body, judge
-from ..base.units import show
 from ..base.unknown import Unknown
 from ..bodies.problem import Problem
 from ..case import Case, load_case, store
@@ -21,7 +19,8 @@ from ..report.output import Output
 from ..series import Solution
 from .options import limits_options
 from .output import ONE_FILE, answer, into_file, output_options
-from .voice import detail, note, say, warn
+from .series import end_of, reached
+from .voice import command_line, detail, note, say, warn
 
 
 @click.command()
@@ -31,9 +30,7 @@ from .voice import detail, note, say, warn
 @click.option("--tolerance", type=float, help="Of finite elements, instead of the case's mesh.tolerance, e.g. 1e-3.")
 @limits_options
 @output_options(force=ONE_FILE, json="Print the summary as JSON.")
-@click.pass_context
 def run(
-    ctx: click.Context,
     case: Path,
     method: str | None,
     tolerance: float | None,
@@ -58,7 +55,7 @@ def run(
     for stage, used in solution.timings.items():
         detail(f"{stage}: {used:.3f} s CPU")
     problem = loaded.model.problem()
-    store.write(target, solution, shlex.join(ctx.find_root().obj))
+    store.write(target, solution, command_line())
     seconds = time.process_time() - start
     warnings = [*solution.warnings, *_geometry(problem, solution)]
     if output.json:
@@ -90,15 +87,11 @@ def _geometry(problem: Problem, solution: Solution) -> list[str]:
 def _as_json(
     target: Path, choice: Choice, solution: Solution, warnings: list[str], seconds: float
 ) -> dict[str, object]:
-    series = solution.series
     return {
         "file": str(target),
         "method": choice.name,
         "reason": choice.reason,
-        "points": len(series),
-        "a_m": series.a[-1],
-        "delta_m": series.delta[-1],
-        "P_N": series.P[-1],
+        **end_of(solution.series),
         "errors": solution.budget.as_dict(),
         "warnings": warnings,
         "cpu_s": seconds,
@@ -109,10 +102,7 @@ def _print(case: Case, target: Path, choice: Choice, solution: Solution, seconds
     series = solution.series
     say(case.model.problem().words)
     say(f"  method    {choice.name}: {choice.reason}")
-    say(
-        f"  reached   a = {show(series.a[-1], 'length')}, delta = {show(series.delta[-1], 'length')}, "
-        f"P = {show(series.P[-1], 'load')} in {len(series)} points"
-    )
+    say(f"  reached   {reached(series.a[-1], series.delta[-1], series.P[-1])} in {len(series)} points")
     total = solution.budget.total
     say(f"  error     {total if isinstance(total, Unknown) else f'{total:.1e} relative (estimated)'}")
     say(f"  written   {target} ({seconds:.2f} s CPU)")

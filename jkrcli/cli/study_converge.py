@@ -19,7 +19,7 @@ from ..many.study.converge import QUANTITIES, Convergence, converge
 from ..methods.fem.method import FEM
 from ..report import tables
 from ..report.output import PICTURES, Output
-from .options import WorkOfAdhesion, parallel_options
+from .options import WorkType, parallel_options
 from .output import answer, into_folder, output_options
 from .voice import progress
 
@@ -33,7 +33,7 @@ WORDS = {"a": "contact radius", "P": "load", "pull_off": "pull-off force"}
 @click.argument("case", type=click.Path(path_type=Path))
 @click.option("--levels", type=click.IntRange(2, 8), default=4, show_default=True, help="Meshes; the last: the case's.")
 @click.option("--contact", type=click.Choice(["nested", "incremental"]), help="Instead of the case's.")
-@click.option("--w", "work", type=WorkOfAdhesion(), help="Work of adhesion [default: the case's first].")
+@click.option("--w", "work", type=WorkType(), help="Work of adhesion [default: the case's first].")
 @parallel_options
 @into_folder("Folder.", default=Path())
 @output_options(plots="Write CSV and JSON only.", json="Print as JSON.")

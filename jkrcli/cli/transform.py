@@ -15,7 +15,7 @@ from ..base.unknown import Estimate, Unknown
 from ..report import tables
 from ..report.output import PICTURES, Files, Output
 from ..report.scaling import Scales, own_scales, scales_of
-from .options import Scale, WorkOfAdhesion, modulus_factor_option, slopes_option
+from .options import ScaleType, WorkType, modulus_factor_option, slopes_option
 from .output import answer, into_folder, output_options, refuse_doubles
 from .series import read_series, works_of
 from .voice import say, warn
@@ -23,12 +23,14 @@ from .voice import say, warn
 
 @click.command()
 @click.argument("files", nargs=-1, required=True, type=click.Path(path_type=Path))
-@click.option("--w", "works", multiple=True, type=WorkOfAdhesion(), help='J/m^2 or "35 mJ/m^2" [default: the case\'s].')
+@click.option("--w", "works", multiple=True, type=WorkType(), help='J/m^2 or "35 mJ/m^2" [default: the case\'s].')
 @slopes_option
 @modulus_factor_option
 @into_folder()
 @click.option("--dimensionless", type=click.Choice(["half-space", "thin-layer"]), help="Also in units of Eq. 15, 19.")
-@click.option("--scale", "own", multiple=True, type=Scale(), help='Own units: a="1 um", delta=..., P=..., all three.')
+@click.option(
+    "--scale", "own", multiple=True, type=ScaleType(), help='Own units: a="1 um", delta=..., P=..., all three.'
+)
 @output_options(plots="Write CSV and JSON only.", json="Print the summaries as JSON.")
 def transform(
     files: tuple[Path, ...],

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import shlex
 import sys
 from collections.abc import Callable, Iterator
 from typing import Any
@@ -93,3 +94,8 @@ def progress(label: str, total: int) -> Iterator[Callable[[bool], None]]:
             bar.update(1, failed)
 
         yield step
+
+
+def command_line() -> str:
+    """What was typed, as a shell would take it."""
+    return shlex.join(click.get_current_context().find_root().obj)

@@ -10,7 +10,7 @@ import click
 from ..base.errors import InputError
 from ..report.output import PICTURES, Files, Output
 from .measured import reading_of, reading_options
-from .options import Scale, modulus_factor_option, slopes_option
+from .options import ScaleType, modulus_factor_option, slopes_option
 from .output import answer, into_folder, output_options, refuse_doubles
 from .voice import progress, say, warn
 
@@ -28,7 +28,7 @@ SHOWN = 10  # curves of a file that are told line by line
 @click.option("--use", type=click.Choice(["a,P", "a,delta", "delta,P"]),
               help="What w follows from [default: the first of these that was measured].")  # fmt: skip
 @click.option("--segment", help='Rows of this segment only, "retract".')
-@click.option("--noise", multiple=True, type=Scale(), help='Standard deviation of a measured quantity, P="2 nN".')
+@click.option("--noise", multiple=True, type=ScaleType(), help='Standard deviation of a measured quantity, P="2 nN".')
 @click.option("--window", type=int, default=11, show_default=True, help="Rows for the speed da/dt: an odd number.")
 @modulus_factor_option
 @slopes_option

@@ -49,7 +49,7 @@ class Option:
 
     @property
     def objection(self) -> str | None:
-        """What speaks against a possible method, for which "auto" passes over it if another is better; None: nothing."""
+        """What speaks against a possible method, so that "auto" takes another that is better; None: nothing."""
         if not self.is_quick:
             return f"would take longer than {TUNING.patience:g} s"
         return None if self.is_accurate else f"would err by more than {TUNING.noticeable:g}"

@@ -133,7 +133,7 @@ def _rounding(equation: DiscreteEquation, S: Array) -> Array:
 
 
 def panel_means(indenter: Indenter, panels: Panels, inner: int) -> Array:
-    """Abel image F at the nodes, replaced on each panel by its projection on polynomials of degree order - 1 [m].
+    """F of an indenter at the nodes, replaced on each panel by its projection on polynomials of degree order - 1 [m].
 
     Sums of w F q over the nodes are then exact integrals of F q for such polynomials q, whatever kinks F has: only
     the kernel limits the accuracy. The integrals cut panels at the kinks of F and place nodes quadratically above each

@@ -66,7 +66,7 @@ def transform(
     for solution, some, written in zip(held, wanted, targets, strict=True):
         results = analyse(solution, some, slopes, modulus_factor)
         for result, target in zip(results, written, strict=True):
-            scales = scales_of(result, dimensionless) if dimensionless else users
+            scales = scales_of(result.problem, result.w, dimensionless) if dimensionless else users
             summaries.append(_write(result, target, scales, output.plots))
         if not output.json:
             _print(results, written)

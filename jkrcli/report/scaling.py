@@ -10,7 +10,7 @@ import numpy as np
 from ..adhesion.analysis import Analysis
 from ..base.errors import InputError
 from ..bodies.materials import Elastic
-from ..bodies.problem import Rigid
+from ..bodies.problem import Problem, Rigid
 from ..formulas.scales import scales_half_space, scales_thin_layer
 from ..formulas.thin_layer import foundation_modulus
 from ..series import Array
@@ -38,9 +38,8 @@ class Scales:
         }
 
 
-def scales_of(result: Analysis, name: str) -> Scales:
-    """The scales of Eq. 15 ("half-space") or Eq. 19 ("thin-layer") for the body and w of a result."""
-    problem, w = result.problem, result.w
+def scales_of(problem: Problem, w: float, name: str) -> Scales:
+    """The scales of Eq. 15 ("half-space") or Eq. 19 ("thin-layer") for a body and ``w`` [J/m^2]."""
     R = problem.indenter.tip_radius
     if R is None or w == 0:
         raise InputError("--dimensionless: needs an indenter with a tip radius and w > 0")

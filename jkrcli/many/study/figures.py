@@ -15,24 +15,24 @@ from ...adhesion.slopes.result import Slopes
 from ...base.arrays import Array
 from ...base.errors import InputError
 from ...base.units import scale, show
-from ...bodies.materials import Elastic
 from ...bodies.problem import Loading, Problem
 from ...case import load_case
 from ...case.numerics import method_of
 from ...data.foreign import read_measured
 from ...formulas import half_space, thin_layer
-from ...formulas.scales import scales_half_space, scales_thin_layer
 from ...methods.fem.method import FEM
 from ...methods.layered.layered import Layered
 from ...report.output import PICTURES
 from ...report.plots import BLACK, BLUE, GREEN, ORANGE, pretty
 from ...report.plots.study import UNNAMED, Figure, Line, Panel, panels_figure
+from ...report.scaling import Scales, scales_of
 from ...series import Series
 from .command import call, output_of, parser_of, quantity
 from .converge import Convergence, converge
 
 COLORS = (ORANGE, BLUE, GREEN, "#CC79A7", "#56B4E9", "#E69F00", "#F0E442")
 Measured = tuple[Array, Array]  # displacement [m], load [N]
+Drawn = tuple[str, str, str, Array, tuple[Measured, Measured]]  # label, style, colour, radii [m], without and with w
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,40 +70,32 @@ class Solved:
 def half_space_figure(case: Path) -> Figure:
     """Fig. 5: load over displacement and radius over load in the units of Eq. 15, against Hertz and JKR."""
     solved = Solved.of(case)
-    problem, w, R = solved.problem, solved.works[0], _tip_radius(solved.problem, case)
-    units = scales_half_space(R, problem.E_star, w)
-    a = np.linspace(0, solved.series.a[-1], 400)
+    problem, w = solved.problem, solved.works[0]
+    scales, exact = scales_of(problem, w, "half-space"), solved.exact(w)
+    a, R = np.linspace(0, solved.series.a[-1], 400), problem.indenter.tip_radius
+    assert R is not None
     hertz, jkr = half_space.hertz(a, problem.E_star, R), half_space.jkr(a, problem.E_star, R, w)
-    references = [("Hertz and JKR (paraboloid)", "-", BLACK, a, hertz, jkr)]
-    exact = solved.exact(w)
-    pairs = (exact.series.delta, exact.series.P), (exact.delta, exact.P)
-    references.append((f"exact ({type(problem.indenter).__name__.lower()})", ":", GREEN, exact.a, *pairs))
-    labels = ("δ / δ₀  (Eq. 15)", "P / (π w R)", "a / a₀  (Eq. 15)")
-    return panels_figure(_two_panels(solved, w, units, labels, references))
+    shape = type(problem.indenter).__name__.lower()
+    references: list[Drawn] = [
+        ("Hertz and JKR (paraboloid)", "-", BLACK, a, (hertz, jkr)),
+        (f"exact ({shape})", ":", GREEN, exact.a, _pairs(exact)),
+    ]
+    return panels_figure(_two_panels(solved, w, scales, references))
 
 
 def thin_layer_figure(case: Path) -> Figure:
     """Fig. 7: the same in the units of Eq. 19, against the leading order (Eqs. 20, 21) and the exact layer."""
     solved = Solved.of(case)
-    problem, w, R = solved.problem, solved.works[0], _tip_radius(solved.problem, case)
-    material = problem.specimen.materials[0]
-    if not problem.specimen.layers or not isinstance(material, Elastic) or material.nu >= 0.5:
-        raise InputError(f"{case}: specimen: Fig. 7 needs a homogeneous layer with nu < 0.5 (Eq. 22)")
-    K = thin_layer.foundation_modulus(material.E, material.nu, problem.specimen.top_thickness)
-    P_unit, delta_unit, a_unit = scales_thin_layer(R, K, w)
-    a_bar = np.linspace(0, solved.series.a[-1] / a_unit, 400)
+    w = solved.works[0]
+    scales, exact = scales_of(solved.problem, w, "thin-layer"), solved.exact(w)
+    a_bar = np.linspace(0, solved.series.a[-1] / scales.a, 400)
     delta_bar, P_bar = thin_layer.thin_layer_dimensionless(a_bar)
-    leading = (
-        (a_bar**2 * delta_unit, a_bar**4 * P_unit),
-        (delta_bar * delta_unit, P_bar * P_unit),
-    )
-    exact = solved.exact(w)
-    references = [
-        ("leading order (Eqs. 20, 21)", "--", GREEN, a_bar * a_unit, *leading),
-        ("exact layer", "-", BLACK, exact.a, (exact.series.delta, exact.series.P), (exact.delta, exact.P)),
+    leading = (a_bar**2 * scales.delta, a_bar**4 * scales.P), (delta_bar * scales.delta, P_bar * scales.P)
+    references: list[Drawn] = [
+        ("leading order (Eqs. 20, 21)", "--", GREEN, a_bar * scales.a, leading),
+        ("exact layer", "-", BLACK, exact.a, _pairs(exact)),
     ]
-    labels = ("δ / √(2w/K)", "P / (2 π w R)", "a / (8 w R²/K)^¼")
-    return panels_figure(_two_panels(solved, w, (P_unit, delta_unit, a_unit), labels, references))
+    return panels_figure(_two_panels(solved, w, scales, references))
 
 
 def gel_figure(case: Path, measured: Measured | None = None) -> Figure:
@@ -141,7 +133,8 @@ def mesh_figure(cases: Sequence[Path]) -> Figure:
         paper = replace(method, layout="zones", contact="incremental")
         studies.append(converge(model.problem(), paper, model.adhesion.w[0], 5))
     panels = [panel for study in studies for panel in (radius_panel(study), curves_panel(study))]
-    return panels_figure([replace(panel, title=title) for panel, title in zip(panels, _doubled(cases), strict=True)])
+    titles = [case.stem for case in cases for _ in range(2)]
+    return panels_figure([replace(panel, title=title) for panel, title in zip(panels, titles, strict=True)])
 
 
 def convergence_figure(study: Convergence) -> Figure:
@@ -211,27 +204,26 @@ def cost_panel(study: Convergence) -> Panel:
     return Panel(label, "number", lines, logs="xy")
 
 
-def _two_panels(
-    solved: Solved,
-    w: float,
-    units: tuple[float, float, float],
-    labels: tuple[str, str, str],
-    references: Sequence[tuple[str, str, str, Array, Measured, Measured]],
-) -> list[Panel]:
+def _pairs(curve: AdhesiveCurve) -> tuple[Measured, Measured]:
+    """Displacement and load without and with adhesion."""
+    return (curve.series.delta, curve.series.P), (curve.delta, curve.P)
+
+
+def _two_panels(solved: Solved, w: float, scales: Scales, references: Sequence[Drawn]) -> list[Panel]:
     """Load over displacement and radius over load: the numbers as points, the references as lines."""
-    P_unit, delta_unit, a_unit = units
-    curve = solved.numerical(w)
     load, radius = [], []
-    for (delta, P), words, color in (
-        ((solved.series.delta, solved.series.P), "finite elements", BLUE),
-        ((curve.delta, curve.P), "adhesive, from finite elements", ORANGE),
-    ):
-        load.append(Line(delta / delta_unit, P / P_unit, words, "o", color))
-        radius.append(Line(P / P_unit, curve.a / a_unit, words, "o", color))
-    for words, style, color, a, *pairs in references:
+
+    def add(delta: Array, P: Array, a: Array, *look: str) -> None:
+        load.append(Line(delta / scales.delta, P / scales.P, *look))
+        radius.append(Line(P / scales.P, a / scales.a, *look))
+
+    curve = solved.numerical(w)
+    add(solved.series.delta, solved.series.P, curve.a, "finite elements", "o", BLUE)
+    add(curve.delta, curve.P, curve.a, "adhesive, from finite elements", "o", ORANGE)
+    for words, style, color, a, pairs in references:
         for (delta, P), name in zip(pairs, (words, UNNAMED), strict=True):
-            load.append(Line(delta / delta_unit, P / P_unit, name, style, color))
-            radius.append(Line(P / P_unit, a / a_unit, name, style, color))
+            add(delta, P, a, name, style, color)
+    labels = scales.labels
     return [Panel(labels[0], labels[1], load), Panel(labels[1], labels[2], radius)]
 
 
@@ -239,17 +231,6 @@ def _sizes(study: Convergence) -> tuple[Array, str]:
     sizes = np.array([level.size for level in study.levels])
     unit, name = scale(float(sizes[0]), "length")
     return sizes / unit, f"element size at the contact edge ({pretty(name)})"
-
-
-def _tip_radius(problem: Problem, case: Path) -> float:
-    R = problem.indenter.tip_radius
-    if R is None:
-        raise InputError(f"{case}: indenter: this figure needs a tip radius (sphere or paraboloid)")
-    return R
-
-
-def _doubled(cases: Sequence[Path]) -> list[str]:
-    return [case.stem for case in cases for _ in range(2)]
 
 
 def main(words: Sequence[str] | None = None) -> int:

@@ -133,7 +133,7 @@ def identify(
     """
     from .identification.fit import fit
     from .identification.fit.settings import settings_of
-    from .identification.fit.source import body_of
+    from .identification.fit.body import body_of
 
     source = body_of(Path(body) if isinstance(body, str) else body, slopes)
     curve = measured if isinstance(measured, Curve) else _only_curve(Path(measured))

@@ -111,9 +111,9 @@ def fit(
     jkr fit coating.toml probe.csv --free E:skin --bound E:skin="1 MPa..1 GPa"
     jkr fit data.h5 map.jpk-force-map --contact estimate --free P0 --workers 2
     """
-    from ..identification.fit import archive, report
+    from ..identification.fit.body import body_of
     from ..identification.fit.settings import settings_of, uncertain_of
-    from ..identification.fit.source import body_of
+    from ..report import fit as report
     from .series import read_series
 
     inputs = (body_file, *measured)
@@ -132,7 +132,7 @@ def fit(
     named = _pictures(found) if output.plots else []
     drawn = [(item, output.files(Path(f"{targets.stem}-{name}"), PICTURES, inputs)) for item, name in named]
     targets.write(report.columns(found), report.summary(found, str(body_file)))
-    archive.write(targets[".h5"], found, str(body_file))
+    report.write(targets[".h5"], found, str(body_file))
     _draw(drawn)
     _tell(found, output.json, str(body_file))
     if not output.json:
@@ -191,7 +191,8 @@ def _draw(drawn: list[tuple[Fit, Files]]) -> None:
 
 
 def _tell(found: list[Fit | Failure], as_json: bool, body: str) -> None:
-    from ..identification.fit import Fit, report
+    from ..identification.fit import Fit
+    from ..report import fit as report
 
     fits = [item for item in found if isinstance(item, Fit)]
     if as_json:

@@ -1,4 +1,7 @@
-"""The body whose curves are fitted: one family, or a family for every modulus and thickness of its layers."""
+"""The body whose curves are fitted: one family, or a family for every modulus and thickness of its layers.
+
+It comes from a case, which is solved on the way, or from a series that was solved before.
+"""
 
 from __future__ import annotations
 
@@ -6,15 +9,20 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from pathlib import Path
 from typing import Any
 
+from ...adhesion.analysis import nonadhesive
 from ...adhesion.slopes.choice import slopes
 from ...adhesion.slopes.result import Slopes
 from ...base.errors import InputError, JkrError, SolveError, did_you_mean
 from ...bodies.materials import Elastic
 from ...bodies.problem import HalfSpace, Layer, Loading, Problem
+from ...case import Case, load_case, store
+from ...case.solving import solve
+from ...methods.guards import Limits
 from ...methods.layered.layered import Layered, unbounded
-from ...series import Series
+from ...series import Series, Solution
 from .family import Family
 
 BASE = "base"  # name of an elastic half-space below the layers
@@ -186,3 +194,16 @@ def checked_names(names: Sequence[str], allowed: Sequence[str]) -> None:
         if name not in allowed:
             hint = did_you_mean(name, allowed, 0.4)
             raise InputError(f'fit: unknown parameter "{name}"{hint} (allowed: {", ".join(allowed)})')
+
+
+def body_of(source: Case | Solution | Path, rule: str = "auto", limits: Limits | None = None) -> FittedBody:
+    """The body of a case, of a solution, or of either's file, its slopes by ``rule``. A case may be solved anew to the
+    radii that the data ask for, a solution ends where it ends."""
+    if isinstance(source, Path):
+        source = load_case(source) if source.suffix == ".toml" else store.read(source)
+    if isinstance(source, Solution):
+        body = nonadhesive(source, rule)
+        return FittedBody.of(source.problem, body.series, body.slopes)
+    _, solution = solve(source, limits=limits)
+    problem, series = solution.problem, solution.series
+    return FittedBody.of(problem, series, slopes(series, rule), problem.specimen.radius is None)

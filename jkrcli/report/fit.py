@@ -1,31 +1,35 @@
-"""Fits as rows of a table, as a summary, and in words."""
+"""Fits as a table, as a summary, in words, and in HDF5 with rows, foot points, residuals and fitted curves."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
-from ...base.units import SI, show
-from .fitting import Failure
-from .result import Fit, FittedValue
+import numpy as np
+
+from .. import __version__
+from ..base import hdf5
+from ..base.arrays import Array
+from ..base.files import write_bytes
+from ..base.units import SI, show
+from ..identification.fit.fitting import Failure
+from ..identification.fit.result import Fit, FittedValue
 
 FORMAT, VERSION = "jkr-fit", 1
 UNIT_NAMES = {"modulus": "_Pa", "work": "_J_per_m2", "length": "_m", "load": "_N", "number": ""}
 ALWAYS = ("file", "curve", "status", "reason", "points")
 SYMBOLS = {"E_star": "E*", "modulus": "moduli over the case's"}
 FITTED, FAILED = "fitted", "failed"
-NOTICEABLE = 0.01  # of the standard error: smaller systematic parts are not told in words
+DIMENSIONS = {"a": "length", "delta": "length", "P": "load"}
+NOTICEABLE = 0.01  # choice: of the standard error; smaller systematic parts are not told in words
 
 
-def column(name: str, part: str, dimension: str) -> str:
-    """The name of a column: ``E_film_err_Pa``."""
-    stem = "modulus_factor" if name == "modulus" else name.replace(":", "_").replace(" ", "_")
-    return "_".join(filter(None, [stem, part])) + ("_m_per_N" if name == "compliance" else UNIT_NAMES[dimension])
-
-
-def rows(found: Sequence[Fit | Failure]) -> list[dict[str, Any]]:
-    """A row per curve, in their order; cells without a value are None."""
-    return [_row(item) for item in found]
+def columns(found: Sequence[Fit | Failure]) -> dict[str, list[Any]]:
+    """The table of all curves, a row for each in their order, by columns; None where there is no value."""
+    rows = [_row(item) for item in found]
+    return {name: [row.get(name) for row in rows] for name in dict.fromkeys(name for row in rows for name in row)}
 
 
 def _row(item: Fit | Failure) -> dict[str, Any]:
@@ -34,11 +38,10 @@ def _row(item: Fit | Failure) -> dict[str, Any]:
         return dict(zip(ALWAYS, (str(curve.origin or ""), curve.name, FAILED, " ".join(item.lines), None), strict=True))
     row: dict[str, Any] = dict(zip(ALWAYS, (item.file, item.name, FITTED, "", item.a.size), strict=True))
     for estimate in item.estimates:
-        dimension = estimate.dimension
-        row[column(estimate.name, "", dimension)] = estimate.value
+        parts: dict[str, float | None] = {"": estimate.value}
         if estimate.free:
-            parts = {"err": estimate.error, "low": estimate.low, "high": estimate.high}
-            row |= {column(estimate.name, part, dimension): value for part, value in parts.items()}
+            parts |= {"err": estimate.error, "low": estimate.low, "high": estimate.high}
+        row |= {_title(estimate.name, part, estimate.dimension): value for part, value in parts.items()}
     told = {
         "scatter": item.scatter,
         "lag1": item.structure.lag1,
@@ -47,10 +50,10 @@ def _row(item: Fit | Failure) -> dict[str, Any]:
     return row | told | {"warnings": "; ".join(item.warnings)}
 
 
-def columns(found: Sequence[Fit | Failure]) -> dict[str, list[Any]]:
-    """The table of all rows by columns; None where there is no value."""
-    lines = rows(found)
-    return {name: [row.get(name) for row in lines] for name in dict.fromkeys(name for row in lines for name in row)}
+def _title(name: str, part: str, dimension: str) -> str:
+    """The title of a column: ``E_film_err_Pa``."""
+    stem = "modulus_factor" if name == "modulus" else name.replace(":", "_").replace(" ", "_")
+    return "_".join(filter(None, [stem, part])) + ("_m_per_N" if name == "compliance" else UNIT_NAMES[dimension])
 
 
 def summary(found: Sequence[Fit | Failure], body: str) -> dict[str, Any]:
@@ -127,5 +130,29 @@ def _words(estimate: FittedValue, level: float) -> str:
 
 def _scatter(item: Fit) -> list[str]:
     """Standard deviation of the readings as the residuals have it."""
-    dimensions = {"a": "length", "delta": "length", "P": "load"}
-    return [f"{show(item.scatter * scale, dimensions[name], 2)} in {name}" for name, scale in item.scales.items()]
+    return [f"{show(item.scatter * scale, DIMENSIONS[name], 2)} in {name}" for name, scale in item.scales.items()]
+
+
+def write(path: Path, found: Sequence[Fit | Failure], body: str) -> None:
+    """Write all fits to ``path``: one group per curve, numbered, its summary as JSON in an attribute."""
+    told = summary(found, body)["curves"]
+    curves = {
+        f"{number:06d}": hdf5.Group({"summary": json.dumps(words)}, _held(item) if isinstance(item, Fit) else {})
+        for number, (item, words) in enumerate(zip(found, told, strict=True))
+    }
+    identity = {"format": np.bytes_(FORMAT), "version": VERSION, "jkr": __version__, "body": body}
+    write_bytes(path, hdf5.image(hdf5.Group(identity, {"curves": hdf5.Group({}, curves)})))
+
+
+def _held(item: Fit) -> dict[str, hdf5.Group | hdf5.Dataset]:
+    held: dict[str, hdf5.Group | hdf5.Dataset] = {
+        "data": hdf5.Group({}, {**_with_units(item.data), "row": hdf5.column(item.rows + 1, "1")}),
+        "fitted": hdf5.Group({}, _with_units(item.line)),
+        "foot_a": hdf5.column(item.a, "m"),
+        "residuals": hdf5.column(item.residuals, "1"),
+    }
+    return held if item.samples is None else held | {"bootstrap": hdf5.column(item.samples, "SI")}
+
+
+def _with_units(columns: Mapping[str, Array]) -> dict[str, hdf5.Dataset]:
+    return {name: hdf5.column(values, SI[DIMENSIONS[name]]) for name, values in columns.items()}

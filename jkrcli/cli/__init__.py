@@ -41,6 +41,7 @@ GROUPS = {
         "explore": "One page with sliders for w, modulus, machine and zero point, data overlaid.",
     },
     "A measurement": {
+        "look": "What a measured file holds: segments, base line, contact, jumps, adhesion; no body needed.",
         "fit": "E*, w and the zero points from measured curves, with confidence intervals.",
         "work": "The work of adhesion along measured curves, over the speed of the contact's edge.",
     },
@@ -59,8 +60,8 @@ GROUPS = {
 VERBS = {verb: text for group in GROUPS.values() for verb, text in group.items()}
 # Verbs whose result is a file, or an exit code: what they print can be left out. What the others print is the result.
 VOICED = frozenset({
-    "new", "run", "import", "mesh", "transform", "cycle", "profile", "fields", "explore", "fit", "work", "compare",
-    "sweep",
+    "new", "run", "import", "mesh", "transform", "cycle", "profile", "fields", "explore", "look", "fit", "work",
+    "compare", "sweep",
 })  # fmt: skip
 
 

@@ -119,7 +119,7 @@ def fit(
     inputs = (body_file, *measured)
     targets = output.files(output.folder(body_file.parent) / f"{body_file.stem}-fit", (".csv", ".json", ".h5"), inputs)
     reading = reading_of(options)
-    options["noise"] = dict(options["noise"])
+    options["noise"], options["contact"] = dict(options["noise"]), reading.contact
     source = body_file if body_file.suffix == ".toml" else read_series(body_file)
     body = body_of(source, slopes, limits)
     names = [name for group in free for name in group]

@@ -26,8 +26,9 @@ OPTIONS = (
                  help="Turn the sign: of a height or separation, of loads that count adhesion positive."),
     click.option("--zero", multiple=True, type=ScaleType(("delta", "P")),
                  help='Reading at the zero point, subtracted after the flip: delta="1.2 um".'),
-    click.option("--contact", type=click.Choice(["as-is", "estimate"]), default="as-is", show_default=True,
-                 help="estimate: baseline with tilt and first touch from the free part of the approach."),
+    click.option("--contact", type=click.Choice(["auto", "fitted", "as-is", "estimate"]), default="auto",
+                 show_default=True, help="Zero points: fitted together with the rest (base line, tilt, contact point; "
+                 "auto: of raw records), as-is, or estimated before from the free part of the approach."),
     click.option("--stiffness", type=StiffnessType(),
                  help="The displacement is that of a device (piezo) of this stiffness: P/stiffness is subtracted."),
     click.option("--sensitivity", type=float, help="Of a force microscope [m/V], where its file lacks it."),

@@ -18,10 +18,17 @@ from ..identification.fit.fitting import Failure
 from ..identification.fit.result import Fit, FittedValue
 
 FORMAT, VERSION = "jkr-fit", 1
-UNIT_NAMES = {"modulus": "_Pa", "work": "_J_per_m2", "length": "_m", "load": "_N", "number": ""}
+UNIT_NAMES = {
+    "modulus": "_Pa",
+    "work": "_J_per_m2",
+    "length": "_m",
+    "load": "_N",
+    "stiffness": "_N_per_m",
+    "number": "",
+}
 ALWAYS = ("file", "curve", "status", "reason", "points")
 SYMBOLS = {"E_star": "E*", "modulus": "moduli over the case's"}
-FITTED, FAILED = "fitted", "failed"
+FITTED, DOUBTFUL, FAILED = "fitted", "doubtful", "failed"
 DIMENSIONS = {"a": "length", "delta": "length", "P": "load"}
 NOTICEABLE = 0.01  # choice: of the standard error; smaller systematic parts are not told in words
 
@@ -36,17 +43,19 @@ def _row(item: Fit | Failure) -> dict[str, Any]:
     if isinstance(item, Failure):
         curve = item.curve
         return dict(zip(ALWAYS, (str(curve.origin or ""), curve.name, FAILED, " ".join(item.lines), None), strict=True))
-    row: dict[str, Any] = dict(zip(ALWAYS, (item.file, item.name, FITTED, "", item.a.size), strict=True))
+    row: dict[str, Any] = dict(zip(ALWAYS, (item.file, item.name, _status(item), "", item.a.size), strict=True))
     for estimate in item.estimates:
         parts: dict[str, float | None] = {"": estimate.value}
         if estimate.free:
             parts |= {"err": estimate.error, "low": estimate.low, "high": estimate.high}
         row |= {_title(estimate.name, part, estimate.dimension): value for part, value in parts.items()}
-    told = {
+    told: dict[str, Any] = {
         "scatter": item.scatter,
         "lag1": item.structure.lag1,
         "correlation_modulus_w": item.correlated("modulus", "w"),
     }
+    if item.quality is not None:
+        told |= {"quality": item.quality["quality"], "flags": "; ".join(item.flags)}
     return row | told | {"warnings": "; ".join(item.warnings)}
 
 
@@ -69,7 +78,7 @@ def _summary(item: Fit | Failure) -> dict[str, Any]:
     return {
         "file": item.file,
         "curve": item.name,
-        "status": FITTED,
+        "status": _status(item),
         "estimates": {estimate.name: _estimate(estimate) for estimate in item.estimates},
         "level": item.settings.level,
         "confidence": item.settings.confidence,
@@ -89,8 +98,13 @@ def _summary(item: Fit | Failure) -> dict[str, Any]:
             "runs_expected": told.expected,
             "probability": told.probability,
         },
+        **({} if item.quality is None else {"quality": dict(item.quality), "flags": list(item.flags)}),
         "warnings": list(item.warnings),
     }
+
+
+def _status(item: Fit) -> str:
+    return DOUBTFUL if item.flags else FITTED
 
 
 def _estimate(item: FittedValue) -> dict[str, Any]:
@@ -105,13 +119,16 @@ def _estimate(item: FittedValue) -> dict[str, Any]:
 def words(item: Fit) -> list[str]:
     """A fit as lines of text: what was free, and what follows from it."""
     out = f" ({', '.join(item.left_out)} left out)" if item.left_out else ""
-    lines = [f"{item.where}: {item.a.size} rows of {', '.join(item.scales)}{out}"]
+    lines = [f"{item.where}: {item.a.size} rows of {', '.join(item.data)}{out}"]
     for estimate in item.estimates:
         if estimate.free and estimate.name != "modulus":
             lines.append(f"  {SYMBOLS.get(estimate.name, estimate.name):<12} {_words(estimate, item.settings.level)}")
     told = item.correlated("modulus", "w")
     more = [] if told is None else [f"correlation of E* and w {told:.2f}"]
     lines.append(f"  {'scatter':<12} {', '.join([*_scatter(item), *more])}")
+    if item.quality is not None:
+        parts = ", ".join(f"{name} {value:.2f}" for name, value in item.quality.items() if name != "quality")
+        lines.append(f"  {'quality':<12} {item.quality['quality']:.2f} ({parts})")
     return lines
 
 

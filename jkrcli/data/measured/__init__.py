@@ -58,4 +58,4 @@ def _by_convention(curve: Curve, reading: Reading, stiffness: float | None) -> C
         return found
     if found.P is None:
         raise InputError(f"{curve.where}: holds no load: the device's deflection P/stiffness cannot be subtracted")
-    return replace(found, delta=found.delta - found.P / stiffness)
+    return replace(found, delta=found.delta - found.P / stiffness, stiffness=stiffness)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -28,18 +29,22 @@ def curves(path: Path, reading: Reading) -> Iterator[tuple[Curve | InputError, f
     if reading.columns or reading.units:
         raise InputError(f"{path}: the columns of a microscope's file and their units are known: leave out --column "
                          "and --unit, or read it as text, --format text")  # fmt: skip
-    held = _load(path, reading)
+    held, lacks = _load(path, reading)
     for data in held:
         name = path.stem if len(held) == 1 else str(data.enum)
         try:
             curve = _curve(path, name, data)
-            yield curve, None if _holds(data, "tip position") else _stiffness(curve, data, reading)
+            tip = _holds(data, "tip position")
+            stiffness = None if tip else _stiffness(curve, data, reading)
+            if lack := _lack(lacks, stiffness, reading) if not tip else "":
+                curve = replace(curve, flags=(*curve.flags, lack))
+            yield curve, stiffness
         except InputError as error:
             yield error, None
 
 
-def _load(path: Path, reading: Reading) -> list[Any]:
-    """The data sets of a file; their columns are read when they are asked for."""
+def _load(path: Path, reading: Reading) -> tuple[list[Any], str]:
+    """The data sets of a file, whose columns are read when they are asked for; what 1 stands in for, if anything."""
     try:
         import afmformats
         from afmformats import errors, meta
@@ -51,14 +56,17 @@ def _load(path: Path, reading: Reading) -> list[Any]:
     if not logger.handlers:
         logger.addHandler(logging.NullHandler())  # its tracebacks are told here in one line
     told = {"spring constant": reading.stiffness, "sensitivity": reading.sensitivity}
-    override = {key: value for key, value in told.items() if value is not None}
+    override, lacks = {key: value for key, value in told.items() if value is not None}, ""
     try:
         try:
-            return afmformats.load_data(path, modality="force-distance")
+            held = afmformats.load_data(path, modality="force-distance")
         except (errors.MissingMetaDataError, meta.MetaDataMissingError):
+            if reading.incomplete:
+                lacks = " and ".join(key for key in told if key not in override)
+                override = dict.fromkeys(told, 1.0) | override
             if not override:
                 raise
-            return afmformats.load_data(path, modality="force-distance", meta_override=override)
+            held = afmformats.load_data(path, modality="force-distance", meta_override=override)
     except (errors.MissingMetaDataError, meta.MetaDataMissingError) as error:
         missing = ", ".join(getattr(error, "meta_keys", ())) or str(error)
         raise InputError(f"{path}: lacks {missing}: give --stiffness and, if asked for, --sensitivity") from None
@@ -67,6 +75,19 @@ def _load(path: Path, reading: Reading) -> list[Any]:
         raise InputError(f"{path}: is no file of force curves that afmformats reads ({known})") from None
     except (errors.AFMFileFormatError, Exception) as error:  # readers of damaged files raise anything
         raise InputError(f"{path}: afmformats cannot read this file ({first_line(error)})") from None
+    if not held:
+        raise InputError(f"{path}: holds no force-distance record")
+    return held, lacks
+
+
+def _lack(lacks: str, stiffness: float | None, reading: Reading) -> str:
+    """What is missing to read an incomplete file, and the remedy; "" where nothing is."""
+    if lacks:
+        options = "--stiffness and --sensitivity" if "sensitivity" in lacks else "--stiffness"
+        return f"the file lacks {lacks}: 1 in SI units stands in, loads are no forces yet; give {options}"
+    if stiffness is None and reading.incomplete:
+        return "the file lacks its spring constant: the deflection is not subtracted from the height; give --stiffness"
+    return ""
 
 
 def _curve(path: Path, name: str, data: Any) -> Curve:
@@ -103,10 +124,12 @@ def _column(where: str, data: Any, name: str) -> Array:
     return values
 
 
-def _stiffness(curve: Curve, data: Any, reading: Reading) -> float:
+def _stiffness(curve: Curve, data: Any, reading: Reading) -> float | None:
     """The spring constant [N/m] of the file, or the user's where it has none: loads were computed with it."""
     held = data.metadata.get("spring constant")
     told = reading.stiffness
+    if reading.incomplete and told is None and held in (None, 1.0):
+        return None
     if held is None and told is None:
         raise InputError(f"{curve.where}: names no spring constant: give --stiffness")
     if held is not None and told is not None and not math.isclose(held, told, rel_tol=1e-6):

@@ -24,7 +24,8 @@ class Curve:
     None stands where one was not measured. One-dimensional read-only arrays of equal length; rows are neither ordered
     nor, in ``delta`` and ``P``, of known zero: signs are those of the project (indentation and compression positive).
     ``segment``: a word per row ("approach", "retract" or another), None where not told. ``name``: unique in its file;
-    ``origin``: that file; ``flags``: sentences on how the rows were read.
+    ``origin``: that file; ``flags``: sentences on how the rows were read. ``stiffness`` [N/m]: of the device whose
+    deflection was subtracted from ``delta``; None: ``delta`` is as it was recorded.
     """
 
     name: str
@@ -35,6 +36,7 @@ class Curve:
     segment: Array | None = None
     origin: Path | None = None
     flags: tuple[str, ...] = ()
+    stiffness: float | None = None
 
     def __post_init__(self) -> None:
         sizes = {}
@@ -75,6 +77,15 @@ class Curve:
         """The names of the quantities that were measured, of a, delta, P, t."""
         return tuple(name for name in QUANTITIES if getattr(self, name) is not None)
 
+    @property
+    def device(self) -> Array:
+        """Position of the device [m], its deflection added again; needs displacement and load."""
+        assert self.delta is not None
+        if self.stiffness is None:
+            return self.delta
+        assert self.P is not None
+        return self.delta + self.P / self.stiffness
+
     def rows(self, chosen: Array) -> Curve:
         """The curve at ``chosen`` rows alone (a mask or numbers)."""
         columns: dict[str, Any] = {
@@ -113,8 +124,9 @@ class Reading:
     ``stiffness`` [N/m]: the displacement is the device's, its deflection P/stiffness is subtracted; of a microscope's
     file its spring constant, where the file lacks it. ``sensitivity`` [m/V]: likewise.
     ``zero``: displacement [m] and load [N] at the zero points, subtracted after the change of sign.
-    ``contact``: "as-is", or "estimate": zero points by ``contact.with_zero_points``.
+    ``contact``: "estimate": zero points by ``contact.with_zero_points``; else as they are, a fit may find them.
     ``format``: "text", "afm" (read by afmformats) or "auto", by the ending of the name.
+    ``incomplete``: read a microscope's file that lacks spring constant or sensitivity all the same, with 1 for each.
     """
 
     columns: Mapping[str, str] = field(default_factory=dict)
@@ -123,7 +135,8 @@ class Reading:
     stiffness: float | None = None
     sensitivity: float | None = None
     zero: Mapping[str, float] = field(default_factory=dict)
-    contact: Literal["as-is", "estimate"] = "as-is"
+    contact: Literal["auto", "fitted", "as-is", "estimate"] = "auto"
     format: Literal["auto", "text", "afm"] = "auto"
     separator: str | None = None
     decimal: str | None = None
+    incomplete: bool = False

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from ...adhesion.validity import check, judge
 from ...base.units import show
+from .body import FittedBody
+from .family import Family
 from .result import Fit
-from .search import Minimum
 
 
 @dataclass(frozen=True)
@@ -30,24 +31,25 @@ class WarningThresholds:
 THRESHOLDS = WarningThresholds()
 
 
-def warnings_of(found: Fit, minimum: Minimum) -> list[str]:
-    """Sentences on all that stands against the fit or limits it."""
+def warnings_of(found: Fit, body: FittedBody, family: Family, at_bound: Sequence[str] = ()) -> list[str]:
+    """Sentences on all that stands against the fit or limits it; ``body`` and its ``family`` with the values found,
+    ``at_bound``: parameters that end on a bound."""
     return [
-        *_told_apart(found, minimum),
+        *_told_apart(found, at_bound),
         *_structured(found),
         *_scatter(found),
         *_far_from_case(found),
-        *_bounds(found, minimum),
+        *_bounds(found, at_bound),
         *_pull_off(found),
-        *_elastic_indenter(found, minimum),
-        *_validity(found, minimum),
+        *_elastic_indenter(found, body),
+        *_validity(found, body, family),
     ]
 
 
-def _told_apart(found: Fit, minimum: Minimum) -> Iterator[str]:
+def _told_apart(found: Fit, at_bound: Sequence[str]) -> Iterator[str]:
     matrix = found.correlation
     if matrix is None:
-        if len(found.free) > 1 and not minimum.at_bound:
+        if len(found.free) > 1 and not at_bound:
             yield f"the data do not tell {', '.join(found.free)} apart: fix one of them, or measure what tells them"
         return
     for i, j in zip(*np.triu_indices(len(found.free), 1), strict=True):
@@ -79,7 +81,7 @@ def _word(name: str) -> str:
 
 def _structured(found: Fit) -> Iterator[str]:
     told = found.structure
-    if told.suspicious and _relative_residual(found) > THRESHOLDS.resolved:
+    if found.quality is None and told.suspicious and _relative_residual(found) > THRESHOLDS.resolved:
         yield (
             f"the residuals are structured (lag-1 autocorrelation {told.lag1:.2f}, {told.runs} runs where "
             f"{told.expected:.0f} are expected): the body, the indenter or the rows are not what the data show; "
@@ -100,8 +102,8 @@ def _scatter(found: Fit) -> Iterator[str]:
         yield f"the data scatter {found.scatter:.2g} times as far as the noise given, {more} than it explains"
 
 
-def _bounds(found: Fit, minimum: Minimum) -> Iterator[str]:
-    for name in minimum.at_bound:
+def _bounds(found: Fit, at_bound: Sequence[str]) -> Iterator[str]:
+    for name in at_bound:
         item = found.estimate(name)
         if item.low != 0:  # else said already
             yield f"{_word(name)} ends on its bound {show(item.value, item.dimension)}"
@@ -120,17 +122,17 @@ def _pull_off(found: Fit) -> Iterator[str]:
         )
 
 
-def _elastic_indenter(found: Fit, minimum: Minimum) -> Iterator[str]:
+def _elastic_indenter(found: Fit, body: FittedBody) -> Iterator[str]:
     modulus = found.settings.parameter("modulus")
-    problem = minimum.objective.body.problem
+    problem = body.problem
     if modulus is not None and modulus.free and problem.indenter.material is not None and problem.specimen.layers:
         yield "the indenter is elastic: its modulus was scaled together with those of the layers"
 
 
-def _validity(found: Fit, minimum: Minimum) -> list[str]:
+def _validity(found: Fit, body: FittedBody, family: Family) -> list[str]:
     """Sentences on a/R, delta/h and the Tabor number at the largest radius of the data."""
-    problem, a = minimum.objective.body.problem, float(np.max(found.a))
-    (D, _, _, _), _, _ = minimum.found.readings.family.at(np.array([np.log(a)]))
+    problem, a = body.problem, float(np.max(found.a))
+    (D, _, _, _), _, _ = family.at(np.array([np.log(a)]))
     free = (item.value for item in found.estimates if item.name.startswith("h:") and item.free)
     thickness = next(free, problem.specimen.top_thickness)
     judged = judge(

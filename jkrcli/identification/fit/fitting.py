@@ -16,6 +16,7 @@ from .checks import warnings_of
 from .confidence import confidence_of
 from .model import arc
 from .points import Points, points_of
+from .record import fit_record, whole_record
 from .result import Fit
 from .search import robust, search
 from .settings import Settings
@@ -63,6 +64,8 @@ def fit(body: FittedBody, curve: Curve, settings: Settings) -> Fit:
 
 def _fit(body: FittedBody, curve: Curve, settings: Settings) -> Fit:
     check_parameters(body, [parameter.name for parameter in settings.parameters])
+    if (record := whole_record(curve, settings)) is not None:
+        return fit_record(body, record, settings)
     zero = settings.parameter("P0")
     level = 0.0 if zero is None else None if zero.free else zero.value
     points = points_of(curve, settings.segment, settings.branch, len(settings.free), level)
@@ -96,7 +99,8 @@ def _fit(body: FittedBody, curve: Curve, settings: Settings) -> Fit:
         settings=settings,
         warnings=(),
     )
-    return replace(found, warnings=(*words, *warnings_of(found, minimum)))
+    said = warnings_of(found, minimum.objective.body, readings.family, minimum.at_bound)
+    return replace(found, warnings=(*words, *said))
 
 
 def _told_by(settings: Settings, points: Points) -> tuple[Settings, tuple[str, ...]]:

@@ -38,7 +38,8 @@ class Fit:
     of the ``rows`` of the curve; ``left_out``: why others were not. ``a``: contact radius at each foot point [m];
     ``residuals`` (k, n): signed normal distances (k = 1), or for three columns distance vectors (k = 3), in units of
     ``scales``; ``scatter``: their standard deviation, ``dof`` their degrees of freedom. ``line``: the fitted curve,
-    readings by column and "a". ``warnings``: sentences with numbers.
+    readings by column and "a". ``warnings``: sentences with numbers. ``flags``: what is wrong with a raw record, in a
+    word or two each; ``quality``: of a raw record, between 0 and 1, with its parts, None where readings were prepared.
     """
 
     name: str
@@ -61,6 +62,8 @@ class Fit:
     evaluations: int
     settings: Settings
     warnings: tuple[str, ...]
+    flags: tuple[str, ...] = ()
+    quality: Mapping[str, float] | None = None
 
     @property
     def correlation(self) -> Array | None:

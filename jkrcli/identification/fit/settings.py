@@ -15,6 +15,7 @@ Kind = Literal["log", "positive", "linear"]
 BranchName = Literal["all", "compressive"]
 SegmentName = Literal["approach", "retract", "both"]
 Loss = Literal["linear", "soft_l1", "huber", "cauchy"]
+ContactName = Literal["auto", "fitted", "as-is", "estimate"]
 ConfidenceName = Literal["covariance", "profile", "bootstrap"]
 DIMENSIONS = {"modulus": "number", "w": "work", "delta0": "length", "P0": "load", "compliance": "number"}
 KINDS: dict[str, Kind] = {"modulus": "log", "w": "positive", "delta0": "linear", "P0": "linear", "compliance": "linear"}
@@ -106,6 +107,8 @@ class Settings:
     ``noise``: standard deviation of the readings by column, SI; found from the record where it is not given.
     ``level``: of the confidence intervals. ``uncertain``: standard deviations of inputs of the body ("nu:film",
     "h:film", SI), carried through. ``samples, seed``: of the bootstrap.
+    ``contact``: "fitted": base line and contact point are fitted with the rest (``record``), "auto": where the curve is
+    a raw record, else readings as they are.
     """
 
     parameters: tuple[Parameter, ...]
@@ -118,6 +121,7 @@ class Settings:
     uncertain: Mapping[str, float] = field(default_factory=dict)
     samples: int = 200
     seed: int = 0
+    contact: ContactName = "auto"
 
     def __post_init__(self) -> None:
         given = {parameter.name for parameter in self.parameters}

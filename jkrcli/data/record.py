@@ -1,0 +1,344 @@
+"""What a force curve is made of, found from its numbers alone: directions, base line, first touch, jumps, pull-off.
+
+Nothing is known of the body here, and zero points are arbitrary. Each direction is looked at from its far end, where
+the indenter is free: there the load is a straight line, and what leaves that line is contact or adhesion.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..base.arrays import Array
+from ..base.errors import InputError
+from ..base.units import show
+from ..base.unknown import Estimate, Unknown
+from .measured import Curve
+from .measured.contact import saturation
+from .measured.curve import APPROACH, RETRACT
+
+PAUSE = "pause"
+
+
+@dataclass(frozen=True)
+class Tuning:
+    """Where a departure counts; lengths are shares of the rows of a direction."""
+
+    normal: float = 1.4826  # theory: standard deviation over median deviation of normal noise
+    least_rows: int = 20  # choice: of a direction; a base line and a contact of a few rows each
+    block: float = 1 / 200  # choice: rows averaged where slow deviations are looked for
+    far: float = 0.1  # choice: the part of a direction that is free if anything is
+    inside: float = 0.8  # choice: of the free part found first, what surely is free
+    sigmas: float = 6.0  # theory: 1e-9 of normal noise lies beyond
+    least: float = 0.005  # choice: of the range of the load, below which no departure counts
+    run: int = 3  # choice: blocks in succession that must agree
+    jump: float = 0.05  # choice: of the range of the load, least size of a jump
+    back: float = 0.2  # choice: of the whole way, least of both ways that make two directions of one segment
+    still: float = 0.45  # choice: just below the half of a step in speed that smoothing leaves at its place
+    least_part: float = 0.02  # choice: of all rows, least length of a pause or a direction
+    wavy: float = 0.03  # choice: of the range of the load, waviness of a base line that is said
+    steep: float = 0.2  # choice: of the largest load, what a tilt may make of it over the depth of contact
+    wandering: float = 2.0  # choice: way over distance of a direction, above which it is none
+
+
+TUNING = Tuning()
+
+
+@dataclass(frozen=True)
+class Segment:
+    """A stretch of rows ``first`` to ``last`` (both included): "approach", "pause", "retract" or the file's word."""
+
+    kind: str
+    first: int
+    last: int
+
+    @property
+    def rows(self) -> slice:
+        return slice(self.first, self.last + 1)
+
+    def __len__(self) -> int:
+        return self.last - self.first + 1
+
+
+@dataclass(frozen=True)
+class BaseLine:
+    """The load without contact, ``offset`` + ``tilt`` (z - ``at``) [N, N/m, m] over the device's position z, through
+    ``rows`` free rows.
+
+    ``noise``: standard deviation of a row [N]; ``waviness``: of what is left of slow deviations from the line [N].
+    """
+
+    offset: float
+    tilt: float
+    at: float
+    rows: int
+    noise: float
+    waviness: float
+
+    def __call__(self, position: Array) -> Array:
+        return self.offset + self.tilt * (position - self.at)
+
+    @property
+    def least(self) -> float:
+        """The smallest load [N] that is told from the base line."""
+        return TUNING.sigmas * math.hypot(self.noise, self.waviness)
+
+
+@dataclass(frozen=True)
+class Jump:
+    """A sudden change of the load by ``step`` [N] at the device's ``position`` [m], between two rows near ``row``."""
+
+    row: int
+    position: float
+    step: float
+
+
+@dataclass(frozen=True)
+class Direction:
+    """One segment in which the device moves one way, with what is found in it.
+
+    ``touch``: position of the device [m] where contact begins (approach) or has ended (retract), ``touch_err`` its
+    half-width; ``largest``: largest load over the base line [N]; ``adhesion``: largest tension below it [N], at
+    ``adhesion_at`` [m]. ``border``: from the far end inwards, the last row that is free for sure and the first that is
+    in contact for sure. ``depth``: how far the device moves beyond touch [m].
+    """
+
+    segment: Segment
+    base: BaseLine
+    touch: Estimate
+    touch_err: float
+    largest: float
+    adhesion: Estimate
+    adhesion_at: float
+    jumps: tuple[Jump, ...]
+    border: tuple[int, int]
+    depth: float
+
+    @property
+    def begins_free(self) -> bool:
+        """Whether there is a base line: not a few rows only, and not as steep as contact would be."""
+        enough = self.base.rows >= TUNING.far * len(self.segment)
+        return enough and abs(self.base.tilt) * self.depth <= TUNING.steep * self.largest
+
+
+@dataclass(frozen=True, eq=False)
+class Record:
+    """A measured curve taken apart; ``flags``: what is wrong with it, in a word or two, and a sentence on each."""
+
+    curve: Curve
+    segments: tuple[Segment, ...]
+    directions: tuple[Direction, ...]
+    flags: dict[str, str]
+
+    def direction(self, kind: str) -> Direction | None:
+        """The first direction of a kind, "approach" or "retract"."""
+        return next((item for item in self.directions if item.segment.kind == kind), None)
+
+
+def examine(curve: Curve) -> Record:
+    """Take a measured curve apart; InputError where it holds no displacement and load, or too few rows."""
+    if curve.delta is None or curve.P is None:
+        raise InputError(
+            f"{curve.where}: a force curve needs displacement and load, it holds {', '.join(curve.measured)}"
+        )
+    if len(curve) < TUNING.least_rows:
+        raise InputError(f"{curve.where}: holds {len(curve)} rows, at least {TUNING.least_rows} are needed to look at")
+    parts = _found(curve.device) if curve.segment is None else _told(curve)
+    sides = [part for part in parts if part.kind in (APPROACH, RETRACT) and len(part) >= TUNING.least_rows]
+    directions = tuple(_direction(curve.device, curve.P, part) for part in sides)
+    return Record(curve, tuple(parts), directions, _flags(curve, directions))
+
+
+def _told(curve: Curve) -> list[Segment]:
+    """Stretches of rows with the same word; one that turns back in its middle holds both directions, whatever it is
+    called."""
+    words, delta = curve.segment, curve.device
+    assert words is not None
+    ends = np.flatnonzero(words[1:] != words[:-1])
+    told = [
+        Segment(str(words[first]), int(first), int(last))
+        for first, last in zip([0, *(ends + 1)], [*ends, words.size - 1], strict=True)
+    ]
+    parts: list[Segment] = []
+    for part in told:
+        inside = _found(delta[part.rows]) if len(part) >= TUNING.least_rows else []
+        ways = [float(np.ptp(delta[part.rows][item.rows])) for item in inside if item.kind != PAUSE]
+        if len(ways) > 1 and min(ways) > TUNING.back * float(np.ptp(delta)):
+            parts += [Segment(item.kind, part.first + item.first, part.first + item.last) for item in inside]
+        else:
+            parts.append(part)
+    return parts
+
+
+def _found(delta: Array) -> list[Segment]:
+    """Approach, pause and retraction by the motion alone: up to the turning point, at rest there, and back."""
+    n = delta.size
+    window = max(1, round(n * TUNING.block))
+    smooth = np.convolve(np.pad(delta, window, mode="edge"), np.ones(2 * window + 1) / (2 * window + 1), "valid")
+    turn = int(np.argmax(smooth))
+    speed = np.abs(np.gradient(smooth))
+    moving = speed >= TUNING.still * np.median(speed[speed >= np.median(speed)])
+    before, after = np.flatnonzero(moving[:turn]), np.flatnonzero(moving[turn:])
+    first = int(before[-1]) if before.size else 0
+    last = turn + int(after[0]) - 1 if after.size else n - 1
+    if last - first < TUNING.least_part * n:
+        first = last = turn
+    parts = [Segment(APPROACH, 0, first), Segment(PAUSE, first + 1, last), Segment(RETRACT, last + 1, n - 1)]
+    return [part for part in parts if len(part) > TUNING.least_part * n]
+
+
+def _direction(position: Array, P: Array, segment: Segment) -> Direction:
+    """Base line, touch, adhesion and jumps of one direction."""
+    order = 1 if segment.kind == APPROACH else -1  # from the far end inwards
+    x, y = position[segment.rows][::order], P[segment.rows][::order]
+    end = _end_of_free_part(x, y)
+    base = _base_line(x, y, end)
+    off = y - base(x)
+    row, error = _touch(x, off, base, end)
+    touch: Estimate = float(x[row]) if row < x.size else Unknown("the load never leaves its base line")
+    lowest = int(np.argmin(off))
+    tension: Estimate = float(-off[lowest])
+    if -off[lowest] < base.least:
+        tension = Unknown("no tension is told from the noise")
+    rows = range(segment.first, segment.last + 1)[::order]
+    falls = _jumps(off, base)
+    jumps = tuple(Jump(rows[(i + j) // 2], float(x[(i + j) // 2]), float(off[j] - off[i])) for i, j in falls)
+    border = (falls[0][0], falls[-1][1]) if falls else (row - 1, row)
+    depth = float(x.max() - x[min(row, x.size - 1)])
+    return Direction(segment, base, touch, error, float(off.max()), tension, float(x[lowest]), jumps, border, depth)
+
+
+def _blocks(values: Array, size: int) -> Array:
+    """Means of successive blocks of ``size`` rows; what is left at the end is left out."""
+    return values[: values.size // size * size].reshape(-1, size).mean(axis=1)
+
+
+def _robust(values: Array) -> float:
+    """Standard deviation of the bulk of ``values``, by the median of their distance from the median."""
+    return TUNING.normal * float(np.median(np.abs(values - np.median(values))))
+
+
+def _end_of_free_part(x: Array, y: Array) -> int:
+    """How many rows from the far end on are free: first the best of all cuts into a line and a curve, then as far as
+    the load stays on the line through what surely is free."""
+    n = x.size
+    size = max(1, round(n * TUNING.block))
+    end = max(_best_cut(x, y), 5)
+    for _ in range(2):
+        sure = max(round(TUNING.inside * end), 5)
+        line = np.polynomial.Polynomial.fit(x[:sure], y[:sure], 1) if np.ptp(x[:sure]) > 0 else None
+        off = y - (line(x) if line is not None else y[:sure].mean())
+        inner = _blocks(off[:sure], size)
+        scatter = max(float(np.sqrt(np.mean(inner**2))), _robust(np.diff(y, 2)) / math.sqrt(6 * size))
+        away = np.abs(_blocks(off, size)) > max(TUNING.sigmas * scatter, TUNING.least * float(np.ptp(y)))
+        held = np.concatenate([away, away[-1:].repeat(TUNING.run - 1)])  # the last block alone may be in contact
+        runs = np.convolve(held, np.ones(TUNING.run, dtype=int), "valid") == TUNING.run
+        end = max(int(np.argmax(runs)) * size if runs.any() else n, 5)
+    return end
+
+
+def _best_cut(x: Array, y: Array) -> int:
+    """The number of rows before the cut at which a straight line up to it and a parabola beyond leave least."""
+    n = x.size
+    cuts = np.unique(np.linspace(max(5, round(TUNING.far * n)), n - 4, min(n, 200)).astype(int))
+    line = _misfits(x, y, 1)[cuts - 1]
+    curve = _misfits(x[::-1], y[::-1], 2)[n - cuts - 1]
+    return int(cuts[np.argmin(line + curve)])
+
+
+def _misfits(x: Array, y: Array, degree: int) -> Array:
+    """Sum of squares left by the polynomial of ``degree`` through the first k rows, for every k (of index k - 1)."""
+    u = (x - x.mean()) / (np.ptp(x) or 1.0)
+    v = (y - y.mean()) / (np.ptp(y) or 1.0)
+    powers = np.cumsum(u[:, None] ** np.arange(2 * degree + 1), axis=0)
+    right = np.cumsum(v[:, None] * u[:, None] ** np.arange(degree + 1), axis=0)
+    index = np.arange(degree + 1)
+    normal = powers[:, index[:, None] + index]
+    normal = normal + 1e-12 * powers[:, :1, None] * np.eye(degree + 1)
+    solution = np.linalg.solve(normal, right[..., None])[..., 0]
+    return np.maximum(np.cumsum(v**2) - np.einsum("ki,ki->k", solution, right), 0.0)
+
+
+def _base_line(x: Array, y: Array, end: int) -> BaseLine:
+    """The straight line through the first ``end`` rows."""
+    at = float(x[end - 1])
+    if np.ptp(x[:end]) > 0:
+        tilt, offset = np.polyfit(x[:end] - at, y[:end], 1)
+    else:
+        tilt, offset = 0.0, y[:end].mean()
+    off = y[:end] - offset - tilt * (x[:end] - at)
+    noise = _robust(np.diff(off, 2)) / math.sqrt(6) if end > 3 else 0.0
+    size = max(1, min(end // 10, round(x.size * TUNING.block)))
+    slow = float(np.mean(_blocks(off, size) ** 2)) - noise**2 / size
+    return BaseLine(float(offset), float(tilt), at, end, float(noise), math.sqrt(max(slow, 0.0)))
+
+
+def _touch(x: Array, off: Array, base: BaseLine, end: int) -> tuple[int, float]:
+    """The row from which on the load is off the base line for good, and how far about that its position may be
+    wrong: a block of rows; all rows where it never is."""
+    if end >= x.size:
+        return x.size, math.inf
+    size = max(1, round(x.size * TUNING.block))
+    limit = 2 * math.hypot(base.noise / math.sqrt(size), base.waviness)
+    i = end
+    while i > size and abs(float(off[i - size : i].mean())) > limit:
+        i -= size
+    near = x[max(i - size, 0) : i + size + 1]
+    return i, float(np.ptp(near)) / 2
+
+
+def _jumps(off: Array, base: BaseLine) -> list[tuple[int, int]]:
+    """Rows before and after which the load falls at once to tension, seen from the far end inwards: the jump into
+    contact on approach, those of pull-off on retraction.
+
+    At once: within a few rows, and far beyond what the load does around them.
+    """
+    width = max(1, round(off.size * TUNING.block / 4))
+    if off.size <= 4 * width:
+        return []
+    step = off[width:] - off[:-width]
+    span = 20 * width
+    usual = np.array([np.median(step[max(i - span, 0) : i + span + 1]) for i in range(0, step.size, width)])
+    excess = step - np.repeat(usual, width)[: step.size]
+    least = max(TUNING.sigmas * math.sqrt(2) * base.noise, TUNING.jump * float(np.ptp(off)))
+    falls = np.flatnonzero((-excess > least) & (off[width:] < -base.least))
+    groups = np.split(falls, np.flatnonzero(np.diff(falls) > 2 * width) + 1) if falls.size else []
+    return [(int(group[0]), int(group[-1]) + width) for group in groups]
+
+
+def _flags(curve: Curve, directions: Sequence[Direction]) -> dict[str, str]:
+    """What a reader should know before trusting anything that is fitted to this curve."""
+    assert curve.delta is not None
+    assert curve.P is not None
+    flags = {}
+    kinds = [item.segment.kind for item in directions]
+    for kind, other in ((APPROACH, RETRACT), (RETRACT, APPROACH)):
+        if kind not in kinds:
+            flags[f"no {kind}"] = f"only {other} rows" if other in kinds else "neither approach nor retraction"
+    span = float(np.ptp(curve.P))
+    touched = [item for item in directions if not isinstance(item.touch, Unknown)]
+    if directions and not touched:
+        flags["no contact"] = "the load never leaves its base line"
+    for item in touched:
+        name, base = item.segment.kind, item.base
+        if not item.begins_free:
+            flags["no base line"] = f"the {name} begins in contact, or its load is nowhere a straight line"
+        elif base.waviness > TUNING.wavy * span:
+            flags["wavy base line"] = (
+                f"the {name}'s base line deviates from straight by {show(base.waviness, 'load')}, "
+                f"{base.waviness / span:.0%} of the range of the load"
+            )
+    if any(_wanders(curve.device[item.segment.rows]) for item in directions):
+        flags["no force curve"] = "the device runs to and fro"
+    if said := saturation(curve):
+        flags["saturated"] = said[0]
+    return flags
+
+
+def _wanders(delta: Array) -> bool:
+    """Whether the way is much longer than the distance, noise apart."""
+    blocks = _blocks(delta, max(1, round(delta.size / 20)))
+    return float(np.abs(np.diff(blocks)).sum()) > TUNING.wandering * float(np.ptp(blocks))

@@ -1,0 +1,374 @@
+"""One statistical model of a whole force curve: base line, contact point, modulus and work of adhesion together.
+
+At device position z a spring of stiffness k carries the load P of the contact, delta = z - z0 - P/k, and reads it over
+a straight base line; all scatter is in the load:
+
+    reading(z) = offset + tilt (z - z_touch) + P(z - z0; s, w, k)
+
+P is the stable branch of Eq. 13 for all moduli times s, P = s (H - r V), delta = D - r T, r = sqrt(w/s), where the rows
+are in contact, and 0 where they are free. Each direction has its own base line (drag, drift), and its own w.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from scipy.optimize import brentq, least_squares
+
+from ...base.arrays import Array
+from ...base.errors import SolveError
+from ...base.unknown import Unknown
+from ...data.measured.curve import APPROACH
+from ...data.record import BaseLine, Direction, Record
+from .family import Family
+
+
+@dataclass(frozen=True)
+class Tuning:
+    """How finely branches are tabulated and starts are tried."""
+
+    nodes: int = 400  # choice: of a branch; loads between them are good to 1e-7 of the largest
+    below: float = 4.0  # choice: of log a below the series, where its limit by power laws holds
+    beyond: float = 0.5  # choice: of log a above the series, tried while starting values are looked for
+    shapes: int = 25  # choice: ratios w/s tried
+    points: int = 41  # choice: contact points tried
+    rows: int = 200  # choice: rows used while trying
+    turning: float = 0.01  # choice: of a direction, rows next to the turning point that are left out
+    blunt: tuple[float, float] = (
+        1e-2,
+        1e-5,
+    )  # choice: of the depth of contact, where the fold is blunt while searching
+    moduli: float = 10.0  # choice: of ln s about its start, where the search may go
+    converged: float = 1e-12  # choice: relative change of cost and parameters
+    evaluations: int = 200  # choice: steps after which the search gives up
+
+
+TUNING = Tuning()
+
+
+@dataclass(frozen=True, eq=False)
+class Stretch:
+    """The ``rows`` of one direction, from the far end inwards: device position ``z`` [m], reading ``P`` [N].
+
+    ``touching``: whether a row may be in contact; where ``jumped``, all those rows are, and the others are free.
+    ``line``: the base line that was found from the free rows alone.
+    """
+
+    kind: str
+    rows: Array
+    line: BaseLine
+    z: Array
+    P: Array
+    touching: Array
+    jumped: bool
+
+    @cached_property
+    def spacing(self) -> float:
+        """Usual distance of neighbouring rows [m]."""
+        return float(np.median(np.abs(np.diff(self.z))))
+
+    @cached_property
+    def reach(self) -> float:
+        """How far the device moves in contact [m], about."""
+        return float(np.ptp(self.z[self.touching])) if self.jumped else 0.1 * float(np.ptp(self.z))
+
+
+@dataclass(frozen=True, eq=False)
+class Branch:
+    """The stable branch of one body at a device: load over zeta = sqrt(z - fold), where it is smooth.
+
+    ``rates``: derivatives of the load at fixed z by ln s and q = w/s, times zeta, (2, n). ``fold`` [m]: where it ends;
+    ``u, z``: log of the contact radius and position [m] along it.
+    """
+
+    fold: float
+    u: Array
+    z: Array
+    zeta: Array
+    P: Array
+    slope: Array
+    rates: Array
+
+    def at(self, z: Array, blunt: float) -> tuple[Array, Array]:
+        """Load at positions ``z`` [m], and its derivatives by ln s, q and z, (3, n).
+
+        From ``blunt`` [m] before the fold on the tangent there goes on: a load for every position, and a search that
+        sees where the fold should be.
+        """
+        zeta = np.sqrt(np.maximum(z - self.fold, blunt))
+        i = np.clip(np.searchsorted(self.zeta, zeta) - 1, 0, self.zeta.size - 2)
+        width = self.zeta[i + 1] - self.zeta[i]
+        x = (zeta - self.zeta[i]) / width
+        left, right, dl, dr = self.P[i], self.P[i + 1], self.slope[i] * width, self.slope[i + 1] * width
+        a, b = 2 * (left - right) + dl + dr, 3 * (right - left) - 2 * dl - dr
+        by_z = (dl + x * (2 * b + 3 * x * a)) / width / (2 * zeta)
+        P = left + x * (dl + x * (b + x * a)) + by_z * (z - self.fold - zeta**2)
+        rates = (self.rates[:, i] * (1 - x) + self.rates[:, i + 1] * x) / zeta
+        return P, np.concatenate([rates, by_z[None]])
+
+
+def branch(family: Family, s: float, q: float, k: float) -> Branch:
+    """The stable branch for moduli times ``s`` and work of adhesion ``q`` s, by a device of stiffness ``k``."""
+    u = np.linspace(family.low - TUNING.below, family.high + TUNING.beyond, TUNING.nodes)
+    r = math.sqrt(q)
+
+    def path(u: Array) -> Array:
+        """Position and load, and their derivatives by u."""
+        (D, T, H, V), (dD, dT, dH, dV), _ = family.at(u)
+        P, dP = s * (H - r * V), s * (dH - r * dV)
+        return np.stack([D - r * T + P / k, P, dD - r * dT + dP / k, dP])
+
+    falling = np.flatnonzero(path(u)[2] <= 0)
+    start = float(u[0])
+    if falling.size and falling[-1] < u.size - 1:
+        ends = u[falling[-1]], u[falling[-1] + 1]
+        start = float(brentq(lambda x: float(path(np.array([x]))[2, 0]), *ends, xtol=1e-14))
+    u = start + (u[-1] - start) * np.linspace(0, 1, TUNING.nodes) ** 2
+    z, P, dz, dP = path(u)
+    zeta = np.sqrt(np.maximum.accumulate(z - z[0]))
+    _, T, _, V = family.at(u)[0]
+    slope = np.append(0.0, dP[1:] / dz[1:] * 2 * zeta[1:])
+    by_q = -s * V / (2 * r) if r > 0 else np.zeros_like(P)
+    by = np.stack([P, by_q]), np.stack([P / k, (-T / (2 * r) if r > 0 else 0.0) + by_q / k])
+    rates = np.zeros_like(by[0])
+    rates[:, 1:] = zeta[1:] * (by[0] - dP / np.where(dz > 0, dz, np.inf) * by[1])[:, 1:]
+    slope[0], rates[:, 0] = slope[1], rates[:, 1]
+    rising = np.append(True, np.diff(zeta) > 0)
+    return Branch(float(z[0]), u[rising], z[rising], zeta[rising], P[rising], slope[rising], rates[:, rising])
+
+
+@dataclass(frozen=True, eq=False)
+class Model:
+    """The readings of some stretches on one body at a device of stiffness ``k`` [N/m], as a function of the unknowns
+
+    ln s, z0, and for each stretch its offset, tilt, and q = w/s unless ``adhesive`` says that it has no adhesion.
+    ``known``: those that are not fitted, by name.
+    """
+
+    family: Family
+    k: float
+    stretches: tuple[Stretch, ...]
+    adhesive: tuple[bool, ...]
+    known: Mapping[str, float] = field(default_factory=dict)
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """The unknowns in order; those of a stretch carry its kind."""
+        names = ["ln_s", "z0"]
+        for stretch, adhesive in zip(self.stretches, self.adhesive, strict=True):
+            names += [f"offset:{stretch.kind}", f"tilt:{stretch.kind}"] + [f"q:{stretch.kind}"] * adhesive
+        return tuple(name for name in names if name not in self.known)
+
+    @cached_property
+    def ends(self) -> tuple[float, float]:
+        """Least and largest q: of next to no adhesion, and of a curve that is pulled off at the end of the series."""
+        u = np.array([self.family.low - TUNING.below, self.family.high + TUNING.beyond])
+        (D, T, _, _), (_, _, dH, dV), _ = self.family.at(u)
+        return float(D[0] / T[0]) ** 2, 0.9 * float(dH[1] / dV[1]) ** 2
+
+    def values(self, x: Array) -> dict[str, float]:
+        """All unknowns by name, the known ones too."""
+        return {**self.known, **dict(zip(self.names, map(float, x), strict=True))}
+
+    def residuals(self, x: Array, blunt: float) -> tuple[Array, Array]:
+        """Model minus reading [N] of all rows, and its derivatives by the unknowns, (rows, unknowns).
+
+        ``blunt``: share of the depth of contact over which the fold is blunt; 0: half the distance of two rows.
+        """
+        values = self.values(x)
+        parts = []
+        rates = np.zeros((sum(part.P.size for part in self.stretches), x.size))
+        first = 0
+        for stretch in self.stretches:
+            rows = slice(first, first + stretch.P.size)
+            first = rows.stop
+            off, by = self._stretch(stretch, values, blunt)
+            parts.append(off)
+            for name, column in by.items():
+                if name in self.names:
+                    rates[rows, self.names.index(name)] = column
+        return np.concatenate(parts), rates
+
+    def _stretch(self, part: Stretch, values: Mapping[str, float], blunt: float) -> tuple[Array, dict[str, Array]]:
+        """The same of one stretch, derivatives by name."""
+        q = values.get(f"q:{part.kind}", 0.0)
+        held = branch(self.family, math.exp(values["ln_s"]), q, self.k)
+        depth = part.z - values["z0"]
+        P, by = held.at(depth, blunt * part.reach if blunt else part.spacing / 2)
+        touching = part.touching if part.jumped else depth > held.fold
+        P, (by_s, by_q, by_z) = np.where(touching, P, 0.0), np.where(touching, by, 0.0)
+        along = part.z - part.z[0]
+        off = values[f"offset:{part.kind}"] + values[f"tilt:{part.kind}"] * along + P - part.P
+        return off, {
+            "ln_s": by_s,
+            "z0": -by_z,
+            f"q:{part.kind}": by_q,
+            f"offset:{part.kind}": np.ones_like(P),
+            f"tilt:{part.kind}": along,
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """The model that fits best: ``values`` and standard errors by name; ``off`` residuals [N] of all rows.
+
+    ``sigma``: standard deviation of a reading about the model [N]; ``tau``: how many rows count as one, because their
+    residuals follow each other; ``covariance`` with both in it.
+    """
+
+    model: Model
+    names: tuple[str, ...]
+    x: Array
+    covariance: Array
+    off: Array
+    sigma: float
+    tau: float
+    evaluations: int
+
+    def value(self, name: str) -> float:
+        return float(self.x[self.names.index(name)])
+
+    def error(self, name: str) -> float:
+        i = self.names.index(name)
+        return math.sqrt(self.covariance[i, i])
+
+
+def stretches(record: Record, kinds: Sequence[str], k: float) -> tuple[Stretch, ...]:
+    """The directions ``kinds`` of a record as the model takes them, at a device of stiffness ``k`` [N/m] (inf: the
+    displacement is prescribed): rows within a jump belong to neither side and are left out."""
+    found = []
+    for kind in kinds:
+        side = record.direction(kind)
+        if side is not None:
+            found.append(_stretch(record, side, k))
+    return tuple(found)
+
+
+def _stretch(record: Record, side: Direction, k: float) -> Stretch:
+    curve, rows = record.curve, np.arange(side.segment.first, side.segment.last + 1)
+    assert curve.P is not None
+    if side.segment.kind != APPROACH:
+        rows = rows[::-1]
+    jumped = bool(side.jumps) or (side.segment.kind != APPROACH and not isinstance(side.adhesion, Unknown))
+    touching = np.zeros(rows.size, dtype=bool)
+    keep = np.ones(rows.size, dtype=bool)
+    if jumped:
+        first, last = side.border
+        touching[last:] = True
+        keep[first + 1 : last] = False
+    keep[round(rows.size * (1 - TUNING.turning)) :] = False
+    P = curve.P[rows]
+    z = curve.device[rows]
+    return Stretch(side.segment.kind, rows[keep], side.base, z[keep], P[keep], touching[keep], jumped)
+
+
+def fit(model: Model, start: Array) -> Found:
+    """The unknowns that leave least, first with a blunt fold, then as it is; SolveError where no search converges."""
+    scale = np.concatenate([np.full(part.P.size, float(np.ptp(part.P))) for part in model.stretches])
+    low, high = model.ends
+    adhesive = np.array([name.startswith("q:") for name in model.names])
+    free = np.where(np.array(model.names, dtype=str) == "ln_s", TUNING.moduli, np.inf)
+    bounds = np.where(adhesive, low, start - free), np.where(adhesive, high, start + free)
+    x = np.clip(start, *bounds)
+    for blunt in TUNING.blunt:
+        held: list[tuple[Array, Array, Array]] = []
+
+        def at(x: Array, blunt: float = blunt, held: list[tuple[Array, Array, Array]] = held) -> tuple[Array, Array]:
+            if not (held and np.array_equal(held[0][0], x)):
+                held[:] = [(x.copy(), *model.residuals(x, blunt))]
+            return held[0][1] / scale, held[0][2] / scale[:, None]
+
+        found = least_squares(
+            lambda x, at=at: at(x)[0], x, lambda x, at=at: at(x)[1], bounds=bounds, x_scale="jac",
+            ftol=TUNING.converged, xtol=TUNING.converged, gtol=TUNING.converged, max_nfev=TUNING.evaluations,
+        )  # fmt: skip
+        x = found.x
+    if found.status <= 0:
+        raise SolveError(f"the fit did not converge in {TUNING.evaluations} steps")
+    off = model.residuals(x, TUNING.blunt[-1])[0]
+    J = model.residuals(x, 0.0)[1]  # where the fold lies between two rows, the data do not tell
+    sigma = math.sqrt(float(off @ off) / max(off.size - x.size, 1))
+    tau = _correlation(off, [part.P.size for part in model.stretches])
+    size = np.linalg.norm(J, axis=0)
+    size[size == 0] = 1.0
+    normal = np.linalg.pinv((J / size).T @ (J / size), hermitian=True) / np.outer(size, size)
+    return Found(model, model.names, x, sigma**2 * tau * normal, off, sigma, tau, int(found.nfev))
+
+
+def _correlation(off: Array, sizes: Sequence[int]) -> float:
+    """How many successive residuals are worth one: 1 + 2 sum of their autocorrelations up to the first that vanish."""
+    total = 0.0
+    for part in np.split(off, np.cumsum(sizes)[:-1]):
+        part = part - part.mean()
+        n = part.size
+        power = np.abs(np.fft.rfft(part, 2 * n)) ** 2
+        rho = np.fft.irfft(power)[:n] / max(power.mean() / 2, 1e-300)
+        rho = rho / rho[0]
+        pairs = rho[: n // 2 * 2].reshape(-1, 2).sum(axis=1)  # Geyer's initial positive sequence
+        end = int(np.argmax(pairs <= 0)) if (pairs <= 0).any() else pairs.size
+        total += n * max(1.0, 2 * float(pairs[:end].sum()) - 1)
+    return total / off.size
+
+
+def start(model: Model) -> Array:
+    """Unknowns to begin with: shapes w/s and contact points are tried; for each of them the rest is linear."""
+    i = int(np.argmax(model.adhesive))
+    part = model.stretches[i]
+    rows = _some_rows(part)
+    net = part.P[rows] - part.line(part.z[rows])
+    delta = part.z[rows] - net / model.k
+    u = np.linspace(model.family.low - TUNING.below, model.family.high + TUNING.beyond, TUNING.nodes)
+    (D, T, H, V), _, _ = model.family.at(u)
+    best = (math.inf, 0.0, 0.0, 0.0)
+    for r in _shapes(D, T) if model.adhesive[i] else (0.0,):
+        path, load = D - r * T, H - r * V
+        fold = int(np.argmin(path))
+        for zero in _contact_points(part, delta, rows, float(path[fold])):
+            basis = np.interp(delta - zero, path[fold:], load[fold:], left=0.0 if not part.jumped else None)
+            if part.jumped:
+                basis = np.where(part.touching[rows], basis, 0.0)
+            size = float(basis @ basis)
+            s = float(net @ basis) / size if size > 0 else 0.0
+            s = math.exp(model.known["ln_s"]) if "ln_s" in model.known else s
+            cost = float(np.sum((net - s * basis) ** 2))
+            if s > 0 and cost < best[0]:
+                best = (cost, s, float(zero), float(r))
+    cost, s, zero, r = best
+    if s == 0:
+        raise SolveError("no curve of this body resembles the record")
+    values = {"ln_s": math.log(s), "z0": zero}
+    for other in model.stretches:
+        values[f"offset:{other.kind}"] = float(other.line(other.z[0]))
+        values[f"tilt:{other.kind}"] = other.line.tilt
+        values[f"q:{other.kind}"] = r**2
+    return np.array([values[name] for name in model.names])
+
+
+def _some_rows(part: Stretch) -> Array:
+    """Rows spread evenly, half of them where contact may be."""
+    n = part.z.size
+    if n <= TUNING.rows:
+        return np.arange(n)
+    near = int(np.argmax(part.touching)) if part.jumped else n // 2
+    halves = [np.linspace(first, n - 1, TUNING.rows // 2) for first in (0, near)]
+    return np.unique(np.concatenate(halves).astype(int))
+
+
+def _shapes(D: Array, T: Array) -> Array:
+    """Ratios sqrt(w/s): of almost no adhesion, and so that the shift is the displacement at radii across the series."""
+    ratio = np.unique(D / T)
+    return np.concatenate([[0.0], np.geomspace(ratio[0], ratio[-1], TUNING.shapes)])
+
+
+def _contact_points(part: Stretch, delta: Array, rows: Array, fold: float) -> Array:
+    """Displacements tried as zero; with a jump about that for which its first row in contact lies at the fold."""
+    span = float(np.ptp(delta))
+    if not part.jumped:
+        return np.linspace(delta.min(), delta.max() - 0.01 * span, TUNING.points)
+    first = float(delta[part.touching[rows]][0])
+    steps = span * np.geomspace(1e-4, 0.5, TUNING.points // 3)
+    return first - fold + np.concatenate([-steps, [0.0], steps])

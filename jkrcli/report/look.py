@@ -1,0 +1,89 @@
+"""What a measured file holds, in words and as JSON: reading, segments, base lines, touch, jumps, adhesion, flags."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ..base.units import show
+from ..base.unknown import Unknown
+from ..data.record import BaseLine, Direction, Record
+
+NAMES = {"a": "contact radius", "delta": "displacement", "P": "load", "t": "time"}
+
+
+def as_dict(record: Record) -> dict[str, Any]:
+    """One curve as plain values, SI; a number that is not known is null, with its reason under ``..._unknown``."""
+    curve = record.curve
+    return {
+        "curve": curve.name,
+        "rows": len(curve),
+        "columns": list(curve.measured),
+        "read": list(curve.flags),
+        "segments": [{"kind": s.kind, "first_row": s.first + 1, "last_row": s.last + 1} for s in record.segments],
+        **{item.segment.kind: _direction(item) for item in record.directions},
+        "flags": dict(record.flags),
+    }
+
+
+def _direction(item: Direction) -> dict[str, Any]:
+    return {
+        "rows": len(item.segment),
+        **_known("touch_m", item.touch),
+        "touch_err_m": None if isinstance(item.touch, Unknown) else item.touch_err,
+        "base_line": _base_line(item.base),
+        "largest_load_N": item.largest,
+        **_known("adhesion_force_N", item.adhesion),
+        "adhesion_at_m": None if isinstance(item.adhesion, Unknown) else item.adhesion_at,
+        "jumps": [{"row": jump.row + 1, "position_m": jump.position, "step_N": jump.step} for jump in item.jumps],
+    }
+
+
+def _base_line(base: BaseLine) -> dict[str, float]:
+    return {
+        "offset_N": base.offset,
+        "tilt_N_per_m": base.tilt,
+        "at_m": base.at,
+        "rows": base.rows,
+        "noise_N": base.noise,
+        "waviness_N": base.waviness,
+    }
+
+
+def _known(name: str, value: float | Unknown) -> dict[str, Any]:
+    return {name: None, f"{name}_unknown": value.reason} if isinstance(value, Unknown) else {name: value}
+
+
+def words(record: Record) -> list[str]:
+    """Lines for a reader: what the record is, then a line per direction and per flag."""
+    curve = record.curve
+    held = ", ".join(NAMES[name] for name in curve.measured)
+    parts = ", ".join(f"{segment.kind} {len(segment)}" for segment in record.segments)
+    return [
+        f"{curve.where}: {len(curve)} rows of {held}; {parts}",
+        *(f"  {flag}" for flag in curve.flags),
+        *(f"  {item.segment.kind:8}  {_said(item)}" for item in record.directions),
+        *(f"  {name}: {sentence}" for name, sentence in record.flags.items()),
+    ]
+
+
+def _said(item: Direction) -> str:
+    approach = item.segment.kind == "approach"
+    base = item.base
+    line = (
+        f"base line of {base.rows} rows: noise {show(base.noise, 'load', 3)}, "
+        f"tilt {show(base.tilt, 'stiffness', 3)}, waviness {show(base.waviness, 'load', 3)}"
+    )
+    if isinstance(item.touch, Unknown):
+        return f"{item.touch.reason}; {line}"
+    touch = f"{show(item.touch, 'length')} ± {show(item.touch_err, 'length', 3)}"
+    tension = (
+        item.adhesion.reason
+        if isinstance(item.adhesion, Unknown)
+        else f"{show(item.adhesion, 'load', 3)} at {show(item.adhesion_at, 'length')}"
+    )
+    count = len(item.jumps)
+    if approach:
+        jump = f"jump into contact by {show(-item.jumps[0].step, 'load', 3)}" if count else "no jump into contact"
+        return f"contact from {touch} on, up to {show(item.largest, 'load', 3)}, {jump}; {line}"
+    jumps = {0: "without a jump", 1: "by one jump"}.get(count, f"by {count} jumps")
+    return f"adhesion force: {tension}; contact lost at {touch} {jumps}; {line}"

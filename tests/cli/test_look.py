@@ -1,0 +1,57 @@
+"""``jkr look``: any measured file drawn and told, before any body is thought of."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import Outcome
+from force_curves import Instrument, record
+
+E_STAR, R, W, K = 20e3, 5e-6, 1e-4, 0.05
+FORCE = 1.5 * np.pi * W * R
+
+
+@pytest.fixture
+def table(tmp_path: Path) -> Path:
+    device = Instrument(K, 1000, 3e-6, 4 * FORCE, 0.01 * FORCE, FORCE, pause=100)
+    columns = record(E_STAR, R, 0.0, W, device, 1)
+    rows = zip(columns["t"], columns["z"], columns["P"], strict=True)
+    lines = [f"{t:.6f},{z * 1e9:.4f},{P * 1e9:.6f}" for t, z, P in rows]
+    path = tmp_path / "probe.csv"
+    path.write_text("\n".join(["t_s,delta_nm,P_nN", *lines]) + "\n")
+    return path
+
+
+def test_a_table_is_told_and_drawn(jkr: Callable[..., Outcome], table: Path) -> None:
+    done = jkr("look", str(table), "--stiffness", "0.05 N/m")
+    assert done.code == 0
+    assert done.out.startswith(f"{table}: 2100 rows of displacement, load, time; approach 100")
+    assert ", pause " in done.out
+    assert "no jump into contact" in done.out
+    assert "by one jump" in done.out
+    assert {path.name for path in table.parent.iterdir()} == {"probe.csv", "probe-look.png", "probe-look.svg"}
+
+
+def test_json_holds_what_was_found(jkr: Callable[..., Outcome], table: Path) -> None:
+    done = jkr("look", str(table), "--json", "--no-plots")
+    curve = json.loads(done.out)["files"][0]["curves"][0]
+    assert curve["flags"] == {}
+    assert [part["kind"] for part in curve["segments"]] == ["approach", "pause", "retract"]
+    assert curve["approach"]["base_line"]["noise_N"] == pytest.approx(0.01 * FORCE, rel=0.2)
+    assert curve["retract"]["adhesion_force_N"] == pytest.approx(FORCE, rel=0.1)
+    assert curve["approach"]["adhesion_force_N"] is None
+    assert curve["approach"]["adhesion_force_N_unknown"] == "no tension is told from the noise"
+    assert len(curve["retract"]["jumps"]) == 1
+
+
+def test_what_cannot_be_read_is_one_line(jkr: Callable[..., Outcome], tmp_path: Path) -> None:
+    path = tmp_path / "short.csv"
+    path.write_text("delta_um,P_nN\n" + "".join(f"{i},{i}\n" for i in range(5)))
+    done = jkr("look", str(path))
+    assert done.code == 2
+    assert done.err == f"jkr: error: {path}: holds 5 rows, at least 20 are needed to look at\n"
+    assert list(tmp_path.iterdir()) == [path]

@@ -1,0 +1,123 @@
+"""Records are taken apart as they were made: directions, base line, touch, jumps, adhesion; what is wrong is named."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from force_curves import Instrument, equilibrium, record
+
+from jkrcli.base.errors import InputError
+from jkrcli.base.unknown import Unknown
+from jkrcli.data.measured import Curve
+from jkrcli.data.record import Record, examine
+
+E_STAR, R, W = 20e3, 5e-6, 1e-4
+PULL_OFF = 1.5 * np.pi * W * R
+DEVICE = Instrument(k=0.05, rows=2000, far=3e-6, largest=4 * PULL_OFF, noise=0.01 * PULL_OFF, offset=3 * PULL_OFF,
+                    tilt=0.1 * PULL_OFF / 1e-6, drag=0.1 * PULL_OFF, pause=200)  # fmt: skip
+
+
+def curve_of(
+    device: Instrument, w_approach: float = 0.0, w_retract: float = W, seed: int = 1, told: bool = False
+) -> Curve:
+    made = record(E_STAR, R, w_approach, w_retract, device, seed)
+    return Curve("made", delta=made["z"], P=made["P"], t=made["t"], segment=made["segment"] if told else None)
+
+
+def examined(device: Instrument = DEVICE, **more: float) -> Record:
+    return examine(curve_of(device, **more))
+
+
+@pytest.mark.parametrize("told", [True, False])
+@pytest.mark.parametrize("pause", [0, 200])
+def test_directions_are_found_without_a_column_as_with_one(told: bool, pause: int) -> None:
+    found = examine(curve_of(replace(DEVICE, pause=pause), told=told))
+    assert [part.kind for part in found.segments] == ["approach", *(["pause"] if pause else []), "retract"]
+    made = [DEVICE.rows, pause, DEVICE.rows] if pause else [DEVICE.rows, DEVICE.rows]
+    assert [len(part) for part in found.segments] == pytest.approx(made, abs=0 if told else 5)
+    assert found.segments[0].first == 0
+    assert found.segments[-1].last == len(found.curve) - 1
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_base_line_noise_and_adhesion_are_those_that_were_made(seed: int) -> None:
+    found = examined(seed=seed)
+    assert found.flags == {}
+    for kind, drag in (("approach", DEVICE.drag), ("retract", -DEVICE.drag)):
+        side = found.direction(kind)
+        assert side is not None
+        assert side.base.noise == pytest.approx(DEVICE.noise, rel=0.15)
+        assert side.base.tilt == pytest.approx(DEVICE.tilt, rel=0.03)
+        assert float(side.base(np.array(0.0))) == pytest.approx(DEVICE.offset + drag, abs=0.01 * PULL_OFF)
+        assert side.base.waviness < 0.01 * PULL_OFF
+    approach, retract = found.direction("approach"), found.direction("retract")
+    assert approach is not None
+    assert retract is not None
+    assert isinstance(approach.adhesion, Unknown)
+    assert not approach.jumps
+    position, _, load = equilibrium(E_STAR, R, W, DEVICE.k, DEVICE.largest)
+    fold = int(np.argmin(position))
+    assert retract.adhesion == pytest.approx(-load[fold:].min(), abs=5 * DEVICE.noise)
+    assert retract.touch == pytest.approx(position[fold], abs=2 * retract.touch_err)
+    assert len(retract.jumps) == 1
+    assert retract.jumps[0].position == pytest.approx(position[fold], abs=5e-8)
+    assert approach.touch == pytest.approx(0.0, abs=2e-7)
+
+
+def test_a_jump_into_contact_is_told_with_its_place() -> None:
+    found = examined(w_approach=W).direction("approach")
+    assert found is not None
+    assert len(found.jumps) == 1
+    assert found.jumps[0].position == pytest.approx(0.0, abs=1e-8)
+    assert found.touch == pytest.approx(0.0, abs=3 * found.touch_err)
+    assert isinstance(found.adhesion, float)
+
+
+def test_a_change_of_units_changes_nothing() -> None:
+    curve = curve_of(DEVICE)
+    assert curve.delta is not None
+    assert curve.P is not None
+    one = examine(curve)
+    other = examine(Curve("scaled", delta=curve.delta * 1e3 + 0.0007, P=curve.P * 1e-4 - 1e-13))
+    for a, b in zip(one.directions, other.directions, strict=True):
+        assert len(a.segment) == len(b.segment)
+        assert b.touch == pytest.approx(a.touch * 1e3 + 0.0007, rel=1e-9)
+        assert b.largest == pytest.approx(a.largest * 1e-4, rel=1e-6)
+        assert b.base.noise == pytest.approx(a.base.noise * 1e-4, rel=1e-4)
+    assert one.flags == other.flags
+
+
+def test_a_record_called_approach_that_turns_back_holds_both_directions() -> None:
+    curve = curve_of(DEVICE)
+    found = examine(replace(curve, segment=np.full(len(curve), "approach")))
+    assert [part.kind for part in found.segments] == ["approach", "pause", "retract"]
+
+
+def test_what_is_wrong_is_named() -> None:
+    free = replace(DEVICE, largest=1e-6 * PULL_OFF, drag=0.0)
+    assert set(examined(free, w_retract=0.0).flags) == {"no contact"}
+    whole = curve_of(DEVICE)
+    assert set(examine(whole.rows(np.arange(DEVICE.rows))).flags) == {"no retract"}
+    assert set(examine(whole.rows(np.arange(DEVICE.rows + 200, len(whole)))).flags) == {"no approach"}
+    assert whole.P is not None
+    assert whole.delta is not None
+    limited = replace(whole, P=np.minimum(whole.P, np.quantile(whole.P, 0.9)))
+    assert "saturated" in examine(limited).flags
+    wave = replace(whole, P=whole.P + 0.6 * PULL_OFF * np.sin(whole.delta / 1.5e-7))
+    assert "wavy base line" in examine(wave).flags
+    rng = np.random.default_rng(3)
+    walk = rng.normal(size=4000)
+    assert "no force curve" in examine(Curve("walk", delta=walk, P=rng.normal(size=4000))).flags
+    deep = whole.rows(np.flatnonzero(whole.delta > 0.1e-6))
+    assert "no base line" in examine(deep).flags
+
+
+def test_what_is_no_force_curve_is_refused_in_one_line() -> None:
+    with pytest.raises(InputError) as caught:
+        examine(Curve("c", a=np.arange(30.0), P=np.arange(30.0)))
+    assert str(caught.value) == "c: a force curve needs displacement and load, it holds a, P"
+    with pytest.raises(InputError) as caught:
+        examine(Curve("c", delta=np.arange(5.0), P=np.arange(5.0)))
+    assert str(caught.value) == "c: holds 5 rows, at least 20 are needed to look at"

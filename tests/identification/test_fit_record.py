@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from force_curves import Instrument, equilibrium, record
 
-from jkrcli.adhesion.slopes import slopes
+from jkrcli.adhesion.slopes.choice import slopes
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Specimen

@@ -73,9 +73,13 @@ def test_the_study_writes_a_row_per_value_and_body(study, module: ModuleType) ->
     assert study("tuning", "made_up", "--quick", "--workers", 1).code == 0  # its own file is replaced
 
 
-def test_failures_are_told_and_not_raised(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_failures_are_told_and_end_nothing(study, module: ModuleType, monkeypatch: pytest.MonkeyPatch) -> None:
     def broken(*_: object) -> float:
         raise ZeroDivisionError("by zero")
 
     monkeypatch.setattr(tuning, "_load_error", broken)
-    assert tuning.measure(tuning.Variant("half-space", "layered")).reason == "ZeroDivisionError: by zero"
+    outcome = study("tuning", "made_up", "--quick", "--workers", 1)
+    assert outcome.code == 0
+    assert outcome.out.count("failed") == 2 * 6  # varied and shipped, of six values
+    with Path("tuning.csv").open(newline="") as file:
+        assert {row["reason"] for row in csv.DictReader(file)} == {"ZeroDivisionError: by zero"}

@@ -24,8 +24,8 @@ import jkrcli
 
 from ...adhesion.curve import transform
 from ...adhesion.slopes.choice import slopes
-from ...base.errors import JkrError
-from ...base.executors import in_order
+from ...base.errors import SolveError
+from ...base.executors import Pool, completed
 from ...bodies.grading import Exponential
 from ...bodies.indenters import Paraboloid
 from ...bodies.materials import Elastic, Graded
@@ -34,6 +34,7 @@ from ...methods import METHODS, method_class
 from . import noise_cells
 from .chart_reference import Reference, reference_of
 from .command import call, output_of, parser_of, pool_of
+from .watchdog import TooSlowError, cpu_limit
 
 SOFT, STIFF, GEL = Elastic(1e6, 0.4), Elastic(2e7, 0.3), Elastic(1e6, 0.499)
 SKIN = Graded(Exponential(2e7, 1e6, 1e-6), 0.4)
@@ -121,7 +122,7 @@ def _tuned(cls: type) -> list[str]:
     return fields
 
 
-def trials(knob: Knob, bodies: Sequence[str]) -> list[Variant]:
+def variants_of(knob: Knob, bodies: Sequence[str]) -> list[Variant]:
     """All that the algorithm of ``knob`` has a part in, with each of its values; empty where it has none."""
     _, room, *rest = knob.module.split(".")
     if room == "adhesion":
@@ -134,28 +135,39 @@ def trials(knob: Knob, bodies: Sequence[str]) -> list[Variant]:
     return [Variant(*pair, knob, value) for pair in able for value in knob.values]
 
 
-def measure(trial: Variant) -> Outcome:
-    """The outcome of a variant solved here; a failure is one too."""
-    work = _prepared(trial)
-    with contextlib.nullcontext() if trial.knob is None else varied(trial.knob, trial.value):
+def measure(variant: Variant) -> Outcome:
+    """The outcome of a variant that is solved here; SolveError where it takes more than a minute of CPU time."""
+    work = _prepared(variant)
+    with contextlib.nullcontext() if variant.knob is None else varied(variant.knob, variant.value):
         start = time.process_time()
         try:
-            error, reason = work(), ""
-        except (JkrError, ArithmeticError, ValueError) as caught:
-            error, reason = None, f"{type(caught).__name__}: {caught}".splitlines()[0]
-        return Outcome(error, time.process_time() - start, reason)
+            with cpu_limit(60.0):
+                error = work()
+        except TooSlowError:
+            raise SolveError("takes more than 60 CPU s") from None
+        return Outcome(error, time.process_time() - start)
 
 
-def _prepared(trial: Variant) -> partial[float]:
+def outcomes(variants: Sequence[Variant], pool: Pool) -> dict[Variant, Outcome]:
+    """The outcomes of all variants in their order; what fails is told."""
+    found = {}
+    for index, result in completed(pool, measure, variants, "tuning"):
+        if isinstance(result, Exception):
+            result = Outcome(None, 0.0, f"{type(result).__name__}: {result}".splitlines()[0])
+        found[index] = result
+    return {variant: found[index] for index, variant in enumerate(variants)}
+
+
+def _prepared(variant: Variant) -> partial[float]:
     """What is timed, its exact solution found beforehand with the shipped tunings."""
-    if trial.body in NOISY:
-        body = noise_cells.BODIES[NOISY.index(trial.body)]
+    if variant.body in NOISY:
+        body = noise_cells.BODIES[NOISY.index(variant.body)]
         exact = body.series(60)
-        return partial(_slopes_error, trial.method, body, transform(exact, slopes(exact, "exact"), body.w))
-    problem = BODIES[trial.body]
-    if trial.body not in SHARED:
-        SHARED[trial.body] = _reference(problem)
-    return partial(_load_error, trial.method, problem, SHARED[trial.body])
+        return partial(_slopes_error, variant.method, body, transform(exact, slopes(exact, "exact"), body.w))
+    problem = BODIES[variant.body]
+    if variant.body not in SHARED:
+        SHARED[variant.body] = _reference(problem)
+    return partial(_load_error, variant.method, problem, SHARED[variant.body])
 
 
 def _reference(problem: Problem) -> Reference:
@@ -248,10 +260,10 @@ def main(given_words: Sequence[str] | None = None) -> int:
     files = output_of(given).files(given.output / "tuning", (".csv",))
     bodies = list(BODIES)[: 1 if given.quick else None]
     every = knobs(given.algorithms)
-    asked = [trial for knob in every for trial in trials(knob, bodies)]
+    asked = [trial for knob in every for trial in variants_of(knob, bodies)]
     asked = [*dict.fromkeys(Variant(trial.body, trial.method) for trial in asked), *asked]
     with pool_of(given, 0.5 * len(asked)) as pool:
-        found = dict(zip(asked, in_order(pool, measure, asked, "tuning"), strict=True))
+        found = outcomes(asked, pool)
     files.write(table(found))
     print("\n".join(words(found, every)))
     return 0

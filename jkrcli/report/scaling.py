@@ -8,12 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..adhesion.analysis import Analysis
+from ..base.arrays import Array
 from ..base.errors import InputError
 from ..bodies.materials import Elastic
 from ..bodies.problem import Problem, Rigid
 from ..formulas.scales import scales_half_space, scales_thin_layer
 from ..formulas.thin_layer import foundation_modulus
-from ..series import Array
 
 
 @dataclass(frozen=True)

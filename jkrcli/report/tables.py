@@ -13,11 +13,11 @@ from ..adhesion.curve import AdhesiveCurve, Equilibrium
 from ..adhesion.device import CONTROLS
 from ..adhesion.stability import Behaviour, Jump, behaviour, branch
 from ..adhesion.validity import layer_tabor
+from ..base.arrays import Array
 from ..base.errors import InputError
 from ..base.files import read_bytes
 from ..base.table import as_json as as_json
 from ..base.unknown import Estimate, Unknown, known
-from ..series import Array
 
 SUMMARY_FORMAT, SUMMARY_VERSION = "jkr-summary", 1
 WORD_COLUMNS = ("branch",)  # of a curve; all others are numbers

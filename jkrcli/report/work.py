@@ -11,10 +11,10 @@ import numpy as np
 
 from ..adhesion.analysis import Analysis
 from ..adhesion.validity import check
+from ..base.arrays import Array
 from ..base.units import show
 from ..data.measured.contact import saturation
 from ..identification.work import ABOVE, BELOW, NONE, OK, WorkAlong
-from ..series import Array
 
 FORMAT, VERSION = "jkr-work", 1
 QUARTILES = (0.25, 0.5, 0.75)

@@ -187,7 +187,7 @@ def richardson(values: Sequence[float | None]) -> tuple[float, float] | Unknown:
     if abs(second) <= TUNING.round_off * abs(last[-1]) or first / second <= 1:  # type: ignore[arg-type]
         return Unknown("the differences do not shrink from mesh to mesh")
     order = math.log(first / second) / math.log(TUNING.ratio)
-    return order, last[-1] + second / (TUNING.ratio**order - 1)  # type: ignore[operator]
+    return order, last[-1] + second / (TUNING.ratio**order - 1)
 
 
 def edge_size(method: FEM, problem: Problem, a: float) -> float:

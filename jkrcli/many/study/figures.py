@@ -23,8 +23,8 @@ from ...formulas import half_space, thin_layer
 from ...methods.fem.method import FEM
 from ...methods.layered.layered import Layered
 from ...report.output import PICTURES
-from ...report.plots import BLACK, BLUE, GREEN, ORANGE, pretty
-from ...report.plots.study import UNNAMED, Figure, Line, Panel, panels_figure
+from ...report.plots import BLACK, BLUE, GREEN, ORANGE, Figure, pretty
+from ...report.plots.study import UNNAMED, Line, Panel, panels_figure
 from ...report.scaling import Scales, scales_of
 from ...series import Series
 from .command import call, output_of, parser_of, quantity

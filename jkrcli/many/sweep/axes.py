@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ...base.errors import InputError
-from ...case import CaseModel
+from ...case.models import CaseModel
 from ...case.sweep import AxisTable, DistributionTable, SweepModel
 from .draws import Distribution, check, draw
 from .paths import LAYER_COUNT, Tables, model_of, parse, value_at, with_values

@@ -9,7 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from ...base.errors import InputError
-from ...case import CaseModel, case_model, validated
+from ...case import validated
+from ...case.models import CaseModel, case_model
 
 KeyPath = tuple[str | int, ...]
 Tables = dict[str, Any]

@@ -15,7 +15,8 @@ from ... import __version__
 from ...adhesion.slopes import checked_rule
 from ...base.errors import InputError
 from ...bodies.problem import Problem
-from ...case import Case, CaseModel
+from ...case import Case
+from ...case.models import CaseModel
 from ...case.sweep import MOST_CASES, SweepModel, load_sweep
 from ..cache import at_unit_modulus
 from .axes import Axis, W, resolve

@@ -14,7 +14,7 @@ from ...adhesion.curve import Nonadhesive
 from ...base.errors import JkrError
 from ...base.unknown import Unknown
 from ...bodies.problem import Problem
-from ...case import CaseModel
+from ...case.models import CaseModel
 from ...case.numerics import method_of
 from ...methods import least_first
 from ...methods.choose import Choice, choose, survey

@@ -29,9 +29,9 @@ from .stress import Stress, TractionLine
 class StateTuning:
     """The mesh for the field at one contact radius."""
 
-    spacing: float = 0.08  # element size over the distance from the contact's edge; tuned on the same as growth
+    spacing: float = 0.08  # element size over the distance from the edge; tuned on gel and coating, by `make tuning`
     growth: float = 0.1  # beyond the contact; tuned on the bodies of `make tuning`, by `make tuning`
-    finest: float = 1e-4  # radii from the edge, within which elements are of one size; tuned on the same
+    finest: float = 1e-4  # radii from the edge with elements of one size; tuned on gel and coating, by `make tuning`
     near: float = 3.0  # radii within which tractions are judged; choice: what the error stands for
 
 

@@ -132,8 +132,8 @@ def identify(
     jkrcli.identification.fit.Settings. Raises InputError where the data cannot be fitted.
     """
     from .identification.fit import fit
-    from .identification.fit.settings import settings_of
     from .identification.fit.body import body_of
+    from .identification.fit.settings import settings_of
 
     source = body_of(Path(body) if isinstance(body, str) else body, slopes)
     curve = measured if isinstance(measured, Curve) else _only_curve(Path(measured))

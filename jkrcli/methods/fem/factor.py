@@ -32,7 +32,7 @@ from .options import Solver
 class FactorTuning:
     """Sizes on which the time of a solve depends, not its result."""
 
-    small: int = 20_000  # unknowns up to which CHOLMOD gains less than its import costs; tuned on its cases, by `make bench`
+    small: int = 20_000  # unknowns; CHOLMOD gains less than its import costs; tuned on its cases, by `make bench`
     leaf: int = 6  # cells; smaller groups gain nothing; tuned on the cases of `make bench`, by `make bench`
 
 

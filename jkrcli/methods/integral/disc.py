@@ -27,7 +27,7 @@ class DiscTuning:
     """Where a contact is looked at, and what counts as more than the rounding of the quadrature."""
 
     fractions: tuple[float, ...] = (0.1, 0.25, 0.5, 1.0)  # of the largest contact radius; choice: for a warning
-    inside: tuple[float, ...] = (0.03, 0.1, 0.2, 0.35, 0.5, 0.7, 0.85, 0.95)  # of each contact radius; choice: for a warning
+    inside: tuple[float, ...] = (0.03, 0.1, 0.2, 0.35, 0.5, 0.7, 0.85, 0.95)  # of each radius; choice: for a warning
     outside: tuple[float, ...] = (1.02, 1.1, 1.3, 2.0)  # choice: for a warning
     pull: float = 1e-3  # least tension over the mean pressure; tuned on stiff coatings, by `make failures`
     overlap: float = 1e-5  # least overlap over the displacement; tuned on stiff coatings, by `make failures`

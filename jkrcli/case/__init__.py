@@ -21,6 +21,13 @@ Root = TypeVar("Root", bound=RootTable)
 MOST_BYTES = 16 << 20  # read at about 1 MiB/s
 MOST_PARTS = 50  # of a dotted key; reading takes the square of it
 MANY_PARTS = re.compile(rb"""^[ \t\[]*(?:[\w"'-]+[ \t]*\.[ \t]*){%d}""" % MOST_PARTS, re.MULTILINE)
+KINDS = {  # what the file must hold where pydantic says so
+    ("model_type", "dict_type", "model_attributes_type"): "a table",
+    ("list_type", "tuple_type"): "a list",
+    ("int_type", "int_from_float"): "a whole number",
+    ("bool_type",): "true or false",
+    ("string_type",): "a text",
+}
 KeysAt = Callable[[tuple[str, ...]], list[str]]
 
 
@@ -115,21 +122,12 @@ def _sentence(item: Any, tree: dict[str, Any], keys_at: KeysAt) -> str:
             return f'{where}.shape: must be one of {", ".join(allowed)}, got "{tag}"{did_you_mean(tag, allowed)}'
         case "jkr":
             return f"{where}: {item['msg']}" if where else item["msg"]
-        case "model_type" | "dict_type" | "model_attributes_type":
-            return f"{where}: must be a table, got {shown(value)}"
-        case "list_type" | "tuple_type":
-            return f"{where}: must be a list, got {shown(value)}"
-        case "int_type" | "int_from_float":
-            return f"{where}: must be a whole number, got {shown(value)}"
-        case "bool_type":
-            return f"{where}: must be true or false, got {shown(value)}"
-        case "string_type":
-            return f"{where}: must be a text, got {shown(value)}"
         case "greater_than_equal":
             return f"{where}: must be >= {context['ge']}, got {shown(value)}"
         case "less_than_equal":
             return f"{where}: must be <= {context['le']}, got {shown(value)}"
-    return f"{where}: {item['msg']}, got {shown(value)}"
+    wanted = next((f"must be {words}" for kinds, words in KINDS.items() if item["type"] in kinds), item["msg"])
+    return f"{where}: {wanted}, got {shown(value)}"
 
 
 def _path(loc: tuple[Any, ...], tree: dict[str, Any]) -> str:

@@ -2,7 +2,7 @@
 
 The rule of "auto", from the charts of speed against accuracy (``make chart``, which checks it): of the methods in
 the order of ``least_first`` the first that represents the body with an unnoticeable expected error within a user's
-patience (``Tuning``). Each runs with its default mesh or tolerance, the point of its own front beyond which more time
+patience (``TUNING``). Each runs with its default mesh or tolerance, the point of its own front beyond which more time
 buys an accuracy that no measurement sees. Slopes: exact where the series carries them, else the surer of "integral" and
 "loocv" (``jkrcli.adhesion.slopes``). The choice lies on the Pareto front of whole-process time and error of P or next
 to it: nothing as exact is quicker by more than a half.
@@ -19,14 +19,14 @@ from . import Forecast, Method, least_first
 
 
 @dataclass(frozen=True)
-class Tuning:
+class ChoiceTuning:
     """When a simpler model gives way to a more general one."""
 
     patience: float = 10.0  # tuned on the cases, by `make chart`: CPU seconds that a simpler model may take
     noticeable: float = 1e-3  # choice: relative error that is seen beside nothing measured
 
 
-TUNING = Tuning()
+TUNING = ChoiceTuning()
 
 
 @dataclass(frozen=True)

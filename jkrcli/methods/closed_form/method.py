@@ -22,7 +22,7 @@ from ..radii import half_space_guess, radii_of_loading
 
 
 @dataclass(frozen=True)
-class Tuning:
+class ClosedFormTuning:
     """Accuracies, relative."""
 
     round_off: float = 1e-14  # theory: 45 times the machine epsilon, for the dozen operations of a formula
@@ -31,7 +31,7 @@ class Tuning:
     searched: float = 1e-6  # choice: accuracy of the radii from which the search for those of a loading is refined
 
 
-TUNING = Tuning()
+TUNING = ClosedFormTuning()
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,9 +4,28 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any, TypeVar, get_type_hints
 
+from .errors import InputError
+
 Builder = TypeVar("Builder", bound=Callable[..., Any])
+
+
+@dataclass(frozen=True)
+class Key:
+    """Annotation of a field or parameter that a case file calls by another ``name``."""
+
+    name: str
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A parameter of what builds a thing: its name there, its annotation, its default (``...``: none)."""
+
+    name: str
+    annotation: Any
+    default: Any
 
 
 class Registry(dict[str, Callable[..., Any]]):
@@ -29,12 +48,20 @@ class Registry(dict[str, Callable[..., Any]]):
 
         return known
 
-    def keys_of(self, name: str) -> dict[str, tuple[Any, Any]]:
-        """Annotation and default (``...``: none) of every key of what is called ``name``."""
-        hints = get_type_hints(self[name], include_extras=True)
-        parameters = inspect.signature(self[name]).parameters.values()
-        return {
-            item.name: (hints[item.name], ... if item.default is inspect.Parameter.empty else item.default)
-            for item in parameters
-            if item.name != self.given
-        }
+    def parameters(self, name: str) -> dict[str, Parameter]:
+        """The parameters of what is called ``name``, by key; the one that is given too."""
+        hints, found = get_type_hints(self[name], include_extras=True), {}
+        for item in inspect.signature(self[name]).parameters.values():
+            notes = getattr(hints[item.name], "__metadata__", ())
+            key = next((note.name for note in notes if isinstance(note, Key)), item.name)
+            default = ... if item.default is inspect.Parameter.empty else item.default
+            found[key] = Parameter(item.name, hints[item.name], default)
+        return found
+
+    def keys_in_file(self, thing: object) -> tuple[str, dict[str, Any]]:
+        """The name of a thing whose class is registered, and the values of its keys."""
+        for name, builder in self.items():
+            if builder is type(thing):
+                parameters = self.parameters(name).items()
+                return name, {key: getattr(thing, item.name) for key, item in parameters if key != self.given}
+        raise InputError(f"a case has no word for {type(thing).__name__}")

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..base.arrays import Array
 from ..base.errors import InputError, positive
-from ..base.registry import Registry
+from ..base.registry import Key, Registry
 from ..base.units import AnyLength, Length, Modulus, Ranged
 
 LAWS = Registry(given="thickness")
@@ -49,9 +49,9 @@ class Law(ABC):
 class _Between(Law):
     """A smooth law from ``top`` to ``bottom`` [Pa] over ``depth`` [m]."""
 
-    top: float
-    bottom: float
-    depth: float
+    top: Modulus
+    bottom: Modulus
+    depth: Annotated[float, Key("thickness")]
 
     def __post_init__(self) -> None:
         positive("Pa", top=self.top, bottom=self.bottom)
@@ -65,6 +65,7 @@ class _Between(Law):
         return replace(self, top=self.top * factor, bottom=self.bottom * factor)
 
 
+@law("linear")
 class Linear(_Between):
     """E = top + (bottom - top) z/depth."""
 
@@ -75,6 +76,7 @@ class Linear(_Between):
         return _padded([1.0, (self.bottom / self.top - 1) / self.depth], count)
 
 
+@law("exponential")
 class Exponential(_Between):
     """E = top (bottom/top)^(z/depth)."""
 
@@ -90,25 +92,14 @@ class Exponential(_Between):
         return np.array([self.rate**n / math.factorial(n) for n in range(count)])
 
 
-@law("linear")
-def over_layer(top: Modulus, bottom: Modulus, thickness: float) -> Linear:
-    """From ``top`` to ``bottom`` of the layer on a straight line."""
-    return Linear(top, bottom, thickness)
-
-
-@law("exponential")
-def by_equal_factors(top: Modulus, bottom: Modulus, thickness: float) -> Exponential:
-    """From ``top`` to ``bottom`` of the layer by equal factors over equal depths."""
-    return Exponential(top, bottom, thickness)
-
-
+@law("power")
 @dataclass(frozen=True)
 class Power(Law):
     """E = top (1 + z/length)^exponent; any real ``exponent``."""
 
-    top: float
-    length: float
-    exponent: float
+    top: Modulus
+    length: Length
+    exponent: Annotated[float, Ranged("number")]
 
     def __post_init__(self) -> None:
         positive("Pa", top=self.top)
@@ -131,18 +122,13 @@ class Power(Law):
         return replace(self, top=self.top * factor)
 
 
-@law("power")
-def by_power(top: Modulus, length: Length, exponent: Annotated[float, Ranged("number")], thickness: float) -> Power:
-    """top (1 + z/length)^exponent."""
-    return Power(top, length, exponent)
-
-
+@law("table")
 @dataclass(frozen=True)
 class Tabulated(Law):
     """``moduli`` [Pa] at increasing ``depths`` [m] from 0 on, straight lines between them."""
 
-    depths: tuple[float, ...]
-    moduli: tuple[float, ...]
+    depths: Annotated[tuple[AnyLength, ...], Key("depth")]
+    moduli: Annotated[tuple[Modulus, ...], Key("E")]
 
     def __post_init__(self) -> None:
         if len(self.depths) != len(self.moduli) or len(self.depths) < 2:
@@ -174,12 +160,6 @@ class Tabulated(Law):
 
     def scaled(self, factor: float) -> Self:
         return replace(self, moduli=tuple(modulus * factor for modulus in self.moduli))
-
-
-@law("table")
-def by_depths(depth: tuple[AnyLength, ...], E: tuple[Modulus, ...], thickness: float) -> Tabulated:
-    """Moduli ``E`` at ``depth`` below the layer's top, straight lines between them."""
-    return Tabulated(depth, E)
 
 
 def _padded(coefficients: list[float], count: int) -> Array:

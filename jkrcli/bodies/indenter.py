@@ -8,11 +8,14 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from ..base.arrays import Array
 from ..base.registry import Registry
 from .materials import Elastic
+
+SHAPES = Registry(given="material")
+shape = SHAPES.register  # decorator: the shape by which the table [indenter] of a case file calls it
 
 
 class Indenter(ABC):
@@ -45,6 +48,12 @@ class Indenter(ABC):
         return ()
 
     @property
+    def keys(self) -> dict[str, Any]:
+        """Its keys in the table [indenter] of a case file."""
+        name, keys = SHAPES.keys_in_file(self)
+        return {"shape": name} | keys
+
+    @property
     @abstractmethod
     def words(self) -> str:
         """The shape for a sentence: ``sphere R = 100 um``."""
@@ -68,7 +77,3 @@ class Indenter(ABC):
     def half_space(self, a: Array, E_star: float) -> tuple[Array, Array] | None:
         """delta_H = F(a) [m], P_H = 2 E* int_0^a (F(a) - F(x)) dx [N] on a half-space; None: it has no closed form."""
         return None
-
-
-SHAPES = Registry(given="material")
-shape = SHAPES.register  # decorator: the shape by which the table [indenter] of a case file calls it

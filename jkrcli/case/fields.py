@@ -92,17 +92,21 @@ class BuiltTable(Table):
 
     name: ClassVar[str] = ""
     builder: ClassVar[Callable[..., Any]]
-    parameters: ClassVar[tuple[str, ...]] = ()
+    parameters: ClassVar[dict[str, str]] = {}  # of the builder, by key
+    given: ClassVar[str | None] = None  # its parameter that the file does not give
 
-    def built(self, **given: Any) -> Any:
+    def built(self, given: Any) -> Any:
         """What the table describes; InputError where its keys do not go together."""
-        return type(self).builder(**{key: getattr(self, key) for key in self.parameters}, **given)
+        values = {parameter: getattr(self, key) for key, parameter in self.parameters.items()}
+        return type(self).builder(**values | ({self.given: given} if self.given else {}))
 
 
 def table_of(registry: Registry, name: str, base: type[BuiltTable], **keys: Any) -> Any:
     """The model of the table of what ``registry`` calls ``name``, with more ``keys`` (type, default) than its own."""
-    found = registry.keys_of(name)
-    keys |= {key: (readable(annotation), default) for key, (annotation, default) in found.items()}
+    found = registry.parameters(name)
+    given = found.pop(registry.given, None)
+    keys |= {key: (readable(item.annotation), item.default) for key, item in found.items()}
     table = create_model(name, __base__=base, **keys)
-    table.name, table.builder, table.parameters = name, staticmethod(registry[name]), tuple(found)
+    table.name, table.builder, table.given = name, staticmethod(registry[name]), given.name if given else None
+    table.parameters = {key: item.name for key, item in found.items()}
     return table

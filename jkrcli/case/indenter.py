@@ -51,7 +51,7 @@ class IndenterTable(BuiltTable):
     def build(self) -> Indenter:
         """The indenter of the table."""
         material = None if self.E is None or self.nu is None else Elastic(self.E, self.nu)
-        indenter: Indenter = self.built(material=material)
+        indenter: Indenter = self.built(material)
         return indenter
 
     @classmethod

@@ -25,7 +25,7 @@ class LawTable(BuiltTable):
     @model_validator(mode="after")
     def _usable(self) -> Self:
         with findings():
-            self.built(thickness=1.0)
+            self.built(1.0)
         return self
 
 
@@ -114,7 +114,7 @@ class LayerTable(Table):
     def build(self) -> Layer:
         E: Any = self.E
         if isinstance(E, LawTable):
-            return Layer(Graded(E.built(thickness=self.thickness), self.nu), self.thickness, self.name)
+            return Layer(Graded(E.built(self.thickness), self.nu), self.thickness, self.name)
         return Layer(Elastic(E, self.nu), self.thickness, self.name)
 
 

@@ -14,7 +14,7 @@ from jkrcli.base import units
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Rigid, Specimen
-from jkrcli.case import load_case, parse_case
+from jkrcli.case import load_case, parse_case, writing
 from jkrcli.cli.new import TEMPLATE
 
 CASES = sorted((Path(__file__).parents[2] / "cases").glob("*.toml"))
@@ -62,7 +62,9 @@ def test_template_is_a_valid_case_and_so_are_its_commented_options() -> None:
     ],
 )
 def test_shapes(text: str, expected: object) -> None:
-    assert case_of(text).problem().indenter == expected
+    problem = case_of(text).problem()
+    assert problem.indenter == expected
+    assert writing.case_of(problem).model.problem() == problem
 
 
 def test_profile_file_is_read_beside_the_case_and_kept_in_the_resolved_case(tmp_path: Path) -> None:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Annotated, ClassVar
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
 from ...base.arrays import Array
 from ...base.errors import InputError, positive
+from ...base.registry import Key
 from ...base.units import AnyLength, Length, Ranged, show
 from ...formulas import half_space
 from ..indenter import Indenter, shape
@@ -20,7 +21,7 @@ from ..materials import Elastic
 class _Round(Indenter):
     """An indenter that is known by the radius ``R`` [m] of its tip."""
 
-    R: float
+    R: Annotated[Length, Key("radius")]
     material: Elastic | None = None
 
     def __post_init__(self) -> None:
@@ -35,6 +36,7 @@ class _Round(Indenter):
         return f"{self.noun} R = {show(self.R, 'length')}"
 
 
+@shape("sphere")
 class Sphere(_Round):
     """Exact sphere of radius ``R`` [m]: f = R - sqrt(R^2 - r^2), F = x artanh(x/R)."""
 
@@ -64,16 +66,14 @@ class Sphere(_Round):
         return half_space.sneddon_sphere(a, E_star, self.R)
 
 
-@shape("sphere")
-def of_radius(radius: Length, material: Elastic | None) -> Sphere:
-    """The sphere of a case file."""
-    return Sphere(radius, material)
-
-
 class Paraboloid(_Round):
     """Paraboloid of tip radius ``R`` [m], the profile of classical JKR: f = r^2/(2R), F = x^2/R."""
 
     noun: ClassVar[str] = "paraboloid"
+
+    @property
+    def keys(self) -> dict[str, Any]:
+        return {"shape": "paraboloid", "radius": self.R}
 
     def f(self, r: Array) -> Array:
         return np.asarray(r, dtype=float) ** 2 / (2 * self.R)
@@ -103,12 +103,13 @@ def on_a_sphere(radius: Length, counter_radius: AnyLength | None = None, *, mate
     return Paraboloid(half_space.effective_radius(radius, counter_radius), material)
 
 
+@shape("power")
 @dataclass(frozen=True)
 class PowerLaw(Indenter):
     """f = B r^d with d >= 1 (d = 1: cone of slope B); ``B`` in m^(1-d). F = c_d B x^d (Galin 1946, Sneddon 1965)."""
 
-    B: float
-    d: float
+    B: Annotated[float, Ranged("number", above=0), Key("coefficient")]
+    d: Annotated[float, Ranged("number", least=1, most=20), Key("exponent")]
     material: Elastic | None = None
     noun: ClassVar[str] = "power law"
 
@@ -142,16 +143,6 @@ class PowerLaw(Indenter):
         return half_space.power_law(a, E_star, self.B, self.d)
 
 
-@shape("power")
-def of_coefficient(
-    coefficient: Annotated[float, Ranged("number", above=0)],
-    exponent: Annotated[float, Ranged("number", least=1, most=20)],
-    material: Elastic | None,
-) -> PowerLaw:
-    """f = coefficient r^exponent in SI (coefficient in m^(1 - exponent))."""
-    return PowerLaw(coefficient, exponent, material)
-
-
 @shape("cone")
 def of_half_angle(
     half_angle: Annotated[float, Ranged("angle", above=0, below=math.pi / 2)], material: Elastic | None
@@ -160,6 +151,7 @@ def of_half_angle(
     return PowerLaw(1 / math.tan(half_angle), 1.0, material)
 
 
+@shape("flat")
 @dataclass(frozen=True)
 class RoundedFlat(Indenter):
     """Flat end of radius ``b`` with a parabolic edge of radius ``edge_radius``: f = (r - b)^2/(2 edge_radius) outside.
@@ -167,8 +159,8 @@ class RoundedFlat(Indenter):
     Contact begins at once over the flat (a0 = b). F = (x sqrt(x^2 - b^2) - x b arccos(b/x))/edge_radius.
     """
 
-    b: float
-    edge_radius: float
+    b: Annotated[Length, Key("flat_radius")]
+    edge_radius: Length
     material: Elastic | None = None
     noun: ClassVar[str] = "rounded flat end"
 
@@ -204,9 +196,3 @@ class RoundedFlat(Indenter):
 
     def half_space(self, a: Array, E_star: float) -> tuple[Array, Array]:
         return half_space.rounded_flat(a, E_star, self.b, self.edge_radius)
-
-
-@shape("flat")
-def with_edge(flat_radius: Length, edge_radius: Length, material: Elastic | None) -> RoundedFlat:
-    """The flat end of a case file."""
-    return RoundedFlat(flat_radius, edge_radius, material)

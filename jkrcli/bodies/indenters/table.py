@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 import numpy as np
 
 from ...base.arrays import Array
 from ...base.errors import InputError
+from ...base.registry import Key
 from ...base.units import AnyLength
 from ..indenter import Indenter, shape
 from ..materials import Elastic
@@ -16,6 +17,7 @@ from ..materials import Elastic
 KINK = 1e-10  # choice: fraction of an interval over which a kink that the points force is rounded
 
 
+@shape("table")
 @dataclass(frozen=True)
 class TableProfile(Indenter):
     """A measured or designed profile given by points (``r``, ``f``) [m], convex, from (0, 0) outwards.
@@ -24,8 +26,8 @@ class TableProfile(Indenter):
     paraboloid; its Abel image is a sum of closed forms.
     """
 
-    r: tuple[float, ...]
-    heights: tuple[float, ...]
+    r: tuple[AnyLength, ...] = ()
+    heights: Annotated[tuple[AnyLength, ...], Key("f")] = ()
     material: Elastic | None = None
     knots: Array = field(init=False, repr=False, compare=False)
     slopes: Array = field(init=False, repr=False, compare=False)
@@ -91,14 +93,6 @@ class TableProfile(Indenter):
         """For every x a row of the knots r up to it, and of sqrt(x^2 - r^2)."""
         r = np.minimum(self.knots, x[..., None])
         return r, np.sqrt((x[..., None] - r) * (x[..., None] + r))
-
-
-@shape("table")
-def by_points(
-    r: tuple[AnyLength, ...] = (), f: tuple[AnyLength, ...] = (), *, material: Elastic | None
-) -> TableProfile:
-    """The profile of a case file: lists ``r`` and ``f``, or a file with columns r_m and f_m."""
-    return TableProfile(r, f, material)
 
 
 def _check_table(r: Array, f: Array) -> None:

@@ -7,7 +7,7 @@ profile at the nodes and C the surface compliance.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -105,9 +105,8 @@ class Events:
         """Those at a larger depth and load than all before: all, where the contact is a disc that only grows."""
         first = np.zeros(1)
         rises = [x > np.maximum.accumulate(np.append(first, x[:-1])) for x in (self.delta, self.P)]
-        kept = np.flatnonzero(np.logical_and(*rises))
-        a, delta, P, S, p = (x[kept] for x in (self.a, self.delta, self.P, self.S, self.p))
-        return Events(a, delta, P, S, p, self.violation)
+        kept = np.logical_and(*rises)
+        return replace(self, **{name: getattr(self, name)[kept] for name in ("a", "delta", "P", "S", "p")})
 
 
 def nested_events(contact: SurfaceContact, a0: float, to: str, maximum: float, spare: int = 0) -> Events:

@@ -68,8 +68,9 @@ def _cross(a: Array, b: Array) -> Array:
 
 def make_grid(points: Array, cells: Array, interfaces: Array) -> Grid:
     """A checked grid from vertices and cells; ``interfaces``: depths (> 0) of the layer boundaries inside the body."""
-    points, cells = _used_only(points, cells)
-    cells = _counter_clockwise(points, cells)
+    used, numbers = np.unique(cells, return_inverse=True)  # gmsh leaves points that belong to no cell
+    points = points[used]
+    cells = _counter_clockwise(points, numbers.reshape(cells.shape))
     materials = np.searchsorted(np.asarray(interfaces), -points[cells, 1].mean(axis=1))
     grid = Grid(points, cells, materials, _boundaries(points, cells))
     for array in (points, cells, materials):
@@ -77,12 +78,6 @@ def make_grid(points: Array, cells: Array, interfaces: Array) -> Grid:
     if not grid.quality().min() > 0:
         raise SolveError(f"mesh: a cell is degenerate (quality {grid.quality().min():.2g})")
     return grid
-
-
-def _used_only(points: Array, cells: Array) -> tuple[Array, Array]:
-    """Drop vertices that belong to no cell."""
-    used, numbers = np.unique(cells, return_inverse=True)
-    return points[used], numbers.reshape(cells.shape)
 
 
 def _counter_clockwise(points: Array, cells: Array) -> Array:

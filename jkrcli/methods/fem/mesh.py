@@ -81,13 +81,9 @@ def _rectangle(gmsh: ModuleType, top_points: Array, depths: list[float]) -> None
     left, right = tags[0], tags[-1]
     for depth in depths:
         low_left, low_right = geo.addPoint(0, -depth, 0), geo.addPoint(width, -depth, 0)
-        side, bottom, axis = (
-            geo.addLine(right, low_right),
-            geo.addLine(low_right, low_left),
-            geo.addLine(low_left, left),
-        )
-        geo.addPlaneSurface([geo.addCurveLoop([*top, side, bottom, axis])])
-        top, left, right = [-bottom], low_left, low_right
+        lines = [geo.addLine(p, q) for p, q in itertools.pairwise([right, low_right, low_left, left])]
+        geo.addPlaneSurface([geo.addCurveLoop([*top, *lines])])
+        top, left, right = [-lines[1]], low_left, low_right
     geo.synchronize()
     for line in fixed:
         gmsh.model.mesh.setTransfiniteCurve(line, 2)

@@ -27,12 +27,46 @@ if TYPE_CHECKING:
         to_pandas,
         transform,
     )
+    from .base.unknown import Unknown
+    from .bodies.grading import Exponential, Linear, Power, Tabulated
+    from .bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
+    from .bodies.materials import Elastic, Graded, TransverselyIsotropic
+    from .bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
+    from .methods.closed_form.method import ClosedForm
+    from .methods.fem.method import FEM
+    from .methods.guards import Limits
+    from .methods.hybrid.method import Hybrid
+    from .methods.layered.layered import Layered
 
 __version__ = "0.1.0"
 __all__ = [
+    "FEM",
+    "ClosedForm",
+    "Elastic",
+    "Exponential",
+    "Graded",
+    "HalfSpace",
+    "Hybrid",
     "InputError",
     "JkrError",
+    "Layer",
+    "Layered",
+    "Limits",
+    "Linear",
+    "Loading",
+    "Paraboloid",
+    "Power",
+    "PowerLaw",
+    "Problem",
     "Refusal",
+    "Rigid",
+    "RoundedFlat",
+    "Specimen",
+    "Sphere",
+    "TableProfile",
+    "Tabulated",
+    "TransverselyIsotropic",
+    "Unknown",
     "identify",
     "load_case",
     "measured_curves",
@@ -46,13 +80,26 @@ __all__ = [
     "to_pandas",
     "transform",
 ]
+_HOMES = {  # of what is not in jkrcli.api
+    ".base.unknown": ("Unknown",),
+    ".bodies.grading": ("Exponential", "Linear", "Power", "Tabulated"),
+    ".bodies.indenters": ("Paraboloid", "PowerLaw", "RoundedFlat", "Sphere", "TableProfile"),
+    ".bodies.materials": ("Elastic", "Graded", "TransverselyIsotropic"),
+    ".bodies.problem": ("HalfSpace", "Layer", "Loading", "Problem", "Rigid", "Specimen"),
+    ".methods.closed_form.method": ("ClosedForm",),
+    ".methods.fem.method": ("FEM",),
+    ".methods.guards": ("Limits",),
+    ".methods.hybrid.method": ("Hybrid",),
+    ".methods.layered.layered": ("Layered",),
+}
 
 
 def __getattr__(name: str) -> Any:
     """The names of the Python interface, imported when they are first asked for."""
     if name not in __all__:
         raise AttributeError(f"module jkrcli has no attribute {name}")
-    return getattr(importlib.import_module(".api", __name__), name)
+    home = next((module for module, names in _HOMES.items() if name in names), ".api")
+    return getattr(importlib.import_module(home, __name__), name)
 
 
 def __dir__() -> list[str]:

@@ -21,6 +21,14 @@
 '-2.4906 uN at a = 2.418 um'
 >>> list(jkr.table(curve))[:3]
 ['a_m', 'delta_m', 'P_N']
+
+The same without TOML, by a method of one's choice:
+
+>>> gel = jkr.Specimen((jkr.Layer(jkr.Elastic(E=1e6, nu=0.499), thickness=5e-6),), jkr.Rigid(bonded=True))
+>>> problem = jkr.Problem(jkr.Paraboloid(R=10e-6), gel, jkr.Loading("radius", 8e-6))
+>>> curve = jkr.transform(jkr.solve(problem, jkr.Layered(tolerance=1e-9)), w="50 mJ/m^2")
+>>> f"{curve.pull_off['load'].P * 1e6:.4f} uN"
+'-2.4906 uN'
 """
 
 from __future__ import annotations
@@ -35,11 +43,13 @@ from .base.errors import InputError
 from .base.files import check_series_target
 from .base.threads import one_thread
 from .base.units import parse
+from .bodies.problem import Problem
 from .case import Case, load_case, store
 from .case import parse_case as _parse_case
 from .case.solving import solve as _solve
 from .data.measured import Curve, Reading
 from .data.measured import read as read_curves
+from .methods import Method
 from .methods.guards import Limits
 from .report import tables
 from .series import Solution
@@ -74,13 +84,16 @@ def parse_case(text: str, folder: str | Path = ".") -> Case:
     return _parse_case(text.encode(), "case", Path(folder))
 
 
-def solve(problem: Case | str | Path, method: str | None = None, limits: Limits | None = None) -> Solution:
-    """The nonadhesive series of a case (or of the case file at a path), as its series file gives it back.
+def solve(
+    problem: Case | Problem | str | Path, method: str | Method | None = None, limits: Limits | None = None
+) -> Solution:
+    """The nonadhesive series of a problem, a case or the case file at a path, as its series file gives it back.
 
-    ``method``: instead of the case's own; ``limits``: most memory and time to begin with, Limits(memory=8, hours=2).
-    Raises InputError where the case is wrong, no method can represent it, or it would cost too much.
+    ``method``: a name or a configured method, FEM(tolerance=1e-3), instead of the case's own; ``limits``: most memory
+    and time to begin with, Limits(memory=8, hours=2). Raises InputError where the case is wrong, no method can
+    represent it, or it would cost too much.
     """
-    _, solution = _solve(problem if isinstance(problem, Case) else load_case(problem), method, limits)
+    _, solution = _solve(load_case(problem) if isinstance(problem, str | Path) else problem, method, limits)
     return solution
 
 
@@ -99,13 +112,20 @@ def save(solved: Solution, path: str | Path, force: bool = False) -> Path:
 
 @one_thread
 def transform(
-    solved: Solution | str | Path, w: float | str, slopes: str = "auto", modulus_factor: float = 1.0
+    solved: Solution | Case | Problem | str | Path,
+    w: float | str,
+    slopes: str = "auto",
+    modulus_factor: float = 1.0,
+    method: str | Method | None = None,
 ) -> Analysis:
     """The adhesive curve for the work of adhesion ``w`` [J/m^2], with pull-off, errors, validity and warnings.
 
-    ``w``: a number, or text with a unit, "40 mJ/m^2"; ``slopes``: "auto", or a rule ("exact", "integral", "loocv",
-    "gcv"); ``modulus_factor``: all moduli times this.
+    ``solved``: a solution or its file; a case or problem is solved first, by ``method``. ``w``: a number, or text with
+    a unit, "40 mJ/m^2"; ``slopes``: "auto", "exact", "integral", "loocv" or "gcv"; ``modulus_factor``: all moduli times
+    this.
     """
+    if isinstance(solved, Case | Problem):
+        solved = solve(solved, method)
     solution = solved if isinstance(solved, Solution) else store.read(solved)
     return analyse(solution, [_work(w) if isinstance(w, str) else w], slopes, modulus_factor)[0]
 

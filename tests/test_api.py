@@ -6,6 +6,7 @@ import doctest
 import json
 import subprocess
 import sys
+import tomllib
 from collections.abc import Callable
 from pathlib import Path
 
@@ -31,6 +32,26 @@ def test_every_name_of_the_interface_is_documented() -> None:
         assert name in dir(jkr_python)
         assert not (PACKAGE / name).exists(), "a part of that name would take its place once it is imported"
         assert not (PACKAGE / f"{name}.py").exists()
+
+
+def test_the_version_is_stated_once_and_repeated_right() -> None:
+    root = PACKAGE.parent
+    assert tomllib.loads((root / "pyproject.toml").read_text())["project"]["dynamic"] == ["version"]
+    assert f"\nversion: {jkr_python.__version__}\n" in (root / "CITATION.cff").read_text()
+
+
+def test_a_problem_is_solved_as_its_case_is(tmp_path: Path) -> None:
+    """A problem made in Python, by a method of its own, gives the curve of the case to the last bit; its file too."""
+    case = jkr_python.load_case(CASES / "coating.toml")
+    problem = case.model.problem()
+    by_case = jkr_python.transform(case, w=0.05, method="layered")
+    by_problem = jkr_python.transform(problem, w=0.05, method=jkr_python.Layered())
+    saved = jkr_python.save(jkr_python.solve(problem, "layered"), tmp_path / "x.h5")
+    for other in (by_problem, jkr_python.transform(saved, w=0.05)):
+        np.testing.assert_array_equal(other.curve.P, by_case.curve.P)
+        assert other.problem == problem
+    with pytest.raises(jkr_python.Refusal, match="method ClosedForm: solves homogeneous half-spaces"):
+        jkr_python.solve(problem, jkr_python.ClosedForm())
 
 
 def test_a_work_of_adhesion_may_carry_its_unit() -> None:

@@ -1,16 +1,18 @@
-"""A validated case to a solution, by the method that it names or needs."""
+"""A validated case, or a problem made in Python, to a solution, by the method that it names or needs."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 
 from ..base.errors import JkrError
 from ..base.threads import one_thread
-from ..methods import Method
+from ..bodies.problem import Problem
+from ..methods import Method, method_class
 from ..methods.choose import Choice, choose
 from ..methods.guards import Limits, admit
-from ..series import Solution
+from ..series import Record, Solution
 from . import Case
 from .numerics import method_of
 from .store import record_of
@@ -20,26 +22,32 @@ Announce = Callable[[str], None]
 
 @one_thread
 def solve(
-    case: Case, method: str | None = None, limits: Limits | None = None, announce: Announce | None = None
+    source: Case | Problem,
+    method: str | Method | None = None,
+    limits: Limits | None = None,
+    announce: Announce | None = None,
 ) -> tuple[Choice, Solution]:
-    """Solve ``case`` by ``method`` (None: the case's own); under "auto" the next one where the first fails.
+    """Solve by ``method`` (None: the case's own, "auto" for a problem); under "auto" the next one where one fails.
 
     Refusal where it would cost more than ``limits``; ``announce`` is told what it will cost where that is much.
     """
-
-    def build(name: str) -> Method:
-        return method_of(case.model, name)
-
-    problem = case.model.problem()
-    choice: Choice | None = choose(problem, method or case.model.method, build)
+    problem, record, named, build = _parts(source)
+    choice: Choice | None = choose(problem, method or named, build)
     while True:
         assert choice is not None
         cost = admit(f"method {choice.name}", choice.forecast(problem), limits or Limits())
         if cost and announce:
             announce(cost)
         try:
-            return choice, replace(choice.method(problem), record=record_of(case))
+            return choice, replace(choice.method(problem), record=record)
         except JkrError as error:
             choice = choice.after_failure(error, build)
             if choice is None:
                 raise
+
+
+def _parts(source: Case | Problem) -> tuple[Problem, Record, str, Callable[[str], Method]]:
+    """The problem, what goes with it into a file, the method's name and how methods are configured."""
+    if isinstance(source, Problem):
+        return source, Record(), "auto", lambda name: method_class(name)()
+    return source.model.problem(), record_of(source), source.model.method, partial(method_of, source.model)

@@ -49,8 +49,8 @@ PACKAGES = ("numpy", "scipy", "gmsh", "scikit-fem", "h5py")
 MAX_ROWS, MAX_CELLS = 10_000_000, 100_000_000  # choice: of a column and of the table of pressures, 80 and 800 MB
 MAX_TEXT = 16 << 20  # choice: characters
 DOUBT = (
-    "the series file is of format 1 (jkr 0.1.0), without a digest: damage to its case or words may go unnoticed; "
-    "run the case again for full protection"
+    "the series file is of format 1, which has no digest: damage to its case or words may go unnoticed; run the case "
+    "again for full protection"
 )
 
 
@@ -128,8 +128,11 @@ def read(path: str | Path, problem: Problem | None = None, with_pressure: bool =
         remedy = ", jkr run makes one from a case" if path.suffix == ".toml" else ""
         raise InputError(f"{path}: is not an HDF5 file{remedy}")
     root = hdf5.parse(path, content, () if with_pressure else ("contact",))
-    _check(path, root, content)
-    return _Reader(path, root).solution(problem)
+    try:
+        _check(path, root, content)
+        return _Reader(path, root).solution(problem)
+    except hdf5.UNREADABLE:  # a list where a number or a text belongs, and the like
+        raise hdf5.unreadable(path, content) from None
 
 
 def _check(path: Path, root: Group, content: bytes) -> None:

@@ -89,13 +89,13 @@ class Choice:
         return Choice(later[0], build(later[0]), f"because {self.name} failed ({error})", self.options)
 
 
-def choose(problem: Problem, wanted: str, build: Callable[[str], Method]) -> Choice:
-    """The method ``wanted``, or for "auto" the first of ``least_first`` that represents the problem accurately."""
+def choose(problem: Problem, wanted: str | Method, build: Callable[[str], Method]) -> Choice:
+    """The method ``wanted``, by name or itself; for "auto" the first of ``least_first`` that is accurate enough."""
     if wanted != "auto":
-        method = build(wanted)
+        name, method = (wanted, build(wanted)) if isinstance(wanted, str) else (type(wanted).__name__, wanted)
         if reason := method.refusal(problem):
-            raise Refusal(f"method {wanted}: {reason}")
-        return Choice(wanted, method, "as the case says")
+            raise Refusal(f"method {name}: {reason}")
+        return Choice(name, method, "as the case says")
     options = survey(problem, build)
     possible = [option for option in options if option.forecast is not None]
     if not possible:

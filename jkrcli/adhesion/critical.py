@@ -62,7 +62,7 @@ def _propagated(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) ->
 
 
 def _gradients(curve: AdhesiveCurve, a: Array) -> tuple[Array, Array, Array, Array]:
-    """Of delta, P, d(delta)/da and dP/da with respect to (delta_H, P_H, S, S', d(delta_H)/da, S''), each (6,)."""
+    """Gradients of delta, P, d(delta)/da and dP/da by (delta_H, P_H, S, S', d(delta_H)/da, S''), each (6,)."""
     (_, _, S, dS, t), rates = curve.nonadhesive.with_rates(a)
     t, t_rate = math.sqrt(curve.w) * t, math.sqrt(curve.w) * rates.t
     by_dS = -t / (2 * dS)  # of t; of its rate: the two below

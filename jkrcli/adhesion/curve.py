@@ -63,7 +63,7 @@ class CriticalPoint(Equilibrium):
 
 
 class Parts(NamedTuple):
-    """What a curve is made of at some radii, or its derivatives by the radius; ``t``: the shift at w = 1 J/m^2."""
+    """Values of the w-free functions at some radii, or their derivatives; ``t``: the shift at w = 1 J/m^2."""
 
     delta_H: Array
     P_H: Array
@@ -143,8 +143,8 @@ class Nonadhesive:
 
     @property
     def gradients(self) -> dict[str, tuple[Array, Array]]:
-        """Of "delta" and "P" at the series' radii by (delta_H, P_H, S, S'): without adhesion, and per root of w; (n, 4)
-        each."""
+        """Gradients of "delta" and "P" at the series' radii by (delta_H, P_H, S, S'), (n, 4): without adhesion, what
+        is added per root of w."""
         _, _, S, dS, t = self.points
         zero, one, by_dS = np.zeros_like(t), np.ones_like(t), t / (2 * dS)
         by_columns = {"delta": (one, zero, zero, zero), "P": (zero, one, zero, zero)}

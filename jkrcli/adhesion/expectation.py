@@ -19,8 +19,9 @@ LONGEST = 3.0  # CPU seconds that an expectation may take; choice: it is asked f
 
 @dataclass(frozen=True)
 class Expectation:
-    """Largest radius ``a`` [m], displacement [m] and load [N], and per work of adhesion [J/m^2] pull-off and validity.
+    """What a case will reach: largest radius ``a`` [m], displacement [m], load [N].
 
+    ``adhesion``: for each work of adhesion [J/m^2] its pull-off and validity.
     ``half_space_error``: by how much the layers change the load at that depth against a half-space of the top material;
     None where there are no layers.
     """

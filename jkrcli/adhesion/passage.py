@@ -121,7 +121,7 @@ def largest_stable(curve: AdhesiveCurve, stiffness: float) -> float | None:
 
 
 def work(curve: AdhesiveCurve, first: float, last: float) -> float:
-    """int P d(delta) along the curve between two contact radii [m], in J: Gauss in log a between the series' radii."""
+    """Work int P d(delta) [J] along the curve between two contact radii [m]: Gauss in log a between the data."""
     low, high = min(first, last), max(first, last)
     edges = np.log(np.concatenate([[low], curve.a[(curve.a > low) & (curve.a < high)], [high]]))
     half = np.diff(edges)[:, None] / 2

@@ -38,7 +38,7 @@ def branch(curve: AdhesiveCurve) -> Array:
 
 @dataclass(frozen=True)
 class Jump:
-    """Contact jumps from ``start`` to ``end`` at standing device; ``end = None``: it is lost."""
+    """A jump of the contact radius from ``start`` to ``end`` at standing device; ``end = None``: it is lost."""
 
     start: Equilibrium
     end: Equilibrium | None

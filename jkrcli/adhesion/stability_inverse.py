@@ -72,7 +72,7 @@ def work_from_pull_off(
         raise InputError("load: this series holds no pull-off for any work of adhesion: load further")
 
     def widened(log_w: float, step: float) -> float:
-        """Beyond the last stationary radius the pull-off may lie between two points for any w: step by step there."""
+        """``log_w`` moved step by step: beyond the last stationary radius the pull-off may lie between two points."""
         while excess(log_w) * step < 0 and isinstance(point(math.exp(log_w + step)), CriticalPoint):
             log_w += step
         return log_w
@@ -93,7 +93,7 @@ def work_from_pull_off(
 
 
 def _stationary(body: Nonadhesive, stiffness: float) -> Array:
-    """For radii across the series the w whose curve is stationary there, increasing; those > 0 only."""
+    """The works of adhesion > 0 whose curves are stationary at radii across the series, increasing."""
     a = body.a.copy()
     a[0], a[-1] = a[0] * (1 + TUNING.inside), a[-1] * (1 - TUNING.inside)
     here, rates = body.with_rates(a)

@@ -97,7 +97,7 @@ def _measured_against(paper: Slopes, fitted: Slopes | None) -> Slopes:
 
 
 def _surer(series: Series) -> Slopes:
-    """Of "integral" and "loocv" the one with the smaller estimate of its error."""
+    """The slopes of "integral" or "loocv", those with the smaller estimate of their error."""
     fitted = slopes_function("integral")(series)
     try:
         paper = _measured_against(slopes_function("loocv")(series), fitted)

@@ -81,7 +81,7 @@ def smoothed(
 def _slopes(
     a: Array, delta: Array, P: Array, errors: Mapping[str, Array], a0: float, S0: float | None, wanted: Array
 ) -> Slopes:
-    """PenalisedFit the columns (n,) and evaluate at the radii ``wanted`` (m,)."""
+    """The slopes at the radii ``wanted`` (m,), from a fit of the columns (n,)."""
     data = _prepare(a, delta, P, errors, a0)
     y_scale, delta_scale, P_scale = float(np.max(a) - a0), float(np.max(delta)), float(np.max(P))
     S_scale = P_scale / delta_scale
@@ -246,7 +246,7 @@ class _Bins:
 
 
 def _start(model: LogSplineModel, data: _Data) -> Array:
-    """Power laws through the logs of the data, by least squares; the large radii count most, they are surest."""
+    """Coefficients of power laws through the logs of the data; the large radii count most, they are surest."""
     k, log_k = np.polyfit(data.x, data.log_delta, 1, w=np.exp(data.x))
     m, log_m = np.polyfit(data.x, data.log_P, 1, w=np.exp(data.x))
     k = max(float(k), 0.2)

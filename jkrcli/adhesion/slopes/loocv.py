@@ -57,7 +57,7 @@ def loocv(series: Series, criterion: Criterion = "loocv") -> Slopes:
 
 
 def gcv(series: Series) -> Slopes:
-    """The same with the smoothing chosen by generalised cross-validation."""
+    """S and S' as ``loocv`` finds them, the smoothing chosen by generalised cross-validation (GCV)."""
     return replace(loocv(series, "gcv"), method="gcv")
 
 

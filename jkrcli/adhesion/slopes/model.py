@@ -93,7 +93,7 @@ class LogSplineModel:
         return float(self.first_slope @ coefficients[self.v]), float(self.first_slope @ coefficients[self.u])
 
     def interpolation(self, x: Array) -> Points:
-        """OnGrid index and the cubic Hermite weights (for values, for x-derivatives) of the points ``x``."""
+        """Grid index and the cubic Hermite weights (for values, for x-derivatives) of the points ``x``."""
         i = np.clip(((x - self.x[0]) / self.step).astype(int), 0, self.x.size - 2)
         return (i, *_hermite((x - self.x[i]) / self.step, self.step))
 

@@ -23,7 +23,8 @@ from scipy.linalg import cho_factor, cho_solve
 
 from ...base.arrays import Array
 
-Residuals = Callable[[Array], tuple[Array, Array]]
+Linearised = tuple[Array, Array]  # residuals and their Jacobian
+Residuals = Callable[[Array], Linearised]
 
 
 @dataclass(frozen=True)
@@ -53,9 +54,11 @@ TUNING = PenaltyTuning()
 
 @dataclass(frozen=True, eq=False)
 class PenalisedFit:
-    """Coefficients ``c`` (p,), their covariance ``V`` (p, p) over the variance ``phi``, residuals (m,), ``lambdas`` in
-    units of the mean diagonal of J^T J, ``spent``: the effective number of parameters, ``settled``: whether the steps
-    became small, ``floored``: whether the residuals show less than the least ``phi``."""
+    """A penalised fit: coefficients ``c`` (p,), their covariance ``V`` (p, p) over ``phi``, residuals (m,).
+
+    ``lambdas``: in units of the mean diagonal of J^T J. ``spent``: the effective number of parameters. ``settled``:
+    whether the steps became small. ``floored``: whether the residuals show less than the least ``phi``.
+    """
 
     c: Array
     V: Array
@@ -82,14 +85,14 @@ class _Linear:
 def minimise(
     residuals: Residuals, start: Array, blocks: Sequence[slice], phi_floor: float, lambdas: Array, freeze: int
 ) -> PenalisedFit:
-    """PenalisedFit from ``start``. ``residuals(c)``: (r, Jacobian of r); ``lambdas``: first guess.
+    """The fit from ``start``. ``residuals(c)``: (r, Jacobian of r); ``lambdas``: first guess.
 
     After ``freeze`` steps the lambdas stay as they are.
     """
     c, damping = start, 0.0
     now = residuals(c)
     for step in range(TUNING.steps):
-        linear = _linear(*now, c, blocks, lambdas, phi_floor, damping, updates=TUNING.updates if step < freeze else 0)
+        linear = _linear(now, c, blocks, lambdas, phi_floor, damping, updates=TUNING.updates if step < freeze else 0)
         lambdas = linear.lambdas
         c, now, taken = _line_search(residuals, c, now, linear)
         moved = taken * linear.deviations
@@ -100,16 +103,17 @@ def minimise(
         )
     settled = moved < TUNING.stuck and (taken > 0 or linear.deviations < TUNING.stuck)
     known = freeze > 0  # else only a place to start from
-    V = _averaged(linear, *now, c, blocks, phi_floor) if known else np.zeros((c.size, c.size))
+    V = _averaged(linear, now, c, blocks, phi_floor) if known else np.zeros((c.size, c.size))
     return PenalisedFit(c, V, now[0], linear.phi, lambdas, linear.spent, settled, linear.phi <= phi_floor)
 
 
-def _averaged(linear: _Linear, r: Array, J: Array, c: Array, blocks: Sequence[slice], phi_floor: float) -> Array:
+def _averaged(linear: _Linear, now: Linearised, c: Array, blocks: Sequence[slice], phi_floor: float) -> Array:
     """Covariance over ``linear.phi`` of the coefficients, the lambdas being as uncertain as the data leave them.
 
     The mean over lambdas about the best ones, weighted by their restricted likelihood and a prior even in the size of a
     block's coefficients, 1/sqrt(lambda) (Gelman 2006): what the fit would be with other lambdas is part of its error.
     """
+    r, J = now
     normal, gradient = J.T @ J, J.T @ r
     ridge = 1e-15 * np.diag(normal).max()
     best = [lam * np.diag(normal)[block].mean() for lam, block in zip(linear.lambdas, blocks, strict=True)]
@@ -136,16 +140,10 @@ def _averaged(linear: _Linear, r: Array, J: Array, c: Array, blocks: Sequence[sl
 
 
 def _linear(
-    r: Array,
-    J: Array,
-    c: Array,
-    blocks: Sequence[slice],
-    lambdas: Array,
-    phi_floor: float,
-    damping: float,
-    updates: int,
+    now: Linearised, c: Array, blocks: Sequence[slice], lambdas: Array, phi_floor: float, damping: float, updates: int
 ) -> _Linear:
-    """Solve the linearised problem at ``c`` and iterate its lambdas to the maximum of the restricted likelihood."""
+    """The linearised problem solved at ``c``, its lambdas iterated to the maximum of the restricted likelihood."""
+    r, J = now
     normal, gradient = J.T @ J, J.T @ r
     diagonal = np.diag(normal)
     scales = np.array([diagonal[block].mean() for block in blocks])
@@ -179,9 +177,7 @@ def _update(lam: float, scale: float, c: Array, V: Array, phi: float) -> float:
     return float(np.clip(lam * ratio, max(TUNING.least, phi / (scale * TUNING.most_prior)), TUNING.most))
 
 
-def _line_search(
-    residuals: Residuals, c: Array, now: tuple[Array, Array], linear: _Linear
-) -> tuple[Array, tuple[Array, Array], float]:
+def _line_search(residuals: Residuals, c: Array, now: Linearised, linear: _Linear) -> tuple[Array, Linearised, float]:
     """The first of the steps 1, 1/2, 1/4 ... that does not raise the objective by more than a rounding of phi."""
 
     def objective(r: Array, c: Array) -> float:

@@ -9,7 +9,7 @@ import numpy as np
 
 from ...base.arrays import Array
 from ...base.unknown import Estimate
-from ...series import Series
+from ...series import COLUMNS, Series
 
 TWO_SIDED_90 = NormalDist().inv_cdf(0.95)  # half-width of a 90 % interval in standard deviations
 
@@ -62,18 +62,11 @@ def covariance_from_errors(series: Series, S: Array, dS: Array) -> Array | None:
     """
     if not series.errors:
         return None
-    n = len(series)
-    sigma = {name: np.asarray(error) / TWO_SIDED_90 for name, error in series.errors.items()}
-    variances = np.zeros((4, n))
-    for row, name in enumerate(("delta", "P", "S", "dS")):
-        if name in sigma:
-            variances[row] = sigma[name] ** 2
-    if "a" in sigma:
-        variances[3] += (2 * dS * sigma["a"] / series.a) ** 2
-    covariance = np.zeros((n, 4, 4))
-    for row in range(4):
-        covariance[:, row, row] = variances[row]
-    return covariance
+    unknown = np.zeros(len(series))
+    sigma = {name: series.errors.get(name, unknown) / TWO_SIDED_90 for name in COLUMNS}
+    variances = np.stack([sigma[name] ** 2 for name in ("delta", "P", "S", "dS")], axis=1)
+    variances[:, 3] += (2 * dS * sigma["a"] / series.a) ** 2
+    return variances[:, :, None] * np.eye(4)
 
 
 def shift_error(dS: Array, covariance: Array, quantile: float) -> float:

@@ -40,13 +40,13 @@ class Control:
 
     @classmethod
     def around(cls, value: float, factor: float, dimension: str) -> Control:
-        """From ``value``/``factor`` to ``value`` times ``factor``, evenly in the logarithm."""
+        """The slider from ``value``/``factor`` to ``value`` times ``factor``, evenly in the logarithm."""
         unit, power = _unit(value, dimension)
         return cls(value, value / factor, value * factor, True, unit, power)
 
     @classmethod
     def shift(cls, extent: float, dimension: str) -> Control:
-        """From -``extent`` to ``extent``, 0 at the start."""
+        """The slider from -``extent`` to ``extent``, 0 at the start."""
         unit, power = _unit(extent, dimension)
         return cls(0.0, -extent, extent, False, unit, power)
 
@@ -154,7 +154,7 @@ def _controls(curve: AdhesiveCurve, measured: Sequence[Curve]) -> dict[str, Cont
 
 
 def _extent(name: str, measured: Sequence[Curve]) -> float:
-    """From the smallest to the largest measured value; 0 where there is none."""
+    """Distance from the smallest to the largest measured value; 0 where there is none."""
     return max((float(np.ptp(values)) for curve in measured if (values := getattr(curve, name)) is not None), default=0)
 
 

@@ -178,7 +178,7 @@ def table(curve: Analysis) -> dict[str, Array]:
 
 
 def to_pandas(curve: Analysis) -> DataFrame:
-    """The same as a data frame (needs the optional package pandas)."""
+    """The columns as a data frame (needs the optional package pandas)."""
     try:
         from pandas import DataFrame
     except ModuleNotFoundError:

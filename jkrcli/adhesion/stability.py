@@ -255,7 +255,7 @@ def _along(path: Passage, points: int) -> list[tuple[Array, Array, Array]]:
 
 
 def _held(found: Cycle, points: int) -> tuple[Array, Array, Array]:
-    """At the turn the contact is a flat punch of constant radius: a straight line."""
+    """Positions of the device at the turn: the contact is a flat punch of constant radius there, a straight line."""
     a = np.full(points, found.turn)
     first, last = (np.array(path.curve.at(np.array(found.turn))) for path in (found.approach, found.retraction))
     delta, P = first[:, None] + np.outer(last - first, np.linspace(0, 1, points))

@@ -103,7 +103,7 @@ def check_target(path: Path, force: bool = False, inputs: Iterable[Path] = ()) -
 
 
 def check_series_target(path: Path, force: bool = False, inputs: Iterable[Path] = ()) -> None:
-    """As ``check_target``, of a series: its name must not promise another format."""
+    """Refuse a target as ``check_target`` does, and for a series a name that promises another format."""
     check_target(path, force, inputs)
     if path.suffix.lower() not in SERIES_ENDINGS:
         raise InputError(f"{path}: a series is written as HDF5, its name must end in .h5")

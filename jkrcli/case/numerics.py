@@ -1,4 +1,4 @@
-"""From the numerical tables of a case to configured methods."""
+"""Configured methods from the numerical tables of a case."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From a problem made in Python to a case: the inverse of the tables' ``build``."""
+"""Cases from problems made in Python: the inverse of the tables' ``build``."""
 
 from __future__ import annotations
 

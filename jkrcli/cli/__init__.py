@@ -149,7 +149,7 @@ def call(arguments: Sequence[str] | None = None) -> int:
 
 
 def _give_up_output() -> None:
-    """What stdout still holds cannot be written: let the interpreter close it quietly, with our exit code."""
+    """Give up what stdout still holds and cannot write, so that the interpreter ends quietly with our exit code."""
     with contextlib.suppress(OSError, ValueError):
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.__stdout__.fileno() if sys.__stdout__ else 1)
 

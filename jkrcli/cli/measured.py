@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any, TypeVar
+from typing import Any
 
 import click
 
@@ -11,9 +10,9 @@ from ..data.measured import Reading
 from ..data.measured.text import NAMES
 from ..data.text_table import SEPARATORS
 from .options import KeyValueType, ScaleType, StiffnessType
+from .output import Command
 
 KEYS = tuple(NAMES.quantities)
-Command = TypeVar("Command", bound=Callable[..., Any])
 FIELDS = ("columns", "units", "flip", "stiffness", "sensitivity", "zero", "contact", "format", "separator", "decimal")
 
 

@@ -26,7 +26,7 @@ class Quantity:
     names: tuple[str, ...]
 
     def also(self, *names: str) -> Quantity:
-        """The same quantity where it has more names."""
+        """The quantity with more names."""
         return replace(self, names=(*self.names, *names))
 
 

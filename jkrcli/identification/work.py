@@ -143,7 +143,7 @@ def _lag(here: Parts, values: Mapping[str, Array]) -> Array:
 
 
 def _refuse_none(body: Nonadhesive, curve: Curve, state: Array) -> None:
-    """At least one row must have a work of adhesion."""
+    """Refuse a curve of which no row has a work of adhesion."""
     if (state == OK).any():
         return
     ends = [show(float(a), "length") for a in body.a[[0, -1]]]
@@ -209,7 +209,7 @@ def contact_radius(body: Nonadhesive, delta: Array, P: Array) -> tuple[Array, Ar
 
 
 def _last_positive(body: Nonadhesive, delta: Array, P: Array) -> tuple[Array, Array]:
-    """Of the nodes of the series the last with delta_H <= ``delta``, and the last with F > 0 beyond that, or that
+    """Rows of the last node of the series with delta_H <= ``delta``, and of the last with F > 0 beyond that, or that
     one (-1: none): by bisection, as F falls there."""
     delta_H, P_H, S, _, _ = body.parts(body.a)
     before = np.searchsorted(delta_H, delta, side="right") - 1

@@ -75,7 +75,7 @@ class Output:
         return target
 
     def series(self, default: Path, inputs: Iterable[Path] = ()) -> Path:
-        """As ``file``, of a series: its name must not promise another format."""
+        """The one file of a series, checked like ``file``; its name must not promise another format."""
         target = default if self.where is None else self.where
         check_series_target(target, self.force, inputs)
         return target

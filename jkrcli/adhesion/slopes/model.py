@@ -110,7 +110,7 @@ class LogSplineModel:
         return LogColumns(delta, P, S, u, rate / np.exp(delta), rate * np.exp(S - P), jacobian)
 
     def on_grid(self, c: Array) -> OnGrid:
-        """For each of delta, P, S on the grid: (log, its d/dx) and the same two of the log's Jacobian."""
+        """Logs of delta, P, S on the grid with their d/dx, and the same two of the logs' Jacobians."""
         g, s = np.exp(self.basis @ c[self.v]), np.exp(self.basis @ c[self.u])
         gy, sy = g * self.y, s * self.y
         inner_gy = np.exp(self.inner_basis @ c[self.v]) * self.inner_y

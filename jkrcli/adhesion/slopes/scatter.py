@@ -89,7 +89,7 @@ def _trend(x: Array, squares: Array) -> float:
 
 
 def correlation_length(residuals: Array) -> float:
-    """How many neighbours in each row of ``residuals`` (rows, n), in order, carry what one independent value would:
+    """Number of neighbours in each row of ``residuals`` (rows, n), in order, that are worth one independent value:
     1 + 2 sum of the autocorrelations up to the first that is not positive, of the worst row; 1 where neighbours
     correlate by no more than chance brings, 1/sqrt(n). (Geyer, Statist. Sci. 7 (1992) 473, Sec. 3.3.)"""
     n = residuals.shape[1]

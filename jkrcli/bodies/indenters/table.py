@@ -90,7 +90,7 @@ class TableProfile(Indenter):
         return self.abel(x) / x - np.sum(beta * np.diff(self._below(x)[1], axis=-1), axis=-1)
 
     def _below(self, x: Array) -> tuple[Array, Array]:
-        """For every x a row of the knots r up to it, and of sqrt(x^2 - r^2)."""
+        """Knots r below each x, and sqrt(x^2 - r^2), one row for every x."""
         r = np.minimum(self.knots, x[..., None])
         return r, np.sqrt((x[..., None] - r) * (x[..., None] + r))
 
@@ -140,7 +140,7 @@ def _schumaker(r: Array, f: Array) -> tuple[Array, Array]:
 
 
 def _flatten_straight_runs(s: Array, chord: Array) -> None:
-    """Where one end slope equals the chord's, a convex profile is straight there: set the other end's, in place."""
+    """Make intervals straight, in place, where one end slope equals the chord's: a convex profile is straight there."""
     tiny = 1e-12 * float(np.max(chord))
     for i in range(chord.size):
         if s[i] >= chord[i] - tiny:

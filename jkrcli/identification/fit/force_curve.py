@@ -194,7 +194,7 @@ class Model:
         return np.concatenate(parts), rates
 
     def _stretch(self, part: Stretch, values: Mapping[str, float], blunt: float) -> tuple[Array, dict[str, Array]]:
-        """The same of one stretch, derivatives by name."""
+        """Residuals of one stretch of the record, derivatives by name."""
         q = values.get(f"q:{part.kind}", 0.0)
         held = branch(self.family, math.exp(values["ln_s"]), q, self.k)
         depth = part.z - values["z0"]

@@ -207,7 +207,7 @@ def _result(body: FittedBody, record: Record, settings: Settings, found: Found) 
 
 
 def _estimate(name: str, value: float, error: float, t: float) -> FittedValue:
-    """With its interval: of moduli in the logarithm, of w not below 0."""
+    """An estimate with its interval: of moduli in the logarithm, of w not below 0."""
     dimension = DIMENSIONS.get(name, "work")
     if error == 0:
         return FittedValue(name, value, False, dimension)

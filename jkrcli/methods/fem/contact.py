@@ -102,7 +102,7 @@ class Events:
 
     @property
     def rising(self) -> Events:
-        """Those at a larger depth and load than all before: all, where the contact is a disc that only grows."""
+        """Events at a larger depth and load than all before: all, where the contact is a disc that only grows."""
         first = np.zeros(1)
         rises = [x > np.maximum.accumulate(np.append(first, x[:-1])) for x in (self.delta, self.P)]
         kept = np.logical_and(*rises)

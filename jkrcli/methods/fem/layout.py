@@ -1,4 +1,4 @@
-"""From a body and the user's wishes to a grid: the layouts ``scaled`` and ``zones``, in triangles or quadrilaterals."""
+"""Grids from a body and the user's wishes: the layouts ``scaled`` and ``zones``, in triangles or quadrilaterals."""
 
 from __future__ import annotations
 

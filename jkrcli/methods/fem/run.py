@@ -99,6 +99,6 @@ class Run:
         return float(self.columns[1][-1])
 
     def companion(self, ratio: float) -> MeshLevel:
-        """The same on a mesh whose elements are ``ratio`` times as large."""
+        """A solved mesh whose elements are ``ratio`` times as large."""
         recipe = self.level.model.discretisation.coarser(ratio)
         return MeshLevel.of(recipe, self.problem.indenter, self.level.correct, self.deepest)

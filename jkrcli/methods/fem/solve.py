@@ -1,4 +1,4 @@
-"""From the options and a problem to one solved mesh: how far it is fine, what it is made of, the contact on it."""
+"""One solved mesh from the options and a problem: how far it is fine, what it is made of, the contact on it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From the elastic body to its contact surface: one factorisation, condensed onto the candidate contact nodes.
+"""The contact surface of an elastic body: one factorisation, condensed onto the candidate contact nodes.
 
 The displacements of the candidate nodes along which the contact acts are eliminated last. The trailing block of the one
 sparse factor is then the Cholesky factor of the body's stiffness condensed onto them, and its inverse the surface

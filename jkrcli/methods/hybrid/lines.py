@@ -53,7 +53,7 @@ def lobatto(degree: int) -> Array:
 
 @cache
 def _inverse(degree: int) -> Array:
-    """From values at the Gauss-Lobatto points to Legendre coefficients."""
+    """Matrix from values at the Gauss-Lobatto points to Legendre coefficients."""
     return np.linalg.inv(legendre.legvander(lobatto(degree), degree))
 
 

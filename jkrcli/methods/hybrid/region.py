@@ -195,7 +195,7 @@ class Moduli:
     mixed: Array
 
     def at(self, rows: Array | slice) -> Moduli:
-        """Those of some depths."""
+        """Moduli at some depths."""
         return Moduli(self.C[:, rows], self.inverse_lame[rows], self.mixed[rows])
 
 

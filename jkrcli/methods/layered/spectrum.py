@@ -46,7 +46,7 @@ TUNING = SpectrumTuning()
 
 @cache
 def _projection(samples: int) -> Array:
-    """From values at Gauss nodes to Legendre coefficients."""
+    """Matrix from values at Gauss nodes to Legendre coefficients."""
     nodes, weights = rule(samples)
     return legendre.legvander(nodes, samples - 1) * weights[:, None] * (np.arange(samples) + 0.5)
 

@@ -46,7 +46,7 @@ SYMBOLS = {
 
 
 def contact_zone_figure(state: ContactState, indenter: Indenter, w: float, component: str) -> Figure:
-    """``component``: rr, tt, zz, rz or mises; left of the axis the mirror image, displacements drawn larger."""
+    """A stress (``component``: rr, tt, zz, rz, mises) on the deformed body, the mirror image left of the axis."""
     depth = min(ZONE.deep * state.a, state.grid.depth + ZONE.below * state.a)
     with drawing(WIDE, 0.8 + ZONE.scale * (depth / state.a + ZONE.high), {"axes.grid": False}) as figure:
         axes = figure.subplots()

@@ -83,3 +83,10 @@ def test_failures_are_told_and_end_nothing(study, module: ModuleType, monkeypatc
     assert outcome.out.count("failed") == 2 * 6  # varied and shipped, of six values
     with Path("tuning.csv").open(newline="") as file:
         assert {row["reason"] for row in csv.DictReader(file)} == {"ZeroDivisionError: by zero"}
+
+
+def test_limits_of_fits_are_varied_on_simulated_records() -> None:
+    knob = tuning.knobs(["identification.fit.points"])[0]
+    (variant, _) = tuning.variants_of(knob, ["coating"])
+    assert (variant.body, variant.method) == ("half-space", "fit")
+    assert 0 < tuning.measure(variant).error < 0.01  # 1 % of noise on 150 rows

@@ -27,9 +27,9 @@ from .settings import Parameter
 class FootPointTuning:
     """Limits of the search for foot points on the curve of readings; radii by their logs."""
 
-    vertices: int = 400  # choice: of the polyline on which the nearest vertex of each point starts its foot point
-    beyond_last: float = 0.4  # choice: beyond the series, for curves on their way to the solution
-    below_fold: float = 0.5  # choice: below the radius of stationary displacement, far enough for noise at the fold
+    vertices: int = 400  # tuned on records by `make tuning`: of the polyline that starts the foot points
+    beyond_last: float = 0.4  # tuned on records by `make tuning`: beyond the series, on the way to a solution
+    below_fold: float = 0.5  # tuned on records by `make tuning`: below the radius of stationary displacement
     steps: int = 8  # choice: guard; Newton's method needs two or three
     longest_step: float = 0.1  # choice: guard, some vertices
     least_bend: float = 0.2  # choice: guard, of the squared speed along the curve, where a point is far off it

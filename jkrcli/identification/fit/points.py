@@ -23,16 +23,16 @@ class RowsTuning:
     """Limits that tell rows out of contact from rows of the curve, and noise from the curve."""
 
     least: int = 8  # choice: points, and at least twice as many as free parameters
-    lost: float = 0.3  # choice: of the pull-off force, how near to no load a reading beyond a jump is out of contact
-    level: float = 0.02  # choice: of the pull-off force, how near to no load any reading is on the base line
-    several: int = 5  # choice: readings that no jump leaves on its way
-    flat: float = 0.2  # choice: of the pull-off force: readings that vary less stand still
+    lost: float = 0.3  # tuned on records by `make tuning`: of the pull-off force: near 0 after a jump
+    level: float = 0.02  # tuned on records by `make tuning`: of the pull-off force: on the base line
+    several: int = 5  # tuned on records by `make tuning`: readings that no jump leaves
+    flat: float = 0.2  # tuned on records by `make tuning`: of the pull-off force: standing still
     adhesion: float = 6.0  # theory: standard deviations of normal noise that no reading of thousands reaches
     noise: float = 3.0  # theory: standard deviations that one reading in 370 exceeds
     long: int = 10  # choice: rows of a base line
-    largest_noise: float = 0.1  # choice: of the curve: beyond it rows are not in order of recording
+    largest_noise: float = 0.1  # tuned on records by `make tuning`: of the curve: rows in no order beyond it
     opposite: float = -0.3  # choice: correlation of columns of which one has the wrong sign
-    balance: float = 0.05  # choice: least ratio of the axes' scatters in units of the curve: no axis is taken as exact
+    balance: float = 0.05  # tuned on records by `make tuning`: least ratio of the axes' relative scatters
 
 
 TUNING = RowsTuning()

@@ -39,13 +39,13 @@ class SearchTuning:
     body_reach: float = 9.0  # choice: guard, the same of layers from their nominal values
     faint: float = 1e-8  # theory: w > 0, in natural units: at 0 the shift by its root has no derivative by w
     # Starts
-    nodes: int = 200  # choice: vertices of a curve that is tried, a hundredth of its size apart
+    nodes: int = 200  # tuned on records by `make tuning`: vertices of a curve that is tried
     beyond: float = 1.2  # choice: of log a, how far beyond a series that can be extended curves are tried
     slightly: float = 0.05  # choice: the same of one that cannot
-    shapes: int = 24  # choice: values of sqrt(w/s); neighbours differ by less than least squares bridges
-    factors: int = 24  # choice: values of s, likewise
-    readings: int = 60  # choice: rows of the record that starts are compared with
-    alternatives: int = 4  # choice: starts kept for each body
+    shapes: int = 24  # tuned on records by `make tuning`: values of sqrt(w/s) that are tried
+    factors: int = 24  # tuned on records by `make tuning`: values of s that are tried
+    readings: int = 60  # tuned on records by `make tuning`: rows that starts are compared with
+    alternatives: int = 4  # tuned on records by `make tuning`: starts kept for each body
     load_zeros: tuple[float, ...] = (0.0, -0.3, 0.3, -0.8, 0.8)  # choice: zeros of the load, in ranges of the loads
     # Factors of nominal values where one or two parameters of layers are free; of more only the nominal values.
     scanned: Mapping[int, Mapping[str, tuple[float, ...]]] = field(  # choice: factors that least squares bridges
@@ -54,13 +54,13 @@ class SearchTuning:
             2: {"E": (0.1, 1.0, 10.0), "h": (0.3, 1.0, 3.0)},
         }
     )
-    looked_at: int = 8  # choice: starts whose cost is computed in full
-    followed: int = 4  # choice: starts that are followed to their minimum
+    looked_at: int = 8  # tuned on records by `make tuning`: starts whose cost is computed in full
+    followed: int = 4  # tuned on records by `make tuning`: starts that are followed to their minimum
     # Minima, in sizes of the curve
     least_size: float = 0.05  # choice: of the data's range, the least size of a curve
-    near: float = 1e-3  # choice: residuals that are next to nothing: no other start is tried
+    near: float = 1e-3  # tuned on records by `make tuning`: residuals so small that no other start is tried
     noise: float = 2.0  # theory: standard deviations of the readings that leave nothing to explain
-    far: float = 0.1  # choice: noise beyond which the record does not tell a good fit from a bad one
+    far: float = 0.1  # tuned on records by `make tuning`: noise that tells no good fit from a bad one
     alien: float = 0.5  # choice: residuals that are no fit at all
     # Radii
     past_end: float = 1.02  # choice: how far the data may reach beyond a series, as noise does

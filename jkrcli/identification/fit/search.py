@@ -27,7 +27,7 @@ from .statistics import TURNS, robust_scale
 
 
 @dataclass(frozen=True)
-class SearchTuning:
+class FitSearchTuning:
     """Limits of the search: where starts are looked for, how they are followed, which minimum is the answer."""
 
     # Least squares
@@ -70,7 +70,7 @@ class SearchTuning:
     solves: int = 5  # choice: guard
 
 
-TUNING = SearchTuning()
+TUNING = FitSearchTuning()
 
 
 # ---------------------------------------------------------------------- least squares

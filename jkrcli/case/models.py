@@ -13,6 +13,7 @@ from ..base.errors import InputError
 from ..bodies.indenters import SHAPES
 from ..bodies.problem import HalfSpace, Loading, Problem, Quantity, Rigid, Specimen
 from ..methods import METHODS, Descriptor
+from ..series import Record
 from .fields import Force, Length, Table, Work, as_tuple, one_or_more, readable, wrong
 from .indenter import IndenterTable, any_indenter
 from .materials import AnyHalfSpace, AnyLayer
@@ -84,7 +85,7 @@ class AdhesionTable(Table):
     """Work(s) of adhesion and the interatomic distance z0 of the Tabor number; used by transformations only."""
 
     w: one_or_more(Work) = ()
-    z0: Length = 0.3e-9
+    z0: Length = Record.z0
 
     @model_validator(mode="after")
     def _each_once(self) -> Self:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import platform
 from collections.abc import Mapping, Sequence
-from dataclasses import fields, replace
+from dataclasses import dataclass, fields, replace
 from importlib import metadata
 from pathlib import Path
 from typing import Any
@@ -46,12 +46,22 @@ WORDS = {
     "dS": "derivative dS/da",
 }
 PACKAGES = ("numpy", "scipy", "gmsh", "scikit-fem", "h5py")
-MAX_ROWS, MAX_CELLS = 10_000_000, 100_000_000  # choice: of a column and of the table of pressures, 80 and 800 MB
-MAX_TEXT = 16 << 20  # choice: characters
 DOUBT = (
     "the series file is of format 1, which has no digest: damage to its case or words may go unnoticed; run the case "
     "again for full protection"
 )
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """What a series file may hold; more is no series of ours."""
+
+    rows: int = 10_000_000  # choice: of a column, 80 MB
+    cells: int = 100_000_000  # choice: of the table of pressures, 800 MB
+    text: int = 16 << 20  # choice: characters of the case
+
+
+BOUNDS = Bounds()
 
 
 def record_of(case: Case, path: Path = Record.path) -> Record:
@@ -176,8 +186,8 @@ class _Reader:
 
     def case(self) -> str:
         data = self.dataset("", "case")
-        if not isinstance(data.values, str) or len(data.values) > MAX_TEXT:
-            raise InputError(f"{self.path}: case: must be a text of at most {MAX_TEXT >> 20} MiB")
+        if not isinstance(data.values, str) or len(data.values) > BOUNDS.text:
+            raise InputError(f"{self.path}: case: must be a text of at most {BOUNDS.text >> 20} MiB")
         return data.values
 
     def rows(self) -> tuple[Series, RawSeries | None]:
@@ -248,7 +258,7 @@ class _Reader:
         if len(data.shape) != ndim or data.dtype.kind not in "fiu" or (ndim == 2 and data.shape[1] != width):
             kind = "a column of numbers" if ndim == 1 else f"rows of {width} numbers"
             raise InputError(f"{where}: must be {kind}, got {data.dtype} of shape {data.shape}")
-        most = MAX_ROWS if ndim == 1 else MAX_CELLS // width
+        most = BOUNDS.rows if ndim == 1 else BOUNDS.cells // width
         if data.values is None or not 1 <= data.shape[0] <= most:
             raise InputError(f"{where}: must have 1 to {most} rows, got {data.shape[0]}")
         values = np.asarray(data.values, dtype=float)

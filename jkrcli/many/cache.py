@@ -9,7 +9,7 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import time
-from dataclasses import fields, is_dataclass, replace
+from dataclasses import dataclass, fields, is_dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -20,8 +20,16 @@ from ..case import store
 from ..methods import Method
 from ..series import Record, Solution
 
-DIGITS = 13  # kept of every number at unit modulus: 1e-13 is far below what any method promises
-WORTH_KEEPING = 0.1  # CPU seconds; reading a file takes a tenth of it
+
+@dataclass(frozen=True)
+class Tuning:
+    """How solves are told apart and which are kept."""
+
+    digits: int = 13  # choice: of every number at unit modulus; far below what any method promises
+    worth_keeping: float = 0.1  # choice: CPU seconds; reading a file takes a tenth of it
+
+
+TUNING = Tuning()
 
 
 def at_unit_modulus(problem: Problem) -> tuple[Problem, float]:
@@ -31,9 +39,9 @@ def at_unit_modulus(problem: Problem) -> tuple[Problem, float]:
 
 
 def _rounded(value: Any) -> Any:
-    """``value`` with all numbers in it to ``DIGITS`` digits: quotients that are equal on paper become equal."""
+    """``value`` rounded throughout (``Tuning.digits``): quotients that are equal on paper become equal."""
     if isinstance(value, float):
-        return float(f"{value:.{DIGITS - 1}e}")
+        return float(f"{value:.{TUNING.digits - 1}e}")
     if isinstance(value, tuple):
         return tuple(_rounded(item) for item in value)
     if is_dataclass(value) and not isinstance(value, type):
@@ -48,13 +56,13 @@ def solve_key(problem: Problem, method: Method) -> str:
 
 def solved(problem: Problem, method: Method, folder: Path | None = None) -> Solution:
     """The solution of ``problem`` by ``method``: from ``folder`` where it is kept there, else solved, and kept there
-    where that was expensive (``WORTH_KEEPING``)."""
+    where that was expensive (``Tuning``)."""
     path = None if folder is None else folder / f"{solve_key(problem, method)}.h5"
     if path is not None and (found := _read(path, problem)) is not None:
         return found
     start = time.process_time()
     solution = replace(method(problem), record=Record(path=Path("series")))
-    expensive = time.process_time() - start > WORTH_KEEPING
+    expensive = time.process_time() - start > TUNING.worth_keeping
     if path is not None and expensive and solution.raw is None and path.parent.is_dir():
         with contextlib.suppress(InputError):  # a shape that no case can say is solved every time
             store.write(path, solution)

@@ -294,9 +294,9 @@ def test_a_longer_sweep_solves_what_is_new(jkr, tmp_path: Path, solves: list) ->
         assert len(rows(tmp_path / "r" / "table.csv")) == n
 
 
-def test_expensive_solves_are_kept(jkr, tmp_path: Path, solves: list, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_expensive_solves_are_kept(jkr, tmp_path: Path, solves: list, tuned: Callable) -> None:
     """Other quantities of the same bodies: new rows, no new solve; a damaged file is solved again."""
-    monkeypatch.setattr(cache, "WORTH_KEEPING", 0.0)
+    tuned("jkrcli.many.cache.TUNING.worth_keeping", 0.0)
     (tmp_path / "s.toml").write_text(TWO_LAYERS + SHARED)
     jkr("sweep", "s.toml", "-o", "r", "--workers", "1")
     before = rows(tmp_path / "r" / "table.csv")

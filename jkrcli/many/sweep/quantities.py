@@ -27,27 +27,16 @@ def _at_end(result: Analysis) -> dict[str, Any]:
     return {"points": len(series), "a_m": series.a[-1], "delta_H_m": series.delta[-1], "P_H_N": series.P[-1]}
 
 
-def _solved_by(result: Analysis) -> dict[str, Any]:
-    return {"method": result.solution.method, "slopes": result.curve.slopes.method}
-
-
-def _contact(result: Analysis) -> dict[str, Any]:
-    return {"E_star_Pa": result.problem.E_star}
-
-
 def _pull_off(result: Analysis) -> dict[str, Any]:
-    points: dict[str, Any] = {}
-    for name, found in result.pull_off.items():
-        points |= _point(name, found)
-    points["load.over_pi_w_R"] = _over_classical(result)
-    return points
+    points = [_point(name, found) for name, found in result.pull_off.items()]
+    return {key: value for point in points for key, value in point.items()} | {"load.over_pi_w_R": _ratio(result)}
 
 
-def _over_classical(result: Analysis) -> float | Unknown:
-    """-P/(pi w R) under load control: 3/2 on a half-space."""
+def _ratio(result: Analysis) -> float | Unknown:
+    """The pull-off force under load control as -P/(pi w R): 3/2 on a half-space."""
     found, R = result.pull_off["load"], result.problem.indenter.tip_radius
     if isinstance(found, Unknown):
-        return Unknown(found.reason)
+        return found
     return Unknown("the indenter has no tip radius") if R is None else -found.P / (math.pi * result.w * R)
 
 
@@ -62,18 +51,14 @@ def _stability(result: Analysis) -> dict[str, Any]:
     return energies | _point("jump_in", found.jump_in)
 
 
-def _comparison(result: Analysis) -> dict[str, Any]:
-    comparison = result.comparison
-    if comparison is None:
-        return {"pull_off": Unknown("")}
-    return {"pull_off": comparison.pull_off}
-
-
 ERRORS = ("discretisation", "truncation", "radius", "smoothing", "total")
 VALIDITY = ("tabor", "a_over_R", "a_over_R_pull_off", "delta_over_h", "a_over_h", "a_over_L")
 SECTIONS: dict[str, tuple[Section, tuple[str, ...]]] = {
-    "solved_by": (_solved_by, ("method", "slopes")),
-    "contact": (_contact, ("E_star_Pa",)),
+    "solved_by": (
+        lambda result: {"method": result.solution.method, "slopes": result.curve.slopes.method},
+        ("method", "slopes"),
+    ),
+    "contact": (lambda result: {"E_star_Pa": result.problem.E_star}, ("E_star_Pa",)),
     "end": (_at_end, ("points", "a_m", "delta_H_m", "P_H_N")),
     "pull_off": (
         _pull_off,
@@ -82,7 +67,10 @@ SECTIONS: dict[str, tuple[Section, tuple[str, ...]]] = {
     "stability": (_stability, ("energy_lost_J", "work_of_separation_J", *(f"jump_in.{key}" for key in POINT))),
     "validity": (tables.validity, VALIDITY),
     "errors": (lambda result: result.budget.as_dict(), ERRORS),
-    "comparison": (_comparison, ("pull_off",)),
+    "comparison": (
+        lambda result: {"pull_off": result.comparison.pull_off if result.comparison else Unknown("")},
+        ("pull_off",),
+    ),
 }
 NAMES = tuple(f"{section}.{key}" for section, (_, keys) in SECTIONS.items() for key in keys)
 NEED_W = ("pull_off", "stability")

@@ -35,6 +35,7 @@ HEADS = {  # how a file begins, and what then stands near its head
     b"{": b'"format": "jkr-',
 }
 TAILS = (b"$Comments\njkr ", b"<!-- jkr ")  # of meshes
+PARQUET, PARQUET_MARK = b"PAR1", b"jkr-sweep-table"
 SERIES_ENDINGS = (".h5", ".hdf5")
 
 
@@ -78,11 +79,21 @@ def is_ours(path: Path) -> bool:
             from .hdf5 import kind
 
             return kind(path).startswith("jkr-")
+        if head.startswith(PARQUET):
+            return _parquet_mark(file)
         file.seek(max(0, path.stat().st_size - 256))
         tail = file.read()
         marked = any(head.startswith(start) and mark in head for start, mark in HEADS.items())
         return marked or head.startswith(CSV_HEADS) or any(mark in tail for mark in TAILS)
     return False
+
+
+def _parquet_mark(file: BinaryIO) -> bool:
+    """Whether the footer of a Parquet file (its length and a magic word are the last 8 bytes) names our format."""
+    size = file.seek(-8, os.SEEK_END) + 8
+    length = int.from_bytes(file.read(4), "little")
+    file.seek(max(0, size - 8 - length))
+    return PARQUET_MARK in file.read(min(length, 1 << 24))
 
 
 def check_target(path: Path, force: bool = False, inputs: Iterable[Path] = ()) -> None:

@@ -165,6 +165,8 @@ class _Reader:
 
     def solution(self, problem: Problem | None) -> Solution:
         told, record = self.root.attributes, Record(path=self.path)
+        if problem is not None and told.get("problem_key") != problem.key:
+            raise InputError(f"{self.path}: is a series of another problem")
         if problem is None:
             text, source = self.case(), f"{self.path}: case"
             case = Case(parse_case(text.encode(), source).model, source, text)

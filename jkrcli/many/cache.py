@@ -57,21 +57,28 @@ def solve_key(problem: Problem, method: Method) -> str:
 def solved(problem: Problem, method: Method, folder: Path | None = None) -> Solution:
     """The solution of ``problem`` by ``method``: from ``folder`` where it is kept there, else solved, and kept there
     where that was expensive (``Tuning``)."""
-    path = None if folder is None else folder / f"{solve_key(problem, method)}.h5"
-    if path is not None and (found := _read(path, problem)) is not None:
+    key = solve_key(problem, method)
+    path = None if folder is None else folder / f"{key}.h5"
+    if path is not None and (found := _read(path, problem, key)) is not None:
         return found
     start = time.process_time()
     solution = replace(method(problem), record=Record(path=Path("series")))
     expensive = time.process_time() - start > TUNING.worth_keeping
     if path is not None and expensive and solution.raw is None and path.parent.is_dir():
         with contextlib.suppress(InputError):  # a shape that no case can say is solved every time
-            store.write(path, solution)
+            store.write(path, solution, _made_by(key))
     return solution
 
 
-def _read(path: Path, problem: Problem) -> Solution | None:
-    """A solution that was kept; None where there is none or its file is damaged."""
+def _made_by(key: str) -> str:
+    """What a kept file says of its origin: its name alone proves nothing."""
+    return f"jkr sweep, solve {key}"
+
+
+def _read(path: Path, problem: Problem, key: str) -> Solution | None:
+    """A solution that was kept; None where there is none, its file is damaged, or it holds another solve."""
     try:
-        return store.read(path, problem) if path.exists() else None
+        found = store.read(path, problem) if path.exists() else None
     except InputError:
         return None
+    return found if found is not None and found.record.command_line == _made_by(key) else None

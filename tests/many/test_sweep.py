@@ -6,6 +6,7 @@ import csv
 import json
 import shlex
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import h5py
@@ -455,15 +456,94 @@ def test_nothing_foreign_is_replaced(jkr, tmp_path: Path) -> None:
     assert (tmp_path / "r" / "journal.jsonl").read_text() == '{"my": "diary"}\n'
 
 
-def test_a_damaged_journal_names_the_line(jkr, tmp_path: Path) -> None:
+def test_an_empty_journal_marks_nothing_as_ours(jkr, tmp_path: Path) -> None:
+    """Every table beside it that jkr did not write stays, Parquet and the table of failed cases too."""
+    (tmp_path / "s.toml").write_text(HALF_SPACE + AXIS)
+    (tmp_path / "r").mkdir()
+    (tmp_path / "r" / "journal.jsonl").touch()
+    arrow = pyarrow.table({"x": [1.0]})
+    for name in ("table.csv", "table.h5", "table.parquet", "failed.csv"):
+        foreign = tmp_path / "r" / name
+        foreign.write_text("x,y\n1,2\n")
+        if name == "table.parquet":
+            pyarrow.parquet.write_table(arrow, foreign)
+        content = foreign.read_bytes()
+        outcome = jkr("sweep", "s.toml", "-o", "r")
+        assert (outcome.code, foreign.read_bytes()) == (2, content)
+        assert f"r/{name}: exists and was not written by jkr" in outcome.err
+        foreign.unlink()
+    assert jkr("sweep", "s.toml", "-o", "r").code == 0
+    (tmp_path / "r" / "journal.jsonl").unlink()
+    assert jkr("sweep", "s.toml", "-o", "r").code == 0, "our own tables carry their own marks"
+
+
+def test_a_damaged_line_is_said_and_its_case_solved_again(jkr, tmp_path: Path, solves: list) -> None:
+    (tmp_path / "s.toml").write_text(HALF_SPACE + AXIS)
+    jkr("sweep", "s.toml", "-o", "r", "--workers", "1")
+    journal, table = tmp_path / "r" / "journal.jsonl", tmp_path / "r" / "table.csv"
+    wanted, lines = table.read_bytes(), journal.read_bytes().splitlines(keepends=True)
+    fewer = json.dumps([*json.loads(lines[2])[:3], [1.0], 0.1, json.loads(lines[2])[5]]).encode()
+    deep = b"[" * 100_000
+    for line in (lines[2][:30], b"[[[[", deep, fewer, b'["a"]', lines[2].replace(b"ok", b"no")[:-1]):
+        journal.write_bytes(b"".join([*lines[:2], line + b"\n", *lines[3:]]))
+        solves.clear()
+        outcome = jkr("sweep", "s.toml", "-o", "r", "--workers", "1")
+        assert (outcome.code, len(solves), table.read_bytes()) == (0, 1, wanted)
+        assert "jkr: r/journal.jsonl: 1 damaged lines (3): their cases are solved again\n" in outcome.err
+
+
+def test_a_row_with_other_values_than_the_columns_is_not_believed(jkr, tmp_path: Path) -> None:
+    from jkrcli.many.sweep.journal import opened
+
     (tmp_path / "s.toml").write_text(HALF_SPACE + AXIS)
     jkr("sweep", "s.toml", "-o", "r")
-    journal = tmp_path / "r" / "journal.jsonl"
-    lines = journal.read_text().splitlines()
-    journal.write_text("\n".join([lines[0], lines[1], lines[2][:30], lines[3]]) + "\n")
-    assert jkr("sweep", "s.toml", "-o", "r").err == (
-        "jkr: error: r/journal.jsonl: line 3 is damaged; delete that line and its case is solved again\n"
-    )
+    wanted = (tmp_path / "r" / "table.csv").read_bytes()
+    with opened(tmp_path / "r" / "journal.jsonl") as journal:
+        identity, row = next(iter(journal.rows.items()))
+        journal.append(identity, replace(row, values=row.values[:-1]))
+    assert jkr("sweep", "s.toml", "-o", "r").code == 0
+    assert (tmp_path / "r" / "table.csv").read_bytes() == wanted
+
+
+def test_changed_bytes_of_a_journal_change_no_row(tmp_path: Path, seed: int) -> None:
+    """2,000 random bytes, or the head: every row that is still read is as it was written."""
+    from jkrcli.many.sweep.journal import opened
+
+    path, made = tmp_path / "journal.jsonl", np.random.default_rng(seed)
+    with opened(path) as journal:
+        for i in range(20):
+            journal.append(f"{i:020x}", solving.Row(-1, "ok", "", tuple(made.random(5).tolist()), 0.25))
+        written = dict(journal.rows)
+    content = path.read_bytes()
+    for _ in range(2000):
+        damaged = bytearray(content)
+        damaged[made.integers(len(content))] ^= made.integers(1, 256)
+        path.write_bytes(damaged)
+        try:
+            with opened(path) as journal:
+                assert journal.rows.items() <= written.items()
+                assert len(journal.rows) >= 18
+        except InputError as error:
+            assert "is no journal of a sweep" in str(error)  # noqa: PT017
+
+
+def test_a_kept_solve_is_known_by_what_it_holds_not_by_its_name(
+    jkr, tmp_path: Path, solves: list, tuned: Callable
+) -> None:
+    """Two kept files with their names exchanged: both bodies are solved again."""
+    tuned("jkrcli.many.cache.TUNING.worth_keeping", 0.0)
+    (tmp_path / "s.toml").write_text(TWO_LAYERS + SHARED)
+    jkr("sweep", "s.toml", "-o", "r", "--workers", "1")
+    table, journal = tmp_path / "r" / "table.csv", tmp_path / "r" / "journal.jsonl"
+    wanted = table.read_bytes()
+    one, other = sorted((tmp_path / "r" / "solves").iterdir())
+    first = one.read_bytes()
+    one.write_bytes(other.read_bytes())
+    other.write_bytes(first)
+    journal.unlink()
+    solves.clear()
+    jkr("sweep", "s.toml", "-o", "r", "--workers", "1")
+    assert (len(solves), table.read_bytes()) == (2, wanted)
 
 
 def test_two_sweeps_into_one_folder_are_refused(jkr, tmp_path: Path) -> None:

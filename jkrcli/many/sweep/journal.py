@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import fcntl
+import hashlib
 import json
 import os
 import time
@@ -13,26 +14,31 @@ from typing import Any, BinaryIO
 
 from ... import __version__
 from ...base.errors import InputError, JkrError
-from .solving import FAILED, Row
+from .solving import FAILED, OK, Row
 
-FORMAT, VERSION = "jkr-sweep-journal", 1
+FORMAT, VERSION = "jkr-sweep-journal", 2
 HEAD = json.dumps({"format": FORMAT, "version": VERSION, "jkr": __version__}).encode() + b"\n"
-ENTRY = [str, str, str, list, float]  # of a line: identity, status, reason, values, CPU seconds
+ENTRY = [str, str, str, list, float]  # of a line: identity, status, reason, values, CPU seconds; then their digest
+DIGITS = 16  # choice: of the digest of a line
 
 
 class Journal:
-    """Finished cases by their identity (a hash of all that a row depends on), in memory and in the file behind it."""
+    """Finished cases by their identity (a hash of all that a row depends on), in memory and in the file behind it.
+
+    ``damaged``: numbers of the lines that do not hold what was written; their cases count as not done.
+    """
 
     def __init__(self, path: Path, file: BinaryIO):
         self.path = path
         self.rows: dict[str, Row] = {}
+        self.damaged: list[int] = []
         self._file = file
         self._synced = time.monotonic()
 
     def append(self, identity: str, row: Row) -> None:
         """Keep a finished case; a repeated identity replaces the earlier row."""
         entry = [identity, row.status, row.reason, row.values, round(row.seconds, 6)]
-        self._file.write(json.dumps(entry, allow_nan=False).encode() + b"\n")
+        self._file.write(_sealed(json.dumps(entry, allow_nan=False).encode()) + b"\n")
         self._file.flush()
         self.rows[identity] = row
         if (
@@ -66,8 +72,12 @@ class Journal:
         self._file.truncate(whole)
         self._file.seek(whole)
         for number, line in enumerate(lines, start=2):
-            identity, row = self._row(number, line)
-            self.rows[identity] = row
+            entry = _entry(line)
+            if entry is None:
+                self.damaged.append(number)
+            else:
+                identity, status, reason, values, seconds = entry
+                self.rows[identity] = Row(-1, status, reason, tuple(values), seconds)
 
     def _check_head(self, line: bytes) -> None:
         """Refuse to append to what is no journal of this format."""
@@ -78,18 +88,24 @@ class Journal:
                 "give another folder"
             )
 
-    def _row(self, number: int, line: bytes) -> tuple[str, Row]:
-        entry = _parsed(line)
-        if not (isinstance(entry, list) and list(map(type, entry)) == ENTRY):
-            raise InputError(f"{self.path}: line {number} is damaged; delete that line and its case is solved again")
-        identity, status, reason, values, seconds = entry
-        return identity, Row(-1, status, reason, tuple(values), seconds)
+
+def _sealed(entry: bytes) -> bytes:
+    """A list in JSON with the digest of its text as its last item."""
+    return entry[:-1] + b', "' + hashlib.sha256(entry).hexdigest()[:DIGITS].encode() + b'"]'
+
+
+def _entry(line: bytes) -> list[Any] | None:
+    """The entry of a line; None where the line is not as it was written."""
+    entry = line.rpartition(b", ")[0] + b"]"
+    found = _parsed(entry) if _sealed(entry) == line else None
+    is_sound = isinstance(found, list) and list(map(type, found)) == ENTRY and found[1] in (OK, FAILED)
+    return found if is_sound else None
 
 
 def _parsed(line: bytes) -> Any:
     try:
         return json.loads(line)
-    except ValueError:
+    except (ValueError, RecursionError):
         return None
 
 

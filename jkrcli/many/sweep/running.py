@@ -76,6 +76,7 @@ def sweep(plan: Plan, folder: Path, means: Means, force: bool, say: Say) -> tupl
     make_folder(folder)
     _check_targets(folder, force)
     with opened(folder / JOURNAL) as journal:
+        _say_damage(journal, say)
         if means.retry and (forgotten := journal.forget_failed()):
             say(f"{forgotten} failed cases are tried again")
         work = _left(plan, journal, say)
@@ -90,9 +91,15 @@ def sweep(plan: Plan, folder: Path, means: Means, force: bool, say: Say) -> tupl
 
 
 def _check_targets(folder: Path, force: bool) -> None:
-    journal = folder / JOURNAL
     for name in (*(f"{STEM}{ending}" for ending in endings()), FAILED_TABLE):
-        check_target(folder / name, force or journal.exists())
+        check_target(folder / name, force)
+
+
+def _say_damage(journal: Journal, say: Say) -> None:
+    """Say which lines are not believed, a few of them by number."""
+    if journal.damaged:
+        lines = ", ".join(map(str, journal.damaged[:5])) + (", ..." if len(journal.damaged) > 5 else "")
+        say(f"{journal.path}: {len(journal.damaged):,} damaged lines ({lines}): their cases are solved again")
 
 
 def _left(plan: Plan, journal: Journal, say: Say) -> Work:
@@ -113,9 +120,12 @@ def _left(plan: Plan, journal: Journal, say: Say) -> Work:
 def _missing(plan: Plan, journal: Journal) -> list[int]:
     """Numbers of the cases that are not in the journal, equal cases once."""
     new: dict[str, int] = {}
+    width = len(plan.recipe.wanted.columns)
     for number in range(plan.count):
         identity = plan.identity(number)
-        if identity not in journal.rows:
+        row = journal.rows.get(identity)
+        if row is None or len(row.values) != width:
+            journal.rows.pop(identity, None)
             new.setdefault(identity, number)
     return list(new.values())
 

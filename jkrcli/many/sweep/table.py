@@ -97,7 +97,8 @@ def _write_parquet(path: Path, columns: dict[str, list[Any]]) -> None:
 
     arrays = [_arrow(values, name == "case") for name, values in columns.items()]
     with atomic(path) as temporary:
-        parquet.write_table(pyarrow.Table.from_arrays(arrays, names=list(columns)), temporary)
+        table = pyarrow.Table.from_arrays(arrays, names=list(columns), metadata={"format": FORMAT, "jkr": __version__})
+        parquet.write_table(table, temporary)
 
 
 def _arrow(values: list[Any], whole: bool) -> Any:

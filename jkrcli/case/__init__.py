@@ -44,7 +44,7 @@ class Case:
         """The case with other values in its table mesh; InputError where they are wrong."""
         tree = self.model.model_dump(exclude_none=True)
         tree["mesh"] |= values
-        return Case(validated(case_model(), tree, self.source), self.source)
+        return Case(validated(case_model(tree), tree, self.source), self.source)
 
     def to_toml(self) -> str:
         """The resolved case, every default written out, SI numbers: reads back to the same numbers."""
@@ -59,7 +59,8 @@ def load_case(path: str | Path) -> Case:
 
 def parse_case(content: bytes, source: str, folder: Path | None = None) -> Case:
     """Validate the bytes of a case file; ``folder`` is where relative names of profile tables are looked up."""
-    return Case(validated(case_model(), parse_toml(content, source), source, folder), source)
+    tree = parse_toml(content, source)
+    return Case(validated(case_model(tree), tree, source, folder), source)
 
 
 def parse_toml(content: bytes, source: str) -> dict[str, Any]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import math
 import operator
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self, get_origin
 
@@ -64,10 +65,14 @@ class IndenterTable(BuiltTable):
         return [*super().allowed_keys(), *(["file"] if cls.lists() else [])]
 
 
-def any_indenter() -> Any:
-    """The type of the table of any registered shape, told apart by their names."""
-    tables = [table_of(SHAPES, name, IndenterTable, shape=(Literal.__getitem__(name), ...)) for name in SHAPES]
-    return Annotated[functools.reduce(operator.or_, tables), Field(discriminator="shape")]
+def any_indenter(shapes: Iterable[str]) -> Any:
+    """The type of the table of any of the registered ``shapes``, told apart by their names."""
+    tables = [table_of(SHAPES, name, IndenterTable, shape=(Literal.__getitem__(name), ...)) for name in shapes]
+    return (
+        tables[0]
+        if len(tables) == 1
+        else Annotated[functools.reduce(operator.or_, tables), Field(discriminator="shape")]
+    )
 
 
 def read_columns(path: Path, wanted: list[str]) -> dict[str, tuple[float, ...]]:

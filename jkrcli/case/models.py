@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
 from typing import Annotated, Any, Literal, Self, cast, get_args
 
@@ -131,19 +131,23 @@ class CaseModel(RootTable):
         return _restored, (self.model_dump(exclude_none=True),)
 
 
-def case_model() -> type[CaseModel]:
-    """The model of a whole case file with the registered shapes of indenters and methods."""
-    return _completed(tuple(SHAPES.items()), tuple(METHODS.values()))
+def case_model(tree: Mapping[str, Any]) -> type[CaseModel]:
+    """The model of the case file of the tables ``tree`` with the registered methods; of the shapes of indenters with
+    the one that is named there, or with all where it is none of them: models are dear to make."""
+    indenter = tree.get("indenter")
+    named = indenter.get("shape") if isinstance(indenter, dict) else None
+    shapes = {named: SHAPES[named]} if isinstance(named, str) and named in SHAPES else dict(SHAPES)
+    return _completed(tuple(shapes.items()), tuple(METHODS.values()))
 
 
 def _restored(tree: dict[str, Any]) -> CaseModel:
-    return case_model().model_validate(tree)
+    return case_model(tree).model_validate(tree)
 
 
 @cache
 def _completed(shapes: tuple[tuple[str, Any], ...], methods: tuple[Descriptor, ...]) -> type[CaseModel]:
     names = Literal.__getitem__(("auto", *(method.name for method in methods)))
-    fields: dict[str, Any] = {"method": (names, "auto"), "indenter": (any_indenter(), ...)}
+    fields: dict[str, Any] = {"method": (names, "auto"), "indenter": (any_indenter(dict(shapes)), ...)}
     fields |= {table: (kind, kind()) for table, kind in _option_tables(methods).items()}
     return create_model("CaseModel", __base__=CaseModel, **fields)
 

@@ -18,7 +18,7 @@ def case_of(problem: Problem) -> Case:
         "specimen": _specimen(problem.specimen),
         "loading": _loading(problem.loading),
     }
-    return Case(validated(case_model(), tree, "problem"), "problem")
+    return Case(validated(case_model(tree), tree, "problem"), "problem")
 
 
 def _material(material: Material | None) -> dict[str, Any]:

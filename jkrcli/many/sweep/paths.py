@@ -61,7 +61,7 @@ def _keep_layers(tables: Tables, count: Any) -> None:
 
 def model_of(tables: Tables, source: str, folder: Path | None) -> CaseModel:
     """The case of these tables; InputError with a line per mistake, each led by ``source``."""
-    return validated(case_model(), tables, source, folder)
+    return validated(case_model(tables), tables, source, folder)
 
 
 def value_at(model: CaseModel, key: str) -> Any:

@@ -16,7 +16,7 @@ from .voice import say, warn
 
 if TYPE_CHECKING:
     from ..data.measured import Reading
-    from ..data.record import Record
+    from ..data.record import ForceCurve
 
 SHOWN = 10  # curves of a file that are told line by line
 
@@ -67,12 +67,12 @@ def look(files: tuple[Path, ...], output: Output, **options: Any) -> None:
         warn(line)
 
 
-def _records(path: Path, reading: Reading) -> tuple[list[Record], list[str]]:
+def _records(path: Path, reading: Reading) -> tuple[list[ForceCurve], list[str]]:
     """The curves of a file taken apart, and a line on each that cannot be."""
     from ..data.measured import each
     from ..data.record import examine
 
-    records: list[Record] = []
+    records: list[ForceCurve] = []
     unusable: list[str] = []
     try:
         for curve in each(path, reading):
@@ -87,7 +87,7 @@ def _records(path: Path, reading: Reading) -> tuple[list[Record], list[str]]:
     return records, unusable
 
 
-def _print(records: list[Record]) -> None:
+def _print(records: list[ForceCurve]) -> None:
     from ..report.look import words
 
     for record in records[:SHOWN]:

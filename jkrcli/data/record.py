@@ -24,7 +24,7 @@ PAUSE = "pause"
 
 
 @dataclass(frozen=True)
-class Tuning:
+class RecordTuning:
     """Where a departure counts; lengths are shares of the rows of a direction."""
 
     normal: float = 1.4826  # theory: standard deviation over median deviation of normal noise
@@ -44,7 +44,7 @@ class Tuning:
     wandering: float = 2.0  # choice: way over distance of a direction, above which it is none
 
 
-TUNING = Tuning()
+TUNING = RecordTuning()
 
 
 @dataclass(frozen=True)
@@ -88,7 +88,7 @@ class BaseLine:
 
 
 @dataclass(frozen=True)
-class Jump:
+class ForceJump:
     """A sudden change of the load by ``step`` [N] at the device's ``position`` [m], between two rows near ``row``."""
 
     row: int
@@ -113,7 +113,7 @@ class Direction:
     largest: float
     adhesion: Estimate
     adhesion_at: float
-    jumps: tuple[Jump, ...]
+    jumps: tuple[ForceJump, ...]
     border: tuple[int, int]
     depth: float
 
@@ -125,7 +125,7 @@ class Direction:
 
 
 @dataclass(frozen=True, eq=False)
-class Record:
+class ForceCurve:
     """A measured curve taken apart; ``flags``: what is wrong with it, in a word or two, and a sentence on each."""
 
     curve: Curve
@@ -138,7 +138,7 @@ class Record:
         return next((item for item in self.directions if item.segment.kind == kind), None)
 
 
-def examine(curve: Curve) -> Record:
+def examine(curve: Curve) -> ForceCurve:
     """Take a measured curve apart; InputError where it holds no displacement and load, or too few rows."""
     if curve.delta is None or curve.P is None:
         raise InputError(
@@ -149,7 +149,7 @@ def examine(curve: Curve) -> Record:
     parts = _found(curve.device) if curve.segment is None else _told(curve)
     sides = [part for part in parts if part.kind in (APPROACH, RETRACT) and len(part) >= TUNING.least_rows]
     directions = tuple(_direction(curve.device, curve.P, part) for part in sides)
-    return Record(curve, tuple(parts), directions, _flags(curve, directions))
+    return ForceCurve(curve, tuple(parts), directions, _flags(curve, directions))
 
 
 def _told(curve: Curve) -> list[Segment]:
@@ -205,7 +205,7 @@ def _direction(position: Array, P: Array, segment: Segment) -> Direction:
         tension = Unknown("no tension is told from the noise")
     rows = range(segment.first, segment.last + 1)[::order]
     falls = _jumps(off, base)
-    jumps = tuple(Jump(rows[(i + j) // 2], float(x[(i + j) // 2]), float(off[j] - off[i])) for i, j in falls)
+    jumps = tuple(ForceJump(rows[(i + j) // 2], float(x[(i + j) // 2]), float(off[j] - off[i])) for i, j in falls)
     border = (falls[0][0], falls[-1][1]) if falls else (row - 1, row)
     depth = float(x.max() - x[min(row, x.size - 1)])
     return Direction(segment, base, touch, error, float(off.max()), tension, float(x[lowest]), jumps, border, depth)

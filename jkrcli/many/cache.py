@@ -22,14 +22,14 @@ from ..series import Record, Solution
 
 
 @dataclass(frozen=True)
-class Tuning:
+class CacheTuning:
     """How solves are told apart and which are kept."""
 
     digits: int = 13  # choice: of every number at unit modulus; far below what any method promises
     worth_keeping: float = 0.1  # choice: CPU seconds; reading a file takes a tenth of it
 
 
-TUNING = Tuning()
+TUNING = CacheTuning()
 
 
 def at_unit_modulus(problem: Problem) -> tuple[Problem, float]:
@@ -39,7 +39,7 @@ def at_unit_modulus(problem: Problem) -> tuple[Problem, float]:
 
 
 def _rounded(value: Any) -> Any:
-    """``value`` rounded throughout (``Tuning.digits``): quotients that are equal on paper become equal."""
+    """``value`` rounded throughout (``CacheTuning.digits``): quotients that are equal on paper become equal."""
     if isinstance(value, float):
         return float(f"{value:.{TUNING.digits - 1}e}")
     if isinstance(value, tuple):
@@ -56,7 +56,7 @@ def solve_key(problem: Problem, method: Method) -> str:
 
 def solved(problem: Problem, method: Method, folder: Path | None = None) -> Solution:
     """The solution of ``problem`` by ``method``: from ``folder`` where it is kept there, else solved, and kept there
-    where that was expensive (``Tuning``)."""
+    where that was expensive (``CacheTuning``)."""
     key = solve_key(problem, method)
     path = None if folder is None else folder / f"{key}.h5"
     if path is not None and (found := _read(path, problem, key)) is not None:

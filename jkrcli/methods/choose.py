@@ -19,14 +19,14 @@ from . import Forecast, Method, least_first
 
 
 @dataclass(frozen=True)
-class ChoiceTuning:
+class AutoTuning:
     """When a simpler model gives way to a more general one."""
 
     patience: float = 10.0  # tuned on the cases, by `make chart`: CPU seconds that a simpler model may take
     noticeable: float = 1e-3  # choice: relative error that is seen beside nothing measured
 
 
-TUNING = ChoiceTuning()
+TUNING = AutoTuning()
 
 
 @dataclass(frozen=True)

@@ -6,12 +6,12 @@ from typing import Any
 
 from ..base.units import show
 from ..base.unknown import Unknown
-from ..data.record import BaseLine, Direction, Record
+from ..data.record import BaseLine, Direction, ForceCurve
 
 NAMES = {"a": "contact radius", "delta": "displacement", "P": "load", "t": "time"}
 
 
-def as_dict(record: Record) -> dict[str, Any]:
+def as_dict(record: ForceCurve) -> dict[str, Any]:
     """One curve as plain values, SI; a number that is not known is null, with its reason under ``..._unknown``."""
     curve = record.curve
     return {
@@ -53,7 +53,7 @@ def _known(name: str, value: float | Unknown) -> dict[str, Any]:
     return {name: None, f"{name}_unknown": value.reason} if isinstance(value, Unknown) else {name: value}
 
 
-def words(record: Record) -> list[str]:
+def words(record: ForceCurve) -> list[str]:
     """Lines for a reader: what the record is, then a line per direction and per flag."""
     curve = record.curve
     held = ", ".join(NAMES[name] for name in curve.measured)

@@ -11,7 +11,7 @@ from force_curves import Instrument, equilibrium, record
 from jkrcli.base.errors import InputError
 from jkrcli.base.unknown import Unknown
 from jkrcli.data.measured import Curve
-from jkrcli.data.record import Record, examine
+from jkrcli.data.record import ForceCurve, examine
 
 E_STAR, R, W = 20e3, 5e-6, 1e-4
 PULL_OFF = 1.5 * np.pi * W * R
@@ -26,7 +26,7 @@ def curve_of(
     return Curve("made", delta=made["z"], P=made["P"], t=made["t"], segment=made["segment"] if told else None)
 
 
-def examined(device: Instrument = DEVICE, **more: float) -> Record:
+def examined(device: Instrument = DEVICE, **more: float) -> ForceCurve:
     return examine(curve_of(device, **more))
 
 

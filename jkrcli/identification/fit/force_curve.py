@@ -23,12 +23,12 @@ from ...base.arrays import Array
 from ...base.errors import SolveError
 from ...base.unknown import Unknown
 from ...data.measured.curve import APPROACH
-from ...data.record import BaseLine, Direction, Record
+from ...data.record import BaseLine, Direction, ForceCurve
 from .family import Family
 
 
 @dataclass(frozen=True)
-class Tuning:
+class ForceCurveTuning:
     """How finely branches are tabulated and starts are tried."""
 
     nodes: int = 400  # choice: of a branch; loads between them are good to 1e-7 of the largest
@@ -47,11 +47,11 @@ class Tuning:
     evaluations: int = 200  # choice: steps after which the search gives up
 
 
-TUNING = Tuning()
+TUNING = ForceCurveTuning()
 
 
 @dataclass(frozen=True, eq=False)
-class Stretch:
+class DirectionReadings:
     """The ``rows`` of one direction, from the far end inwards: device position ``z`` [m], reading ``P`` [N].
 
     ``touching``: whether a row may be in contact; where ``jumped``, all those rows are, and the others are free.
@@ -78,7 +78,7 @@ class Stretch:
 
 
 @dataclass(frozen=True, eq=False)
-class Branch:
+class DeviceBranch:
     """The stable branch of one body at a device: load over zeta = sqrt(z - fold), where it is smooth.
 
     ``rates``: derivatives of the load at fixed z by ln s and q = w/s, times zeta, (2, n). ``fold`` [m]: where it ends;
@@ -111,7 +111,7 @@ class Branch:
         return P, np.concatenate([rates, by_z[None]])
 
 
-def branch(family: Family, s: float, q: float, k: float) -> Branch:
+def branch(family: Family, s: float, q: float, k: float) -> DeviceBranch:
     """The stable branch for moduli times ``s`` and work of adhesion ``q`` s, by a device of stiffness ``k``."""
     u = np.linspace(family.low - TUNING.below, family.high + TUNING.beyond, TUNING.nodes)
     r = math.sqrt(q)
@@ -138,11 +138,11 @@ def branch(family: Family, s: float, q: float, k: float) -> Branch:
     rates[:, 1:] = zeta[1:] * (by[0] - dP / np.where(dz > 0, dz, np.inf) * by[1])[:, 1:]
     slope[0], rates[:, 0] = slope[1], rates[:, 1]
     rising = np.append(True, np.diff(zeta) > 0)
-    return Branch(float(z[0]), u[rising], z[rising], zeta[rising], P[rising], slope[rising], rates[:, rising])
+    return DeviceBranch(float(z[0]), u[rising], z[rising], zeta[rising], P[rising], slope[rising], rates[:, rising])
 
 
 @dataclass(frozen=True, eq=False)
-class Model:
+class ForceCurveModel:
     """The readings of some stretches on one body at a device of stiffness ``k`` [N/m], as a function of the unknowns
 
     ln s, z0, and for each stretch its offset, tilt, and q = w/s unless ``adhesive`` says that it has no adhesion.
@@ -151,7 +151,7 @@ class Model:
 
     family: Family
     k: float
-    stretches: tuple[Stretch, ...]
+    stretches: tuple[DirectionReadings, ...]
     adhesive: tuple[bool, ...]
     known: Mapping[str, float] = field(default_factory=dict)
 
@@ -193,7 +193,9 @@ class Model:
                     rates[rows, self.names.index(name)] = column
         return np.concatenate(parts), rates
 
-    def _stretch(self, part: Stretch, values: Mapping[str, float], blunt: float) -> tuple[Array, dict[str, Array]]:
+    def _stretch(
+        self, part: DirectionReadings, values: Mapping[str, float], blunt: float
+    ) -> tuple[Array, dict[str, Array]]:
         """Residuals of one stretch of the record, derivatives by name."""
         q = values.get(f"q:{part.kind}", 0.0)
         held = branch(self.family, math.exp(values["ln_s"]), q, self.k)
@@ -213,14 +215,14 @@ class Model:
 
 
 @dataclass(frozen=True, eq=False)
-class Found:
+class ForceCurveFit:
     """The model that fits best: ``values`` and standard errors by name; ``off`` residuals [N] of all rows.
 
     ``sigma``: standard deviation of a reading about the model [N]; ``tau``: how many rows count as one, because their
     residuals follow each other; ``covariance`` with both in it.
     """
 
-    model: Model
+    model: ForceCurveModel
     names: tuple[str, ...]
     x: Array
     covariance: Array
@@ -237,7 +239,7 @@ class Found:
         return math.sqrt(self.covariance[i, i])
 
 
-def stretches(record: Record, kinds: Sequence[str], k: float) -> tuple[Stretch, ...]:
+def stretches(record: ForceCurve, kinds: Sequence[str], k: float) -> tuple[DirectionReadings, ...]:
     """The directions ``kinds`` of a record as the model takes them, at a device of stiffness ``k`` [N/m] (inf: the
     displacement is prescribed): rows within a jump belong to neither side and are left out."""
     found = []
@@ -248,7 +250,7 @@ def stretches(record: Record, kinds: Sequence[str], k: float) -> tuple[Stretch, 
     return tuple(found)
 
 
-def _stretch(record: Record, side: Direction, k: float) -> Stretch:
+def _stretch(record: ForceCurve, side: Direction, k: float) -> DirectionReadings:
     curve, rows = record.curve, np.arange(side.segment.first, side.segment.last + 1)
     assert curve.P is not None
     if side.segment.kind != APPROACH:
@@ -263,10 +265,10 @@ def _stretch(record: Record, side: Direction, k: float) -> Stretch:
     keep[round(rows.size * (1 - TUNING.turning)) :] = False
     P = curve.P[rows]
     z = curve.device[rows]
-    return Stretch(side.segment.kind, rows[keep], side.base, z[keep], P[keep], touching[keep], jumped)
+    return DirectionReadings(side.segment.kind, rows[keep], side.base, z[keep], P[keep], touching[keep], jumped)
 
 
-def fit(model: Model, start: Array) -> Found:
+def fit(model: ForceCurveModel, start: Array) -> ForceCurveFit:
     """The unknowns that leave least, first with a blunt fold, then as it is; SolveError where no search converges."""
     scale = np.concatenate([np.full(part.P.size, float(np.ptp(part.P))) for part in model.stretches])
     low, high = model.ends
@@ -296,7 +298,7 @@ def fit(model: Model, start: Array) -> Found:
     size = np.linalg.norm(J, axis=0)
     size[size == 0] = 1.0
     normal = np.linalg.pinv((J / size).T @ (J / size), hermitian=True) / np.outer(size, size)
-    return Found(model, model.names, x, sigma**2 * tau * normal, off, sigma, tau, int(found.nfev))
+    return ForceCurveFit(model, model.names, x, sigma**2 * tau * normal, off, sigma, tau, int(found.nfev))
 
 
 def _correlation(off: Array, sizes: Sequence[int]) -> float:
@@ -314,7 +316,7 @@ def _correlation(off: Array, sizes: Sequence[int]) -> float:
     return total / off.size
 
 
-def start(model: Model) -> Array:
+def start(model: ForceCurveModel) -> Array:
     """Unknowns to begin with: shapes w/s and contact points are tried; for each of them the rest is linear."""
     i = int(np.argmax(model.adhesive))
     part = model.stretches[i]
@@ -348,7 +350,7 @@ def start(model: Model) -> Array:
     return np.array([values[name] for name in model.names])
 
 
-def _some_rows(part: Stretch) -> Array:
+def _some_rows(part: DirectionReadings) -> Array:
     """Rows spread evenly, half of them where contact may be."""
     n = part.z.size
     if n <= TUNING.rows:
@@ -364,7 +366,7 @@ def _shapes(D: Array, T: Array) -> Array:
     return np.concatenate([[0.0], np.geomspace(ratio[0], ratio[-1], TUNING.shapes)])
 
 
-def _contact_points(part: Stretch, delta: Array, rows: Array, fold: float) -> Array:
+def _contact_points(part: DirectionReadings, delta: Array, rows: Array, fold: float) -> Array:
     """Displacements tried as zero; with a jump about that for which its first row in contact lies at the fold."""
     span = float(np.ptp(delta))
     if not part.jumped:

@@ -13,17 +13,17 @@ from ...base.errors import InputError
 from ...base.unknown import Unknown
 from ...data.measured import Curve
 from ...data.measured.curve import APPROACH, RETRACT
-from ...data.record import Record, examine
+from ...data.record import ForceCurve, examine
 from .body import FittedBody
 from .checks import warnings_of
-from .force_curve import Found, Model, branch, fit, start, stretches
+from .force_curve import ForceCurveFit, ForceCurveModel, branch, fit, start, stretches
 from .result import Fit, FittedValue
 from .settings import Settings
 from .statistics import structure, t_quantile
 
 
 @dataclass(frozen=True)
-class RecordTuning:
+class WholeRecordTuning:
     """When a record is taken as a whole, and how far its body must reach."""
 
     free_rows: int = 20  # choice: least rows of a base line
@@ -36,11 +36,11 @@ class RecordTuning:
     step: float = 1e-6  # theory: of unknowns, for central differences: about the cube root of round-off
 
 
-TUNING = RecordTuning()
+TUNING = WholeRecordTuning()
 ASKED = frozenset({"modulus", "w", "delta0", "P0"})  # parameters of a whole record; others need prepared readings
 
 
-def whole_record(curve: Curve, settings: Settings) -> Record | None:
+def whole_record(curve: Curve, settings: Settings) -> ForceCurve | None:
     """The record taken apart, where base line and contact are to be fitted together; None: the readings as they are.
 
     By itself that is so for records of a device whose deflection is known, or of both directions with a base line each.
@@ -76,14 +76,14 @@ def _in_the_way(settings: Settings) -> str:
     return "inputs are uncertain" if settings.uncertain or settings.noise else ""
 
 
-def _usable(record: Record, kind: str) -> bool:
+def _usable(record: ForceCurve, kind: str) -> bool:
     side = record.direction(kind)
     if side is None or isinstance(side.touch, Unknown):
         return False
     return side.begins_free and side.base.rows >= TUNING.free_rows
 
 
-def fit_record(body: FittedBody, record: Record, settings: Settings) -> Fit:
+def fit_record(body: FittedBody, record: ForceCurve, settings: Settings) -> Fit:
     """Modulus, w, contact point and base lines of a whole record; InputError where it holds no contact."""
     curve = record.curve
     kinds = _kinds(record, settings)
@@ -94,7 +94,7 @@ def fit_record(body: FittedBody, record: Record, settings: Settings) -> Fit:
     adhesive = tuple(told and _adheres(record, part.kind) for part in parts)
     known = {} if modulus is None or modulus.free else {"ln_s": math.log(modulus.value or 1.0)}
     for _ in range(TUNING.rounds):
-        model = Model(body.family, k, parts, adhesive, known)
+        model = ForceCurveModel(body.family, k, parts, adhesive, known)
         found = fit(model, start(model))
         reach = _contact_radii(found).max()
         if not body.extensible or reach <= body.series.a[-1]:
@@ -103,7 +103,7 @@ def fit_record(body: FittedBody, record: Record, settings: Settings) -> Fit:
     return _result(body, record, settings, found)
 
 
-def _kinds(record: Record, settings: Settings) -> tuple[str, ...]:
+def _kinds(record: ForceCurve, settings: Settings) -> tuple[str, ...]:
     """The directions to fit: as asked, else the retraction, else the approach."""
     wanted = {None: (RETRACT, APPROACH), "both": (APPROACH, RETRACT)}.get(settings.segment, (str(settings.segment),))
     held = tuple(kind for kind in wanted if _usable(record, kind))
@@ -114,14 +114,14 @@ def _kinds(record: Record, settings: Settings) -> tuple[str, ...]:
     return held if settings.segment == "both" else held[:1]
 
 
-def _adheres(record: Record, kind: str) -> bool:
+def _adheres(record: ForceCurve, kind: str) -> bool:
     """Whether adhesion shows in a direction: a jump into contact, or tension on retraction."""
     side = record.direction(kind)
     assert side is not None
     return bool(side.jumps) if kind == APPROACH else not isinstance(side.adhesion, Unknown)
 
 
-def _contact_radii(found: Found) -> Array:
+def _contact_radii(found: ForceCurveFit) -> Array:
     """Contact radius [m] of every row, 0 where it is free."""
     values = found.model.values(found.x)
     s, radii = math.exp(values["ln_s"]), []
@@ -135,7 +135,7 @@ def _contact_radii(found: Found) -> Array:
     return np.concatenate(radii)
 
 
-def _outcome(found: Found, x: Array, E_star: float) -> dict[str, float]:
+def _outcome(found: ForceCurveFit, x: Array, E_star: float) -> dict[str, float]:
     """What the unknowns ``x`` mean, SI."""
     values = found.model.values(x)
     s = math.exp(values["ln_s"])
@@ -153,7 +153,7 @@ def _outcome(found: Found, x: Array, E_star: float) -> dict[str, float]:
 DIMENSIONS = {"modulus": "number", "delta0": "length", "P0": "load", "tilt": "stiffness", "E_star": "modulus"}
 
 
-def _result(body: FittedBody, record: Record, settings: Settings, found: Found) -> Fit:
+def _result(body: FittedBody, record: ForceCurve, settings: Settings, found: ForceCurveFit) -> Fit:
     curve, E_star = record.curve, body.problem.E_star
     values = _outcome(found, found.x, E_star)
     steps = TUNING.step * np.maximum(np.abs(found.x), np.sqrt(np.diag(found.covariance)))
@@ -219,19 +219,19 @@ def _estimate(name: str, value: float, error: float, t: float) -> FittedValue:
                        value + t * error)  # fmt: skip
 
 
-def _line(found: Found) -> dict[str, Array]:
+def _line(found: ForceCurveFit) -> dict[str, Array]:
     """The fitted readings along each direction, from the far end inwards: a, delta and P."""
     model = np.concatenate([part.P for part in found.model.stretches]) + found.off
     z = np.concatenate([part.z for part in found.model.stretches])
     return {"a": _contact_radii(found), "delta": z - model / found.model.k, "P": model}
 
 
-def _left_out(record: Record, used: int) -> tuple[str, ...]:
+def _left_out(record: ForceCurve, used: int) -> tuple[str, ...]:
     rest = len(record.curve) - used
     return (f"{rest} rows of other segments, next to the turning point or in jumps",) if rest else ()
 
 
-def _judged(record: Record, found: Found, a: Array) -> tuple[dict[str, str], dict[str, float]]:
+def _judged(record: ForceCurve, found: ForceCurveFit, a: Array) -> tuple[dict[str, str], dict[str, float]]:
     """Flags of the fit itself with a sentence each, and the parts of its quality, each between 0 and 1.
 
     Each part is exp(-x^2/2) of a number x that is 1 where its flag is raised: misfit (slow residuals in contact over
@@ -259,7 +259,7 @@ def _judged(record: Record, found: Found, a: Array) -> tuple[dict[str, str], dic
     return flags, {"quality": math.prod(parts.values()), **parts}
 
 
-def _words(found: Found) -> Iterator[str]:
+def _words(found: ForceCurveFit) -> Iterator[str]:
     """How the record was taken, and what its residuals did to the intervals."""
     for part, adhesive in zip(found.model.stretches, found.model.adhesive, strict=True):
         if not adhesive:

@@ -10,14 +10,14 @@ import numpy as np
 from ...base.arrays import Array
 from ...base.units import scale
 from ...base.unknown import Unknown
-from ...data.record import Direction, Record
+from ...data.record import Direction, ForceCurve
 from . import BLACK, BLUE, ORANGE, PURPLE, WIDE, Axes, Figure, drawing, legend_below, pretty
 
 MOST_PANELS, MOST_POINTS = 12, 2000  # choice: of a figure, and of a segment in it
 COLOURS, GREY = {"approach": BLUE, "retract": ORANGE}, "0.6"
 
 
-def record_figure(records: Sequence[Record]) -> Figure:
+def record_figure(records: Sequence[ForceCurve]) -> Figure:
     """Load over displacement, a panel per curve; of many curves ``MOST_PANELS`` spread evenly."""
     every = np.unique(np.linspace(0, len(records) - 1, min(len(records), MOST_PANELS)).round().astype(int))
     shown = [records[i] for i in every]
@@ -33,7 +33,7 @@ def record_figure(records: Sequence[Record]) -> Figure:
         return figure
 
 
-def _panel(axes: Axes, record: Record) -> None:
+def _panel(axes: Axes, record: ForceCurve) -> None:
     curve = record.curve
     assert curve.P is not None
     z = curve.device

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,6 +12,7 @@ import click
 from ..base.errors import InputError
 from ..methods.guards import Limits
 from ..report.output import PICTURES, Files, Output
+from .body import FLAGS, body_options, tables_of
 from .measured import reading_of, reading_options
 from .options import ParamType, ScaleType, limits_options, parallel_options, slopes_option
 from .output import answer, into_folder, output_options
@@ -21,6 +23,7 @@ if TYPE_CHECKING:
     from ..identification.fit import Fit, FittedBody, Settings
     from ..identification.fit.fitting import Failure
 
+SHALLOW = 0.2  # choice: of the tip radius, to which a body by flags is solved first; the data may ask for more
 SHOWN = 10  # curves that are told line by line, and drawn
 SECONDS = 0.1  # CPU seconds of a curve, about
 
@@ -52,7 +55,8 @@ class NamesType(ParamType):
 
 @click.command()
 @click.argument("body_file", metavar="BODY", type=click.Path(path_type=Path))
-@click.argument("measured", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.argument("measured", nargs=-1, type=click.Path(path_type=Path))
+@body_options
 @click.option(
     "--free", multiple=True, type=NamesType(), help="Also free: P0, compliance, E:LAYER, h:LAYER (thickness)."
 )
@@ -99,7 +103,8 @@ def fit(
 ) -> None:
     """Find E*, w and the zero points that bring the adhesive curves of BODY nearest to each MEASURED curve.
 
-    BODY: a series file, or a case file that is solved on the way, to the radii that the data ask for. Measured are
+    BODY: a series file, or a case file that is solved on the way, to the radii that the data ask for; or the body by
+    flags (--radius, --nu, --thickness ...: its modulus is not needed), then every file is a measured one. Measured are
     two or three of a, delta, P; a and P need no zero of the displacement. Free are the common factor of all moduli
     (told as E*), w and delta0; a layer's own E:LAYER or h:LAYER in their place (LAYER: its name, its number from 1 at
     the contact, or base). A reading is delta0 + delta + compliance P, and P0 + P. Orthogonal distances are minimised,
@@ -109,19 +114,22 @@ def fit(
     jkr fit sphere.toml probe.csv
     jkr fit gel.h5 probe.csv --unit P=mN --confidence profile --uncertain nu=0.005
     jkr fit coating.toml probe.csv --free E:skin --bound E:skin="1 MPa..1 GPa"
-    jkr fit data.h5 map.jpk-force-map --contact estimate --free P0 --workers 2
+    jkr fit --radius "5 um" --nu 0.5 --shape paraboloid curve.jpk-force
+    jkr fit data.h5 map.jpk-force-map --workers 2
     """
-    from ..identification.fit.body import body_of
     from ..identification.fit.settings import settings_of, uncertain_of
     from ..report import fit as report
-    from .series import read_series
 
+    flags = {key: options.pop(key) for key in FLAGS}
+    by_case = not any(flags.values())
     inputs = (body_file, *measured)
+    measured = measured if by_case else inputs
+    if not measured:
+        raise InputError("fit: give MEASURED files behind BODY, or the body by flags: --radius, --nu")
     targets = output.files(output.folder(body_file.parent) / f"{body_file.stem}-fit", (".csv", ".json", ".h5"), inputs)
     reading = reading_of(options)
     options["noise"], options["contact"] = dict(options["noise"]), reading.contact
-    source = body_file if body_file.suffix == ".toml" else read_series(body_file)
-    body = body_of(source, slopes, limits)
+    body = _body(body_file if by_case else flags, slopes, limits)
     names = [name for group in free for name in group]
     settings = settings_of(body, names, fix, start, bound, **options)
     if uncertain:
@@ -138,6 +146,25 @@ def fit(
     if not output.json:
         pictures = f", {len(drawn)} picture{'s' if len(drawn) > 1 else ''}" if drawn else ""
         say(f"written {targets}{pictures}")
+
+
+def _body(source: Path | dict[str, str | None], slopes: str, limits: Limits) -> FittedBody:
+    """The body of a file, or of flags: there a modulus that is not told is 1 MPa, which no result depends on."""
+    from ..identification.fit.body import body_of
+    from .series import read_series
+
+    if isinstance(source, Path):
+        return body_of(source if source.suffix == ".toml" else read_series(source), slopes, limits)
+    import tomli_w
+
+    from ..case import parse_case
+
+    tables = tables_of("fit", source, "a case or series file", {"radius": 1.0}, "1 MPa")
+    radius = parse_case(tomli_w.dumps(tables).encode(), "fit").model.problem().indenter.tip_radius
+    assert radius is not None  # of sphere and paraboloid
+    tables["loading"]["radius"] = SHALLOW * radius
+    body = body_of(parse_case(tomli_w.dumps(tables).encode(), "fit"), slopes, limits)
+    return replace(body, told=source["modulus"] is not None)
 
 
 def _fits(

@@ -21,6 +21,7 @@ from ..data.foreign import NAMES, SeriesReading, read_series
 from ..data.text_table import SEPARATORS
 from ..report.output import Output
 from ..series import Solution
+from .body import FLAGS, body_options, flag, number_or_text, tables_of
 from .options import KeyValueType, LengthType
 from .output import ONE_FILE, answer, into_file, output_options
 from .series import end_of, reached
@@ -35,7 +36,7 @@ class KeyNumberType(KeyValueType):
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[str, Any]:
         key, text = super().convert(value, param, ctx)
-        number = _number(text)
+        number = number_or_text(text)
         if not (isinstance(number, float) and math.isfinite(number) and number != 0):
             self.fail(f'must be KEY=NUMBER, finite and not 0, got "{value}"', param, ctx)
         return key, number
@@ -45,14 +46,7 @@ class KeyNumberType(KeyValueType):
 @click.argument("table", type=click.Path(path_type=Path))
 @into_file("Series file [default: <table>.h5 here].")
 @click.option("--case", type=click.Path(path_type=Path), help="Case with indenter and specimen; it needs no loading.")
-@click.option(
-    "--shape", type=click.Choice(["sphere", "paraboloid"]), help="Indenter, without a case [default: sphere]."
-)
-@click.option("--radius", help='Its radius, "100 um".')
-@click.option("--E", "modulus", help='Young\'s modulus of the specimen, "5 GPa".')
-@click.option("--nu", help="Its Poisson's ratio.")
-@click.option("--thickness", help="A layer of this thickness [default: a half-space].")
-@click.option("--base", help="Under the layer: bonded or frictionless [default: bonded].")
+@body_options
 @click.option(
     "--column", "columns", multiple=True, type=KeyValueType("NAME", KEYS), help="Column name or number, delta=U2."
 )
@@ -91,7 +85,7 @@ def import_(
     jkr import table.csv -o data.h5 --radius "1 mm" --E "15 kPa" --nu 0.5 --thickness "0.3 mm"
     jkr import run.csv --case my.toml --column P=RF2 --column a=4 --unit P=uN --unit a=um --factor P=180
     """
-    body = {key: options.pop(key) for key in ("shape", "radius", "modulus", "nu", "thickness", "base")}
+    body = {key: options.pop(key) for key in FLAGS}
     target = output.series(Path(f"{table.stem}.h5"), [table, *([case] if case else [])])
     held = _case(case, body)
     reading = SeriesReading(dict(columns), dict(units), dict(factors), **options)
@@ -114,42 +108,14 @@ def _case(path: Path | None, body: dict[str, str | None]) -> Case:
     """The case of a file that may lack a loading, or one made of the flags of indenter and specimen."""
     given = [name for name, value in body.items() if value is not None]
     if path is None:
-        return parse_case(tomli_w.dumps(_tree(body)).encode(), "import")
+        return parse_case(tomli_w.dumps(tables_of("import", body, "--case", {"depth": 1.0})).encode(), "import")
     if given:
-        raise InputError(f"import: {_flag(given[0])} belongs to an import without --case; {path} says it already")
+        raise InputError(f"import: {flag(given[0])} belongs to an import without --case; {path} says it already")
     content = read_bytes(path, "case file")
     with contextlib.suppress(ValueError):  # what is no TOML is reported by parse_case
         if "loading" not in tomllib.loads(content.decode("utf-8")):
             return parse_case(content + SOME_LOADING, str(path), path.parent)
     return load_case(path)
-
-
-def _tree(body: dict[str, str | None]) -> dict[str, Any]:
-    """The tables of a case from flags; what is missing is said in terms of the flags."""
-    missing = [_flag(name) for name in ("radius", "modulus", "nu") if body[name] is None]
-    if missing:
-        raise InputError(f"import: needs --case, or the bodies by flags: {', '.join(missing)} missing")
-    if body["base"] is not None and body["thickness"] is None:
-        raise InputError("import: --base needs --thickness: a half-space has no base")
-    material = {"E": _number(body["modulus"]), "nu": _number(body["nu"])}
-    if body["thickness"] is None:
-        specimen: dict[str, Any] = {"half_space": material}
-    else:
-        layer = material | {"thickness": _number(body["thickness"])}
-        specimen = {"base": body["base"] or "bonded", "layers": [layer]}
-    indenter = {"shape": body["shape"] or "sphere", "radius": _number(body["radius"])}
-    return {"indenter": indenter, "specimen": specimen, "loading": {"depth": 1.0}}
-
-
-def _flag(name: str) -> str:
-    return "--E" if name == "modulus" else f"--{name}"
-
-
-def _number(text: str | None) -> float | str | None:
-    """A bare number as one, so that it is SI; else the text, for the case reader to judge."""
-    with contextlib.suppress(ValueError, TypeError):
-        return float(text)  # type: ignore[arg-type]
-    return text
 
 
 def _with_loading(case: Case, solution: Solution) -> Case:

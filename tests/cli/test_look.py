@@ -55,3 +55,27 @@ def test_what_cannot_be_read_is_one_line(jkr: Callable[..., Outcome], tmp_path: 
     assert done.code == 2
     assert done.err == f"jkr: error: {path}: holds 5 rows, at least 20 are needed to look at\n"
     assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_raw_curve_is_fitted_without_a_case_file(jkr: Callable[..., Outcome], table: Path) -> None:
+    body = ("--shape", "paraboloid", "--radius", "5 um", "--nu", "0.5")
+    done = jkr("fit", *body, str(table), "--stiffness", "0.05 N/m", "--json", "--no-plots")
+    assert done.code == 0
+    curve = json.loads(done.out)["curves"][0]
+    assert curve["status"] == "fitted"
+    assert curve["quality"]["quality"] > 0.9
+    assert curve["estimates"]["E_star"]["value"] == pytest.approx(E_STAR, rel=0.02)
+    assert curve["estimates"]["w"]["value"] == pytest.approx(W, rel=0.02)
+    assert not any("of the case" in sentence for sentence in curve["warnings"])
+    assert (table.parent / "probe-fit.csv").exists()
+
+
+def test_a_body_by_flags_says_what_is_missing(jkr: Callable[..., Outcome], table: Path) -> None:
+    done = jkr("fit", "--radius", "5 um", str(table))
+    assert (done.code, done.err) == (
+        2, "jkr: error: fit: needs a case or series file, or the bodies by flags: --nu missing\n"
+    )  # fmt: skip
+    done = jkr("fit", str(table))
+    assert (done.code, done.err) == (
+        2, "jkr: error: fit: give MEASURED files behind BODY, or the body by flags: --radius, --nu\n"
+    )  # fmt: skip

@@ -52,7 +52,8 @@ class FittedBody:
     ``problem``: bodies and nominal values; ``series``, ``slopes``: its nonadhesive solution, by any method.
 
     Only bodies that the method ``layered`` represents can be solved anew: ``with_values``. ``extensible``: may also be
-    solved to other radii than those of the series.
+    solved to other radii than those of the series. ``told``: whether the moduli of the problem are anybody's guess, not
+    a unit.
     """
 
     problem: Problem
@@ -60,6 +61,7 @@ class FittedBody:
     slopes: Slopes
     family: Family
     extensible: bool = False
+    told: bool = True
     tolerance: float = TUNING.tolerance
 
     @classmethod

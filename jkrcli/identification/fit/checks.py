@@ -38,7 +38,7 @@ def warnings_of(found: Fit, body: FittedBody, family: Family, at_bound: Sequence
         *_told_apart(found, at_bound),
         *_structured(found),
         *_scatter(found),
-        *_far_from_case(found),
+        *_far_from_case(found, body),
         *_bounds(found, at_bound),
         *_pull_off(found),
         *_elastic_indenter(found, body),
@@ -69,9 +69,9 @@ def _told_apart(found: Fit, at_bound: Sequence[str]) -> Iterator[str]:
             yield f"{_word(name)} is uncertain by {item.error / item.value:.0%} (standard error)"
 
 
-def _far_from_case(found: Fit) -> Iterator[str]:
+def _far_from_case(found: Fit, body: FittedBody) -> Iterator[str]:
     factor = found.value("modulus")
-    if "modulus" in found.free and not 1 / THRESHOLDS.far_from_case <= factor <= THRESHOLDS.far_from_case:
+    if body.told and "modulus" in found.free and not 1 / THRESHOLDS.far_from_case <= factor <= THRESHOLDS.far_from_case:
         yield f"the moduli are {factor:.3g} times those of the case: check the units of the data and of the case"
 
 

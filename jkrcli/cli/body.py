@@ -1,0 +1,65 @@
+"""A body by flags instead of a case file: indenter, and a half-space or one layer."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import click
+
+from ..base.errors import InputError
+
+FLAGS = ("shape", "radius", "modulus", "nu", "thickness", "base")
+Command = Callable[..., Any]
+OPTIONS = (
+    click.option("--shape", type=click.Choice(["sphere", "paraboloid"]),
+                 help="Indenter, without a case [default: sphere]."),
+    click.option("--radius", help='Its radius, "100 um".'),
+    click.option("--E", "modulus", help='Young\'s modulus of the specimen, "5 GPa".'),
+    click.option("--nu", help="Its Poisson's ratio."),
+    click.option("--thickness", help="A layer of this thickness [default: a half-space]."),
+    click.option("--base", help="Under the layer: bonded or frictionless [default: bonded]."),
+)  # fmt: skip
+
+
+def body_options(command: Command) -> Command:
+    """Add the flags to a verb; their values are among its keyword arguments by the names in ``FLAGS``."""
+    for option in reversed(OPTIONS):
+        command = option(command)
+    return command
+
+
+def flag(name: str) -> str:
+    """What a flag is called on the command line."""
+    return "--E" if name == "modulus" else f"--{name}"
+
+
+def tables_of(
+    verb: str, body: Mapping[str, str | None], instead: str, loading: Mapping[str, Any], modulus: str | None = None
+) -> dict[str, Any]:
+    """The tables of a case from flags; what is missing is said in terms of the flags and what may be given ``instead``.
+
+    ``modulus``: the specimen's where the flags do not tell it; None: it must be told.
+    """
+    held = {**body, "modulus": body["modulus"] or modulus}
+    missing = [flag(name) for name in ("radius", "modulus", "nu") if held[name] is None]
+    if missing:
+        raise InputError(f"{verb}: needs {instead}, or the bodies by flags: {', '.join(missing)} missing")
+    if held["base"] is not None and held["thickness"] is None:
+        raise InputError(f"{verb}: --base needs --thickness: a half-space has no base")
+    material = {"E": number_or_text(held["modulus"]), "nu": number_or_text(held["nu"])}
+    if held["thickness"] is None:
+        specimen: dict[str, Any] = {"half_space": material}
+    else:
+        layer = material | {"thickness": number_or_text(held["thickness"])}
+        specimen = {"base": held["base"] or "bonded", "layers": [layer]}
+    indenter = {"shape": held["shape"] or "sphere", "radius": number_or_text(held["radius"])}
+    return {"indenter": indenter, "specimen": specimen, "loading": dict(loading)}
+
+
+def number_or_text(text: str | None) -> float | str | None:
+    """A bare number as one, so that it is SI; else the text, for the case reader to judge."""
+    with contextlib.suppress(ValueError, TypeError):
+        return float(text)  # type: ignore[arg-type]
+    return text

@@ -117,7 +117,7 @@ class FittedBody:
         points = max(len(self.series), TUNING.points)
         a = 10 ** (math.ceil(math.log10(a) * TUNING.per_decade) / TUNING.per_decade)
         problem = replace(unbounded(self.problem), loading=Loading("radius", a, points, "radius"))
-        return _reaching(problem, self.tolerance)
+        return replace(_reaching(problem, self.tolerance), told=self.told)
 
     def _part(self, layer: str) -> Layer | HalfSpace:
         specimen = self.problem.specimen

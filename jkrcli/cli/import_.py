@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import math
 import tomllib
 from collections.abc import Sequence
 from dataclasses import replace
@@ -21,8 +20,8 @@ from ..data.foreign import NAMES, SeriesReading, read_series
 from ..data.text_table import SEPARATORS
 from ..report.output import Output
 from ..series import Solution
-from .body import FLAGS, body_options, flag, number_or_text, tables_of
-from .options import KeyValueType, LengthType
+from .body import FLAGS, body_options, flag, tables_of
+from .options import KeyNumberType, KeyValueType, LengthType, ScaleType
 from .output import ONE_FILE, answer, into_file, output_options
 from .series import end_of, reached
 from .voice import command_line, say
@@ -31,15 +30,13 @@ KEYS = tuple(NAMES.quantities)
 SOME_LOADING = b"\n[loading]\ndepth = 1.0\n"  # stands in where a case has none: the table says how far it went
 
 
-class KeyNumberType(KeyValueType):
-    """KEY=NUMBER, the number finite and not 0."""
+class ZeroType(ScaleType):
+    """delta=LENGTH or P=LOAD; a length alone is that of the displacement."""
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[str, Any]:
-        key, text = super().convert(value, param, ctx)
-        number = number_or_text(text)
-        if not (isinstance(number, float) and math.isfinite(number) and number != 0):
-            self.fail(f'must be KEY=NUMBER, finite and not 0, got "{value}"', param, ctx)
-        return key, number
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[str, float]:
+        if isinstance(value, str) and "=" not in value:
+            return "delta", LengthType().convert(value, param, ctx)
+        return super().convert(value, param, ctx)
 
 
 @click.command("import")
@@ -51,12 +48,11 @@ class KeyNumberType(KeyValueType):
     "--column", "columns", multiple=True, type=KeyValueType("NAME", KEYS), help="Column name or number, delta=U2."
 )
 @click.option(
-    "--unit", "units", multiple=True, type=KeyValueType("UNIT", KEYS), help="Unit where the header has none, P=mN."
+    "--unit", "units", multiple=True, type=KeyValueType("UNIT", KEYS), help="Unit, whatever the header says, P=mN."
 )
-@click.option(
-    "--factor", "factors", multiple=True, type=KeyNumberType("NUMBER", KEYS), help="Factor of a column, P=180."
-)
-@click.option("--zero", type=LengthType(), default=0.0, help="Displacement at first touch, subtracted.")
+@click.option("--factor", "factors", multiple=True, type=KeyNumberType(KEYS), help="Factor of a column, P=180.")
+@click.option("--zero", multiple=True, type=ZeroType(("delta", "P")),
+              help='Reading at first touch, subtracted: delta="1.2 um"; a length alone is a displacement.')  # fmt: skip
 @click.option("--sign", type=click.Choice(["auto", "as-is"]), default="auto", show_default=True,
               help="auto: a displacement or load that is negative in compression is turned.")  # fmt: skip
 @click.option("--area", type=click.Choice(["surface", "projected"]), default="surface", show_default=True,
@@ -71,6 +67,7 @@ def import_(
     columns: Sequence[tuple[str, str]],
     units: Sequence[tuple[str, str]],
     factors: Sequence[tuple[str, float]],
+    zero: Sequence[tuple[str, float]],
     output: Output,
     **options: Any,
 ) -> None:
@@ -88,7 +85,7 @@ def import_(
     body = {key: options.pop(key) for key in FLAGS}
     target = output.series(Path(f"{table.stem}.h5"), [table, *([case] if case else [])])
     held = _case(case, body)
-    reading = SeriesReading(dict(columns), dict(units), dict(factors), **options)
+    reading = SeriesReading(dict(columns), dict(units), dict(factors), dict(zero), **options)
     solution = read_series(table, held.model.problem(), reading)
     loaded = _with_loading(held, solution)
     solution = replace(solution, record=store.record_of(loaded))

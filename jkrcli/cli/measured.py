@@ -9,28 +9,44 @@ import click
 from ..data.measured import Reading
 from ..data.measured.text import NAMES
 from ..data.text_table import SEPARATORS
-from .options import KeyValueType, ScaleType, StiffnessType
+from .options import KeyNumberType, KeyValueType, ScaleType, StiffnessType
 from .output import Command
 
 KEYS = tuple(NAMES.quantities)
-FIELDS = ("columns", "units", "flip", "stiffness", "sensitivity", "zero", "contact", "format", "separator", "decimal")
+FIELDS = (
+    "columns",
+    "units",
+    "factors",
+    "flip",
+    "stiffness",
+    "sensitivity",
+    "zero",
+    "contact",
+    "format",
+    "separator",
+    "decimal",
+)
 
 
 OPTIONS = (
     click.option("--column", "columns", multiple=True, type=KeyValueType("NAME", KEYS),
                  help=f"Column name or number where the header does not tell; keys {', '.join(KEYS)}."),
     click.option("--unit", "units", multiple=True, type=KeyValueType("UNIT", NAMES.numbers),
-                 help="Unit where the header has none, P=nN."),
+                 help="Unit, whatever the header says, P=nN."),
+    click.option("--factor", "factors", multiple=True, type=KeyNumberType(NAMES.numbers),
+                 help="Factor of a quantity, on top of its unit and sign, P=1000."),
     click.option("--flip", multiple=True, type=click.Choice(["delta", "P"]),
-                 help="Turn the sign: of a height or separation, of loads that count adhesion positive."),
+                 help="Turn the sign of the file, whatever its header says: of loads that count adhesion positive."),
     click.option("--zero", multiple=True, type=ScaleType(("delta", "P")),
                  help='Reading at the zero point, subtracted after the flip: delta="1.2 um".'),
     click.option("--contact", type=click.Choice(["auto", "fitted", "as-is", "estimate"]), default="auto",
                  show_default=True, help="Zero points: fitted together with the rest (base line, tilt, contact point; "
                  "auto: of raw records), as-is, or estimated before from the free part of the approach."),
     click.option("--stiffness", type=StiffnessType(),
-                 help="The displacement is that of a device (piezo) of this stiffness: P/stiffness is subtracted."),
-    click.option("--sensitivity", type=float, help="Of a force microscope [m/V], where its file lacks it."),
+                 help="The displacement is that of a device (piezo) of this stiffness: P/stiffness is subtracted; it "
+                 "makes a force of a deflection."),
+    click.option("--sensitivity", type=float,
+                 help="Of a force microscope [m/V], where its file lacks it: makes a deflection of volts."),
     click.option("--format", type=click.Choice(["auto", "text", "afm"]), default="auto", show_default=True,
                  help="auto: by the file's ending; afm: .csv and .txt of microscopes (needs afmformats)."),
     click.option("--separator", type=click.Choice(list(SEPARATORS)), help="Between the columns [default: found out]."),
@@ -48,6 +64,6 @@ def reading_options(command: Command) -> Command:
 def reading_of(values: dict[str, Any]) -> Reading:
     """The reading that the options ask for; takes their values out of ``values``."""
     told: dict[str, Any] = {name: values.pop(name) for name in FIELDS}
-    for name in ("columns", "units", "zero"):
+    for name in ("columns", "units", "factors", "zero"):
         told[name] = dict(told[name])
     return Reading(**told | {"flip": frozenset(told["flip"])})

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import math
 from collections.abc import Callable, Sequence
@@ -145,3 +146,19 @@ class ScaleType(KeyValueType):
         key, text = super().convert(value, param, ctx)
         kind = LoadType() if key == "P" else LengthType()
         return key, kind.convert(text, param, ctx)
+
+
+class KeyNumberType(KeyValueType):
+    """KEY=NUMBER, the number finite and not 0."""
+
+    def __init__(self, keys: Sequence[str]):
+        super().__init__("NUMBER", keys)
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[str, float]:
+        key, text = super().convert(value, param, ctx)
+        number = 0.0
+        with contextlib.suppress(ValueError):
+            number = float(text)
+        if not math.isfinite(number) or number == 0:
+            self.fail(f'must be KEY=NUMBER, finite and not 0, got "{value}"', param, ctx)
+        return key, number

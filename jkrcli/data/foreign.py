@@ -33,17 +33,17 @@ NAMES = Vocabulary({  # those of Abaqus histories and CalculiX results among the
 class SeriesReading:
     """Conventions of a foreign table; keys of the mappings are "a", "area", "delta" and "P".
 
-    ``columns``: names or numbers (from 1), where the header does not tell; ``units``: where the header names none;
+    ``columns``: names or numbers (from 1), where the header does not tell; ``units``: in the header's place;
     ``factors``: on top of the units (P = 180 for CalculiX, which prints the force on its wedge of 2 degrees).
-    ``zero``: displacement at first touch [m, after the sign], subtracted. ``sign``: "auto" turns a displacement or load
-    that is negative throughout, "as-is" leaves them. ``sort``: order the rows by displacement first.
+    ``zero``: displacement [m] and load [N] at first touch, after the sign, subtracted. ``sign``: "auto" turns a
+    displacement or load that is negative throughout, "as-is" leaves them. ``sort``: order the rows by displacement.
     ``area``: "surface" of the indenter in contact (Abaqus; Eq. A3), or its "projected" area pi a^2.
     """
 
     columns: Mapping[str, str] = field(default_factory=dict)
     units: Mapping[str, str] = field(default_factory=dict)
     factors: Mapping[str, float] = field(default_factory=dict)
-    zero: float = 0.0
+    zero: Mapping[str, float] = field(default_factory=dict)
     sign: Literal["auto", "as-is"] = "auto"
     sort: bool = False
     area: Literal["surface", "projected"] = "surface"
@@ -104,7 +104,7 @@ def _values(table: TextTable, key: str, index: int, reading: SeriesReading) -> A
     values = NAMES.in_si(table, key, index, reading.units.get(key)) * reading.factors.get(key, 1.0)
     if key in ("delta", "P") and reading.sign == "auto" and values.min() < 0 and -values.min() > values.max():
         values = -values
-    return values - reading.zero if key == "delta" else values
+    return values - reading.zero[key] if key in reading.zero else values
 
 
 # ---------------------------------------------------------------------- rows
@@ -162,7 +162,8 @@ def _facts(table: TextTable, chosen: Mapping[str, int], reading: SeriesReading, 
         "source": table.path.name,
         "columns": words(table, chosen),
         "factors": ", ".join(f"{key} = {value:g}" for key, value in reading.factors.items()) or "none",
-        "zero_m": reading.zero,
+        "zero_m": reading.zero.get("delta", 0.0),
+        "zero_N": reading.zero.get("P", 0.0),
         "radius_from": "column" if "a" in chosen else f"contact area ({reading.area})",
         "separator": table.dialect.separator,
         "rows": int(table.lines.size),

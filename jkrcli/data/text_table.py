@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 import contextlib
 import csv
 import re
@@ -62,7 +63,7 @@ class Dialect:
 class TextTable:
     """A table as read: ``values`` (rows, columns), the ``lines`` they stand in (from 1), ``names`` of the columns.
 
-    ``text``: the cells of the columns (from 0) that hold words.
+    ``text``: the cells of the columns (from 0) that hold words; ``head``: the lines before the numbers.
     """
 
     path: Path
@@ -71,6 +72,22 @@ class TextTable:
     lines: Array
     dialect: Dialect
     text: Mapping[int, tuple[str, ...]] = field(default_factory=dict)
+    head: tuple[str, ...] = ()
+
+
+def decoded(content: bytes) -> str:
+    """The text in ``content``: UTF-8 or UTF-16, with a mark or without one, else Windows-1252, else Latin-1."""
+    sample = content[:SAMPLE]
+    if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        return content.decode("utf-16", errors="replace")
+    if len(sample) > 3 and not sample.startswith(codecs.BOM_UTF8):
+        for first, name in ((1, "utf-16-le"), (0, "utf-16-be")):  # of most letters one byte is zero, always the same
+            if sample[first::2].count(0) > len(sample) / 4 > 4 * sample[1 - first :: 2].count(0):
+                return content.decode(name, errors="replace")
+    for name in ("utf-8-sig", "cp1252"):
+        with contextlib.suppress(UnicodeDecodeError):
+            return content.decode(name)
+    return content.decode("latin-1")
 
 
 def read_table(
@@ -80,28 +97,33 @@ def read_table(
     least: int = 3,
     is_text: Callable[[int, str], bool] = lambda index, title: False,
     finite: bool = True,
+    content: bytes | None = None,
 ) -> TextTable:
     """The table of at least ``least`` columns of numbers in a text file; what is None is found out.
+
+    ``content``: the bytes of the file, where it lies in another one.
 
     ``is_text``: whether a column, of its index (from 0) and header cell, holds words, not numbers. ``finite``: refuse
     rows with nan or inf.
     Raises InputError, a line per mistake, where there is no table or a row differs in its number of cells.
     """
-    content_of_file = read_bytes(path, "table").decode("utf-8-sig", errors="replace")
-    content = [(n, line) for n, line in enumerate(content_of_file.splitlines(), start=1) if line.strip()]
-    dialect = _dialect(content[:SAMPLE], separator, decimal, least, is_text)
-    if dialect is None and len(content) > SAMPLE:
-        dialect = _dialect(content, separator, decimal, least, is_text)
+    whole = decoded(read_bytes(path, "table") if content is None else content)
+    lines_of_file = [(n, line) for n, line in enumerate(whole.splitlines(), start=1) if line.strip()]
+    dialect = _dialect(lines_of_file[:SAMPLE], separator, decimal, least, is_text)
+    if dialect is None and len(lines_of_file) > SAMPLE:
+        dialect = _dialect(lines_of_file, separator, decimal, least, is_text)
     if dialect is None:
         raise InputError(
             f"{path}: holds no row of at least {least} numbers; "
             "give the separator and the decimal mark if they are unusual"
         )
-    lines, values = _rows(content, dialect, least)
-    _check_rows(path, content, dialect, lines, values, finite)
-    header = [line for n, line in content if n < lines[0]]
+    lines, values = _rows(lines_of_file, dialect, least)
+    _check_rows(path, lines_of_file, dialect, lines, values, finite)
+    header = [line for n, line in lines_of_file if n < lines[0]]
     names = _names(header, dialect, values.shape[1])
-    return TextTable(path, names, values, lines, dialect, _texts(content, dialect, set(lines.tolist())))
+    return TextTable(
+        path, names, values, lines, dialect, _texts(lines_of_file, dialect, set(lines.tolist())), tuple(header)
+    )
 
 
 def _rows(content: list[tuple[int, str]], dialect: Dialect, least: int) -> tuple[Array, Array]:

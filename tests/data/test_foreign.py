@@ -78,7 +78,7 @@ GUISES = {
     ),
     "projected area, displacement from elsewhere": (
         "area/um^2,disp/um,force/N\n" + rows(math.pi * A**2 * 1e12, DELTA * 1e6 + 7, P),
-        SeriesReading(area="projected", zero=7e-6),
+        SeriesReading(area="projected", zero={"delta": 7e-6}),
     ),
     "quoted names with commas": (
         '"Contact radius, um","Displacement, nm","Force, uN"\n' + rows(A * 1e6, DELTA * 1e9, P * 1e6),

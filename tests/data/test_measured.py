@@ -138,9 +138,6 @@ WRONG = {
         "delta_nm,P (Pa)\n1,1\n2,2\n3,3\n", Reading(),
         '{path}: column 2 "P (Pa)" (load): the unit must be one of load, such as mN, got "Pa"',
     ),
-    "two units": (
-        GOOD, Reading(units={"P": "uN"}), '{path}: column 2 "P_nN" names its unit: leave out --unit P=uN',
-    ),
     "unit of no column": (
         GOOD, Reading(units={"t": "s"}),
         '{path}: --unit t=s has no column to belong to: give --column t=NAME (columns: 1 "delta_nm", 2 "P_nN")',

@@ -29,11 +29,7 @@ def each(path: Path, reading: Reading | None = None) -> Iterator[Curve | InputEr
     A curve that cannot be used comes as its error and the others follow; a file that cannot be read raises InputError.
     """
     path, reading = Path(path), reading or Reading()
-    if reading.format == "afm" or (reading.format == "auto" and path.name.endswith(AFM_ENDINGS)):
-        from .afm import curves
-    else:
-        from .text import curves
-    for found, stiffness in curves(path, reading):
+    for found, stiffness in _as_read(path, reading):
         if isinstance(found, InputError):
             yield found
             continue
@@ -41,6 +37,31 @@ def each(path: Path, reading: Reading | None = None) -> Iterator[Curve | InputEr
             yield _by_convention(found, reading, stiffness)
         except InputError as error:
             yield error
+
+
+def _as_read(path: Path, reading: Reading) -> Iterator[tuple[Curve | InputError, float | None]]:
+    """The curves by the reader of the format; where that is to be found out, by the second one where the first does not
+    know the file."""
+    if reading.format == "text" or (reading.format == "auto" and not path.name.endswith(AFM_ENDINGS)):
+        from . import archive, text
+
+        try:
+            yield from text.curves(path, reading)
+            return
+        except (text.UnknownColumnsError, archive.NoTablesError) as error:
+            if reading.format == "text" or reading.columns or reading.units:
+                raise
+            from . import afm
+
+            try:
+                held = afm.load(path, reading)
+            except afm.UnreadableError:
+                raise error from None
+            yield from afm.curves(path, reading, held)
+            return
+    from . import afm
+
+    yield from afm.curves(path, reading)
 
 
 def _by_convention(curve: Curve, reading: Reading, stiffness: float | None) -> Curve:

@@ -20,7 +20,13 @@ HEIGHTS = ("height (measured)", "height (piezo)")  # the better first
 SEGMENTS = {0: APPROACH, 1: RETRACT}
 
 
-def curves(path: Path, reading: Reading) -> Iterator[tuple[Curve | InputError, float | None]]:
+class UnreadableError(InputError):
+    """A file that afmformats does not know, or cannot read."""
+
+
+def curves(
+    path: Path, reading: Reading, loaded: tuple[list[Any], str] | None = None
+) -> Iterator[tuple[Curve | InputError, float | None]]:
     """The force-distance curves of a file with their spring constants [N/m]; each is loaded when it is asked for.
 
     ``delta`` is minus the height, which grows away from the specimen, the deflection not yet subtracted; of files that
@@ -29,11 +35,11 @@ def curves(path: Path, reading: Reading) -> Iterator[tuple[Curve | InputError, f
     if reading.columns or reading.units:
         raise InputError(f"{path}: the columns of a microscope's file and their units are known: leave out --column "
                          "and --unit, or read it as text, --format text")  # fmt: skip
-    held, lacks = _load(path, reading)
+    held, lacks = loaded or load(path, reading)
     for data in held:
         name = path.stem if len(held) == 1 else str(data.enum)
         try:
-            curve = _curve(path, name, data)
+            curve = _with_factors(_curve(path, name, data), reading)
             tip = _holds(data, "tip position")
             stiffness = None if tip else _stiffness(curve, data, reading)
             if lack := _lack(lacks, stiffness, reading) if not tip else "":
@@ -43,13 +49,13 @@ def curves(path: Path, reading: Reading) -> Iterator[tuple[Curve | InputError, f
             yield error, None
 
 
-def _load(path: Path, reading: Reading) -> tuple[list[Any], str]:
+def load(path: Path, reading: Reading) -> tuple[list[Any], str]:
     """The data sets of a file, whose columns are read when they are asked for; what 1 stands in for, if anything."""
     try:
         import afmformats
         from afmformats import errors, meta
     except ModuleNotFoundError:
-        raise InputError(f'{path}: needs the optional package afmformats: pip install "jkrcli[afm]"') from None
+        raise UnreadableError(f'{path}: needs the optional package afmformats: pip install "jkrcli[afm]"') from None
     if not path.is_file():
         read_bytes(path, "file of force curves")  # says what is wrong with it
     logger = logging.getLogger("afmformats")
@@ -72,9 +78,9 @@ def _load(path: Path, reading: Reading) -> tuple[list[Any], str]:
         raise InputError(f"{path}: lacks {missing}: give --stiffness and, if asked for, --sensitivity") from None
     except errors.FileFormatNotSupportedError:
         known = ", ".join(afmformats.supported_extensions)
-        raise InputError(f"{path}: is no file of force curves that afmformats reads ({known})") from None
+        raise UnreadableError(f"{path}: is no file of force curves that afmformats reads ({known})") from None
     except (errors.AFMFileFormatError, Exception) as error:  # readers of damaged files raise anything
-        raise InputError(f"{path}: afmformats cannot read this file ({first_line(error)})") from None
+        raise UnreadableError(f"{path}: afmformats cannot read this file ({first_line(error)})") from None
     if not held:
         raise InputError(f"{path}: holds no force-distance record")
     return held, lacks
@@ -107,6 +113,14 @@ def _curve(path: Path, name: str, data: Any) -> Curve:
     if _holds(data, "segment"):
         segment = np.array([SEGMENTS.get(int(word), f"segment {word}") for word in data["segment"]])
     return Curve(name, delta=delta, P=P, t=t, segment=segment, origin=path, flags=flags)
+
+
+def _with_factors(curve: Curve, reading: Reading) -> Curve:
+    """The curve with its quantities multiplied as told."""
+    for key in reading.factors:
+        if key not in curve.measured:
+            raise InputError(f"{curve.where}: holds no {key} to multiply (it holds {', '.join(curve.measured)})")
+    return replace(curve, **{key: getattr(curve, key) * number for key, number in reading.factors.items()})
 
 
 def _holds(data: Any, name: str) -> bool:

@@ -119,8 +119,9 @@ class Reading:
     """Conventions of a measurement; by default those of the project: SI, indentation and compression positive.
 
     ``columns``: names or numbers (from 1) where the header does not tell, by the keys of ``text.NAMES``; "area" is the
-    projected contact area. ``units``: where the header names none. ``flip``: of "delta" and "P", those that are to
-    change sign: a height or separation grows away from the specimen, some instruments count adhesive forces positive.
+    projected contact area. ``units``: where the header names none or a wrong one. ``factors``: on top of the units.
+    ``flip``: of "delta" and "P", those that are to change the sign they have in the file, whatever the name of their
+    column says: a height or separation grows away from the specimen, some instruments count adhesive forces positive.
     ``stiffness`` [N/m]: the displacement is the device's, its deflection P/stiffness is subtracted; of a microscope's
     file its spring constant, where the file lacks it. ``sensitivity`` [m/V]: likewise.
     ``zero``: displacement [m] and load [N] at the zero points, subtracted after the change of sign.
@@ -131,6 +132,7 @@ class Reading:
 
     columns: Mapping[str, str] = field(default_factory=dict)
     units: Mapping[str, str] = field(default_factory=dict)
+    factors: Mapping[str, float] = field(default_factory=dict)
     flip: frozenset[str] = frozenset()
     stiffness: float | None = None
     sensitivity: float | None = None

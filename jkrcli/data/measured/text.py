@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+import math
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -10,14 +12,29 @@ import numpy as np
 from ...base.arrays import Array
 from ...base.errors import InputError
 from ..columns import CONTACT, Quantity, Vocabulary, asked, check_chosen, choice, split_name, words
-from ..text_table import TextTable, read_table
+from ..text_table import TextTable, read_table, unit_power
+from . import archive
 from .curve import APPROACH, LEAST_ROWS, QUANTITIES, RETRACT, Curve, Reading, place
+from .instruments import (
+    DEFLECTIONS,
+    VOLTS,
+    Position,
+    constants,
+    deflection,
+    one_column_each,
+    plain,
+    position_of,
+    positions,
+    toward,
+)
+
+UNITS_OF = {"stiffness": "N/m", "sensitivity": "m/V"}
 
 NAMES = Vocabulary(CONTACT | {
     "delta": CONTACT["delta"].also("indentation depth"),
-    "P": CONTACT["P"].also("normal force"),
-    "t": Quantity("time", "time", ("t", "time")),
-    "segment": Quantity("segment", "", ("segment", "phase", "direction")),
+    "P": CONTACT["P"].also("normal force", "kraft", "prüfkraft", "standardkraft", "normalkraft"),
+    "t": Quantity("time", "time", ("t", "time", "zeit", "prüfzeit", "elapsed time")),
+    "segment": Quantity("segment", "", ("segment", "phase", "direction", "richtung")),
     "curve": Quantity("curve", "", ("curve", "curve number", "curve_number")),
 })  # fmt: skip
 SEGMENTS = {
@@ -26,32 +43,185 @@ SEGMENTS = {
 }
 
 
+class UnknownColumnsError(InputError):
+    """A table without enough columns of known names: another program may know the file."""
+
+
 def curves(path: Path, reading: Reading) -> Iterator[tuple[Curve | InputError, float | None]]:
-    """The curves in the table at ``path`` with the stiffness of their device [N/m]; one that cannot be used comes as
-    its error, the others follow.
+    """The curves in the table at ``path``, or in the tables of a zip archive, with the stiffness of their device [N/m];
+    one that cannot be used comes as its error, the others follow.
 
     Raises InputError where the table as a whole cannot be read.
     """
-    table = read_table(path, reading.separator, reading.decimal, 2, _is_text(reading), finite=False)
-    chosen = _columns(table, reading)
-    values = {key: NAMES.in_si(table, key, i, _unit(table, key, i, reading))
-              for key, i in chosen.items() if key in NAMES.numbers}  # fmt: skip
-    segments = np.array([SEGMENTS.get(word.lower(), word) for word in table.text[chosen["segment"]]]) \
-        if "segment" in chosen else None  # fmt: skip
-    for name, rows in _groups(table, chosen):
-        part = {key: column[rows] for key, column in values.items()}
-        yield _curve(table, name, rows, part, None if segments is None else segments[rows]), reading.stiffness
+    if path.suffix.lower() != ".zip":
+        yield from _curves(path, path, path.stem, reading)
+        return
+    inside = archive.tables(path)
+    for name, content in inside:
+        try:
+            yield from _curves(path, path / name, name, reading, content)
+        except InputError as error:
+            if len(inside) == 1:
+                raise
+            yield error, None
+
+
+def _curves(
+    origin: Path, path: Path, stem: str, reading: Reading, content: bytes | None = None
+) -> Iterator[tuple[Curve | InputError, float | None]]:
+    """The curves of one table, named after ``stem``; ``path`` stands in messages."""
+    table = read_table(path, reading.separator, reading.decimal, 2, _is_text(reading), finite=False, content=content)
+    table = _paired(table, reading)
+    found = Columns.of(table, reading)
+    segments = None
+    if "segment" in found.chosen:
+        given = table.text[found.chosen["segment"]]
+        segments = np.array([SEGMENTS.get(word.lower(), word) for word in given])
+    for name, rows in _groups(table, found.chosen, stem):
+        part = {key: column[rows] for key, column in found.values.items()}
+        curve = _curve(table, origin, name, rows, part, None if segments is None else segments[rows])
+        if isinstance(curve, Curve):
+            curve = found.with_sign(curve, reading)
+        yield curve, found.stiffness
+
+
+def _paired(table: TextTable, reading: Reading) -> TextTable:
+    """The table with its pairs of columns put together, unless the user names or numbers one of them."""
+    titles = {*table.names, *(split_name(title)[0] for title in table.names)}
+    told = any(name.isdigit() or name in titles for name in reading.columns.values())
+    return table if told else one_column_each(table)
+
+
+@dataclass(frozen=True)
+class Columns:
+    """The quantities of a table: ``values`` in SI by their keys, the index of the ``chosen`` columns, the kind of
+    ``position`` that the displacement is (None: as prepared), the ``stiffness`` [N/m] of its device, and what is to be
+    said (``flags``)."""
+
+    table: TextTable
+    chosen: Mapping[str, int]
+    values: Mapping[str, Array]
+    position: Position | None
+    stiffness: float | None
+    flags: tuple[str, ...]
+
+    @classmethod
+    def of(cls, table: TextTable, reading: Reading) -> Columns:
+        held = constants(table.head)
+        stiffness = reading.stiffness or held.get("stiffness")
+        chosen, flags = _columns(table, reading, stiffness)
+        position = position_of(table.names[chosen["delta"]]) if "delta" in chosen else None
+        values: dict[str, Array] = {}
+        for key, index in chosen.items():
+            if key not in NAMES.numbers:
+                continue
+            if key == "P" and (power := _deflection_power(table, index, reading)) is not None:
+                values[key], said = _load_of_deflection(table, index, power, reading, held)
+                flags.append(said)
+            else:
+                values[key] = NAMES.in_si(table, key, index, reading.units.get(key))
+            if key != "delta":
+                values[key] = values[key] * reading.factors.get(key, 1.0)
+        flags += _overruled(table, chosen, reading)
+        if position is not None and position.device:
+            flags += _on_stiffness(reading, held, "P" in chosen)
+        elif position is not None:
+            stiffness = None
+        else:
+            stiffness = reading.stiffness
+        return cls(table, chosen, values, position, stiffness, tuple(flags))
+
+    def with_sign(self, curve: Curve, reading: Reading) -> Curve:
+        """The curve with its displacement toward the specimen as the name of its column, else its load, tells; as in
+        the file where the user turns it; with what is to be said."""
+        if curve.delta is None:
+            return curve
+        flags, sign = self.flags, 1
+        if self.position is not None:
+            index = self.chosen["delta"]
+            sign, said = self.position.sign, f"{self.position.noun}, which grows away from the specimen"
+            if sign == 0:
+                P = None if curve.P is None else curve.P * (-1.0 if "P" in reading.flip else 1.0)
+                sign = 1 if P is None or toward(curve.delta, P) else -1
+                said = f"{self.position.noun}, at whose lower end the load is largest"
+            if "delta" in reading.flip:
+                sign, turned = 1, ", its sign turned as told"
+            else:
+                turned = f", its sign turned: {said}" if sign < 0 else ", its sign as it is"
+            flags = (f"displacement from {_column(self.table, index)}{turned}", *flags)
+        return replace(curve, delta=sign * curve.delta * reading.factors.get("delta", 1.0), flags=flags)
+
+
+def _column(table: TextTable, index: int) -> str:
+    return f'column {index + 1} "{table.names[index]}"'
+
+
+def _unit_of(table: TextTable, key: str, index: int, reading: Reading) -> str:
+    return reading.units.get(key) or split_name(table.names[index])[1]
+
+
+def _deflection_power(table: TextTable, index: int, reading: Reading) -> tuple[str, int] | None:
+    """Whether the load's column is a deflection: "length" or "voltage" and its unit's power of ten, by the unit."""
+    unit = _unit_of(table, "P", index, reading)
+    if unit in VOLTS:
+        return "voltage", VOLTS[unit]
+    found = unit_power(unit)
+    deflects = plain(table.names[index]) in DEFLECTIONS
+    return found if found and found[0] == "length" and deflects else None
+
+
+def _load_of_deflection(
+    table: TextTable, index: int, unit: tuple[str, int], reading: Reading, held: Mapping[str, float]
+) -> tuple[Array, str]:
+    """The load [N] of a deflection in metres or volts, and the sentence that says so."""
+    wanted = ("sensitivity", "stiffness") if unit[0] == "voltage" else ("stiffness",)
+    known = {name: getattr(reading, name) or held.get(name) for name in wanted}
+    missing = [name for name in wanted if known[name] is None]
+    title, kind = _column(table, index), f"a deflection in {_unit_of(table, 'P', index, reading)}"
+    options = " and ".join(f"--{name}" for name in missing)
+    if missing and not reading.incomplete:
+        raise InputError(f"{table.path}: {title} is {kind}, no force: give {options}")
+    factor = math.prod(1.0 if value is None else value for value in known.values())
+    load = table.values[:, index] * 10.0 ** unit[1] * factor
+    if missing:
+        return (
+            load,
+            f"{title} is {kind}: 1 in SI units stands in for what is missing, loads are no forces yet; give {options}",
+        )
+    with_ = ", ".join(f"{key} {value:g} {UNITS_OF[key]}" for key, value in known.items())
+    return load, f"load from {title}, {kind}, with {with_}"
+
+
+def _overruled(table: TextTable, chosen: Mapping[str, int], reading: Reading) -> list[str]:
+    """A sentence on each unit of the header that the user overrules."""
+    said = []
+    for key, told in reading.units.items():
+        held = split_name(table.names[chosen[key]])[1]
+        if held and held != told:
+            said.append(f"{_column(table, chosen[key])} read in {told} as told, its header says {held}")
+    return said
+
+
+def _on_stiffness(reading: Reading, held: Mapping[str, float], load: bool) -> list[str]:
+    """A sentence on the stiffness of a device: where it is from, or that it is missing."""
+    if reading.stiffness is not None:
+        found = held.get("stiffness", reading.stiffness)
+        return [] if math.isclose(found, reading.stiffness, rel_tol=1e-6) else \
+            [f"stiffness {reading.stiffness:g} N/m as told, the head of the file says {found:g} N/m"]  # fmt: skip
+    if "stiffness" in held:
+        return [f"stiffness {held['stiffness']:g} N/m from the head of the file, its deflection is subtracted"]
+    return ["the deflection of the device is not subtracted: give --stiffness"] if load else []
 
 
 def _curve(
-    table: TextTable, name: str, rows: Array, values: dict[str, Array], segment: Array | None
+    table: TextTable, origin: Path, name: str, rows: Array, values: dict[str, Array], segment: Array | None
 ) -> Curve | InputError:
     try:
-        _check(table, name, table.lines[rows], values)
+        _check(place(origin, name), name == table.path.stem, table.lines[rows], values)
         if "area" in values:
             values["a"] = np.sqrt(values.pop("area") / np.pi)
         a, delta, P, t = (values.get(quantity) for quantity in QUANTITIES)
-        return Curve(name, a, delta, P, t, segment, table.path)
+        return Curve(name, a, delta, P, t, segment, origin)
     except InputError as error:
         return error
 
@@ -67,39 +237,55 @@ def _is_text(reading: Reading) -> Callable[[int, str], bool]:
     return is_text
 
 
-def _columns(table: TextTable, reading: Reading) -> dict[str, int]:
-    """Index of the column of every quantity that is there: as told, else by its name."""
+def _columns(table: TextTable, reading: Reading, stiffness: float | None) -> tuple[dict[str, int], list[str]]:
+    """Index of the column of every quantity that is there: as told, else by its name; what is to be said of it."""
     chosen = {key: asked(table, key, name) for key, name in reading.columns.items()}
+    said: list[str] = []
+    if "delta" not in chosen and (found := _displacement(table, set(chosen.values()), stiffness)):
+        chosen["delta"], why = found
+        said += [why] if why else []
     for key in NAMES.quantities:
         if key not in chosen and NAMES.named(table, key) and not (key == "area" and "a" in chosen):
             chosen[key] = NAMES.guess(table, key)
+    bent = deflection(table)
+    if "P" not in chosen and bent is not None and bent not in chosen.values():
+        chosen["P"] = bent
     check_chosen(table, chosen)
     if len(chosen.keys() & {"a", "area", "delta", "P"}) < 2:
-        found = words(table, chosen) or "none"
-        raise InputError(
+        recognised = words(table, chosen) or "none"
+        raise UnknownColumnsError(
             f"{table.path}: at least two of contact radius (or area), displacement and load are needed, recognised: "
-            f"{found}; say which columns they are, --column P=NAME ({choice(table)})"
+            f"{recognised}; say which columns they are, --column P=NAME ({choice(table)})"
         )
-    for key in reading.units:
-        if key not in chosen:
-            raise InputError(f"{table.path}: --unit {key}={reading.units[key]} has no column to belong to: give "
-                             f"--column {key}=NAME ({choice(table)})")  # fmt: skip
-    return chosen
+    for option, told in (("unit", reading.units), ("factor", reading.factors)):
+        for key in told:
+            if key not in chosen:
+                value = told[key] if option == "unit" else f"{told[key]:g}"
+                raise InputError(f"{table.path}: --{option} {key}={value} has no column to belong to: give "
+                                 f"--column {key}=NAME ({choice(table)})")  # fmt: skip
+    return chosen, said
 
 
-def _unit(table: TextTable, key: str, index: int, reading: Reading) -> str | None:
-    """The unit that the user told; refused where the header names another one."""
-    told, held = reading.units.get(key), split_name(table.names[index])[1]
-    if told and held and told != held:
-        raise InputError(f'{table.path}: column {index + 1} "{table.names[index]}" names its unit: '
-                         f"leave out --unit {key}={told}")  # fmt: skip
-    return told
+def _displacement(table: TextTable, taken: set[int], stiffness: float | None) -> tuple[int, str] | None:
+    """The column of a position and, where there was a choice, why it was taken; None: the names of prepared tables."""
+    prepared = NAMES.named(table, "delta")
+    found = [(i, kind) for i, kind in positions(table) if i not in taken and i not in prepared]
+    if not found or any(plain(table.names[i]) == "delta" for i in prepared):
+        return None
+    device = next((i for i, kind in found if kind.device), None)
+    tip = prepared[0] if prepared else next((i for i, kind in found if not kind.device), None)
+    if device is None or tip is None:
+        return None if prepared else (found[0][0], "")
+    if stiffness is not None:
+        return device, f"the position of the device was taken, not {_column(table, tip)}: its stiffness is known"
+    why = f"the position of the tip was taken, not {_column(table, device)}: the stiffness of the device is not known"
+    return (NAMES.guess(table, "delta") if prepared else tip), why
 
 
-def _groups(table: TextTable, chosen: dict[str, int]) -> Iterator[tuple[str, Array]]:
-    """Name and rows of each curve, in the order of the file."""
+def _groups(table: TextTable, chosen: Mapping[str, int], stem: str) -> Iterator[tuple[str, Array]]:
+    """Name and rows of each curve, in the order of the file; ``stem`` is the name where there is but one."""
     if "curve" not in chosen:
-        yield table.path.stem, np.arange(table.lines.size)
+        yield stem, np.arange(table.lines.size)
         return
     names, inverse = np.unique(table.text[chosen["curve"]], return_inverse=True)
     order = np.argsort(inverse, kind="stable")
@@ -108,9 +294,8 @@ def _groups(table: TextTable, chosen: dict[str, int]) -> Iterator[tuple[str, Arr
         yield str(names[inverse[rows[0]]]), rows
 
 
-def _check(table: TextTable, name: str, lines: Array, values: dict[str, Array]) -> None:
+def _check(where: str, alone: bool, lines: Array, values: dict[str, Array]) -> None:
     """Refuse too few rows, numbers that are not finite, negative areas and radii, time that runs back."""
-    where = place(table.path, name)
     if lines.size < LEAST_ROWS:
         there = ", ".join(map(str, lines))
         raise InputError(f"{where}: holds {lines.size} rows (lines {there}), at least {LEAST_ROWS} are needed")
@@ -124,8 +309,6 @@ def _check(table: TextTable, name: str, lines: Array, values: dict[str, Array]) 
     back = np.diff(values.get("t", np.zeros(1))) < 0
     if back.any():
         i = int(np.argmax(back)) + 1
-        remedy = (
-            "; several curves in one file need their column: --column curve=NAME" if name == table.path.stem else ""
-        )
+        remedy = "; several curves in one file need their column: --column curve=NAME" if alone else ""
         raise InputError(f"{where}: line {lines[i]}: time must not run back, it falls from {values['t'][i - 1]:g} to "
                          f"{values['t'][i]:g} s{remedy}")  # fmt: skip

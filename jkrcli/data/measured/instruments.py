@@ -1,0 +1,150 @@
+"""What instruments write: positions with their sign, deflections, a pair of columns per direction, a spring constant in
+the head."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ...base.arrays import Array
+from ..columns import split_name
+from ..text_table import TextTable, unit_power
+from .curve import APPROACH, RETRACT
+
+VOLTS = {"V": 0, "mV": -3, "uV": -6}
+DIRECTIONS = {
+    **dict.fromkeys(("extend", "extension", "approach", "trace", "forward", "advance", "ex", "ext"), APPROACH),
+    **dict.fromkeys(("retract", "retraction", "withdraw", "retrace", "backward", "rt", "ret"), RETRACT),
+}
+SPRING = ("k", "spring constant", "force constant", "cantilever stiffness", "springconstant", "federkonstante")
+SENSITIVITY = ("sensitivity", "deflection sensitivity", "invols", "defl sens")
+
+
+@dataclass(frozen=True)
+class Position:
+    """A kind of displacement: its ``noun``, its ``sign`` (1 toward the specimen, -1 away from it, 0 either), whether it
+    is that of the ``device``, not of the tip, and the ``names`` of such columns, lower case, the better ones first."""
+
+    noun: str
+    sign: int
+    device: bool
+    names: tuple[str, ...]
+
+
+POSITIONS = (
+    Position("a height", -1, True, (
+        "height (measured)", "measured height", "height (measured & smoothed)", "height sensor", "height",
+        "piezo height", "height (piezo)", "smoothed measured height", "höhe")),
+    Position("a position of the piezo", 0, True, (
+        "z sensor", "z sense", "zsensor", "zsnsr", "piezo", "piezo position", "z piezo", "z position", "zpos", "z",
+        "position", "raw", "calc ramp")),
+    Position("a way of the device", 1, True, (
+        "weg", "traversenweg", "standardweg", "verfahrweg", "crosshead", "extension", "stroke")),
+    Position("a penetration", 1, False, ("eindringtiefe", "eindringung", "penetration", "penetration depth")),
+    Position("a separation", -1, False, (
+        "tip sample separation", "tip position", "separation", "sep", "tip sample distance", "abstand")),
+)  # fmt: skip
+DEFLECTIONS = (
+    "deflection", "cantilever", "cantilever deflection", "vertical deflection", "vdeflection", "defl", "t b", "dfl",
+    "auslenkung", "deflection error",
+)  # fmt: skip
+
+
+def plain(title: str) -> str:
+    """The name in a header cell, lower case, its words parted by single blanks."""
+    return re.sub(r"[\s_.-]+", " ", split_name(title)[0].lower()).strip()
+
+
+def position_of(title: str) -> Position | None:
+    """What kind of displacement a header cell names, beside those of prepared tables."""
+    return next((kind for kind in POSITIONS if plain(title) in kind.names), None)
+
+
+def positions(table: TextTable) -> list[tuple[int, Position]]:
+    """Index and kind of the columns that hold a position, those of the device first, the better ones first."""
+    titles = [plain(title) for title in table.names]
+    return [(titles.index(name), kind) for kind in POSITIONS for name in kind.names if name in titles]
+
+
+def deflection(table: TextTable) -> int | None:
+    """The column of the cantilever's deflection, None where there is none."""
+    titles = [plain(title) for title in table.names]
+    return next((titles.index(name) for name in DEFLECTIONS if name in titles), None)
+
+
+def toward(z: Array, P: Array) -> bool:
+    """Whether ``z`` grows toward the specimen: where the load is largest it is in the upper half of its range."""
+    high = P >= P.min() + 0.9 * np.ptp(P)
+    return float(np.median(z[high])) >= float(z.min() + z.max()) / 2
+
+
+def one_column_each(table: TextTable) -> TextTable:
+    """The table with its pairs of columns, one per direction, put one under the other and a column "segment" added.
+
+    A table without such pairs is returned as it is.
+    """
+    sides: dict[str, dict[str, int]] = {APPROACH: {}, RETRACT: {}}
+    for i, title in enumerate(table.names):
+        kind, rest = _direction(title)
+        if kind and i not in table.text:
+            sides[kind].setdefault(rest, i)
+    names = [name for name in sides[APPROACH] if name in sides[RETRACT]]
+    if len(names) < 2:
+        return table
+    parts = [table.values[:, [side[name] for name in names]] for side in sides.values()]
+    kept = [np.isfinite(part).any(axis=1) for part in parts]
+    values = np.vstack([part[rows] for part, rows in zip(parts, kept, strict=True)])
+    words = tuple(word for word, rows in zip(sides, kept, strict=True) for _ in range(int(rows.sum())))
+    lines = np.concatenate([table.lines[rows] for rows in kept])
+    return replace(table, names=(*names, "segment"), values=np.column_stack([values, np.zeros(len(values))]),
+                   lines=lines, text={len(names): words})  # fmt: skip
+
+
+def _direction(title: str) -> tuple[str | None, str]:
+    """The direction that one of the words of a header cell names, and the cell without that word."""
+    name, unit = split_name(title)
+    words = re.split(r"[\s_]+", name)
+    found = next((word for word in words if word.lower() in DIRECTIONS), None)
+    if found is None or len(words) < 2:
+        return None, title
+    words.remove(found)
+    return DIRECTIONS[found.lower()], " ".join(words) + (f" [{unit}]" if unit else "")
+
+
+def constants(head: tuple[str, ...]) -> Mapping[str, float]:
+    """Spring constant "stiffness" [N/m] and "sensitivity" [m/V] that the head of a file names; 1 stands for unknown."""
+    found: dict[str, float] = {}
+    for line in head:
+        match = re.match(r'[\W_]*(.*?)\s*[,:=\t;]?\s*[\[(]?([a-zµμ]*[NmV]/[a-zµμ]*[mV])[\])]?[\s:=;,"]+(\S+)', line)
+        match = match or re.match(r'[\W_]*(.*?)\s*[:=;\t]\s*([-+.,\deE]+)\s*([a-zµμ]*[NmV]/[a-zµμ]*[mV])\s*"?\Z', line)
+        if not match:
+            continue
+        name, unit, number = match.groups()
+        if "/" in number:
+            unit, number = number, unit
+        try:
+            value = float(number.strip('"').replace(",", ".")) * _ratio(unit)
+        except (ValueError, KeyError):
+            continue
+        for key, names in (("stiffness", SPRING), ("sensitivity", SENSITIVITY)):
+            if plain(name) in names and _kind(unit) == key and value > 0 and float(number.replace(",", ".")) != 1:
+                found.setdefault(key, value)
+    return found
+
+
+def _kind(unit: str) -> str:
+    above, below = unit.split("/")
+    return "stiffness" if above.endswith("N") and below.endswith("m") else \
+        "sensitivity" if above.endswith("m") and below.endswith("V") else ""  # fmt: skip
+
+
+def _ratio(unit: str) -> float:
+    """The size of a unit such as nN/nm in SI; KeyError where it is none."""
+    powers = []
+    for part in unit.split("/"):
+        known = unit_power(part)
+        powers.append(known[1] if known else VOLTS[part.replace("µ", "u").replace("μ", "u")])
+    return float(10.0 ** (powers[0] - powers[1]))

@@ -1,0 +1,209 @@
+"""Dirty tables as instruments write them: encodings, archives, foreign names with signs, pairs of columns, volts."""
+
+from __future__ import annotations
+
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from jkrcli.base.errors import InputError
+from jkrcli.data import measured
+from jkrcli.data.measured import Curve, Reading
+from jkrcli.data.measured import archive as archive_room
+from jkrcli.data.text_table import decoded
+
+Z = np.array([0.0, 1.0, 2.0, 3.0, 2.0, 1.0]) * 1e-6  # toward the specimen
+LOAD = np.array([0.0, 0.0, 2.0, 9.0, 1.0, -3.0]) * 1e-9
+GERMAN = "Prüfung vom 3.2.\r\nWeg [µm];Kraft [mN]\r\n" + "".join(
+    f"{z * 1e6:.3f};{P * 1e3:.9f}\r\n".replace(".", ",") for z, P in zip(Z, LOAD, strict=True)
+)
+ENCODINGS = {
+    "utf-8": GERMAN.encode(),
+    "utf-8 with a mark": GERMAN.encode("utf-8-sig"),
+    "utf-16 little with a mark": b"\xff\xfe" + GERMAN.encode("utf-16-le"),
+    "utf-16 big with a mark": b"\xfe\xff" + GERMAN.encode("utf-16-be"),
+    "utf-16 little": GERMAN.encode("utf-16-le"),
+    "utf-16 big": GERMAN.encode("utf-16-be"),
+    "windows-1252": GERMAN.encode("cp1252"),
+    "latin-1": GERMAN.replace("Prüfung", "Pr\x81fung").encode("latin-1"),
+}
+
+
+def table(*columns: tuple[str, np.ndarray], head: str = "") -> str:
+    lines = [",".join(name for name, _ in columns)]
+    lines += [",".join(map(repr, map(float, row))) for row in zip(*(values for _, values in columns), strict=True)]
+    return head + "\n".join(lines) + "\n"
+
+
+def written(tmp_path: Path, content: str | bytes, name: str = "m.csv") -> Path:
+    path = tmp_path / name
+    path.write_bytes(content if isinstance(content, bytes) else content.encode())
+    return path
+
+
+def one(path: Path, reading: Reading | None = None) -> Curve:
+    (curve,) = measured.read(path, reading)
+    return curve
+
+
+@pytest.mark.parametrize("encoding", ENCODINGS)
+def test_the_same_table_in_every_encoding(tmp_path: Path, encoding: str) -> None:
+    curve = one(written(tmp_path, ENCODINGS[encoding]))
+    np.testing.assert_allclose(curve.delta, Z, rtol=1e-12)
+    np.testing.assert_allclose(curve.P, LOAD, rtol=1e-12)
+    assert curve.flags == (
+        'displacement from column 1 "Weg [µm]", its sign as it is',
+        "the deflection of the device is not subtracted: give --stiffness",
+    )
+
+
+def test_letters_beyond_ascii_come_out_right() -> None:
+    assert {decoded("25 °C, µm".encode(name)) for name in ("utf-8", "cp1252", "utf-16")} == {"25 °C, µm"}
+    assert decoded(b"") == ""
+
+
+# ---------------------------------------------------------------------- names and signs
+SIGNS = {
+    "Height (nm)": (-1, True), "Tip-Sample Separation (nm)": (-1, False), "Weg (nm)": (1, True),
+    "Eindringtiefe (nm)": (1, False), "Z sensor (nm)": (1, True), "piezo (nm)": (1, True), "z_nm": (1, True),
+    "Extension [nm]": (1, True), "Height (measured) [nm]": (-1, True),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("title", SIGNS)
+def test_positions_come_with_the_sign_of_their_name(tmp_path: Path, title: str) -> None:
+    sign, device = SIGNS[title]
+    curve = one(written(tmp_path, table((title, sign * Z * 1e9), ("Force (nN)", LOAD * 1e9))), Reading(stiffness=0.1))
+    assert curve.stiffness == (0.1 if device else None)
+    np.testing.assert_allclose(curve.device, Z, rtol=1e-12, atol=1e-20)
+    assert ("turned" in curve.flags[0]) == (sign < 0)
+
+
+def test_the_data_tell_the_sign_of_a_z_and_the_user_overrules_it(tmp_path: Path) -> None:
+    path = written(tmp_path, table(("Z (nm)", -Z * 1e9), ("Force (nN)", LOAD * 1e9)))
+    curve = one(path)
+    np.testing.assert_allclose(curve.delta, Z, rtol=1e-12)
+    assert curve.flags[0] == (
+        'displacement from column 1 "Z (nm)", its sign turned: a position of the piezo, at whose lower end the load '
+        "is largest"
+    )
+    np.testing.assert_allclose(one(path, Reading(factors={"delta": -1.0})).delta, -Z, rtol=1e-12)
+    np.testing.assert_allclose(one(path, Reading(flip=frozenset({"delta"}))).delta, Z, rtol=1e-12)
+
+
+def test_piezo_or_tip_is_chosen_by_what_is_known_of_the_device(tmp_path: Path) -> None:
+    columns = (("Load (nN)", LOAD * 1e9), ("Indentation (nm)", Z * 1e9 - 5), ("Piezo (nm)", Z * 1e9))
+    curve = one(written(tmp_path, table(*columns)))
+    np.testing.assert_allclose(curve.delta, Z - 5e-9, rtol=1e-12)
+    assert curve.flags == (
+        'the position of the tip was taken, not column 3 "Piezo (nm)": the stiffness of the device is not known',
+    )
+    curve = one(written(tmp_path, table(*columns, head="k (N/m)\t0.019\n\n")))
+    np.testing.assert_allclose(curve.delta, Z - LOAD / 0.019, rtol=1e-12, atol=1e-20)
+    assert curve.flags == (
+        'displacement from column 3 "Piezo (nm)", its sign as it is',
+        'the position of the device was taken, not column 2 "Indentation (nm)": its stiffness is known',
+        "stiffness 0.019 N/m from the head of the file, its deflection is subtracted",
+    )
+
+
+@pytest.mark.parametrize(
+    "line", ["k (N/m)\t0.05", "# springConstant: 0.05 N/m", "Force Constant, nN/nm: 0.05", "Federkonstante [N/m]; 0,05"]
+)
+def test_the_spring_constant_stands_in_the_head(tmp_path: Path, line: str) -> None:
+    path = written(tmp_path, line + "\n" + table(("Height (nm)", -Z * 1e9), ("Force (nN)", LOAD * 1e9)))
+    assert one(path).stiffness == 0.05
+    assert one(path, Reading(stiffness=0.2)).flags[-1] == (
+        "stiffness 0.2 N/m as told, the head of the file says 0.05 N/m"
+    )
+
+
+def test_pairs_of_columns_are_one_curve_of_two_segments(tmp_path: Path) -> None:
+    there, back = slice(0, 3), slice(3, 6)
+    names = ("Extend Z-Sense(nm)", "Extend Force(nN)", "Retract Z-Sense(nm)", "Retract Force(nN)")
+    values = (Z[there] * 1e9, LOAD[there] * 1e9, Z[back] * 1e9, LOAD[back] * 1e9)
+    curve = one(written(tmp_path, table(*zip(names, values, strict=True), head="Force-Distance Curve\nPoint:\t1\n")))
+    assert curve.segment is not None
+    assert curve.segment.tolist() == ["approach"] * 3 + ["retract"] * 3
+    np.testing.assert_allclose(curve.delta, Z, rtol=1e-12)
+    np.testing.assert_allclose(curve.P, LOAD, rtol=1e-12)
+
+
+def test_volts_and_metres_of_deflection_become_loads(tmp_path: Path) -> None:
+    volts = written(tmp_path, table(("Height (um)", -Z * 1e6), ("Deflection (mV)", LOAD / 0.1 / 5e-8 * 1e3)))
+    curve = one(volts, Reading(stiffness=0.1, sensitivity=5e-8))
+    np.testing.assert_allclose(curve.P, LOAD, rtol=1e-12)
+    np.testing.assert_allclose(curve.delta, Z - LOAD / 0.1, rtol=1e-12, atol=1e-20)
+    assert curve.flags[1] == (
+        'load from column 2 "Deflection (mV)", a deflection in mV, with sensitivity 5e-08 m/V, stiffness 0.1 N/m'
+    )
+    metres = written(tmp_path, table(("Height (um)", -Z * 1e6), ("Deflection (nm)", LOAD / 0.1 * 1e9)))
+    np.testing.assert_allclose(one(metres, Reading(stiffness=0.1)).P, LOAD, rtol=1e-12)
+    assert one(metres, Reading(incomplete=True)).flags[1].endswith("loads are no forces yet; give --stiffness")
+
+
+# ---------------------------------------------------------------------- the user wins
+def test_unit_and_factor_overrule_the_header(tmp_path: Path) -> None:
+    path = written(tmp_path, table(("delta_nm", Z * 1e9), ("P_nN", LOAD * 1e9)))
+    curve = one(path, Reading(units={"P": "uN"}, factors={"P": 2.0, "delta": 0.5}))
+    np.testing.assert_allclose(curve.P, 2e3 * LOAD, rtol=1e-12)
+    np.testing.assert_allclose(curve.delta, Z / 2, rtol=1e-12)
+    assert curve.flags == ('column 2 "P_nN" read in uN as told, its header says nN',)
+
+
+# ---------------------------------------------------------------------- archives
+def archive(path: Path, members: dict[str, bytes]) -> Path:
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as file:
+        for name, content in members.items():
+            file.writestr(name, content)
+    return path
+
+
+def test_an_archive_holds_a_curve_per_table(tmp_path: Path) -> None:
+    path = archive(tmp_path / "m.zip", {
+        "run/one.txt": ENCODINGS["windows-1252"], "run/two.txt": b"x\n", "run/three.csv": ENCODINGS["utf-16 little"],
+        "__MACOSX/one.txt": b"\0", "run/picture.png": b"\x89PNG",
+    })  # fmt: skip
+    first, second, third = measured.each(path)
+    assert isinstance(first, Curve)
+    assert isinstance(third, Curve)
+    assert [first.where, third.where] == [f'{path}: curve "one"', f'{path}: curve "three"']
+    np.testing.assert_allclose(first.P, third.P, rtol=1e-12)
+    assert str(second) == (
+        f"{path}/two: holds no row of at least 2 numbers; give the separator and the decimal mark if they are unusual"
+    )
+    assert one(archive(tmp_path / "s.zip", {"s.txt": ENCODINGS["utf-8"]})).where == str(tmp_path / "s.zip")
+
+
+WRONG: dict[str, tuple[Callable[[Path], Path], str]] = {
+    "volts without a sensitivity": (
+        lambda path: written(path, table(("Height (um)", Z), ("T-B(V)", LOAD))),
+        '{path}: column 2 "T-B(V)" is a deflection in V, no force: give --sensitivity and --stiffness',
+    ),
+    "metres without a stiffness": (
+        lambda path: written(path, table(("Height (um)", Z), ("Deflection_nm", LOAD))),
+        '{path}: column 2 "Deflection_nm" is a deflection in nm, no force: give --stiffness',
+    ),
+    "no archive": (
+        lambda path: written(path, b"PK no", "m.zip"),
+        "{path}: cannot be read as a zip archive (File is not a zip file)",
+    ),
+    "an archive that unpacks to too much": (
+        lambda path: archive(path / "m.zip", {"a.txt": bytes(3000)}),
+        "{path}: its tables unpack to 0 MiB, at most 0 MiB are read",
+    ),
+    "no archive there": (lambda path: path / "none.zip", "{path}: archive not found"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("mistake", WRONG)
+def test_mistakes_are_told_in_one_line(tmp_path: Path, mistake: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(archive_room, "MOST", 2000)
+    make, expected = WRONG[mistake]
+    path = make(tmp_path)
+    with pytest.raises(InputError) as caught:
+        measured.read(path)
+    assert str(caught.value) == expected.format(path=path)

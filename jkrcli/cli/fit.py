@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import re
 from dataclasses import replace
 from pathlib import Path
@@ -117,6 +118,8 @@ def fit(
     jkr fit --radius "5 um" --nu 0.5 --shape paraboloid curve.jpk-force
     jkr fit data.h5 map.jpk-force-map --workers 2
     """
+    from ..data.text_table import some
+    from ..identification.fit.fitting import Failure
     from ..identification.fit.settings import settings_of, uncertain_of
     from ..report import fit as report
 
@@ -136,12 +139,19 @@ def fit(
         settings = settings_of(
             body, names, fix, start, bound, uncertain=uncertain_of(body, uncertain, settings), **options
         )
-    found = _fits(body, measured, reading, settings, workers, scheduler)
+    found, reasons = _fits(body, measured, reading, settings, workers, scheduler)
     named = _pictures(found) if output.plots else []
     drawn = [(item, output.files(Path(f"{targets.stem}-{name}"), PICTURES, inputs)) for item, name in named]
+    none = all(isinstance(item, Failure) for item in found)
+    if none and not found:
+        raise InputError(some(reasons))
     targets.write(report.columns(found), report.summary(found, str(body_file)))
     report.write(targets[".h5"], found, str(body_file))
     _draw(drawn)
+    if none:
+        raise InputError(some(reasons))
+    for line in reasons:
+        warn(f"skipped: {line}")
     _tell(found, output.json, str(body_file))
     if not output.json:
         pictures = f", {len(drawn)} picture{'s' if len(drawn) > 1 else ''}" if drawn else ""
@@ -174,11 +184,10 @@ def _fits(
     settings: Settings,
     workers: int | None,
     scheduler: str | None,
-) -> list[Fit | Failure]:
-    """Fits of all curves in all files; InputError where there is none at all."""
+) -> tuple[list[Fit | Failure], list[str]]:
+    """Fits of all curves in all files, and why others could not be read or fitted."""
     from ..base.executors import executor
     from ..data.measured import each
-    from ..data.text_table import some
     from ..identification.fit.fitting import Failure, fit_all
 
     curves: list[Curve] = []
@@ -192,29 +201,37 @@ def _fits(
     with executor(workers, scheduler, progress, SECONDS * len(curves)) as pool:
         found = fit_all(body, curves, settings, pool)
     failed = [line for item in found if isinstance(item, Failure) for line in item.lines]
-    if len(unread) + len(failed) and all(isinstance(item, Failure) for item in found):
-        raise InputError(some([*unread, *failed]))
-    for line in [*unread, *failed]:
-        warn(f"skipped: {line}")
-    return found
+    return found, [*unread, *failed]
 
 
-def _pictures(found: list[Fit | Failure]) -> list[tuple[Fit, str]]:
-    """Fits to draw, each with what its pictures are called after."""
-    from ..identification.fit import Fit
+def _pictures(found: list[Fit | Failure]) -> list[tuple[Fit | Failure, str]]:
+    """Curves to draw, fitted or not, each with what its pictures are called after."""
+    from ..identification.fit.fitting import Failure
 
-    fits = [item for item in found if isinstance(item, Fit)]
-    if len(fits) > SHOWN:
+    drawable = [
+        item for item in found if not (isinstance(item, Failure) and (item.curve.delta is None or item.curve.P is None))
+    ]
+    if len(drawable) > SHOWN:
         return []
-    names = [Path(item.file).stem if len(fits) == 1 else f"{Path(item.file).stem}-{item.name}" for item in fits]
-    return [(item, re.sub(r"[^-_.a-zA-Z0-9]+", "-", name)) for item, name in zip(fits, names, strict=True)]
+    held = [(str(item.curve.origin or ""), item.curve.name) if isinstance(item, Failure) else (item.file, item.name)
+            for item in drawable]  # fmt: skip
+    names = [Path(file).stem if len(held) == 1 else f"{Path(file).stem}-{name}" for file, name in held]
+    return [(item, re.sub(r"[^-_.a-zA-Z0-9]+", "-", name)) for item, name in zip(drawable, names, strict=True)]
 
 
-def _draw(drawn: list[tuple[Fit, Files]]) -> None:
-    if drawn:
-        from ..report.plots.fit import fit_figure
+def _draw(drawn: list[tuple[Fit | Failure, Files]]) -> None:
+    """The fitted curve over its data; of a curve that could not be fitted its record, if it can be taken apart."""
+    from ..data.record import examine
+    from ..identification.fit.fitting import Failure
+    from ..report.plots.fit import fit_figure
+    from ..report.plots.record import record_figure
+
     for item, target in drawn:
-        target.write(figure=fit_figure(item))
+        if not isinstance(item, Failure):
+            target.write(figure=fit_figure(item))
+            continue
+        with contextlib.suppress(InputError):
+            target.write(figure=record_figure([examine(item.curve)]))
 
 
 def _tell(found: list[Fit | Failure], as_json: bool, body: str) -> None:

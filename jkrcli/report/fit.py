@@ -28,7 +28,7 @@ UNIT_NAMES = {
 }
 ALWAYS = ("file", "curve", "status", "reason", "points")
 SYMBOLS = {"E_star": "E*", "modulus": "moduli over the case's"}
-FITTED, DOUBTFUL, FAILED = "fitted", "doubtful", "failed"
+FITTED, DOUBTFUL, UNUSABLE = "fitted", "doubtful", "unusable"
 DIMENSIONS = {"a": "length", "delta": "length", "P": "load"}
 NOTICEABLE = 0.01  # choice: of the standard error; smaller systematic parts are not told in words
 
@@ -42,7 +42,9 @@ def columns(found: Sequence[Fit | Failure]) -> dict[str, list[Any]]:
 def _row(item: Fit | Failure) -> dict[str, Any]:
     if isinstance(item, Failure):
         curve = item.curve
-        return dict(zip(ALWAYS, (str(curve.origin or ""), curve.name, FAILED, " ".join(item.lines), None), strict=True))
+        return dict(
+            zip(ALWAYS, (str(curve.origin or ""), curve.name, UNUSABLE, " ".join(item.lines), None), strict=True)
+        )
     row: dict[str, Any] = dict(zip(ALWAYS, (item.file, item.name, _status(item), "", item.a.size), strict=True))
     for estimate in item.estimates:
         parts: dict[str, float | None] = {"": estimate.value}
@@ -73,7 +75,7 @@ def summary(found: Sequence[Fit | Failure], body: str) -> dict[str, Any]:
 def _summary(item: Fit | Failure) -> dict[str, Any]:
     if isinstance(item, Failure):
         curve = item.curve
-        return {"file": str(curve.origin or ""), "curve": curve.name, "status": FAILED, "reason": list(item.lines)}
+        return {"file": str(curve.origin or ""), "curve": curve.name, "status": UNUSABLE, "reason": list(item.lines)}
     told = item.structure
     return {
         "file": item.file,

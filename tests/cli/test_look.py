@@ -79,3 +79,22 @@ def test_a_body_by_flags_says_what_is_missing(jkr: Callable[..., Outcome], table
     assert (done.code, done.err) == (
         2, "jkr: error: fit: give MEASURED files behind BODY, or the body by flags: --radius, --nu\n"
     )  # fmt: skip
+
+
+def test_a_file_without_any_usable_curve_leaves_its_table_and_picture(
+    jkr: Callable[..., Outcome], tmp_path: Path
+) -> None:
+    """Exit code 2 with the reason; the folder can be used again."""
+    path, noise = tmp_path / "free.csv", np.random.default_rng(1).normal(size=400)
+    z = np.concatenate([np.linspace(-3, 0, 200), np.linspace(0, -3, 200)])
+    path.write_text("delta_um,P_nN\n" + "".join(f"{x},{y}\n" for x, y in zip(z, noise, strict=True)))
+    words = ("fit", "--radius", "5 um", "--nu", "0.5", "--contact", "fitted", str(path))
+    for _ in range(2):
+        done = jkr(*words)
+        assert done.code == 2
+        assert done.err == (
+            f"jkr: error: {path}: no direction can be fitted (retract: the load never leaves its base line; "
+            "approach: the load never leaves its base line)\n"
+        )
+    assert json.loads((tmp_path / "free-fit.json").read_text())["curves"][0]["status"] == "unusable"
+    assert (tmp_path / "free-fit-free.png").exists()

@@ -11,7 +11,8 @@ SEED    ?= 1
 JKR     := $(VENV)/bin/jkr
 STUDY   := $(VENV)/bin/python -m jkrcli.many.study
 READY   := $(VENV)/.ready
-STEM    := $(basename $(notdir $(CASE)))
+QUOTE    = '$(subst ','\'',$(1))'
+STEM     = $(shell basename -- $(call QUOTE,$(CASE)) .toml)
 CASES   := $(notdir $(basename $(wildcard cases/*.toml)))
 SOURCES := $(shell find jkrcli -name '*.py')
 
@@ -33,9 +34,9 @@ $(READY): requirements.txt pyproject.toml .ci/system-libraries
 	@touch $@
 
 run: $(READY) ## solve and transform CASE (default: the half-space), optionally for the works of adhesion W
-	@mkdir -p $(RESULTS)
-	$(JKR) run $(CASE) -o $(RESULTS)/$(STEM).h5
-	$(JKR) transform $(RESULTS)/$(STEM).h5 $(addprefix --w ,$(W)) -o $(RESULTS)
+	@mkdir -p $(call QUOTE,$(RESULTS))
+	$(JKR) run $(call QUOTE,$(CASE)) -o $(call QUOTE,$(RESULTS)/$(STEM).h5)
+	$(JKR) transform $(call QUOTE,$(RESULTS)/$(STEM).h5) $(addprefix --w ,$(W)) -o $(call QUOTE,$(RESULTS))
 
 test: $(READY) ## the fast tests
 	$(VENV)/bin/python -m pytest -n auto -m "not slow"
@@ -69,7 +70,7 @@ $(RESULTS)/%.done: $(RESULTS)/%.h5
 .PRECIOUS: $(RESULTS)/%.h5
 
 bench: $(READY) ## time the stages of a run
-	$(JKR) bench $(CASE)
+	$(JKR) bench $(call QUOTE,$(CASE))
 
 figures: $(READY) ## the paper's figures 5, 7, 8 and 10
 	$(STUDY).figures --cases cases -o $(RESULTS)/figures

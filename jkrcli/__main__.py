@@ -1,5 +1,15 @@
-"""``python -m jkrcli`` is the command ``jkr``."""
+"""``jkr``, and ``python -m jkrcli``: Ctrl-C is minded before anything large is imported."""
 
-from .cli import main
+from .base.interrupts import leave_at_once
 
-main()
+
+def main() -> None:
+    """Entry point of ``jkr``."""
+    leave_at_once()
+    from .cli import main as command
+
+    command()
+
+
+if __name__ == "__main__":
+    main()

@@ -8,6 +8,7 @@ from functools import cached_property
 from pathlib import Path
 
 from ..base.errors import InputError
+from ..base.units import MOST
 from ..base.unknown import Unknown, known
 from ..bodies.problem import Problem
 from ..series import ErrorBudget, Series, Solution, is_series
@@ -125,6 +126,8 @@ def analyse(
 
 def adhesive(solution: Solution, body: Nonadhesive, w: float, modulus_factor: float = 1.0) -> Analysis:
     """The adhesive curve for the work of adhesion ``w`` [J/m^2] on bodies ``modulus_factor`` times as stiff."""
+    if not 0 <= w <= MOST:
+        raise InputError(f"w: must lie within 0 and {MOST:g} J/m^2, got {w:g}")
     curve = body.scaled(modulus_factor).adhesive(w)
     return Analysis(solution.scaled(modulus_factor), curve, _budget(solution.budget, curve), modulus_factor)
 

@@ -26,6 +26,11 @@ def printable(text: str) -> str:
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in text)
 
 
+def writable(text: str) -> str:
+    """``text`` as UTF-8 can hold it: the bytes of file names that are no text as escapes."""
+    return text.encode("utf-8", "backslashreplace").decode("utf-8")
+
+
 def first_line(error: BaseException) -> str:
     """What a foreign exception says, in one line; its type where it says nothing."""
     return str(error).split("\n", 1)[0] or type(error).__name__

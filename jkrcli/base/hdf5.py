@@ -13,7 +13,7 @@ import h5py
 import numpy as np
 
 from .arrays import Array
-from .errors import InputError
+from .errors import InputError, writable
 
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 SEAL = "sha256"  # attribute of a group: the digest of everything else in it
@@ -80,6 +80,7 @@ def _canonical(name: str, value: Any) -> bytes:
     if isinstance(value, np.ndarray) and value.dtype.kind != "O":
         content = repr((value.dtype.str, value.shape)).encode() + np.ascontiguousarray(value).tobytes()
     else:
+        value = [_plain(item) for item in value] if isinstance(value, list | tuple) else value
         content = repr(list(value) if isinstance(value, np.ndarray | Sequence) else value).encode()
     return b"%d %s %d " % (len(name.encode()), name.encode(), len(content)) + content
 
@@ -87,6 +88,8 @@ def _canonical(name: str, value: Any) -> bytes:
 def _plain(value: Any) -> Any:
     """The Python number or text for what h5py and NumPy make of it; arrays and oddities as they are."""
     value = value.item() if isinstance(value, np.generic) and value.dtype.kind in "biufSU" else value
+    if isinstance(value, str):
+        return writable(value)
     return value.decode("utf-8") if isinstance(value, bytes) else value
 
 
@@ -98,7 +101,7 @@ def image(root: Group, fixed: bool = False) -> bytes:
     nowhere. Built in memory: HDF5 itself neither says clearly that a disk is full nor gets over it.
     """
     with h5py.File("image", "w", driver="core", backing_store=False, libver=FILE_FORMAT, track_order=True) as file:
-        _fill(file, sealed(root), _fixed if fixed else str)
+        _fill(file, sealed(root), _fixed if fixed else writable)
         file.flush()
         return bytes(file.id.get_file_image())
 
@@ -116,7 +119,7 @@ def _dataset(target: h5py.Group, name: str, values: Any, text: Callable[[str], A
     if isinstance(values, str):
         return target.create_dataset(name, data=text(values))
     if not isinstance(values, np.ndarray):
-        return target.create_dataset(name, data=list(values), dtype=h5py.string_dtype("utf-8"))
+        return target.create_dataset(name, data=list(map(writable, values)), dtype=h5py.string_dtype("utf-8"))
     packed = {"chunks": True, "fletcher32": True, "compression": "gzip", "shuffle": True} if values.size else {}
     return target.create_dataset(name, data=values, **packed)
 
@@ -127,7 +130,7 @@ def _describe(target: h5py.Group | h5py.Dataset, attributes: Mapping[str, Any], 
 
 
 def _fixed(text: str) -> Array:
-    content = text.encode("utf-8")
+    content = writable(text).encode()
     return np.array(content, dtype=h5py.string_dtype("utf-8", max(len(content), 1)))
 
 

@@ -13,11 +13,14 @@ from typing import Any
 
 from .files import write_text
 
+FORMULA = ("=", "+", "-", "@", "\t", "\r")  # how a cell begins that spreadsheets carry out
+
 
 def write_csv(path: Path, columns: Mapping[str, Iterable[Any]]) -> None:
     """Write columns of one length: a line of their names, then a line per row.
 
-    Numbers have full precision; cells without a value (None, NaN, infinite) are empty; words with commas are quoted.
+    Numbers have full precision; cells without a value (None, NaN, infinite) are empty; words with commas are quoted;
+    words that a spreadsheet would take for a formula are led by an apostrophe.
     """
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
@@ -33,6 +36,8 @@ def _plain(values: Any) -> Iterable[Any]:
 
 
 def _cell(value: Any) -> Any:
+    if isinstance(value, str) and value.startswith(FORMULA):
+        return "'" + value
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 

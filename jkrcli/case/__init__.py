@@ -139,7 +139,7 @@ def _path(loc: tuple[Any, ...], tree: dict[str, Any]) -> str:
             if not isinstance(here, list):
                 continue  # a single value that stands for a list of one
             path += f"[{part}]"
-            here = here[part]
+            here = here[part] if part < len(here) else None
         elif part in SHAPES and isinstance(here, dict) and here.get("shape") == part:
             continue  # the tag of the shape, not a key
         elif part.startswith("<"):

@@ -276,7 +276,7 @@ class _Reader:
         found = self.group("series").attributes.get(name)
         if found is None:
             return None
-        value = float(found)
+        value = _real(found)
         if not (np.isfinite(value) and value >= 0):
             raise InputError(f"{self.path}: series: attribute {name} must be finite and >= 0, got {value}")
         return value
@@ -287,7 +287,15 @@ def _estimate(value: Any) -> Estimate:
         return Unknown(value)
     if value is None or isinstance(value, str):
         return Unknown("not stated in the file")
-    return float(value) if np.isfinite(float(value)) else Unknown(f"stated as {float(value)} in the file")
+    number = _real(value)
+    return number if np.isfinite(number) else Unknown(f"stated as {number} in the file")
+
+
+def _real(value: Any) -> float:
+    """A real number; TypeError, which is damage, for anything else."""
+    if not isinstance(value, int | float):
+        raise TypeError(f"{type(value).__name__} in place of a number")
+    return float(value)
 
 
 def _plain(path: Path, where: str, value: Any) -> Any:

@@ -14,6 +14,7 @@ from collections.abc import Sequence
 import click
 
 from .. import __version__
+from ..base import interrupts
 from ..base.errors import InputError, JkrError, did_you_mean, printable
 from ..base.threads import ONE_THREAD
 from .voice import level_options
@@ -78,6 +79,7 @@ class Verbs(click.Group):
         command: click.Command = getattr(importlib.import_module(f"{__name__}.{attribute}"), attribute)
         if name in VOICED and not any("--quiet" in parameter.opts for parameter in command.params):
             command.params += level_options()
+        interrupts.raise_from_here()
         return command
 
     def resolve_command(
@@ -105,7 +107,7 @@ def jkr() -> None:
     jkr run my.toml                 solve it: my.h5
     jkr transform my.h5 --w 50      adhesive curve for w = 50 J/m^2: CSV, JSON, plots
 
-    Exit codes: 0 done, 2 bad input, 1 anything else.
+    Exit codes: 0 done, 2 bad input, 130 interrupted (Ctrl-C), 1 anything else.
     """
 
 
@@ -113,7 +115,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
     """Entry point of ``jkr``: one line per mistake on stderr, never a traceback for what the user can mend."""
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")  # a name that the terminal's encoding lacks is no mistake
-    sys.exit(call(arguments))
+    code = call(arguments)
+    interrupts.ignore()
+    sys.exit(code)
 
 
 def call(arguments: Sequence[str] | None = None) -> int:
@@ -134,7 +138,7 @@ def call(arguments: Sequence[str] | None = None) -> int:
     except click.ClickException as error:
         return _fail([_one_line(error)], 2)
     except (KeyboardInterrupt, click.Abort):
-        return _fail(["interrupted; nothing half-written was left"], 130)
+        return _fail([interrupts.SAID], interrupts.CODE)
     except RuntimeWarning as error:
         return _fail([f"the numbers leave the range of arithmetic ({error}); are all sizes and units right?"], 1)
     except MemoryError:
@@ -155,7 +159,7 @@ def _give_up_output() -> None:
 
 
 def _one_line(error: click.ClickException) -> str:
-    message = error.format_message().strip().rstrip(".")
+    message = " ".join(line.strip() for line in error.format_message().splitlines()).strip().rstrip(".")
     if isinstance(error, click.UsageError) and error.ctx is not None:
         message += f"; see {error.ctx.command_path} --help"
     return message[:1].lower() + message[1:]

@@ -12,6 +12,7 @@ from statistics import median
 import click
 
 from ..base.clock import StageClock
+from ..base.errors import printable
 from ..case import Case, load_case, store
 from ..case.solving import solve
 from ..many.study.chart_measure import process_cost
@@ -47,7 +48,8 @@ def bench(case: Path, method: str | None, repeat: int, limits: Limits, as_json: 
     if as_json:
         click.echo(json.dumps({"case": str(case), "method": choice.name, "repeat": repeat, "stages": table}, indent=2))
         return
-    click.echo(f"{case} by {choice.name}, CPU seconds of {repeat} runs (imports and whole process: {min(repeat, 3)})")
+    shown, few = printable(str(case)), min(repeat, 3)
+    click.echo(f"{shown} by {choice.name}, CPU seconds of {repeat} runs (imports and whole process: {few})")
     click.echo(f"  {'stage':<18}{'min':>9}{'median':>9}")
     for stage, figures in table.items():
         click.echo(f"  {stage:<18}{figures['min_s']:>9.4f}{figures['median_s']:>9.4f}")
@@ -74,4 +76,6 @@ def _process_seconds(case: Path, name: str) -> float:
     """CPU seconds of ``jkr run`` as a whole process."""
     with tempfile.TemporaryDirectory() as folder:
         target = str(Path(folder) / "series.h5")
-        return process_cost([sys.executable, "-m", "jkrcli", "run", str(case), "--method", name, "-o", target]).cpu_s
+        return process_cost(
+            [sys.executable, "-m", "jkrcli", "run", str(case.resolve()), "--method", name, "-o", target]
+        ).cpu_s

@@ -48,7 +48,7 @@ def explore(
     """
     if work == 0:
         raise InputError("explore: --w must be > 0 J/m^2 to begin with, got 0")
-    target = output.file(file.with_name(f"{file.stem}-explore.html"), [file, *data])
+    target = output.file(file.parent / f"{file.stem}-explore.html", [file, *data])
     solution = read_series(file)
     curves = [curve for path in data for curve in measured.read(path, reading_of(dict(reading)))]
     works = (work,) if work is not None else tuple(w for w in solution.record.w if w > 0)[:1]
@@ -57,7 +57,7 @@ def explore(
         result = analyse(solution, (start_work(result.curve.nonadhesive),), slopes)[0]
     text = page(payload(result, curves, slopes))
     write_text(target, text)
-    size, points = len(text.encode()), sum(map(len, curves))
+    size, points = target.stat().st_size, sum(map(len, curves))
     if output.json:
         summary = {"file": str(file), "page": str(target), "bytes": size, "w_J_per_m2": result.w}
         answer(summary | {"measured_curves": len(curves), "measured_points": points})

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 else:
     ParamType = click.ParamType  # not generic in every version of click
 
+WORKERS = click.IntRange(1, 1024)
 POSITIVE = click.FloatRange(min=0, min_open=True)
 
 
@@ -47,9 +48,7 @@ slopes_option = click.option(
 
 def parallel_options(command: Callable[..., Any]) -> Callable[..., Any]:
     """--workers and --scheduler."""
-    workers = click.option(
-        "--workers", type=click.IntRange(min=1), help="Local processes [default: one per core, if they pay]."
-    )
+    workers = click.option("--workers", type=WORKERS, help="Local processes [default: one per core, if they pay].")
     scheduler = click.option(
         "--scheduler", metavar="ADDRESS", help="Dask scheduler that you run, such as tcp://node1:8786."
     )
@@ -71,6 +70,8 @@ class QuantityType(ParamType):
             self.fail(str(error), param, ctx)
         if not (math.isfinite(number) and number >= self.least):
             self.fail(f"must be finite and >= {self.least:g}, got {value}", param, ctx)
+        if number != 0 and not 1 / units.MOST <= abs(number) <= units.MOST:
+            self.fail(f"must lie within {1 / units.MOST:g} and {units.MOST:g} in SI units, got {value}", param, ctx)
         return number
 
 

@@ -7,6 +7,7 @@ from typing import Any
 
 import click
 
+from ..base.errors import printable
 from ..base.units import show as quantity
 from ..series import COLUMNS, Solution
 from .output import answer, json_option
@@ -62,11 +63,11 @@ def _text(solution: Solution) -> str:
     ]
     lines += [f"  error     {name}: {_number(value)}" for name, value in solution.budget.as_dict().items()]
     lines += [f"  fact      {name}: {_number(_plain(value))}" for name, value in solution.facts.items()]
-    lines += [f"  time      {name}: {seconds:.3f} s CPU" for name, seconds in solution.timings.items()]
+    lines += [f"  time      {name}: {_seconds(seconds)} s CPU" for name, seconds in solution.timings.items()]
     lines += [f"  version   {name} {version}" for name, version in solution.record.versions.items()]
     lines += [f"  warning   {warning}" for warning in solution.warnings]
     lines += ["  case", *(f"    {line}" for line in solution.record.toml.splitlines() if line)]
-    return "\n".join(lines)
+    return "\n".join(map(printable, lines))
 
 
 def _columns(solution: Solution) -> list[str]:
@@ -79,6 +80,10 @@ def _ends(values: Any) -> list[float]:
 
 def _plain(value: Any) -> Any:
     return value.tolist() if hasattr(value, "tolist") else value
+
+
+def _seconds(value: Any) -> str:
+    return f"{value:.3f}" if isinstance(value, int | float) else str(value)
 
 
 def _number(value: Any) -> str:

@@ -10,7 +10,7 @@ from typing import Any
 
 import click
 
-from ..base.errors import printable
+from ..base.errors import printable, writable
 
 LEVEL, SAID = "jkr.level", "jkr.said"
 QUIET, USUAL, VERBOSE = range(3)
@@ -55,7 +55,7 @@ def _level() -> int:
 def say(text: str) -> None:
     """A line of the summary."""
     if _level() != QUIET:
-        click.echo(text)
+        click.echo("\n".join(map(printable, text.split("\n"))))
 
 
 def note(text: str) -> None:
@@ -97,5 +97,5 @@ def progress(label: str, total: int) -> Iterator[Callable[[bool], None]]:
 
 
 def command_line() -> str:
-    """What was typed, as a shell would take it."""
-    return shlex.join(click.get_current_context().find_root().obj)
+    """What was typed, as a shell would take it; bytes of names that are no text as escapes."""
+    return writable(shlex.join(click.get_current_context().find_root().obj))

@@ -10,7 +10,7 @@ import click
 from ..base.errors import InputError
 from ..report.output import PICTURES, Files, Output
 from .measured import reading_of, reading_options
-from .options import ScaleType, modulus_factor_option, slopes_option
+from .options import WORKERS, ScaleType, modulus_factor_option, slopes_option
 from .output import answer, into_folder, output_options, refuse_doubles
 from .voice import progress, say, warn
 
@@ -34,7 +34,7 @@ SHOWN = 10  # curves of a file that are told line by line
 @slopes_option
 @reading_options
 @into_folder()
-@click.option("--workers", type=click.IntRange(min=1), default=1, show_default=True, help="Local processes.")
+@click.option("--workers", type=WORKERS, default=1, show_default=True, help="Local processes.")
 @output_options(plots="Write CSV and JSON only.", json="Print the summaries as JSON.")
 def work(
     series: Path,

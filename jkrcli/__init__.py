@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from .methods.hybrid.method import Hybrid
     from .methods.layered.layered import Layered
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 __all__ = [
     "FEM",
     "ClosedForm",

@@ -21,6 +21,8 @@ BLANK = "blank"
 SEPARATORS = {"tab": "\t", "semicolon": ";", "comma": ",", BLANK: None}
 TIMES = {"s": 0, "ms": -3, "us": -6, "ns": -9}
 COMMENTS = ("#", "%", "//", "**", "!")
+HEADINGS = ("columns:", "units:")  # before the names and units themselves, in comment heads
+OTHER_UNITS = ("", "-", "1", "V", "mV")
 WRONG_LINES_SHOWN = 5
 SAMPLE = 2000  # lines from which the dialect is found out
 _NUMBER = re.compile(r"[+-]?(\d+[.]?\d*|[.]\d+)([eEdD][+-]?\d+)?\Z|[+-]?(nan|inf|infinity)\Z", re.IGNORECASE)
@@ -232,6 +234,7 @@ def _is_comment(line: str) -> bool:
 def _names(header: list[str], dialect: Dialect, width: int) -> tuple[str, ...]:
     """Column names from the last lines before the numbers, a line of units under them taken in; else empty names."""
     lines = [_header_cells(line, dialect, width) for line in header]
+    lines = [cells[1:] if cells and cells[0].lower() in HEADINGS else cells for cells in lines]
     titles = [cells for cells in lines if len(cells) == width]
     if not titles:
         return ("",) * width
@@ -251,7 +254,7 @@ def _header_cells(line: str, dialect: Dialect, width: int) -> list[str]:
 
 
 def _is_unit(cell: str) -> bool:
-    return cell.strip("[]()") in ("", "-", "1") or unit_power(cell.strip("[]()")) is not None
+    return cell.strip("[]()") in OTHER_UNITS or unit_power(cell.strip("[]()")) is not None
 
 
 def unit_power(unit: str) -> tuple[str, int] | None:

@@ -70,6 +70,15 @@ def test_the_case_may_have_a_loading_that_the_table_replaces(jkr, table: Path) -
     assert loading.depth == (pytest.approx(1.44e-5, rel=1e-12),)
 
 
+def test_zero_is_told_as_elsewhere_or_as_a_length_alone(jkr, table: Path) -> None:
+    jkr("import", table, *BODY, "--zero", "-1 um", "-o", "a.h5")
+    jkr("import", table, *BODY, "--zero", "delta=-1 um", "--zero", "P=-1 uN", "-o", "b.h5")
+    one, other = store.read("a.h5"), store.read("b.h5")
+    assert other.raw.delta.tolist() == one.raw.delta.tolist()
+    np.testing.assert_allclose(other.raw.P - one.raw.P, 1e-6, rtol=1e-9)  # the loads are 1 mN: 1e-13 / 1e-6
+    assert (one.facts["zero_m"], one.facts["zero_N"], other.facts["zero_N"]) == (-1e-6, 0, -1e-6)
+
+
 def test_bodies_by_flags(jkr, table: Path) -> None:
     jkr("import", table, "--case", "my.toml", "-o", "case.h5")
     assert jkr("import", table, *BODY, "-o", "flags.h5").code == 0

@@ -48,6 +48,14 @@ def test_json_holds_what_was_found(jkr: Callable[..., Outcome], table: Path) -> 
     assert len(curve["retract"]["jumps"]) == 1
 
 
+def test_unit_and_factor_overrule_the_file(jkr: Callable[..., Outcome], table: Path) -> None:
+    options = ("--unit", "P=pN", "--factor", "P=1000")
+    done, plain = (jkr("look", str(table), *told, "--json", "--no-plots") for told in (options, ()))
+    one, other = (json.loads(item.out)["files"][0]["curves"][0] for item in (done, plain))
+    assert one["read"] == ['column 3 "P_nN" read in pN as told, its header says nN']
+    assert one["retract"]["largest_load_N"] == pytest.approx(other["retract"]["largest_load_N"], rel=1e-9)
+
+
 def test_what_cannot_be_read_is_one_line(jkr: Callable[..., Outcome], tmp_path: Path) -> None:
     path = tmp_path / "short.csv"
     path.write_text("delta_um,P_nN\n" + "".join(f"{i},{i}\n" for i in range(5)))

@@ -132,6 +132,20 @@ def test_pairs_of_columns_are_one_curve_of_two_segments(tmp_path: Path) -> None:
     np.testing.assert_allclose(curve.P, LOAD, rtol=1e-12)
 
 
+def test_names_and_units_of_comment_heads_and_units_within_names(tmp_path: Path) -> None:
+    rows = "".join(f"{-z!r} {P!r} 0.0\n" for z, P in zip(Z.tolist(), LOAD.tolist(), strict=True))
+    head = "# index: 0\n# columns: measuredHeight vDeflection hDeflection\n# units: m N V\n#\n"
+    curve = one(written(tmp_path, head + rows, "m.txt"))
+    np.testing.assert_allclose(curve.delta, Z, rtol=1e-12)
+    np.testing.assert_allclose(curve.P, LOAD, rtol=1e-12)
+    names = ("Calc_Ramp_Ex_nm", "Calc_Ramp_Rt_nm", "Defl_V_Ex", "Defl_V_Rt", "Defl_pN_Ex", "Defl_pN_Rt")
+    z, P = Z * 1e9, LOAD * 1e12
+    content = table(*zip(names, (z[:3], z[3:], P[:3] * 7, P[3:] * 7, P[:3], P[3:]), strict=True))
+    curve = one(written(tmp_path, content, "m.tab"))
+    np.testing.assert_allclose(curve.P, LOAD, rtol=1e-12)
+    assert list(curve.segments()) == ["approach", "retract"]
+
+
 def test_volts_and_metres_of_deflection_become_loads(tmp_path: Path) -> None:
     volts = written(tmp_path, table(("Height (um)", -Z * 1e6), ("Deflection (mV)", LOAD / 0.1 / 5e-8 * 1e3)))
     curve = one(volts, Reading(stiffness=0.1, sensitivity=5e-8))

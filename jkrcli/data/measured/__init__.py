@@ -61,7 +61,19 @@ def _as_read(path: Path, reading: Reading) -> Iterator[tuple[Curve | InputError,
             return
     from . import afm
 
-    yield from afm.curves(path, reading)
+    try:
+        held = afm.load(path, reading)
+    except afm.UnreadableError as error:
+        if reading.format == "afm" or path.suffix != ".tab":
+            raise
+        from . import text
+
+        try:
+            yield from text.curves(path, reading)
+        except InputError:
+            raise error from None
+        return
+    yield from afm.curves(path, reading, held)
 
 
 def _by_convention(curve: Curve, reading: Reading, stiffness: float | None) -> Curve:

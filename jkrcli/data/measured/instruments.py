@@ -36,7 +36,8 @@ class Position:
 
 POSITIONS = (
     Position("a height", -1, True, (
-        "height (measured)", "measured height", "height (measured & smoothed)", "height sensor", "height",
+        "height (measured)", "measured height", "measuredheight", "capacitivesensorheight",
+        "height (measured & smoothed)", "height sensor", "height",
         "piezo height", "height (piezo)", "smoothed measured height", "höhe")),
     Position("a position of the piezo", 0, True, (
         "z sensor", "z sense", "zsensor", "zsnsr", "piezo", "piezo position", "z piezo", "z position", "zpos", "z",
@@ -45,7 +46,8 @@ POSITIONS = (
         "weg", "traversenweg", "standardweg", "verfahrweg", "crosshead", "extension", "stroke")),
     Position("a penetration", 1, False, ("eindringtiefe", "eindringung", "penetration", "penetration depth")),
     Position("a separation", -1, False, (
-        "tip sample separation", "tip position", "separation", "sep", "tip sample distance", "abstand")),
+        "tip sample separation", "tip position", "verticaltipposition", "separation", "sep", "tip sample distance",
+        "abstand")),
 )  # fmt: skip
 DEFLECTIONS = (
     "deflection", "cantilever", "cantilever deflection", "vertical deflection", "vdeflection", "defl", "t b", "dfl",
@@ -70,9 +72,13 @@ def positions(table: TextTable) -> list[tuple[int, Position]]:
 
 
 def deflection(table: TextTable) -> int | None:
-    """The column of the cantilever's deflection, None where there is none."""
-    titles = [plain(title) for title in table.names]
-    return next((titles.index(name) for name in DEFLECTIONS if name in titles), None)
+    """The column of the cantilever's deflection, as a force rather than in metres, and so rather than in volts; None
+    where there is none."""
+    found = [i for i, title in enumerate(table.names) if plain(title) in DEFLECTIONS]
+    order = {"load": 0, "length": 1}
+    known = [unit_power(split_name(table.names[i])[1]) for i in found]
+    ranks = [2 if unit is None else order.get(unit[0], 2) for unit in known]
+    return found[ranks.index(min(ranks))] if found else None
 
 
 def toward(z: Array, P: Array) -> bool:
@@ -111,6 +117,8 @@ def _direction(title: str) -> tuple[str | None, str]:
     if found is None or len(words) < 2:
         return None, title
     words.remove(found)
+    if not unit and len(words) > 1 and (words[-1] in VOLTS or unit_power(words[-1])):
+        unit = words.pop()
     return DIRECTIONS[found.lower()], " ".join(words) + (f" [{unit}]" if unit else "")
 
 

@@ -19,6 +19,7 @@ from .models import CaseModel, RootTable, case_model
 
 Root = TypeVar("Root", bound=RootTable)
 MOST_BYTES = 16 << 20  # read at about 1 MiB/s
+MOST_KEYS = 10_000  # choice: equals signs, read in about a second; a thousand layers have 4,000
 MOST_PARTS = 50  # of a dotted key; reading takes the square of it
 MANY_PARTS = re.compile(rb"""^[ \t\[]*(?:[\w"'-]+[ \t]*\.[ \t]*){%d}""" % MOST_PARTS, re.MULTILINE)
 KINDS = {  # what the file must hold where pydantic says so
@@ -67,6 +68,8 @@ def parse_toml(content: bytes, source: str) -> dict[str, Any]:
     """The tables in the bytes of a TOML file, not yet looked into."""
     if len(content) > MOST_BYTES:
         raise InputError(f"{source}: is larger than {MOST_BYTES >> 20} MiB; put a long profile into a table of its own")
+    if (keys := content.count(b"=")) > MOST_KEYS:
+        raise InputError(f"{source}: holds about {keys:,} keys, at most {MOST_KEYS:,} are read")
     if many := MANY_PARTS.search(content):
         line = content.count(b"\n", 0, many.start()) + 1
         raise InputError(f"{source}: line {line}: a key must not have more than {MOST_PARTS} parts")

@@ -159,6 +159,34 @@ def test_a_complex_number_in_a_series_is_damage(jkr, series: Path) -> None:
     )
 
 
+# ---------------------------------------------------------------------- guards
+def test_a_file_of_keys_is_refused_before_it_is_read(jkr, tmp_path: Path) -> None:
+    (tmp_path / "keys.toml").write_text("".join(f"k{i}=1\n" for i in range(1_500_000)))
+    start = time.process_time()
+    done = jkr("check", "keys.toml")
+    assert time.process_time() - start < 2
+    assert (done.code, done.err) == (
+        2,
+        "jkr: error: keys.toml: holds about 1,500,000 keys, at most 10,000 are read\n",
+    )
+
+
+def test_a_long_sweep_is_announced_before_its_cases_are_looked_at(
+    jkr, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def looked(*_: object) -> str:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("jkrcli.many.sweep.plan.Plan.identity", looked)
+    more = '[[axes]]\nkey = "adhesion.w"\nfrom = 0.01\nto = 0.1\ncount = 2000\n'
+    (tmp_path / "big.toml").write_text(SWEEP.replace("count = 400", "count = 1000") + more)
+    start = time.process_time()
+    done = jkr("sweep", "big.toml", "-o", "r")
+    assert time.process_time() - start < 4, "2 s, on a machine that is not slowed down by others"
+    assert done.code == 130
+    assert done.err.startswith("jkr: 2,000,000 cases: looking through them takes about 13 min of CPU time before ")
+
+
 # ---------------------------------------------------------------------- interrupts
 def interrupted(folder: Path, words: tuple[str, ...], seconds: float) -> tuple[int, str]:
     """Exit code and stderr of a command that is sent Ctrl-C so many ``seconds`` after jkrcli began to be imported."""

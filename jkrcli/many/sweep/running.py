@@ -29,6 +29,8 @@ class SweepTuning:
     """What a sweep is expected to cost, and in what portions it is handed out."""
 
     per_case: float = 0.012  # CPU seconds of a case besides its solve; tuned on the shipped sweeps, by `make sweep`
+    look: float = 0.0004  # CPU seconds to look at a case; tuned on the shipped sweeps, by `make sweep`
+    many: int = 2000  # choice: cases beyond which that is told: about a second
     looked_at: int = 12  # choice: groups whose forecasts stand for all
     task: float = 2.0  # choice: CPU seconds of one task: much more than handing it out, little to lose
     shares: int = 8  # choice: tasks per worker at least, so that the last ones end together
@@ -75,6 +77,11 @@ def sweep(plan: Plan, folder: Path, means: Means, force: bool, say: Say) -> tupl
     """
     make_folder(folder)
     _check_targets(folder, force)
+    if plan.count > TUNING.many:
+        say(
+            f"{plan.count:,} cases: looking through them takes about {duration(TUNING.look * plan.count)} of CPU time "
+            "before the first is solved"
+        )
     with opened(folder / JOURNAL) as journal:
         _say_damage(journal, say)
         if means.retry and (forgotten := journal.forget_failed()):

@@ -325,7 +325,8 @@ def _flags(curve: Curve, directions: Sequence[Direction]) -> dict[str, str]:
     for item in touched:
         name, base = item.segment.kind, item.base
         if not item.begins_free:
-            flags["no base line"] = f"the {name} begins in contact, or its load is nowhere a straight line"
+            end = "begins" if name == APPROACH else "ends"
+            flags["no base line"] = f"the {name} {end} in contact, or its load is nowhere a straight line"
         elif base.waviness > TUNING.wavy * span:
             flags["wavy base line"] = (
                 f"the {name}'s base line deviates from straight by {show(base.waviness, 'load')}, "

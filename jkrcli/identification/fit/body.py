@@ -52,8 +52,8 @@ class FittedBody:
     ``problem``: bodies and nominal values; ``series``, ``slopes``: its nonadhesive solution, by any method.
 
     Only bodies that the method ``layered`` represents can be solved anew: ``with_values``. ``extensible``: may also be
-    solved to other radii than those of the series. ``told``: whether the moduli of the problem are anybody's guess, not
-    a unit.
+    solved to other radii than those of the series. ``told``: whether the user gave the moduli of the problem;
+    else they only stand in for a unit.
     """
 
     problem: Problem

@@ -143,10 +143,10 @@ def branch(family: Family, s: float, q: float, k: float) -> DeviceBranch:
 
 @dataclass(frozen=True, eq=False)
 class ForceCurveModel:
-    """The readings of some stretches on one body at a device of stiffness ``k`` [N/m], as a function of the unknowns
+    """The readings of some stretches on one body at a device of stiffness ``k`` [N/m], as a function of the unknowns.
 
-    ln s, z0, and for each stretch its offset, tilt, and q = w/s unless ``adhesive`` says that it has no adhesion.
-    ``known``: those that are not fitted, by name.
+    These are ln s, z0, and for each stretch its offset, tilt, and q = w/s unless ``adhesive`` says that it has no
+    adhesion. ``known``: those that are not fitted, by name.
     """
 
     family: Family
@@ -308,8 +308,8 @@ def _correlation(off: Array, sizes: Sequence[int]) -> float:
         part = part - part.mean()
         n = part.size
         power = np.abs(np.fft.rfft(part, 2 * n)) ** 2
-        rho = np.fft.irfft(power)[:n] / max(power.mean() / 2, 1e-300)
-        rho = rho / rho[0]
+        rho = np.fft.irfft(power)[:n]
+        rho = rho / (rho[0] or 1.0)
         pairs = rho[: n // 2 * 2].reshape(-1, 2).sum(axis=1)  # Geyer's initial positive sequence
         end = int(np.argmax(pairs <= 0)) if (pairs <= 0).any() else pairs.size
         total += n * max(1.0, 2 * float(pairs[:end].sum()) - 1)

@@ -67,7 +67,7 @@ def _in_the_way(settings: Settings) -> str:
     """What a whole record cannot be fitted with; "" where nothing is."""
     if others := {p.name for p in settings.parameters if p.free} - ASKED:
         return f"{sorted(others)[0]} is free"
-    if any(p.value for p in settings.parameters if not p.free and p.name not in ("modulus",)):
+    if any(p.value for p in settings.parameters if not p.free and p.name != "modulus"):
         return "a zero point, w or the compliance is fixed at a value other than 0"
     if any(math.isfinite(p.low) or math.isfinite(p.high) for p in settings.free):
         return "a parameter has bounds"

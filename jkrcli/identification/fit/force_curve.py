@@ -38,12 +38,9 @@ class ForceCurveTuning:
     points: int = 41  # choice: contact points tried
     rows: int = 200  # choice: rows used while trying
     turning: float = 0.01  # choice: of a direction, rows next to the turning point that are left out
-    blunt: tuple[float, float] = (
-        1e-2,
-        1e-5,
-    )  # choice: of the depth of contact, where the fold is blunt while searching
+    blunt: tuple[float, ...] = (1e-2, 1e-3, 1e-5)  # choice: of the depth of contact, for a blunt fold while searching
     moduli: float = 10.0  # choice: of ln s about its start, where the search may go
-    converged: float = 1e-12  # choice: relative change of cost and parameters
+    converged: float = 1e-11  # choice: relative change of cost and parameters
     evaluations: int = 200  # choice: steps after which the search gives up
 
 

@@ -35,6 +35,11 @@ def flag(name: str) -> str:
     return "--E" if name == "modulus" else f"--{name}"
 
 
+def given_flags(body: Mapping[str, str | None]) -> str:
+    """The flags that were given, for messages."""
+    return ", ".join(flag(name) for name, value in body.items() if value is not None)
+
+
 def tables_of(
     verb: str, body: Mapping[str, str | None], instead: str, loading: Mapping[str, Any], modulus: str | None = None
 ) -> dict[str, Any]:

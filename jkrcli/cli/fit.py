@@ -13,7 +13,7 @@ import click
 from ..base.errors import InputError
 from ..methods.guards import Limits
 from ..report.output import PICTURES, Files, Output
-from .body import FLAGS, body_options, tables_of
+from .body import FLAGS, body_options, given_flags, tables_of
 from .measured import reading_of, reading_options
 from .options import ParamType, ScaleType, limits_options, parallel_options, slopes_option
 from .output import answer, into_folder, output_options
@@ -127,6 +127,8 @@ def fit(
     by_case = not any(flags.values())
     inputs = (body_file, *measured)
     measured = measured if by_case else inputs
+    if not by_case and body_file.suffix == ".toml":
+        raise InputError(f"fit: give a body file or the body by flags, not both: {body_file} and {given_flags(flags)}")
     if not measured:
         raise InputError("fit: give MEASURED files behind BODY, or the body by flags: --radius, --nu")
     targets = output.files(output.folder(body_file.parent) / f"{body_file.stem}-fit", (".csv", ".json", ".h5"), inputs)
@@ -139,20 +141,21 @@ def fit(
         settings = settings_of(
             body, names, fix, start, bound, uncertain=uncertain_of(body, uncertain, settings), **options
         )
+    told = str(body_file) if by_case else body.problem.words
     found, reasons = _fits(body, measured, reading, settings, workers, scheduler)
     named = _pictures(found) if output.plots else []
     drawn = [(item, output.files(Path(f"{targets.stem}-{name}"), PICTURES, inputs)) for item, name in named]
     none = all(isinstance(item, Failure) for item in found)
     if none and not found:
         raise InputError(some(reasons))
-    targets.write(report.columns(found), report.summary(found, str(body_file)))
-    report.write(targets[".h5"], found, str(body_file))
+    targets.write(report.columns(found), report.summary(found, told))
+    report.write(targets[".h5"], found, told)
     _draw(drawn)
     if none:
         raise InputError(some(reasons))
     for line in reasons:
         warn(f"skipped: {line}")
-    _tell(found, output.json, str(body_file))
+    _tell(found, output.json, told)
     if not output.json:
         pictures = f", {len(drawn)} picture{'s' if len(drawn) > 1 else ''}" if drawn else ""
         say(f"written {targets}{pictures}")

@@ -103,7 +103,8 @@ class Direction:
     ``touch``: position of the device [m] where contact begins (approach) or has ended (retract), ``touch_err`` its
     half-width; ``largest``: largest load over the base line [N]; ``adhesion``: largest tension below it [N], at
     ``adhesion_at`` [m]. ``border``: from the far end inwards, the last row that is free for sure and the first that is
-    in contact for sure. ``depth``: how far the device moves beyond touch [m].
+    in contact for sure: after a jump, else where tension is largest, as what lets go slowly beyond is no contact of
+    an elastic body. ``depth``: how far the device moves beyond touch [m].
     """
 
     segment: Segment
@@ -206,7 +207,8 @@ def _direction(position: Array, P: Array, segment: Segment) -> Direction:
     rows = range(segment.first, segment.last + 1)[::order]
     falls = _jumps(off, base)
     jumps = tuple(ForceJump(rows[(i + j) // 2], float(x[(i + j) // 2]), float(off[j] - off[i])) for i, j in falls)
-    border = (falls[0][0], falls[-1][1]) if falls else (row - 1, row)
+    inner = falls[-1][1] if falls else row if isinstance(tension, Unknown) else max(lowest, row)
+    border = min([row - 1, *(first for first, _ in falls)]), inner
     depth = float(x.max() - x[min(row, x.size - 1)])
     return Direction(segment, base, touch, error, float(off.max()), tension, float(x[lowest]), jumps, border, depth)
 

@@ -106,3 +106,10 @@ def test_a_file_without_any_usable_curve_leaves_its_table_and_picture(
         )
     assert json.loads((tmp_path / "free-fit.json").read_text())["curves"][0]["status"] == "unusable"
     assert (tmp_path / "free-fit-free.png").exists()
+
+
+def test_a_body_file_and_flags_are_not_both_taken(jkr: Callable[..., Outcome], table: Path) -> None:
+    done = jkr("fit", "sphere.toml", str(table), "--radius", "5 um", "--nu", "0.5")
+    assert (done.code, done.err) == (
+        2, "jkr: error: fit: give a body file or the body by flags, not both: sphere.toml and --radius, --nu\n"
+    )  # fmt: skip

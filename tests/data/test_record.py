@@ -121,3 +121,17 @@ def test_what_is_no_force_curve_is_refused_in_one_line() -> None:
     with pytest.raises(InputError) as caught:
         examine(Curve("c", delta=np.arange(5.0), P=np.arange(5.0)))
     assert str(caught.value) == "c: holds 5 rows, at least 20 are needed to look at"
+
+
+def test_what_lets_go_slowly_is_neither_free_nor_in_contact() -> None:
+    """A pull-off smeared over many rows, as by tethers or drag: contact for sure begins where tension is largest."""
+    curve = curve_of(replace(DEVICE, pause=0))
+    assert curve.P is not None
+    slow = np.convolve(np.pad(curve.P, 150, mode="edge"), np.ones(301) / 301, "valid")
+    side = examine(replace(curve, P=slow)).direction("retract")
+    assert side is not None
+    assert not side.jumps
+    first, last = side.border
+    inwards = slow[side.segment.rows][::-1]
+    assert last == np.argmin(inwards - side.base(curve.device[side.segment.rows][::-1]))
+    assert last - first > 100

@@ -33,7 +33,8 @@ class WholeRecordTuning:
     noisy: float = 0.1  # choice: noise over the range of the load above which little can be told
     vague: float = 0.1  # choice: error of the contact point over the depth above which it is not determined
     dependent: float = 2.0  # choice: rows worth one above which it is said
-    step: float = 1e-6  # theory: of unknowns, for central differences: about the cube root of round-off
+    untold: float = 10.0  # choice: half-width of the log of a modulus above which it is not told by the data
+    step: float = 1e-6  # choice: of unknowns, for central differences; outcomes are smooth in them
 
 
 TUNING = WholeRecordTuning()
@@ -211,6 +212,8 @@ def _estimate(name: str, value: float, error: float, t: float) -> FittedValue:
     dimension = DIMENSIONS.get(name, "work")
     if error == 0:
         return FittedValue(name, value, False, dimension)
+    if name in ("modulus", "E_star") and t * error > TUNING.untold * value:
+        return FittedValue(name, value, True, dimension)  # the data do not tell it
     if name in ("modulus", "E_star"):
         spread = math.exp(min(t * error / value, 700.0))
         return FittedValue(name, value, True, dimension, error, value / spread, value * spread)

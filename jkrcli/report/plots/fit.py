@@ -42,9 +42,14 @@ def _curve(axes: Axes, found: Fit) -> None:
     axes.set_ylabel(f"{LABELS[y]} ({pretty(units[y][1])})")
 
 
+def _distance(found: Fit) -> str:
+    """What one residual per row is: of raw records all scatter is in the load."""
+    return "normal distance" if found.quality is None else LABELS["P"]
+
+
 def _residuals(axes: Axes, found: Fit) -> None:
     factor, unit = scale(float(found.a.max()), "length")
-    names = ["normal distance"] if found.residuals.shape[0] == 1 else [LABELS[name] for name in found.data]
+    names = [_distance(found)] if found.residuals.shape[0] == 1 else [LABELS[name] for name in found.data]
     marks = [MARKS["delta"]] if len(names) == 1 else [MARKS[name] for name in found.data]
     for values, name, (colour, mark) in zip(found.residuals, names, marks, strict=True):
         axes.plot(found.a / factor, values / (found.scatter or 1.0), mark, color=colour, ms=3, mfc="none", label=name)

@@ -121,7 +121,8 @@ def _estimate(item: FittedValue) -> dict[str, Any]:
 def words(item: Fit) -> list[str]:
     """A fit as lines of text: what was free, and what follows from it."""
     out = f" ({', '.join(item.left_out)} left out)" if item.left_out else ""
-    lines = [f"{item.where}: {item.a.size} rows of {', '.join(item.data)}{out}"]
+    status = f"{_status(item)}, " if item.quality is not None else ""
+    lines = [f"{item.where}: {status}{item.a.size} rows of {', '.join(item.data)}{out}"]
     for estimate in item.estimates:
         if estimate.free and estimate.name != "modulus":
             lines.append(f"  {SYMBOLS.get(estimate.name, estimate.name):<12} {_words(estimate, item.settings.level)}")

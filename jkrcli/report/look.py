@@ -85,5 +85,6 @@ def _said(item: Direction) -> str:
     if approach:
         jump = f"jump into contact by {show(-item.jumps[0].step, 'load', 3)}" if count else "no jump into contact"
         return f"contact from {touch} on, up to {show(item.largest, 'load', 3)}, {jump}; {line}"
-    jumps = {0: "without a jump", 1: "by one jump"}.get(count, f"by {count} jumps")
-    return f"adhesion force: {tension}; contact lost at {touch} {jumps}; {line}"
+    places = ", ".join(show(jump.position, "length") for jump in item.jumps)
+    jumps = {0: "without a jump", 1: f"by one jump at {places}"}.get(count, f"by {count} jumps at {places}")
+    return f"adhesion force: {tension}; free from {touch} on, {jumps}; {line}"

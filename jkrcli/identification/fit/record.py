@@ -46,7 +46,7 @@ def whole_record(curve: Curve, settings: Settings) -> ForceCurve | None:
 
     By itself that is so for records of a device whose deflection is known, or of both directions with a base line each.
     """
-    if settings.contact == "as-is" or curve.a is not None or curve.delta is None or curve.P is None:
+    if settings.contact in ("as-is", "estimate") or curve.a is not None or curve.delta is None or curve.P is None:
         return None
     reason = _in_the_way(settings)
     if settings.contact == "auto" and reason:

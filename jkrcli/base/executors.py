@@ -34,6 +34,7 @@ from typing import Any, TypeAlias, TypeVar
 
 from .. import __version__
 from .errors import InputError, JkrError, SolveError, first_line
+from .installing import installs
 from .threads import ONE_THREAD, pin_blas
 
 Item = TypeVar("Item")
@@ -252,9 +253,7 @@ class _Cluster(Pool):
         try:
             from distributed import Client
         except ModuleNotFoundError:
-            raise InputError(
-                '--scheduler: needs the optional package distributed: pip install "jkrcli[cluster]"'
-            ) from None
+            raise InputError(f"--scheduler: needs the optional package distributed: {installs('cluster')}") from None
         try:
             self._client = Client(address, timeout=TUNING.connect, set_as_default=False)
         except (OSError, ValueError) as error:

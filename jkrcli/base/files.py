@@ -13,12 +13,18 @@ from typing import BinaryIO
 
 from .errors import InputError, JkrError, nearest
 
-CSV_HEADS = (  # our tables carry no mark but their own header
+CSV_HEADS = (
+    b"number,method,column,ratio,stated",  # our tables carry no mark but their own header
     b"a_m,delta_m,P_N,delta_H_m,P_H_N,S_N_per_m",
     b"r_m,pressure_Pa,displacement_m,gap_m",
+    b"r_m,pressure_Pa,shear_Pa,displacement_m",
     b"line,depth_m,r_m,sigma_zz_Pa",
     b"a_m,delta_m,P_N,device_m,phase",
+    b"t_s,a_m,delta_m,P_N,device_m,speed_m_per_s",
+    b"curve,t_s,P_N,P_fit_N,a_fit_m",
     b"nu,base,w_R2_over_Estar_h3",
+    b"nu,a_over_h,S_ratio,load_ratio",
+    b"h_over_R,k_over_Estar_R,V_over_v0",
     b"size_m,elements,unknowns,a_m",
     b"body,points,noise,method,median",
     b"case,status,reason,",

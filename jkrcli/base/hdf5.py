@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import fcntl
 import hashlib
-from collections.abc import Callable, Container, Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -20,6 +20,7 @@ SEAL = "sha256"  # attribute of a group: the digest of everything else in it
 FILE_FORMAT = ("v110", "v110")  # its metadata carry checksums: damage is found, not followed
 DEEPEST = 4  # choice: groups within groups, so that a group that holds itself ends
 MOST_BYTES = 800_000_000  # choice: of one dataset
+RUN_AGAIN = "run the case again"
 UNREADABLE = (OSError, RuntimeError, KeyError, ValueError, TypeError, OverflowError, MemoryError)  # h5py's, of damage
 
 
@@ -94,44 +95,48 @@ def _plain(value: Any) -> Any:
 
 
 # ---------------------------------------------------------------------- writing
-def image(root: Group, fixed: bool = False) -> bytes:
+def image(root: Group) -> bytes:
     """The bytes of the file that holds ``root``, sealed.
 
-    ``fixed``: texts have a fixed length, so that they lie in checksummed metadata and damage to them leads the library
+    Texts have a fixed length, so that they lie in checksummed metadata or chunks and damage to them leads the library
     nowhere. Built in memory: HDF5 itself neither says clearly that a disk is full nor gets over it.
     """
     with h5py.File("image", "w", driver="core", backing_store=False, libver=FILE_FORMAT, track_order=True) as file:
-        _fill(file, sealed(root), _fixed if fixed else writable)
+        _fill(file, sealed(root))
         file.flush()
         return bytes(file.id.get_file_image())
 
 
-def _fill(target: h5py.Group, group: Group, text: Callable[[str], Any]) -> None:
+def _fill(target: h5py.Group, group: Group) -> None:
     for name, member in group.members.items():
         if isinstance(member, Group):
-            _fill(target.create_group(name, track_order=True), member, text)
+            _fill(target.create_group(name, track_order=True), member)
         else:
-            _describe(_dataset(target, name, member.values, text), member.attributes, text)
-    _describe(target, group.attributes, text)
+            _describe(_dataset(target, name, member.values), member.attributes)
+    _describe(target, group.attributes)
 
 
-def _dataset(target: h5py.Group, name: str, values: Any, text: Callable[[str], Any]) -> h5py.Dataset:
+def _dataset(target: h5py.Group, name: str, values: Any) -> h5py.Dataset:
     if isinstance(values, str):
-        return target.create_dataset(name, data=text(values))
-    if not isinstance(values, np.ndarray):
-        return target.create_dataset(name, data=list(map(writable, values)), dtype=h5py.string_dtype("utf-8"))
+        return target.create_dataset(name, data=_fixed(values))
+    values = values if isinstance(values, np.ndarray) else _all_fixed(values)
     packed = {"chunks": True, "fletcher32": True, "compression": "gzip", "shuffle": True} if values.size else {}
     return target.create_dataset(name, data=values, **packed)
 
 
-def _describe(target: h5py.Group | h5py.Dataset, attributes: Mapping[str, Any], text: Callable[[str], Any]) -> None:
+def _describe(target: h5py.Group | h5py.Dataset, attributes: Mapping[str, Any]) -> None:
     for name, value in attributes.items():
-        target.attrs[name] = text(value) if isinstance(value, str) else value
+        target.attrs[name] = _fixed(value) if isinstance(value, str) else value
 
 
 def _fixed(text: str) -> Array:
     content = writable(text).encode()
     return np.array(content, dtype=h5py.string_dtype("utf-8", max(len(content), 1)))
+
+
+def _all_fixed(texts: Sequence[str]) -> Array:
+    contents = [writable(text).encode() for text in texts]
+    return np.array(contents, dtype=h5py.string_dtype("utf-8", max(map(len, contents), default=1) or 1))
 
 
 # ---------------------------------------------------------------------- reading
@@ -144,7 +149,7 @@ def kind(path: Path) -> str:
         return ""
 
 
-def parse(path: Path, content: bytes, without: Container[str] = ()) -> Group:
+def parse(path: Path, content: bytes, without: Container[str] = (), remedy: str = RUN_AGAIN) -> Group:
     """The tree in the ``content`` of the file at ``path``, members of the root named in ``without`` left out.
 
     InputError in one line where it is truncated, damaged, being written by another program, or leads to other files.
@@ -155,16 +160,16 @@ def parse(path: Path, content: bytes, without: Container[str] = ()) -> Group:
     except InputError:
         raise
     except UNREADABLE:
-        raise unreadable(path, content) from None
+        raise unreadable(path, content, remedy=remedy) from None
 
 
-def unreadable(path: Path, content: bytes, why: str = "") -> InputError:
+def unreadable(path: Path, content: bytes, why: str = "", remedy: str = RUN_AGAIN) -> InputError:
     """What is said of a file that cannot be read; ``why``: more on its damage."""
     if _is_being_written(path):
         return InputError(f"{path}: the HDF5 file is open in another program, which is writing it; try again later")
     whole = int.from_bytes(content[28:36], "little")  # as the superblock says (HDF5 file format, II.A, version 3)
     reason = "truncated" if content[8:9] == b"\3" and len(content) < whole else "damaged"
-    return InputError(f"{path}: the HDF5 file is {reason}{why} and cannot be read; run the case again")
+    return InputError(f"{path}: the HDF5 file is {reason}{why} and cannot be read; {remedy}")
 
 
 def _is_being_written(path: Path) -> bool:
@@ -200,7 +205,10 @@ def _values(path: Path, where: str, data: h5py.Dataset) -> Dataset:
     if data.external or data.is_virtual:
         raise InputError(f'{path}: "{where}" lies in another file')
     fits = (data.size or 0) * data.dtype.itemsize <= MOST_BYTES
-    return Dataset(_plain(data[()]) if fits else None, _attributes(data), data.shape or (), data.dtype)
+    values = _plain(data[()]) if fits else None
+    if isinstance(values, np.ndarray) and values.dtype.kind in "OS":
+        values = [_plain(item) for item in values.tolist()]
+    return Dataset(values, _attributes(data), data.shape or (), data.dtype)
 
 
 def _attributes(item: h5py.Group | h5py.Dataset) -> dict[str, Any]:

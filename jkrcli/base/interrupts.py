@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+import sys
 
 SAID = "interrupted; nothing half-written was left"
 CODE = 130  # 128 + SIGINT, as shells count
@@ -24,7 +25,18 @@ def leave_at_once() -> None:
 def raise_from_here() -> None:
     """From here on Ctrl-C is a KeyboardInterrupt, so that work is given up in order."""
     if signal.getsignal(signal.SIGINT) is _leave:
+        sys.unraisablehook = _once_more
         signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+def _once_more(lost: sys.UnraisableHookArgs) -> None:
+    """A Ctrl-C that met a destructor or a callback, from which Python lets nothing out, is sent anew, out of there."""
+    if lost.exc_type is KeyboardInterrupt:
+        from threading import Timer
+
+        Timer(0.01, os.kill, (os.getpid(), signal.SIGINT)).start()
+    else:
+        sys.__unraisablehook__(lost)
 
 
 def ignore() -> None:

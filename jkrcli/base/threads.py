@@ -4,32 +4,47 @@ from __future__ import annotations
 
 import functools
 import os
-from collections.abc import Callable
-from typing import ParamSpec, TypeVar
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
 
-Arguments = ParamSpec("Arguments")
-Result = TypeVar("Result")
 # What libraries that are loaded later read from the environment.
 ONE_THREAD = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 
 
+_pinned: list[bool] = []  # holds True in a process that began with one thread
+
+
+def begin_with_one() -> None:
+    """One BLAS thread in this process, of which NumPy reads when it is first imported; too late after that."""
+    os.environ.update(ONE_THREAD)
+    _pinned[:] = [True] * ("numpy" not in sys.modules or bool(_pinned))
+
+
 @functools.cache
 def pin_blas() -> None:
-    """One BLAS thread in this process from now on."""
+    """One BLAS thread in this process from now on, whatever is loaded already."""
     from threadpoolctl import threadpool_limits
 
     os.environ.update(ONE_THREAD)
     threadpool_limits(1)
 
 
-def one_thread(function: Callable[Arguments, Result]) -> Callable[Arguments, Result]:
-    """``function`` with linear algebra on one thread, whatever the environment says; restored afterwards."""
+@contextmanager
+def one_thread() -> Iterator[None]:
+    """Context, or decorator, in which linear algebra works on one thread, whatever the environment says: on small
+    matrices and many-column solves more only wait."""
+    if _pinned:
+        yield
+    else:
+        with _libraries("scipy.linalg" in sys.modules, "cvxopt" in sys.modules).limit(limits=1):
+            yield
 
-    @functools.wraps(function)
-    def limited(*arguments: Arguments.args, **options: Arguments.kwargs) -> Result:
-        from threadpoolctl import threadpool_limits
 
-        with threadpool_limits(1):
-            return function(*arguments, **options)
+@functools.cache
+def _libraries(*loaded: bool) -> Any:
+    """All BLAS libraries, looked for once for what is ``loaded`` (it takes milliseconds)."""
+    from threadpoolctl import ThreadpoolController
 
-    return limited
+    return ThreadpoolController()

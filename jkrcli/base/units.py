@@ -34,6 +34,9 @@ UNITS: dict[str, dict[str, int]] = {
     "stiffness": _family("N/m", "umk")
     | {"N/mm": 3, "N/um": 6, "mN/um": 3, "uN/um": 0, "nN/um": -3, "nN/nm": 0}
     | {"uN/nm": 3, "pN/nm": -3},
+    "speed": _family("m/s", "pnum"),
+    "time": _family("s", "num"),
+    "load rate": _family("N/s", "pnum"),
 }
 WORDS = {
     "length": "a length",
@@ -41,11 +44,16 @@ WORDS = {
     "load": "a force",
     "work": "a work of adhesion",
     "stiffness": "a stiffness",
+    "speed": "a speed",
+    "time": "a time",
+    "load rate": "a rate of loading",
     "angle": "an angle",
     "number": "a plain number",
 }
 SI = {"length": "m", "modulus": "Pa", "load": "N", "work": "J/m^2", "stiffness": "N/m", "angle": "rad", "number": ""}
+SI |= {"speed": "m/s", "time": "s", "load rate": "N/s"}
 MOST = 1e30  # of a quantity in SI, its inverse the least: beyond what exists, and products of a few stay finite
+LARGE_WORK = 1.0  # choice: J/m^2, above what gels, polymers and contaminated metals have; remarked, never refused
 LONGEST = 100  # characters of a quantity
 _QUANTITY = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?)\s*(.*?)\s*\Z")
 
@@ -116,6 +124,16 @@ Work: TypeAlias = Annotated[float, Ranged("work", least=0)]
 Poisson: TypeAlias = Annotated[float, Ranged("number", above=-1, most=0.5)]
 
 
+def doubtful_work(w: float) -> str:
+    """What to say of a bare number [J/m^2] that is far more than surfaces have; empty where nothing is to be said."""
+    if w <= LARGE_WORK:
+        return ""
+    return (
+        f"{w:g} without a unit is {show(w, 'work')}, and surfaces have a few mJ/m^2 to {show(LARGE_WORK, 'work')}; "
+        f'if it is meant, write "{w:g} J/m^2", if not, perhaps "{w:g} mJ/m^2"'
+    )
+
+
 def _number(value: Any, dimension: str) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float | str):
         found = str(value).lower() if isinstance(value, bool) else value
@@ -150,9 +168,9 @@ def _ranges(kind: Any) -> dict[str, Ranged]:
 
 def show(value: float, dimension: str, digits: int = 4) -> str:
     """``value`` [SI] in the unit that keeps the number between 1 and 1000: ``show(3e-6, "length") == "3 um"``."""
-    value = float(f"{value:.{digits}g}")  # rounded first: 0.99999 um is 1 um, not 1000 nm
+    value = float(f"{value:.{digits}g}") + 0.0  # rounded first: 0.99999 um is 1 um, not 1000 nm; a zero has no sign
     factor, unit = scale(value, dimension)
-    return f"{value / factor:.{digits}g} {unit}".strip()
+    return f"{value / factor:.{max(digits, 3)}g} {unit}".strip()  # 260 nm of two digits, not 2.6e+02 nm
 
 
 def scale(value: float, dimension: str) -> tuple[float, str]:
@@ -181,6 +199,7 @@ def _normalise(unit: str) -> str:
 
 def _example(dimension: str) -> str:
     examples = {"length": "100 um", "modulus": "5 GPa", "load": "12 uN", "work": "50 mJ/m^2", "stiffness": "0.2 N/m"}
+    examples |= {"speed": "10 um/s", "time": "20 ms", "load rate": "1 mN/s"}
     return examples.get(dimension, "70 deg" if dimension == "angle" else "0.3")
 
 

@@ -17,6 +17,7 @@ from .materials import Elastic, Graded, Material, TransverselyIsotropic, contact
 Quantity = Literal["depth", "load", "radius"]
 Spacing = Literal["radius", "depth", "log", "given"]
 Side = Literal["free", "roller", "clamped"]
+MOST_PIECES = 1000  # of E over depth, in all layers; choice: minutes, each is solved by sublayers of its own
 ROUND_OFF = 1e-9  # relative, of a thickness against the depths of its material's law
 
 
@@ -77,6 +78,11 @@ class Specimen:
             raise InputError("specimen: a rigid base needs at least one layer on it")
         if self.radius is not None:
             positive("m", **{"specimen.radius": self.radius})
+        if self.pieces > MOST_PIECES:
+            raise InputError(
+                f"E over depth has {self.pieces:,} smooth pieces, at most {MOST_PIECES:,} are taken; "
+                "leave out points that lie nearly on the straight line between their neighbours"
+            )
 
     @property
     def is_half_space(self) -> bool:
@@ -101,6 +107,12 @@ class Specimen:
     def is_graded(self) -> bool:
         """True where the modulus of any layer varies over depth."""
         return any(isinstance(layer.material, Graded) for layer in self.layers)
+
+    @property
+    def pieces(self) -> int:
+        """How many smooth pieces the laws of E over depth have, in all layers."""
+        laws = [(layer.material.law, layer.thickness) for layer in self.layers if isinstance(layer.material, Graded)]
+        return sum(1 + sum(z < thickness for z in law.kinks) for law, thickness in laws)
 
     @property
     def thickness(self) -> float:
@@ -179,11 +191,16 @@ class Loading:
 
 @dataclass(frozen=True)
 class Problem:
-    """A frictionless axisymmetric contact problem, geometrically linear (method: any)."""
+    """An axisymmetric contact problem, geometrically linear (method: any).
+
+    ``sticks``: each point keeps the radial displacement with which it was touched; else the surfaces slide without
+    friction.
+    """
 
     indenter: Indenter
     specimen: Specimen
     loading: Loading
+    sticks: bool = field(default=False, repr=False)
 
     @property
     def E_star(self) -> float:
@@ -191,12 +208,18 @@ class Problem:
         return contact_modulus(self.specimen.surface, self.indenter.material)
 
     @property
+    def surface(self) -> str:
+        """What the surfaces do that touch: "sliding" without friction, or "sticking"."""
+        return "sticking" if self.sticks else "sliding"
+
+    @property
     def words(self) -> str:
         """``sphere R = 100 um on a half-space (E = 5 GPa, nu = 0.4) to a depth of 3 um``."""
         loading, elastic = self.loading, "" if self.indenter.material is None else "elastic "
         goal = "contact radius" if loading.to == "radius" else loading.to
         end = show(loading.maximum, "load" if loading.to == "load" else "length")
-        return f"{elastic}{self.indenter.words} on {self.specimen.words} to a {goal} of {end}"
+        stuck = ", surfaces that stick," if self.sticks else ""
+        return f"{elastic}{self.indenter.words} on {self.specimen.words}{stuck} to a {goal} of {end}"
 
     def scaled(self, factor: float) -> Problem:
         """The same problem with every modulus multiplied by ``factor``, and with it what is prescribed as a load."""
@@ -206,9 +229,10 @@ class Problem:
         if loading.to == "load":
             values = tuple(value * factor for value in loading.values)
             loading = replace(loading, maximum=loading.maximum * factor, values=values)
-        return Problem(indenter, self.specimen.scaled(factor), loading)
+        return Problem(indenter, self.specimen.scaled(factor), loading, self.sticks)
 
     @property
     def key(self) -> str:
         """A hash of the physics: equal for equal problems, whatever method solves them."""
-        return hashlib.sha256(repr(self).encode()).hexdigest()[:16]
+        words = f"{self!r}, sticks" if self.sticks else repr(self)
+        return hashlib.sha256(words.encode()).hexdigest()[:16]

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from ..base.errors import InputError, Refusal
 from ..bodies.problem import Problem
 from . import Forecast, Method, least_first
+from .guards import duration
 
 
 @dataclass(frozen=True)
@@ -23,6 +24,8 @@ class AutoTuning:
     """When a simpler model gives way to a more general one."""
 
     patience: float = 10.0  # tuned on the cases, by `make chart`: CPU seconds that a simpler model may take
+    looks: int = 3  # at a spectrum, where the largest radius has to be found; choice: for what is told
+    silence: float = 2.0  # choice: CPU seconds that forecasts may take without a word
     noticeable: float = 1e-3  # choice: relative error that is seen beside nothing measured
 
 
@@ -87,6 +90,19 @@ class Choice:
         if not later:
             return None
         return Choice(later[0], build(later[0]), f"because {self.name} failed ({error})", self.options)
+
+
+def long_look(problem: Problem) -> str | None:
+    """A sentence on what it takes to find out what each method would cost, None where that is a matter of a moment."""
+    from .layered.spectrum import spectrum_seconds
+
+    specimen, looks = problem.specimen, 1 if problem.loading.to == "radius" else TUNING.looks
+    seconds = looks * spectrum_seconds(specimen)
+    if seconds < TUNING.silence:
+        return None
+    pieces = f" with {specimen.pieces:,} pieces of E over depth" if specimen.is_graded else ""
+    layers = "a layer" if len(specimen.layers) == 1 else f"{len(specimen.layers):,} layers"
+    return f"{layers}{pieces}: looking at what each method would cost takes about {duration(seconds)} of CPU time"
 
 
 def choose(problem: Problem, wanted: str | Method, build: Callable[[str], Method]) -> Choice:

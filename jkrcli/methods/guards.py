@@ -11,6 +11,7 @@ from ..base.errors import Refusal
 from . import Forecast
 
 SHARE = 0.8  # of the free memory that a solve may plan with; choice: the rest is for what forecasts miss
+LESS = "fewer points, larger elements or a cheaper method"  # what makes a solve cheaper
 CGROUP = Path("/sys/fs/cgroup")
 
 
@@ -22,12 +23,13 @@ class Limits:
     hours: float = 1.0
 
 
-def admit(what: str, forecast: Forecast, limits: Limits) -> str | None:
-    """A sentence on what the solve ``what`` will cost, None where that is little; Refusal beyond the limits."""
+def admit(what: str, forecast: Forecast, limits: Limits, less: str = LESS) -> str | None:
+    """A sentence on what ``what`` will cost, None where that is little; Refusal beyond the limits, with the advice to
+    ask for ``less``."""
     memory, hours = forecast.memory_mib / 1024, forecast.seconds / 3600
     most = free_memory() * SHARE / 1024 if limits.memory is None else limits.memory
     needs = f"{what} would need about {memory:.3g} GiB of memory and {duration(forecast.seconds)} of CPU time"
-    remedy = "ask for fewer points, larger elements or a cheaper method, or raise the limit by"
+    remedy = f"ask for {less}, or raise the limit by"
     if not memory <= most:
         raise Refusal(
             f"{needs}, the limit is {most:.3g} GiB: {remedy} --limit-memory {_raised(memory)}"

@@ -57,7 +57,8 @@ class Series:
     """Nonadhesive contact at strictly increasing radii; all arrays of equal length, read-only, SI.
 
     ``S = dP/d(delta)`` [N/m] and ``dS = dS/da`` [N/m^2] where the method knows them exactly, else None.
-    ``errors``: estimated absolute errors per column (keys among ``COLUMNS``).
+    ``errors``: estimated absolute errors per column (keys among ``COLUMNS``), at equal radius; where the radius has an
+    error itself, those of a and P are at equal displacement (``errors_at_radius`` has them at equal radius).
     ``a0, S0``: contact radius and slope at first touch (both 0 for round indenters; ``S0 = None``: unknown).
     """
 
@@ -103,6 +104,17 @@ class Series:
 
     def __len__(self) -> int:
         return self.a.size
+
+    @property
+    def errors_at_radius(self) -> Mapping[str, Array]:
+        """Errors of "delta" and "P" at equal contact radius, where that of the radius itself is stated (it and P's are
+        at equal displacement): a wrong radius shifts delta along its curve, and P with it; else empty."""
+        of_radius = self.errors.get("a")
+        if of_radius is None or "P" not in self.errors or not of_radius.any() or len(self) < 2:
+            return {}
+        shift = of_radius * np.gradient(self.delta, self.a)
+        S = np.gradient(self.P, self.delta) if self.S is None else self.S
+        return {"delta": shift + self.errors.get("delta", 0.0), "P": S * shift + self.errors["P"]}
 
     def scaled(self, factor: float) -> Series:
         """The series of the same bodies with all moduli multiplied by ``factor``: P, S and S' scale, delta does not."""
@@ -166,7 +178,8 @@ class Resolved(Protocol):
 class Record:
     """What a solution keeps of the case it came from, beside the physics: for the transformation and for its file.
 
-    ``w``: works of adhesion [J/m^2]; ``z0``: interatomic distance [m]; ``path``: its file, as messages name it;
+    ``w``: works of adhesion [J/m^2]; ``z0``: interatomic distance [m]; ``stress`` [Pa], ``length`` [m]: tension or
+    range of adhesion of finite range, one of them or neither; ``path``: its file, as messages name it;
     ``case``: None where the problem was made in Python; ``versions``: of jkr and what it rests on, by name.
     """
 
@@ -177,6 +190,8 @@ class Record:
     case: Resolved | None = None
     command_line: str = ""
     versions: Mapping[str, str] = field(default_factory=dict)
+    stress: float | None = None
+    length: float | None = None
 
     @property
     def toml(self) -> str:

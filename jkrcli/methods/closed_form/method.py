@@ -94,6 +94,9 @@ def _radii(problem: Problem, formula: Formula) -> Array:
 
 def _formula(problem: Problem) -> Formula:
     """The formula for this body; Refusal where there is none, with what to use instead."""
+    if problem.sticks and not _slides_all_the_same(problem):
+        other = "layered" if problem.specimen.radius is None else "fem"
+        raise Refusal(f"there is no formula for surfaces that stick: use method {other}")
     if problem.specimen.is_half_space:
         return _half_space(problem)
     match problem.specimen.layers, problem.specimen.base, problem.specimen.radius:
@@ -101,6 +104,13 @@ def _formula(problem: Problem) -> Formula:
             return _thin_layer(problem, layer, base)
     other = "layered" if problem.specimen.radius is None else "hybrid"
     raise Refusal(f"solves homogeneous half-spaces and thin single isotropic layers only: use method {other} (or fem)")
+
+
+def _slides_all_the_same(problem: Problem) -> bool:
+    """Whether sticking changes nothing: an incompressible half-space under a rigid or incompressible indenter."""
+    indenter = problem.indenter.material
+    incompressible = problem.specimen.materials[0].surface.nu == 0.5 and (indenter is None or indenter.nu == 0.5)
+    return problem.specimen.is_half_space and incompressible
 
 
 def _half_space(problem: Problem) -> Formula:
@@ -130,10 +140,15 @@ def _thin_layer(problem: Problem, layer: Layer, base: Rigid) -> Formula:
     if error > TUNING.worst:
         first, last = radii[[0, -1]] / layer.thickness
         raise Refusal(
-            f"the thin-layer formula errs by {error:.2g} between a/h = {first:.3g} and {last:.3g}, more than "
-            f"{TUNING.worst:g}: use method layered"
+            f"the thin-layer formula {_off(error)} between a/h = {first:.3g} and {last:.3g}, more than "
+            f"{TUNING.worst:.0%}: use method layered"
         )
     return replace(formula, error=error)
+
+
+def _off(error: float) -> str:
+    """A relative error in words, of a formula that gives too much where it is large."""
+    return f"errs by {100 * error:.2g} %" if error < 1 else f"gives up to {1 + error:.2g} times the exact values"
 
 
 def _leading_order(R: float, layer: Layer, base: Rigid) -> Formula:

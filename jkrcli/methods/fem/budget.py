@@ -103,7 +103,7 @@ def _without_disc(coarse: MeshLevel, fine: MeshLevel, a: Array, delta: Array, ca
 
 def load_at(contact: SurfaceContact, delta: Array) -> Array:
     """P [N] at depths ``delta`` [m] of a disc that grows node by node: linear between the nodes' touches."""
-    k = np.clip(np.searchsorted(np.maximum.accumulate(contact.delta), delta, side="right") - 1, 0, contact.f.size - 1)
+    k = contact.set_at(delta)
     return contact.S[k] * delta - contact.T[k]
 
 
@@ -151,7 +151,7 @@ def truncation_of(run: Run, coarse: MeshLevel) -> Estimate:
         return lacking**2 if body.completed else lacking
     if not body.cut_beside:
         return 0.0
-    roller, free = SurfaceContact(coarse.model.with_roller().surface, coarse.contact.f), coarse.contact
+    roller, free = coarse.model.with_roller().contact(coarse.indenter), coarse.contact
     depth = np.array([run.deepest])
     if events.valid:
         return float(abs(load_at(roller, depth)[0] / load_at(free, depth)[0] - 1))

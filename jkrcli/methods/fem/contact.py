@@ -1,4 +1,5 @@
-"""Frictionless unilateral contact on the condensed surface: nested (all contact radii at once) and by increments.
+"""Unilateral contact on the condensed surface: nested (all contact radii at once, sliding or sticking) and by
+increments (sliding).
 
 Nodal forces p >= 0, gaps f - delta + C p >= 0, and one of the two zero at every node, with f the indenter's
 profile at the nodes and C the surface compliance.
@@ -77,12 +78,56 @@ class SurfaceContact:
         """Load at that depth [N]."""
         return self.S * self.delta - self.T
 
+    def pressed(self, k: Array, depth: Array) -> tuple[Array, Array]:
+        """Halves L^T p and forces p (m, sets) [N] of the contact sets {0..k} pressed to ``depth`` [m]."""
+        inside = np.arange(len(self.surface.C))[:, None] <= self.surface.last[k]
+        halves = np.where(inside, depth * self.y[:, None] - self.z[:, None], 0.0)
+        return halves, solve_triangular(self.L, halves, lower=True, trans="T")
+
+    def set_at(self, depth: Array) -> Array:
+        """Last node k of the disc that touches at ``depth`` [m]."""
+        touched = np.searchsorted(np.maximum.accumulate(self.delta), depth, side="right")
+        return np.clip(touched - 1, 0, self.f.size - 1)
+
+
+@dataclass(frozen=True, eq=False)
+class StuckContact(SurfaceContact):
+    """The contact problem on a ``surface`` whose points keep the radial displacement with which they were touched.
+
+    As for sliding surfaces, with two rows of L for each node: y = L^-1 e, e of a unit displacement downwards, and z =
+    L^-1 (f, -g) in turn, g the outward displacements. A node is touched where neither of its forces acts yet, which
+    gives delta_k = z_k/y_k from its first row, and from its second z = delta_k y instead of g. The disc that grows node
+    by node while stuck discs are pressed down is this very recursion: P = int S d(delta).
+    """
+
+    @cached_property
+    def _solved(self) -> Array:
+        e = np.zeros(len(self.surface.C))
+        e[self.surface.normal] = 1.0
+        y, z = solve_triangular(self.L, e, lower=True), np.zeros_like(e)
+        for height, row, last in zip(self.f, self.surface.normal, self.surface.last, strict=True):
+            z[row] = (height - self.L[row, :row] @ z[:row]) / self.L[row, row]
+            z[last] = z[row] / y[row] * y[last]
+        return np.array([y, z])
+
+    @cached_property
+    def S(self) -> Array:
+        return np.cumsum(self.y**2)[self.surface.last]
+
+    @cached_property
+    def T(self) -> Array:
+        return np.cumsum(self.y * self.z)[self.surface.last]
+
+    @cached_property
+    def delta(self) -> Array:
+        return (self.z / self.y)[self.surface.normal]
+
 
 @dataclass(frozen=True, eq=False)
 class Events:
     """First touches of the vertices, of increasing radius: ``a``, ``delta``, ``P``, and ``S``, the stiffness from here
     to the next node's touch (it belongs to a radius beyond ``a``). ``violation``: largest negative force or gap of
-    all events, relative; ``p`` (events, n): nodal forces [N]."""
+    all events, relative; ``p`` (events, m): forces on the ``surface`` [N]."""
 
     a: Array
     delta: Array
@@ -131,15 +176,15 @@ def nested_events(contact: SurfaceContact, a0: float, to: str, maximum: float, s
 
 
 def _conditions(contact: SurfaceContact, k: Array) -> tuple[Array, Array]:
-    """Nodal forces (events, n) [N] when the nodes ``k`` touch, and the largest negative force or gap of each event,
-    relative to the largest force or the depth."""
-    depth = contact.delta[k]
-    inside = np.arange(contact.f.size)[:, None] <= k
-    w = np.where(inside, depth * contact.y[:, None] - contact.z[:, None], 0.0)
-    p = solve_triangular(contact.L, w, lower=True, trans="T")
-    gap = contact.f[:, None] - depth + contact.L @ w
-    pull = np.max(-p[contact.surface.exempt :] / np.abs(p).max(axis=0, initial=0.0), axis=0, initial=0.0)
-    return p.T, np.maximum(pull, np.max(np.where(inside, 0.0, -gap) / depth, axis=0, initial=0.0))
+    """Forces on the surface (events, m) [N] when the nodes ``k`` touch, and the largest negative force or gap of each
+    event, relative to the largest force or the depth."""
+    depth, surface = contact.delta[k], contact.surface
+    inside = np.arange(len(surface.C))[:, None] <= surface.last[k]
+    w, forces = contact.pressed(k, depth)
+    p = forces[surface.normal]
+    gap = contact.f[:, None] - depth + (contact.L @ w)[surface.normal]
+    pull = np.max(-p[surface.exempt :] / np.abs(p).max(axis=0, initial=0.0), axis=0, initial=0.0)
+    return forces.T, np.maximum(pull, np.max(np.where(inside[surface.normal], 0.0, -gap) / depth, axis=0, initial=0.0))
 
 
 @dataclass(frozen=True, eq=False)

@@ -25,7 +25,7 @@ def edge_correction(model: Model, indenter: Indenter) -> Array:
     reach = model.discretisation.reach
     profile: Indenter = indenter if indenter.a0 > 0 else Paraboloid(reach)
     half_space = model
-    if not (model.body.cut_below and len(model.body.materials) == 1):
+    if model.surface.sticks or not (model.body.cut_below and len(model.body.materials) == 1):
         body = half_space_like(model.body, CUT * reach)
         half_space = model.discretisation.on_half_space(body).build(StageClock())
     surface = half_space.completed()

@@ -158,6 +158,11 @@ class ElasticSystem:
         """Unknowns u_z of the surface nodes."""
         return len(self.nodes) + self.surface
 
+    def both(self, count: int) -> Array:
+        """Unknowns u_z and, off the axis, u_r of the innermost ``count`` surface nodes, node by node."""
+        pairs = np.column_stack([self.normal[:count], self.surface[:count]])
+        return pairs[np.column_stack([np.ones(count, dtype=bool), self.radii[:count] > 0])]
+
     @property
     def cell_nodes(self) -> Array:
         """Nodes of every cell (m, k)."""

@@ -10,21 +10,19 @@ between two halves are eliminated after both.
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
-from contextlib import AbstractContextManager
 from dataclasses import dataclass
-from functools import cache
 from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
 from scipy.sparse import csc_matrix, tril
 from scipy.sparse.linalg import splu
-from threadpoolctl import ThreadpoolController
 
 from ...base.arrays import Array
 from ...base.errors import InputError, SolveError
+from ...base.installing import installs
+from ...base.threads import one_thread
 from .options import Solver
 
 
@@ -56,20 +54,9 @@ def sparse_factor(matrix: csc_matrix, tail: int, definite: bool, solver: Solver)
     definite, no saddle point. "auto" takes CHOLMOD where it can and pays. Errors: InputError where it is missing,
     SolveError."""
     if solver == "cholmod" and not has_cholmod():
-        raise InputError('mesh.solver: "cholmod" needs the optional package cvxopt: pip install "jkrcli[fast]"')
+        raise InputError(f'mesh.solver: "cholmod" needs the optional package cvxopt: {installs("fast")}')
     pays = solver == "cholmod" or (solver == "auto" and matrix.shape[0] > TUNING.small)
     return _cholmod(matrix, tail) if definite and pays and has_cholmod() else _superlu(matrix, tail)
-
-
-def one_thread() -> AbstractContextManager[Any]:
-    """Context in which BLAS works in one thread: on small matrices and many-column solves more only wait."""
-    return _blas("cvxopt" in sys.modules).limit(limits=1)
-
-
-@cache
-def _blas(with_cholmod: bool) -> ThreadpoolController:
-    """All BLAS libraries that are loaded, looked for once (it takes milliseconds); CHOLMOD brings its own."""
-    return ThreadpoolController()
 
 
 def has_cholmod() -> bool:

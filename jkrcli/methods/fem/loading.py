@@ -60,7 +60,9 @@ def _refuse_unresolved(loading: Loading, first: float) -> None:
 
 
 def nodal_forces(contact: SurfaceContact, events: Events, delta: Array) -> Array:
-    """Nodal forces [N] at depths ``delta`` [m]: the events', and solved for where a depth is no event's."""
+    """Forces on the surface [N] at depths ``delta`` [m]: the events', and solved for where a depth is no event's."""
+    if contact.surface.sticks:
+        return contact.pressed(contact.set_at(delta), delta)[1].T
     near = np.clip(np.searchsorted(events.delta, delta * (1 - 1e-12)), 0, events.delta.size - 1)
     p = events.p[near]
     other = np.flatnonzero(np.abs(events.delta[near] / delta - 1) > 1e-12)
@@ -114,7 +116,8 @@ def raw_series(surface: Surface, increments: list[Increment]) -> RawSeries:
 
 
 def pressures(surface: Surface, forces: Array) -> PressureTable:
-    """Nodal force over nodal area; nodes without area (the axis of second-order elements) are left out."""
+    """Downward nodal force over nodal area; nodes without area (the axis of second-order elements) are left out."""
+    forces = forces[:, surface.normal]
     areas, radii = surface.areas, surface.radii
     wide = areas > 1e-6 * areas.max() * (radii / radii[-1]) ** 2
     return PressureTable(radii[wide], forces[:, wide] / areas[wide])

@@ -1,4 +1,4 @@
-"""The method ``fem``: axisymmetric finite elements with frictionless contact on the condensed surface."""
+"""The method ``fem``: axisymmetric finite elements with contact on the condensed surface, sliding or sticking."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 from ...base.clock import StageClock
 from ...base.errors import Refusal
+from ...base.threads import one_thread
 from ...base.unknown import Unknown
 from ...bodies.problem import HalfSpace, Problem
 from ...series import ErrorBudget, Solution
@@ -14,7 +15,6 @@ from .adapt import adapted, first
 from .body import half_space_like
 from .budget import Assessment, assessed, truncation_of
 from .edge import CUT
-from .factor import one_thread
 from .grid import Grid
 from .layout import Layout, layout_for
 from .options import FEMOptions
@@ -29,7 +29,8 @@ DOUBLED = 2.0  # element sizes of the mesh for the error estimate; theory: estim
 class FEM(FEMOptions):
     """Finite elements for any stack of isotropic layers on a rigid base or a half-space, wide or of finite radius.
 
-    Geometrically linear, frictionless; any convex indenter, rigid (or elastic on a homogeneous half-space).
+    Geometrically linear; any convex indenter, rigid (or elastic on a homogeneous half-space that slides). Surfaces that
+    stick: of first order in the spacing where they are confined and nearly incompressible, by "nested" only.
     The default solves a paraboloid on a half-space to about 1e-4 in P(delta). Contact radii are those of vertices,
     corrected to the edge of the contact (``edge_correction``): exact for a paraboloid on a half-space, else about 1e-3
     off. Increments, and "nested" without the correction, keep the vertex's radius, up to half a spacing too large.
@@ -47,6 +48,8 @@ class FEM(FEMOptions):
     def _unable(self, problem: Problem) -> str | None:
         """Why no mesh can represent the problem."""
         specimen = problem.specimen
+        if problem.sticks and (reason := self._unable_to_stick(problem)):
+            return reason
         if problem.indenter.material is not None and not specimen.is_half_space:
             other = "layered" if specimen.radius is None else "hybrid"
             return (
@@ -66,6 +69,14 @@ class FEM(FEMOptions):
                 f"mesh.contact_radius: {self.contact_radius:g} m must be larger than the flat end of the indenter "
                 f"({a0:g} m): give more or leave it out"
             )
+        return None
+
+    def _unable_to_stick(self, problem: Problem) -> str | None:
+        if problem.indenter.material is not None:
+            other = "layered" if problem.specimen.radius is None else "a rigid indenter"
+            return f"an elastic indenter that sticks is not represented by a rigid profile: use {other}"
+        if self.contact == "incremental":
+            return 'increments do not remember where points stuck: set contact.algorithm = "nested"'
         return None
 
     def _refuse(self, problem: Problem) -> None:

@@ -12,7 +12,7 @@ from ...base.clock import StageClock
 from ...bodies.indenters import Indenter
 from ...bodies.materials import Graded, Material
 from .body import MeshedBody
-from .contact import SurfaceContact
+from .contact import StuckContact, SurfaceContact
 from .elasticity import ElasticSystem, assemble
 from .far_field import missing_displacement
 from .layout import Layout
@@ -30,13 +30,15 @@ def pressure_layers(materials: Sequence[Material], above: float = NEARLY_INCOMPR
 @dataclass(frozen=True)
 class Discretisation:
     """What a model is made from: ``layout`` on its body, element ``order``, ``mixed``: layers with a pressure unknown,
-    ``reach``: radius out to which surface nodes are candidates [m]; ``solver``: of the sparse factor."""
+    ``reach``: radius out to which surface nodes are candidates [m]; ``solver``: of the sparse factor; ``sticks``:
+    whether contact forces are also radial."""
 
     layout: Layout
     order: int
     mixed: tuple[int, ...]
     reach: float
     solver: Solver = "auto"
+    sticks: bool = False
 
     @property
     def body(self) -> MeshedBody:
@@ -46,8 +48,9 @@ class Discretisation:
         return replace(self, layout=self.layout.coarser(factor))
 
     def on_half_space(self, body: MeshedBody) -> Discretisation:
-        """The same surface vertices on a homogeneous ``body``."""
-        return replace(self, layout=self.layout.on(body), mixed=tuple(i for i in self.mixed if i == 0))
+        """The same surface vertices on a homogeneous ``body`` whose surface slides."""
+        mixed = tuple(i for i in self.mixed if i == 0)
+        return replace(self, layout=self.layout.on(body), mixed=mixed, sticks=False)
 
     def build(self, clock: StageClock) -> Model:
         """Mesh, assemble, factorise and condense."""
@@ -62,19 +65,22 @@ class Discretisation:
         """Factorise and condense the assembled ``system``."""
         candidates = int(np.searchsorted(system.radii, self.reach * (1 + 1e-9)))
         with clock("factorisation"):
-            factor = factorise(system, system.normal[:candidates], self.solver)
+            last = system.both(candidates) if self.sticks else system.normal[:candidates]
+            factor = factorise(system, last, self.solver)
         with clock("surface solves"):
             surface = condense(system, factor)
             w = self._missing_displacement(system, factor, surface) if self.body.cut_below else 0.0
         if self.body.completed:
-            surface = replace(surface, C=surface.C + w)
+            surface = surface.shifted(w)
         return Model(self, system, factor, surface, w)
 
     def _missing_displacement(self, system: ElasticSystem, factor: StiffnessFactor, surface: Surface) -> float:
         """What the cut-out half-space lacks, under a uniform pressure on the candidates' disc [m/N]."""
         below = self.body.materials[-1]
         assert not isinstance(below, Graded)  # it stands for a half-space, which is homogeneous
-        loads = factor.loads(-surface.areas / surface.areas.sum())
+        forces = np.zeros(len(surface.C))
+        forces[surface.normal] = -surface.areas / surface.areas.sum()
+        loads = factor.loads(forces)
         return missing_displacement(system, below, factor.solve(loads))
 
 
@@ -95,7 +101,8 @@ class Model:
 
     def contact(self, indenter: Indenter) -> SurfaceContact:
         """The contact problem with ``indenter``."""
-        return SurfaceContact(self.surface, indenter.f(self.surface.radii))
+        kind = StuckContact if self.surface.sticks else SurfaceContact
+        return kind(self.surface, indenter.f(self.surface.radii))
 
     def with_roller(self) -> Model:
         """The same body with its side held in radial direction; the mesh and the stiffness stay."""
@@ -105,8 +112,8 @@ class Model:
 
     def completed(self) -> Surface:
         """The surface of the whole half-space, whether or not the model is completed itself."""
-        return self.surface if self.body.completed else replace(self.surface, C=self.surface.C + self.missing)
+        return self.surface if self.body.completed else self.surface.shifted(self.missing)
 
     def field(self, p: Array) -> Array:
-        """Displacements (and pressures) of all unknowns under the nodal contact forces ``p`` [N]."""
-        return self.factor.solve(self.factor.loads(-p))
+        """Displacements (and pressures) of all unknowns under the contact forces ``p`` (m,) on the surface [N]."""
+        return self.factor.solve(self.factor.loads(self.surface.direction * p))

@@ -44,6 +44,11 @@ def run(options: FEMOptions, problem: Problem, clock: StageClock, reach: float |
     model, contact, touches = _solve_large_enough(options, problem, clock, reach)
     by_increments = options.contact == "incremental" or not touches.valid
     level = MeshLevel(model, problem.indenter, contact, touches, options.edge_correction and not by_increments)
+    if by_increments and problem.sticks:
+        raise Refusal(
+            f"the contact is not a growing disc of nodes (violation {touches.violation:.1e}), so that it is not known "
+            'where points stuck: load less, or set specimen.surface = "sliding"'
+        )
     if by_increments:
         with clock("contact"):
             return Run.of_increments(problem, level, _increments(problem, contact, touches))
@@ -59,7 +64,7 @@ def _solve_large_enough(
     loading, mixed = problem.loading, mixed_layers(options, problem)
     for _ in range(ATTEMPTS):
         layout = layout_for(options, problem, reach)
-        model = Discretisation(layout, options.order, mixed, reach, options.solver).build(clock)
+        model = Discretisation(layout, options.order, mixed, reach, options.solver, problem.sticks).build(clock)
         with clock("contact"):
             contact = model.contact(problem.indenter)
             events = nested_events(contact, problem.indenter.a0, loading.to, loading.maximum, SPARE)

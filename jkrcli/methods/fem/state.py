@@ -1,8 +1,9 @@
 """Displacement and stress in the body at one state of adhesive contact.
 
-The surface under a contact of radius a is where the indenter holds it, u_z = f(r) - delta for r <= a, frictionless, and
-free outside. That is the nonadhesive field at a and the field of a flat punch of radius a, superposed (Eq. 13), in one
-solve. The mesh is graded towards the contact's edge, where the stresses of an adhesive contact go like 1/sqrt(a - r).
+The surface under a contact of radius a is where the indenter holds it, u_z = f(r) - delta for r <= a, and free outside;
+it slides without friction, or has the u_r with which each point was touched (the contact is grown on the same mesh).
+That is the nonadhesive field at a and the field of a flat punch of radius a, superposed (Eq. 13), in one solve. The
+mesh is graded towards the contact's edge, where the stresses of an adhesive contact go like 1/sqrt(a - r).
 """
 
 from __future__ import annotations
@@ -30,6 +31,7 @@ class StateTuning:
     """The mesh for the field at one contact radius."""
 
     spacing: float = 0.08  # element size over the distance from the edge; tuned on gel and coating, by `make tuning`
+    stuck: float = 0.03  # the same of surfaces that stick, which must be grown on it; choice: as exact there
     growth: float = 0.1  # beyond the contact; tuned on the bodies of `make tuning`, by `make tuning`
     finest: float = 1e-4  # radii from the edge with elements of one size; tuned on gel and coating, by `make tuning`
     near: float = 3.0  # radii within which tractions are judged; choice: what the error stands for
@@ -87,16 +89,22 @@ def contact_state(method: FEM, problem: Problem, a: float, delta: float) -> Cont
     if edge is not None and a >= edge:
         raise InputError(f"fields: contact radius {a:g} m reaches the edge of the body, {edge:g} m")
     body = cut_out(problem, a, method.depth, method.width)
-    layout = scaled_layout(body, "triangle", a, a, TUNING.finest * a, TUNING.spacing, TUNING.growth)
-    model = Discretisation(layout, 2, pressure_layers(body.materials), a, method.solver).build(StageClock())
+    spacing = TUNING.stuck if problem.sticks else TUNING.spacing
+    layout = scaled_layout(body, "triangle", a, a, TUNING.finest * a, spacing, TUNING.growth)
+    mixed = pressure_layers(body.materials)
+    model = Discretisation(layout, 2, mixed, a, method.solver, problem.sticks).build(StageClock())
     contact = model.contact(problem.indenter)
-    p = cho_solve((contact.L, True), delta - contact.f)
+    if problem.sticks:
+        last = np.array([contact.f.size - 1])
+        p = contact.pressed(last, np.array([delta]))[1][:, 0]
+    else:
+        p = cho_solve((contact.L, True), delta - contact.f)
     # An elastic indenter is part of the body's modulus; the body's own displacements are smaller by that much.
     return _state(model, a, delta, p, problem.E_star / problem.specimen.surface.E_star)
 
 
 def _state(model: Model, a: float, delta: float, p: Array, share: float) -> ContactState:
-    system, body, P = model.system, model.body, float(p.sum())
+    system, body, P = model.system, model.body, float(p[model.surface.normal].sum())
     solution = model.field(p)
     stress, vertices = Stress(system, solution), system.basis.nodal_dofs[0]
     u = np.column_stack([part[vertices] for part in system.components(solution)])

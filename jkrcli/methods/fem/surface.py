@@ -7,7 +7,8 @@ compliance: no right-hand sides are needed.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from scipy.linalg import cho_solve
@@ -15,8 +16,9 @@ from scipy.sparse import csr_matrix
 
 from ...base.arrays import Array
 from ...base.errors import SolveError
+from ...base.threads import one_thread
 from .elasticity import ElasticSystem
-from .factor import SparseFactor, nested_dissection, one_thread, sparse_factor
+from .factor import SparseFactor, nested_dissection, sparse_factor
 from .options import Solver
 
 RESIDUAL_LIMIT = 1e-8  # choice: a sound factor leaves 1e-16 to 1e-12, a wrong one 1
@@ -74,10 +76,11 @@ class StiffnessFactor:
 class Surface:
     """The contact surface as the contact problem sees it: n candidate nodes by increasing radius.
 
-    ``C`` (n, n): downward displacement of node i under a unit downward force on node j [m/N], symmetric.
-    ``radii``, ``is_vertex``, ``areas`` [m, -, m^2] of the candidates; ``exempt``: number of leading nodes whose force
-    may have any sign (the axis node of second-order elements: the integral of its shape function is zero).
-    ``residual``, ``asymmetry``: what the check solves left, relative.
+    ``C`` (m, m): displacement i under a unit force along displacement j [m/N], symmetric. Of sliding surfaces these are
+    the downward displacements of the nodes, m = n; of surfaces that stick the downward and the outward displacement of
+    each node in turn (downward alone on the axis). ``radii``, ``is_vertex``, ``areas`` [m, -, m^2] of the candidates;
+    ``exempt``: number of leading nodes whose force may have any sign (the axis node of second-order elements: the
+    integral of its shape function is zero). ``residual``, ``asymmetry``: what the check solves left, relative.
     """
 
     C: Array
@@ -87,6 +90,38 @@ class Surface:
     exempt: int
     residual: float
     asymmetry: float
+
+    @property
+    def sticks(self) -> bool:
+        """Whether radial displacements are among the m."""
+        return len(self.C) > self.radii.size
+
+    @cached_property
+    def normal(self) -> Array:
+        """Rows of C that are downward displacements (n,)."""
+        if not self.sticks:
+            return np.arange(self.radii.size)
+        return np.cumsum(np.where(self.radii > 0, 2, 1)) - np.where(self.radii > 0, 2, 1)
+
+    @cached_property
+    def last(self) -> Array:
+        """Last row of C of each node (n,)."""
+        return np.append(self.normal[1:], len(self.C)) - 1
+
+    @property
+    def direction(self) -> Array:
+        """Sense of each of the m displacements along its coordinate: downwards -1, outwards 1."""
+        signs = np.ones(len(self.C))
+        signs[self.normal] = -1.0
+        return signs
+
+    def shifted(self, w: float) -> Surface:
+        """The surface with a uniform downward displacement ``w`` [m] per unit downward force added."""
+        if not self.sticks:
+            return replace(self, C=self.C + w)
+        C = self.C.copy()
+        C[np.ix_(self.normal, self.normal)] += w
+        return replace(self, C=C)
 
 
 def factorise(system: ElasticSystem, last: Array, solver: Solver = "auto") -> StiffnessFactor:
@@ -111,13 +146,14 @@ def _unknown_ranks(system: ElasticSystem, rank: Array) -> Array:
 
 
 def condense(system: ElasticSystem, factor: StiffnessFactor) -> Surface:
-    """Surface of frictionless contact, whose forces act on the normal displacements alone; checked by full solves."""
-    n = factor.last.size
+    """Surface whose contact forces act on the displacements that the ``factor`` has last; checked by full solves."""
+    n = np.unique(system.node_of[factor.last]).size
     C = factor.compliance()
     residual, asymmetry = _check(factor, C)
     radii, areas = system.radii[:n], system.areas[:n]
     exempt = int(radii[0] == 0 and abs(areas[0]) < 1e-6 * abs(areas[1]))
-    return Surface(C, radii, system.is_vertex[:n], areas, exempt, residual, asymmetry)
+    surface = Surface(C, radii, system.is_vertex[:n], areas, exempt, residual, asymmetry)
+    return replace(surface, C=C * np.outer(surface.direction, surface.direction)) if surface.sticks else surface
 
 
 def _check(factor: StiffnessFactor, C: Array) -> tuple[float, float]:

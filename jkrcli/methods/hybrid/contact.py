@@ -15,6 +15,7 @@ from ...bodies.indenters import Indenter
 from ...bodies.materials import Graded, contact_modulus
 from ...bodies.problem import HalfSpace, Specimen
 from ..guards import duration
+from ..integral.attraction import Attraction, panels_for
 from ..integral.contact import tolerance_remedy
 from ..integral.equation import DiscreteEquation, EquationResult, solve
 from ..integral.quadrature import Panels, Quadrature
@@ -35,7 +36,7 @@ class HybridTuning:
     # Planned for the number of t; conditioning takes the rest:
     parameters: float = 1e-2  # tuned on reference bodies, by `make tuning`
     cut: float = 0.1  # of an unbounded body; choice: a tenth
-    no_claim: float = 0.05  # smaller errors are not told apart; choice: quadratures, rounding
+    no_claim: float = 0.025  # smaller errors are not told apart; tuned on random bodies, by `make bounds`
     finest: float = 1e-7  # accuracy of K where the modulus changes from the contact on; choice: below ``GRADED``
     # Errors from what a step changes, at some radii:
     samples: int = 6  # radii; tuned on random bodies, by `make failures`
@@ -44,12 +45,16 @@ class HybridTuning:
     slowest: float = 3.0  # what a step divides it by, at least; tuned on random bodies, by `make failures`
     fastest: float = 15.0  # at most; tuned on random bodies, by `make failures`
     cornered: float = 8.0  # at most, with singular corners; tuned on random bodies, by `make failures`
+    # Of the last step but one over the last, at most; where it falls by more, the last is small by accident:
+    plausible: float = 300.0  # tuned on random bodies, by `make bounds`
     steeper: float = 2.0  # error of S' over that of the others, at least; tuned on random bodies, by `make failures`
     allowed: float = 0.5  # of the tolerance, up to which ``steeper`` asks for no finer elements; choice: half
     unseen: float = 3.0  # times the last polynomial's change / (convergence - 1): its error; theory: geometric series
     least: float = 0.5  # of that change, at least; tuned on random bodies, by `make failures`
     # Of what extrapolating the cut changes, at most:
     extrapolated: float = 0.5  # tuned on random bodies, by `make failures`
+    # times what a cut may cost, from which on it is the elements; tuned on random bodies, by `make bounds`
+    unexpected: float = 3.0
     # Of what the second cut changes where fields decay exponentially:
     decayed: float = 0.05  # tuned on random bodies, by `make failures`
     # Refinement:
@@ -95,6 +100,11 @@ class KernelContact:
         equation = DiscreteEquation.of(self.kernel, Panels.through(radii, plan, self.indenter.a0))
         return solve(equation, self.indenter, self.E_star)
 
+    def attraction(self, reach: float, tolerance: float) -> Attraction:
+        """The pair of bodies ready for adhesion of finite range up to ``reach`` <= ``limit`` [m]."""
+        panels = panels_for(reach, self.indenter.a0, self.scale, tolerance, 1.0)
+        return Attraction.of(self.indenter, self.E_star, panels, self.kernel.square(panels.x))
+
     def columns(self, radii: Array, tolerance: float) -> Array:
         """Rows delta, P, S, S' at ``radii`` [m]."""
         return self.solved(radii, self.plan(radii, tolerance)).columns
@@ -117,6 +127,13 @@ class SideContact(KernelContact):
 
     def solved(self, radii: Array, plan: Quadrature) -> EquationResult:
         return self.wide.solved(radii, plan, added=self.kernel)
+
+    def attraction(self, reach: float, tolerance: float) -> Attraction:
+        wide = self.wide.attraction(reach, tolerance)
+        panels = wide.basis.panels
+        return Attraction.of(
+            self.indenter, self.E_star, panels, self.wide.matrix(panels) + self.kernel.square(panels.x)
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -303,10 +320,11 @@ class AdaptiveKernel:
         known = np.isfinite(before).all()
         fall = float(np.clip(before.max() / last.max() - 1, TUNING.slowest, fastest)) if known else TUNING.slowest
         left = TUNING.unseen / (convergence(levels.region) - 1)
+        last = np.maximum(last, before / TUNING.plausible) if known else last
         if not levels.region.cut_beside:
             cut = np.zeros_like(best)
         elif levels.region.algebraic:
-            cut = min(TUNING.extrapolated, levels.region.next_order) * change(levels.cut(degree))
+            cut = _extrapolated(levels.region, change(levels.cut(degree)))
         else:
             cut = TUNING.decayed * change(levels.cut(degree, nearer=True))
         parameters = max(left, TUNING.least) * change(contact.kernel.shorter())
@@ -315,6 +333,15 @@ class AdaptiveKernel:
         steeper = np.minimum(TUNING.steeper * elements[:-1].max(axis=0), TUNING.allowed * self.attainable)
         elements[-1] = np.maximum(elements[-1], steeper)
         return ErrorEstimates(radii, elements, parameters, cut)
+
+
+def _extrapolated(region: Region, change: Array) -> Array:
+    """Error that extrapolating the cut leaves, where it makes a ``change``: its next order; more of it as far as it is
+    more than a cut there can cost, which elements have done; and, where the first order vanishes, what it can cost."""
+    expected, share = region.expected_of_cut, min(TUNING.extrapolated, region.next_order)
+    unexpected = np.maximum(change - TUNING.unexpected * expected, 0.0)
+    steeper = np.array([1.0, 1.0, 1.0, TUNING.steeper])[:, None]
+    return share * change + TUNING.extrapolated * unexpected + steeper * expected * region.higher_order
 
 
 def fem_for(indenter: Indenter) -> str:

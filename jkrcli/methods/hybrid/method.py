@@ -19,6 +19,7 @@ from .. import Forecast
 from ..integral.contact import FLOPS_PER_SECOND, first_stiffness, largest_for_contact, radii_for_contact, series_of
 from ..integral.disc import disc_warnings, refuse_shrinking
 from ..integral.equation import EquationResult
+from ..layered.layered import expected_radius
 from ..radii import check_radius
 from .contact import TUNING as REFINING
 from .contact import AdaptiveKernel, fem_for
@@ -159,7 +160,7 @@ def _expected_radius(problem: Problem, body: AdaptiveKernel) -> float:
     """The largest contact radius [m] as on the laterally unbounded body, about."""
     if problem.loading.to == "radius":
         return problem.loading.maximum
-    return min(largest_for_contact(body.wide, problem.loading, REFINING.rough), _end(problem, body))
+    return min(expected_radius(body.wide, problem.loading, REFINING.rough), _end(problem, body))
 
 
 def _not_found(problem: Problem, reach: float) -> str:
@@ -171,6 +172,9 @@ def _not_found(problem: Problem, reach: float) -> str:
 
 def _unable(problem: Problem) -> str | None:
     specimen = problem.specimen
+    if problem.sticks:
+        other = "layered" if specimen.radius is None else fem_for(problem.indenter)
+        return f"the correction is that of surfaces that slide: use method {other}"
     if specimen.is_half_space:
         return "a homogeneous half-space needs no correction: use method closed-form or layered"
     if specimen.radius is not None and isinstance(specimen.base, HalfSpace):

@@ -22,6 +22,8 @@ class RegionTuning:
     decays: float = 40.0  # lengths, where the field falls exponentially; tuned on reference bodies, by `make tuning`
     # Left by extrapolation over its change, times size/length:
     next_order: float = 12.0  # tuned on reference bodies, by `make tuning`
+    # Poisson's ratio of a half-space, from which on it does not move sideways where it is pulled from far:
+    vanishing: float = 0.45  # tuned on random bodies, by `make bounds`
     # Relative error left elsewhere, times (size/length)^3:
     cut: float = 2.0  # tuned on reference bodies, by `make tuning`
 
@@ -112,6 +114,16 @@ class Region:
     def next_order(self) -> float:
         """Part of the change by extrapolating the cut that is left as its error, about."""
         return TUNING.next_order * self.length / self.width
+
+    @property
+    def expected_of_cut(self) -> float:
+        """Relative error that the first cut of an algebraic field leaves, about."""
+        return TUNING.cut * (self.length / self.width) ** 3
+
+    @property
+    def higher_order(self) -> bool:
+        """Whether the leading term of the far field on a half-space nearly vanishes, which extrapolation rests on."""
+        return self.far is not None and self.far.nu > TUNING.vanishing
 
     @property
     def cuts(self) -> tuple[float, ...]:

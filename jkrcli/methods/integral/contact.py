@@ -14,13 +14,22 @@ from ...bodies.indenters import Indenter
 from ...bodies.problem import Loading, Quantity
 from ...series import Series
 from ..radii import Response, Responses, half_space_guess, largest_of_loading, radii_of_loading
-from .equation import EquationResult
-from .quadrature import Quadrature
+from .quadrature import Panels
 
 COLUMNS = ("delta", "P", "S", "dS")
 LOOSEST = 1e-2  # tolerance of a method; choice: no worse result is worth a method without a mesh
 ROUGH = 1e-5  # accuracy of the first part of every search; choice: what costs least
 FLOPS_PER_SECOND = 5e9  # of the dense algebra; choice: for forecasts
+
+
+class Solved(Protocol):
+    """Contact at the radii of the ``panels``; ``columns``: rows delta, P, S, S'."""
+
+    @property
+    def panels(self) -> Panels: ...
+
+    @property
+    def columns(self) -> Array: ...
 
 
 class Contact(Protocol):
@@ -42,12 +51,12 @@ class Contact(Protocol):
     @property
     def limit(self) -> float: ...
 
-    def plan(self, radii: Array, tolerance: float) -> Quadrature:
-        """A quadrature expected to be accurate to ``tolerance`` at the increasing ``radii`` [m]."""
+    def plan(self, radii: Array, tolerance: float) -> Any:
+        """A discretisation expected to be accurate to ``tolerance`` at the increasing ``radii`` [m]."""
         ...
 
-    def solved(self, radii: Array, plan: Quadrature) -> EquationResult:
-        """Nonadhesive contact at the increasing ``radii`` [m]."""
+    def solved(self, radii: Array, plan: Any) -> Any:
+        """Nonadhesive contact at the increasing ``radii`` [m], ``Solved``."""
         ...
 
 
@@ -84,11 +93,18 @@ def response(contact: Contact, to: Quantity, accuracy: float) -> Response:
     name = {"depth": "delta", "load": "P"}[to]
 
     def at(radii: Array) -> Array:
-        beyond = max(float(radii[-1]) / contact.limit, 1.0)  # the response goes on like the square of the radius
+        beyond = max(float(radii[-1]) / contact.limit, 1.0)
         inside = radii / beyond
-        return beyond**2 * getattr(contact.solved(inside, contact.plan(inside, accuracy / 4)), name)
+        values: Array = getattr(contact.solved(inside, contact.plan(inside, accuracy / 4)), name)
+        return values if beyond == 1 else values * beyond ** _power(inside, values)
 
     return at
+
+
+def _power(radii: Array, values: Array) -> float:
+    """The power of the radius with which a response goes on beyond its last two points; of one alone, the second."""
+    ends = np.log(radii[-2:]), np.log(values[-2:])
+    return float(np.diff(ends[1])[0] / np.diff(ends[0])[0]) if radii.size > 1 else 2.0
 
 
 def first_stiffness(contact: Contact, tolerance: float) -> float:
@@ -97,7 +113,7 @@ def first_stiffness(contact: Contact, tolerance: float) -> float:
     return float(contact.solved(radii, contact.plan(radii, tolerance)).S[0]) if radii[0] > 0 else 0.0
 
 
-def series_of(result: EquationResult, errors: Array, a0: float, S0: float) -> Series:
+def series_of(result: Solved, errors: Array, a0: float, S0: float) -> Series:
     """The series of a ``result`` with relative ``errors`` (radii,) or, one row for each of ``COLUMNS``, (4, radii)."""
     radii = result.panels.radii
     columns = dict(zip(COLUMNS, result.columns, strict=True))

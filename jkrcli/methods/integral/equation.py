@@ -16,7 +16,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import solve_triangular
 
 from ...base.arrays import Array
 from ...base.errors import SolveError
@@ -48,20 +47,14 @@ class DiscreteEquation:
         n, root = panels.x.size, np.sqrt(panels.w)
         K = kernel.square(np.concatenate([panels.x, panels.radii]))
         K = 2 / math.pi * (K if singular is None else K + singular)
-        try:
-            factor = np.linalg.cholesky(root[:, None] * K[:n, :n] * root + np.eye(n))
-        except np.linalg.LinAlgError:
-            raise SolveError(
-                f"contact equation: {n} nodes up to a = {panels.radii[-1]:g} m do not resolve the kernel "
-                "(matrix not positive definite)"
-            ) from None
+        factor = nested_factor(K[:n, :n], root, panels, "the kernel")
         return cls(panels, factor, root[:, None] * K[:n, n:], np.max(np.abs(np.diag(K))))
 
     def forward(self, nodes: Array, edges: Array) -> tuple[Array, Array]:
         """Halves L^-1 sqrt(w) U (m, nodes) and the ends (pi/2) phi(a) (m, radii) of the solutions for the m right-hand
         sides (2/pi) U, given at the ``nodes`` (m, nodes) and at the radii, ``edges`` (m, radii)."""
         right = np.column_stack([*(np.sqrt(self.panels.w) * nodes), self.columns])
-        found = solve_triangular(self.factor, right, lower=True, check_finite=False, overwrite_b=True)
+        found = forward_substitution(self.factor, right)
         halves, columns = found[:, : len(nodes)].T, found[:, len(nodes) :]
         last, each = self.panels.stops - 1, np.arange(self.panels.radii.size)
         sums = [np.cumsum(half[:, None] * columns, axis=0)[last, each] for half in halves]
@@ -72,20 +65,51 @@ class DiscreteEquation:
         of U."""
         stop = int(self.panels.stops[n])
         root, factor = np.sqrt(self.panels.w[:stop]), self.factor[:stop, :stop]
-        half = solve_triangular(factor, 2 / math.pi * root * U, lower=True, check_finite=False)
-        return solve_triangular(factor, half, lower=True, trans="T", check_finite=False) / root
+        half = forward_substitution(factor, 2 / math.pi * root * U)
+        return forward_substitution(factor.T[::-1, ::-1], half[::-1])[::-1] / root
+
+
+def nested_factor(K: Array, root: Array, panels: Panels, kernel: str) -> Array:
+    """Lower Cholesky factor of I + sqrt(w) K sqrt(w), ``root`` the sqrt(w).
+
+    SolveError, which calls K as ``kernel`` says, where that is not positive definite.
+    """
+    try:
+        return np.linalg.cholesky(root[:, None] * K * root + np.eye(root.size))
+    except np.linalg.LinAlgError:
+        raise SolveError(
+            f"contact equation: {panels.x.size} nodes up to a = {panels.radii[-1]:g} m do not resolve {kernel} "
+            "(matrix not positive definite)"
+        ) from None
+
+
+def rounding_error(panels: Panels, largest: float, S: Array) -> Array:
+    """Relative error at each radius from the rounding of K, whose entries are at most ``largest`` [1/m].
+
+    It is counted against the smallest eigenvalue, which a/S bounds (S for 2 E* = 1).
+    """
+    a = panels.radii
+    return 4 * np.finfo(float).eps * (8 + a * largest) * np.maximum(S / a, 1)
+
+
+def forward_substitution(L: Array, b: Array, block: int = 64) -> Array:
+    """L^-1 b of a lower triangular L, in blocks: products of matrices, and LAPACK's dense solver on the diagonal.
+
+    NumPy has no triangular solver; to import SciPy's takes a third of the time of a whole ``jkr run``.
+    """
+    x = np.empty_like(b)
+    for start in range(0, len(L), block):
+        rows = slice(start, start + block)
+        x[rows] = np.linalg.solve(L[rows, rows], b[rows] - L[rows, :start] @ x[:start])
+    return x
 
 
 @dataclass(frozen=True, eq=False)
-class EquationResult:
-    """Nonadhesive contact at all radii of the ``equation``: delta [m], P [N], S [N/m], dS [N/m^2].
+class ContactResult:
+    """Nonadhesive contact at the radii of the ``panels``: delta [m], P [N], S [N/m], dS [N/m^2]; ``rounding``: relative
+    error that the rounding of K lets expect at each radius."""
 
-    ``F``: panel means of the Abel image at the nodes [m]; ``rounding``: relative error that the rounding of K lets
-    expect at each radius.
-    """
-
-    equation: DiscreteEquation
-    F: Array
+    panels: Panels
     delta: Array
     P: Array
     S: Array
@@ -93,13 +117,20 @@ class EquationResult:
     rounding: Array
 
     @property
-    def panels(self) -> Panels:
-        return self.equation.panels
-
-    @property
     def columns(self) -> Array:
         """Rows delta, P, S, S'."""
         return np.array([self.delta, self.P, self.S, self.dS])
+
+
+@dataclass(frozen=True, eq=False)
+class EquationResult(ContactResult):
+    """Contact at all radii of the ``equation``, with the right-hand side it was solved for.
+
+    ``F``: panel means of the Abel image at the nodes [m].
+    """
+
+    equation: DiscreteEquation
+    F: Array
 
     def density(self, n: int, adhesive_shift: float = 0.0) -> tuple[Array, Array, Array]:
         """Nodes, weights [m] and phi [m] there, at radius n, for the displacement delta_H - ``adhesive_shift`` [m]."""
@@ -123,13 +154,8 @@ def solve(equation: DiscreteEquation, indenter: Indenter, E_star: float, inner: 
     delta = z_edge / y_edge
     S, products = np.cumsum(y**2)[last], np.cumsum(y * z)[last]
     P, scale = delta * S - products, 2 * E_star
-    return EquationResult(equation, F, delta, scale * P, scale * S, scale * y_edge**2, _rounding(equation, S))
-
-
-def _rounding(equation: DiscreteEquation, S: Array) -> Array:
-    """Rounding of the entries of K, counted against the smallest eigenvalue, which a/S bounds (S for 2 E* = 1)."""
-    a = equation.panels.radii
-    return 4 * np.finfo(float).eps * (8 + a * equation.largest) * np.maximum(S / a, 1)
+    rounding = rounding_error(panels, equation.largest, S)
+    return EquationResult(panels, delta, scale * P, scale * S, scale * y_edge**2, rounding, equation, F)
 
 
 def panel_means(indenter: Indenter, panels: Panels, inner: int) -> Array:

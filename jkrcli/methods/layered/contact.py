@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 
 from ...base.arrays import Array
 from ...base.errors import Refusal, SolveError
 from ...bodies.indenters import Indenter
-from ...bodies.materials import contact_modulus
+from ...bodies.materials import Elastic, contact_modulus
 from ...bodies.problem import Specimen
+from ..integral.attraction import Attraction, panels_for
 from ..integral.contact import InaccurateError, tolerance_remedy
 from ..integral.equation import DiscreteEquation, EquationResult, solve
 from ..integral.kernel import FredholmKernel, SumKernel
@@ -35,6 +37,7 @@ class LayeredTuning:
     most_nodes: int = 4000  # choice: a matrix of 128 MB
     most_flops: float = 4e11  # choice: minutes
     crowd: int = 8  # nodes per radius, below which a refusal names the points as the cause; choice: for the message
+    narrower: float = 8.0  # panels per length over which a graded modulus changes; choice: some 1e-5 of the load
     logarithm: int = 400  # operations per entry of a kernel's logarithmic part; choice: for forecasts
 
 
@@ -42,15 +45,21 @@ TUNING = LayeredTuning()
 
 
 @dataclass(frozen=True, eq=False)
-class LayeredContact:
-    """An indenter on a layered specimen, solved at given radii; nothing is kept between calls except the spectrum."""
+class IndenterOnLayers(ABC):
+    """An indenter on a layered specimen, whatever their surfaces do to each other."""
 
     indenter: Indenter
     specimen: Specimen
-    limit = math.inf  # the kernel is known at every radius
+    limit: float = math.inf  # the kernel is known at every radius; a search for forecasts need not go so far
+
+    @property
+    @abstractmethod
+    def spectrum(self) -> LayeredSpectrum:
+        """The compliance of both bodies over the wave number."""
 
     @property
     def E_star(self) -> float:
+        """Contact modulus of the materials that touch [Pa]."""
         return contact_modulus(self.specimen.surface, self.indenter.material)
 
     @property
@@ -58,9 +67,14 @@ class LayeredContact:
         """The length over which the kernel varies [m]; infinite for a homogeneous half-space."""
         return self.spectrum.scale
 
+
+@dataclass(frozen=True, eq=False)
+class LayeredContact(IndenterOnLayers):
+    """Surfaces that slide, solved at given radii; nothing is kept between calls except the spectrum."""
+
     @cached_property
     def spectrum(self) -> LayeredSpectrum:
-        return LayeredSpectrum(self.specimen, self.indenter.material)
+        return _spectrum(self.specimen, self.indenter.material)
 
     def prepare(self) -> None:
         """Resolve the spectrum now rather than at the first solve."""
@@ -103,6 +117,19 @@ class LayeredContact:
         equation = DiscreteEquation.of(kernel if added is None else SumKernel(kernel, added), panels, singular)
         return solve(equation, self.indenter, self.E_star, inner)
 
+    def matrix(self, panels: Panels, order: int = 24) -> Array:
+        """K [1/m] at the nodes of the ``panels``; ``order``: Gauss nodes per panel in k."""
+        smooth = self.spectrum.kernel(2 * float(panels.edges[-1]), order).square(panels.x)
+        tail, n = self.spectrum.tail, panels.x.size
+        return smooth if tail is None else smooth + product_matrix(tail.transform, panels)[:n, :n]
+
+    def attraction(self, reach: float, tolerance: float, order: int = 24) -> Attraction:
+        """The pair of bodies ready for adhesion of finite range up to ``reach`` [m], K to the relative ``tolerance``;
+        ``order`` as in ``matrix``."""
+        crowding = 1.0 if self.spectrum.tail is None else TUNING.narrower * self.scale / self.spectrum.tail.finest
+        panels = panels_for(reach, self.indenter.a0, self.scale, tolerance, crowding)
+        return Attraction.of(self.indenter, self.E_star, panels, self.matrix(panels, order))
+
     def refined(self, radii: Array, tolerance: float) -> tuple[EquationResult, Array]:
         """The result at ``radii`` and its estimated relative error at each, below ``tolerance``.
 
@@ -139,6 +166,11 @@ class LayeredContact:
             return self.solved(radii, plan, order, inner)
         except SolveError:
             return None
+
+
+@lru_cache(maxsize=8)  # the radii of one body are often solved in several steps
+def _spectrum(specimen: Specimen, indenter: Elastic | None) -> LayeredSpectrum:
+    return LayeredSpectrum(specimen, indenter)
 
 
 def _inaccurate(error: float, nodes: int, tolerance: float) -> InaccurateError:

@@ -3,21 +3,26 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
 from ...base.clock import StageClock
 from ...base.errors import Refusal
-from ...bodies.problem import Problem, Specimen
+from ...bodies.problem import Loading, Problem, Specimen
 from ...series import ErrorBudget, Solution
 from .. import Forecast
 from ..integral.contact import FLOPS_PER_SECOND, first_stiffness, largest_for_contact, radii_for_contact, series_of
 from ..integral.disc import disc_warnings, refuse_shrinking
-from ..integral.equation import EquationResult
+from ..integral.equation import ContactResult
 from .contact import TUNING, LayeredContact
 from .options import LayeredOptions
+from .spectrum import spectrum_seconds
+from .stuck import StuckLayeredContact, unable
 
 SEARCH = 1e-10  # relative accuracy to which a prescribed depth or load is met; choice: finer than any tolerance in use
+SEARCHED = 20.0  # radius over the kernel's scale up to which forecasts search; choice: a tenth of a second
 GRADED = 1e-5  # the least tolerance under a modulus that varies over depth; tuned on graded layers, by `make failures`
 
 
@@ -37,9 +42,9 @@ class Layered(LayeredOptions):
         if radius is not None:
             return (
                 f"the specimen has a finite radius of {radius:g} m, this method knows only laterally "
-                "unbounded ones; use the method hybrid, or leave the radius out"
+                f"unbounded ones; use the method {'fem' if problem.sticks else 'hybrid'}, or leave the radius out"
             )
-        return None
+        return unable(problem.indenter, problem.specimen) if problem.sticks else None
 
     def attainable(self, specimen: Specimen) -> float:
         """The tolerance that holds for ``specimen``."""
@@ -50,10 +55,9 @@ class Layered(LayeredOptions):
         contact = _contact(problem)
         radii = np.linspace(problem.indenter.a0, largest_radius(problem), max(problem.loading.points, 1) + 1)[1:]
         tolerance = self.attainable(problem.specimen)
-        plan = contact.plan(radii, tolerance / TUNING.margin)
+        plan: Any = contact.plan(radii, tolerance / TUNING.margin)
         rounds = 5 if problem.loading.to != "radius" or problem.loading.spacing == "depth" else 2
-        start = 0.3 if problem.specimen.is_graded else 0.02  # to resolve the spectrum; measured by `make bench`
-        seconds = start + rounds * contact.flops(radii, plan) / FLOPS_PER_SECOND
+        seconds = spectrum_seconds(problem.specimen) + rounds * contact.flops(radii, plan) / FLOPS_PER_SECOND
         memory = 8 * 6 * (plan.nodes + radii.size) ** 2 / 2**20
         return Forecast(seconds, 5 + memory, tolerance, f"{plan.nodes} nodes, no mesh")
 
@@ -74,7 +78,7 @@ class Layered(LayeredOptions):
             S0 = first_stiffness(contact, 1e-12)
         with clock("full disc"):
             refuse_shrinking(radii, result.delta)
-            warnings = disc_warnings(contact, problem.specimen, float(radii[-1]), contact.spectrum.kernel)
+            warnings = _disc_warnings(contact, problem.specimen, float(radii[-1]))
         return Solution(
             problem,
             series_of(result, errors, problem.indenter.a0, S0),
@@ -87,11 +91,22 @@ class Layered(LayeredOptions):
 
 
 def largest_radius(problem: Problem) -> float:
-    """The largest contact radius [m] that the loading reaches; ``specimen.radius`` is not looked at.
+    """The largest contact radius [m] that the loading reaches, for forecasts; ``specimen.radius`` is not looked at.
 
     For a finite body this is the forecast that a mesh needs: its sides change it little unless the contact is near.
+    Contacts so wide that the search would take long are extrapolated by the power with which they grow.
     """
-    return largest_for_contact(_contact(unbounded(problem)), problem.loading, SEARCH)
+    return _largest(unbounded(problem))
+
+
+@lru_cache(maxsize=8)  # several methods forecast by it, and solve
+def _largest(problem: Problem) -> float:
+    return expected_radius(_contact(problem), problem.loading, SEARCH)
+
+
+def expected_radius(contact: LayeredContact | StuckLayeredContact, loading: Loading, accuracy: float) -> float:
+    """The contact radius [m] at which ``loading`` ends, extrapolated where it is many times the layers' length."""
+    return largest_for_contact(replace(contact, limit=SEARCHED * contact.scale), loading, accuracy)
 
 
 def unbounded(problem: Problem) -> Problem:
@@ -99,11 +114,21 @@ def unbounded(problem: Problem) -> Problem:
     return replace(problem, specimen=Specimen(problem.specimen.layers, problem.specimen.base))
 
 
-def _contact(problem: Problem) -> LayeredContact:
-    return LayeredContact(problem.indenter, problem.specimen)
+def _contact(problem: Problem) -> LayeredContact | StuckLayeredContact:
+    kind = StuckLayeredContact if problem.sticks else LayeredContact
+    return kind(problem.indenter, problem.specimen)
 
 
-def _facts(contact: LayeredContact, result: EquationResult) -> dict[str, float | int]:
+def _disc_warnings(
+    contact: LayeredContact | StuckLayeredContact, specimen: Specimen, largest: float
+) -> tuple[str, ...]:
+    """What is wrong with the contact as a disc; one that sticks has been refused where it does not grow."""
+    if isinstance(contact, StuckLayeredContact):
+        return ()
+    return disc_warnings(contact, specimen, largest, contact.spectrum.kernel)
+
+
+def _facts(contact: LayeredContact | StuckLayeredContact, result: ContactResult) -> dict[str, float | int]:
     panels = result.panels
     facts: dict[str, float | int] = {"nodes": panels.x.size, "panels": panels.edges.size - 1, "order": panels.order}
     if contact.specimen.layers:

@@ -137,29 +137,40 @@ class Medium:
 
 def rescaled(m: Array, ratio: Array | float) -> Array:
     """The minors when F is counted in units of a modulus ``ratio`` times larger; largest entry 1."""
-    m = m * np.array([np.ones_like(ratio), ratio, ratio, ratio, ratio**2]).reshape(5, -1)
-    return m / np.max(np.abs(m), axis=0)
+    m = m * ratio
+    m[0] /= ratio
+    m[4] *= ratio
+    return m / np.abs(m).max(axis=0)
 
 
 def through_isotropic(m: Array, y: Array, nu: float) -> Array:
     """exp(B y) m exp(-2 y): the minors (5, n) one layer of y = k h further up."""
-    b1, b2, b3, b4 = Medium.isotropic(nu).powers(m)
-    once = np.exp(-2 * y)
-    return once * m + (once * y) * b1 + (once * y**2 / 2) * b2 + (_odd(y) / 8) * b3 + (_even(y) / 16) * b4
+    b1, b2, b3, b4 = (_powers(nu) @ m).reshape(4, 5, -1)
+    once, odd, even = _isotropic_functions(y)
+    return once * m + (once * y) * b1 + (once * y**2 / 2) * b2 + (odd / 8) * b3 + (even / 16) * b4
 
 
-def _odd(y: Array) -> Array:
-    """(sinh 2y - 2y) exp(-2y)."""
+@lru_cache(maxsize=1024)
+def _powers(nu: float) -> Array:
+    """B, B^2, B^3, B^4 of an isotropic material, one below the other."""
+    return np.concatenate(list(Medium.isotropic(nu).powers(np.eye(5))))
+
+
+def _isotropic_functions(y: Array) -> tuple[Array, Array, Array]:
+    """exp(-2y), (sinh 2y - 2y) exp(-2y), (cosh 2y - 1 - 2 y^2) exp(-2y)."""
     x = 2 * y
-    series = x**3 * np.polynomial.polynomial.polyval(np.minimum(x, 2 * TUNING.small) ** 2, _ODD) * np.exp(-x)
-    return np.where(y < TUNING.small, series, -np.expm1(-2 * x) / 2 - x * np.exp(-x))
-
-
-def _even(y: Array) -> Array:
-    """(cosh 2y - 1 - 2 y^2) exp(-2y)."""
-    x = 2 * y
-    series = x**4 * np.polynomial.polynomial.polyval(np.minimum(x, 2 * TUNING.small) ** 2, _EVEN) * np.exp(-x)
-    return np.where(y < TUNING.small, series, (1 + np.exp(-2 * x)) / 2 - (1 + x**2 / 2) * np.exp(-x))
+    once = np.exp(-x)
+    twice = once * once
+    odd = (1 - twice) / 2 - x * once
+    even = (1 + twice) / 2 - (1 + x * x / 2) * once
+    small = np.flatnonzero(y < TUNING.small)
+    if small.size:  # differences of nearly equal numbers: their power series instead
+        s = x[small]
+        squares = np.multiply.accumulate(np.broadcast_to(s * s, (_ODD.size, s.size)))
+        cube = squares[0] * s * once[small]
+        odd[small] = cube * (_ODD[0] + _ODD[1:] @ squares[:-1])
+        even[small] = cube * s * (_EVEN[0] + _EVEN[1:] @ squares[:-1])
+    return once, odd, even
 
 
 def _transverse_functions(A2: float, D2: float, y: Array) -> tuple[Array, Array, Array, Array]:

@@ -19,7 +19,6 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from ...base.arrays import Array
 from ..integral.quadrature import Panels, crowded_rule, rule
@@ -57,6 +56,8 @@ def product_matrix(transform: Transform, panels: Panels) -> Array:
 
 def _tabulated(transform: Transform, panels: Panels) -> Transform:
     """A spline over ln(s) in place of tau, several times as fast and good to 1e-9."""
+    from scipy.interpolate import CubicSpline
+
     smallest = float(np.diff(panels.edges).min()) * crowded_rule(TUNING.alone, 3)[0][0]
     decades = math.log10(2 * panels.edges[-1] / smallest)
     ln_s = np.linspace(math.log(smallest), math.log(2 * panels.edges[-1]), math.ceil(TUNING.per_decade * decades))

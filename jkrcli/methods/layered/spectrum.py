@@ -38,6 +38,9 @@ class SpectrumTuning:
     floor: float = 1e-12  # |g - 1| beyond k_max; tuned on reference bodies, by `make tuning`
     graded_floor: float = 1e-9  # the same of graded layers; choice: there g is accurate to 1e-10
     phase: float = 1e-14  # error of a panel of (g - 1) cos(k s); theory: 50 times machine epsilon
+    start: float = 0.02  # CPU seconds of any stack; tuned on the cases of `make bench`, by `make bench`
+    layer_seconds: float = 8e-4  # and of a layer; tuned on stacks of 50 to 1000 layers, by `make bench`
+    graded_seconds: float = 0.1  # and of a smooth piece of a law; tuned on tables of 10 to 100 points, by `make bench`
     halvings: int = 45  # choice: panels are then 2^-45 of k_max
 
 
@@ -210,6 +213,12 @@ class LayeredSpectrum:
         lo, hi, values = self.panels
         local = (2 * k - lo[panel] - hi[panel]) / (hi - lo)[panel]
         return legendre.legval(local, (values @ _projection(TUNING.samples)).T[:, panel], tensor=False)
+
+
+def spectrum_seconds(specimen: Specimen) -> float:
+    """CPU seconds to resolve the spectrum of a stack and evaluate its kernels, about; a single look takes half."""
+    graded = TUNING.graded_seconds * (2 + specimen.pieces) if specimen.is_graded else 0.0
+    return TUNING.start + TUNING.layer_seconds * len(specimen.layers) + graded
 
 
 def resolved(

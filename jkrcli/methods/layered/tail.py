@@ -22,7 +22,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.special import k0e, k1e
 
 from ...base.arrays import Array
 from ...bodies.materials import Elastic, Graded, contact_modulus
@@ -67,6 +66,8 @@ class Tail:
 
     def transform(self, s: Array) -> Array:
         """int_0^inf t(k) cos(ks) dk [1/m] at s > 0 [m]: like -b_1 ln(s) for s -> 0."""
+        from scipy.special import k0e, k1e
+
         x = self.rate * s
         decay = np.exp(-x)
         whole = [k0e(x) * decay, x * k1e(x) * decay]  # x^m K_m(x), m = 0, 1, ...

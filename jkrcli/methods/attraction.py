@@ -1,0 +1,140 @@
+"""A problem's bodies with their kernel as far as adhesion of finite range reaches.
+
+Wide bodies have the exact kernel of ``layered``, cylinders that of ``hybrid``. It is computed anew for each reach: how
+far the attraction reaches is known only with its range, which no series holds.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from ..base.arrays import Array
+from ..base.errors import Refusal
+from ..base.units import show
+from ..bodies.problem import HalfSpace, Problem, Specimen
+from .hybrid.contact import AdaptiveKernel, ErrorEstimates
+from .integral.attraction import Attraction
+from .layered.contact import LayeredContact
+from .layered.layered import GRADED, unbounded
+
+
+@dataclass(frozen=True)
+class AttractedTuning:
+    """Accuracy of the kernel and how far it is needed."""
+
+    tolerance: float = 1e-10  # of K by its polynomials; choice: far below what is stated, at no cost
+    checked: float = 0.01  # of that, of the second panels with which results are compared; choice: two digits more
+    other_order: int = 20  # Gauss nodes in k on the second panels; choice: shares nothing with the first's 24
+    cylinder: float = 1e-5  # tolerance of finite elements; choice: the default of hybrid
+    room: float = 1.15  # of a reach over the one expected; choice: what is looked at beyond c
+    further: float = 1.5  # of the next reach over one that was too short; choice: each is a small solve
+    attempts: int = 40  # choice: guard
+    inside: float = 1 - 1e-9  # of the profile's end, to which it is used; choice: F of a sphere is infinite there
+
+
+TUNING = AttractedTuning()
+
+
+@dataclass(frozen=True, eq=False)
+class AttractedBody:
+    """The bodies of a ``problem`` for adhesion of finite range, as far as it reaches."""
+
+    problem: Problem
+
+    @cached_property
+    def _wide(self) -> LayeredContact:
+        problem = unbounded(self.problem)
+        return LayeredContact(problem.indenter, problem.specimen)
+
+    @cached_property
+    def _half_space(self) -> LayeredContact:
+        return LayeredContact(self.problem.indenter, Specimen((), HalfSpace(self.problem.specimen.surface)))
+
+    @cached_property
+    def _cylinder(self) -> AdaptiveKernel | None:
+        specimen = self.problem.specimen
+        return None if specimen.radius is None else AdaptiveKernel(self.problem.indenter, specimen, TUNING.cylinder)
+
+    @property
+    def limit(self) -> float:
+        """The radius [m] to which attraction may reach: the end of the profile, or near the side of a cylinder."""
+        end = self.problem.indenter.r_max * TUNING.inside
+        return end if self._cylinder is None else min(end, self._cylinder.limit)
+
+    @property
+    def scale(self) -> float:
+        """The length over which the kernel varies [m]."""
+        return self._wide.scale
+
+    @cached_property
+    def _kernels(self) -> dict[float, tuple[Attraction, Attraction, ErrorEstimates | None]]:
+        return {}
+
+    def attraction(self, reach: float) -> Attraction:
+        """The bodies ready for any tension up to ``reach`` [m]."""
+        return self._kernel(reach)[0]
+
+    def check(self, reach: float) -> Attraction:
+        """The same on other panels, for an estimate of the error that they leave."""
+        return self._kernel(reach)[1]
+
+    def kernel_error(self, reach: float, radii: Array) -> Array:
+        """Relative error that the kernel itself leaves in delta, P and S up to ``radii`` [m]."""
+        estimates = self._kernel(reach)[2]
+        if estimates is None:
+            return np.full(radii.size, GRADED if self.problem.specimen.is_graded else 0.0)
+        return estimates.at(np.asarray(radii)).max(axis=0)
+
+    def _kernel(self, reach: float) -> tuple[Attraction, Attraction, ErrorEstimates | None]:
+        if reach not in self._kernels:
+            self._kernels.clear()
+            finer, other = TUNING.tolerance * TUNING.checked, TUNING.other_order
+            found: tuple[Attraction, Attraction, ErrorEstimates | None]
+            if self._cylinder is None:
+                wide = self._wide
+                found = wide.attraction(reach, TUNING.tolerance), wide.attraction(reach, finer, other), None
+            else:
+                contact, errors, _, _ = self._cylinder.accurate(reach)
+                found = contact.attraction(reach, TUNING.tolerance), contact.attraction(reach, finer), errors
+            self._kernels[reach] = found
+        return self._kernels[reach]
+
+    def reach(self, a: float, s: float, gap: float) -> float:
+        """A radius [m] beyond that to which the tension s = 2 sigma/E* acts around a contact of the radius ``a`` [m],
+        where the separation is ``gap`` [m]. Refusal where it lies beyond a side or the profile."""
+        expected = self._edge(self._half_space.attraction, 2 * a + math.sqrt(gap * a), a, s, gap)
+        expected = self._edge(self._wide.attraction, TUNING.room * expected, a, s, gap)
+        reach = min(TUNING.room * expected, self.limit)
+        if self._cylinder is None:
+            return reach
+        found = self._edge(lambda reach, _: self.attraction(reach), reach, a, s, gap)
+        return max(reach, min(TUNING.room * found, self.limit)) if found > reach else reach
+
+    def _edge(self, ready: Callable[[float, float], Attraction], start: float, a: float, s: float, gap: float) -> float:
+        """The radius c [m] for the contact radius ``a``, by the body that ``ready`` gives for a reach and a tolerance,
+        looked for beyond ``start`` [m] where need be."""
+        reach, radii = start, np.array([a])
+        for _ in range(TUNING.attempts):
+            reach = min(max(reach, a * (1 + 1e-6)), self.limit)
+            discs = ready(reach, TUNING.tolerance).discs(radii)
+            if discs.rims(reach - radii, s).gap[0] >= gap:
+                return float(discs.equilibria(s, gap, reach).c[0])
+            if reach == self.limit:
+                raise Refusal(self._too_far(a))
+            reach *= TUNING.further
+        raise Refusal(self._too_far(a))
+
+    def _too_far(self, a: float) -> str:
+        end = "the end of the profile" if self.limit == self.problem.indenter.r_max * TUNING.inside else (
+            "the side of the cylinder"
+        )  # fmt: skip
+        return (
+            f"adhesion of finite range: around a contact of a = {show(a, 'length')} the surfaces attract each other "
+            f"beyond {end} (at {show(self.limit, 'length')} the separation is still within the range): load less, or "
+            "give a larger stress (a shorter range)"
+        )

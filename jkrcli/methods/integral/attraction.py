@@ -1,0 +1,322 @@
+"""Adhesion of finite range on any body: the contact equation with a constant tension around the contact.
+
+Maugis (J. Colloid Interface Sci. 150 (1992) 243) on a half-space: in contact for r <= a, and in a < r < c a tension
+sigma attracts, up to the separation delta_t. With p_hat(k) = (E*/2) int_0^c phi(t) cos(kt) dt the density is known
+beyond a, phi(t) = -(2/pi) s sqrt(c^2 - t^2), s = 2 sigma/E*, and on any body whose kernel K is known
+
+    phi(x) = (2/pi) (delta - F(x) - int_0^c K(x,t) phi(t) dt),                           0 <= x <= a
+    phi is continuous at a:                                                              delta(a, c)
+    gap(r) = (2/pi) int_a^r (F(x) - delta - s sqrt(c^2 - x^2) + int_0^c K phi)/sqrt(r^2 - x^2) dx,
+    gap(c) = delta_t:                                                                    c(a)
+    P = pi E* int_0^c phi dt.
+
+With K on polynomials b, K_ij = int int b_i K b_j, and G the integrals of their products over the disc, the part of the
+kernel is int_0^c K phi = b M (delta beta - F_b - s rho), M = (pi/2 K^-1 + G)^-1, where beta, F_b, rho are the integrals
+of b, of b F over the disc and of b sqrt(c^2 - t^2) over the annulus.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from ...base.arrays import Array
+from ...base.errors import Refusal, SolveError
+from ...base.units import show
+from ...bodies.indenter import Indenter
+from .legendre import AbelMoments, LegendrePanels, angle, tension_moments
+from .quadrature import Panels, Quadrature, gauss, rule
+
+
+@dataclass(frozen=True)
+class AttractionTuning:
+    """How the edge of the attracted annulus is found."""
+
+    inner: int = 20  # nodes in the integrals of F; choice: as in the equation without attraction
+    arc: int = 24  # nodes in separations; choice: for checks and pictures
+    most_order: int = 16  # polynomials on a panel; choice: beyond, narrower panels are as cheap
+    most_nodes: int = 800  # choice: some seconds, half a gigabyte
+    unsmooth_order: int = 8  # on a panel under a kernel with a logarithm; choice: more gain little
+    fractions: tuple[float, ...] = (
+        0.1,
+        0.25,
+        0.5,
+        0.75,
+    )  # of the annulus and beyond, to look at; choice: for a warning
+    slack: float = 1e-6  # of the range, that is not told from rounding there; choice: for a warning
+    # Search for the width of the annulus, in logarithms:
+    steps: int = 60  # choice: guard; about eight are needed
+    close: float = 1e-13  # theory: relative, of the width; rounding of the separation
+    power: float = 1.3  # theory: of the width, with which the separation grows: 1 to 2; of the first step
+    flattest: float = 0.3  # choice: least power that is believed
+    steepest: float = 30.0  # choice: largest power that is believed
+    far: float = 1.5  # choice: longest step
+    least: float = 1e-3  # choice: smallest separation over the one looked for that is told apart
+
+
+TUNING = AttractionTuning()
+
+
+@dataclass(frozen=True, eq=False)
+class Rims:
+    """Equilibria with a tension around the contact, arrays of one shape: contact radius ``a``, radius ``c`` to which
+    the surfaces attract, displacement ``delta`` [m], load ``P`` [N], and the separation ``gap`` [m] at c."""
+
+    a: Array
+    c: Array
+    delta: Array
+    P: Array
+    gap: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Discs:
+    """Contact discs of the radii ``a`` [m] on one body: what they need for any annulus around them.
+
+    ``schur[p]``: M of a disc of the p lowest panels; ``partial``: for each disc G (I + M G)^-1 of the panel that it
+    cuts. ``beta``, ``phi_F``: integrals of the polynomials and of them times F; ``ends``: their values at a.
+    """
+
+    basis: LegendrePanels
+    abel: AbelMoments
+    E_star: float
+    a: Array
+    panel: Array
+    schur: list[Array]
+    partial: Array
+    beta: Array
+    phi_F: Array
+    ends: Array
+
+    def applied(self, vectors: Array) -> Array:
+        """M of each disc times a vector each, (discs, size)."""
+        result = np.empty_like(vectors)
+        for p in np.unique(self.panel):
+            rows, M = self.panel == p, self.schur[p]
+            block = slice(p * self.basis.order, (p + 1) * self.basis.order)
+            whole = vectors[rows] @ M
+            cut = np.einsum("nij,nj->ni", self.partial[rows], whole[:, block])
+            result[rows] = whole - cut @ M[block]
+        return result
+
+    @cached_property
+    def _applied(self) -> tuple[Array, Array]:
+        return self.applied(self.beta), self.applied(self.phi_F)
+
+    @cached_property
+    def flat(self) -> tuple[Array, Array]:
+        """Of a flat end pressed by 1: (pi/2) phi at the edge [-], which is positive, and S/(2 E*) [m]."""
+        M_beta, _ = self._applied
+        edge = 1 - np.sum(self.ends * M_beta, axis=1)
+        return edge, self.a - np.sum(self.beta * M_beta, axis=1)
+
+    @cached_property
+    def nonadhesive(self) -> tuple[Array, Array, Array, Array]:
+        """delta_H [m], P_H [N], S [N/m], S' [N/m^2]."""
+        (edge, S), (z, Q), factor = self.flat, self._profile, 2 * self.E_star
+        delta = z / edge
+        return delta, factor * (delta * S - Q), factor * S, factor * edge**2
+
+    @cached_property
+    def _profile(self) -> tuple[Array, Array]:
+        """The counterparts of ``flat`` for the right-hand side F."""
+        _, M_F = self._applied
+        inside = self.abel.integral(self.phi_F) - np.sum(self.beta * M_F, axis=1)
+        return self.abel.F(self.a) - np.sum(self.ends * M_F, axis=1), inside
+
+    def rims(self, b: Array, s: Array | float) -> Rims:
+        """The states in which the attracted annulus is ``b`` [m] wide, for the tension s = 2 sigma/E*; separations as
+        they come."""
+        (rho, kappa), (edge, S), (z, Q) = tension_moments(self.basis, self.a, b), self.flat, self._profile
+        (M_beta, M_F), M_rho = self._applied, self.applied(rho)
+        delta = (z - s * (np.sum(self.ends * M_rho, axis=1) + np.sqrt(b * (2 * self.a + b)))) / edge
+        smooth = delta[:, None] * M_beta - M_F - _column(s) * M_rho
+        gap = self.abel.arcs(self.a, b) - delta * angle(b, self.a + b) - s * b + np.sum(kappa * smooth, axis=1)
+        pulled = np.sum(self.beta * M_rho, axis=1) - self.abel.integral(rho)
+        P = 2 * self.E_star * (delta * S - Q + s * pulled)
+        return Rims(self.a, self.a + b, delta, P, 2 / math.pi * gap)
+
+    def equilibria(self, s: float, gap: float, reach: float, near: Array | None = None) -> Rims:
+        """The states in which the separation at c is ``gap`` [m]; beyond it at ``reach`` [m] (see ``rims``), so that
+        there is one. ``near``: radii c [m] from which they are looked for."""
+
+        def excess(b: Array) -> Array:
+            return np.log(np.maximum(self.rims(b, s).gap / gap, TUNING.least))
+
+        widest = reach - self.a
+        first = _first_width(self, s, gap) if near is None else np.maximum(near - self.a, TUNING.least * widest)
+        return self.rims(_rising_root(excess, np.minimum(first, widest / 2), widest), s)
+
+    def smooth(self, rims: Rims, s: float) -> Array:
+        """int_0^c K phi of each state on the polynomials, (discs, size)."""
+        M_beta, M_F = self._applied
+        rho, _ = tension_moments(self.basis, self.a, rims.c - self.a)
+        return rims.delta[:, None] * M_beta - M_F - s * self.applied(rho)
+
+    def separations(self, rims: Rims, s: float, r: Array) -> Array:
+        """Separations [m] at the radii ``r`` [m] of each state in ``rims``, (discs, radii), between a and ``reach``."""
+        smooth, found = self.smooth(rims, s), np.empty_like(r)
+        for i, x in enumerate(r.T):
+            _, kappa = tension_moments(self.basis, self.a, x - self.a)
+            pulled = tension_arc(self.a, rims.c, x)
+            beyond = self.abel.arcs(self.a, x - self.a) - rims.delta * angle(x - self.a, x)
+            found[:, i] = beyond - s * pulled + np.sum(kappa * smooth, axis=1)
+        return 2 / math.pi * found
+
+    def doubt(self, rims: Rims, s: float, gap: float, reach: float) -> str | None:
+        """What speaks against the states ``rims``: the separation must rise to ``gap`` [m] at c and stay above it up to
+        ``reach`` [m], and c be the only such radius; None where nothing does."""
+        inside = self.a[:, None] + (rims.c - self.a)[:, None] * np.array([*TUNING.fractions, 1 - 1e-9])
+        outside = rims.c[:, None] + (reach - rims.c)[:, None] * np.array([*TUNING.fractions, 1.0])
+        within = self.separations(rims, s, inside)
+        overlap, slack = within[:, 0] < -TUNING.slack * gap, TUNING.slack * gap
+        if (overlap | (np.diff(within, axis=1) < -slack).any(axis=1)).any():
+            return "the gap around the contact does not grow with the radius where the surfaces attract each other"
+        if (self.separations(rims, s, outside) < gap - slack).any():
+            return "the surfaces come nearer than the range again beyond the radius to which they attract each other"
+        if any((self.rims(r - self.a, s).gap < gap - slack).any() for r in outside.T):
+            return "there is more than one radius to which the surfaces may attract each other"
+        return None
+
+
+def tension_arc(a: Array, c: Array, r: Array) -> Array:
+    """int sqrt(c^2 - x^2)/sqrt(r^2 - x^2) dx [m] from a to the smaller of c and r, by x = that times cos(psi)."""
+    near, far = np.minimum(r, c)[:, None], np.maximum(r, c)[:, None]
+    nodes, weights = rule(TUNING.arc)
+    half = angle(near[:, 0] - a, near[:, 0]) / 2
+    psi = half[:, None] * (nodes + 1)
+    root = np.sqrt((far - near * np.cos(psi)) * (far + near * np.cos(psi)))
+    return half * (np.where((r < c)[:, None], root, (near * np.sin(psi)) ** 2 / root) @ weights)
+
+
+def _rising_root(excess: Callable[[Array], Array], first: Array, widest: Array) -> Array:
+    """Widths b in (0, ``widest``] where each ``excess`` rises through 0: secants in log b, bracketed."""
+    low, high = np.zeros_like(first), widest.copy()
+    b, power = first, np.full_like(first, TUNING.power)
+    here = excess(b)
+    for _ in range(TUNING.steps):
+        low, high = np.where(here <= 0, b, low), np.where(here >= 0, b, high)
+        aimed = b * np.exp(np.clip(-here / power, -TUNING.far, TUNING.far))
+        between = np.where(low > 0, np.sqrt(low) * np.sqrt(high), high * math.exp(-TUNING.far))
+        aimed = np.where((aimed > low) & (aimed < high), aimed, between)
+        aimed = np.where(high == low, b, aimed)
+        if np.max(np.abs(aimed / b - 1)) < TUNING.close:
+            break
+        there = excess(aimed)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            secant = (there - here) / np.log(aimed / b)
+        usable = (secant > TUNING.flattest) & (secant < TUNING.steepest)
+        power, b, here = np.where(usable, secant, power), aimed, there
+    return b
+
+
+def _column(s: Array | float) -> Array | float:
+    return s[:, None] if isinstance(s, np.ndarray) else s
+
+
+def _first_width(discs: Discs, s: float, gap: float) -> Array:
+    """Widths [m] about those of a half-space: where the surfaces are drawn apart by the tension or by their shapes."""
+    F, a = discs.abel.F, discs.a
+    by_tension = gap * math.pi / 2 / s
+    scale = np.maximum(a, 1e-3 * by_tension)
+    slope = (F(scale * (1 + 1e-3)) - F(scale * (1 - 1e-3))) / (2e-3 * scale)
+    by_shape = np.cbrt((gap * 3 * math.pi / 4) ** 2 * scale / 2 / np.maximum(slope, 1e-100) ** 2)
+    return 1 / (1 / by_tension + 1 / np.maximum(by_shape, 1e-3 * by_tension))
+
+
+@dataclass(frozen=True, eq=False)
+class Attraction:
+    """A body whose kernel is known, ready for a tension of any strength and range up to the radius ``reach`` [m].
+
+    ``kernel``: (2/pi) int int b_i K b_j of the polynomials of ``basis``.
+    """
+
+    indenter: Indenter
+    E_star: float
+    basis: LegendrePanels
+    kernel: Array
+
+    @classmethod
+    def of(cls, indenter: Indenter, E_star: float, panels: Panels, matrix: Array) -> Attraction:
+        """From the ``matrix`` of K at the nodes of the ``panels`` [1/m]."""
+        basis = LegendrePanels(panels)
+        kernel = 2 / math.pi * (basis.projection @ matrix @ basis.projection.T)
+        return cls(indenter, E_star, basis, (kernel + kernel.T) / 2)
+
+    @property
+    def reach(self) -> float:
+        return float(self.basis.panels.edges[-1])
+
+    @cached_property
+    def _abel(self) -> AbelMoments:
+        kinks = np.unique([self.indenter.a0, *self.indenter.kinks])
+        return AbelMoments(self.indenter.abel, kinks[kinks > 0], self.basis, TUNING.inner)
+
+    @cached_property
+    def _schur(self) -> list[Array]:
+        """M of discs of the 0, 1, 2, ... lowest panels."""
+        found, order = [self.kernel], self.basis.order
+        for p in range(self.basis.count - 1):
+            M, block = found[-1], slice(p * order, (p + 1) * order)
+            try:
+                root = np.linalg.cholesky(np.eye(order) + M[block, block])
+            except np.linalg.LinAlgError:
+                raise SolveError("contact equation: the nodes do not resolve the kernel") from None
+            half = np.linalg.solve(root, M[block])
+            found.append(M - half.T @ half)
+        return found
+
+    def discs(self, a: Array) -> Discs:
+        """Contact discs of the radii ``a`` >= 0 [m] below ``reach``."""
+        basis, panel = self.basis, self.basis.panel_of(a)
+        lo = basis.panels.edges[panel]
+        x, w = gauss(lo, a, *rule(basis.order))
+        values = basis.local(x.reshape(a.size, -1), np.broadcast_to(panel[:, None], (a.size, basis.order)))
+        w = w.reshape(a.size, -1)
+        inside = np.einsum("nq,nqi,nqj->nij", w, values, values)
+        blocks = np.array([self._block(p) for p in range(basis.count)])[panel]
+        partial = np.linalg.solve(np.eye(basis.order) + inside @ blocks, inside)
+        width = np.sqrt(np.diff(basis.panels.edges))
+        beta = np.zeros((a.size, basis.count, basis.order))
+        beta[:, :, 0] = np.where(np.arange(basis.count) < panel[:, None], width, 0.0)
+        beta[np.arange(a.size), panel] = np.einsum("nq,nqi->ni", w, values)
+        moments = self._abel.moments(a)
+        own = (basis, self._abel, self.E_star, a, panel, self._schur, partial)
+        return Discs(*own, beta.reshape(a.size, -1), moments, basis.at(a))
+
+    def _block(self, p: int) -> Array:
+        block = slice(p * self.basis.order, (p + 1) * self.basis.order)
+        return self._schur[p][block, block]
+
+    def apart(self, c: Array, s: float, gap: float) -> Rims:
+        """The states in which nothing touches and the surfaces attract within the radii ``c`` > 0 [m], nearer than
+        ``gap`` [m]."""
+        zero = np.zeros_like(c)
+        rho, kappa = tension_moments(self.basis, zero, c)
+        pull = 2 / math.pi * s * (c + np.sum(kappa * (rho @ self.kernel), axis=1))
+        P = -math.pi * self.E_star * s / 2 * c**2
+        return Rims(zero, c, self.indenter.f(c) - pull - gap, P, np.full_like(c, gap))
+
+
+def panels_for(reach: float, a0: float, scale: float, tolerance: float, crowding: float) -> Panels:
+    """Panels up to ``reach`` [m] on whose polynomials a kernel that varies over ``scale`` [m] holds to ``tolerance``;
+    ``crowding``: how many times narrower, for one that is not smooth. Refusal where they are too many.
+
+    Gauss quadrature is accurate to the square of what polynomials through its nodes are.
+    """
+    end, orders = np.array([reach]), range(1, TUNING.most_order + 1)
+    plan = Quadrature.cheapest(end, a0, scale, tolerance**2, orders)
+    if crowding > 1:
+        order = TUNING.unsmooth_order
+        plan = Quadrature(order, scale / crowding, math.ceil(reach / scale * crowding) * order)
+    if plan.nodes > TUNING.most_nodes:
+        raise Refusal(
+            f"adhesion of finite range: it reaches out to {show(reach, 'length')}, {reach / scale:.3g} times the "
+            f"length over which the body acts, and needs {plan.nodes} polynomials (limit {TUNING.most_nodes}); ask for "
+            "a smaller contact, or a larger stress (a shorter range)"
+        )
+    return Panels.through(end, plan, a0)

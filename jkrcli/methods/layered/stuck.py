@@ -1,0 +1,241 @@
+"""One indenter that sticks to one layered specimen: its spectra, and contact at any radii.
+
+The minors of the stack hold the whole surface compliance, F_rr and F_rz beside F_zz. An elastic indenter adds its own
+half-space's, with F_rz of the opposite sign: both bodies squeeze towards the same side.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
+
+import numpy as np
+
+from ...base.arrays import Array
+from ...base.errors import Refusal, SolveError
+from ...bodies.indenters import Indenter
+from ...bodies.materials import Graded, Material, TransverselyIsotropic
+from ...bodies.problem import Specimen
+from ..integral.contact import InaccurateError, tolerance_remedy
+from ..integral.equation import ContactResult
+from ..integral.growth import Growth, Pieces
+from ..integral.quadrature import Panels, Quadrature, gauss, phase_allowed, rule, split
+from ..integral.stuck import StuckDisc, StuckKernel
+from .contact import TUNING as REFINING
+from .contact import IndenterOnLayers, checked
+from .minors import Medium, minors_of, shear_moduli
+from .spectrum import TUNING as SPECTRUM
+from .spectrum import LayeredSpectrum, resolved
+
+
+@dataclass(frozen=True)
+class StuckTuning:
+    """How the growing contact is discretised for an accuracy."""
+
+    piece: float = 0.7  # widest, over the kernel's scale; choice: a third of the distance to the kernel's poles
+    # Points on each piece: at the accuracy 1, and more for each decade:
+    points: int = 2  # choice: with ``per_decade`` paraboloids on bonded layers err by less than a tenth of the accuracy
+    per_decade: float = 1.0  # choice: with half as many they err by ten times the accuracy 1e-6
+    most_points: int = 16  # choice: beyond, narrower pieces are as cheap
+    inner: int = 12  # nodes of integrals over dF; choice: exact for powers
+    narrower: float = 0.9  # pieces of the second discretisation; choice: other nodes
+
+
+TUNING = StuckTuning()
+
+
+@dataclass(frozen=True)
+class StuckPlan:
+    """``quadrature`` of the densities, ``widest`` piece [m] and ``points`` on each of the growth, ``inner`` nodes of
+    integrals over dF, ``order``: Gauss nodes on every panel in k."""
+
+    quadrature: Quadrature
+    widest: float
+    points: int
+    inner: int = TUNING.inner
+    order: int = 24
+
+    @property
+    def nodes(self) -> int:
+        """Rows of the system."""
+        return 2 * self.quadrature.nodes
+
+    def finer(self) -> StuckPlan:
+        """A plan that is more accurate in every part and shares no node with this one."""
+        order = 20 if self.order == 24 else 24
+        widest, points = self.widest * TUNING.narrower, self.points + 1
+        return StuckPlan(self.quadrature.finer(), widest, points, self.inner + 8, order)
+
+
+@dataclass(frozen=True, eq=False)
+class StuckSpectrum(LayeredSpectrum):
+    """Spectra g_zz - 1, g_zr - beta, g_rr - 1 of one pair of bodies that stick to each other."""
+
+    def __call__(self, k: Array) -> Array:
+        """The largest of the three, by size."""
+        return np.max(np.abs(self.deviations(k)), axis=0)
+
+    @property
+    def tail(self) -> None:
+        """None: these spectra decay exponentially."""
+        return None
+
+    @property
+    def beta(self) -> float:
+        """Dundurs's constant of the materials that touch, g_zr for k -> infinity."""
+        zz, zr, rr = self._half_spaces
+        return zr / math.sqrt(zz * rr)
+
+    @cached_property
+    def _half_spaces(self) -> tuple[float, float, float]:
+        """Compliances F_zz, F_zr, F_rr of the half-spaces of both materials that touch [1/Pa]."""
+        zz, zr, rr = _half_space(self.specimen.materials[0])
+        if self.indenter is not None:
+            own = 1 / self.indenter.G
+            rr, zz = rr + own * (1 - self.indenter.nu), zz + own * (1 - self.indenter.nu)
+            zr -= own * (self.indenter.nu - 0.5)
+        return zz, zr, rr
+
+    def deviations(self, k: Array) -> Array:
+        """g_zz - 1, g_zr - beta, g_rr - 1 (3, k) at the wave numbers ``k`` [1/m]."""
+        if not self.specimen.layers:
+            return np.zeros((3, k.size))
+        layer = self.specimen.layers[0]
+        m = minors_of(self.specimen, np.maximum(k, 1e-30 / self.specimen.top_thickness))
+        stack = m[[2, 3, 1]] / m[0] / shear_moduli(layer)[0]
+        zz, _, rr = self._half_spaces
+        return (stack - np.array(_half_space(layer.material))[:, None]) / np.array([[zz], [math.sqrt(zz * rr)], [rr]])
+
+    @cached_property
+    def edges(self) -> tuple[Array, Array, Array]:
+        """Ends lo, hi [1/m] of panels that resolve all three, and the largest value on each."""
+        k_max = self.bandwidth(self.floor)
+        first = np.concatenate([[0.0], k_max * 2.0 ** np.arange(-6, 1)])
+        ends = [resolved(partial(self._acting, row), first[:-1], first[1:])[:2] for row in range(3)]
+        edges = np.unique(np.concatenate([np.ravel(pair) for pair in ends]))
+        return edges[:-1], edges[1:], self((edges[1:] + edges[:-1]) / 2)
+
+    def _acting(self, row: int, k: Array) -> Array:
+        """A positive compliance less 1: g_zz, g_rr, or what acts on pressure and shear together.
+
+        F_rr over a sliding base goes like 1/k, and acts times k^2 for small k.
+        """
+        zz, zr, rr = self.deviations(k) + np.array([[1.0], [self.beta], [1.0]])
+        y = k * self.specimen.top_thickness
+        share = y / np.sqrt(1 + y**2)
+        return (zz, zz + 2 * share * zr + share**2 * rr, share**2 * rr)[row] - 1
+
+    def stuck_kernel(self, reach: float, order: int) -> StuckKernel:
+        """Kernel for all x, t with x + t <= ``reach`` [m], from ``order`` Gauss nodes in k on every panel."""
+        if self.bandwidth(self.floor) == 0:
+            return StuckKernel(np.zeros(0), np.zeros((3, 0)), self.beta)
+        lo, hi, size = self.edges
+        turn = reach / phase_allowed(order - 5, SPECTRUM.phase / np.clip(size, 1e-12, 1.0))
+        pieces = np.maximum(np.ceil((hi - lo) * turn), 1).astype(int)
+        k, w = gauss(*split(lo, hi, pieces), *rule(order))
+        return StuckKernel(k, w * self.deviations(k), self.beta)
+
+
+def _half_space(material: Material) -> tuple[float, float, float]:
+    """Compliances F_zz, F_zr, F_rr of a half-space [1/Pa]."""
+    if isinstance(material, TransverselyIsotropic):
+        medium, G = Medium.transverse(material), material.G_z
+    else:
+        medium, G = Medium.isotropic(material.nu), material.surface.G
+    _, rr, zz, zr, _ = medium.half_space
+    return zz / G, zr / G, rr / G
+
+
+@dataclass(frozen=True, eq=False)
+class StuckLayeredContact(IndenterOnLayers):
+    """An indenter that sticks to a layered specimen, solved at given radii."""
+
+    @cached_property
+    def spectrum(self) -> StuckSpectrum:
+        return StuckSpectrum(self.specimen, self.indenter.material)
+
+    def prepare(self) -> None:
+        """Resolve the spectra now rather than at the first solve."""
+        if self.specimen.layers:
+            _ = self.spectrum.edges
+
+    def plan(self, radii: Array, tolerance: float) -> StuckPlan:
+        """The plan expected to be accurate to ``tolerance`` up to the last of the ``radii`` [m]."""
+        points = TUNING.points + math.ceil(-TUNING.per_decade * math.log10(tolerance))
+        points, widest = min(points, TUNING.most_points), TUNING.piece * self.scale
+        nodes = self._pieces(float(radii[-1]), widest, points).nodes
+        quadrature = Quadrature.cheapest(nodes, self.indenter.a0, self.scale, tolerance)
+        return StuckPlan(quadrature, widest, points)
+
+    def _pieces(self, largest: float, widest: float, points: int) -> Pieces:
+        return Pieces.of(self.indenter, largest, min(widest, largest), points)
+
+    def flops(self, radii: Array, plan: StuckPlan) -> float:
+        """Floating-point operations of one solve, about."""
+        waves = 200 + 0.7 * self.spectrum.bandwidth(self.spectrum.floor) * 2 * radii[-1]
+        rows = plan.nodes + 2 * plan.points * math.ceil(radii[-1] / min(plan.widest, radii[-1]))
+        waves *= 1 if self.spectrum.beta == 0 else 4
+        return float(rows**2 * waves + rows**3)
+
+    def solved(self, radii: Array, plan: StuckPlan) -> ContactResult:
+        """Contact at the increasing ``radii`` [m]."""
+        if plan.nodes > REFINING.most_nodes or self.flops(radii, plan) > REFINING.most_flops:
+            raise Refusal(
+                f"layered: a = {radii[-1]:g} m is {radii[-1] / self.scale:.4g} times the length over which the layers "
+                f"act and needs {plan.nodes} rows where the surfaces stick (limit {REFINING.most_nodes}); ask for a "
+                "smaller contact"
+            )
+        a0, factor = self.indenter.a0, 2 * self.E_star
+        beyond = radii > a0 * (1 + 1e-12)
+        pieces = self._pieces(float(radii[-1]), plan.widest, plan.points) if beyond.all() else None
+        ends = radii if pieces is None else pieces.nodes
+        panels = Panels.through(ends, plan.quadrature, a0)
+        disc = StuckDisc.of(self.spectrum.stuck_kernel(2 * float(radii[-1]), plan.order), panels)
+        if pieces is None:  # the flat end itself
+            nothing = np.zeros_like(radii)
+            return ContactResult(panels, nothing, nothing, factor * disc.S, factor * disc.dS, disc.rounding)
+        growth = Growth(self.indenter, disc, pieces, plan.inner)
+        S, dS = growth.stiffness(radii)
+        worst = np.full_like(radii, disc.rounding.max())
+        columns = growth.displacement(radii), factor * growth.load(radii), factor * S, factor * dS
+        return ContactResult(replace(panels, radii=radii), *columns, worst)
+
+    def refined(self, radii: Array, tolerance: float) -> tuple[ContactResult, Array]:
+        """The result at ``radii`` and its estimated relative error at each, below ``tolerance``, from a second
+        discretisation that differs in every part; Refusal where refinement does not reach it."""
+        plan, best = self.plan(radii, tolerance / REFINING.margin), math.inf
+        some = checked(radii)
+        for step in range(1, REFINING.refinements + 1):
+            finer = plan.finer()
+            try:
+                main, other = self.solved(radii, plan), self.solved(radii[some], finer)
+            except SolveError:
+                if math.isinf(best) and step == REFINING.refinements:
+                    raise
+            else:
+                seen = np.max(np.abs(other.columns / main.columns[:, some] - 1))
+                errors = REFINING.safety * seen + main.rounding + tolerance * REFINING.no_claim
+                best = min(best, float(errors.max()))
+                if best <= tolerance:
+                    return main, errors
+            plan = finer
+        smaller = "ask for a smaller contact radius"
+        missed = f"layered: the estimated relative error of surfaces that stick is {best:.1e} with {plan.nodes} rows, "
+        missed += f"above the tolerance {tolerance:.1e}; "
+        raise InaccurateError(f"{missed}{tolerance_remedy('layered', best)}{smaller}", f"{missed}{smaller}")
+
+
+def unable(indenter: Indenter, specimen: Specimen) -> str | None:
+    """Why surfaces that stick are not solved for the two bodies; None where they are."""
+    if isinstance(specimen.materials[0], Graded):
+        return (
+            "under a modulus that varies right below the contact the spectra of surfaces that stick decay slowly, "
+            "which is not implemented: use method fem, or cut the top layer into a few homogeneous ones"
+        )
+    if indenter.a0 > 0 and StuckSpectrum(specimen, indenter.material).beta != 0:
+        return (
+            "round a flat end that sticks to a compressible body the surface oscillates, so that the growth of the "
+            "contact is not smooth there: use method fem, or a profile that is round at its tip"
+        )
+    return None

@@ -9,26 +9,38 @@ from pathlib import Path
 
 from ..base.errors import InputError
 from ..base.units import MOST
-from ..base.unknown import Unknown, known
+from ..base.unknown import Estimate, Unknown, known
 from ..bodies.problem import Problem
+from ..methods import Forecast
 from ..series import ErrorBudget, Series, Solution, is_series
 from .comparison import Comparison, compare_half_space
 from .critical import Errors, point_error
-from .curve import AdhesiveCurve, CriticalPoint, Nonadhesive
+from .curve import AdhesiveCurve, CriticalPoint, EquilibriumCurve, Nonadhesive
 from .device import CONTROLS
+from .law import AskedRange, Range
+from .range_effect import effect_of_range
+from .sharp import resolved, yielding
 from .slopes.choice import slopes, smoothed
 from .slopes.result import Slopes
+from .solved import solved, solver_of
 from .validity import Validity, check, end_of_body, judge, unresolved
+
+SURE = 2.0  # theory: 90 % half-widths of a normal error that one in a thousand exceeds
+JKR = AskedRange()
 
 
 @dataclass(frozen=True, eq=False)
 class Analysis:
-    """One adhesive curve with its critical points, error budget, validity and, where it exists, the exact solution."""
+    """One adhesive curve with its critical points, error budget, validity and, where it exists, the exact solution.
+
+    ``law``: of adhesion of finite range; None for JKR.
+    """
 
     solution: Solution
-    curve: AdhesiveCurve
+    curve: EquilibriumCurve
     budget: ErrorBudget
     modulus_factor: float = 1.0
+    law: Range | None = None
 
     def __repr__(self) -> str:
         return f"<Analysis of {self.path}: w = {self.w:g} J/m^2, {len(self.curve.series)} points>"
@@ -52,16 +64,24 @@ class Analysis:
     def w(self) -> float:
         return self.curve.w
 
+    @property
+    def jkr(self) -> AdhesiveCurve:
+        """The curve where adhesion has no range; InputError where it has one."""
+        if not isinstance(self.curve, AdhesiveCurve):
+            raise InputError(f"{self.path}: adhesion of finite range has no part in this: leave stress and range out")
+        return self.curve
+
     @cached_property
     def pull_off(self) -> dict[str, CriticalPoint | Unknown]:
         """Where contact is lost under control of the load and of the displacement."""
-        return {name: self.curve.pull_off(stiffness) for name, stiffness in CONTROLS.items()}
+        z0 = self.solution.record.z0
+        return {name: resolved(self.curve.pull_off(k), self.curve, k, z0) for name, k in CONTROLS.items()}
 
     @cached_property
     def pull_off_errors(self) -> dict[str, Errors | Unknown]:
         """90 % half-widths of delta [m] and P [N] of each pull-off point that there is, or why they are unknown."""
         return {
-            name: point_error(self.curve, found, CONTROLS[name])
+            name: error_of_point(self.curve, found, CONTROLS[name])
             for name, found in self.pull_off.items()
             if isinstance(found, CriticalPoint)
         }
@@ -69,7 +89,7 @@ class Analysis:
     @cached_property
     def validity(self) -> Validity:
         problem, series, point = self.problem, self.curve.series, self.pull_off["load"]
-        return judge(
+        judged = judge(
             a=float(series.a[-1]),
             delta=float(series.delta[-1]),
             E_star=problem.E_star,
@@ -77,17 +97,30 @@ class Analysis:
             R=problem.indenter.tip_radius,
             h=problem.specimen.top_thickness,
             L=end_of_body(problem, self.solution.facts),
-            z0=self.solution.record.z0,
+            z0=self.solution.record.z0 if self.law is None else self.law.length,
             a_pull_off=point.a if isinstance(point, CriticalPoint) else None,
             end_is_cut=problem.specimen.radius is None,
+            effect_of_range=self.effect_of_range,
         )
+        return judged if self.law is None else replace(judged, regime="adhesion of this range is solved")
 
     @cached_property
     def comparison(self) -> Comparison | None:
-        """The distance to the exact solution of the same indenter; None but for a homogeneous half-space."""
-        if not self.problem.specimen.is_half_space:
+        """The distance to the exact solution of the same indenter; None but for a half-space that slides."""
+        half_space = self.problem.specimen.is_half_space and not self.problem.sticks
+        if not half_space or not isinstance(self.curve, AdhesiveCurve):
             return None
         return compare_half_space(self.curve, self.problem)
+
+    @cached_property
+    def effect_of_range(self) -> Estimate:
+        """By what fraction the pull-off force would differ at the range z0; 0 where adhesion has its range."""
+        point = self.pull_off["load"]
+        if self.law is not None:
+            return 0.0
+        if isinstance(point, Unknown):
+            return point
+        return effect_of_range(self.problem, self.curve.series, self.w, self.solution.record.z0, point)
 
     @property
     def warnings(self) -> list[str]:
@@ -97,31 +130,64 @@ class Analysis:
         flags = self.curve.slopes.flags
         if self.curve.slopes.method != "exact":
             flags += unresolved(self.problem.indenter, self.curve.a)
-        found = [*self.solution.warnings, *flags, *check(self.validity), *outside]
+        doubts = getattr(self.curve, "doubts", ())
+        found = [*self.solution.warnings, *flags, *check(self.validity), *doubts]
+        found += [*yielding(self.problem, self.curve), *outside]
         difference = None if self.comparison is None else known(self.comparison.pull_off)
         budget = self.budget
         parts = (budget.discretisation, budget.truncation, budget.radius, budget.smoothing)
         stated = max(2 * sum(part for part in parts if not isinstance(part, Unknown)), 1e-6)
         point, half_widths = self.pull_off["load"], self.pull_off_errors.get("load")
         if isinstance(point, CriticalPoint) and half_widths is not None and not isinstance(half_widths, Unknown):
-            stated = max(stated, half_widths["P"] / abs(point.P))
+            stated = max(stated, SURE * half_widths["P"] / abs(point.P))
         if difference is not None and abs(difference) > stated:
             found.append(
                 f"the pull-off force differs from the closed form by {abs(difference):.2g}, "
                 f"more than the {stated:.2g} that was estimated"
             )
-        return found
+        return list(dict.fromkeys(found))
 
 
 def analyse(
-    solution: Solution, works: Sequence[float], slopes_name: str = "auto", modulus_factor: float = 1.0
+    solution: Solution,
+    works: Sequence[float],
+    slopes_name: str = "auto",
+    modulus_factor: float = 1.0,
+    asked: AskedRange = JKR,
 ) -> list[Analysis]:
-    """The adhesive curves of a solution for each work of adhesion [J/m^2]; the slopes are found once.
+    """The adhesive curves of a solution for each work of adhesion [J/m^2], with solved pull-off points where the method
+    is exact; the slopes are found once.
 
     ``modulus_factor``: of bodies whose moduli are all that many times those of the solution; nothing is solved anew.
+    ``asked``: adhesion of finite range, where it has a stress or a length.
     """
+    if asked:
+        return _of_finite_range(solution.scaled(modulus_factor), works, slopes_name, modulus_factor, asked)
     body = nonadhesive(solution, slopes_name)
-    return [adhesive(solution, body, w, modulus_factor) for w in works]
+    return [with_solved_points(adhesive(solution, body, w, modulus_factor)) for w in works]
+
+
+@dataclass(frozen=True)
+class CostTuning:
+    """What curves cost, as measured on series of 100 to 100,000 rows."""
+
+    mib: float = 110.0  # memory of any; tuned on series of 100 rows, by `make bench`
+    mib_per_row: float = 0.011  # tuned on series of 1e5 rows, by `make bench`
+    fit: float = 2e-4  # CPU seconds per row of slopes that are fitted; tuned on the same, by `make bench`
+    curve: float = 0.04  # CPU seconds of a curve; tuned on series of 100 rows, by `make bench`
+    per_row: float = 8e-5  # and per row; tuned on series of 1e5 rows, by `make bench`
+    figure: float = 1.0  # of its pictures; tuned on series of 100 rows, by `make bench`
+
+
+COST = CostTuning()
+
+
+def forecast(solution: Solution, works: int, figures: bool) -> Forecast:
+    """What the curves of a solution for so many ``works`` of adhesion cost, with their pictures or without."""
+    rows = solution.increments.a.size
+    fitted = COST.fit * rows if solution.series.S is None else 0.0
+    each = COST.curve + COST.per_row * rows + figures * COST.figure
+    return Forecast(fitted + works * each, COST.mib + COST.mib_per_row * rows, 0.0)
 
 
 def adhesive(solution: Solution, body: Nonadhesive, w: float, modulus_factor: float = 1.0) -> Analysis:
@@ -130,6 +196,42 @@ def adhesive(solution: Solution, body: Nonadhesive, w: float, modulus_factor: fl
         raise InputError(f"w: must lie within 0 and {MOST:g} J/m^2, got {w:g}")
     curve = body.scaled(modulus_factor).adhesive(w)
     return Analysis(solution.scaled(modulus_factor), curve, _budget(solution.budget, curve), modulus_factor)
+
+
+def with_solved_points(result: Analysis, *devices: float) -> Analysis:
+    """The same curve with its pull-off points, those by ``devices`` of a stiffness [N/m] included, solved at their own
+    radii, where the method is exact and quick."""
+    if result.w == 0 or result.law is not None or result.curve.slopes.method != "exact":
+        return result
+    further = solver_of(result.solution)
+    return result if further is None else replace(result, curve=solved(result.jkr, further, *devices))
+
+
+def _of_finite_range(
+    solution: Solution, works: Sequence[float], slopes_name: str, modulus_factor: float, asked: AskedRange
+) -> list[Analysis]:
+    """The curves of finite range of a solution."""
+    if slopes_name not in ("auto", "exact"):
+        raise InputError(f"slopes: {slopes_name} has no part in adhesion of finite range, whose kernel is exact")
+    from .finite_range import FiniteRangeBody
+
+    laws = [asked.law(w) for w in works]
+    body = FiniteRangeBody.of(solution)
+    curves = [body.curve(law) for law in laws]
+    return [
+        Analysis(solution, curve, replace(solution.budget, smoothing=curve.interpolation_error), modulus_factor, law)
+        for law, curve in zip(laws, curves, strict=True)
+    ]
+
+
+def error_of_point(curve: EquilibriumCurve, point: CriticalPoint, stiffness: float) -> Errors | Unknown:
+    """90 % half-widths of a pull-off ``point`` under a device of ``stiffness`` [N/m], on curves of either kind."""
+    if isinstance(curve, AdhesiveCurve):
+        return point_error(curve, point, stiffness)
+    from .finite_range import FiniteRangeCurve
+
+    assert isinstance(curve, FiniteRangeCurve)
+    return curve.point_error(point)
 
 
 def nonadhesive(solution: Solution, slopes_name: str = "auto") -> Nonadhesive:
@@ -155,11 +257,5 @@ def _series_and_slopes(solution: Solution, name: str) -> tuple[Series, Slopes]:
 
 
 def _budget(budget: ErrorBudget, curve: AdhesiveCurve) -> ErrorBudget:
-    """The series' budget with that of the slopes; where the series carries these, the interpolation's between the
-    points added."""
-    error = curve.slopes.error
-    if curve.slopes.method != "exact":
-        return replace(budget, smoothing=error)
-    between = curve.interpolation_error
-    both = between + error if isinstance(between, float) and isinstance(error, float) else between
-    return replace(budget, smoothing=both)
+    """The series' budget with that of the slopes; what interpolation adds between the rows is no part of it."""
+    return replace(budget, smoothing=curve.slopes.error)

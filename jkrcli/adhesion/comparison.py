@@ -93,7 +93,7 @@ def _exact_pull_off(problem: Problem, w: float, a_max: float) -> CriticalPoint |
     if not isinstance(point, CriticalPoint):
         return None
     delta, P = _formula(problem, w, np.array(point.a))
-    return CriticalPoint(point.a, float(delta), float(P), point.kind)
+    return CriticalPoint(point.a, float(delta), float(P), kind=point.kind)
 
 
 def _formula(problem: Problem, w: float, a: Array) -> tuple[Array, Array]:

@@ -28,27 +28,38 @@ def point_error(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) ->
     [N/m] (0: load, inf: displacement), or why they are unknown."""
     if curve.w == 0:
         return Unknown(f"unknown: {NO_ADHESION}")
-    between = curve.interpolation_error
-    if isinstance(between, Unknown):
-        return between
+    here = curve.interpolation_at(np.array(point.a))
+    if isinstance(here, Unknown):
+        return here
     if not curve.errors:
         return Unknown(f"unknown: {curve.slopes.error}")
-    here = {name: between * abs(getattr(point, name)) for name in ("delta", "P")}
-    if curve.slopes.joint is None:
+    joint = _joint(curve, point.a)
+    if joint is None:
         moved: Errors | Unknown = _by_others(curve, point, stiffness)
         at_radius = {name: float(value) for name, value in curve.error_at(np.array(point.a)).items()}
     else:
-        moved, at_radius = _propagated(curve, point, stiffness), {"delta": 0.0, "P": 0.0}
+        moved, at_radius = _propagated(curve, point, stiffness, joint), {"delta": 0.0, "P": 0.0}
     if isinstance(moved, Unknown):
         return moved
-    return {name: here[name] + at_radius[name] + moved[name] for name in here}
+    return {name: float(here[name]) + at_radius[name] + moved[name] for name in here}
 
 
-def _propagated(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> Errors | Unknown:
-    """First-order propagation of the joint covariance of the columns and of their rates."""
+def _joint(curve: AdhesiveCurve, a: float) -> Array | None:
+    """Joint covariance (6, 6) of the columns and of their rates at the radius ``a`` [m]: what was solved for it counts
+    where there is such; None where none is known."""
+    further = curve.nonadhesive.further
+    if further is not None and further.slopes.joint is not None:
+        nearest = int(np.argmin(np.abs(further.a - a)))
+        if abs(further.a[nearest] - a) <= TUNING.solved * (a - curve.series.a0):
+            joint: Array = further.slopes.joint[nearest]
+            return joint
+    joint_of_rows = curve.slopes.joint
+    return None if joint_of_rows is None else curve.nonadhesive.between(joint_of_rows, np.array(a))
+
+
+def _propagated(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float, covariance: Array) -> Errors | Unknown:
+    """First-order propagation of the joint ``covariance`` of the columns and of their rates."""
     slopes, a = curve.slopes, np.array(point.a)
-    assert slopes.joint is not None
-    covariance = curve.nonadhesive.between(slopes.joint, a)
     delta, P, delta_rate, P_rate = _gradients(curve, a)
     along = np.clip(a * (1 + np.array([-1e-3, 1e-3])), curve.a[0], curve.a[-1])
     F, controlled = position(delta_rate, P_rate, stiffness), position(*curve.rates(along), stiffness)

@@ -6,10 +6,11 @@ delta(a) = delta_H(a) - sqrt(w) t(a)      P(a) = P_H(a) - sqrt(w) S(a) t(a)     
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, Literal, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple, TypeVar
 
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline, CubicSpline
@@ -24,6 +25,7 @@ from ..series import Series
 from .device import CONTROLS, DISPLACEMENT_CONTROL, LOAD_CONTROL, position
 from .slopes.result import Slopes
 
+GAUSS = np.polynomial.legendre.leggauss(8)
 NO_ADHESION = Unknown("there is no adhesion at w = 0")
 Columns = TypeVar("Columns", Series, Slopes)
 
@@ -37,6 +39,8 @@ class CurveTuning:
     few: int = 10  # points from which the error falls with the spacing; tuned on noisy series, by `make tuning`
     widest: float = 2.7  # ratio of neighbouring a - a0 up to which it does; tuned on the same, by `make tuning`
     order_factor: float = 8.0  # theory: halving the spacing divides an error of third order by it, at least
+    middle: float = 0.5  # theory: of its largest value, in which a cubic Hermite errs by s^2 (1 - s)^2 of an interval
+    solved: float = 1e-6  # choice: relative distance from a solved radius up to which a point is solved
     end: float = 1e-9  # choice: fraction by which a radius may leave the series, for round-off of units
 
 
@@ -45,11 +49,18 @@ TUNING = CurveTuning()
 
 @dataclass(frozen=True)
 class Equilibrium:
-    """One state of adhesive contact: contact radius ``a`` [m], displacement ``delta`` [m], load ``P`` [N]."""
+    """One state of adhesive contact: contact radius ``a`` [m], displacement ``delta`` [m], load ``P`` [N]; ``c`` [m]:
+    radius to which the surfaces attract, None where adhesion has no range."""
 
     a: float
     delta: float
     P: float
+    c: float | None = None
+
+    @property
+    def place(self) -> float:
+        """Where it lies on its curve [m]: the contact radius, or c."""
+        return self.a if self.c is None else self.c
 
 
 @dataclass(frozen=True)
@@ -80,11 +91,15 @@ class Nonadhesive:
     the radius of their logs. The slope of log P_H comes from dP_H = S d(delta_H), that of log S is a S'/S; those of
     log delta_H and log S' are of a not-a-knot spline through the points. Power laws (Hertz) are exact with any number
     of points. delta_H and P_H vanish at the first contact radius a0: their logs are taken over log(a - a0).
-    Refused where S or S' is not positive.
+    Refused where S or S' is not positive. ``log_rates``: slopes (n, 2) of log delta_H and of log S' over the same
+    logarithms where they are known, NaN elsewhere. ``further``: the functions at more radii, among those of the series,
+    which what lies between passes through too.
     """
 
     series: Series
     slopes: Slopes
+    log_rates: Array | None = None
+    further: Nonadhesive | None = None
 
     def __post_init__(self) -> None:
         bad = ~((self.slopes.dS > 0) & (self.slopes.S > 0))
@@ -96,7 +111,10 @@ class Nonadhesive:
 
     def scaled(self, factor: float) -> Nonadhesive:
         """The functions of the same bodies with all moduli multiplied by ``factor``."""
-        return self if factor == 1 else Nonadhesive(self.series.scaled(factor), self.slopes.scaled(factor))
+        if factor == 1:
+            return self
+        further = None if self.further is None else self.further.scaled(factor)
+        return Nonadhesive(self.series.scaled(factor), self.slopes.scaled(factor), self.log_rates, further)
 
     def adhesive(self, w: float) -> AdhesiveCurve:
         """The curve for the work of adhesion ``w`` >= 0 [J/m^2]."""
@@ -117,7 +135,7 @@ class Nonadhesive:
 
     def parts(self, a: Array) -> Parts:
         """delta_H [m], P_H [N], S [N/m], S' [N/m^2], t [m] at radii within the series, by one evaluation rule."""
-        columns, slopes = self._logs
+        columns, slopes = self.logs
         delta_H, P_H = np.exp(np.moveaxis(columns(np.log(a - self.series.a0)), -1, 0))
         S, dS = np.exp(np.moveaxis(slopes(np.log(a)), -1, 0))
         return Parts(delta_H, P_H, S, dS, shift(1.0, a, dS))
@@ -129,7 +147,7 @@ class Nonadhesive:
     def with_rates(self, a: Array) -> tuple[Parts, Parts]:
         """``parts`` and ``rates`` at once."""
         here, beyond = self.parts(a), a - self.series.a0
-        columns, slopes = self._logs
+        columns, slopes = self.logs
         by_delta, by_P = np.moveaxis(columns(np.log(beyond), 1), -1, 0) / beyond
         by_S, by_dS = np.moveaxis(slopes(np.log(a), 1), -1, 0) / a
         by_t = (1 / a - by_dS) / 2
@@ -153,21 +171,54 @@ class Nonadhesive:
 
     def at_rows(self, rows: Array) -> Nonadhesive:
         """The functions through the points ``rows`` alone, without errors."""
-        return Nonadhesive(_at(self.series, rows), _at(self.slopes, rows))
+        known = None if self.log_rates is None else self.log_rates[rows]
+        return Nonadhesive(_at(self.series, rows), _at(self.slopes, rows), known)
 
     @cached_property
-    def _logs(self) -> tuple[CubicHermiteSpline, CubicHermiteSpline]:
-        """Log of (delta_H, P_H) over log(a - a0), log of (S, S') over log a."""
+    def knots(self) -> Nonadhesive:
+        """The functions with all radii at which they are known as those of the series, without errors."""
+        if self.further is None:
+            return self
+        parts = (self, self.further)
+        a, order = np.unique(np.concatenate([part.a for part in parts]), return_index=True)
+        columns = np.concatenate([np.array(part.points[:4]) for part in parts], axis=1)[:, order]
+        rates = np.concatenate([part._known_rates for part in parts])[order]
+        delta, P, S, dS = columns
+        series = replace(self.series, a=a, delta=delta, P=P, S=S, dS=dS, errors={})
+        slopes = replace(self.slopes, S=S, dS=dS, delta=None, P=None, covariance=None, joint=None)
+        return Nonadhesive(series, slopes, rates)
+
+    @property
+    def _known_rates(self) -> Array:
+        return np.full((self.a.size, 2), np.nan) if self.log_rates is None else self.log_rates
+
+    @cached_property
+    def logs(self) -> tuple[CubicHermiteSpline, CubicHermiteSpline]:
+        """Cubics between the points: log of (delta_H, P_H) over log(a - a0), log of (S, S') over log a."""
+        if self.further is not None:
+            return self.knots.logs
         if len(self.series) < 2:
             raise InputError("adhesive curve: a series of one point has no values between points")
         delta, P, S, dS, _ = self.points
         x, z = np.log(self.a), np.log(self.a - self.series.a0)
-        rate = CubicSpline(z, np.log(delta))(z, 1)
-        rate_dS = CubicSpline(x, np.log(dS))(x, 1)
+        fitted = np.stack([CubicSpline(z, np.log(delta))(z, 1), CubicSpline(x, np.log(dS))(x, 1)], 1)
+        rate, rate_dS = np.where(np.isnan(self._known_rates), fitted, self._known_rates).T
         return (
             CubicHermiteSpline(z, np.log(np.stack([delta, P], 1)), np.stack([rate, S * delta / P * rate], 1)),
             CubicHermiteSpline(x, np.log(np.stack([S, dS], 1)), np.stack([self.a * dS / S, rate_dS], 1)),
         )
+
+
+def _gap(points: Array, x: Array) -> Array:
+    """Logarithm of the ratio of the increasing ``points`` on both sides of each ``x``."""
+    at = np.clip(np.searchsorted(points, x, side="right"), 1, points.size - 1)
+    return np.log(points[at] / points[at - 1])
+
+
+def _place_between(points: Array, x: Array) -> Array:
+    """Place of each ``x`` between the increasing ``points`` on both sides of it, in logarithms, from 0 to 1."""
+    at = np.clip(np.searchsorted(points, x, side="right"), 1, points.size - 1)
+    return np.clip(np.log(x / points[at - 1]) / np.log(points[at] / points[at - 1]), 0.0, 1.0)
 
 
 def _at(columns: Columns, rows: Array) -> Columns:
@@ -186,8 +237,195 @@ def transform(series: Series, slopes: Slopes, w: float) -> AdhesiveCurve:
     return Nonadhesive(series, slopes).adhesive(w)
 
 
+class EquilibriumCurve(ABC):
+    """A curve of equilibria of adhesive contact along their place on it [m], which grows with the contact: the contact
+    radius a, or what a subclass says. What is read off such a curve is the same whatever attracts the surfaces."""
+
+    complete: ClassVar[bool] = False  # whether it begins where the free bodies do, with nothing before its first point
+    if TYPE_CHECKING:  # fields of some, properties of others
+
+        @property
+        def w(self) -> float:
+            """Work of adhesion [J/m^2]."""
+
+        @property
+        def series(self) -> Series:
+            """The nonadhesive series of the same bodies."""
+
+        @property
+        def slopes(self) -> Slopes:
+            """S and S' of that series."""
+
+        @property
+        def a(self) -> Array:
+            """Contact radii of the points [m]."""
+
+        @property
+        def delta(self) -> Array:
+            """Displacement [m] at the points."""
+
+        @property
+        def P(self) -> Array:
+            """Load [N] at the points."""
+
+    @property
+    def onset(self) -> float:
+        """Displacement [m] at which the free bodies begin to attract each other."""
+        return 0.0
+
+    @property
+    @abstractmethod
+    def places(self) -> Array:
+        """Places of the points of the curve [m], increasing."""
+
+    @property
+    @abstractmethod
+    def interpolation_error(self) -> Estimate:
+        """Relative error of delta and P between the points."""
+
+    @abstractmethod
+    def thinned(self, first: int) -> EquilibriumCurve:
+        """The curve through every second of its points from ``first`` on."""
+
+    @property
+    @abstractmethod
+    def errors(self) -> Mapping[str, Array]:
+        """90 % half-widths of "delta" [m] and "P" [N] at the points; empty where no error is known."""
+
+    @property
+    @abstractmethod
+    def columns(self) -> dict[str, Array]:
+        """The columns of its points by their names in a table."""
+
+    @abstractmethod
+    def point(self, place: float) -> Equilibrium:
+        """The equilibrium at a ``place`` [m] on the curve."""
+
+    @abstractmethod
+    def contact_radii(self, places: Array) -> Array:
+        """The contact radii [m] at ``places`` on the curve."""
+
+    @abstractmethod
+    def path(self, low: float, high: float) -> tuple[Array, Array]:
+        """Places between two [m], and weights [m], for integrals along the curve."""
+
+    @abstractmethod
+    def _at(self, places: Array) -> tuple[Array, Array]: ...
+
+    @abstractmethod
+    def _rates(self, places: Array) -> tuple[Array, Array]: ...
+
+    @property
+    @abstractmethod
+    def _samples(self) -> Array:
+        """Numbers, increasing, whose ``_place`` lie close enough that two zeros are told apart."""
+
+    @abstractmethod
+    def _place(self, x: Array) -> Array:
+        """Places [m] of such numbers: a monotone function along which the curve is smooth."""
+
+    @abstractmethod
+    def _outside(self, stiffness: float, end: str, lowest: Equilibrium) -> str:
+        """Why there is no pull-off: the device is lowest at the "smallest" or "largest" ``end``."""
+
+    def at(self, places: Array) -> tuple[Array, Array]:
+        """delta [m] and P [N] at any place on the curve."""
+        return self._at(self._inside(places))
+
+    def rates(self, places: Array) -> tuple[Array, Array]:
+        """Derivatives of delta [-] and P [N/m] by the place, at any place on the curve."""
+        return self._rates(self._inside(places))
+
+    def error_at(self, places: Array) -> dict[str, Array]:
+        """The half-widths of ``errors`` at any place on the curve (linear between points)."""
+        inside = self._inside(places)
+        return {name: np.interp(inside, self.places, values) for name, values in self.errors.items()}
+
+    def critical(self, stiffness: float) -> tuple[CriticalPoint, ...]:
+        """All points of the curve where delta + P/stiffness is stationary, by increasing place; there may be none.
+
+        ``stiffness`` [N/m] of the device: 0 is load control, infinity displacement control.
+        """
+        points = []
+        for place, rising in self.zeros(lambda places: position(*self._rates(places), stiffness)):
+            points.append(CriticalPoint(**vars(self.point(place)), kind="minimum" if rising else "maximum"))
+        return tuple(points)
+
+    def radii(self, *, P: float | None = None, delta: float | None = None) -> tuple[float, ...]:
+        """All places [m] on the curve at which the load is ``P`` [N], or the displacement ``delta`` [m]."""
+        if P is not None and delta is None:
+            return self.radii_at(P, LOAD_CONTROL)
+        if delta is not None and P is None:
+            return self.radii_at(delta, DISPLACEMENT_CONTROL)
+        raise InputError("adhesive curve: give either P or delta to look for")
+
+    def radii_at(self, held: float, stiffness: float) -> tuple[float, ...]:
+        """All places [m] on the curve, increasing, at which a device of ``stiffness`` [N/m] stands at ``held``
+        (its ``position``)."""
+        return tuple(place for place, _ in self.zeros(lambda places: position(*self._at(places), stiffness) - held))
+
+    def zeros(self, function: Callable[[Array], Array]) -> Iterator[tuple[float, bool]]:
+        """Places on the curve where ``function`` of them [m] vanishes, increasing, and whether it rises there."""
+        first, last = self.places[0], self.places[-1]
+
+        def along(x: Array) -> Array:
+            return function(np.clip(self._place(x), first, last))
+
+        x = self._samples
+        signs = np.sign(along(x))
+        for i in np.flatnonzero(signs[:-1] * signs[1:] <= 0):
+            if signs[i + 1] == 0 and i + 2 < signs.size:
+                continue  # taken by the next pair
+            place = float(self._place(brentq(along, x[i], x[i + 1], xtol=1e-14, rtol=1e-14)))
+            yield min(max(place, first), last), bool(signs[i + 1] > signs[i])
+
+    def pull_off(self, stiffness: float) -> CriticalPoint | Unknown:
+        """Pull-off under load control (``stiffness`` 0), pull-off under displacement control (inf), or by a device.
+
+        The last stable point on retraction; ``stiffness`` [N/m] as in ``critical``. Where the curve has several minima,
+        the lowest: at the others contact shrinks to a smaller stable radius. Unknown, with numbers and a remedy, where
+        it does not lie in the series: contact is lost at a position <= 0 only, above the free bodies would overlap.
+        """
+        if self.w == 0:
+            return NO_ADHESION
+
+        def held(point: Equilibrium) -> float:
+            return float(position(point.delta, point.P, stiffness))
+
+        minima = [point for point in self.critical(stiffness) if point.kind == "minimum"]
+        ends = {"smallest": self.point(float(self.places[0])), "largest": self.point(float(self.places[-1]))}
+        lowest = min(ends, key=lambda end: held(ends[end]))
+        best = min(minima, key=held, default=None)
+        if best is None or held(best) > held(ends[lowest]):
+            return Unknown(self._outside(stiffness, lowest, ends[lowest]))
+        if held(best) > 0:
+            return Unknown(
+                f"contact shrinks at P = {best.P:.4g} N, delta = {best.delta:.4g} m below the smallest radius of the "
+                f"series, a = {self.places[0]:.4g} m, where some must remain: the series would have to begin at a "
+                "smaller radius"
+            )
+        return best
+
+    def _inside(self, places: Array) -> Array:
+        places = np.asarray(places, dtype=float)
+        low, high = self.places[0], self.places[-1]
+        outside = (places < low * (1 - TUNING.end)) | (places > high * (1 + TUNING.end)) | ~np.isfinite(places)
+        if outside.any():
+            wrong = np.atleast_1d(places)[np.atleast_1d(outside)][0]
+            raise InputError(
+                f"adhesive curve: contact radius {wrong:g} m lies outside the series, {low:g} to {high:g} m"
+            )
+        return np.clip(places, low, high)
+
+
+def composite_gauss(edges: Array) -> tuple[Array, Array]:
+    """Gauss nodes and weights on the intervals between ``edges``, (intervals, nodes)."""
+    half = np.diff(edges)[:, None] / 2
+    return edges[:-1, None] + half * (1 + GAUSS[0]), half * GAUSS[1]
+
+
 @dataclass(frozen=True, eq=False)
-class AdhesiveCurve:
+class AdhesiveCurve(EquilibriumCurve):
     """The adhesive curve of a series for the work of adhesion ``w`` [J/m^2]: a view on its w-free functions."""
 
     nonadhesive: Nonadhesive
@@ -211,6 +449,27 @@ class AdhesiveCurve:
     def a(self) -> Array:
         """Contact radii of the series [m]."""
         return self.series.a
+
+    @property
+    def places(self) -> Array:
+        """The contact radii themselves."""
+        return self.series.a
+
+    @property
+    def columns(self) -> dict[str, Array]:
+        series, slopes = self.series, self.slopes
+        return {
+            "a_m": series.a,
+            "delta_m": self.delta,
+            "P_N": self.P,
+            "delta_H_m": series.delta,
+            "P_H_N": series.P,
+            "S_N_per_m": slopes.S,
+            "dS_da_N_per_m2": slopes.dS,
+        }
+
+    def contact_radii(self, places: Array) -> Array:
+        return places
 
     @cached_property
     def _shift(self) -> Array:
@@ -239,156 +498,101 @@ class AdhesiveCurve:
             for name, gradient in gradients.items()
         }
 
-    def at(self, a: Array) -> tuple[Array, Array]:
-        """delta [m] and P [N] at any contact radius within the series."""
-        return self._at(self._inside(a))
-
-    def rates(self, a: Array) -> tuple[Array, Array]:
-        """d(delta)/da [-] and dP/da [N/m] at any contact radius within the series."""
-        return self._rates(self._inside(a))
-
-    def point(self, a: float) -> Equilibrium:
-        """The equilibrium at contact radius ``a`` [m] within the series."""
-        delta, P = self.at(np.array(a))
-        return Equilibrium(a, float(delta), float(P))
-
-    def error_at(self, a: Array) -> dict[str, Array]:
-        """The half-widths of ``errors`` at any contact radius within the series (linear between points)."""
-        inside = self._inside(a)
-        return {name: np.interp(inside, self.a, values) for name, values in self.errors.items()}
+    def point(self, place: float) -> Equilibrium:
+        """The equilibrium at a contact radius [m] within the series."""
+        delta, P = self.at(np.array(place))
+        return Equilibrium(place, float(delta), float(P))
 
     def thinned(self, first: int) -> AdhesiveCurve:
-        """The curve through every second point of its series from ``first`` on."""
-        return self.nonadhesive.at_rows(np.arange(first, len(self.series), 2)).adhesive(self.w)
+        """The curve through every second point that is known from ``first`` on, and the ends."""
+        last = self.nonadhesive.knots.a.size - 1
+        rows = np.unique(np.append(np.arange(first, last + 1, 2), [0, last]))
+        return self.nonadhesive.knots.at_rows(rows).adhesive(self.w)
 
     @cached_property
     def interpolation_error(self) -> Estimate:
-        """Relative error of delta and P between the points: their change where every second point is left out, over 8.
+        """Largest relative error of delta and P between the points (``interpolation_at`` in the middle of each gap).
 
-        The units are the values themselves, or the lowest of the curve where that is larger. The rule is of fourth
-        order in the spacing (16), of third where its splines end: 8; of few points nothing of the kind is assumed.
-        Slopes with noise add theirs.
+        The units are the values themselves, or the lowest of the curve where that is larger. Slopes with noise add
+        theirs.
         """
-        if len(self.series) < TUNING.fewest:
+        beyond = self.nonadhesive.knots.a - self.series.a0
+        a = self.series.a0 + np.sqrt(beyond[1:] * beyond[:-1])
+        errors = self.interpolation_at(a)
+        if isinstance(errors, Unknown):
+            return errors
+        values = dict(zip(("delta", "P"), self.at(a), strict=True))
+        lowest = {"delta": self.delta.min(), "P": self.P.min()}
+        units = {name: np.maximum(np.abs(value), abs(lowest[name])) for name, value in values.items()}
+        return float(max(np.max(errors[name] / units[name]) for name in units))
+
+    def interpolation_at(self, a: Array) -> dict[str, Array] | Unknown:
+        """Errors of "delta" [m] and "P" [N] between the points, at radii within the series; 0 at the points.
+
+        What leaving out every second point changes there, over 8: the rule is of fourth order in the spacing (16), of
+        third where its splines end; of few points nothing of the kind is assumed. Of the two halves of the points the
+        one counts in which the radius lies nearer to the middle of a gap.
+        """
+        knots = self.nonadhesive.knots.a - self.series.a0
+        if knots.size < TUNING.fewest:
             return Unknown(f"unknown: fewer than {TUNING.fewest} points")
-        beyond = self.a - self.series.a0
-        if np.max(beyond[1:] / beyond[:-1]) > TUNING.widest:
+        a = self._inside(a)
+        if np.max(_gap(knots, a - self.series.a0)) > math.log(TUNING.widest):
             return Unknown(f"unknown: neighbouring radii differ by more than a factor of {TUNING.widest:g}")
-        change = max(self._change_without(first) for first in (1, 2))
-        return change if len(self.series) < TUNING.few else change / TUNING.order_factor
+        here, place = self._at(a), _place_between(knots, a - self.series.a0)
+        shape = 4 * place * (1 - place) / (TUNING.order_factor if knots.size >= TUNING.few else 1.0)
+        found = {name: np.zeros_like(a) for name in ("delta", "P")}
+        for coarser in self._halves:
+            gaps = coarser.a - self.series.a0
+            beside = _place_between(gaps, a - self.series.a0)
+            depth = 16 * (beside * (1 - beside)) ** 2
+            wider = _gap(gaps, a - self.series.a0) > _gap(knots, a - self.series.a0)
+            counts = wider & (depth >= TUNING.middle)
+            for name, ours, there in zip(found, here, coarser._at(a), strict=True):
+                change = np.divide(np.abs(there - ours) * shape, depth, out=np.zeros_like(a), where=counts)
+                found[name] = np.maximum(found[name], change)
+        return found
 
-    def _change_without(self, first: int) -> float:
-        """Largest relative change of delta and P at every second inner point from ``first`` on, left out."""
-        rows = np.arange(len(self.series))
-        left_out = rows[first:-1:2]
-        coarser = self.nonadhesive.at_rows(np.setdiff1d(rows, left_out)).adhesive(self.w)
-        changes = []
-        for ours, there in zip((self.delta, self.P), coarser.at(self.a[left_out]), strict=True):
-            unit = np.maximum(np.abs(ours[left_out]), abs(np.min(ours)))
-            changes.append(np.max(np.abs(there - ours[left_out]) / unit))
-        return float(max(changes))
+    @cached_property
+    def _halves(self) -> tuple[AdhesiveCurve, AdhesiveCurve]:
+        return self.thinned(0), self.thinned(1)
 
-    def critical(self, stiffness: float) -> tuple[CriticalPoint, ...]:
-        """All points in the series where d(delta + P/stiffness)/da = 0, by increasing radius; there may be none.
-
-        ``stiffness`` [N/m] of the device: 0 is load control (dP/da = 0), infinity displacement control.
-        """
-        points = []
-        for a, rising in self.zeros(lambda a: position(*self._rates(a), stiffness)):
-            points.append(CriticalPoint(**vars(self.point(a)), kind="minimum" if rising else "maximum"))
-        return tuple(points)
-
-    def radii(self, *, P: float | None = None, delta: float | None = None) -> tuple[float, ...]:
-        """All contact radii [m] in the series at which the load is ``P`` [N], or the displacement ``delta`` [m]."""
-        if P is not None and delta is None:
-            return self.radii_at(P, LOAD_CONTROL)
-        if delta is not None and P is None:
-            return self.radii_at(delta, DISPLACEMENT_CONTROL)
-        raise InputError("adhesive curve: give either P or delta to look for")
-
-    def radii_at(self, held: float, stiffness: float) -> tuple[float, ...]:
-        """All contact radii [m] in the series, increasing, at which a device of ``stiffness`` [N/m] stands at ``held``
-        (its ``position``)."""
-        return tuple(a for a, _ in self.zeros(lambda a: position(*self._at(a), stiffness) - held))
-
-    def zeros(self, function: Callable[[Array], Array]) -> Iterator[tuple[float, bool]]:
-        """Radii in the series where ``function`` of the radius [m] vanishes, increasing, and whether it rises there."""
-
-        def along(x: Array) -> Array:
-            return function(np.clip(np.exp(x), self.a[0], self.a[-1]))
-
-        x = self._samples()
-        signs = np.sign(along(x))
-        for i in np.flatnonzero(signs[:-1] * signs[1:] <= 0):
-            if signs[i + 1] == 0 and i + 2 < signs.size:
-                continue  # taken by the next pair
-            a = math.exp(brentq(along, x[i], x[i + 1], xtol=1e-14, rtol=1e-14))
-            yield min(max(a, self.a[0]), self.a[-1]), bool(signs[i + 1] > signs[i])
-
-    def pull_off(self, stiffness: float) -> CriticalPoint | Unknown:
-        """Pull-off under load control (``stiffness`` 0), pull-off under displacement control (inf), or by a device.
-
-        The last stable point on retraction; ``stiffness`` [N/m] as in ``critical``. Where the curve has several minima,
-        the lowest: at the others contact shrinks to a smaller stable radius. Unknown, with numbers and a remedy, where
-        it does not lie in the series: contact is lost at a position <= 0 only, above the free bodies would overlap.
-        """
-        if self.w == 0:
-            return NO_ADHESION
-
-        def held(point: Equilibrium) -> float:
-            return float(position(point.delta, point.P, stiffness))
-
-        minima = [point for point in self.critical(stiffness) if point.kind == "minimum"]
-        ends = {"smallest": self.point(float(self.a[0])), "largest": self.point(float(self.a[-1]))}
-        lowest = min(ends, key=lambda end: held(ends[end]))
-        best = min(minima, key=held, default=None)
-        if best is None or held(best) > held(ends[lowest]):
-            return Unknown(_outside(stiffness, lowest, ends[lowest]))
-        if held(best) > 0:
-            return Unknown(
-                f"contact shrinks at P = {best.P:.4g} N, delta = {best.delta:.4g} m below the smallest radius of the "
-                f"series, a = {self.a[0]:.4g} m, where some must remain: the series would have to begin at a smaller "
-                "radius"
-            )
-        return best
-
-    def _at(self, a: Array) -> tuple[Array, Array]:
-        here, root_w = self.nonadhesive.parts(a), math.sqrt(self.w)
+    def _at(self, places: Array) -> tuple[Array, Array]:
+        here, root_w = self.nonadhesive.parts(places), math.sqrt(self.w)
         t = root_w * here.t
         return here.delta_H - t, here.P_H - here.S * t
 
-    def _rates(self, a: Array) -> tuple[Array, Array]:
-        (here, rate), root_w = self.nonadhesive.with_rates(a), math.sqrt(self.w)
+    def _rates(self, places: Array) -> tuple[Array, Array]:
+        (here, rate), root_w = self.nonadhesive.with_rates(places), math.sqrt(self.w)
         t, dt = root_w * here.t, root_w * rate.t
         return rate.delta_H - dt, rate.P_H - here.S * dt - rate.S * t
 
-    def _inside(self, a: Array) -> Array:
-        a = np.asarray(a, dtype=float)
-        low, high = self.a[0], self.a[-1]
-        outside = (a < low * (1 - TUNING.end)) | (a > high * (1 + TUNING.end)) | ~np.isfinite(a)
-        if outside.any():
-            raise InputError(
-                f"adhesive curve: contact radius {np.atleast_1d(a)[np.atleast_1d(outside)][0]:g} m lies outside the "
-                f"series, {low:g} to {high:g} m"
-            )
-        return np.clip(a, low, high)
-
+    @cached_property
     def _samples(self) -> Array:
         x = np.log(self.a)
         inner = x[:-1, None] + np.diff(x)[:, None] * np.arange(TUNING.samples) / TUNING.samples
         return np.append(inner.ravel(), x[-1])
 
+    def _place(self, x: Array) -> Array:
+        return np.exp(x)
 
-def _outside(stiffness: float, end: str, lowest: Equilibrium) -> str:
-    """Why pull-off lies outside the series: the device is lowest at its ``end``."""
-    quantity = next((name for name, value in CONTROLS.items() if value == stiffness), "device position")
-    remedy = (
-        'ask for smaller radii: loading.spacing = "log", by fem a smaller mesh.smallest '
-        "(or contact shrinks to a point before it is lost)"
-        if end == "smallest"
-        else "the series would have to reach a larger radius: load further"
-    )
-    return (
-        f"the {quantity} is lowest at the {end} radius of the series, a = {show(lowest.a, 'length')} "
-        f"(P = {show(lowest.P, 'load')}, delta = {show(lowest.delta, 'length')}): pull-off lies outside it; {remedy}"
-    )
+    def path(self, low: float, high: float) -> tuple[Array, Array]:
+        edges = np.log(np.concatenate([[low], self.a[(self.a > low) & (self.a < high)], [high]]))
+        x, weights = composite_gauss(edges)
+        a = np.clip(np.exp(x), low, high)
+        return a, weights * a
+
+    def _outside(self, stiffness: float, end: str, lowest: Equilibrium) -> str:
+        """Why pull-off lies outside the series."""
+        quantity = next((name for name, value in CONTROLS.items() if value == stiffness), "device position")
+        remedy = (
+            'ask for smaller radii: loading.spacing = "log", by fem a smaller mesh.smallest '
+            "(or contact shrinks to a point before it is lost)"
+            if end == "smallest"
+            else "the series would have to reach a larger radius: load further"
+        )
+        return (
+            f"the {quantity} is lowest at the {end} radius of the series, a = {show(lowest.a, 'length')} "
+            f"(P = {show(lowest.P, 'load')}, delta = {show(lowest.delta, 'length')}): pull-off lies outside it; "
+            f"{remedy}"
+        )

@@ -10,6 +10,8 @@ from ..bodies.problem import HalfSpace, Loading, Problem, Specimen
 from ..methods.layered.layered import Layered
 from .curve import CriticalPoint, transform
 from .device import LOAD_CONTROL
+from .range_effect import effect_of_range
+from .sharp import resolved
 from .slopes.choice import slopes
 from .validity import Validity, judge
 
@@ -51,7 +53,8 @@ def expect(problem: Problem, works: tuple[float, ...], z0: float) -> Expectation
     a, delta, P = (float(column[-1]) for column in (series.a, series.delta, series.P))
     adhesion = []
     for w in works:
-        point = transform(series, found, w).pull_off(LOAD_CONTROL)
+        curve = transform(series, found, w)
+        point = resolved(curve.pull_off(LOAD_CONTROL), curve, LOAD_CONTROL, z0)
         judged = judge(
             a=a,
             delta=delta,
@@ -63,6 +66,9 @@ def expect(problem: Problem, works: tuple[float, ...], z0: float) -> Expectation
             end_is_cut=False,
             z0=z0,
             a_pull_off=point.a if isinstance(point, CriticalPoint) else None,
+            effect_of_range=(
+                effect_of_range(unbounded, series, w, z0, point) if isinstance(point, CriticalPoint) else point
+            ),
         )
         adhesion.append((w, point, judged))
     return Expectation(a, delta, P, _layers_matter(problem, delta, P), tuple(adhesion))

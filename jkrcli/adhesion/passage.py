@@ -15,15 +15,13 @@ import numpy as np
 from ..base.errors import InputError
 from ..base.units import show
 from ..base.unknown import Unknown
-from .curve import AdhesiveCurve, CriticalPoint
+from .curve import CriticalPoint, EquilibriumCurve
 from .device import position
-
-GAUSS_X, GAUSS_W = np.polynomial.legendre.leggauss(8)
 
 
 @dataclass(frozen=True)
 class Stretch:
-    """Stable states passed from contact radius ``first`` to ``last`` [m] without a jump; equal: none is stable."""
+    """Stable states passed from one place of a curve to another [m] without a jump; equal ones: none is stable."""
 
     first: float
     last: float
@@ -36,26 +34,26 @@ class Passage:
     ``ends``: "series" at the end of the data, "lost" where contact is lost, "jump" where it jumps out of the data.
     """
 
-    curve: AdhesiveCurve
+    curve: EquilibriumCurve
     stiffness: float
     stretches: tuple[Stretch, ...]
     ends: str
 
     @property
     def last(self) -> float:
-        """Contact radius [m] at the end of the path."""
+        """Place [m] at the end of the path."""
         return self.stretches[-1].last
 
     def holds(self, a: float) -> bool:
-        """Whether the contact radius ``a`` [m] is passed through."""
+        """Whether the place ``a`` [m] is passed through."""
         return any(min(s.first, s.last) <= a <= max(s.first, s.last) for s in self.stretches)
 
     def up_to(self, a: float) -> Passage:
-        """The path that ends at the contact radius ``a`` [m] on one of its stretches."""
+        """The path that ends at the place ``a`` [m] on one of its stretches."""
         return Passage(self.curve, self.stiffness, _cut(self.stretches, a), "series")
 
     def beyond(self, a: float) -> Passage:
-        """The path that begins at the contact radius ``a`` [m] on one of its stretches."""
+        """The path that begins at the place ``a`` [m] on one of its stretches."""
         turned = tuple(Stretch(s.last, s.first) for s in reversed(self.stretches))
         kept = tuple(Stretch(s.last, s.first) for s in reversed(_cut(turned, a)))
         return Passage(self.curve, self.stiffness, kept, self.ends)
@@ -69,69 +67,68 @@ class Passage:
         )
 
 
-def grow(curve: AdhesiveCurve, stiffness: float) -> Passage | Unknown:
-    """The states passed on approach, from where the undeformed gap closes (D = delta = 0) to the end of the series.
+def grow(curve: EquilibriumCurve, stiffness: float) -> Passage | Unknown:
+    """The states passed on approach, from where the free bodies begin to attract each other to the end of the series.
 
-    JKR forces have no range: nothing happens before, and there the contact spreads to the first stable radius. At
-    w = 0 contact begins at a point and the path at the first radius of the series.
+    JKR forces have no range: nothing happens before the undeformed gap closes (D = delta = 0), and there the contact
+    spreads to the first stable radius. At w = 0 contact begins at a point and the path at the first radius of the
+    series.
     """
-    begin = float(curve.a[0]) if curve.w == 0 else _first_contact(curve, stiffness)
+    begin = float(curve.places[0]) if curve.w == 0 else _first_contact(curve, stiffness)
     if isinstance(begin, Unknown):
         return begin
     critical = curve.critical(stiffness)
     stretches = []
     while True:
-        top = next((point for point in critical if point.kind == "maximum" and point.a > begin), None)
-        stretches.append(Stretch(begin, float(curve.a[-1]) if top is None else top.a))
+        top = next((point for point in critical if point.kind == "maximum" and point.place > begin), None)
+        stretches.append(Stretch(begin, float(curve.places[-1]) if top is None else top.place))
         if top is None:
             return Passage(curve, stiffness, tuple(stretches), "series")
-        valley = next((point.a for point in critical if point.a > top.a), np.inf)
-        landings = [a for a in _same_position(curve, stiffness, top.a) if a > valley]
+        valley = next((point.place for point in critical if point.place > top.place), np.inf)
+        landings = [a for a in _same_position(curve, stiffness, top.place) if a > valley]
         if not landings:
             return Passage(curve, stiffness, tuple(stretches), "jump")
         begin = landings[0]
 
 
-def shrink(curve: AdhesiveCurve, stiffness: float, begin: float) -> Passage:
-    """The states passed on retraction from the contact radius ``begin`` [m] on, stable there or not.
+def shrink(curve: EquilibriumCurve, stiffness: float, begin: float) -> Passage:
+    """The states passed on retraction from the place ``begin`` [m] on, stable there or not.
 
-    Contact is lost at D <= 0 only: above, the free bodies would overlap, so a smaller contact outside the data remains.
+    Contact is lost only where the free bodies do not attract each other (without range: overlap, D > 0): else a smaller
+    contact outside the data remains.
     """
     critical = curve.critical(stiffness)
     stretches = []
     while True:
         bottom = _bottom(curve, stiffness, critical, begin)
-        stretches.append(Stretch(begin, float(curve.a[0]) if bottom is None else bottom))
+        stretches.append(Stretch(begin, float(curve.places[0]) if bottom is None else bottom))
         if bottom is None:
-            return Passage(curve, stiffness, tuple(stretches), "series")
-        hill = max((point.a for point in critical if point.a < bottom), default=0.0)
+            return Passage(curve, stiffness, tuple(stretches), "lost" if curve.complete else "series")
+        hill = max((point.place for point in critical if point.place < bottom), default=0.0)
         landings = [a for a in _same_position(curve, stiffness, bottom) if a < hill]
         if not landings:
-            released = position(*curve.at(np.array(bottom)), stiffness) <= 0
+            released = position(*curve.at(np.array(bottom)), stiffness) <= position(curve.onset, 0.0, stiffness)
             return Passage(curve, stiffness, tuple(stretches), "lost" if released else "jump")
         begin = landings[-1]
 
 
-def largest_stable(curve: AdhesiveCurve, stiffness: float) -> float | None:
-    """The largest radius [m] of the series from which a device can retract; None where no branch in it is stable."""
-    if _rate(curve, stiffness, float(curve.a[-1])) > 0:
-        return float(curve.a[-1])
-    maxima = [point.a for point in curve.critical(stiffness) if point.kind == "maximum"]
+def largest_stable(curve: EquilibriumCurve, stiffness: float) -> float | None:
+    """The largest place [m] of the curve from which a device can retract; None where no branch in it is stable."""
+    if _rate(curve, stiffness, float(curve.places[-1])) > 0:
+        return float(curve.places[-1])
+    maxima = [point.place for point in curve.critical(stiffness) if point.kind == "maximum"]
     return max(maxima, default=None)
 
 
-def work(curve: AdhesiveCurve, first: float, last: float) -> float:
-    """Work int P d(delta) [J] along the curve between two contact radii [m]: Gauss in log a between the data."""
-    low, high = min(first, last), max(first, last)
-    edges = np.log(np.concatenate([[low], curve.a[(curve.a > low) & (curve.a < high)], [high]]))
-    half = np.diff(edges)[:, None] / 2
-    a = np.clip(np.exp(edges[:-1, None] + half * (1 + GAUSS_X)), low, high)
-    total = float(np.sum(half * GAUSS_W * a * curve.at(a)[1] * curve.rates(a)[0]))
+def work(curve: EquilibriumCurve, first: float, last: float) -> float:
+    """Work int P d(delta) [J] along the curve between two of its places [m]."""
+    places, weights = curve.path(min(first, last), max(first, last))
+    total = float(np.sum(weights * curve.at(places)[1] * curve.rates(places)[0]))
     return total if last >= first else -total
 
 
-def spring(curve: AdhesiveCurve, stiffness: float, first: float, last: float) -> float:
-    """Energy [J] that the device's own spring takes up between two contact radii [m]; none in a rigid one."""
+def spring(curve: EquilibriumCurve, stiffness: float, first: float, last: float) -> float:
+    """Energy [J] that the device's own spring takes up between two places [m]; none in a rigid one."""
     if np.isinf(stiffness):
         return 0.0
     P = curve.at(np.array([first, last]))[1]
@@ -145,34 +142,41 @@ def _cut(stretches: tuple[Stretch, ...], a: float) -> tuple[Stretch, ...]:
     raise InputError(f"cycle: the turn at a = {show(a, 'length')} is not passed by stable contact on approach")
 
 
-def _first_contact(curve: AdhesiveCurve, stiffness: float) -> float | Unknown:
-    if position(*curve.at(curve.a[:1]), stiffness)[0] > 0:
+def _first_contact(curve: EquilibriumCurve, stiffness: float) -> float | Unknown:
+    held = float(position(curve.onset, 0.0, stiffness))
+    if not curve.complete and position(*curve.at(curve.places[:1]), stiffness)[0] > held:
         return Unknown(
-            f"contact at delta = 0 settles below the smallest radius of the series, a = {curve.a[0]:.4g} m: "
+            f"contact at delta = 0 settles below the smallest radius of the series, a = {curve.places[0]:.4g} m: "
             "the series would have to begin at a smaller radius"
         )
-    radii = curve.radii_at(0.0, stiffness)
+    radii = curve.radii_at(held, stiffness)
+    if curve.complete:  # bodies that only begin to attract each other may fall together
+        radii = tuple(place for place in radii if _rate(curve, stiffness, place) > 0)
     if not radii:
+        where = f"delta = {curve.onset:.4g}{' m' if curve.onset else ''}"
+        largest = curve.contact_radii(curve.places[-1:])[0]
         return Unknown(
-            f"contact at delta = 0 spreads beyond the largest radius of the series, a = {curve.a[-1]:.4g} m: "
+            f"contact at {where} spreads beyond the largest radius of the series, a = {largest:.4g} m: "
             "the series would have to reach a larger radius: load further"
         )
     return radii[0]
 
 
-def _bottom(curve: AdhesiveCurve, stiffness: float, critical: tuple[CriticalPoint, ...], begin: float) -> float | None:
+def _bottom(
+    curve: EquilibriumCurve, stiffness: float, critical: tuple[CriticalPoint, ...], begin: float
+) -> float | None:
     """Where the stable branch that ``begin`` lies on ends below; ``begin`` itself where it is not stable."""
-    below = [point for point in critical if point.a <= begin]
-    if any(point.a == begin and point.kind == "minimum" for point in below):
+    below = [point for point in critical if point.place <= begin]
+    if any(point.place == begin and point.kind == "minimum" for point in below):
         return begin
-    if not any(point.a == begin for point in below) and _rate(curve, stiffness, begin) <= 0:
+    if not any(point.place == begin for point in below) and _rate(curve, stiffness, begin) <= 0:
         return begin
-    return max((point.a for point in below if point.kind == "minimum"), default=None)
+    return max((point.place for point in below if point.kind == "minimum"), default=None)
 
 
-def _same_position(curve: AdhesiveCurve, stiffness: float, a: float) -> tuple[float, ...]:
+def _same_position(curve: EquilibriumCurve, stiffness: float, a: float) -> tuple[float, ...]:
     return curve.radii_at(float(position(*curve.at(np.array(a)), stiffness)), stiffness)
 
 
-def _rate(curve: AdhesiveCurve, stiffness: float, a: float) -> float:
+def _rate(curve: EquilibriumCurve, stiffness: float, a: float) -> float:
     return float(position(*curve.rates(np.array(a)), stiffness))

@@ -16,7 +16,7 @@ from ..base.arrays import Array
 from ..base.errors import InputError
 from ..base.units import show
 from ..base.unknown import Estimate, Unknown
-from .curve import NO_ADHESION, AdhesiveCurve, CriticalPoint, Equilibrium
+from .curve import NO_ADHESION, CriticalPoint, Equilibrium, EquilibriumCurve
 from .device import DISPLACEMENT_CONTROL, LOAD_CONTROL, control, position
 from .passage import Passage, grow, largest_stable, shrink
 
@@ -24,15 +24,15 @@ STABLE, GRIPPED, UNSTABLE = "stable", "displacement-control", "unstable"
 UNBOUNDED = Unknown("under load control the device goes on pulling after contact is lost: there is no bound")
 
 
-def branch(curve: AdhesiveCurve) -> Array:
+def branch(curve: EquilibriumCurve) -> Array:
     """The stability of each point of ``curve``, shape (n,): one of three words.
 
     "stable": dP/da > 0, under load control and then under any other, since d(delta)/da = (dP/da + S' t)/S;
     "displacement-control": d(delta)/da > 0 only, held by a device that is stiff enough; "unstable": held by none.
     """
     if curve.w == 0:
-        return np.full(len(curve.series), STABLE)
-    ddelta, dP = curve.rates(curve.a)
+        return np.full(curve.places.size, STABLE)
+    ddelta, dP = curve.rates(curve.places)
     return np.where(dP > 0, STABLE, np.where(ddelta > 0, GRIPPED, UNSTABLE))
 
 
@@ -46,7 +46,7 @@ class Jump:
 
 @dataclass(frozen=True, eq=False)
 class Cycle:
-    """Approach, turn at the contact radius ``turn`` [m], retraction, by a device of ``stiffness`` [N/m].
+    """Approach, turn at the place ``turn`` of the curve [m], retraction, by a device of ``stiffness`` [N/m].
 
     At the turn the contact keeps its radius, as a flat punch would, until the energy release rate has risen from the
     work of adhesion of the approach to that of the retraction.
@@ -93,13 +93,15 @@ class Cycle:
         missing = self._no_energy()
         if missing is not None:
             return missing
-        free = [a for a in self.retraction.curve.radii(P=0.0) if self.retraction.holds(a)]
+        curve = self.retraction.curve
+        loaded = [a for a in curve.radii(P=0.0) if a > 0]  # at 0 the bodies are apart
+        free = [a for a in loaded if self.retraction.holds(a)]
         if free:
             return self.retraction.beyond(free[0]).work
         high, low = self._held
         if not high.P > 0 >= low.P:
             return Unknown("no state of zero load is passed on retraction: load further")
-        unloaded = Equilibrium(self.turn, low.delta - low.P * (high.delta - low.delta) / (high.P - low.P), 0.0)
+        unloaded = Equilibrium(low.a, low.delta - low.P * (high.delta - low.delta) / (high.P - low.P), 0.0)
         return self._straight(unloaded, low) + self.retraction.work
 
     def _no_energy(self) -> Unknown | None:
@@ -129,7 +131,8 @@ class Behaviour:
     """What an adhesive curve means under one control: all that is read off it for a device of ``stiffness`` [N/m].
 
     ``critical``: all points of the series where the controlled quantity is stationary. ``pull_off``: where contact is
-    lost. ``jump_in``: the stable state after first contact at delta = 0. ``partial``: jumps to smaller stable radii on
+    lost. ``jump_in``: the stable state after first contact at delta = ``onset`` [m], 0 where adhesion has no range.
+    ``partial``: jumps to smaller stable radii on
     the way from the end of the series to pull-off. Energies in J, or why there is none.
     """
 
@@ -140,6 +143,7 @@ class Behaviour:
     partial: tuple[Jump, ...]
     energy_lost: Estimate
     separation: Estimate
+    onset: float = 0.0
 
     @property
     def control(self) -> str:
@@ -147,7 +151,7 @@ class Behaviour:
         return control(self.stiffness)
 
 
-def behaviour(curve: AdhesiveCurve, stiffness: float) -> Behaviour:
+def behaviour(curve: EquilibriumCurve, stiffness: float) -> Behaviour:
     """What ``curve`` says about a device of ``stiffness`` [N/m] (0: load control, infinite: displacement)."""
     if curve.w == 0:
         return Behaviour(stiffness, (), NO_ADHESION, NO_ADHESION, (), NO_ADHESION, NO_ADHESION)
@@ -163,13 +167,13 @@ def behaviour(curve: AdhesiveCurve, stiffness: float) -> Behaviour:
     if isinstance(pull_off, Unknown) and stiffness != LOAD_CONTROL:
         energies = (pull_off, pull_off)
     between = tuple(jump for jump in partial if jump.end is not None)
-    return Behaviour(stiffness, critical, pull_off, jump_in, between, *energies)
+    return Behaviour(stiffness, critical, pull_off, jump_in, between, *energies, onset=curve.onset)
 
 
 def cycle(
-    approach: AdhesiveCurve, retraction: AdhesiveCurve, stiffness: float, turn: float | None = None
+    approach: EquilibriumCurve, retraction: EquilibriumCurve, stiffness: float, turn: float | None = None
 ) -> Cycle | Unknown:
-    """The cycle of a device of ``stiffness`` [N/m] that turns at the contact radius ``turn`` [m], by default the last.
+    """The cycle of a device of ``stiffness`` [N/m] that turns at the place ``turn`` [m], by default the last one.
 
     ``approach`` and ``retraction`` are curves of one series; w must not be smaller on retraction. Unknown where the
     first stable contact is not in the series.
@@ -187,9 +191,9 @@ def cycle(
 
 
 def turning_radius(
-    curve: AdhesiveCurve, stiffness: float, *, load: float | None = None, depth: float | None = None
+    curve: EquilibriumCurve, stiffness: float, *, load: float | None = None, depth: float | None = None
 ) -> float:
-    """The contact radius [m] at which the approach first meets a ``load`` [N] or a ``depth`` delta [m]."""
+    """The place [m] on the curve at which the approach first meets a ``load`` [N] or a ``depth`` delta [m]."""
     inwards = grow(curve, stiffness)
     if isinstance(inwards, Unknown):
         raise InputError(f"cycle: {inwards.reason}")
@@ -208,12 +212,13 @@ def turning_radius(
 
 
 def first_contact(approach: Passage) -> Equilibrium:
-    """The first state of an approach; what the device holds at 0 there is exactly 0."""
+    """The first state of an approach; what the device holds there is exactly that of the free bodies."""
     first = approach.curve.point(approach.stretches[0].first)
     if approach.curve.w == 0:
         return first
-    held = {LOAD_CONTROL: "P", DISPLACEMENT_CONTROL: "delta"}.get(approach.stiffness)
-    return replace(first, **{held: 0.0}) if held else first
+    if approach.stiffness == LOAD_CONTROL:
+        return replace(first, P=0.0)
+    return replace(first, delta=approach.curve.onset) if approach.stiffness == DISPLACEMENT_CONTROL else first
 
 
 def jumps(path: Passage) -> tuple[Jump, ...]:
@@ -230,7 +235,7 @@ def trace(found: Cycle, points: int) -> dict[str, Array]:
 
     Columns: "a_m" (0 out of contact), "delta_m" (minus the gap out of contact), "P_N", "device_m" (delta + P/stiffness;
     left out under load control, where there is no such length), "phase" in words and "part", a number: jumps lie
-    between two parts.
+    between two parts; "c_m" where adhesion has a range.
     """
     inwards, outwards = found.approach, found.retraction
     parts = [("approach", *part) for part in _along(inwards, points)]
@@ -241,17 +246,19 @@ def trace(found: Cycle, points: int) -> dict[str, Array]:
     parts.insert(0, ("free approach", np.zeros_like(before), before, np.zeros_like(before)))
     if after.size:
         parts.append(("free retraction", np.zeros_like(after), after, np.zeros_like(after)))
-    words, a, delta, P = zip(*parts, strict=True)
-    columns = {"a_m": np.concatenate(a), "delta_m": np.concatenate(delta), "P_N": np.concatenate(P)}
+    words, places, delta, P = zip(*parts, strict=True)
+    where = np.concatenate(places)
+    columns = {"a_m": inwards.curve.contact_radii(where), "delta_m": np.concatenate(delta), "P_N": np.concatenate(P)}
     if found.stiffness != LOAD_CONTROL:
         columns["device_m"] = position(columns["delta_m"], columns["P_N"], found.stiffness)
-    sizes = [radii.size for radii in a]
-    return columns | {"phase": np.repeat(words, sizes), "part": np.repeat(np.arange(len(words)) + 1, sizes)}
+    sizes = [part.size for part in places]
+    columns |= {"phase": np.repeat(words, sizes), "part": np.repeat(np.arange(len(words)) + 1, sizes)}
+    return columns | ({"c_m": where} if inwards.curve.complete else {})
 
 
 def _along(path: Passage, points: int) -> list[tuple[Array, Array, Array]]:
-    radii = [np.linspace(s.first, s.last, points if s.first != s.last else 1) for s in path.stretches]
-    return [(a, *path.curve.at(a)) for a in radii]
+    places = [np.linspace(s.first, s.last, points if s.first != s.last else 1) for s in path.stretches]
+    return [(some, *path.curve.at(some)) for some in places]
 
 
 def _held(found: Cycle, points: int) -> tuple[Array, Array, Array]:
@@ -264,20 +271,21 @@ def _held(found: Cycle, points: int) -> tuple[Array, Array, Array]:
 
 def _out_of_contact(found: Cycle, points: int) -> tuple[Array, Array]:
     """Positions [m] before contact and after it is lost; they reach a quarter beyond where it is lost."""
-    last = found.retraction.curve.point(found.retraction.last)
+    path = found.retraction.curve
+    last = path.point(found.retraction.last)
     D = last.delta if found.stiffness == LOAD_CONTROL else position(last.delta, last.P, found.stiffness)
-    furthest = -1.25 * abs(D)
-    before = np.linspace(furthest, 0, points)
+    furthest = -1.25 * max(abs(D), -path.onset)
+    before = np.linspace(furthest, path.onset, points)
     if found.retraction.ends != "lost" or found.stiffness == LOAD_CONTROL:
         return before, np.array([])
     return before, np.linspace(D, furthest, points)
 
 
-def stable_radius(curve: AdhesiveCurve, load: float) -> float:
-    """The largest contact radius [m] at which ``load`` [N] is carried stably under load control (dP/da > 0)."""
+def stable_radius(curve: EquilibriumCurve, load: float) -> float:
+    """The largest place [m] on the curve at which ``load`` [N] is carried stably under load control (dP/da > 0)."""
     stable = [a for a in curve.radii(P=load) if curve.rates(np.array(a))[1] > 0]
     if not stable:
-        P = curve.at(curve.a)[1]
+        P = curve.at(curve.places)[1]
         raise InputError(
             f"load: {show(load, 'load')} is not carried by a stable contact of this series, whose loads go from "
             f"{show(float(P.min()), 'load')} to {show(float(P.max()), 'load')}"

@@ -52,8 +52,8 @@ def _carried(series: Series) -> Slopes:
     if series.a0 > 0:
         return replace(exact, reason="the series carries slopes, and a smooth fit errs at the edge of the flat end")
     fitted = _integral_or_none(series)
-    if fitted is None:
-        return replace(exact, reason="the series carries slopes, and 'integral' finds none")
+    if fitted is None or fitted.flags:
+        return replace(exact, reason="the series carries slopes, and 'integral' finds none that settle")
     beyond = float(np.mean(np.abs(fitted.dS - exact.dS) > series.errors["dS"]))
     if beyond > TUNING.few:
         reason = f"the series carries slopes, and 'integral' leaves their stated error at {beyond:.0%} of the radii"
@@ -69,7 +69,12 @@ def smoothed(
     from .integral import smoothed as fitted
 
     series, found = fitted(raw, a0, S0, errors)
-    return series, replace(found, reason="the increments themselves were fitted")
+    return series, replace(found, reason=f"the increments themselves were fitted{_unseen(found)}")
+
+
+def _unseen(found: Slopes) -> str:
+    """What the noise of few points does not tell."""
+    return f"; {found.correlation}" if isinstance(found.correlation, Unknown) else ""
 
 
 def _integral_or_none(series: Series) -> Slopes | None:
@@ -99,6 +104,8 @@ def _measured_against(paper: Slopes, fitted: Slopes | None) -> Slopes:
 def _surer(series: Series) -> Slopes:
     """The slopes of "integral" or "loocv", those with the smaller estimate of their error."""
     fitted = slopes_function("integral")(series)
+    if fitted.correlation is not None:
+        return replace(fitted, reason=f"the series is noisy and carries no exact slopes{_unseen(fitted)}")
     try:
         paper = _measured_against(slopes_function("loocv")(series), fitted)
     except InputError:

@@ -9,7 +9,8 @@ follow their neighbours show what the splines cannot bend to: they get more knot
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -17,14 +18,16 @@ from scipy.special import stdtrit
 
 from ...base.arrays import Array
 from ...base.errors import InputError, Refusal
+from ...base.unknown import Estimate, Unknown
 from ...series import RawSeries, Series
 from .events import has_plateaus, touch_events
 from .model import LogSplineModel, OnGrid, interpolate
 from .penalised import TUNING as PENALTIES
-from .penalised import PenalisedFit, minimise
+from .penalised import PenalisedFit, likeliest_correlation, minimise, posterior
 from .result import TWO_SIDED_90, Slopes, covariance_from_errors, shift_error
-from .scatter import correlation_length, estimate, floored, whitener
+from .scatter import Scatter, correlation_length, estimate, floored, whitener
 
+TOO_FEW = "how errors of neighbouring rows go together is not known from so few points"
 UNSETTLED = "the fit did not settle: a, delta and P contradict each other somewhere; look for points out of place"
 
 
@@ -34,9 +37,13 @@ class IntegralTuning:
 
     fewest: int = 5  # points; theory: two power laws have four parameters
     intervals: int = 24  # of the splines, twice as many if need be; tuned on noisy series, by `make tuning`
-    free_scatter: int = 20  # points that tell the errors of a, delta, P apart; tuned on the same, by `make tuning`
     most_bins: int = 400  # of points; choice: more points are fitted no better
     stiff: float = 1e-2  # penalty of the first fit over what the data weigh; tuned on the same, by `make tuning`
+    noise: float = 3e-4  # relative scatter above which it is noise; choice: below, splines do not bend
+    tell_correlation: int = 20  # points that tell correlations; tuned on the same, by `make noise-study`
+    evidence: float = 3.5  # log of a likelihood ratio from which it is said; theory: by chance once in 250
+    named: int = 8  # choice: rows in a message
+    recorded: float = 0.9  # rank correlation with x of rows in the order of recording; choice: noise leaves more
     share: float = 1e-2  # least of the variances of a, delta, P in later rounds; tuned on the same, by `make tuning`
     floor: float = 1e-7  # theory: of the scatter, accuracy of the model's own integrals and linear algebra
 
@@ -58,7 +65,7 @@ class _Data:
 
 def integral(series: Series) -> Slopes:
     """S, S', and the smoothed delta_H and P_H, at the radii of ``series``; refused below 5 points."""
-    return _slopes(series.a, series.delta, series.P, series.errors, series.a0, series.S0, series.a)
+    return _slopes(RawSeries(series.a, series.delta, series.P), series.errors, series.a0, series.S0, series.a)
 
 
 def smoothed(
@@ -72,51 +79,78 @@ def smoothed(
     if errors is None and has_plateaus(raw):
         raw, errors = touch_events(raw)
     a = np.unique(raw.a[raw.a > a0])
-    found = _slopes(raw.a, raw.delta, raw.P, errors or {}, a0, S0, a)
+    found = _slopes(raw, errors or {}, a0, S0, a)
     assert found.delta is not None
     assert found.P is not None
     return Series(a, found.delta, found.P, a0=a0, S0=S0), found
 
 
-def _slopes(
-    a: Array, delta: Array, P: Array, errors: Mapping[str, Array], a0: float, S0: float | None, wanted: Array
-) -> Slopes:
+def _slopes(raw: RawSeries, errors: Mapping[str, Array], a0: float, S0: float | None, wanted: Array) -> Slopes:
     """The slopes at the radii ``wanted`` (m,), from a fit of the columns (n,)."""
+    a, delta, P = raw.a, raw.delta, raw.P
     data = _prepare(a, delta, P, errors, a0)
     y_scale, delta_scale, P_scale = float(np.max(a) - a0), float(np.max(delta)), float(np.max(P))
     S_scale = P_scale / delta_scale
-    model, fit = _fine_enough(data, None if S0 is None else S0 / S_scale)
+    settled = _fine_enough(data, None if S0 is None else S0 / S_scale)
+    fit = settled.fit
     x = np.log((wanted - a0) / y_scale)
     scales = np.array([delta_scale, P_scale, S_scale, S_scale / y_scale, delta_scale / y_scale, S_scale / y_scale**2])
-    values, joint = _evaluate(model, fit, x, scales)
+    values, covariance, joint = _evaluate(settled, x, scales)
     delta_H, P_H, S, dS = values
     if errors:
         order = np.argsort(a)
         there = {name: np.interp(wanted, a[order], np.asarray(error)[order]) for name, error in errors.items()}
         given = covariance_from_errors(Series(wanted, delta_H, P_H, errors=there, a0=a0, S0=S0), S, dS)
         assert given is not None
-        joint[:, :4, :4] += max(0.0, 1 - fit.phi) * given  # what the scatter does not show is shared by all points
+        shared = max(0.0, 1 - fit.phi) * given  # what the scatter does not show is shared by all points
+        joint[:, :4, :4] += shared
+        covariance += shared
     # an error of a radius is in both columns' residuals: only half of them are independent
     quantile = float(stdtrit(max((fit.residuals.size - fit.spent) / 2, 1.0), 0.95))
-    covariance = joint[:, :4, :4]
+    known = not settled.hidden
     return Slopes(
         S,
         dS,
         "integral",
-        shift_error(dS, covariance, quantile),
+        shift_error(dS, covariance, quantile) if known else Unknown(TOO_FEW),
         float(fit.lambdas[1]),
-        flags=() if fit.settled else (UNSETTLED,),
+        flags=tuple(_flags(settled, raw)),
         delta=delta_H,
         P=P_H,
-        covariance=covariance,
-        joint=joint,
+        covariance=covariance if known else None,
+        joint=joint if known else None,
         quantile=quantile,
+        correlation=settled.correlation,
     )
 
 
-def _evaluate(model: LogSplineModel, fit: PenalisedFit, x: Array, scales: Array) -> tuple[Array, Array]:
-    """delta_H, P_H, S, S' in SI at the log radii ``x``, shape (4, m), and the covariance, (m, 6, 6), of these,
-    d(delta_H)/da and S'', from that of the coefficients."""
+def _flags(settled: _Settled, raw: RawSeries) -> Iterator[str]:
+    """Sentences on what is wrong with the data."""
+    if not settled.fit.settled:
+        yield UNSETTLED
+    assert raw.rows is not None
+    rows = [str(row) for row in np.sort(raw.rows[settled.outliers])]
+    if rows:
+        some = ", ".join(rows[: TUNING.named]) + (", ..." if len(rows) > TUNING.named else "")
+        yield f"{len(rows)} of {raw.a.size} rows lie far off the others and count little: {some}"
+    if settled.hidden:
+        yield f"errors of neighbouring rows seem to go together; {TOO_FEW} ({raw.a.size})"
+    rho = settled.correlation
+    if isinstance(rho, float) and settled.evidence > TUNING.evidence:
+        worth = raw.a.size * (1 - rho) / (1 + rho)
+        stated = "and the error stated is that of these"
+        if raw.a.size > TUNING.most_bins:
+            stated = f"which the error stated may miss by half: give every n-th row, at most {TUNING.most_bins}"
+        yield (
+            f"errors of neighbouring rows go together (correlation {rho:.2f}): {raw.a.size} rows are worth "
+            f"{max(worth, 1):.0f} with independent ones, {stated}"
+        )
+
+
+def _evaluate(settled: _Settled, x: Array, scales: Array) -> tuple[Array, Array, Array]:
+    """delta_H, P_H, S, S' in SI at the log radii ``x``, shape (4, m), their covariance, (m, 4, 4), and that, (m, 6, 6),
+    of these, d(delta_H)/da and S'' away from the ends, from those of the coefficients."""
+    model, fit = settled.model, settled.fit
     basis, y = model.design(x), np.exp(x)[:, None]
     columns = model.columns(fit.c, model.interpolation(x), basis)
     values = np.exp(np.stack([columns.log_delta, columns.log_P, columns.log_S, columns.log_dS]))
@@ -126,8 +160,10 @@ def _evaluate(model: LogSplineModel, fit: PenalisedFit, x: Array, scales: Array)
     bend = model.slope_design(x)  # S'' = S' u'(x)/y
     jacobian[5, :, model.u] = values[3][:, None] / y * ((bend @ fit.c[model.u])[:, None] * basis + bend)
     jacobian *= scales[:, None, None]
-    joint = np.einsum("imp,pq,jmq->mij", jacobian, fit.phi * fit.V, jacobian, optimize=True)
-    return values * scales[:4, None], joint
+    full = jacobian[:4]
+    covariance = np.einsum("imp,pq,jmq->mij", full, fit.phi * settled.V, full, optimize=True)
+    joint = np.einsum("imp,pq,jmq->mij", jacobian, fit.phi * settled.inner, jacobian, optimize=True)
+    return values * scales[:4, None], covariance, joint
 
 
 def _prepare(a: Array, delta: Array, P: Array, errors: Mapping[str, Array], a0: float) -> _Data:
@@ -160,7 +196,7 @@ class _Task:
         self.model, self.bins = model, _Bins(data.x)
         self.blocks = (model.rough_v, model.rough_u)
         self.at, self.basis = model.interpolation(self.bins.x), model.design(self.bins.x)
-        self.everywhere = model.interpolation(self.bins.sorted_x)
+        self.everywhere = model.interpolation(self.bins.ordered_x)
         self.measured = np.stack([data.log_delta, data.log_P])[:, self.bins.order]
         self.lever = data.lever[self.bins.order]
 
@@ -169,7 +205,9 @@ class _Task:
         (log_delta, _), (log_P, _), _ = grid
         return np.stack([interpolate(self.everywhere, *pair) for pair in (log_delta, log_P)]) - self.measured
 
-    def minimise(self, start: Array, variances: Array, lambdas: Array, floor: float, freeze: int) -> PenalisedFit:
+    def minimise(
+        self, start: Array, variances: Array, lambdas: Array, floor: float, freeze: int, rho: float = 0.0
+    ) -> PenalisedFit:
         """The fit with given relative variances of (a, delta, P), (3, n), the radius' slopes taken at ``start``."""
         columns = self.model.columns(start, self.at, self.basis)
         lever = self.bins.mean(self.lever)
@@ -180,64 +218,129 @@ class _Task:
             grid = self.model.on_grid(c)
             white = np.einsum("ijn,jn->in", whiten, self.bins.mean(self.difference(grid)))
             jacobian = self.model.columns(c, self.at, self.basis, grid).jacobian[:2]
-            return white.ravel(), np.einsum("ijn,jnp->inp", whiten, jacobian).reshape(-1, self.model.parameters)
+            return white, np.einsum("ijn,jnp->inp", whiten, jacobian)
 
-        return minimise(residuals, start, self.blocks, floor, lambdas, freeze)
+        return minimise(residuals, start, self.blocks, floor, lambdas, freeze, rho)
 
-    def scatter(self, fit: PenalisedFit) -> Array:
-        """Relative variances of (a, delta, P), shape (3, n), as the residuals of ``fit`` show them."""
+    def scatter(self, fit: PenalisedFit) -> Scatter:
+        """The scatter of a, delta and P as the residuals of ``fit`` show it."""
         grid = self.model.on_grid(fit.c)
         columns = self.model.columns(fit.c, self.at, self.basis, grid)
         k, m = (self.lever * self.bins.spread(rate) for rate in (columns.rate_delta, columns.rate_P))
-        return estimate(self.bins.sorted_x, self.difference(grid), k, m, fit.spent, TUNING.floor**2)
+        return estimate(self.bins.ordered_x, self.difference(grid), k, m, fit.spent, TUNING.floor**2)
 
 
-def _fine_enough(data: _Data, S0: float | None) -> tuple[LogSplineModel, PenalisedFit]:
+@dataclass(frozen=True, eq=False)
+class _Settled:
+    """A fit with all that was learnt on the way.
+
+    ``V, inner``: covariances of its coefficients over phi (``Posterior``); ``rho``: correlation of neighbours, with the
+    ``evidence`` for it; ``outliers``: their points; ``noisy``: whether the residuals are noise; ``few``: whether the
+    points are too few to tell its correlation."""
+
+    model: LogSplineModel
+    fit: PenalisedFit
+    V: Array
+    inner: Array
+    evidence: float
+    rho: float
+    outliers: Array
+    noisy: bool
+    few: bool
+
+    @property
+    def hidden(self) -> bool:
+        """Whether too few points seem to have correlated errors."""
+        return self.noisy and self.few and correlation_length(self.fit.residuals) > 1
+
+    @property
+    def correlation(self) -> Estimate | None:
+        """The correlation of neighbours, or why it is unknown; None where the residuals are no noise."""
+        if not self.noisy:
+            return None
+        return Unknown(TOO_FEW) if self.few else self.rho
+
+
+def _fine_enough(data: _Data, S0: float | None) -> _Settled:
     """The fit with the knots that the data need; residuals still correlated count as that many fewer data."""
     for intervals in (TUNING.intervals, 2 * TUNING.intervals):
-        model = LogSplineModel(data.x, intervals, S0)
-        fit = _fit(_Task(model, data), data)
-        explained = fit.floored or (data.given is not None and fit.phi <= 1)  # by round-off, or by the stated errors
-        length = 1.0 if explained else correlation_length(fit.residuals.reshape(2, -1))
-        if length == 1:
+        found = _fit(_Task(LogSplineModel(data.x, intervals, S0), data), data)
+        length = 1.0 if _explained(found.fit, data) else correlation_length(found.fit.independent)
+        if length == 1 and found.rho < max(PENALTIES.correlations):
             break
-    return model, replace(fit, V=length * fit.V)
+    return replace(found, V=length * found.V, inner=length * found.inner)
 
 
-def _fit(task: _Task, data: _Data) -> PenalisedFit:
+def _explained(fit: PenalisedFit, data: _Data) -> bool:
+    """Whether round-off, or the stated errors, explain the residuals."""
+    return fit.floored or (data.given is not None and fit.phi <= 1)
+
+
+def _fit(task: _Task, data: _Data) -> _Settled:
     """The fit with penalties found from the data, in rounds, each with the scatter that the one before has shown."""
     stiff = np.full(len(task.blocks), TUNING.stiff)
     variances = np.ones((3, data.x.size)) if data.given is None else data.given[:, task.bins.order]
     given = variances
     best: PenalisedFit | None = None
+    outliers = np.zeros(data.x.size, dtype=bool)
+    rho, noisy, many = 0.0, False, data.x.size >= TUNING.tell_correlation
     for share in (1.0, TUNING.share, TUNING.share):
         variances = floored(variances, share, TUNING.floor**2)
         floor = TUNING.floor**2 / float(np.mean(variances))
         # a stiff fit first: far from the solution a linearised one takes all for signal
         start = best or task.minimise(_start(task.model, data), variances, stiff, floor, 0)
-        found = task.minimise(start.c, variances, start.lambdas, floor, PENALTIES.freeze)
+        found = task.minimise(start.c, variances, start.lambdas, floor, PENALTIES.freeze, rho)
         if best is not None and not found.settled:
             break  # weights too uneven to go on: the last fit stands
         if found.settled:
-            best = found
-        if data.given is None and (data.x.size < TUNING.free_scatter or found.phi <= floor):
+            best, noisy = found, _noisy(found, data, variances)
+        if data.given is None and found.phi <= floor:
             break
-        variances = given if data.given is not None else task.scatter(best or start)
-    return best or found
+        if data.given is None:
+            scatter = task.scatter(best or start)
+            variances, outliers = scatter.variances, scatter.outliers
+        else:
+            variances = given
+        rho = likeliest_correlation(best, task.blocks) if best is not None and noisy and many else 0.0
+    fit = best or found
+    known = posterior(fit, task.blocks, noisy, noisy and many)
+    return _Settled(
+        task.model,
+        fit,
+        known.V,
+        known.inner,
+        known.evidence,
+        known.likeliest,
+        task.bins.order[outliers],
+        noisy,
+        not many,
+    )
+
+
+def _noisy(fit: PenalisedFit, data: _Data, variances: Array) -> bool:
+    """Whether the residuals are noise rather than what the splines cannot bend to."""
+    size = math.sqrt(fit.phi * float(np.mean(np.median(variances, axis=1))))
+    return data.given is None and not _explained(fit, data) and size > TUNING.noise
 
 
 class _Bins:
-    """Points in the order of x, many of them put together in bins of equal number; few points stay alone."""
+    """Points in the order of recording, or of x, many of them put together in bins of equal number; few stay alone.
+
+    The order of recording is taken where x follows it: neighbours in it share their errors.
+    """
 
     def __init__(self, x: Array):
-        self.order = np.argsort(x, kind="stable")
-        self.sorted_x = x[self.order]
+        recorded = np.arange(x.size)
+        ranks = np.argsort(np.argsort(x, kind="stable"), kind="stable")
+        follows = float(np.corrcoef(recorded, ranks)[0, 1]) > TUNING.recorded
+        self.order = recorded if follows else np.argsort(x, kind="stable")
+        self.ordered_x = x[self.order]
         self.starts = np.linspace(0, x.size, min(x.size, TUNING.most_bins), endpoint=False).astype(int)
         self.counts = np.diff(np.append(self.starts, x.size))
-        self.x = self.mean(self.sorted_x)
+        self.x = self.mean(self.ordered_x)
 
     def mean(self, values: Array) -> Array:
-        """Means over the bins, of values (..., n) in the order of x."""
+        """Means over the bins, of values (..., n) in this order."""
         return np.add.reduceat(values, self.starts, axis=-1) / self.counts
 
     def spread(self, values: Array) -> Array:

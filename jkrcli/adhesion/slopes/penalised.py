@@ -7,23 +7,29 @@ its block), by the fixed point of Wood and Fasiolo (Biometrics 73 (2017) 1071):
     lambda_j <- lambda_j * phi (size_j/lambda_j - tr V_jj) / |c_j|^2        V = (J^T J + Lambda)^-1
 
 phi V is the covariance of the coefficients seen as a posterior (Nychka 1988: intervals from it hold on average over
-the curve). It is the scatter that noise causes, phi V J^T J V, and an allowance for smoothing bias, phi V Lambda V.
-The lambdas are known the less the fewer the data: the covariance is the mean over all that the data leave possible.
+the curve). It is the scatter that noise causes, phi V J^T J V, and an allowance for smoothing bias, phi V Lambda V;
+bodies bend less than draws of the prior do, and where noise hides the bending a part of the allowance is right.
+The lambdas are known the less the fewer the data, and so is how far errors of neighbours go together: the covariance
+is the mean over all that the data leave possible.
+
+Residuals come in rows (rows, n) in the order of recording. Neighbours in a row correlate by rho, AR(1), so that
+r_i - rho r_(i-1) are independent, and this change of variables belongs to the likelihood: rho and the lambdas are told
+apart together (Krivobokova and Kauermann, J. Am. Stat. Assoc. 102 (2007) 1328).
 """
 
 from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve
+from scipy.linalg import lapack
 
 from ...base.arrays import Array
 
-Linearised = tuple[Array, Array]  # residuals and their Jacobian
+Linearised = tuple[Array, Array]  # residuals (rows, n) and their Jacobian (rows, n, p)
 Residuals = Callable[[Array], Linearised]
 
 
@@ -35,6 +41,7 @@ class PenaltyTuning:
     most: float = 100.0  # and the largest; choice: it leaves none of the block
     most_prior: float = 10.0  # variance of a coefficient before data are seen; choice: bodies do not bend more
     spread: tuple[float, ...] = tuple(4.0**n for n in range(-7, 3))  # about a lambda; choice: beyond, weights vanish
+    bias: float = 0.6  # of the allowance for smoothing bias, in noise; tuned on noisy series, by `make noise-study`
     negligible: float = 1e-4  # weight of a lambda; choice: below, it does not show
     updates: int = 40  # of the lambdas in a step; choice: they settle long before
     factor: float = 100.0  # most that an update changes a lambda by; tuned on noisy series, by `make tuning`
@@ -47,6 +54,11 @@ class PenaltyTuning:
     longest_step: float = 5.0  # of a coefficient; choice: all of them belong to logarithms
     tolerance: float = 3e-2  # of a step, in standard deviations of the fit; tuned on the same, by `make tuning`
     stuck: float = 0.5  # standard deviations of a step still open at the end; choice: more is flagged as not settled
+    # Correlations of neighbours that are thought possible beside none; choice: beyond the last, noise is drift
+    correlations: tuple[float, ...] = (0.15, 0.3, 0.45, 0.6, 0.7, 0.78, 0.85, 0.9, 0.94, 0.97, 0.985)
+    uncorrelated: float = 0.5  # probability of no correlation before data are seen; choice: as likely as any
+    worth: float = 2.0  # log of a likelihood ratio that makes a correlation believed; choice: none is simpler
+    unlikely: float = 12.0  # log of a likelihood ratio; choice: less likely correlations do not show in the mean
 
 
 TUNING = PenaltyTuning()
@@ -54,20 +66,28 @@ TUNING = PenaltyTuning()
 
 @dataclass(frozen=True, eq=False)
 class PenalisedFit:
-    """A penalised fit: coefficients ``c`` (p,), their covariance ``V`` (p, p) over ``phi``, residuals (m,).
+    """A penalised fit: coefficients ``c`` (p,) and what is left, residuals (rows, n), Jacobian (rows, n, p).
 
-    ``lambdas``: in units of the mean diagonal of J^T J. ``spent``: the effective number of parameters. ``settled``:
-    whether the steps became small. ``floored``: whether the residuals show less than the least ``phi``.
+    Both before neighbours are decorrelated by ``rho``. ``lambdas``: in units of the mean diagonal of J^T J. ``spent``:
+    the effective number of parameters. ``settled``: whether the steps became small. ``floored``: whether the residuals
+    show less than the least ``phi``.
     """
 
     c: Array
-    V: Array
     residuals: Array
+    jacobian: Array
+    rho: float
     phi: float
+    phi_floor: float
     lambdas: Array
     spent: float
     settled: bool
     floored: bool
+
+    @property
+    def independent(self) -> Array:
+        """The residuals with the correlation ``rho`` of neighbours taken out, (rows, n)."""
+        return decorrelated(self.residuals, self.rho)
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,19 +102,35 @@ class _Linear:
     deviations: float
 
 
+def decorrelated(values: Array, rho: float) -> Array:
+    """Rows ``values`` (rows, n, ...) of which neighbours correlate by ``rho``, made independent at equal variance."""
+    if rho == 0:
+        return values
+    out = values.copy()
+    out[:, 1:] = (values[:, 1:] - rho * values[:, :-1]) / math.sqrt(1 - rho**2)
+    return out
+
+
 def minimise(
-    residuals: Residuals, start: Array, blocks: Sequence[slice], phi_floor: float, lambdas: Array, freeze: int
+    residuals: Residuals,
+    start: Array,
+    blocks: Sequence[slice],
+    phi_floor: float,
+    lambdas: Array,
+    freeze: int,
+    rho: float = 0.0,
 ) -> PenalisedFit:
     """The fit from ``start``. ``residuals(c)``: (r, Jacobian of r); ``lambdas``: first guess.
 
     After ``freeze`` steps the lambdas stay as they are.
     """
     c, damping = start, 0.0
-    now = residuals(c)
+    seen = residuals(c)
     for step in range(TUNING.steps):
+        now = _flat(seen, rho)
         linear = _linear(now, c, blocks, lambdas, phi_floor, damping, updates=TUNING.updates if step < freeze else 0)
         lambdas = linear.lambdas
-        c, now, taken = _line_search(residuals, c, now, linear)
+        c, seen, taken = _line_search(residuals, c, seen, linear, rho)
         moved = taken * linear.deviations
         if linear.deviations < TUNING.tolerance or moved < 1e-3 * TUNING.tolerance:
             break
@@ -102,41 +138,164 @@ def minimise(
             max(10 * damping, TUNING.damping) if taken < TUNING.poor_step else damping / 3 * (damping > TUNING.damping)
         )
     settled = moved < TUNING.stuck and (taken > 0 or linear.deviations < TUNING.stuck)
-    known = freeze > 0  # else only a place to start from
-    V = _averaged(linear, now, c, blocks, phi_floor) if known else np.zeros((c.size, c.size))
-    return PenalisedFit(c, V, now[0], linear.phi, lambdas, linear.spent, settled, linear.phi <= phi_floor)
+    floored = linear.phi <= phi_floor
+    return PenalisedFit(c, *seen, rho, linear.phi, phi_floor, lambdas, linear.spent, settled, floored)
 
 
-def _averaged(linear: _Linear, now: Linearised, c: Array, blocks: Sequence[slice], phi_floor: float) -> Array:
-    """Covariance over ``linear.phi`` of the coefficients, the lambdas being as uncertain as the data leave them.
+def _flat(seen: Linearised, rho: float) -> Linearised:
+    """Residuals (m,) and Jacobian (m, p) with the correlation of neighbours taken out."""
+    r, J = seen
+    return decorrelated(r, rho).ravel(), decorrelated(J, rho).reshape(-1, J.shape[-1])
 
-    The mean over lambdas about the best ones, weighted by their restricted likelihood and a prior even in the size of a
-    block's coefficients, 1/sqrt(lambda) (Gelman 2006): what the fit would be with other lambdas is part of its error.
+
+# ---------------------------------------------------------------------- what the data leave possible
+@dataclass(frozen=True, eq=False)
+class Posterior:
+    """The mean over lambdas and correlations: ``V`` (p, p), covariance of the coefficients over the fit's phi.
+
+    ``inner``: the same with no more smoothing bias than there is away from the ends; for what is read off within.
+    ``rhos``: correlations that were weighed, ``weights``: their probabilities; ``evidence``: log of the likelihood of
+    the likeliest over that of none.
     """
-    r, J = now
+
+    V: Array
+    inner: Array
+    rhos: Array
+    weights: Array
+    evidence: float
+
+    @property
+    def likeliest(self) -> float:
+        """The correlation of neighbours with the greatest probability."""
+        return float(self.rhos[np.argmax(self.weights)])
+
+
+@dataclass(frozen=True, eq=False)
+class _Guess:
+    """One choice of the lambdas: its log likelihood, log of the coefficients' size, Cholesky factor, penalty, phi over
+    the fit's, step to its minimum."""
+
+    height: float
+    log_size: float
+    factor: Array
+    penalty: Array
+    ratio: float
+    step: Array
+
+
+def posterior(fit: PenalisedFit, blocks: Sequence[slice], noise: bool, correlated: bool) -> Posterior:
+    """What lambdas and, where ``correlated``, correlations the data leave possible, and the covariance over all.
+
+    The prior is even in the size of a block's coefficients, 1/sqrt(lambda) (Gelman 2006); that of ``inner``, in
+    ``noise``, in the log of this size, for many bodies do not bend at all.
+    """
+    rhos = np.array([0.0, *TUNING.correlations]) if correlated else np.zeros(1)
+    spread = TUNING.spread[1::2] if correlated else TUNING.spread
+    priors = np.full(rhos.size, (1 - TUNING.uncorrelated) / max(rhos.size - 1, 1))
+    priors[0] = TUNING.uncorrelated if correlated else 1.0
+    seen = (fit.residuals, fit.jacobian)
+    best = [_at_best(fit, seen, blocks, float(rho)) for rho in rhos]
+    heights = np.array([height for height, _ in best])
+    guesses: list[_Guess] = []
+    masses = np.full(rhos.size, -np.inf)
+    for i, rho in enumerate(rhos):
+        if heights[i] > heights.max() - TUNING.unlikely:
+            weight = _log_det(fit, rho) + math.log(priors[i])
+            found = list(_guesses(fit, _flat(seen, rho), blocks, best[i][1], weight, spread))
+            masses[i] = np.logaddexp.reduce([guess.height for guess in found])
+            guesses += found
+    weights = np.exp(masses - np.logaddexp.reduce(masses))
+    full = _mean_covariance(guesses, fit.phi, 1.0, 1.0)
+    inner = _mean_covariance(guesses, fit.phi, 0.0, TUNING.bias) if noise else full
+    return Posterior(full, inner, rhos, weights, float(heights.max() - heights[0]))
+
+
+def likeliest_correlation(fit: PenalisedFit, blocks: Sequence[slice]) -> float:
+    """The correlation of neighbours, among every other that is thought possible, with the greatest likelihood."""
+    rhos = (0.0, *TUNING.correlations[1::3])
+    heights = [_at_best(fit, (fit.residuals, fit.jacobian), blocks, rho)[0] for rho in rhos]
+    heights[0] += TUNING.worth
+    return rhos[int(np.argmax(heights))]
+
+
+def _log_det(fit: PenalisedFit, rho: float) -> float:
+    """Log of the determinant of what ``decorrelated`` does to the rows."""
+    rows, n = fit.residuals.shape
+    return -rows * (n - 1) / 2 * math.log1p(-(rho**2))
+
+
+def _at_best(fit: PenalisedFit, seen: Linearised, blocks: Sequence[slice], rho: float) -> tuple[float, Array]:
+    """Log of the restricted likelihood of ``rho`` at its best lambdas, and these times the scales of their blocks."""
+    now = _flat(seen, rho)
+    if rho == fit.rho:
+        lambdas = fit.lambdas
+    else:
+        lambdas = _linear(now, fit.c, blocks, fit.lambdas, fit.phi_floor, 0.0, TUNING.updates).lambdas
+    diagonal = np.einsum("mp,mp->p", now[1], now[1])
+    best = np.array([lam * diagonal[block].mean() for lam, block in zip(lambdas, blocks, strict=True)])
+    (guess,) = _guesses(fit, now, blocks, best, _log_det(fit, rho), (1.0,))
+    return guess.height, best
+
+
+def _guesses(
+    fit: PenalisedFit,
+    now: Linearised,
+    blocks: Sequence[slice],
+    best: Array,
+    log_prior: float,
+    spread: tuple[float, ...],
+) -> Iterator[_Guess]:
+    """All lambdas about the best ones with their restricted likelihood: others are part of the error."""
+    (r, J), c = now, fit.c
     normal, gradient = J.T @ J, J.T @ r
     ridge = 1e-15 * np.diag(normal).max()
-    best = [lam * np.diag(normal)[block].mean() for lam, block in zip(linear.lambdas, blocks, strict=True)]
     free = r.size - c.size + sum(c[block].size for block in blocks)
-    likelihoods, covariances = [], []
-    for factors in itertools.product(TUNING.spread, repeat=len(blocks)):
-        penalty, log_prior = np.zeros(c.size), 0.0
+    for factors in itertools.product(spread, repeat=len(blocks)):
+        penalty, log_weight, log_size = np.zeros(c.size), log_prior, 0.0
         for block, lam, factor in zip(blocks, best, factors, strict=True):
             penalty[block] = lam * factor
-            log_prior += (c[block].size - 1) / 2 * math.log(factor)
-        system = cho_factor(normal + np.diag(penalty + ridge))
-        step = -cho_solve(system, gradient + penalty * c)
+            log_weight += c[block].size * math.log(lam * factor) / 2
+            log_size -= math.log(lam * factor) / 2
+        system = _factor(normal, penalty + ridge)
+        step = -_solve(system, gradient + penalty * c)
         objective = float(r @ r + 2 * gradient @ step + step @ normal @ step + penalty @ (c + step) ** 2)
-        phi = max(objective / free, phi_floor)
-        log_det = 2 * float(np.log(np.diag(system[0])).sum())
-        likelihoods.append(log_prior - (log_det + free * math.log(phi) + objective / phi) / 2)
-        covariances.append((system, phi / linear.phi, step))
-    weights = np.exp(np.array(likelihoods) - max(likelihoods))
-    V = np.zeros_like(normal)
-    for weight, (system, ratio, step) in zip(weights / weights.sum(), covariances, strict=True):
+        phi = max(objective / free, fit.phi_floor)
+        log_det = 2 * float(np.log(np.diag(system)).sum())
+        height = log_weight - (log_det + free * math.log(phi) + objective / phi) / 2
+        yield _Guess(height, log_size, system, penalty, phi / fit.phi, step)
+
+
+def _mean_covariance(guesses: Sequence[_Guess], phi: float, prior: float, bias: float) -> Array:
+    """Covariance over ``phi`` of the mixture of all guesses, about where the fit stands, with the part ``bias`` of the
+    allowance for smoothing bias; ``prior``: power of the coefficients' size."""
+    heights = np.array([guess.height + prior * guess.log_size for guess in guesses])
+    weights = np.exp(heights - heights.max())
+    V = np.zeros_like(guesses[0].factor)
+    for weight, guess in zip(weights / weights.sum(), guesses, strict=True):
         if weight > TUNING.negligible:
-            V += weight * (ratio * cho_solve(system, np.eye(c.size)) + np.outer(step, step) / linear.phi)
+            posterior_V = _inverse(guess.factor)
+            allowance = (1 - bias) * (posterior_V * guess.penalty) @ posterior_V if bias < 1 else 0.0
+            V += weight * (guess.ratio * (posterior_V - allowance) + np.outer(guess.step, guess.step) / phi)
     return V
+
+
+def _factor(normal: Array, added: Array) -> Array:
+    """Upper Cholesky factor of ``normal`` with ``added`` on its diagonal."""
+    system = normal.copy()
+    system[np.diag_indices_from(system)] += added
+    factor, wrong = lapack.dpotrf(system)
+    if wrong:
+        raise np.linalg.LinAlgError("the penalised normal matrix is not positive definite")
+    return np.asarray(factor)
+
+
+def _solve(factor: Array, right: Array) -> Array:
+    return np.asarray(lapack.dpotrs(factor, right)[0])
+
+
+def _inverse(factor: Array) -> Array:
+    upper = np.triu(lapack.dpotri(factor)[0])
+    return upper + np.triu(upper, 1).T
 
 
 def _linear(
@@ -151,8 +310,7 @@ def _linear(
         penalty = np.zeros(c.size)
         for block, lam in zip(blocks, lambdas * scales, strict=True):
             penalty[block] = lam
-        system = normal + np.diag(penalty + 1e-15 * diagonal.max())
-        V = cho_solve(cho_factor(system), np.eye(c.size))
+        V = _inverse(_factor(normal, penalty + 1e-15 * diagonal.max()))
         step = -V @ (gradient + penalty * c)
         spent = float(np.sum(V * normal))
         rss = max(float(r @ r + 2 * gradient @ step + step @ normal @ step), 0.0)
@@ -164,9 +322,10 @@ def _linear(
         if np.abs(np.log(updated / lambdas)).max() < TUNING.settled:
             break
         lambdas = updated
+    system = normal + np.diag(penalty + 1e-15 * diagonal.max())
     deviations = float(np.sqrt(max(step @ system @ step, 0.0) / phi))
     if damping > 0:
-        step = -cho_solve(cho_factor(system + damping * np.diag(np.diag(system))), gradient + penalty * c)
+        step = -_solve(_factor(system, damping * np.diag(system)), gradient + penalty * c)
     return _Linear(step, penalty, phi, lambdas, spent, deviations)
 
 
@@ -177,11 +336,13 @@ def _update(lam: float, scale: float, c: Array, V: Array, phi: float) -> float:
     return float(np.clip(lam * ratio, max(TUNING.least, phi / (scale * TUNING.most_prior)), TUNING.most))
 
 
-def _line_search(residuals: Residuals, c: Array, now: Linearised, linear: _Linear) -> tuple[Array, Linearised, float]:
+def _line_search(
+    residuals: Residuals, c: Array, now: Linearised, linear: _Linear, rho: float
+) -> tuple[Array, Linearised, float]:
     """The first of the steps 1, 1/2, 1/4 ... that does not raise the objective by more than a rounding of phi."""
 
     def objective(r: Array, c: Array) -> float:
-        return float(r @ r + linear.penalty @ c**2)
+        return float(np.sum(decorrelated(r, rho) ** 2) + linear.penalty @ c**2)
 
     before = objective(now[0], c) + 1e-6 * linear.phi
     taken = min(1.0, TUNING.longest_step / max(float(np.max(np.abs(linear.step))), 1e-300))

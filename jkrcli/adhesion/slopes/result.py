@@ -20,8 +20,10 @@ class Slopes:
 
     ``delta, P``: the nonadhesive columns as the same fit sees them, where the method smooths them too, else None.
     ``covariance``: shape (n, 4, 4), of (delta_H, P_H, S, S') at each radius, SI; None where no error is known.
-    ``joint``: shape (n, 6, 6), the same with d(delta_H)/da and S'' behind them, where the method knows their errors.
+    ``joint``: shape (n, 6, 6), the same with d(delta_H)/da and S'' behind them, where the method knows their errors; in
+    noise with no more smoothing bias than there is away from the ends.
     ``quantile``: standard deviations in the half-width of a 90 % interval (more than 1.64 for few points).
+    ``correlation``: of the errors of neighbouring rows as the residuals have it; None where they are no noise.
     ``error``: relative 90 % half-width of sqrt(a/S'), the median over the points, or why it is unknown.
     ``flags``: sentences on where the slopes are to be trusted less; ``reason``: why this method was taken.
     """
@@ -38,6 +40,7 @@ class Slopes:
     covariance: Array | None = None
     joint: Array | None = None
     quantile: float = TWO_SIDED_90
+    correlation: Estimate | None = None
 
     def scaled(self, factor: float) -> Slopes:
         """The slopes of the same bodies with all moduli multiplied by ``factor``; ``delta`` does not change."""

@@ -8,6 +8,7 @@ k = dlog(delta)/dlog(a) and m = dlog(P)/dlog(a) (effective variance; Orear, Am. 
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,6 +24,9 @@ class ScatterTuning:
     trace: float = 1e-3  # the least share of a column; tuned on noisy series, by `make tuning`
     most_trend: float = 4.0  # exponent of the variance over the radius; tuned on the same, by `make tuning`
     outlier: float = 3.0  # standard deviations where points begin to count less; tuned on the same, by `make tuning`
+    free: int = 20  # points that tell the errors of a, delta, P apart; tuned on the same, by `make tuning`
+    rounds: int = 5  # in which outliers are found; choice: two or three do
+    false: float = 5e-3  # probability that a series without outliers is said to have one; choice: rare
     chance: float = 2.5  # theory: standard deviations of the correlation of neighbours that chance brings once in 160
 
 
@@ -46,21 +50,49 @@ def whitener(variances: Array, k: Array, m: Array) -> Array:
     return out
 
 
-def estimate(x: Array, residuals: Array, k: Array, m: Array, spent: float, floor: float) -> Array:
-    """Relative variances (3, n), the largest share being 1, from ``residuals`` (2, n) of log delta and log P at ``x``.
+@dataclass(frozen=True, eq=False)
+class Scatter:
+    """Relative ``variances`` (3, n) of a, delta, P, the largest share being 1; ``outliers`` (n,): which points are."""
 
-    Three shares by moments, a power law of the radius by maximum likelihood, and less weight for outliers.
+    variances: Array
+    outliers: Array
+
+
+def estimate(x: Array, residuals: Array, k: Array, m: Array, spent: float, floor: float) -> Scatter:
+    """The scatter that ``residuals`` (2, n) of log delta and log P at ``x`` show.
+
+    Three shares by moments, a power law of the radius by maximum likelihood, and less weight for points far out: those
+    that chance does not bring count as one standard deviation off. Few points tell neither shares nor power.
     ``spent``: effective number of parameters of the fit; ``floor``: variance below which nothing can be told.
     """
-    shares = _shares(residuals, k, m, spent, floor)
-    white = np.einsum("ijn,jn->in", whitener(shares, k, m), residuals)
-    squares = np.mean(white**2, axis=0)
-    if not np.mean(squares) > floor:
-        return np.ones((3, x.size))
-    trend = _trend(x, squares)
-    size = np.exp(trend * x)
-    distance = np.sqrt(squares / size / np.mean(squares / size))
-    return shares * size * np.maximum(1.0, distance / TUNING.outlier) ** 2
+    nothing = Scatter(np.ones((3, x.size)), np.zeros(x.size, dtype=bool))
+    shares, size = np.ones((3, 1)), np.ones(x.size)
+    kept = np.ones(x.size, dtype=bool)
+    for round_ in range(TUNING.rounds):
+        if x.size >= TUNING.free:
+            shares = _shares(residuals[:, kept], k[kept], m[kept], spent, floor)
+        white = np.einsum("ijn,jn->in", whitener(shares, k, m), residuals)
+        squares = np.mean(white**2, axis=0)
+        if not np.mean(squares[kept]) > floor:
+            return nothing
+        if x.size >= TUNING.free:
+            size = np.exp(_trend(x[kept], squares[kept]) * x)
+        relative = squares / size
+        # theory: the sum of two squares is exponential, of median log 2; outliers hide in a mean that holds them
+        unit = np.median(relative) / math.log(2) if round_ == 0 else np.mean(relative[kept])
+        before, kept = kept, relative <= unit * _rare(kept.sum() - spent / 2, x.size)
+        if round_ > 0 and (before == kept).all():
+            break
+    distance = np.sqrt(relative / np.mean(relative[kept]))
+    far = np.where(kept, np.maximum(1.0, distance / TUNING.outlier), distance)
+    return Scatter(shares * size * far**2, ~kept)
+
+
+def _rare(free: float, n: int) -> float:
+    """The square, in units of the mean of ``free`` others, that chance brings among ``n`` with probability
+    ``TUNING.false``: both are exponential, so that their ratio exceeds t with probability (1 + t/free)^-free."""
+    free = max(free, 2.0)
+    return float(free * math.expm1(math.log(n / TUNING.false) / free))
 
 
 def _shares(residuals: Array, k: Array, m: Array, spent: float, floor: float) -> Array:

@@ -1,0 +1,124 @@
+"""How a measured or computed series departs from the solution of the bodies that it is said to be of.
+
+Whatever is smooth passes for a body: a drift of the load by a few per cent changes S and S' smoothly. Only the bodies
+themselves tell. The logs of delta and P over those of their own solution at the same radii, the modulus left free, are
+compared with a parabola in the order of recording: generalised least squares with the scatter of a, delta and P as the
+residuals have it (``slopes/scatter.py``), AR(1) along the rows, and an F test of what the parabola adds.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from ..base.arrays import Array
+from ..base.errors import JkrError
+from ..bodies.problem import Loading, Problem
+from ..methods import method_class
+from ..series import RawSeries, Series
+from .slopes.scatter import estimate, whitener
+
+EXACT = ("closed-form", "layered")  # exact ones that cost next to nothing
+
+
+@dataclass(frozen=True)
+class DepartureTuning:
+    """When a departure is said."""
+
+    fewest: int = 8  # choice: points; the parabolas take six numbers
+    radii: int = 60  # choice: of the bodies' own solution, in equal steps of log a
+    chance: float = 2e-3  # probability that independent noise shows as much; choice: rare
+    least: float = 5e-3  # choice: of delta or P; meshes of finite elements leave as much
+    floor: float = 1e-14  # theory: variance below which nothing can be told of the scatter
+    longest: float = 0.99  # choice: correlation of neighbours; more is drift itself
+
+
+TUNING = DepartureTuning()
+
+
+def departures(problem: Problem, raw: RawSeries) -> tuple[str, ...]:
+    """A sentence on how ``raw`` departs from the bodies' own solution by more than its scatter explains, if it does.
+
+    Nothing where no exact method represents the bodies, or where points are few.
+    """
+    usable = (raw.a > problem.indenter.a0) & (raw.delta > 0) & (raw.P > 0)
+    a, delta, P = (values[usable] for values in (raw.a, raw.delta, raw.P))
+    if a.size < TUNING.fewest or (own := _own(problem, a)) is None:
+        return ()
+    x, logs = np.log(own.a), np.log(np.stack([own.delta, own.P]))
+    at = np.log(a)
+    expected = CubicSpline(x, logs, axis=1)
+    return _judged(np.log(np.stack([delta, P])) - expected(at), expected(at, 1), at)
+
+
+def _own(problem: Problem, a: Array) -> Series | None:
+    """The bodies' own solution over the radii ``a``."""
+    radii = tuple(np.geomspace(a.min(), a.max(), TUNING.radii))
+    alone = replace(problem, loading=Loading.given("radius", radii))
+    for name in EXACT:
+        method = method_class(name)()
+        try:
+            if method.refusal(alone) is None:
+                return method(alone).series
+        except JkrError:
+            continue
+    return None
+
+
+def _judged(gap: Array, rates: Array, x: Array) -> tuple[str, ...]:
+    """The sentence on the ``gap`` (2, n) of the logs of delta and P at log radii ``x``, if it is no scatter."""
+    from scipy.stats import f
+
+    n = x.size
+    t = np.linspace(-1, 1, n)
+    powers = np.stack([np.ones(n), t, t**2])
+    columns = np.zeros((6, 2, n))
+    columns[:3, 0], columns[3:, 1] = powers, powers
+    smooth = np.linalg.lstsq(powers.T, gap.T, rcond=None)[0].T @ powers
+    scatter = estimate(x - x.max(), gap - smooth, rates[0], rates[1], 6.0, TUNING.floor)
+    whiten = whitener(scatter.variances, rates[0], rates[1])
+    white, basis = (np.einsum("ijn,...jn->...in", whiten, values) for values in (gap, columns))
+    rho = _correlation(np.einsum("ijn,jn->in", whiten, gap - smooth))
+    target, design = _independent(white, rho).ravel(), _independent(basis, rho).reshape(6, -1)
+    full, few = _least(design, target), _least(design[3:4], target)
+    free = target.size - 6
+    chance = float(f.sf((few - full) / 5 / max(full / free, 1e-300), 5, free))
+    coefficients = np.linalg.lstsq(design.T, target, rcond=None)[0]
+    departs = {"displacement": coefficients[:3] @ powers, "load": coefficients[3:] @ powers}
+    spans = {
+        "displacement": float(departs["displacement"][np.argmax(np.abs(departs["displacement"]))]),
+        "load": float(np.ptp(departs["load"]) * np.sign(departs["load"][-1] - departs["load"][0])),
+    }
+    name = max(spans, key=lambda key: abs(spans[key]))
+    if chance > TUNING.chance or abs(spans[name]) < TUNING.least:
+        return ()
+    how = "drifts from" if name == "load" else "departs from"
+    return (
+        f"the {name} {how} the solution of these bodies at the same contact radii by {spans[name]:+.1%}, more than the "
+        "scatter explains (the modulus left free): drift, a wrong zero point, or other bodies; errors stated do not "
+        "hold it",
+    )
+
+
+def _least(design: Array, target: Array) -> float:
+    """Least sum of squares of ``target`` (m,) by the rows of ``design``."""
+    found = np.linalg.lstsq(design.T, target, rcond=None)[0]
+    return float(np.sum((target - found @ design) ** 2))
+
+
+def _correlation(white: Array) -> float:
+    """Correlation of neighbours in the rows (2, n), its bias by the parabola taken out; 0 where chance explains it."""
+    n = white.shape[1]
+    lag1 = float(np.sum(white[:, 1:] * white[:, :-1]) / max(np.sum(white**2), 1e-300))
+    if lag1 < 2 / np.sqrt(2 * n):
+        return 0.0
+    return min(lag1 + (3 + 4 * lag1) / n, TUNING.longest)
+
+
+def _independent(rows: Array, rho: float) -> Array:
+    """Rows (..., n) with the correlation of neighbours taken out."""
+    out = rows.copy()
+    out[..., 1:] = (rows[..., 1:] - rho * rows[..., :-1]) / np.sqrt(1 - rho**2)
+    return out

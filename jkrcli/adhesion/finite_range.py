@@ -1,0 +1,381 @@
+"""Adhesive curves of finite range: a constant tension up to a separation, on any body whose kernel is known.
+
+Between JKR (a short range) and DMT (a long one); Maugis (1992) on a half-space. The curve is complete: from the bodies
+that begin to attract each other, over surfaces that are drawn together and do not touch, to the largest contact.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import ClassVar
+
+import numpy as np
+from scipy.interpolate import BSpline, PchipInterpolator, make_interp_spline
+
+from ..base.arrays import Array
+from ..base.errors import InputError, Refusal
+from ..base.units import show
+from ..base.unknown import Estimate
+from ..bodies.problem import Problem
+from ..methods.attraction import AttractedBody
+from ..methods.integral.attraction import Attraction, Rims
+from ..methods.layered.contact import checked
+from ..series import Series, Solution
+from .critical import Errors
+from .curve import Equilibrium, EquilibriumCurve, Parts, composite_gauss
+from .device import CONTROLS
+from .law import Range
+from .slopes.choice import slopes
+from .slopes.result import Slopes
+
+
+@dataclass(frozen=True)
+class FiniteRangeTuning:
+    """Points of the curve, and what is said of its interpolation."""
+
+    apart: int = 32  # points without contact, even in c; choice: delta is smooth there, its spline good to 1e-9
+    spacing: float = (
+        0.08  # largest step of arcosh sqrt(c/c0) from point to point; choice: splines good to 1e-7 of the lowest load
+    )
+    degree: int = 5  # theory: of the splines through the points; errors fall with the power degree + 1 of the spacing
+    halved: float = 16.0  # theory: halving the spacing divides the error by 64, by a fourth of it where it is uneven
+    touching: float = 1e-9  # choice: of c0, within which the rate at first touch is taken
+    rounds: int = 3  # choice: of inserting points where they are too far apart
+    safety: float = 4.0  # on the change of the second panels; choice: as for series of `layered`
+    looked_at: int = 8  # contact radii at which separations are looked at; choice: for a warning
+    samples: int = 4  # choice: per interval, where zeros are looked for
+    no_claim: float = 1e-12  # theory: smaller errors are rounding
+
+
+TUNING = FiniteRangeTuning()
+
+STATES = ("a", "c", "delta", "P", "gap")  # columns of Rims
+
+
+@dataclass(frozen=True, eq=False)
+class FiniteRangeCurve(EquilibriumCurve):
+    """The adhesive curve of a body for a ``law`` of finite range, along the radius c to which the surfaces attract.
+
+    ``apart``: states without contact, from c = 0 on; ``touching``: those in contact from a = 0 on, both at increasing
+    c. ``parts``: columns of the w-free functions at the latter. Between the points: splines over
+    arcosh sqrt(c/c0), c0 at first touch, in which the curve is smooth on both sides of it and far from it; without
+    contact P = -pi sigma c^2, and delta(c) less the profile f(c) is a spline. ``half_widths``: the ``errors``;
+    ``doubts``: what speaks against the states, in sentences.
+    """
+
+    law: Range
+    problem: Problem
+    series: Series
+    apart: Rims
+    touching: Rims
+    parts: Parts
+    half_widths: Mapping[str, Array] = field(default_factory=dict)
+    doubts: tuple[str, ...] = ()
+    complete: ClassVar[bool] = True
+
+    @property
+    def errors(self) -> Mapping[str, Array]:
+        return self.half_widths
+
+    @property
+    def w(self) -> float:
+        return self.law.w
+
+    @cached_property
+    def slopes(self) -> Slopes:
+        """S and S' of the series."""
+        return slopes(self.series)
+
+    @property
+    def columns(self) -> dict[str, Array]:
+        without = np.zeros(self.apart.c.size)
+        rest = [np.concatenate([without + column[0], column]) for column in self.parts[:4]]
+        plain = dict(zip(("delta_H_m", "P_H_N", "S_N_per_m", "dS_da_N_per_m2"), rest, strict=True))
+        return {"a_m": self.a, "delta_m": self.delta, "P_N": self.P} | plain | {"c_m": self.places}
+
+    def point_error(self, point: Equilibrium) -> Errors:
+        """Half-widths of "delta" [m] and "P" [N] at a stationary ``point``: those of the curve there, of its
+        interpolation, and of the place, which errs by about the same fraction as the curve."""
+        here = self.error_at(np.array(point.place))
+        assert isinstance(self.interpolation_error, float)
+        between = self.interpolation_error
+        fraction = between + float(here["P"]) / max(abs(point.P), np.finfo(float).tiny)
+        rates = dict(zip(("delta", "P"), self._rates(np.array(point.place)), strict=True))
+        return {
+            name: float(here[name]) + between * abs(getattr(point, name)) + fraction * point.place * abs(float(rate))
+            for name, rate in rates.items()
+        }
+
+    @property
+    def onset(self) -> float:
+        """The displacement at which the free bodies come within the range: minus the range."""
+        return -self.law.length
+
+    @cached_property
+    def places(self) -> Array:
+        return np.concatenate([self.apart.c, self.touching.c])
+
+    @cached_property
+    def delta(self) -> Array:
+        """Displacement [m] at the points."""
+        return np.concatenate([self.apart.delta, self.touching.delta])
+
+    @cached_property
+    def P(self) -> Array:
+        """Load [N] at the points."""
+        return np.concatenate([self.apart.P, self.touching.P])
+
+    @cached_property
+    def a(self) -> Array:
+        """Contact radii of the points [m], 0 where nothing touches."""
+        return np.concatenate([self.apart.a, self.touching.a])
+
+    def point(self, place: float) -> Equilibrium:
+        delta, P = self.at(np.array(place))
+        return Equilibrium(float(self.contact_radii(np.array(place))), float(delta), float(P), place)
+
+    def contact_radii(self, places: Array) -> Array:
+        places = np.asarray(places, dtype=float)
+        v = self._stretched(np.maximum(places, self._c0))
+        return np.where(places > self._c0, np.maximum(self._spline(v)[..., 0], 0.0), 0.0)
+
+    def place_of(self, a: float) -> float:
+        """The place of the contact radius ``a`` [m]."""
+        from scipy.optimize import brentq
+
+        if not 0 < a <= self.touching.a[-1] * (1 + TUNING.touching):
+            end = show(float(self.touching.a[-1]), "length")
+            raise InputError(f"a: must lie between 0 and {end}, where the curve ends, got {show(a, 'length')}")
+        ends = self._stretched(self.touching.c[[0, -1]])
+        goal = min(a, float(self.touching.a[-1]))
+        if goal == self.touching.a[-1]:
+            return float(self.touching.c[-1])
+        v = brentq(lambda v: float(self._spline(v)[0]) - goal, *ends, xtol=1e-14, rtol=1e-14)
+        return float(self._c0 * math.cosh(v) ** 2)
+
+    @property
+    def _c0(self) -> float:
+        return float(self.touching.c[0])
+
+    def _stretched(self, c: Array) -> Array:
+        return np.arccosh(np.sqrt(np.maximum(c / self._c0, 1.0)))
+
+    @cached_property
+    def _spline(self) -> BSpline:
+        """a, delta, P over arcosh sqrt(c/c0)."""
+        v = self._stretched(self.touching.c)
+        columns = np.stack([self.touching.a, self.touching.delta, self.touching.P], axis=1)
+        return make_interp_spline(v, columns, min(TUNING.degree, v.size - 1))
+
+    @cached_property
+    def _slope(self) -> BSpline:
+        return self._spline.derivative()
+
+    @cached_property
+    def _pulled(self) -> BSpline:
+        """f(c) - delta [m] without contact, over c."""
+        return make_interp_spline(self.apart.c, self.problem.indenter.f(self.apart.c) - self.apart.delta, TUNING.degree)
+
+    def _at(self, places: Array) -> tuple[Array, Array]:
+        c = np.minimum(places, self._c0)
+        free = self.problem.indenter.f(c) - self._pulled(c), -math.pi * self.law.stress * c**2
+        held = np.moveaxis(self._spline(self._stretched(places)), -1, 0)[1:]
+        return tuple(np.where(places > self._c0, b, a) for a, b in zip(free, held, strict=True))
+
+    def _rates(self, places: Array) -> tuple[Array, Array]:
+        c = np.minimum(places, self._c0)
+        safe = np.maximum(c, np.finfo(float).tiny)
+        free = self.problem.indenter.slope(safe) - self._pulled(c, 1), -2 * math.pi * self.law.stress * c
+        beyond = np.maximum(places / self._c0 - 1, TUNING.touching)
+        by_c = 1 / (2 * self._c0 * np.sqrt((1 + beyond) * beyond))
+        held = np.moveaxis(self._slope(self._stretched(places)), -1, 0)[1:] * by_c
+        inside = places > self._c0 * (1 + TUNING.touching)
+        return tuple(np.where(inside, b, a) for a, b in zip(free, held, strict=True))
+
+    @cached_property
+    def _samples(self) -> Array:
+        v = self._stretched(self.touching.c)
+        inner = v[:-1, None] + np.diff(v)[:, None] * np.arange(TUNING.samples) / TUNING.samples
+        held = np.clip(self._c0 * np.cosh(inner.ravel()) ** 2, self._c0, self.places[-1])
+        free = np.linspace(0, self._c0, TUNING.samples * self.apart.c.size, endpoint=False)
+        return np.unique(np.concatenate([free, held, self.places[-1:]])) / self.places[-1]
+
+    def _place(self, x: Array) -> Array:
+        return x * self.places[-1]
+
+    def path(self, low: float, high: float) -> tuple[Array, Array]:
+        first = np.unique([min(low, self._c0), *self.apart.c[(self.apart.c > low) & (self.apart.c < high)],
+                           min(high, self._c0)])  # fmt: skip
+        free, free_weights = composite_gauss(first)
+        inner = self.touching.c[(self.touching.c > low) & (self.touching.c < high)]
+        v = self._stretched(np.concatenate([[max(low, self._c0)], inner, [max(high, self._c0)]]))
+        held, weights = composite_gauss(v)
+        c = np.clip(self._c0 * np.cosh(held) ** 2, self._c0, max(high, self._c0))
+        weights = weights * self._c0 * np.sinh(2 * held)
+        return np.concatenate([free, c]), np.concatenate([free_weights, weights])
+
+    def thinned(self, first: int) -> FiniteRangeCurve:
+        return self._at_rows(np.arange(1 + first, self.touching.c.size - 1, 2))
+
+    def _at_rows(self, rows: Array) -> FiniteRangeCurve:
+        """The curve through some of its points in contact, and both ends."""
+        kept = np.unique(np.concatenate([[0], rows, [self.touching.c.size - 1]]))
+        touching = Rims(*(getattr(self.touching, name)[kept] for name in STATES))
+        parts = Parts(*(column[kept] for column in self.parts))
+        return FiniteRangeCurve(self.law, self.problem, self.series, self.apart, touching, parts)
+
+    @cached_property
+    def interpolation_error(self) -> Estimate:
+        """Relative error of delta and P between the points: their change where every second is left out, over 16."""
+        changes = []
+        for first in (0, 1):
+            coarser = self.thinned(first)
+            left_out = np.setdiff1d(self.touching.c, coarser.touching.c)
+            for ours, there in zip(self._at(left_out), coarser.at(left_out), strict=True):
+                unit = np.maximum(np.abs(ours), abs(float(np.min(ours))))
+                changes.append(float(np.max(np.abs(there - ours) / unit)))
+        return max(changes) / TUNING.halved + TUNING.no_claim
+
+    def _outside(self, stiffness: float, end: str, lowest: Equilibrium) -> str:
+        quantity = next((name for name, value in CONTROLS.items() if value == stiffness), "device position")
+        if end == "smallest":
+            return (
+                f"contact is not lost in a jump: the {quantity} falls until the surfaces no longer attract each other, "
+                f"at delta = {show(lowest.delta, 'length')}"
+            )
+        return (
+            f"the {quantity} is lowest at the largest radius, a = {show(lowest.a, 'length')}: pull-off lies outside "
+            "the curve; the series would have to reach a larger radius: load further"
+        )
+
+
+def finite_range_curve(
+    solution: Solution, w: float, *, stress: float | None = None, length: float | None = None
+) -> FiniteRangeCurve:
+    """The adhesive curve of a solved body for the work of adhesion ``w`` [J/m^2] and a constant tension ``stress`` [Pa]
+    or its range ``length`` [m].
+
+    Refusal where the kernel of the body is not known: series of finite elements, and those computed elsewhere.
+    """
+    return FiniteRangeBody.of(solution).curve(Range.of(w, stress=stress, length=length))
+
+
+@dataclass(frozen=True, eq=False)
+class FiniteRangeBody:
+    """A solved body as curves of finite range need it: ``series``, and the body with its kernel."""
+
+    problem: Problem
+    series: Series
+    body: AttractedBody
+
+    @classmethod
+    def of(cls, solution: Solution) -> FiniteRangeBody:
+        """From a solution whose method knows the kernel, which is computed anew."""
+        if solution.problem.sticks:
+            raise Refusal(
+                f"{solution.record.path}: adhesion of finite range is known of surfaces that slide alone: solve the "
+                'case with specimen.surface = "sliding", or leave range and stress out'
+            )
+        if solution.method not in KNOWN:
+            raise Refusal(
+                f"{solution.record.path}: adhesion of finite range needs the kernel of the contact equation, which "
+                f"the method {solution.method} does not have: solve the case with the method layered or hybrid"
+            )
+        if solution.problem.sticks:
+            raise Refusal(
+                f"{solution.record.path}: adhesion of finite range is one of surfaces that slide: solve the case "
+                "without sticking, or leave stress and range out"
+            )
+        return cls(solution.problem, solution.series, AttractedBody(solution.problem))
+
+    def curve(self, law: Range) -> FiniteRangeCurve:
+        """The curve for a ``law``, with its errors."""
+        s, gap = 2 * law.stress / self.problem.E_star, law.length
+        reach = self.body.reach(float(self.series.a[-1]), s, gap)
+        attraction = self.body.attraction(reach)
+        rims = self._touching(attraction, s, gap)
+        _refuse_folded(rims)
+        c = np.linspace(0, rims.c[0], TUNING.apart + 1)[1:-1]
+        apart = _with_begin(attraction.apart(c, s, gap), gap)
+        parts = Parts(*attraction.discs(rims.a).nonadhesive, np.zeros(rims.a.size))
+        found = FiniteRangeCurve(law, self.problem, self.series, apart, rims, parts)
+        return replace(found, half_widths=self._errors(found, reach, s), doubts=_doubts(attraction, rims, s, gap))
+
+    def _touching(self, attraction: Attraction, s: float, gap: float) -> Rims:
+        """States in contact from a = 0 on: at the radii of the series, and at more of them where they are too far apart
+        in arcosh sqrt(c/c0)."""
+        a = np.concatenate([[0.0], self.series.a])
+        rims = attraction.discs(a).equilibria(s, gap, attraction.reach)
+        for _ in range(TUNING.rounds):
+            v = np.arccosh(np.sqrt(np.maximum.accumulate(rims.c) / rims.c[0]))
+            pieces = np.maximum(np.ceil(np.diff(v) / TUNING.spacing), 1).astype(int)
+            if pieces.max() == 1:
+                break
+            inner = [np.linspace(lo, hi, n + 1)[1:-1] for lo, hi, n in zip(v[:-1], v[1:], pieces, strict=True)]
+            more = PchipInterpolator(*_increasing(v, rims.a))(np.concatenate(inner))
+            near = np.interp(more, rims.a, rims.c)
+            rims = _merged(rims, attraction.discs(more).equilibria(s, gap, attraction.reach, near))
+        return rims
+
+    def _errors(self, curve: FiniteRangeCurve, reach: float, s: float) -> dict[str, Array]:
+        """Half-widths of delta and P: the change on other panels at some of the points, and what the kernel leaves."""
+        rims, parts = curve.touching, curve.parts
+        some = checked(rims.a)
+        other = self.body.check(reach).discs(rims.a[some]).equilibria(s, curve.law.length, reach, rims.c[some])
+        kernel = self.body.kernel_error(reach, curve.places)
+        f = self.problem.indenter.f(curve.apart.c)
+        held = {"delta": (parts.delta_H, rims.delta), "P": (parts.P_H, rims.P)}
+        free = {"delta": f + np.abs(f - curve.apart.delta), "P": np.abs(curve.apart.P)}
+        errors = {}
+        for name, (plain, here) in held.items():
+            unit = plain + np.abs(plain - here)
+            seen = float(np.max(np.abs(getattr(other, name) - here[some]) / unit[some]))
+            relative = TUNING.safety * seen + TUNING.no_claim + kernel
+            errors[name] = relative * np.concatenate([free[name], unit])
+        return errors
+
+
+def _doubts(attraction: Attraction, rims: Rims, s: float, gap: float) -> tuple[str, ...]:
+    """What speaks against some of the states, with the contact radius."""
+    for n in np.unique(np.linspace(0, rims.a.size - 1, TUNING.looked_at).astype(int)):
+        one = Rims(*(getattr(rims, name)[n : n + 1] for name in STATES))
+        if words := attraction.discs(one.a).doubt(one, s, gap, attraction.reach):
+            where = show(float(one.a[0]), "length")
+            return (f"finite range: at the contact radius {where} {words}: the curve is doubtful there",)
+    return ()
+
+
+def _with_begin(apart: Rims, gap: float) -> Rims:
+    """The states without contact with the first one, in which the free bodies come within the range ``gap`` [m]."""
+    first = {"a": 0.0, "c": 0.0, "delta": -gap, "P": 0.0, "gap": gap}
+    return Rims(**{name: np.concatenate([[value], getattr(apart, name)]) for name, value in first.items()})
+
+
+def _merged(first: Rims, second: Rims) -> Rims:
+    """The states of both by increasing contact radius."""
+    order = np.argsort(np.concatenate([first.a, second.a]))
+    columns = (np.concatenate([getattr(first, name), getattr(second, name)]) for name in STATES)
+    return Rims(*(column[order] for column in columns))
+
+
+def _increasing(v: Array, a: Array) -> tuple[Array, Array]:
+    """Points at which v rises."""
+    rising = np.concatenate([[True], np.diff(v) > 0])
+    return v[rising], a[rising]
+
+
+def _refuse_folded(rims: Rims) -> None:
+    """Refusal where the attracted annulus does not grow with the contact: the curve has no place for its points."""
+    falls = np.flatnonzero(np.diff(rims.c) <= 0)
+    if falls.size:
+        raise Refusal(
+            f"adhesion of finite range: beyond the contact radius {show(float(rims.a[falls[0]]), 'length')} the radius "
+            "to which the surfaces attract each other falls: a coating so much stiffer than what lies below it is "
+            "not touched in a disc that grows; ask for a smaller radius"
+        )
+
+
+KNOWN = ("closed-form", "layered", "hybrid")  # methods whose bodies have a kernel

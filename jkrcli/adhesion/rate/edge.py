@@ -1,0 +1,105 @@
+"""The edge of a contact in a device: its energy release rate at every radius, whatever the device holds.
+
+A device of stiffness k holds x = delta + P/k (load control: x = P). With the lag L = delta_H - delta of the
+displacement behind the nonadhesive one, P = P_H - S L (Eq. 13), so that x = x_H - c L with c = 1 + S/k (load control:
+c = S) and G = S' L^2/(4 pi a), at once for every radius: no equilibrium is asked for.
+"""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_right
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from ...base.arrays import Array
+from ..curve import AdhesiveCurve, Nonadhesive
+from ..device import LOAD_CONTROL, position
+from ..passage import work as work_along
+
+
+class EdgeState(NamedTuple):
+    """Displacement ``delta`` [m], load ``P`` [N], energy release rate ``G`` [J/m^2] and lag [m] at some radii."""
+
+    delta: Array
+    P: Array
+    G: Array
+    lag: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Edge:
+    """The edge of the contact of a ``body`` in a device of ``stiffness`` [N/m] (0: load control, infinite: rigid)."""
+
+    body: Nonadhesive
+    stiffness: float
+
+    def state(self, a: Array, x: Array) -> EdgeState:
+        """The state at the radii ``a`` [m] while the device holds ``x``."""
+        here = self.body.parts(a)
+        lag = (position(here.delta_H, here.P_H, self.stiffness) - x) / self._give(here.S)
+        return EdgeState(here.delta_H - lag, here.P_H - here.S * lag, here.dS * lag**2 / (4 * math.pi * a), lag)
+
+    def held_at(self, a: Array, G: float) -> Array:
+        """What the device holds where the edge at radius ``a`` [m] has the energy release rate ``G``."""
+        here = self.body.parts(a)
+        return position(here.delta_H, here.P_H, self.stiffness) - self._give(here.S) * math.sqrt(G) * here.t
+
+    def held(self, delta: Array, P: Array) -> Array:
+        """What the device holds at displacements [m] and loads [N]."""
+        return position(delta, P, self.stiffness)
+
+    def _give(self, S: Array) -> Array:
+        """c = -dx/dL at constant radius: 1 + S/k, under load control S [N/m]."""
+        return position(np.ones_like(S), S, self.stiffness)
+
+    def stored(self, first: tuple[float, float], last: tuple[float, float]) -> float:
+        """Change of the elastic energy [J] of body and device from one state (a, x) to another.
+
+        U = int P_H d(delta_H) - P_H L + S L^2/2, as dU = P d(delta) - G d(pi a^2); the device's spring has P^2/(2 k).
+        """
+        curve = AdhesiveCurve(self.body, 0.0)
+        return work_along(curve, first[0], last[0]) + self._beside(*last) - self._beside(*first)
+
+    def _beside(self, a: float, x: float) -> float:
+        here, state = self.body.parts(np.array(a)), self.state(np.array(a), np.array(x))
+        spring = 0.0 if self.stiffness in (LOAD_CONTROL, math.inf) else float(state.P) ** 2 / (2 * self.stiffness)
+        return float(-here.P_H * state.lag + here.S * state.lag**2 / 2) + spring
+
+    @cached_property
+    def pointwise(self) -> Pointwise:
+        """The functions of the body at one radius at a time."""
+        return Pointwise.of(self.body)
+
+
+@dataclass(frozen=True, eq=False)
+class Pointwise:
+    """delta_H [m], P_H [N], S [N/m], S' [N/m^2] at one radius, in plain floats: the rule of ``Nonadhesive.parts``, at a
+    thirtieth of the cost of arrays of one. ``a0``: radius of first contact [m]."""
+
+    nodes: list[float]
+    starts: list[float]
+    cubics: list[list[list[float]]]
+    a0: float
+
+    @classmethod
+    def of(cls, body: Nonadhesive) -> Pointwise:
+        columns, slopes = body.logs
+        cubics = np.concatenate([columns.c, slopes.c], axis=2)  # (order, interval, function)
+        return cls(slopes.x.tolist(), columns.x.tolist(), cubics.transpose(1, 2, 0).tolist(), body.series.a0)
+
+    def __call__(self, u: float) -> tuple[float, float, float, float]:
+        """The four functions at log a = ``u``; the outer cubics go on beyond the ends."""
+        i = min(max(bisect_right(self.nodes, u) - 1, 0), len(self.cubics) - 1)
+        y = u - self.nodes[i]
+        z = (math.log(math.exp(u) - self.a0) if self.a0 else u) - self.starts[i]
+        delta, P, S, dS = self.cubics[i]
+        return _exp(delta, z), _exp(P, z), _exp(S, y), _exp(dS, y)
+
+
+def _exp(cubic: list[float], x: float) -> float:
+    c3, c2, c1, c0 = cubic
+    return math.exp(((c3 * x + c2) * x + c1) * x + c0)

@@ -1,0 +1,241 @@
+"""The motion of a contact's edge while the device moves evenly: an ordinary differential equation, da/dt = -+v(G).
+
+Near rest the edge hardly moves for long, at the end it runs away within an instant. So not time but the length s of the
+path (t/T, log a) is the independent variable: ds^2 = (dt/T)^2 + (d log a)^2. LSODA changes between Adams' formulae and
+the stiff ones of Gear as it goes (Petzold, SIAM J. Sci. Stat. Comput. 4 (1983) 136).
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+
+from ...base.arrays import Array
+from ...base.errors import SolveError
+from ..device import LOAD_CONTROL
+from .edge import Edge
+from .laws import RateLaw
+from .program import Ramp
+
+
+@dataclass(frozen=True)
+class MotionTuning:
+    """Accuracy and bounds of the integration."""
+
+    absolute: float = 1e-2  # choice: of the relative tolerance; the unknowns are scaled to 1
+    fastest: float = 1e200  # theory: in radii per T: a speed beyond numbers, its square must not overflow
+    longest: float = 1e15  # theory: of s; beyond it the round-off of a double is longer than a step
+    evaluations: int = 100_000  # choice: guard, six times what the slowest pull in tests takes
+    newton: int = 8  # choice: guard; two steps bring s of a given time to round-off
+
+
+TUNING = MotionTuning()
+
+
+@dataclass(frozen=True)
+class Driven:
+    """The law by which the edge moves: ``law`` about the work of adhesion ``w`` [J/m^2], ``receding`` or advancing."""
+
+    law: RateLaw
+    w: float
+    receding: bool
+
+    def speed(self, G: float) -> float:
+        """da/dt [m/s] at the energy release rate ``G``, 0 where it rests."""
+        if self.receding:
+            return -self.law.speed(self.w, G) if self.w < G else 0.0
+        if not G < self.w:
+            return 0.0
+        return self.law.speed(self.w, self.w**2 / G) if G > 0 else math.inf
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """The path of the edge from one state until it rests, leaves the series or the ramp ends.
+
+    ``path``: of s gives t/T from the ramp's begin on, log a, and the works [J] of device and edge over ``energy``;
+    ``nodes``: the s of the integrator's steps; ``ends``: "ramp", "rest", "first" or "last" radius of the series.
+    """
+
+    edge: Edge
+    ramp: Ramp
+    driven: Driven
+    unit: float
+    energy: float
+    path: Callable[[Array], Array]
+    nodes: Array
+    ends: str
+
+    @property
+    def phase(self) -> str:
+        return "recede" if self.driven.receding else "advance"
+
+    @cached_property
+    def steps(self) -> Array:
+        """The unknowns at the nodes, shape (4, n)."""
+        return self.path(self.nodes)
+
+    @property
+    def first(self) -> tuple[float, float]:
+        """Time [s] and radius [m] at the begin."""
+        return self.ramp.t + self.unit * float(self.steps[0, 0]), math.exp(self.steps[1, 0])
+
+    @property
+    def last(self) -> tuple[float, float]:
+        """Time [s] and radius [m] at the end."""
+        t = self.ramp.t_end if self.ends == "ramp" else self.ramp.t + self.unit * float(self.steps[0, -1])
+        return t, math.exp(self.steps[1, -1])
+
+    @property
+    def work(self) -> float:
+        """Work of the device [J]."""
+        return self.energy * float(self.steps[2, -1] - self.steps[2, 0])
+
+    @property
+    def dissipated(self) -> float:
+        """Work of the edge, - int G d(pi a^2) [J]: what is not stored again."""
+        return self.energy * float(self.steps[3, -1] - self.steps[3, 0])
+
+    def rows(self, points: int) -> tuple[Array, Array]:
+        """Times [s] and radii [m] of ``points`` states, even in s."""
+        return self._states(np.linspace(self.nodes[0], self.nodes[-1], points))
+
+    def at(self, t: Array) -> Array:
+        """Radii [m] at the times ``t`` [s] of the motion: s by Newton's method, from the nodes."""
+        tau = np.clip((t - self.ramp.t) / self.unit, self.steps[0, 0], self.steps[0, -1])
+        s = np.interp(tau, self.steps[0], self.nodes)
+        low, high = self.nodes[[0, -1]]
+        for _ in range(TUNING.newton):
+            times, radii = self._states(s)
+            rate = self._speed(times, radii) * self.unit / radii
+            step = (tau - (times - self.ramp.t) / self.unit) * np.hypot(1, rate)
+            s = np.clip(s + step, low, high)
+            if np.max(np.abs(step), initial=0.0) < 1e-12 * (high - low):
+                break
+        return self._states(s)[1]
+
+    def lowest(self) -> tuple[float, float]:
+        """Time [s] and radius [m] at the least load: at an end, or where dP/dt = 0 between two nodes."""
+
+        def slope(s: float) -> float:
+            t, a = self._states(np.array([s]))
+            return float(self._load_rate(t, a)[0])
+
+        t, a = self._states(self.nodes)
+        signs = np.sign(self._load_rate(t, a))
+        inner = [brentq(slope, self.nodes[i], self.nodes[i + 1], xtol=1e-12, rtol=1e-12)
+                 for i in np.flatnonzero((signs[:-1] < 0) & (signs[1:] > 0))]  # fmt: skip
+        times, radii = self._states(np.array([self.nodes[0], *inner, self.nodes[-1]]))
+        i = int(np.argmin(self.edge.state(radii, self.ramp.at(times)).P))
+        return float(times[i]), float(radii[i])
+
+    def _load_rate(self, t: Array, a: Array) -> Array:
+        """(1 + S/k) dP/dt [N/s] = S dx/dt - S' L da/dt; dx/dt itself under load control."""
+        if self.edge.stiffness == LOAD_CONTROL:
+            return np.full_like(t, self.ramp.rate)
+        here, state = self.edge.body.parts(a), self.edge.state(a, self.ramp.at(t))
+        return here.S * self.ramp.rate - here.dS * state.lag * self._speed(t, a)
+
+    def _speed(self, t: Array, a: Array) -> Array:
+        return self.speeds(a, self.edge.state(a, self.ramp.at(t)).G)
+
+    def speeds(self, a: Array, G: Array) -> Array:
+        """da/dt [m/s] at energy release rates ``G`` [J/m^2]."""
+        return np.array([_bounded(self.driven, value, TUNING.fastest) for value in G.tolist()])
+
+    def _states(self, s: Array) -> tuple[Array, Array]:
+        tau, u, *_ = self.path(s)
+        ends = self.edge.body.a[[0, -1]]
+        return self.ramp.t + self.unit * tau, np.clip(np.exp(u), *ends)
+
+
+def move(edge: Edge, ramp: Ramp, driven: Driven, t: float, a: float, tolerance: float) -> Motion:
+    """The motion of the edge from radius ``a`` [m] at the time ``t`` [s] of a ``ramp`` on; ``tolerance``: relative, of
+    each step. SolveError where the integrator gives up."""
+    unit = _unit_of_time(edge, ramp, driven, t, a)
+    energy = math.pi * a**2 * driven.w
+    rates = _equations(edge, ramp, driven, unit, energy)
+    start = [(t - ramp.t) / unit, math.log(a), 0.0, 0.0]
+    found = solve_ivp(
+        rates, (0.0, TUNING.longest), start, method="LSODA", rtol=tolerance, atol=tolerance * TUNING.absolute,
+        dense_output=True, events=_events(edge, ramp, driven, unit),
+    )  # fmt: skip
+    if found.status != 1:
+        raise SolveError(f"the edge's motion could not be integrated beyond a = {math.exp(found.y[1, -1]):.4g} m")
+    names = ("ramp", "first" if driven.receding else "last", "rest")
+    ends = next(name for name, times in zip(names, found.t_events, strict=False) if len(times))
+    return Motion(edge, ramp, driven, unit, energy, found.sol, found.t, ends)
+
+
+def _unit_of_time(edge: Edge, ramp: Ramp, driven: Driven, t: float, a: float) -> float:
+    """T [s]: in which the device moves by the lag at G = w, or where it stands the edge by its radius."""
+    if ramp.rate != 0:
+        adhesive = edge.held_at(np.array(a), driven.w) - edge.held_at(np.array(a), 0.0)
+        return float(abs(adhesive / ramp.rate))
+    G = float(edge.state(np.array(a), np.array(ramp.x)).G)
+    return a / max(abs(_bounded(driven, G, TUNING.fastest)), a / TUNING.longest)
+
+
+def _bounded(driven: Driven, G: float, most: float) -> float:
+    """The speed of the edge within what numbers hold."""
+    try:
+        return min(max(driven.speed(G), -most), most)
+    except OverflowError:
+        return -most if driven.receding else most
+
+
+def _equations(edge: Edge, ramp: Ramp, driven: Driven, unit: float, energy: float) -> Callable[..., list[float]]:
+    """d/ds of t/T, log a, and the works of device and edge over ``energy``."""
+    body, stiffness, rate, x0 = edge.pointwise, edge.stiffness, ramp.rate, ramp.x
+    loaded, give = stiffness == LOAD_CONTROL, 0.0 if math.isinf(stiffness) or stiffness == 0 else 1 / stiffness
+    fastest = TUNING.fastest
+
+    count = itertools.count(1)
+
+    def rates(_: float, y: Any) -> list[float]:
+        if next(count) > TUNING.evaluations:
+            raise SolveError(f"the edge's motion takes more than {TUNING.evaluations} evaluations of its speed")
+        tau, u, a = float(y[0]), float(y[1]), math.exp(y[1])
+        delta_H, P_H, S, dS = body(u)
+        x, c = x0 + rate * unit * tau, S if loaded else 1 + S * give
+        lag = ((P_H if loaded else delta_H + P_H * give) - x) / c
+        G = dS * lag * lag / (4 * math.pi * a)
+        v = _bounded(driven, G if lag > 0 else 0.0, fastest) * unit
+        size = math.hypot(1.0, v / a)
+        P = P_H - S * lag
+        moved = (lag * v * dS + rate * unit) / S if loaded else rate * unit  # of delta, or of the device
+        return [1 / size, v / a / size, P * moved / size / energy, -2 * math.pi * a * G * v / size / energy]
+
+    return rates
+
+
+def _events(edge: Edge, ramp: Ramp, driven: Driven, unit: float) -> list[Callable[..., float]]:
+    """What ends a motion: the end of the ramp, the end of the series, and rest where the device moves towards it."""
+    end = math.log(edge.body.a[0] if driven.receding else edge.body.a[-1])
+    lasts = (ramp.t_end - ramp.t) / unit
+
+    def over(_: float, y: Any) -> float:
+        return float(y[0]) - lasts if math.isfinite(lasts) else -1.0
+
+    def out(_: float, y: Any) -> float:
+        return float(y[1]) - end
+
+    def rests(_: float, y: Any) -> float:
+        a = np.exp(y[1:2])
+        return float(edge.state(a, ramp.x + ramp.rate * unit * y[0]).G[0]) - driven.w
+
+    towards = ramp.rate > 0 if driven.receding else ramp.rate < 0
+    found: list[Callable[..., float]] = [over, out, *([rests] if towards else [])]
+    for event in found:
+        event.terminal = True  # type: ignore[attr-defined]
+    over.direction = 1  # type: ignore[attr-defined]
+    out.direction = rests.direction = -1 if driven.receding else 1  # type: ignore[attr-defined]
+    return found

@@ -1,0 +1,102 @@
+"""What a device does over time: it moves to and fro, waits, steps; under load control the same of the load."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ...base.arrays import Array
+from ...base.errors import InputError
+
+
+@dataclass(frozen=True)
+class Ramp:
+    """What the device holds, even from ``x`` at the time ``t`` [s] to ``x_end`` at ``t_end``: its position [m], under
+    load control the load [N]. ``rate``: dx/dt [m/s or N/s]; equal times are a step."""
+
+    t: float
+    x: float
+    t_end: float
+    x_end: float
+    rate: float
+
+    @classmethod
+    def between(cls, t: float, x: float, t_end: float, x_end: float) -> Ramp:
+        """The ramp between two points."""
+        rate = (x_end - x) / (t_end - t) if t_end > t else math.copysign(math.inf, x_end - x)
+        return cls(t, x, t_end, x_end, rate)
+
+    @property
+    def is_step(self) -> bool:
+        return self.t_end == self.t
+
+    def at(self, t: Any) -> Any:
+        """What is held at the times ``t`` [s] of a ramp that is no step."""
+        return self.x + self.rate * (t - self.t)
+
+    def when(self, x: float) -> float:
+        """The time [s] at which ``x`` is held; where it stands, the end."""
+        return self.t_end if self.rate == 0 else self.t + (x - self.x) / self.rate
+
+
+@dataclass(frozen=True, eq=False)
+class Program:
+    """The points ``t`` [s] (never falling), ``x`` [m, or N] between which the device moves evenly, and its ``rate``
+    [m/s, or N/s] after the last, for as long as there is contact; None: it ends there. Two points at one time: a step.
+    """
+
+    t: Array
+    x: Array
+    rate: float | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("t", "x"):
+            values = np.array(getattr(self, name), dtype=float)
+            values.setflags(write=False)
+            object.__setattr__(self, name, values)
+            if values.ndim != 1 or not np.isfinite(values).all():
+                raise InputError(f"program: {name} must be a column of finite numbers")
+        if self.t.size != self.x.size or self.t.size < (1 if self.rate else 2):
+            raise InputError(f"program: needs two or more points, and as many times as positions, got {self.t.size}")
+        if (falls := np.flatnonzero(np.diff(self.t) < 0)).size:
+            row = int(falls[0])
+            raise InputError(
+                f"program: time must not fall, got t = {self.t[row + 1]:g} s after {self.t[row]:g} s in row {row + 2}"
+            )
+
+    def ramps(self) -> Iterator[Ramp]:
+        """The ramps in order; the last has no end where the program has a ``rate``."""
+        for one, two in itertools.pairwise(zip(self.t.tolist(), self.x.tolist(), strict=True)):
+            yield Ramp.between(*one, *two)
+        if self.rate is not None:
+            end = math.copysign(math.inf, self.rate)
+            yield Ramp(float(self.t[-1]), float(self.x[-1]), math.inf, end, self.rate)
+
+
+def there_and_back(turn: float, inwards: float, outwards: float, hold: float = 0.0, start: float = 0.0) -> Program:
+    """From ``start`` on at the speed ``inwards`` up to ``turn``, ``hold`` [s], then back at the speed ``outwards``."""
+    for name, speed in (("approach", inwards), ("retraction", outwards)):
+        if not (speed > 0 and math.isfinite(speed)):
+            raise InputError(f"program: the speed of {name} must be > 0, got {speed:g}")
+    if not hold >= 0:
+        raise InputError(f"program: the hold must last >= 0 s, got {hold:g}")
+    reached = abs(turn - start) / inwards
+    return Program(np.array([0.0, reached, reached + hold]), np.array([start, turn, turn]), -outwards)
+
+
+def dwell(
+    turn: float, inwards: float, outwards: float, held: float, lasts: float, hold: float = 0.0, start: float = 0.0
+) -> Program:
+    """There and back as far as ``held``, where the device stays for the time ``lasts`` [s]."""
+    whole = there_and_back(turn, inwards, outwards, hold, start)
+    if not held < turn:
+        raise InputError(f"program: the dwell must lie before the turn at {turn:g}, got {held:g}")
+    if not lasts > 0:
+        raise InputError(f"program: the dwell must last > 0 s, got {lasts:g}")
+    reached = float(whole.t[-1]) + (turn - held) / outwards
+    return Program(np.append(whole.t, [reached, reached + lasts]), np.append(whole.x, [held, held]))

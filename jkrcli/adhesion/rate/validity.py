@@ -1,0 +1,59 @@
+"""Within what limits a contact with rate-dependent adhesion is what the equation says."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from ...base.unknown import Estimate, Unknown
+
+NEGLECTED = (
+    "the bulk is taken as elastic: all that is lost is lost at the edge; a bulk that relaxes as slowly as the contact "
+    "is held, inertia and the viscosity of the bulk are left out"
+)
+
+
+@dataclass(frozen=True)
+class ZoneLimits:
+    """Sizes beyond which the edge is no line."""
+
+    wide: float = 0.1  # choice: of radius or thickness, where a line of force as in Eq. 13 is no longer meant
+
+
+LIMITS = ZoneLimits()
+
+
+@dataclass(frozen=True)
+class Zone:
+    """The dissipating zone at the edge: its ``width`` [m], and over the contact radius and the layer's thickness."""
+
+    width: Estimate
+    over_a: Estimate
+    over_h: Estimate
+
+    @property
+    def warnings(self) -> list[str]:
+        """A sentence for each ratio that is too large."""
+        return [
+            f"the dissipating zone at the edge is {value:.2g} of the {name}, more than {LIMITS.wide:g}: it is no edge, "
+            "and the curve follows from the whole stress in it"
+            for name, value in (("contact radius", self.over_a), ("layer's thickness", self.over_h))
+            if isinstance(value, float) and value > LIMITS.wide
+        ]
+
+
+def zone(G: float, w0: float, E_star: float, a: float, h: float, stress: float | None, z0: float | None) -> Zone:
+    """The zone at energy release rate ``G`` [J/m^2] and radius ``a`` [m]: Dugdale's, pi E* G/(4 sigma^2).
+
+    K^2 = 2 E* G at the edge of a rigid indenter's contact, and the zone pi K^2/(8 sigma^2) (Dugdale, J. Mech. Phys.
+    Solids 8 (1960) 100). ``stress``: the cohesive stress sigma [Pa], else that of ``w0`` over the range ``z0`` [m]; a
+    lower limit where the zone is one of slow bonds or of a viscous tip. ``h``: thickness [m], infinite for a
+    half-space.
+    """
+    if stress is None and z0 is None:
+        none = Unknown("unknown without a cohesive stress or a range of adhesion")
+        return Zone(none, none, none)
+    sigma = stress if stress is not None else w0 / (z0 or math.inf)
+    width = math.pi * E_star * G / (4 * sigma**2)
+    no_layer = Unknown("no layer: the specimen is a half-space")
+    return Zone(width, width / a, no_layer if math.isinf(h) else width / h)

@@ -1,0 +1,136 @@
+"""The points where contact is lost, solved anew at their own radii where the method that made the series is exact.
+
+Between its radii a series is interpolated, with a larger error than that of an exact method. The problem is solved once
+more at five radii close around each pull-off point: the curve then passes through the middle one with the slopes of the
+quartics through the five, and the errors of these slopes say how well the place is known.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..base.arrays import Array
+from ..base.errors import JkrError
+from ..bodies.problem import Loading
+from ..case import Case
+from ..case.numerics import method_of
+from ..methods import METHODS, Method, method_class
+from ..series import Series, Solution
+from .curve import TUNING as CURVE
+from .curve import AdhesiveCurve, CriticalPoint, Nonadhesive
+from .device import CONTROLS
+from .slopes.exact import exact
+from .slopes.result import TWO_SIDED_90, covariance_from_errors
+
+Further = Callable[[Array], Nonadhesive]  # the functions at other radii [m], solved
+STEPS = np.arange(-2, 3)
+# Rows: derivative of the quartic through values at ``STEPS``, of the parabola through the inner three, by the step.
+WEIGHTS = np.array([[1, -8, 0, 8, -1], [0, -6, 0, 6, 0]]) / 12
+
+
+@dataclass(frozen=True)
+class SolvedTuning:
+    """Where further radii are solved, and how often."""
+
+    # Of log(a - a0) between the five, the fifth root of the error of the columns, within these limits:
+    least: float = 3e-3  # theory: a smooth series errs by the fourth power
+    most: float = 5e-2  # choice: what still lies close
+    rounds: int = 4  # of solves; choice: coarse series need three
+    seconds: float = 1.0  # forecast of one solve up to which it is begun; choice: of the wait for a curve
+
+
+TUNING = SolvedTuning()
+
+
+def solver_of(solution: Solution) -> Further | None:
+    """How further radii of ``solution`` are solved; None where its radii are not exact, or that is no quick matter."""
+    method, series = method_behind(solution), solution.series
+    stated = {"delta", "dS"} <= series.errors.keys() and series.dS is not None
+    if method is None or not stated or np.any(series.errors.get("a", 0.0)):
+        return None
+    problem = replace(solution.problem, loading=Loading.given("radius", (float(series.a[-1]),)))
+    if method.refusal(problem) or method.forecast(problem).seconds > TUNING.seconds:
+        return None
+    error = max(float(np.max(series.errors[name] / getattr(series, name))) for name in ("delta", "dS"))
+    step = min(max(error**0.2, TUNING.least), TUNING.most)
+
+    def further(a: Array) -> Nonadhesive:
+        beyond = np.outer(a - series.a0, np.exp(step * STEPS))
+        radii, order = np.unique(series.a0 + beyond, return_inverse=True)
+        loading = Loading.given("radius", tuple(radii.tolist()))
+        return _in_the_middle(method(replace(problem, loading=loading)).series, order.reshape(-1, STEPS.size), step)
+
+    return further
+
+
+def method_behind(solution: Solution) -> Method | None:
+    """The method that made ``solution``, with the options of its case."""
+    name, case = solution.method, solution.record.case
+    if name not in METHODS:
+        return None
+    method: Method = method_of(case.model, name) if isinstance(case, Case) else method_class(name)()
+    return method
+
+
+def _in_the_middle(series: Series, fives: Array, step: float) -> Nonadhesive:
+    """The functions at the middle of each of the ``fives``, rows (n, 5) of ``series`` a ``step`` of log(a - a0) apart,
+    with slopes and the joint covariance of columns and slopes."""
+    assert series.S is not None
+    assert series.dS is not None
+    middle, rows = fives[:, 2], np.sort(fives[:, 2])
+    assert (middle == rows).all()
+    names = ("a", "delta", "P", "S", "dS")
+    columns = {name: getattr(series, name)[rows] for name in names}
+    errors = {name: values[rows] for name, values in series.errors.items()}
+    inner = replace(series, **columns, errors=errors)
+    logs = np.log(np.stack([series.delta, series.dS]))[:, fives]
+    quartic, parabola = np.einsum("cnk,wk->wcn", logs, WEIGHTS) / step
+    relative = np.stack([errors["delta"] / inner.delta, errors["dS"] / columns["dS"]])
+    noise = float(np.linalg.norm(WEIGHTS[0])) / step * relative
+    unsure = noise + (quartic - parabola) ** 2 / np.maximum(np.abs(quartic), 1.0)
+    beyond = inner.a - inner.a0
+    slopes = exact(inner)
+    covariance = covariance_from_errors(inner, columns["S"], columns["dS"])
+    assert covariance is not None
+    joint = np.zeros((rows.size, 6, 6))
+    joint[:, :4, :4] = covariance
+    absolute = unsure * np.stack([inner.delta, columns["dS"]]) / beyond / TWO_SIDED_90
+    joint[:, 4, 4], joint[:, 5, 5] = absolute**2
+    log_rates = np.stack([quartic[0], quartic[1] * inner.a / beyond], axis=1)
+    return Nonadhesive(inner, replace(slopes, joint=joint), log_rates)
+
+
+def solved(curve: AdhesiveCurve, further: Further, *devices: float) -> AdhesiveCurve:
+    """The ``curve`` through what is solved at its pull-off points, those by ``devices`` of a stiffness [N/m] included,
+    until they lie there."""
+    for _ in range(TUNING.rounds):
+        radii = _wanted(curve, {*CONTROLS.values(), *devices})
+        if not radii.size:
+            break
+        try:
+            curve = _through(curve, further(radii))
+        except JkrError:  # the body or the profile does not allow it: what is interpolated stands, with its error
+            break
+    return curve
+
+
+def _wanted(curve: AdhesiveCurve, devices: set[float]) -> Array:
+    """Radii of the pull-off points; none where they are all solved."""
+    found = (curve.pull_off(stiffness) for stiffness in devices)
+    points = [point for point in found if isinstance(point, CriticalPoint)]
+    return np.unique([] if all(_is_solved(curve, point) for point in points) else [point.a for point in points])
+
+
+def _is_solved(curve: AdhesiveCurve, point: CriticalPoint) -> bool:
+    further = curve.nonadhesive.further
+    nearest = math.inf if further is None else float(np.min(np.abs(further.a - point.a)))
+    return nearest <= CURVE.solved * (point.a - curve.series.a0)
+
+
+def _through(curve: AdhesiveCurve, found: Nonadhesive) -> AdhesiveCurve:
+    """The ``curve`` through the functions ``found`` at further radii in place of those before."""
+    return replace(curve.nonadhesive, further=found).adhesive(curve.w)

@@ -17,6 +17,7 @@ from ..bodies.indenters import Indenter, Sphere
 from ..bodies.problem import Loading, Problem
 from ..series import ErrorBudget, RawSeries, Series, Solution, filter_plateaus
 from .columns import CONTACT, Vocabulary, asked, check_chosen, words
+from .noisy_rows import is_noise
 from .text_table import TextTable, read_table, some
 
 LEAST_ROWS = 5  # choice: of a series
@@ -56,6 +57,8 @@ def read_series(path: Path, problem: Problem, reading: SeriesReading) -> Solutio
 
     InputError names lines and columns.
     """
+    from ..adhesion.departure import departures
+
     indenter = problem.indenter
     table = read_table(path, reading.separator, reading.decimal)
     chosen = _columns(table, reading)
@@ -64,21 +67,54 @@ def read_series(path: Path, problem: Problem, reading: SeriesReading) -> Solutio
     if reading.sort:
         order = np.argsort(values["delta"], kind="stable")
         values, lines = {key: column[order] for key, column in values.items()}, lines[order]
-    touching = values["a" if "a" in values else "area"] > 0
-    _check(table.path, values, lines, touching)
+    size = "a" if "a" in values else "area"
+    touching = values[size] > 0
+    wrong = _wrong(table.path, values, lines, touching)
+    noisy = bool(wrong) and is_noise(*(values[name][touching] for name in (size, "delta", "P")))
+    if wrong and not noisy:
+        raise InputError(wrong)
     if "area" in values:
         values["a"] = _radii(table.path, values.pop("area"), lines, indenter, reading.area)
     raw = RawSeries(values["a"], values["delta"], values["P"], lines)
-    kept, dropped = filter_plateaus(raw)
-    _check_kept(table.path, kept, dropped, indenter)
+    if noisy:
+        raw, series, words = _by_fit(table.path, raw, indenter)
+        dropped = int(lines.size - raw.a.size)
+    else:
+        kept, dropped = filter_plateaus(raw)
+        _check_kept(table.path, kept, dropped, indenter)
+        series, words = Series(kept.a, kept.delta, kept.P, a0=indenter.a0, S0=_first_slope(indenter)), ()
     return Solution(
         problem=replace(problem, loading=Loading("depth", float(raw.delta.max()), raw.delta.size, "depth")),
-        series=Series(kept.a, kept.delta, kept.P, a0=indenter.a0, S0=None if indenter.a0 > 0 else 0.0),
+        series=series,
         raw=raw,
         budget=ErrorBudget(UNKNOWN, UNKNOWN, UNKNOWN),
         method="import",
-        facts=_facts(table, chosen, reading, dropped),
+        facts=_facts(table, chosen, reading, dropped) | {"order": "by the fit" if noisy else "of the rows"},
+        warnings=(*words, *departures(problem, raw)),
     )
+
+
+def _first_slope(indenter: Indenter) -> float | None:
+    """S at first touch [N/m], None where it is unknown."""
+    return None if indenter.a0 > 0 else 0.0
+
+
+def _by_fit(path: Path, raw: RawSeries, indenter: Indenter) -> tuple[RawSeries, Series, tuple[str, ...]]:
+    """Rows in contact that are noisy, their fitted series, and what is wrong with them.
+
+    Rows up to the last at which noise hides the contact (delta or P <= 0) are left out.
+    """
+    from ..adhesion.slopes.choice import smoothed
+
+    assert raw.rows is not None
+    hidden = np.flatnonzero((raw.a <= indenter.a0) | (raw.delta <= 0) | (raw.P <= 0))
+    first = 0 if hidden.size == 0 else int(hidden[-1]) + 1
+    kept = RawSeries(raw.a[first:], raw.delta[first:], raw.P[first:], raw.rows[first:])
+    _check_kept(path, kept, first, indenter)
+    series, slopes = smoothed(kept, indenter.a0, _first_slope(indenter))
+    lost = int(np.sum(raw.a[:first] > indenter.a0))
+    words = (f"{lost} rows near first touch, where noise hides the contact, are left out",) if lost else ()
+    return kept, series, (*words, *slopes.flags)
 
 
 def read_measured(path: Path, shift: float = 0.0) -> tuple[Array, Array]:
@@ -108,8 +144,11 @@ def _values(table: TextTable, key: str, index: int, reading: SeriesReading) -> A
 
 
 # ---------------------------------------------------------------------- rows
-def _check(path: Path, values: Mapping[str, Array], lines: Array, touching: Array) -> None:
-    """Refuse rows in contact out of the order of loading: displacement and load rise, radius or area does not fall."""
+def _wrong(path: Path, values: Mapping[str, Array], lines: Array, touching: Array) -> list[str]:
+    """What is wrong with the order of the rows in contact: displacement and load rise, radius or area does not fall.
+
+    Refused where too few are in contact.
+    """
     if touching.sum() < LEAST_ROWS:
         there = f" (lines {', '.join(map(str, lines[touching]))})" if touching.any() else ""
         raise InputError(f"{path}: holds {touching.sum()} rows in contact{there}, at least {LEAST_ROWS} are needed")
@@ -123,9 +162,10 @@ def _check(path: Path, values: Mapping[str, Array], lines: Array, touching: Arra
         for i in np.flatnonzero(steps <= 0 if rule == "rise" else steps < 0):
             change = "stays at" if steps[i] == 0 else f"falls from {column[i]:.6g} to"
             wrong.append((rows[i + 1], f"{meaning} must {rule} from row to row, it {change} {column[i + 1]:.6g} (SI)"))
-    if wrong:
-        messages = [f"{path}: line {line}: {message}" for line, message in sorted(wrong)]
-        raise InputError([*some(messages), f"{path}: {_remedy(values['delta'][touching])}"])
+    if not wrong:
+        return []
+    messages = [f"{path}: line {line}: {message}" for line, message in sorted(wrong)]
+    return [*some(messages), f"{path}: {_remedy(values['delta'][touching])}"]
 
 
 def _remedy(delta: Array) -> str:

@@ -35,7 +35,10 @@ class RecordTuning:
     sigmas: float = 6.0  # theory: 1e-9 of normal noise lies beyond
     least: float = 0.005  # choice: of the range of the load, below which no departure counts
     run: int = 3  # choice: blocks in succession that must agree
-    jump: float = 0.05  # choice: of the range of the load, least size of a jump
+    jump: float = 0.02  # choice: of the range of the load, least size of a jump
+    turning: float = 0.02  # choice: of the way, next to the turning point, where no step is looked for
+    doubtful: float = 0.5  # choice: of the least load that is told; tension between is neither a jump nor a step
+    around: int = 20  # choice: steps before a jump, and after it, whose median is the usual one
     back: float = 0.2  # choice: of the whole way, least of both ways that make two directions of one segment
     still: float = 0.45  # choice: just below the half of a step in speed that smoothing leaves at its place
     least_part: float = 0.02  # choice: of all rows, least length of a pause or a direction
@@ -104,7 +107,8 @@ class Direction:
     half-width; ``largest``: largest load over the base line [N]; ``adhesion``: largest tension below it [N], at
     ``adhesion_at`` [m]. ``border``: from the far end inwards, the last row that is free for sure and the first that is
     in contact for sure: after a jump, else where tension is largest, as what lets go slowly beyond is no contact of
-    an elastic body. ``depth``: how far the device moves beyond touch [m].
+    an elastic body. ``depth``: how far the device moves beyond touch [m]. ``jumps``: to tension, seen from the far end
+    inwards; ``steps``: all other sudden changes of the load.
     """
 
     segment: Segment
@@ -115,6 +119,7 @@ class Direction:
     adhesion: Estimate
     adhesion_at: float
     jumps: tuple[ForceJump, ...]
+    steps: tuple[ForceJump, ...]
     border: tuple[int, int]
     depth: float
 
@@ -205,12 +210,19 @@ def _direction(position: Array, P: Array, segment: Segment) -> Direction:
     if -off[lowest] < base.least:
         tension = Unknown("no tension is told from the noise")
     rows = range(segment.first, segment.last + 1)[::order]
-    falls = _jumps(off, base)
-    jumps = tuple(ForceJump(rows[(i + j) // 2], float(x[(i + j) // 2]), float(off[j] - off[i])) for i, j in falls)
+    falls, others = _jumps(off, base)
+    turn = x.max() - TUNING.turning * np.ptp(x)  # beyond, a change of drag is no event
+    others = [(first, last) for first, last in others if x[last] < turn]
+    jumps, steps = (
+        tuple(ForceJump(rows[(i + j) // 2], float(x[(i + j) // 2]), float(off[j] - off[i])) for i, j in found)
+        for found in (falls, others)
+    )
     inner = falls[-1][1] if falls else row if isinstance(tension, Unknown) else max(lowest, row)
     border = min([row - 1, *(first for first, _ in falls)]), inner
     depth = float(x.max() - x[min(row, x.size - 1)])
-    return Direction(segment, base, touch, error, float(off.max()), tension, float(x[lowest]), jumps, border, depth)
+    return Direction(
+        segment, base, touch, error, float(off.max()), tension, float(x[lowest]), jumps, steps, border, depth
+    )
 
 
 def _blocks(values: Array, size: int) -> Array:
@@ -292,22 +304,38 @@ def _touch(x: Array, off: Array, base: BaseLine, end: int) -> tuple[int, float]:
     return i, float(np.ptp(near)) / 2
 
 
-def _jumps(off: Array, base: BaseLine) -> list[tuple[int, int]]:
-    """Rows before and after which the load falls at once to tension, seen from the far end inwards: the jump into
-    contact on approach, those of pull-off on retraction.
+def _jumps(off: Array, base: BaseLine) -> tuple[list[tuple[int, int]], list[tuple[int, int]]]:
+    """Rows before and after which the load changes at once, seen from the far end inwards: falls to tension (the jump
+    into contact on approach, those of pull-off on retraction), and all others.
 
-    At once: within a few rows, and far beyond what the load does around them.
+    At once: within a few rows, and far beyond what the load does before and after; a kink is none.
     """
     width = max(1, round(off.size * TUNING.block / 4))
     if off.size <= 4 * width:
-        return []
+        return [], []
     step = off[width:] - off[:-width]
-    span = 20 * width
-    usual = np.array([np.median(step[max(i - span, 0) : i + span + 1]) for i in range(0, step.size, width)])
-    excess = step - np.repeat(usual, width)[: step.size]
     least = max(TUNING.sigmas * math.sqrt(2) * base.noise, TUNING.jump * float(np.ptp(off)))
-    falls = np.flatnonzero((-excess > least) & (off[width:] < -base.least))
-    groups = np.split(falls, np.flatnonzero(np.diff(falls) > 2 * width) + 1) if falls.size else []
+    before, after = _usual(step, width)
+    fall = step < np.minimum(before, after) - least
+    rise = step > np.maximum(before, after) + least
+    tension = -off[width:] / base.least if base.least else -np.sign(off[width:])
+    return _runs(fall & (tension > 1), width), _runs(fall & (tension < TUNING.doubtful) | rise, width)
+
+
+def _usual(step: Array, width: int) -> tuple[Array, Array]:
+    """The median of the steps over ``width`` rows just before each of them, and just after."""
+    n = TUNING.around
+    few = np.pad(step[::width], n + 1, mode="edge")
+    medians = np.median(np.lib.stride_tricks.sliding_window_view(few, n), axis=1)
+    count = few.size - 2 * (n + 1)
+    before, after = medians[:count], medians[n + 3 : n + 3 + count]
+    return np.repeat(before, width)[: step.size], np.repeat(after, width)[: step.size]
+
+
+def _runs(held: Array, width: int) -> list[tuple[int, int]]:
+    """First row and last, ``width`` further on, of each run of rows that are ``held``, with short gaps."""
+    rows = np.flatnonzero(held)
+    groups = np.split(rows, np.flatnonzero(np.diff(rows) > 2 * width) + 1) if rows.size else []
     return [(int(group[0]), int(group[-1]) + width) for group in groups]
 
 
@@ -333,6 +361,16 @@ def _flags(curve: Curve, directions: Sequence[Direction]) -> dict[str, str]:
             flags["wavy base line"] = (
                 f"the {name}'s base line deviates from straight by {show(base.waviness, 'load')}, "
                 f"{base.waviness / span:.0%} of the range of the load"
+            )
+    for item in touched:
+        name = item.segment.kind
+        if len(item.jumps) > 1:
+            flags["several contacts"] = f"the {name} holds {len(item.jumps)} jumps to tension"
+        if item.steps:
+            step = max(item.steps, key=lambda step: abs(step.step))
+            flags["step"] = (
+                f"the load of the {name} changes at once by {show(step.step, 'load', 3)} at row {step.row + 1}: of the "
+                "base line, by a second contact, or by slip"
             )
     if any(_wanders(curve.device[item.segment.rows]) for item in directions):
         flags["no force curve"] = "the device runs to and fro"

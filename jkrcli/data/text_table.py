@@ -24,6 +24,7 @@ COMMENTS = ("#", "%", "//", "**", "!")
 HEADINGS = ("columns:", "units:")  # before the names and units themselves, in comment heads
 OTHER_UNITS = ("", "-", "1", "V", "mV")
 WRONG_LINES_SHOWN = 5
+MOST_BYTES = 256 << 20  # choice: of a table of numbers, ten times as much in memory
 SAMPLE = 2000  # lines from which the dialect is found out
 _NUMBER = re.compile(r"[+-]?(\d+[.]?\d*|[.]\d+)([eEdD][+-]?\d+)?\Z|[+-]?(nan|inf|infinity)\Z", re.IGNORECASE)
 
@@ -109,7 +110,7 @@ def read_table(
     rows with nan or inf.
     Raises InputError, a line per mistake, where there is no table or a row differs in its number of cells.
     """
-    whole = decoded(read_bytes(path, "table") if content is None else content)
+    whole = decoded(read_bytes(path, "table", MOST_BYTES) if content is None else content)
     lines_of_file = [(n, line) for n, line in enumerate(whole.splitlines(), start=1) if line.strip()]
     dialect = _dialect(lines_of_file[:SAMPLE], separator, decimal, least, is_text)
     if dialect is None and len(lines_of_file) > SAMPLE:

@@ -14,7 +14,8 @@ import numpy as np
 from ...base.arrays import Array
 from ...base.errors import InputError, first_line
 from ...base.files import read_bytes
-from .curve import APPROACH, LEAST_ROWS, RETRACT, Curve, Reading, place
+from ...base.installing import installs
+from .curve import APPROACH, LEAST_ROWS, RETRACT, Curve, Pixel, Reading, place
 
 HEIGHTS = ("height (measured)", "height (piezo)")  # the better first
 SEGMENTS = {0: APPROACH, 1: RETRACT}
@@ -55,7 +56,7 @@ def load(path: Path, reading: Reading) -> tuple[list[Any], str]:
         import afmformats
         from afmformats import errors, meta
     except ModuleNotFoundError:
-        raise UnreadableError(f'{path}: needs the optional package afmformats: pip install "jkrcli[afm]"') from None
+        raise UnreadableError(f"{path}: needs the optional package afmformats: {installs('afm')}") from None
     if not path.is_file():
         read_bytes(path, "file of force curves")  # says what is wrong with it
     logger = logging.getLogger("afmformats")
@@ -112,7 +113,15 @@ def _curve(path: Path, name: str, data: Any) -> Curve:
     segment = None
     if _holds(data, "segment"):
         segment = np.array([SEGMENTS.get(int(word), f"segment {word}") for word in data["segment"]])
-    return Curve(name, delta=delta, P=P, t=t, segment=segment, origin=path, flags=flags)
+    return Curve(name, delta=delta, P=P, t=t, segment=segment, origin=path, flags=flags, pixel=_pixel(data))
+
+
+def _pixel(data: Any) -> Pixel | None:
+    """The place of a data set in a map, where its file tells it."""
+    told = [data.metadata.get(key) for key in ("grid index x", "grid index y", "position x", "position y")]
+    if any(value is None or not math.isfinite(value) for value in told):
+        return None
+    return Pixel(int(told[0]), int(told[1]), float(told[2]), float(told[3]))
 
 
 def _with_factors(curve: Curve, reading: Reading) -> Curve:

@@ -26,6 +26,8 @@ class FirstTouchTuning:
     normal: float = 1.4826  # theory: standard deviation over median deviation of normal noise
     run: int = 3  # choice: rows in succession that must agree
     saturated: int = 5  # choice: rows in succession at the very same largest load that are said
+    moved: float = 2e-3  # choice: of the way, how far the device must move on meanwhile
+    levels: float = 10.0  # choice: of a converter, by which the load must have come there within as many rows
 
 
 TUNING = FirstTouchTuning()
@@ -69,14 +71,31 @@ def with_zero_points(curve: Curve) -> Curve:
 
 
 def saturation(curve: Curve) -> tuple[str, ...]:
-    """A sentence where the load stands still at its largest value, as it does at a detector's limit."""
-    if curve.P is None:
+    """A sentence where the load stands still at its largest or smallest value while the device moves on, as it does at
+    a detector's limit."""
+    if curve.P is None or curve.delta is None:
         return ()
-    largest = np.flatnonzero(curve.P == curve.P.max())
-    if largest.size < TUNING.saturated or largest[-1] - largest[0] + 1 != largest.size or largest.size == len(curve):
-        return ()
-    return (f"{largest.size} rows in succession hold the same largest load, {show(float(curve.P.max()), 'load')}: "
-            "is the detector at its limit?",)  # fmt: skip
+    z = curve.device
+    for name, end in (("largest", curve.P.max()), ("smallest", curve.P.min())):
+        count = _standing_still(curve.P, z, float(end))
+        if count:
+            return (f"{count} rows in succession hold the same {name} load, {show(float(end), 'load')}: "
+                    "is the detector at its limit?",)  # fmt: skip
+    return ()
+
+
+def _standing_still(P: Array, z: Array, end: float) -> int:
+    """Rows of the longest run at the load ``end``, where it came there by more than some steps of the converter."""
+    held = np.flatnonzero(np.diff(np.concatenate([[False], end == P, [False]]).astype(int)))
+    first, last = held[::2], held[1::2]
+    i = int(np.argmax(last - first))
+    count = int(last[i] - first[i])
+    levels = np.diff(np.unique(P))
+    moved = np.abs(z[first[i] : last[i]] - z[first[i]]).max()
+    if count < TUNING.saturated or count == P.size or moved < TUNING.moved * np.ptp(z):
+        return 0
+    near = P[max(first[i] - count, 0) : last[i] + count]
+    return count if float(np.ptp(near)) > TUNING.levels * float(levels.min()) else 0
 
 
 def _approach(curve: Curve) -> Array:

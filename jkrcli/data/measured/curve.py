@@ -17,6 +17,16 @@ APPROACH, RETRACT = "approach", "retract"
 LEAST_ROWS = 3  # choice: of a curve
 
 
+@dataclass(frozen=True)
+class Pixel:
+    """Where in a map a curve was taken: ``column, row`` from 0 on, ``x, y`` [m] of the device in the plane."""
+
+    column: int
+    row: int
+    x: float
+    y: float
+
+
 @dataclass(frozen=True, eq=False)
 class Curve:
     """One measured curve: contact radius ``a`` [m], displacement ``delta`` [m], load ``P`` [N], time ``t`` [s].
@@ -25,7 +35,7 @@ class Curve:
     nor, in ``delta`` and ``P``, of known zero: signs are those of the project (indentation and compression positive).
     ``segment``: a word per row ("approach", "retract" or another), None where not told. ``name``: unique in its file;
     ``origin``: that file; ``flags``: sentences on how the rows were read. ``stiffness`` [N/m]: of the device whose
-    deflection was subtracted from ``delta``; None: ``delta`` is as it was recorded.
+    deflection was subtracted from ``delta``; None: ``delta`` is as it was recorded. ``pixel``: of a map, if it is one.
     """
 
     name: str
@@ -37,6 +47,7 @@ class Curve:
     origin: Path | None = None
     flags: tuple[str, ...] = ()
     stiffness: float | None = None
+    pixel: Pixel | None = None
 
     def __post_init__(self) -> None:
         sizes = {}

@@ -112,6 +112,20 @@ class FittedBody:
         others = [self._solved(changed(self, near | {name: near[name] * math.exp(TUNING.step)})) for name in varied]
         return replace(body, family=body.family.with_rates([other.rate_from(base, TUNING.step) for other in others]))
 
+    def on_surface(self, surface: str) -> FittedBody:
+        """The same body whose surfaces are "sliding" or "sticking": solved anew by ``layered`` where they were not."""
+        if surface == self.problem.surface:
+            return self
+        if self.problem.specimen.radius is not None:
+            raise InputError(
+                "fit: --surface: a finite cylinder is not solved anew: give the series of a case with the other "
+                "specimen.surface"
+            )
+        points = max(len(self.series), TUNING.points)
+        loading = Loading("radius", float(self.series.a[-1]), points, "radius")
+        other = replace(unbounded(self.problem), loading=loading, sticks=surface == "sticking")
+        return replace(_reaching(other, self.tolerance), extensible=self.extensible, told=self.told)
+
     def to_radius(self, a: float) -> FittedBody:
         """The same problem solved by ``layered`` up to contact radius ``a`` [m] or little more, with as many points."""
         points = max(len(self.series), TUNING.points)
@@ -190,12 +204,12 @@ def check_parameters(body: FittedBody, names: Sequence[str]) -> None:
     checked_names(own, body.own_parameters)
 
 
-def checked_names(names: Sequence[str], allowed: Sequence[str]) -> None:
-    """Refuse a name that is none of ``allowed``, with the nearest that is."""
+def checked_names(names: Sequence[str], allowed: Sequence[str], verb: str = "fit") -> None:
+    """Refuse a name that is none of ``allowed``, with the nearest that is; the message begins with the ``verb``."""
     for name in names:
         if name not in allowed:
             hint = did_you_mean(name, allowed, 0.4)
-            raise InputError(f'fit: unknown parameter "{name}"{hint} (allowed: {", ".join(allowed)})')
+            raise InputError(f'{verb}: unknown parameter "{name}"{hint} (allowed: {", ".join(allowed)})')
 
 
 def body_of(source: Case | Solution | Path, rule: str = "auto", limits: Limits | None = None) -> FittedBody:

@@ -17,7 +17,7 @@ from .model import Objective
 from .result import FittedValue
 from .search import Minimum, minimise
 from .settings import Parameter, Settings
-from .statistics import covariance, t_quantile, variance_factor
+from .statistics import covariance, covariance_of_uneven, t_quantile, uneven, variance_factor
 
 DOUBLINGS = 6  # choice: of the step in which a profile must reach its limit, else it has none
 STEP = 1e-5  # theory: of the unknowns, for central differences: about the cube root of round-off
@@ -44,7 +44,11 @@ def confidence_of(minimum: Minimum, settings: Settings) -> Confidence:
     columns = len(objective.points.columns)
     dof = max(residuals.shape[1] * (columns - 1) - free.size, 1)  # a foot point takes one number from every point
     factor = variance_factor(residuals, dof, settings.loss, minimum.width)
-    inner = covariance(minimum.found.jacobian(free), factor)
+    jacobian = minimum.found.jacobian(free)
+    if settings.loss == "linear" and (columns > 2 or uneven(residuals, np.argsort(minimum.found.u))):
+        inner = covariance_of_uneven(jacobian, residuals)
+    else:
+        inner = covariance(jacobian, factor)
     samples = _bootstrap(minimum, settings) if settings.confidence == "bootstrap" else None
     t = t_quantile(settings.level, dof)
     spread = _Spread(minimum, settings, inner, samples, t, factor)

@@ -11,6 +11,8 @@ import numpy as np
 from ...base.errors import InputError, JkrError, SolveError
 from ...base.executors import Pool, completed
 from ...data.measured import Curve
+from ...data.measured.curve import Pixel
+from ...data.record import examine
 from .body import FittedBody, check_parameters
 from .checks import warnings_of
 from .confidence import confidence_of
@@ -27,10 +29,27 @@ CHUNK = 20  # choice: curves per task
 
 @dataclass(frozen=True, eq=False)
 class Failure:
-    """A curve that could not be fitted; ``lines``: why, one sentence each."""
+    """A curve that could not be fitted; ``lines``: why, one sentence each; ``flags``: what is wrong with the record, in
+    a word or two each."""
 
     curve: Curve
     lines: tuple[str, ...]
+
+    @property
+    def flags(self) -> tuple[str, ...]:
+        return flags_of(self.curve)
+
+    @property
+    def pixel(self) -> Pixel | None:
+        return self.curve.pixel
+
+
+def flags_of(curve: Curve) -> tuple[str, ...]:
+    """What is wrong with a record, in a word or two each; none where it is too short or no force curve."""
+    try:
+        return tuple(examine(curve).flags)
+    except InputError:
+        return ()
 
 
 def fit_all(body: FittedBody, curves: Sequence[Curve], settings: Settings, pool: Pool) -> list[Fit | Failure]:
@@ -54,7 +73,7 @@ def fit(body: FittedBody, curve: Curve, settings: Settings) -> Fit:
     Raises InputError where the data do not allow it, SolveError where it does not converge; both name the curve.
     """
     try:
-        return _fit(body, curve, settings)
+        return replace(_fit(body, curve, settings), pixel=curve.pixel, surface=body.problem.surface)
     except InputError as error:
         lines = [line if line.startswith(curve.where) else f"{curve.where}: {line}" for line in error.lines]
         raise InputError(lines) from None
@@ -98,6 +117,7 @@ def _fit(body: FittedBody, curve: Curve, settings: Settings) -> Fit:
         evaluations=minimum.evaluations,
         settings=settings,
         warnings=(),
+        flags=() if curve.stiffness is None else flags_of(curve),
     )
     said = warnings_of(found, minimum.objective.body, readings.family, minimum.at_bound)
     return replace(found, warnings=(*words, *said))

@@ -12,18 +12,20 @@ are in contact, and 0 where they are free. Each direction has its own base line 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 import numpy as np
-from scipy.optimize import brentq, least_squares
+from scipy.optimize import least_squares
 
 from ...base.arrays import Array
 from ...base.errors import SolveError
 from ...base.unknown import Unknown
 from ...data.measured.curve import APPROACH
 from ...data.record import BaseLine, Direction, ForceCurve
+from .coloured import spread as covariance
 from .family import Family
 
 
@@ -32,6 +34,8 @@ class ForceCurveTuning:
     """How finely branches are tabulated and starts are tried."""
 
     nodes: int = 400  # choice: of a branch; loads between them are good to 1e-7 of the largest
+    zooms: int = 3  # choice: grids on which a fold is sought, each of ``zoomed`` points within a step of the one before
+    zoomed: int = 33  # choice: see ``zooms``; the position at the fold, flat there, is then good to 1e-16
     below: float = 4.0  # choice: of log a below the series, where its limit by power laws holds
     beyond: float = 0.5  # choice: of log a above the series, tried while starting values are looked for
     shapes: int = 25  # choice: ratios w/s tried
@@ -41,7 +45,8 @@ class ForceCurveTuning:
     blunt: tuple[float, ...] = (1e-2, 1e-3, 1e-5)  # choice: of the depth of contact, for a blunt fold while searching
     moduli: float = 10.0  # choice: of ln s about its start, where the search may go
     converged: float = 1e-11  # choice: relative change of cost and parameters
-    evaluations: int = 200  # choice: steps after which the search gives up
+    about: float = 1e-6  # choice: the same while the fold is blunter than it will be, or no more can be had
+    evaluations: int = 80  # choice: steps after which the search gives up
 
 
 TUNING = ForceCurveTuning()
@@ -119,11 +124,7 @@ def branch(family: Family, s: float, q: float, k: float) -> DeviceBranch:
         P, dP = s * (H - r * V), s * (dH - r * dV)
         return np.stack([D - r * T + P / k, P, dD - r * dT + dP / k, dP])
 
-    falling = np.flatnonzero(path(u)[2] <= 0)
-    start = float(u[0])
-    if falling.size and falling[-1] < u.size - 1:
-        ends = u[falling[-1]], u[falling[-1] + 1]
-        start = float(brentq(lambda x: float(path(np.array([x]))[2, 0]), *ends, xtol=1e-14))
+    start = _fold(lambda u: path(u)[2], u)
     u = start + (u[-1] - start) * np.linspace(0, 1, TUNING.nodes) ** 2
     z, P, dz, dP = path(u)
     zeta = np.sqrt(np.maximum.accumulate(z - z[0]))
@@ -136,6 +137,20 @@ def branch(family: Family, s: float, q: float, k: float) -> DeviceBranch:
     slope[0], rates[:, 0] = slope[1], rates[:, 1]
     rising = np.append(True, np.diff(zeta) > 0)
     return DeviceBranch(float(z[0]), u[rising], z[rising], zeta[rising], P[rising], slope[rising], rates[:, rising])
+
+
+def _fold(rate: Callable[[Array], Array], u: Array) -> float:
+    """Where ``rate`` turns positive for good on ``u``, by ever finer grids and a secant; the first u where it never
+    does within them."""
+    for _ in range(TUNING.zooms):
+        rates = rate(u)
+        falling = np.flatnonzero(rates <= 0)
+        if not falling.size or falling[-1] == u.size - 1:
+            return float(u[0])
+        i = falling[-1]
+        share = rates[i] / (rates[i] - rates[i + 1])
+        found, u = float(u[i] + share * (u[i + 1] - u[i])), np.linspace(u[i], u[i + 1], TUNING.zoomed)
+    return found
 
 
 @dataclass(frozen=True, eq=False)
@@ -197,9 +212,10 @@ class ForceCurveModel:
         q = values.get(f"q:{part.kind}", 0.0)
         held = branch(self.family, math.exp(values["ln_s"]), q, self.k)
         depth = part.z - values["z0"]
-        P, by = held.at(depth, blunt * part.reach if blunt else part.spacing / 2)
         touching = part.touching if part.jumped else depth > held.fold
-        P, (by_s, by_q, by_z) = np.where(touching, P, 0.0), np.where(touching, by, 0.0)
+        P, by = np.zeros(depth.size), np.zeros((3, depth.size))
+        P[touching], by[:, touching] = held.at(depth[touching], blunt * part.reach if blunt else part.spacing / 2)
+        by_s, by_q, by_z = by
         along = part.z - part.z[0]
         off = values[f"offset:{part.kind}"] + values[f"tilt:{part.kind}"] * along + P - part.P
         return off, {
@@ -265,52 +281,43 @@ def _stretch(record: ForceCurve, side: Direction, k: float) -> DirectionReadings
     return DirectionReadings(side.segment.kind, rows[keep], side.base, z[keep], P[keep], touching[keep], jumped)
 
 
-def fit(model: ForceCurveModel, start: Array) -> ForceCurveFit:
-    """The unknowns that leave least, first with a blunt fold, then as it is; SolveError where no search converges."""
+def _search(model: ForceCurveModel, x: Array, bounds: tuple[Array, Array], blunt: float, enough: float) -> Any:
+    """SciPy's least squares of the loads over the range of their stretch, from ``x`` on."""
     scale = np.concatenate([np.full(part.P.size, float(np.ptp(part.P))) for part in model.stretches])
+    held: list[tuple[Array, Array, Array]] = []
+
+    def at(x: Array) -> tuple[Array, Array]:
+        if not (held and np.array_equal(held[0][0], x)):
+            held[:] = [(x.copy(), *model.residuals(x, blunt))]
+        return held[0][1] / scale, held[0][2] / scale[:, None]
+
+    return least_squares(
+        lambda x: at(x)[0], x, lambda x: at(x)[1], bounds=bounds, x_scale="jac",
+        ftol=enough, xtol=enough, gtol=enough, max_nfev=TUNING.evaluations,
+    )  # fmt: skip
+
+
+def fit(model: ForceCurveModel, start: Array, near: bool = False) -> ForceCurveFit:
+    """The unknowns that leave least, first with a blunt fold unless ``start`` is ``near``, then as it is; SolveError
+    where no search converges."""
     low, high = model.ends
     adhesive = np.array([name.startswith("q:") for name in model.names])
     free = np.where(np.array(model.names, dtype=str) == "ln_s", TUNING.moduli, np.inf)
     bounds = np.where(adhesive, low, start - free), np.where(adhesive, high, start + free)
-    x = np.clip(start, *bounds)
-    for blunt in TUNING.blunt:
-        held: list[tuple[Array, Array, Array]] = []
-
-        def at(x: Array, blunt: float = blunt, held: list[tuple[Array, Array, Array]] = held) -> tuple[Array, Array]:
-            if not (held and np.array_equal(held[0][0], x)):
-                held[:] = [(x.copy(), *model.residuals(x, blunt))]
-            return held[0][1] / scale, held[0][2] / scale[:, None]
-
-        found = least_squares(
-            lambda x, at=at: at(x)[0], x, lambda x, at=at: at(x)[1], bounds=bounds, x_scale="jac",
-            ftol=TUNING.converged, xtol=TUNING.converged, gtol=TUNING.converged, max_nfev=TUNING.evaluations,
-        )  # fmt: skip
-        x = found.x
+    x, sharp = np.clip(start, *bounds), TUNING.blunt[-1]
+    for blunt in () if near else TUNING.blunt[:-1]:
+        x = _search(model, x, bounds, blunt, TUNING.about).x
+    found = _search(model, x, bounds, sharp, TUNING.converged)
+    if found.status <= 0:  # of few rows at the fold each makes a kink, between which a search runs to and fro
+        found = _search(model, found.x, bounds, sharp, TUNING.about)
     if found.status <= 0:
         raise SolveError(f"the fit did not converge in {TUNING.evaluations} steps")
+    x = found.x
     off = model.residuals(x, TUNING.blunt[-1])[0]
     J = model.residuals(x, 0.0)[1]  # where the fold lies between two rows, the data do not tell
     sigma = math.sqrt(float(off @ off) / max(off.size - x.size, 1))
-    tau = _correlation(off, [part.P.size for part in model.stretches])
-    size = np.linalg.norm(J, axis=0)
-    size[size == 0] = 1.0
-    normal = np.linalg.pinv((J / size).T @ (J / size), hermitian=True) / np.outer(size, size)
-    return ForceCurveFit(model, model.names, x, sigma**2 * tau * normal, off, sigma, tau, int(found.nfev))
-
-
-def _correlation(off: Array, sizes: Sequence[int]) -> float:
-    """How many successive residuals are worth one: 1 + 2 sum of their autocorrelations up to the first that vanish."""
-    total = 0.0
-    for part in np.split(off, np.cumsum(sizes)[:-1]):
-        part = part - part.mean()
-        n = part.size
-        power = np.abs(np.fft.rfft(part, 2 * n)) ** 2
-        rho = np.fft.irfft(power)[:n]
-        rho = rho / (rho[0] or 1.0)
-        pairs = rho[: n // 2 * 2].reshape(-1, 2).sum(axis=1)  # Geyer's initial positive sequence
-        end = int(np.argmax(pairs <= 0)) if (pairs <= 0).any() else pairs.size
-        total += n * max(1.0, 2 * float(pairs[:end].sum()) - 1)
-    return total / off.size
+    spread = covariance(off, J, [part.P.size for part in model.stretches])
+    return ForceCurveFit(model, model.names, x, spread.covariance, off, sigma, spread.tau, int(found.nfev))
 
 
 def start(model: ForceCurveModel) -> Array:
@@ -322,21 +329,22 @@ def start(model: ForceCurveModel) -> Array:
     delta = part.z[rows] - net / model.k
     u = np.linspace(model.family.low - TUNING.below, model.family.high + TUNING.beyond, TUNING.nodes)
     (D, T, H, V), _, _ = model.family.at(u)
+    known = model.known.get("ln_s")
     best = (math.inf, 0.0, 0.0, 0.0)
     for r in _shapes(D, T) if model.adhesive[i] else (0.0,):
         path, load = D - r * T, H - r * V
         fold = int(np.argmin(path))
-        for zero in _contact_points(part, delta, rows, float(path[fold])):
-            basis = np.interp(delta - zero, path[fold:], load[fold:], left=0.0 if not part.jumped else None)
-            if part.jumped:
-                basis = np.where(part.touching[rows], basis, 0.0)
-            size = float(basis @ basis)
-            s = float(net @ basis) / size if size > 0 else 0.0
-            s = math.exp(model.known["ln_s"]) if "ln_s" in model.known else s
-            cost = float(np.sum((net - s * basis) ** 2))
-            if s > 0 and cost < best[0]:
-                best = (cost, s, float(zero), float(r))
-    cost, s, zero, r = best
+        zeros = _contact_points(part, delta, rows, float(path[fold]))
+        basis = np.interp(delta - zeros[:, None], path[fold:], load[fold:], left=0.0 if not part.jumped else None)
+        if part.jumped:
+            basis = np.where(part.touching[rows], basis, 0.0)
+        size = np.sum(basis**2, axis=1)
+        factors = basis @ net / np.where(size > 0, size, np.inf) if known is None else np.full(size.size, np.exp(known))
+        costs = np.sum((net - factors[:, None] * basis) ** 2, axis=1)
+        at = int(np.argmin(np.where(factors > 0, costs, np.inf)))
+        if factors[at] > 0 and costs[at] < best[0]:
+            best = (float(costs[at]), float(factors[at]), float(zeros[at]), float(r))
+    _, s, zero, r = best
     if s == 0:
         raise SolveError("no curve of this body resembles the record")
     values = {"ln_s": math.log(s), "z0": zero}

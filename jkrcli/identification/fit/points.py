@@ -129,7 +129,7 @@ def _in_contact(values: Mapping[str, Array], level: float) -> Array:
     touching = np.ones(size, dtype=bool)
     if not {"delta", "P"} <= set(values):
         return touching
-    P, delta, noise = values["P"], values["delta"], _third(values["P"])
+    P, delta, noise = values["P"], values["delta"], third_differences(values["P"])
     lowest = int(np.argmin(P))
     force = level - P[lowest]
     if force > TUNING.adhesion * noise or noise > TUNING.largest_noise * np.ptp(P):
@@ -185,13 +185,13 @@ def scatter(values: Mapping[str, Array], units: Mapping[str, float]) -> dict[str
     rather than the noise: beyond ``largest_noise`` of the unit on any axis the units themselves are returned. No axis
     is taken as more exact than ``balance`` of the other, relative to the units.
     """
-    relative = {name: _third(values[name]) / units[name] for name in values}
+    relative = {name: third_differences(values[name]) / units[name] for name in values}
     largest = max(relative.values())
     if largest > TUNING.largest_noise or largest == 0:
         return {name: units[name] for name in values}
     return {name: max(part, TUNING.balance * largest) * units[name] for name, part in relative.items()}
 
 
-def _third(column: Array) -> float:
+def third_differences(column: Array) -> float:
     """Standard deviation of independent normal numbers by their third differences, whose own is sqrt(20) times it."""
     return float(np.median(np.abs(np.diff(column, 3)))) / (NORMAL_MEDIAN * math.sqrt(20)) if column.size > 4 else np.inf

@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ...base.arrays import Array
-from ...base.errors import InputError
-from ...base.unknown import Unknown
+from ...base.errors import InputError, SolveError
+from ...base.unknown import Unknown, known
 from ...data.measured import Curve
 from ...data.measured.curve import APPROACH, RETRACT
 from ...data.record import ForceCurve, examine
 from .body import FittedBody
 from .checks import warnings_of
-from .force_curve import ForceCurveFit, ForceCurveModel, branch, fit, start, stretches
+from .force_curve import DirectionReadings, ForceCurveFit, ForceCurveModel, branch, fit, start, stretches
 from .result import Fit, FittedValue
 from .settings import Settings
 from .statistics import structure, t_quantile
@@ -28,10 +28,13 @@ class WholeRecordTuning:
 
     free_rows: int = 20  # choice: least rows of a base line
     room: float = 1.05  # choice: of the largest contact radius, to which the body is solved anew
+    ahead: float = 4.0  # choice: of log a beyond the series, how far it may be continued to find a start
+    deep: float = 0.7  # choice: of the tip's radius, to which a body is solved before anything is fitted
     rounds: int = 3  # choice: solves to larger radii before the record is given up
     misfit: float = 0.03  # choice: residual over the range of the load above which the model does not describe it
     noisy: float = 0.1  # choice: noise over the range of the load above which little can be told
     vague: float = 0.1  # choice: error of the contact point over the depth above which it is not determined
+    spoilt: float = 0.1  # choice: factor of the quality for each thing that is wrong with the record itself
     dependent: float = 2.0  # choice: rows worth one above which it is said
     untold: float = 10.0  # choice: half-width of the log of a modulus above which it is not told by the data
     step: float = 1e-6  # choice: of unknowns, for central differences; outcomes are smooth in them
@@ -59,9 +62,15 @@ def whole_record(curve: Curve, settings: Settings) -> ForceCurve | None:
         if settings.contact == "fitted":
             raise
         return None
+    return record if settings.contact == "fitted" or _raw(record) else None
+
+
+def _raw(record: ForceCurve) -> bool:
+    """Whether it is an instrument's record, and no prepared readings: a base line is there, or no contact at all."""
     usable = [kind for kind in (APPROACH, RETRACT) if _usable(record, kind)]
-    raw = len(usable) > 1 or (usable and curve.stiffness is not None)
-    return record if raw or settings.contact == "fitted" else None
+    if len(usable) > 1 or (usable and record.curve.stiffness is not None):
+        return True
+    return len(record.directions) > 1 and bool({"no contact", "no force curve"} & set(record.flags))
 
 
 def _in_the_way(settings: Settings) -> str:
@@ -94,14 +103,35 @@ def fit_record(body: FittedBody, record: ForceCurve, settings: Settings) -> Fit:
     told = w is not None and w.free
     adhesive = tuple(told and _adheres(record, part.kind) for part in parts)
     known = {} if modulus is None or modulus.free else {"ln_s": math.log(modulus.value or 1.0)}
+    found, body = None, _deep_enough(body, parts, k)
     for _ in range(TUNING.rounds):
         model = ForceCurveModel(body.family, k, parts, adhesive, known)
-        found = fit(model, start(model))
+        found = fit(model, start(model)) if found is None else fit(model, found.x, near=True)
         reach = _contact_radii(found).max()
         if not body.extensible or reach <= body.series.a[-1]:
             break
         body = body.to_radius(TUNING.room * float(reach))
+    assert found is not None
+    if np.count_nonzero(_contact_radii(found)) <= len(found.names):
+        raise SolveError("the curve that fits best has next to no row in contact")
     return _result(body, record, settings, found)
+
+
+def _deep_enough(body: FittedBody, parts: Sequence[DirectionReadings], k: float) -> FittedBody:
+    """The body solved to the contact radius that a record can reach at most, as its tip moves no deeper."""
+    ways = ((part.z - part.P / k)[part.touching if part.jumped else slice(None)] for part in parts)
+    depth = max(float(np.ptp(way)) for way in ways)
+    u = np.linspace(body.family.low, body.family.high + TUNING.ahead, 200)
+    reached = np.flatnonzero(body.family.at(u)[0][0] <= depth)
+    R, a = body.problem.indenter.tip_radius, math.exp(u[reached[-1]]) if reached.size else 0.0
+    a = min(a, TUNING.deep * R) if R is not None else a
+    return body.to_radius(a) if body.extensible and a > body.series.a[-1] else body
+
+
+def _adhesion(record: ForceCurve) -> float | None:
+    """The adhesion force of the retraction [N]."""
+    side = record.direction(RETRACT)
+    return None if side is None else known(side.adhesion)
 
 
 def _kinds(record: ForceCurve, settings: Settings) -> tuple[str, ...]:
@@ -157,7 +187,9 @@ DIMENSIONS = {"modulus": "number", "delta0": "length", "P0": "load", "tilt": "st
 def _result(body: FittedBody, record: ForceCurve, settings: Settings, found: ForceCurveFit) -> Fit:
     curve, E_star = record.curve, body.problem.E_star
     values = _outcome(found, found.x, E_star)
-    steps = TUNING.step * np.maximum(np.abs(found.x), np.sqrt(np.diag(found.covariance)))
+    sizes = np.maximum(np.abs(found.x), np.sqrt(np.diag(found.covariance)))
+    curved = [name == "ln_s" or name.startswith("q:") for name in found.names]  # all others are linear in the outcome
+    steps = TUNING.step * np.where(curved, np.abs(found.x), sizes)
     rates = np.zeros((len(values), found.x.size))
     for i, step in enumerate(steps):
         unit = step * (np.arange(found.x.size) == i)
@@ -202,7 +234,9 @@ def _result(body: FittedBody, record: ForceCurve, settings: Settings, found: For
         flags=tuple(record.flags),
     )
     flags, quality = _judged(record, found, a)
-    result = replace(result, flags=tuple(dict.fromkeys([*record.flags, *flags])), quality=quality)
+    result = replace(
+        result, adhesion=_adhesion(record), flags=tuple(dict.fromkeys([*record.flags, *flags])), quality=quality
+    )
     said = [f"{name}: {sentence}" for name, sentence in {**record.flags, **flags}.items()]
     return replace(result, warnings=(*said, *_words(found), *warnings_of(result, body, body.family)))
 
@@ -239,7 +273,8 @@ def _judged(record: ForceCurve, found: ForceCurveFit, a: Array) -> tuple[dict[st
 
     Each part is exp(-x^2/2) of a number x that is 1 where its flag is raised: misfit (slow residuals in contact over
     the range of the load), noise (over the range), base line (waviness over the range), contact (error of the contact
-    point over the depth). ``quality`` is their product.
+    point over the depth); "record" is ``spoilt`` for each flag of the record itself but that of a missing direction.
+    ``quality`` is their product.
     """
     touching = a > 0
     span = max(float(np.ptp(part.P)) for part in found.model.stretches)
@@ -259,6 +294,7 @@ def _judged(record: ForceCurve, found: ForceCurveFit, a: Array) -> tuple[dict[st
     ratios = {"misfit": slow / TUNING.misfit, "noise": noise / span / TUNING.noisy, "base line": wavy / TUNING.misfit,
               "contact point": contact / TUNING.vague}  # fmt: skip
     parts = {name: math.exp(-(x**2) / 2) for name, x in ratios.items()}
+    parts["record"] = TUNING.spoilt ** sum(not name.endswith((APPROACH, RETRACT)) for name in record.flags)
     return flags, {"quality": math.prod(parts.values()), **parts}
 
 

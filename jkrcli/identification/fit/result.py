@@ -9,6 +9,7 @@ import numpy as np
 
 from ...base.arrays import Array
 from ...base.errors import InputError
+from ...data.measured.curve import Pixel
 from .settings import Settings
 from .statistics import Structure
 
@@ -33,13 +34,15 @@ class Fit:
     """One fitted curve: plain numbers, light to send between processes.
 
     ``name`` of the curve in its ``file``, ``where``: both, for messages. ``estimates``: the parameters, then what
-    follows from them (E_star, moduli of layers); ``covariance``: of the free parameters ``free``, SI, None where the
-    data do not tell them apart; ``samples``: their bootstrap values (n, free). ``data``: the readings that were used,
-    of the ``rows`` of the curve; ``left_out``: why others were not. ``a``: contact radius at each foot point [m];
-    ``residuals`` (k, n): signed normal distances (k = 1), or for three columns distance vectors (k = 3), in units of
-    ``scales``; ``scatter``: their standard deviation, ``dof`` their degrees of freedom. ``line``: the fitted curve,
-    readings by column and "a". ``warnings``: sentences with numbers. ``flags``: what is wrong with a raw record, in a
-    word or two each; ``quality``: of a raw record, between 0 and 1, with its parts, None where readings were prepared.
+    follows from them (E_star, moduli of layers); ``covariance``: of the free parameters ``free``, SI, None where
+    the data do not tell them apart; ``samples``: their bootstrap values (n, free). ``data``: the readings that were
+    used, of the ``rows`` of the curve; ``left_out``: why others were not. ``a``: contact radius at each foot point
+    [m]; ``residuals`` (k, n): signed normal distances (k = 1), or for three columns distance vectors (k = 3), in
+    units of ``scales``; ``scatter``: their standard deviation, ``dof`` their degrees of freedom. ``line``: the
+    fitted curve, readings by column and "a". ``warnings``: sentences with numbers. ``flags``: what is wrong with a
+    raw record, in a word or two each; ``surface``: what the surfaces were taken to do; ``quality``: of a raw
+    record, between 0 and 1, with its parts, None where readings were prepared; ``adhesion``: its largest tension on
+    retraction [N], None where none is told. ``pixel``: in a map.
     """
 
     name: str
@@ -64,6 +67,9 @@ class Fit:
     warnings: tuple[str, ...]
     flags: tuple[str, ...] = ()
     quality: Mapping[str, float] | None = None
+    surface: str = "sliding"
+    adhesion: float | None = None
+    pixel: Pixel | None = None
 
     @property
     def correlation(self) -> Array | None:

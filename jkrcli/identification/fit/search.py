@@ -449,7 +449,10 @@ def _sizes(body: FittedBody, points: Points, settings: Settings, start: Start, x
     readings = Readings(held.family, settings.parameters, x, points.columns, np.ones(len(points.columns)))
     offsets = {"delta": readings.value("delta0"), "P": readings.value("P0")}
     curve = readings.along(arc(readings))[0]
-    return {
-        name: max(offsets.get(name, 0.0) - float(np.min(row)), TUNING.least_size * float(np.ptp(points.values[name])))
+    ranges = {name: float(np.ptp(points.values[name])) for name in points.columns}
+    return {  # a radius has no zero of its own: its size is its range
+        name: max(offsets[name] - float(np.min(row)), TUNING.least_size * ranges[name])
+        if name in offsets
+        else ranges[name]
         for name, row in zip(points.columns, curve, strict=True)
     }

@@ -52,6 +52,36 @@ def covariance(jacobian: Array, factor: float) -> Array | None:
     return factor * (right.T / singular**2) @ right / np.outer(size, size)
 
 
+def uneven(residuals: Array, order: Array) -> bool:
+    """Whether the squares of ``residuals`` (k, n) change along the curve, or from component to component, by more than
+    chance brings (Breusch and Pagan, Econometrica 47 (1979) 1287, in Koenker's form); ``order``: of the points."""
+    n = order.size
+    place = np.empty(n)
+    place[order] = np.linspace(-1, 1, n)
+    squares = np.sum(residuals**2, axis=0)
+    design = np.stack([np.ones(n), place, place**2])
+    fitted = np.linalg.lstsq(design.T, squares, rcond=None)[0] @ design
+    explained = np.var(fitted) / max(np.var(squares), 1e-300)
+    return bool(stats.chi2.sf(n * explained, 2) < 0.01)  # choice: once in a hundred by chance
+
+
+def covariance_of_uneven(jacobian: Array, residuals: Array) -> Array | None:
+    """Covariance of the parameters where the noise of the points, residuals (k, n), is not known to be even.
+
+    (J^T J)^-1 sum_i g_i g_i^T (J^T J)^-1 with g_i what point i adds to J^T r, over 1 - its leverage (White 1980; HC3 of
+    MacKinnon and White, J. Econometrics 29 (1985) 305).
+    """
+    inverse = covariance(jacobian, 1.0)
+    if inverse is None:
+        return None
+    k, n = residuals.shape
+    rows = jacobian.reshape(k, n, -1)
+    leverage = np.einsum("knp,pq,knq->n", rows, inverse, rows)
+    pulls = np.einsum("knp,kn->np", rows, residuals) / (1 - np.minimum(leverage, 0.5))[:, None]
+    found: Array = inverse @ (pulls.T @ pulls) @ inverse
+    return found
+
+
 def t_quantile(level: float, dof: int) -> float:
     """Half-width of a two-sided interval in standard errors."""
     return float(stats.t.ppf((1 + level) / 2, dof))

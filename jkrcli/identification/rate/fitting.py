@@ -1,0 +1,471 @@
+"""The common fit of records at one or several speeds: w0, the law's parameters, the modulus, zeros.
+
+Every record has three unknowns of its own, the radius at its begin and shift and tilt of the device's motion: these
+two carry what the displacements' noise leaves of that motion, and are held by it. All else is common.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from ...adhesion.curve import Nonadhesive
+from ...adhesion.rate.laws import RATE_LAWS, RateLaw, rate_parameters
+from ...base.arrays import Array
+from ...base.errors import InputError, JkrError, SolveError, did_you_mean
+from ...base.units import parse, show
+from ...base.unknown import Unknown
+from ...data.measured import Curve
+from ..fit.body import FittedBody
+from ..fit.fitting import fit
+from ..fit.result import FittedValue
+from ..fit.settings import Parameter, Settings
+from ..fit.statistics import covariance, t_quantile
+from ..work import WorkAlong, work_along
+from .prediction import BESIDE, Prediction, predict
+from .record import RateRecord, rate_record
+from .through import TUNING as POINTS
+from .through import law_of, law_through, log_rates, receding
+
+
+@dataclass(frozen=True)
+class RateFitTuning:
+    """How the least sum of squares is sought, and when it is doubted."""
+
+    converged: float = 1e-6  # choice: relative, far below any standard error
+    evaluations: int = 60  # choice: guard
+    reach: float = 12.0  # choice: guard, how far logs may move from their start
+    good: float = 1.15  # choice: scatter over the noise from which no other start is tried
+    softer: tuple[float, ...] = (1.0, 0.8, 0.64, 0.5, 0.4)  # choice: moduli over that of an even adhesion
+    rows: int = 120  # choice: of each record, by which starts are compared and followed
+    laws: tuple[float, float] = (0.1, 3.0)  # choice: exponents that are sought; measured ones are 0.1 to 1
+    exponents: tuple[float, ...] = (0.3, 0.6, 1.0)  # choice: starts of n, where the points' own does not lead to it
+    first: int = 15  # choice: rows from which the radius at the begin is guessed
+    vague: float = 0.3  # choice: relative standard error beyond which a value is little more than its order
+    apart: float = 0.99  # choice: correlation beyond which two parameters can hardly be told apart
+    misfit: float = 1.3  # choice: scatter over the noise beyond which the law or the body is doubted
+
+
+TUNING = RateFitTuning()
+DIMENSIONS = {"modulus": "number", "w0": "work", "delta0": "length", "P0": "load"}
+ALIASES = {"E_star": "modulus", "w": "w0"}
+
+
+@dataclass(frozen=True)
+class RateSettings:
+    """What is asked: the ``law`` by name, common parameters that are ``free`` (modulus, w0, those of the law, delta0,
+    P0) and those ``fixed`` at values, SI, the ``level`` of the intervals, the ``segment`` of the rows; values to
+    ``start`` from: the search begins there alone where all of the free ones are given."""
+
+    law: str
+    free: tuple[str, ...]
+    fixed: Mapping[str, float]
+    level: float = 0.95
+    segment: str | None = None
+    start: Mapping[str, float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, eq=False)
+class RateFit:
+    """Records fitted together: ``estimates`` of the common parameters and E*, the ``covariance`` of the ``free`` ones
+    (inner: logs of those > 0), each record's readings and prediction, ``scatter`` over the noise, ``speeds``: range of
+    the edges' [m/s]; ``dof``; ``warnings``: sentences."""
+
+    law: RateLaw
+    w0: float
+    estimates: tuple[FittedValue, ...]
+    free: tuple[str, ...]
+    covariance: Array | None
+    records: tuple[RateRecord, ...]
+    predictions: tuple[Prediction, ...]
+    zero: float
+    scatter: float
+    dof: int
+    speeds: tuple[float, float]
+    evaluations: int
+    settings: RateSettings
+    warnings: tuple[str, ...]
+
+    def band(self, v: Array) -> tuple[Array, Array, Array]:
+        """w [J/m^2] at the speeds ``v`` [m/s], and the ends of its confidence band."""
+        w = self.law.work(self.w0, v)
+        names = ["w0", *rate_parameters(self.settings.law)]
+        chosen = [self.free.index(name) for name in names if name in self.free]
+        if self.covariance is None or not chosen:
+            return w, w, w
+        rates = log_rates(self.law, self.w0, v)[[name in self.free for name in names]]
+        inner = self.covariance[np.ix_(chosen, chosen)]
+        spread = t_quantile(self.settings.level, self.dof) * np.sqrt(np.einsum("pn,pq,qn->n", rates, inner, rates))
+        return w, w * np.exp(-spread), w * np.exp(spread)
+
+    def value(self, name: str) -> float:
+        """The estimate called ``name``, SI."""
+        return next(item.value for item in self.estimates if item.name == name)
+
+
+def rate_settings(
+    body: FittedBody,
+    law: str,
+    free: Iterable[str] = (),
+    fix: Iterable[tuple[str, str]] = (),
+    start: Iterable[tuple[str, str]] = (),
+    **options: Any,
+) -> RateSettings:
+    """Settings from what a user types: free are the modulus, w0, the law's parameters and delta0, but for what ``fix``
+    names, and what ``free`` adds (P0)."""
+    if law not in RATE_LAWS:
+        raise InputError(f'fit: unknown law "{law}"{did_you_mean(law, RATE_LAWS)} (laws: {", ".join(RATE_LAWS)})')
+    ranges = rate_parameters(law)
+    usual = ("modulus", "w0", *ranges, "delta0")
+    allowed = (*usual, "P0", *ALIASES)
+    fixed, starts = (dict(_valued(body, ranges, allowed, pair) for pair in pairs) for pairs in (fix, start))
+    wanted = dict.fromkeys([*usual, *(_checked(name, allowed) for name in free)])
+    if both := [name for name in free if _checked(name, allowed) in fixed]:
+        raise InputError(f"fit: {both[0]} is both free and fixed")
+    return RateSettings(law, tuple(name for name in wanted if name not in fixed), fixed, start=starts, **options)
+
+
+def _valued(
+    body: FittedBody, ranges: Mapping[str, Any], allowed: Sequence[str], pair: tuple[str, str]
+) -> tuple[str, float]:
+    """The own name and the value, SI, of a parameter as the user writes both."""
+    name, text = pair
+    own = _checked(name, allowed)
+    try:
+        dimension = "modulus" if name == "E_star" else DIMENSIONS.get(own, "number")
+        value = ranges[own].read(text) if own in ranges else parse(text, dimension)
+    except ValueError as error:
+        raise InputError(f"fit: {name}: {error}") from None
+    if own in ("modulus", "w0") and not value > 0:
+        raise InputError(f"fit: {name}: must be > 0, got {text}")
+    return own, value / body.problem.E_star if name == "E_star" else value
+
+
+def _checked(name: str, allowed: Sequence[str]) -> str:
+    if name not in allowed:
+        hint = did_you_mean(name, allowed, 0.4)
+        raise InputError(f'fit: unknown parameter "{name}"{hint} (with --law: {", ".join(allowed)})')
+    return ALIASES.get(name, name)
+
+
+def rate_fit(body: FittedBody, curves: Sequence[Curve], settings: RateSettings) -> RateFit:
+    """The parameters that bring the predicted traces of ``body`` nearest to all ``curves`` together.
+
+    InputError where the records do not allow it, SolveError where no minimum is found.
+    """
+    problem = _Problem(body, tuple(rate_record(curve, settings.segment) for curve in curves), settings)
+    coarse = problem.thinned()
+    best: Any = None
+    for start in coarse.starts():
+        found = coarse.minimise(start)
+        if found is not None and (best is None or found.cost < best.cost):
+            best = found
+        if best is not None and coarse.scatter(best) < TUNING.good and not best.active_mask.any():
+            break
+    found = None if best is None else problem.minimise(best.x)
+    if found is None:
+        raise SolveError("the fit over speed found no start from which it converges; fix n or v0, or check the units")
+    return problem.result(found)
+
+
+@dataclass(frozen=True, eq=False)
+class _Problem:
+    """Residuals of all records as a function of the unknowns: the free common ones, then each record's three."""
+
+    body: FittedBody
+    records: tuple[RateRecord, ...]
+    settings: RateSettings
+
+    def thinned(self) -> _Problem:
+        """The same by a few rows of each record, for starts."""
+        return replace(self, records=tuple(record.thinned(TUNING.rows) for record in self.records))
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """All common parameters in the order of the derivatives."""
+        return ("modulus", "w0", *rate_parameters(self.settings.law), "delta0", "P0")
+
+    @property
+    def free(self) -> Array:
+        return np.array([name in self.settings.free for name in self.names])
+
+    @property
+    def scale(self) -> float:
+        """Unit of loads: the largest tension [N]."""
+        return max(float(np.max(np.abs(record.P))) for record in self.records)
+
+    def common(self, theta: Array) -> Array:
+        """The inner values of all common parameters: logs, and delta0 and P0 as they are."""
+        fixed = self.settings.fixed
+        held = [_inner(name, fixed.get(name, 1.0 if name == "modulus" else 0.0)) if name not in self.settings.free
+                else 0.0 for name in self.names]  # fmt: skip
+        values = np.array(held)
+        values[self.free] = theta[: int(self.free.sum())]
+        return values
+
+    def own(self, theta: Array, i: int) -> Array:
+        """log a at the begin, shift and tilt over their standard deviations, of record ``i``."""
+        first = int(self.free.sum()) + 3 * i
+        return theta[first : first + 3]
+
+    def prediction(self, theta: Array, i: int) -> Prediction:
+        values, (u, shift, tilt), record = self.common(theta), self.own(theta, i), self.records[i]
+        law, w0 = law_of(self.settings.law, values[1:-2])
+        body = self.body_at(values[0])
+        delta0 = values[-2]
+        program = record.program(shift * record.loose[0] - delta0, tilt * record.loose[1])
+        start = float(np.clip(math.exp(u), body.a[0] * 1.001, body.a[-1]))
+        return predict(body, law, w0, record.stiffness, program, record.tilt, start, record.t)
+
+    def body_at(self, log_modulus: float) -> Nonadhesive:
+        return Nonadhesive(self.body.series, self.body.slopes).scaled(math.exp(log_modulus))
+
+    def equations(self, theta: Array) -> tuple[Array, Array]:
+        """Residuals in standard deviations, and their derivatives by the unknowns."""
+        n = theta.size
+        parts, rates = [], []
+        common = np.flatnonzero(self.free)
+        P0 = self.common(theta)[-1]
+        for i, record in enumerate(self.records):
+            found = self.prediction(theta, i)
+            first = common.size + 3 * i
+            for column, model, by in (("P", found.P + P0, found.dP), ("a", found.a, found.da)):
+                read = getattr(record, column)
+                if read is None:
+                    continue
+                sigma = record.noise[column]
+                parts.append((model - read) / sigma)
+                matrix = np.zeros((read.size, n))
+                zero = np.ones(read.size) if column == "P" else np.zeros(read.size)
+                all_common = np.vstack([by[0], by[BESIDE + 1 :], -by[1], zero])
+                matrix[:, : common.size] = all_common[common].T
+                matrix[:, first] = by[BESIDE]
+                matrix[:, first + 1], matrix[:, first + 2] = by[1] * record.loose[0], by[2] * record.loose[1]
+                rates.append(matrix / sigma)
+            parts.append(theta[first + 1 : first + 3])
+            rates.append(np.eye(n)[first + 1 : first + 3])
+        return np.concatenate(parts), np.concatenate(rates)
+
+    def minimise(self, start: Array) -> Any:
+        """The least sum of squares from ``start`` on, None where the way there fails."""
+        kept: list[tuple[Array, tuple[Array, Array]]] = []
+
+        def at(theta: Array) -> tuple[Array, Array]:
+            if not (kept and np.array_equal(kept[0][0], theta)):
+                kept[:] = [(theta.copy(), self.equations(theta))]
+            return kept[0][1]
+
+        low, high = self._bounds(start)
+        try:
+            found = least_squares(
+                lambda theta: at(theta)[0], np.clip(start, low, high), lambda theta: at(theta)[1], bounds=(low, high),
+                x_scale="jac", ftol=TUNING.converged, xtol=TUNING.converged, gtol=TUNING.converged,
+                max_nfev=TUNING.evaluations,
+            )  # fmt: skip
+        except (JkrError, FloatingPointError, OverflowError, np.linalg.LinAlgError):
+            return None
+        return found
+
+    def _bounds(self, start: Array) -> tuple[Array, Array]:
+        """Logs stay near their start, exponents where laws have them."""
+        reach = np.full(start.size, np.inf)
+        names = [name for name in self.names if name in self.settings.free]
+        reach[[i for i, name in enumerate(names) if name not in ("delta0", "P0")]] = TUNING.reach
+        low, high = start - reach, start + reach
+        if "n" in names:
+            low[names.index("n")], high[names.index("n")] = np.log(TUNING.laws)
+        return low, high
+
+    def scatter(self, found: Any) -> float:
+        """Standard deviation of the residuals over the noise."""
+        size = sum(record.t.size * (1 if record.a is None else 2) for record in self.records)
+        return math.sqrt(2 * found.cost / max(size - found.x.size + 2 * len(self.records), 1))
+
+    # ------------------------------------------------------------------ starts
+    def starts(self) -> list[Array]:
+        """Unknowns to begin with, the nearest first: the elastic part of the slowest record as if its adhesion did not
+        depend on speed, with its own modulus and smaller ones, and the law by w over speed on that body."""
+        found, reasons = [], []
+        if set(self.settings.free) <= set(self.settings.start):
+            given = dict(self.settings.start) | dict(self.settings.fixed)
+            return [self._from(given, self._radii(given))]
+        for elastic in self._elastic():
+            try:
+                tried = [(self._cost(theta), theta) for theta in self._with(elastic)]
+                found.append(min(tried, key=lambda item: item[0]))
+            except InputError as error:
+                reasons.append(error)
+        if not found:
+            raise reasons[0]
+        return [theta for _, theta in sorted(found, key=lambda item: item[0])]
+
+    def _cost(self, theta: Array) -> float:
+        try:
+            return float(np.sum(np.square(self.equations(theta)[0])))
+        except (JkrError, OverflowError):
+            return math.inf
+
+    def _with(self, elastic: Mapping[str, float]) -> list[Array]:
+        """Starts with the elastic part given: by the points of w over speed, and by exponents."""
+        fixed = self.settings.fixed
+        body = self.body_at(math.log(elastic["modulus"]))
+        along = [_along(body, record, elastic["delta0"], elastic["P0"]) for record in self.records]
+        if refused := [item for item in along if isinstance(item, InputError)]:
+            raise refused[0]
+        found = [item for item in along if isinstance(item, WorkAlong)]
+        v, w, _ = receding(found)
+        some = slice(None, None, 1 + v.size // (TUNING.rows * len(found)))
+        through = law_through(self.settings.law, v[some], w[some], 1)
+        guesses = [] if isinstance(through, Unknown) or through.narrow else [through.values]
+        speed = float(np.median(v)) if v.size else float(np.median([record.speed for record in self.records]))
+        middle = float(np.median(w)) if w.size else float(np.median(found[0].w[found[0].ok]))
+        guesses += [{"w0": middle / 2, "v0": speed, "n": n, "b": middle / 2} for n in TUNING.exponents]
+        radii = [_radius(item, body) for item in found]
+        return [self._from({**elastic, **guess, **self.settings.start, **fixed}, radii) for guess in guesses]
+
+    def _from(self, values: Mapping[str, float], radii: Sequence[float]) -> Array:
+        """The unknowns of common parameters ``values``, SI, and radii at the begins."""
+        common = [_inner(name, values[name]) for name in self.names if name in self.settings.free]
+        return np.array([*common, *(x for radius in radii for x in (math.log(radius), 0.0, 0.0))])
+
+    def _radii(self, values: Mapping[str, float]) -> list[float]:
+        """Radii at the begins of the records with the elastic part of ``values``."""
+        body = self.body_at(math.log(values.get("modulus", 1.0)))
+        along = [_along(body, record, values.get("delta0", 0.0), values.get("P0", 0.0)) for record in self.records]
+        if refused := [item for item in along if isinstance(item, InputError)]:
+            raise refused[0]
+        return [_radius(item, body) for item in along if isinstance(item, WorkAlong)]
+
+    def _elastic(self) -> Iterator[dict[str, float]]:
+        """Modulus factors with delta0 and P0 of the slowest record, fitted as if its adhesion did not depend on speed:
+        that makes it look stiffer, so that smaller moduli are tried too."""
+        free = self._quiet(None)
+        moduli = [1.0]
+        if "modulus" not in self.settings.free:
+            moduli = [self.settings.fixed["modulus"]]
+        elif free is not None:
+            moduli = [free["modulus"] * factor for factor in TUNING.softer] + [1.0]
+        for modulus in moduli:
+            found = self._quiet(modulus)
+            if found is not None:
+                yield found
+        yield {"modulus": moduli[-1], "delta0": 0.0, "P0": 0.0} | dict(self.settings.fixed)
+
+    def _quiet(self, modulus: float | None) -> dict[str, float] | None:
+        """Modulus, delta0 and P0 of the slowest record, its adhesion being the same at all speeds."""
+        slowest = min(self.records, key=lambda record: record.speed)
+        known = {key: value for key, value in self.settings.fixed.items() if key in ("delta0", "P0")}
+        known |= {} if modulus is None else {"modulus": modulus}
+        names = [name for name in ("modulus", "delta0", "P0") if name in self.settings.free and name not in known]
+        parameters = [Parameter(name, True) for name in (*names, "w")]
+        parameters += [Parameter(name, False, value) for name, value in known.items()]
+        curve = replace(slowest.curve.rows(slowest.rows), segment=None)
+        curve = curve.rows(np.linspace(0, len(curve) - 1, min(len(curve), TUNING.rows)).astype(int))
+        try:
+            found = fit(self.body, curve, Settings(tuple(parameters), contact="as-is"))
+        except JkrError:
+            return None
+        return {name: found.value(name) for name in ("modulus", "delta0", "P0")}
+
+    # ------------------------------------------------------------------ the answer
+    def result(self, found: Any) -> RateFit:
+        values, settings = self.common(found.x), self.settings
+        law, w0 = law_of(settings.law, values[1:-2])
+        dof = max(found.fun.size - found.x.size, 1)
+        scatter = self.scatter(found)
+        whole = covariance(found.jac, max(scatter, 1e-12) ** 2)
+        size = int(self.free.sum())
+        inner = None if whole is None else whole[:size, :size]
+        names = tuple(name for name in self.names if name in settings.free)
+        t = t_quantile(settings.level, dof)
+        estimates = [
+            self._estimate(name, float(value), names, inner, t) for name, value in zip(self.names, values, strict=True)
+        ]
+        factor = estimates[0]
+        E = self.body.problem.E_star
+        low, high, error = (None if end is None else end * E for end in (factor.low, factor.high, factor.error))
+        estimates.append(FittedValue("E_star", factor.value * E, factor.free, "modulus", error, low, high))
+        predictions = tuple(self.prediction(found.x, i) for i in range(len(self.records)))
+        moving = np.concatenate([item.speed[item.speed > 0] for item in predictions])
+        speeds = tuple(map(float, np.quantile(moving, (0.05, 0.95)))) if moving.size else (0.0, 0.0)
+        fit = RateFit(
+            law, w0, tuple(estimates), names, inner, self.records, predictions, float(values[-1]), scatter, dof,
+            (speeds[0], speeds[1]), int(found.nfev), settings, (),
+        )  # fmt: skip
+        return replace(fit, warnings=tuple(_warnings(fit)))
+
+    def _estimate(self, name: str, value: float, names: tuple[str, ...], inner: Array | None, t: float) -> FittedValue:
+        ranges = rate_parameters(self.settings.law)
+        dimension = DIMENSIONS.get(name) or ranges[name].dimension
+        outer = value if name in ("delta0", "P0") else math.exp(value)
+        if name not in names:
+            return FittedValue(name, outer, False, dimension)
+        if inner is None:
+            return FittedValue(name, outer, True, dimension)
+        sigma = math.sqrt(inner[names.index(name), names.index(name)])
+        if name in ("delta0", "P0"):
+            return FittedValue(name, outer, True, dimension, sigma, outer - t * sigma, outer + t * sigma)
+        ends = outer * math.exp(-min(t * sigma, 300.0)), outer * math.exp(min(t * sigma, 300.0))
+        return FittedValue(name, outer, True, dimension, outer * sigma, *ends)
+
+
+def _inner(name: str, value: float) -> float:
+    return value if name in ("delta0", "P0") else math.log(value)
+
+
+def _along(body: Nonadhesive, record: RateRecord, delta0: float, P0: float) -> WorkAlong | InputError:
+    """w along the record with the zeros subtracted, or why there is none."""
+    part = record.curve.rows(record.rows)
+    assert part.delta is not None
+    assert part.P is not None
+    moved = replace(part, delta=part.delta - delta0, P=part.P - P0)
+    window = max(11, record.t.size // 40) | 1
+    try:
+        return work_along(body, moved, window=min(window, record.t.size - 1 + record.t.size % 2))
+    except InputError as error:
+        return error
+
+
+def _radius(item: WorkAlong, body: Nonadhesive) -> float:
+    """The radius [m] at the begin of a record: the middle of its first rows that have one."""
+    found = item.a[item.ok][: TUNING.first]
+    return float(np.clip(np.median(found), body.a[0] * 1.01, body.a[-1] * 0.999))
+
+
+def _warnings(fit: RateFit) -> list[str]:
+    """What a reader should know, each with its number."""
+    said = []
+    low, high = fit.speeds
+    of_law = [name for name in rate_parameters(fit.settings.law) if name in fit.free]
+    if len(of_law) > 1 and high < POINTS.decade * low:
+        said.append(
+            f"the edge's speeds span a factor of {high / low if low else 1:.2g} only ({show(low, 'speed')} to "
+            f"{show(high, 'speed')}): less than a decade hardly tells {' and '.join(of_law)}; add other speeds"
+        )
+    if fit.covariance is None:
+        return [*said, f"the data do not tell {', '.join(fit.free)} apart: fix one of them"]
+    sigma = np.sqrt(np.diag(fit.covariance))
+    matrix = fit.covariance / np.outer(sigma, sigma)
+    for i, j in zip(*np.triu_indices(len(fit.free), 1), strict=True):
+        if abs(matrix[i, j]) > TUNING.apart:
+            said.append(
+                f"the data can hardly tell {fit.free[i]} and {fit.free[j]} apart (correlation {matrix[i, j]:.4f})"
+            )
+    for item in fit.estimates:
+        if (
+            item.name in fit.free
+            and item.name not in ("delta0", "P0")
+            and (item.error or 0) > TUNING.vague * item.value
+        ):
+            said.append(f"{item.name} is uncertain by {(item.error or 0) / item.value:.0%} (standard error)")
+    if fit.scatter > TUNING.misfit:
+        said.append(
+            f"the loads scatter {fit.scatter:.2g} times as far about the prediction as from row to row: the law, the "
+            "body or the device's stiffness is not what the data show; intervals are too narrow"
+        )
+    return said

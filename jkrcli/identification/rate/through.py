@@ -1,0 +1,154 @@
+"""A law through works of adhesion at measured speeds of the edge: what `work` shows, and where a fit begins."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import OptimizeResult, least_squares
+
+from ...adhesion.rate.laws import RATE_LAWS, RateLaw, rate_parameters
+from ...base.arrays import Array
+from ...base.unknown import Unknown
+from ..fit.statistics import covariance, t_quantile
+from ..work import WorkAlong
+
+
+@dataclass(frozen=True)
+class ThroughTuning:
+    """When a law is put through points, and how."""
+
+    least: int = 12  # choice: points
+    decade: float = 10.0  # choice: ratio of the speeds below which n and v0 are not told apart
+    exponents: tuple[float, ...] = (0.25, 0.5, 1.0)  # choice: starts of n
+    laws: tuple[float, float] = (0.1, 3.0)  # choice: exponents that are sought; measured ones are 0.1 to 1
+    reach: float = 40.0  # choice: guard, how far logs move
+    turn: float = 1.5  # choice: standard deviations beyond which a point pulls less, as outliers are usual
+
+
+TUNING = ThroughTuning()
+
+
+@dataclass(frozen=True, eq=False)
+class LawThrough:
+    """A ``law`` with its ``w0`` [J/m^2] through points of w over speed; ``names`` and the covariance of their logs
+    (None where the points do not tell them apart); ``speeds``: the range [m/s]; ``dof``: degrees of freedom."""
+
+    law: RateLaw
+    w0: float
+    names: tuple[str, ...]
+    inner: Array | None
+    speeds: tuple[float, float]
+    dof: int
+
+    @property
+    def values(self) -> dict[str, float]:
+        """w0 and the law's parameters, SI."""
+        return {name: self.w0 if name == "w0" else getattr(self.law, name) for name in self.names}
+
+    @property
+    def errors(self) -> dict[str, float | None]:
+        """Relative standard errors of the same."""
+        sigma = [None] * len(self.names) if self.inner is None else np.sqrt(np.diag(self.inner)).tolist()
+        return dict(zip(self.names, sigma, strict=True))
+
+    @property
+    def narrow(self) -> bool:
+        """Whether the speeds span less than the decade that tells n and v0 apart, or n ends where it was sought."""
+        ends = "n" in self.values and not TUNING.laws[0] * 1.01 < self.values["n"] < TUNING.laws[1] * 0.99
+        return ends or self.speeds[1] < TUNING.decade * self.speeds[0]
+
+    def band(self, v: Array, level: float = 0.9) -> tuple[Array, Array, Array]:
+        """w [J/m^2] at the speeds ``v`` [m/s], and the ends of its confidence band."""
+        w = self.law.work(self.w0, v)
+        if self.inner is None:
+            return w, w, w
+        rates = log_rates(self.law, self.w0, v)
+        spread = t_quantile(level, self.dof) * np.sqrt(np.einsum("pn,pq,qn->n", rates, self.inner, rates))
+        return w, w * np.exp(-spread), w * np.exp(spread)
+
+
+def law_of(name: str, logs: Array) -> tuple[RateLaw, float]:
+    """The law called ``name`` and w0 by the logs of (w0, parameters)."""
+    law: RateLaw = RATE_LAWS[name](**dict(zip(rate_parameters(name), map(math.exp, logs[1:]), strict=True)))
+    return law, math.exp(float(logs[0]))
+
+
+def log_rates(law: RateLaw, w0: float, v: Array) -> Array:
+    """Derivatives of log w at the speeds ``v`` by the logs of (w0, parameters), shape (parameters, n)."""
+    kind, step = type(law), 1e-6
+    values = vars(law)
+    found = [np.log(law.work(w0 * (1 + step), v) / law.work(w0 * (1 - step), v))]
+    for name in values:
+        high, low = (kind(**(values | {name: values[name] * (1 + sign * step)})) for sign in (1, -1))
+        found.append(np.log(high.work(w0, v) / low.work(w0, v)))
+    return np.stack(found) / (2 * step)
+
+
+def law_through(name: str, v: Array, w: Array, together: int = 1) -> LawThrough | Unknown:
+    """The law called ``name`` nearest to works ``w`` [J/m^2] at speeds ``v`` > 0 [m/s], by their logs, robustly.
+
+    ``together``: how many neighbouring points share their noise. Unknown where there are too few points.
+    """
+    rows = (v > 0) & (w > 0)
+    v, w = v[rows], w[rows]
+    if v.size < TUNING.least * max(1, together // 4):
+        return Unknown(f"{v.size} points with a receding edge are too few for a law")
+    names = ("w0", *rate_parameters(name))
+    best = min((_nearest(name, v, w, start) for start in _starts(name, v, w)), key=lambda found: found.cost)
+    law, w0 = law_of(name, best.x)
+    dof = max(v.size // together - len(names), 1)
+    residuals = np.log(law.work(w0, v) / w)
+    factor = float(np.median(np.abs(residuals)) / 0.6745) ** 2 * together
+    ends = np.quantile(v, (0.05, 0.95))
+    inner = covariance(log_rates(law, w0, v).T, factor)
+    return LawThrough(law, w0, names, inner, (float(ends[0]), float(ends[1])), dof)
+
+
+def receding(found: Sequence[WorkAlong]) -> tuple[Array, Array, int]:
+    """Speeds [m/s] > 0 of receding edges that stand out of their error and w [J/m^2] there, of all curves that were
+    timed; rows of their window."""
+    speeds, works, window = [np.empty(0)], [np.empty(0)], 1
+    for item in found:
+        if item.timed is None or item.speed is None or item.speed_err is None:
+            continue
+        rows = item.timed & (item.speed < -item.speed_err)
+        speeds.append(-item.speed[rows])
+        works.append(item.w[rows])
+        window = max(window, item.window)
+    return np.concatenate(speeds), np.concatenate(works), window
+
+
+def law_along(found: Sequence[WorkAlong], name: str = "power") -> LawThrough | Unknown | None:
+    """The law called ``name`` through all receding edges of ``found``; None where no time was recorded."""
+    if all(item.timed is None for item in found):
+        return None
+    return law_through(name, *receding(found))
+
+
+def _starts(name: str, v: Array, w: Array) -> list[Array]:
+    """Logs of (w0, parameters) to begin with: half of w at the middle speed is due to it."""
+    low, middle, speed = np.quantile(w, 0.02), np.median(w), np.median(v)
+    starts = []
+    for exponent in TUNING.exponents:
+        guess = {"v0": speed, "n": exponent, "b": middle / 2}
+        starts.append(np.log([min(low, middle / 2), *(guess.get(key, 1.0) for key in rate_parameters(name))]))
+    return starts
+
+
+def _nearest(name: str, v: Array, w: Array, start: Array) -> OptimizeResult:
+    def residuals(logs: Array) -> Array:
+        law, w0 = law_of(name, logs)
+        return np.log(law.work(w0, v) / w)
+
+    def rates(logs: Array) -> Array:
+        return log_rates(*law_of(name, logs), v).T
+
+    scale = max(float(np.median(np.abs(residuals(start)))), 1e-3)
+    bounds = start - TUNING.reach, start + TUNING.reach
+    if "n" in rate_parameters(name):
+        i = 1 + list(rate_parameters(name)).index("n")
+        bounds[0][i], bounds[1][i] = np.log(TUNING.laws)
+    return least_squares(residuals, start, rates, loss="soft_l1", f_scale=scale * TUNING.turn / 10, bounds=bounds)

@@ -1,0 +1,178 @@
+"""The work of adhesion that a measured pull-off force means, and its error from the series and uncertain inputs."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any, cast
+
+import numpy as np
+
+from ..adhesion.analysis import Analysis, adhesive, nonadhesive, with_solved_points
+from ..adhesion.critical import point_error
+from ..adhesion.curve import Nonadhesive
+from ..adhesion.solved import method_behind
+from ..adhesion.stability_inverse import FoundWork, work_from_pull_off
+from ..base.errors import InputError
+from ..base.units import parse
+from ..base.unknown import Estimate, Unknown
+from ..bodies.problem import Loading, Problem
+from ..series import Solution
+from .fit.body import FittedBody, changed, checked_names
+
+FORCE, RADIUS, MODULI = "load", "R", "E"  # uncertain inputs beside "h", "nu" and those of single layers
+DIMENSIONS = {FORCE: "load", RADIUS: "length", MODULI: "modulus", "h": "length", "nu": "number"}
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredWork:
+    """``found``: w and its pull-off; ``result``: the curve of that w, which says where the theory holds.
+
+    ``series``: error of w [J/m^2] from that of the series, a 90 % half-width; ``parts``: standard deviations of w from
+    those of the inputs, by name.
+    """
+
+    found: FoundWork
+    result: Analysis
+    series: Estimate
+    parts: Mapping[str, float]
+
+    @property
+    def error(self) -> Estimate:
+        """Standard deviation of w from all uncertain inputs [J/m^2]; the series' error, where none is given."""
+        return math.hypot(*self.parts.values()) if self.parts else self.series
+
+
+@dataclass(frozen=True, eq=False)
+class _Inverse:
+    """What a pull-off force means on one body: ``solution`` with its functions ``body``, control by ``stiffness``."""
+
+    solution: Solution
+    body: Nonadhesive
+    load: float
+    stiffness: float
+
+    def found(self) -> FoundWork:
+        R = self.solution.problem.indenter.tip_radius
+        return work_from_pull_off(self.body, self.load, self.stiffness, R)
+
+
+def measured_work(
+    solution: Solution,
+    load: float,
+    stiffness: float,
+    slopes: str = "auto",
+    modulus_factor: float = 1.0,
+    uncertain: Mapping[str, float] | None = None,
+) -> MeasuredWork:
+    """The work of adhesion behind the pull-off force ``load`` [N, > 0] measured by a device of ``stiffness`` [N/m].
+
+    ``uncertain``: standard deviations of inputs by name, SI (``uncertain_inputs``).
+    """
+    body = nonadhesive(solution, slopes)
+    scaled, unit = solution.scaled(modulus_factor), body.scaled(modulus_factor)
+    first = _Inverse(scaled, unit, load, stiffness).found()
+    result = with_solved_points(adhesive(solution, body, first.w, modulus_factor), stiffness)
+    inverse = _Inverse(scaled, result.jkr.nonadhesive, load, stiffness)
+    found = inverse.found()
+    result = replace(result, curve=found.curve)
+    at_point = point_error(found.curve, found.point, stiffness)
+    by_load = _change(inverse, FORCE, 1e-3 * load) / (1e-3 * load)
+    series = at_point if isinstance(at_point, Unknown) else at_point["P"] * abs(by_load)
+    parts = {name: abs(_change(inverse, name, sigma)) for name, sigma in (uncertain or {}).items()}
+    return MeasuredWork(found, result, series, parts)
+
+
+def uncertain_inputs(solution: Solution, pairs: Iterable[tuple[str, str]]) -> dict[str, float]:
+    """Standard deviations [SI] of inputs by name, from absolute or relative text ("0.2 uN", "5%").
+
+    "load": the measured force; "R": the tip radius; "E": all moduli in common; "h" and "nu": of the layer at the
+    contact; "E:film", "h:film", "nu:film": of the layer of that name or number, "E:base": of the half-space.
+    """
+    found = {}
+    for name, text in pairs:
+        whole = _whole(solution, name)
+        if whole in found:
+            raise InputError(f"pull-off: the uncertainty of {name} is given twice")
+        relative = text.endswith("%")
+        try:
+            value = parse(
+                text[:-1] if relative else text, "number" if relative else DIMENSIONS[whole.partition(":")[0]]
+            )
+        except ValueError as error:
+            raise InputError(f"pull-off: --uncertain {name}: {error}") from None
+        if not (math.isfinite(value) and value > 0):
+            raise InputError(f"pull-off: the uncertainty of {name} must be > 0, got {text}")
+        found[whole] = -value / 100 if relative else value  # relative ones wait for the value they belong to
+    return found
+
+
+def _whole(solution: Solution, name: str) -> str:
+    """The name with its layer; InputError where the body has no such input."""
+    names = _parts(solution.problem).layer_names
+    whole = f"{name}:{names[0]}" if name in ("h", "nu") and names else name
+    layers = names[: len(solution.problem.specimen.layers)]
+    own = [f"{quantity}:{layer}" for quantity in ("E", "nu") for layer in names] + [f"h:{layer}" for layer in layers]
+    radius = [RADIUS] if hasattr(solution.problem.indenter, "R") else []
+    checked_names([whole], [FORCE, *radius, MODULI, *own], "pull-off")
+    return whole
+
+
+def _parts(problem: Problem) -> FittedBody:
+    """The body with names for its parts alone."""
+    return FittedBody(problem, cast(Any, None), cast(Any, None), cast(Any, None))
+
+
+def _change(inverse: _Inverse, name: str, sigma: float) -> float:
+    """Change of w [J/m^2] by a change of the input ``name`` by ``sigma``, from a step to either side; a negative
+    ``sigma`` is relative."""
+    centre = _nominal(inverse, name)
+    size = -sigma * abs(centre) if sigma < 0 else sigma
+    ends = []
+    for value in (centre - size, centre + size):
+        try:
+            ends.append((value, _moved(inverse, name, value).found().w))
+        except InputError:  # beyond what the quantity can be, or what the series tells
+            continue
+    if len(ends) < 2:
+        ends.append((centre, inverse.found().w))
+    if len(ends) < 2:
+        raise InputError(f"pull-off: {name} cannot be {size:g} off its value {centre:g} to either side")
+    (one, low), (two, high) = ends
+    return (high - low) / (two - one) * size
+
+
+def _nominal(inverse: _Inverse, name: str) -> float:
+    problem = inverse.solution.problem
+    if name == FORCE:
+        return inverse.load
+    if name == RADIUS:
+        return float(cast(Any, problem.indenter).R)
+    return problem.E_star if name == MODULI else _parts(problem).nominal(name)
+
+
+def _moved(inverse: _Inverse, name: str, value: float) -> _Inverse:
+    """The same with another ``value`` of one input: solved anew where that is no change of units."""
+    solution = inverse.solution
+    if name == FORCE:
+        if value <= 0:
+            raise InputError("load: must be > 0")
+        return replace(inverse, load=value)
+    if name == MODULI:
+        if value <= 0:
+            raise InputError("E: must be > 0")
+        return replace(inverse, body=inverse.body.scaled(value / solution.problem.E_star))
+    method = method_behind(solution)
+    if method is None:
+        raise InputError(
+            f"pull-off: {name} cannot be uncertain: the series was not solved here, only its load and E can"
+        )
+    problem = solution.problem
+    if name == RADIUS:
+        moved = replace(problem, indenter=cast(Any, replace(cast(Any, problem.indenter), R=value)))
+    else:
+        moved = changed(_parts(problem), {name: value})
+    radii = solution.series.a[np.unique(np.linspace(0, len(solution.series) - 1, 100).astype(int))]
+    again = method(replace(moved, loading=Loading.given("radius", tuple(radii.tolist()))))
+    return replace(inverse, solution=again, body=nonadhesive(again))

@@ -1,1 +1,1 @@
-"""Studies of the methods themselves: how accuracy depends on mesh, noise and parameters."""
+"""Studies that users run: maps of pull-off, convergence of the mesh."""

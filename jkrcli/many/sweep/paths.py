@@ -54,7 +54,8 @@ def _assign(tables: Tables, key: str, value: Any) -> None:
 
 def _keep_layers(tables: Tables, count: Any) -> None:
     layers = tables.get("specimen", {}).get("layers", [])
-    if isinstance(count, bool) or count != int(count) or not 0 <= count <= len(layers):
+    number = isinstance(count, int | float) and not isinstance(count, bool)
+    if not (number and 0 <= count <= len(layers) and count == int(count)):
         raise InputError(f"{LAYER_COUNT}: must be a whole number from 0 to {len(layers)}, got {count}")
     tables["specimen"]["layers"] = layers[: int(count)]
 

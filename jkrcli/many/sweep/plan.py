@@ -20,9 +20,10 @@ from ...case.models import CaseModel
 from ...case.sweep import MOST_CASES, SweepModel, load_sweep
 from ..cache import at_unit_modulus
 from .axes import Axis, W, resolve
-from .paths import Tables, model_of, unit_of, with_values
+from .paths import LAYER_COUNT, Tables, model_of, unit_of, with_values
 from .quantities import Wanted, names_of
 
+FIRM = ("radius", "thickness", "nu")  # how keys end whose values tell bodies apart
 PHYSICS = {"title", "indenter", "specimen", "loading", "adhesion"}
 
 
@@ -39,6 +40,8 @@ class Recipe:
         model = model_of(with_values(self.tables, values), "", self.folder)
         if len(model.adhesion.w) > 1:
             raise InputError(f"{W}: a case of a sweep takes one value, got {list(model.adhesion.w)}")
+        if ranged := [name for name in ("range", "stress", "capillary") if getattr(model.adhesion, name) is not None]:
+            raise InputError(f"adhesion.{ranged[0]}: sweep knows no adhesion of finite range: leave it out")
         return model
 
 
@@ -81,6 +84,13 @@ class Plan:
             rows.append(zip(axis.keys, axis.rows[i], strict=True))
         return dict(itertools.chain.from_iterable(reversed(rows)))
 
+    @property
+    def least_solves(self) -> int:
+        """Solves that all cases together need at least: values that may cancel (w, moduli, a load over them) or be cut
+        off with their layer count as none."""
+        cut = LAYER_COUNT in self.keys
+        return math.prod(len({repr(_firm(axis.keys, row, cut)) for row in axis.rows}) for axis in self.axes)
+
     def identity(self, number: int) -> str:
         """A hash of everything that the row of a case depends on: what journals know it by."""
         return hashlib.sha256(f"{self._head}\n{self.values(number)!r}".encode()).hexdigest()[:20]
@@ -116,6 +126,11 @@ class Plan:
             for start in range(0, len(cases), most)
         ]
         return groups, wrong
+
+
+def _firm(keys: Sequence[str], row: Sequence[Any], cut: bool) -> list[Any]:
+    """Those values of a row of an axis that make another body, whatever the moduli and the number of layers are."""
+    return [value for key, value in zip(keys, row, strict=True) if key.endswith(FIRM) and not (cut and "layers" in key)]
 
 
 def _solve_identity(body: Problem, model: CaseModel) -> bytes:

@@ -20,6 +20,7 @@ from ...report import tables
 Value = float | int | str
 Section = Callable[[Analysis], Mapping[str, Any]]
 POINT = ("P_N", "delta_m", "a_m")
+ERROR = ("P_err_N", "delta_err_m")
 
 
 def _at_end(result: Analysis) -> dict[str, Any]:
@@ -30,6 +31,16 @@ def _at_end(result: Analysis) -> dict[str, Any]:
 def _pull_off(result: Analysis) -> dict[str, Any]:
     points = [_point(name, found) for name, found in result.pull_off.items()]
     return {key: value for point in points for key, value in point.items()} | {"load.over_pi_w_R": _ratio(result)}
+
+
+def _point_errors(result: Analysis) -> dict[str, Any]:
+    """Half-widths of P and delta of each pull-off point, or why there are none."""
+    found: dict[str, Any] = {}
+    for name, point in result.pull_off.items():
+        error = point if isinstance(point, Unknown) else result.pull_off_errors[name]
+        for key, quantity in zip(ERROR, ("P", "delta"), strict=True):
+            found[f"{name}.{key}"] = error if isinstance(error, Unknown) else error[quantity]
+    return found
 
 
 def _ratio(result: Analysis) -> float | Unknown:
@@ -64,6 +75,10 @@ SECTIONS: dict[str, tuple[Section, tuple[str, ...]]] = {
         _pull_off,
         (*(f"{control}.{key}" for control in ("load", "displacement") for key in POINT), "load.over_pi_w_R"),
     ),
+    "pull_off_errors": (
+        _point_errors,
+        tuple(f"{control}.{key}" for control in ("load", "displacement") for key in ERROR),
+    ),
     "stability": (_stability, ("energy_lost_J", "work_of_separation_J", *(f"jump_in.{key}" for key in POINT))),
     "validity": (tables.validity, VALIDITY),
     "errors": (lambda result: result.budget.as_dict(), ERRORS),
@@ -73,7 +88,7 @@ SECTIONS: dict[str, tuple[Section, tuple[str, ...]]] = {
     ),
 }
 NAMES = tuple(f"{section}.{key}" for section, (_, keys) in SECTIONS.items() for key in keys)
-NEED_W = ("pull_off", "stability")
+NEED_W = ("pull_off", "pull_off_errors", "stability")
 OF_THE_KIND = ("validity.", "comparison.")  # absent by the kind of body, the same in every case: no reason is given
 WORDS = ("solved_by.method", "solved_by.slopes")
 ALONG = ("P_N", "delta_m", "P_H_N", "delta_H_m", "S_N_per_m", "dS_da_N_per_m2")
@@ -122,7 +137,7 @@ def _value(name: str, told: Any) -> Value | Unknown:
 
 def _along(result: Analysis, a: float) -> dict[str, Value | Unknown]:
     """The curve at contact radius ``a`` [m]; index H: without adhesion."""
-    curve = result.curve
+    curve = result.jkr
     try:
         delta, P = (float(value) for value in curve.at(np.array(a)))
     except InputError as error:

@@ -86,6 +86,8 @@ def sweep(plan: Plan, folder: Path, means: Means, force: bool, say: Say) -> tupl
         _say_damage(journal, say)
         if means.retry and (forgotten := journal.forget_failed()):
             say(f"{forgotten} failed cases are tried again")
+        if plan.count > TUNING.many:
+            _guard_early(plan, journal, means.hours, say)
         work = _left(plan, journal, say)
         _guard(work, means.hours)
         if work.groups:
@@ -95,6 +97,24 @@ def sweep(plan: Plan, folder: Path, means: Means, force: bool, say: Say) -> tupl
     if len(table.failed) == plan.count:
         raise JkrError(f"{plan.source}: every case failed, the first because: {table.failed[0][1]}")
     return table, paths
+
+
+def _guard_early(plan: Plan, journal: Journal, hours: float, say: Say) -> None:
+    """Announce at most, and refuse at least, what all cases cost, told from the first before the others are looked at.
+
+    The journal's rows count as done, whether or not they are of this plan; what is sure comes after the look.
+    """
+    groups, _ = plan.groups([0])
+    solve = _solve_seconds(plan, groups[0]) if groups else 0.0
+    left = max(0.0, 1 - len(journal.rows) / plan.count)
+    most, least = (left * (TUNING.per_case * plan.count + count * solve) for count in (plan.count, plan.least_solves))
+    say(f"all cases: at most about {duration(most)} of CPU time, were each solved on its own as the first")
+    if least > 3600 * hours:
+        raise InputError(
+            f"--hours: {plan.count:,} cases with at least {plan.least_solves:,} solves would take about "
+            f"{least / 3600:.3g} core hours, as the first case does, more than the limit of {hours:g}; raise it by "
+            f"--hours {math.ceil(1.5 * least / 3600)}, or ask for fewer cases, fewer points or a cheaper method"
+        )
 
 
 def _check_targets(folder: Path, force: bool) -> None:

@@ -12,15 +12,15 @@ import numpy as np
 
 from ... import __version__
 from ...base.arrays import Array
-from ...base.files import atomic, write_bytes
-from ...base.hdf5 import Dataset, Group, image
+from ...base.files import atomic
+from ...base.hdf5 import Dataset, Group
 from ...base.table import write_csv
+from ...report import archive
 from .journal import Journal
 from .plan import Plan
 from .solving import FAILED
 
 STEM = "table"
-FORMAT, VERSION = "jkr-sweep-table", 1
 MISSING = "NaN: there is no value; the column reason says why"
 
 
@@ -77,9 +77,8 @@ def _is_numeric(values: list[Any]) -> bool:
 
 
 def _write_hdf5(path: Path, columns: dict[str, list[Any]]) -> None:
-    identity = {"format": np.bytes_(FORMAT), "version": VERSION, "jkr": __version__, "missing": MISSING}
     table = {name: Dataset(_as_dataset(values, name == "case")) for name, values in columns.items()}
-    write_bytes(path, image(Group(identity, {"table": Group({}, table)})))
+    archive.write(path, archive.SWEEP_TABLE, {"missing": MISSING}, {"table": Group({}, table)})
 
 
 def _as_dataset(values: list[Any], whole: bool) -> Array | list[str]:
@@ -96,8 +95,9 @@ def _write_parquet(path: Path, columns: dict[str, list[Any]]) -> None:
     from pyarrow import parquet
 
     arrays = [_arrow(values, name == "case") for name, values in columns.items()]
+    told = {"format": archive.SWEEP_TABLE, "jkr": __version__}
     with atomic(path) as temporary:
-        table = pyarrow.Table.from_arrays(arrays, names=list(columns), metadata={"format": FORMAT, "jkr": __version__})
+        table = pyarrow.Table.from_arrays(arrays, names=list(columns), metadata=told)
         parquet.write_table(table, temporary)
 
 

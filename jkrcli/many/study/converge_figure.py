@@ -1,0 +1,76 @@
+"""The figure of a convergence study: radius, curves, errors and cost over the number of unknowns."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...base.arrays import Array
+from ...base.errors import InputError
+from ...base.units import scale
+from ...report.plots import BLACK, BLUE, GREEN, ORANGE, Figure, pretty
+from ...report.plots.study import Line, Panel, panels_figure
+from .converge import Convergence
+
+UNKNOWNS = "unknowns"
+COLORS = (ORANGE, BLUE, GREEN, "#CC79A7", "#56B4E9", "#E69F00", "#F0E442")
+
+
+def convergence_figure(study: Convergence) -> Figure:
+    """Contact radius over element size, adhesive curves, errors, and what the meshes cost."""
+    return panels_figure([radius_panel(study), curves_panel(study), errors_panel(study), cost_panel(study)])
+
+
+def radius_panel(study: Convergence) -> Panel:
+    """Contact radius at the depth of the study over the number of unknowns."""
+    unit, name = scale(study.levels[-1].state.a, "length")
+    unknowns = _unknowns(study)
+    lines = [Line(unknowns, np.array(study.values("a"), dtype=float) / unit, "finite elements", "o-", ORANGE)]
+    if study.exact is not None:
+        lines.append(Line(unknowns, np.full(unknowns.size, study.exact.a / unit), "exact", "--", BLACK))
+    return Panel(UNKNOWNS, f"contact radius a ({pretty(name)})", lines, logs="x")
+
+
+def curves_panel(study: Convergence) -> Panel:
+    """Adhesive load over displacement of every mesh."""
+    held = [(level, level.state.curve) for level in study.levels if level.state.curve is not None]
+    if not held:
+        raise InputError("convergence: no mesh is fine enough for an adhesive curve: give finer meshes")
+    finest = held[-1][1]
+    delta_unit, delta_name = scale(float(np.max(np.abs(finest.delta))), "length")
+    P_unit, P_name = scale(float(np.max(np.abs(finest.P))), "load")
+    lines = [
+        Line(curve.delta / delta_unit, curve.P / P_unit, f"{level.unknowns} unknowns", "o", color)
+        for (level, curve), color in zip(held, COLORS * len(held), strict=False)
+    ]
+    if study.exact is not None and study.exact.curve is not None:
+        exact = study.exact.curve
+        lines.append(Line(exact.delta / delta_unit, exact.P / P_unit, "exact", "-", BLACK))
+    return Panel(f"displacement δ ({pretty(delta_name)})", f"load P ({pretty(P_name)})", lines)
+
+
+def errors_panel(study: Convergence) -> Panel:
+    """Relative errors over the number of unknowns."""
+    unknowns = _unknowns(study)
+    lines = []
+    for name, words, color in (("a", "a", ORANGE), ("P", "P", BLUE), ("pull_off", "pull-off force", GREEN)):
+        errors = study.errors(name)
+        there = np.array([error not in (None, 0.0) for error in errors])
+        if there.any():
+            values = np.abs(np.array([error for error in errors if error not in (None, 0.0)], dtype=float))
+            lines.append(Line(unknowns[there], values, words, "o-", color))
+    against = "the exact value" if study.exact is not None else "the extrapolated value"
+    return Panel(UNKNOWNS, f"difference to {against}", lines, logs="xy")
+
+
+def cost_panel(study: Convergence) -> Panel:
+    """Points kept and CPU seconds over the number of unknowns."""
+    unknowns = _unknowns(study)
+    kept = np.array([level.kept for level in study.levels], dtype=float)
+    seconds = np.array([level.seconds for level in study.levels])
+    lines = [Line(unknowns, kept, "points kept", "o-", ORANGE), Line(unknowns, seconds, "CPU seconds", "s--", BLUE)]
+    return Panel(UNKNOWNS, "number, seconds", lines, logs="xy")
+
+
+def _unknowns(study: Convergence) -> Array:
+    """The axis of the study: it grows from mesh to mesh, while coarse meshes may share their largest element."""
+    return np.array([level.unknowns for level in study.levels], dtype=float)

@@ -8,11 +8,11 @@ Lengths in m, forces in N, moduli in Pa, work of adhesion in J/m^2; compression 
 from __future__ import annotations
 
 import importlib
-from typing import TYPE_CHECKING, Any
 
-from .base.errors import InputError, JkrError, Refusal
-
+TYPE_CHECKING = False  # typing's own takes as long to import as all else here, and Ctrl-C is minded only after it
 if TYPE_CHECKING:
+    from typing import Any
+
     from .api import (
         identify,
         load_case,
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
         to_pandas,
         transform,
     )
+    from .base.errors import InputError, JkrError, Refusal
     from .base.unknown import Unknown
     from .bodies.grading import Exponential, Linear, Power, Tabulated
     from .bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
@@ -81,6 +82,7 @@ __all__ = [
     "transform",
 ]
 _HOMES = {  # of what is not in jkrcli.api
+    ".base.errors": ("InputError", "JkrError", "Refusal"),
     ".base.unknown": ("Unknown",),
     ".bodies.grading": ("Exponential", "Linear", "Power", "Tabulated"),
     ".bodies.indenters": ("Paraboloid", "PowerLaw", "RoundedFlat", "Sphere", "TableProfile"),

@@ -38,9 +38,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .adhesion.analysis import Analysis, analyse
+from .adhesion.law import AskedRange
 from .base.arrays import Array
 from .base.errors import InputError
 from .base.files import check_series_target
+from .base.installing import installs
 from .base.threads import one_thread
 from .base.units import parse
 from .bodies.problem import Problem
@@ -110,24 +112,29 @@ def save(solved: Solution, path: str | Path, force: bool = False) -> Path:
     return target
 
 
-@one_thread
+@one_thread()
 def transform(
     solved: Solution | Case | Problem | str | Path,
     w: float | str,
     slopes: str = "auto",
     modulus_factor: float = 1.0,
     method: str | Method | None = None,
+    *,
+    stress: float | None = None,
+    length: float | None = None,
 ) -> Analysis:
     """The adhesive curve for the work of adhesion ``w`` [J/m^2], with pull-off, errors, validity and warnings.
 
-    ``solved``: a solution or its file; a case or problem is solved first, by ``method``. ``w``: a number, or text with
-    a unit, "40 mJ/m^2"; ``slopes``: "auto", "exact", "integral", "loocv" or "gcv"; ``modulus_factor``: all moduli times
-    this.
+    ``solved``: a solution or its file; a case, its file or a problem is solved first, by ``method``. ``w``: a number,
+    or text with a unit, "40 mJ/m^2"; ``slopes``: "auto", "exact", "integral", "loocv" or "gcv"; ``modulus_factor``:
+    all moduli times this. ``stress`` [Pa] or ``length`` [m]: adhesion of finite range by its tension or its range,
+    else what the case says.
     """
-    if isinstance(solved, Case | Problem):
+    if isinstance(solved, Case | Problem) or (not isinstance(solved, Solution) and Path(solved).suffix == ".toml"):
         solved = solve(solved, method)
     solution = solved if isinstance(solved, Solution) else store.read(solved)
-    return analyse(solution, [_work(w) if isinstance(w, str) else w], slopes, modulus_factor)[0]
+    asked = AskedRange.of(solution.record, stress, length)
+    return analyse(solution, [_work(w) if isinstance(w, str) else w], slopes, modulus_factor, asked)[0]
 
 
 def _work(text: str) -> float:
@@ -157,7 +164,7 @@ def identify(
 
     source = body_of(Path(body) if isinstance(body, str) else body, slopes)
     curve = measured if isinstance(measured, Curve) else _only_curve(Path(measured))
-    return one_thread(fit)(source, curve, settings_of(source, free, (fix or {}).items(), **options))
+    return one_thread()(fit)(source, curve, settings_of(source, free, (fix or {}).items(), **options))
 
 
 def _only_curve(path: Path) -> Curve:
@@ -182,7 +189,7 @@ def to_pandas(curve: Analysis) -> DataFrame:
     try:
         from pandas import DataFrame
     except ModuleNotFoundError:
-        raise InputError('to_pandas needs the optional package pandas: pip install "jkrcli[pandas]"') from None
+        raise InputError(f"to_pandas needs the optional package pandas: {installs('pandas')}") from None
     return DataFrame(table(curve))
 
 
@@ -193,7 +200,7 @@ def plot(curve: Analysis, path: str | Path | None = None) -> Figure:
 
     figure = plots_curve.curve_figure(curve, plots_curve.physical_units(curve.curve))
     if path is not None:
-        plots.save(figure, Path(path))
+        plots.save(figure, [Path(path)])
     return figure
 
 

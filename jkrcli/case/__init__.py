@@ -5,17 +5,19 @@ from __future__ import annotations
 import math
 import re
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, TypeVar
 
 import tomli_w
 from pydantic import ValidationError
 
+from ..base import units
 from ..base.errors import InputError, did_you_mean, nearest
 from ..base.files import read_bytes
 from ..bodies.indenters import SHAPES
 from .models import CaseModel, RootTable, case_model
+from .quotes import UnquotedError, has_unquoted
 
 Root = TypeVar("Root", bound=RootTable)
 MOST_BYTES = 16 << 20  # read at about 1 MiB/s
@@ -34,12 +36,13 @@ KeysAt = Callable[[tuple[str, ...]], list[str]]
 
 class Case:
     """A validated case: ``model`` holds the values in SI, ``source`` the file they came from, ``text`` what stands
-    there where that is a series file."""
+    there where that is a series file, ``remarks`` what may not have been meant as it stands."""
 
-    def __init__(self, model: CaseModel, source: str, text: str = ""):
+    def __init__(self, model: CaseModel, source: str, text: str = "", remarks: tuple[str, ...] = ()):
         self.model = model
         self.source = source
         self.text = text
+        self.remarks = remarks
 
     def with_mesh(self, **values: Any) -> Case:
         """The case with other values in its table mesh; InputError where they are wrong."""
@@ -60,8 +63,28 @@ def load_case(path: str | Path) -> Case:
 
 def parse_case(content: bytes, source: str, folder: Path | None = None) -> Case:
     """Validate the bytes of a case file; ``folder`` is where relative names of profile tables are looked up."""
-    tree = parse_toml(content, source)
-    return Case(validated(case_model(tree), tree, source, folder), source)
+    try:
+        tree = parse_toml(content, source)
+    except UnquotedError as error:
+        raise InputError([*error.lines, *_mistakes(error.quoted, source, folder)]) from None
+    return Case(validated(case_model(tree), tree, source, folder), source, remarks=tuple(_remarks(tree, source)))
+
+
+def _remarks(tree: dict[str, Any], source: str) -> Iterator[str]:
+    """A bare number is read as SI: said where that makes a work of adhesion that surfaces hardly have."""
+    works = tree.get("adhesion", {}).get("w", [])
+    for work in works if isinstance(works, list) else [works]:
+        if not isinstance(work, str) and (doubt := units.doubtful_work(work)):
+            yield f"{source}: adhesion.w: {doubt}"
+
+
+def _mistakes(text: str, source: str, folder: Path | None) -> tuple[str, ...]:
+    """What else is wrong in the text of a case."""
+    try:
+        parse_case(text.encode(), source, folder)
+    except InputError as error:
+        return error.lines
+    return ()
 
 
 def parse_toml(content: bytes, source: str) -> dict[str, Any]:
@@ -74,15 +97,28 @@ def parse_toml(content: bytes, source: str) -> dict[str, Any]:
         line = content.count(b"\n", 0, many.start()) + 1
         raise InputError(f"{source}: line {line}: a key must not have more than {MOST_PARTS} parts")
     try:
-        return tomllib.loads(content.decode("utf-8-sig"))
+        text = content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise InputError(f"{source}: is not a text file (byte {error.start} is not UTF-8)") from None
+    try:
+        return tomllib.loads(text)
     except RecursionError:
         raise InputError(f"{source}: is not valid TOML: brackets are nested too deeply") from None
     except tomllib.TOMLDecodeError as error:
+        if has_unquoted(text):
+            raise UnquotedError(source, text) from None
         raise InputError(f"{source}: is not valid TOML: {str(error)[0].lower()}{str(error)[1:]}") from None
     except ValueError:
         raise InputError(f"{source}: is not valid TOML: a number has thousands of digits") from None
+
+
+def plain_toml(text: str) -> str:
+    """The tables in the TOML ``text`` with characters that steer a terminal written as escapes: it reads back to the
+    same values. What holds none of them is left as it is."""
+    if all(map(str.isprintable, text.split("\n"))):
+        return text
+    dumped = tomli_w.dumps(parse_toml(text.encode(), "case"))  # in strings alone, and of those basic ones
+    return "".join(c if c.isprintable() or c == "\n" else f"\\U{ord(c):08x}" for c in dumped)
 
 
 def validated(kind: type[Root], tree: dict[str, Any], source: str, folder: Path | None = None) -> Root:
@@ -125,13 +161,26 @@ def _sentence(item: Any, tree: dict[str, Any], keys_at: KeysAt) -> str:
             tag = context["tag"]
             return f'{where}.shape: must be one of {", ".join(allowed)}, got "{tag}"{did_you_mean(tag, allowed)}'
         case "jkr":
-            return f"{where}: {item['msg']}" if where else item["msg"]
+            hint = _rigid(where) if value == "rigid" else ""
+            return f"{where}: {item['msg']}{hint}" if where else item["msg"]
         case "greater_than_equal":
             return f"{where}: must be >= {context['ge']}, got {shown(value)}"
         case "less_than_equal":
             return f"{where}: must be <= {context['le']}, got {shown(value)}"
     wanted = next((f"must be {words}" for kinds, words in KINDS.items() if item["type"] in kinds), item["msg"])
     return f"{where}: {wanted}, got {shown(value)}"
+
+
+def _rigid(where: str) -> str:
+    """How to say that a body is rigid."""
+    if where == "indenter.E":
+        return "; a rigid indenter is one without E and nu: leave both out"
+    if where.endswith(".E"):
+        return (
+            "; an elastic lens on a rigid plate is the contact of a rigid lens on a half-space of the lens's material: "
+            'give that E and nu here and none in [indenter]; below layers base = "bonded" is rigid'
+        )
+    return ""
 
 
 def _path(loc: tuple[Any, ...], tree: dict[str, Any]) -> str:

@@ -7,10 +7,19 @@ import functools
 import operator
 import types
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar, Union, get_args, get_origin
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, create_model
-from pydantic_core import PydanticCustomError
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    GetCoreSchemaHandler,
+    ValidationError,
+    create_model,
+)
+from pydantic_core import CoreSchema, InitErrorDetails, PydanticCustomError
+from pydantic_core.core_schema import no_info_before_validator_function
 
 from ..base import units
 from ..base.errors import InputError
@@ -32,11 +41,32 @@ def findings() -> Iterator[None]:
         raise wrong(str(error)) from None
 
 
+def with_others(finding: str | None, data: Any, handler: Callable[[Any], Any]) -> Any:
+    """The table that ``handler`` makes of ``data``; a ``finding`` on its choice of keys is told together with what else
+    is wrong, unless an unknown key may be the reason."""
+    if finding is None:
+        return handler(data)
+    details = [InitErrorDetails(type=wrong(finding), input=data)]
+    try:
+        handler(data)
+    except ValidationError as error:
+        items = error.errors()
+        unknown = any(item["type"] == "extra_forbidden" and len(item["loc"]) == 1 for item in items)
+        details = [*([] if unknown else details), *map(_again, items)]
+    raise ValidationError.from_exception_data("table", details)
+
+
+def _again(item: Any) -> InitErrorDetails:
+    """A finding of pydantic's in the form in which it takes findings."""
+    kind = wrong(item["msg"]) if item["type"] == "jkr" else item["type"]
+    return InitErrorDetails(type=kind, loc=item["loc"], input=item["input"], ctx=item.get("ctx", {}))
+
+
 def readable(annotation: Any) -> Any:
     """The type that reads ``annotation`` from a file: numbers as their ``Ranged`` says, tuples from lists."""
     origin, parts = get_origin(annotation), get_args(annotation)
     if origin is Annotated:
-        notes = [BeforeValidator(_reader(note)) for note in annotation.__metadata__ if isinstance(note, Ranged)]
+        notes = [Read(note) for note in annotation.__metadata__ if isinstance(note, Ranged)]
         return Annotated[(readable(parts[0]), *notes)] if notes else readable(parts[0])
     if origin is tuple:
         return Annotated[tuple[tuple(map(readable, parts))], BeforeValidator(as_tuple)]
@@ -45,14 +75,21 @@ def readable(annotation: Any) -> Any:
     return annotation
 
 
-def _reader(ranged: Ranged) -> Any:
-    def read(value: Any) -> float:
+@dataclass(frozen=True)
+class Read:
+    """Reads a number of a case file as its ``ranged`` says; stands in ``Annotated``."""
+
+    ranged: Ranged
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return no_info_before_validator_function(self.read, handler(source))
+
+    def read(self, value: Any) -> float:
+        """The SI value."""
         try:
-            return ranged.read(value)
+            return self.ranged.read(value)
         except ValueError as error:
             raise wrong(str(error)) from None
-
-    return read
 
 
 def quantity(dimension: str, **bounds: float) -> Any:
@@ -70,15 +107,20 @@ def as_tuple(value: Any) -> Any:
     return tuple(value) if isinstance(value, list) else value
 
 
+def as_several(value: Any) -> Any:
+    """A single value is a tuple of one."""
+    return as_tuple(value) if isinstance(value, list | tuple) else (value,)
+
+
 def one_or_more(kind: Any) -> Any:
     """A tuple of ``kind``; a single value in the file is a tuple of one."""
-    return Annotated[tuple[kind, ...], BeforeValidator(lambda v: as_tuple(v) if isinstance(v, list | tuple) else (v,))]
+    return Annotated[tuple[kind, ...], BeforeValidator(as_several)]
 
 
 class Table(BaseModel):
     """A table of the case file: strict types, no unknown keys, frozen."""
 
-    model_config = ConfigDict(strict=True, extra="forbid", frozen=True, allow_inf_nan=False)
+    model_config = ConfigDict(strict=True, extra="forbid", frozen=True, allow_inf_nan=False, defer_build=True)
     tag: ClassVar[str] = ""  # what an error's path calls this table where several are possible
 
     @classmethod

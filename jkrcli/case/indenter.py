@@ -17,6 +17,8 @@ from ..bodies.indenters import SHAPES, Indenter
 from ..bodies.materials import Elastic
 from .fields import BuiltTable, Modulus, Poisson, findings, table_of, wrong
 
+MOST_BYTES = 4 << 20  # choice: of a profile's file, a hundred thousand points are read in a second
+
 
 class IndenterTable(BuiltTable):
     """Keys that every shape has: its name, E and nu of an elastic indenter (left out: rigid).
@@ -78,7 +80,7 @@ def any_indenter(shapes: Iterable[str]) -> Any:
 def read_columns(path: Path, wanted: list[str]) -> dict[str, tuple[float, ...]]:
     """The columns ``wanted`` [m] of a CSV file with one header line that names them in any order, by key."""
     try:
-        lines = read_bytes(path, "profile file").decode("utf-8-sig").splitlines()
+        lines = read_bytes(path, "profile file", MOST_BYTES).decode("utf-8-sig").splitlines()
     except InputError as error:
         raise wrong(str(error)) from None
     except UnicodeDecodeError:

@@ -3,26 +3,44 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
 from typing import Annotated, Any, Literal, Self, cast, get_args
 
-from pydantic import BeforeValidator, Field, create_model, model_validator
+from pydantic import BeforeValidator, Field, ModelWrapValidatorHandler, create_model, model_validator
 
 from ..base.errors import InputError
 from ..bodies.indenters import SHAPES
 from ..bodies.problem import HalfSpace, Loading, Problem, Quantity, Rigid, Specimen
+from ..formulas.capillary import capillary, kelvin_radius
 from ..methods import METHODS, Descriptor
 from ..series import Record
-from .fields import Force, Length, Table, Work, as_tuple, one_or_more, readable, wrong
+from .fields import (
+    Force,
+    Length,
+    Modulus,
+    Table,
+    Work,
+    as_tuple,
+    findings,
+    one_or_more,
+    quantity,
+    readable,
+    with_others,
+    wrong,
+)
 from .indenter import IndenterTable, any_indenter
 from .materials import AnyHalfSpace, AnyLayer
+
+GOALS: tuple[Quantity, ...] = ("depth", "load", "radius")
 
 
 class SpecimenTable(Table):
     """Layers from the contact surface down on a rigid ``base``, or on an elastic ``half_space`` (alone: no layers).
 
-    ``radius`` and ``side`` (its support) make it a cylinder; left out: it is wide.
+    ``radius`` and ``side`` (its support) make it a cylinder; left out: it is wide. ``surface``: what its points do that
+    the indenter touches.
     """
 
     layers: Annotated[tuple[AnyLayer, ...], BeforeValidator(as_tuple)] = ()
@@ -30,19 +48,30 @@ class SpecimenTable(Table):
     half_space: AnyHalfSpace | None = None
     radius: Length | None = None
     side: Literal["free", "roller", "clamped"] | None = None
+    surface: Literal["sliding", "sticking"] = "sliding"
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _complete(cls, data: Any, handler: ModelWrapValidatorHandler[Self]) -> Self:
+        return cast(Self, with_others(cls._finding(data) if isinstance(data, dict) else None, data, handler))
+
+    @staticmethod
+    def _finding(given: Mapping[str, Any]) -> str | None:
+        """What is wrong with the choice of keys."""
+        if "half_space" in given and "base" in given:
+            return "give either base (rigid) or half_space (elastic) below the layers, got both"
+        if not given.get("layers") and "half_space" not in given:
+            return "is empty: give [specimen.half_space] with E and nu, or [[specimen.layers]]"
+        if "half_space" in given and ("radius" in given or "side" in given):
+            return "a cylinder (radius and side) stands on a rigid base: leave out half_space"
+        if ("radius" in given) != ("side" in given):
+            return "a cylinder needs both radius and side (free, roller or clamped), leave both out for a wide body"
+        return None
 
     @model_validator(mode="after")
-    def _complete(self) -> Self:
-        if self.half_space is not None and self.base is not None:
-            raise wrong("give either base (rigid) or half_space (elastic) below the layers, got both")
-        if not self.layers and self.half_space is None:
-            raise wrong("is empty: give [specimen.half_space] with E and nu, or [[specimen.layers]]")
-        if self.half_space is not None and (self.radius is not None or self.side is not None):
-            raise wrong("a cylinder (radius and side) stands on a rigid base: leave out half_space")
-        if (self.radius is None) != (self.side is None):
-            raise wrong(
-                "a cylinder needs both radius and side (free, roller or clamped), leave both out for a wide body"
-            )
+    def _of_use(self) -> Self:
+        with findings():
+            self.build()
         return self
 
     def build(self) -> Specimen:
@@ -51,7 +80,8 @@ class SpecimenTable(Table):
 
 
 class LoadingTable(Table):
-    """One of depth, load, radius: its largest value (``points`` of them, by ``spacing``), or a list of values."""
+    """One of depth, load, radius: its largest value (``points`` of them, by ``spacing``), or a list of values; one in
+    brackets is a list where nothing says how many."""
 
     depth: one_or_more(Length) | None = None
     load: one_or_more(Force) | None = None
@@ -59,11 +89,21 @@ class LoadingTable(Table):
     points: Annotated[int, Field(ge=1, le=100_000)] = 100
     spacing: Literal["radius", "depth", "log"] = "radius"
 
+    @model_validator(mode="wrap")
+    @classmethod
+    def _one(cls, data: Any, handler: ModelWrapValidatorHandler[Self]) -> Self:
+        given = [name for name in GOALS if name in data] if isinstance(data, dict) else list(GOALS[:1])
+        finding = f"needs exactly one of depth, load, radius, got {' and '.join(given) or 'none'}"
+        alone = isinstance(data, dict) and all(isinstance(data[name], list) and len(data[name]) == 1 for name in given)
+        if alone and not {"points", "spacing"} & data.keys():
+            data = data | {"points": 1}
+        return cast(Self, with_others(None if len(given) == 1 else finding, data, handler))
+
     @model_validator(mode="after")
-    def _one(self) -> Self:
-        given = [name for name in ("depth", "load", "radius") if getattr(self, name) is not None]
+    def _usable(self) -> Self:
+        given = [name for name in GOALS if getattr(self, name) is not None]
         if len(given) != 1:
-            raise wrong(f"needs exactly one of depth, load, radius, got {' and '.join(given) or 'none'}")
+            return self  # told by the rule above
         values = getattr(self, given[0])
         if not values:
             raise wrong(f"{given[0]} is an empty list")
@@ -74,24 +114,74 @@ class LoadingTable(Table):
         return self
 
     def build(self) -> Loading:
-        goals: tuple[Quantity, ...] = ("depth", "load", "radius")
-        quantity, values = next((name, v) for name in goals if (v := getattr(self, name)) is not None)
-        if len(values) > 1:
+        quantity, values = next((name, v) for name in GOALS if (v := getattr(self, name)) is not None)
+        if len(values) > 1 or self.points == 1:
             return Loading.given(quantity, values)
         return Loading(quantity, values[0], self.points, self.spacing)
 
 
+class CapillaryTable(Table):
+    """A bridge of liquid at fixed humidity (``formulas.capillary``): one of ``humidity`` (of water, from 0 to 1) and
+    ``kelvin_radius``; ``contact_angles`` in degrees below 90 or with a unit, of both surfaces or one of each."""
+
+    surface_tension: Work
+    humidity: quantity("number", above=0.0, below=1.0) | None = None
+    kelvin_radius: Length | None = None
+    contact_angles: one_or_more(quantity("number", least=0.0, below=90.0))
+
+    @model_validator(mode="after")
+    def _one(self) -> Self:
+        if (self.humidity is None) == (self.kelvin_radius is None):
+            raise wrong("needs one of humidity and kelvin_radius")
+        if len(self.contact_angles) not in (1, 2):
+            raise wrong(f"contact_angles: must be one or two angles, got {len(self.contact_angles)}")
+        if self.surface_tension == 0:
+            raise wrong("surface_tension: must be > 0 N/m, got 0")
+        return self
+
+    @property
+    def bridge(self) -> tuple[float, float]:
+        """Tension [Pa] and work of adhesion [J/m^2]."""
+        radius = self.kelvin_radius or kelvin_radius(self.surface_tension, self.humidity or math.nan)
+        first, last = (math.radians(angle) for angle in (self.contact_angles[0], self.contact_angles[-1]))
+        return capillary(self.surface_tension, radius, (first, last))
+
+
 class AdhesionTable(Table):
-    """Work(s) of adhesion and the interatomic distance z0 of the Tabor number; used by transformations only."""
+    """Work(s) of adhesion and the interatomic distance z0 of the Tabor number; used by transformations only.
+
+    ``range`` or ``stress``: adhesion of finite range, a constant tension up to a separation; ``capillary``: the same by
+    a bridge of liquid, which gives the work of adhesion too.
+    """
 
     w: one_or_more(Work) = ()
     z0: Length = Record.z0
+    range: Length | None = None
+    stress: Modulus | None = None
+    capillary: CapillaryTable | None = None
 
     @model_validator(mode="after")
     def _each_once(self) -> Self:
         if len(set(self.w)) < len(self.w):
             raise wrong(f"w: holds a value twice, got {list(self.w)}")
+        given = [name for name in ("range", "stress", "capillary") if getattr(self, name) is not None]
+        if len(given) > 1:
+            raise wrong(f"give at most one of range, stress and capillary, got {' and '.join(given)}")
+        if given and given != ["capillary"] and not all(self.w):
+            raise wrong(f"{given[0]}: goes with works of adhesion > 0, got w = 0")
+        if self.capillary is not None and self.w:
+            raise wrong("capillary: gives the work of adhesion itself: leave out w")
         return self
+
+    @property
+    def works(self) -> tuple[float, ...]:
+        """Works of adhesion [J/m^2]: those given, or that of the bridge."""
+        return self.w if self.capillary is None else (self.capillary.bridge[1],)
+
+    @property
+    def stress_of_bridge(self) -> float | None:
+        """The tension of the bridge [Pa]."""
+        return None if self.capillary is None else self.capillary.bridge[0]
 
 
 class RootTable(Table):
@@ -124,7 +214,8 @@ class CaseModel(RootTable):
 
     def problem(self) -> Problem:
         """The physics of the case."""
-        return Problem(self.indenter.build(), self.specimen.build(), self.loading.build())
+        sticks = self.specimen.surface == "sticking"
+        return Problem(self.indenter.build(), self.specimen.build(), self.loading.build(), sticks)
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickled by value: the completed model has no name of its own."""

@@ -10,7 +10,7 @@ from ..base.errors import JkrError
 from ..base.threads import one_thread
 from ..bodies.problem import Problem
 from ..methods import Method, method_class
-from ..methods.choose import Choice, choose
+from ..methods.choose import Choice, choose, long_look
 from ..methods.guards import Limits, admit
 from ..series import Record, Solution
 from . import Case
@@ -20,7 +20,7 @@ from .store import record_of
 Announce = Callable[[str], None]
 
 
-@one_thread
+@one_thread()
 def solve(
     source: Case | Problem,
     method: str | Method | None = None,
@@ -32,6 +32,8 @@ def solve(
     Refusal where it would cost more than ``limits``; ``announce`` is told what it will cost where that is much.
     """
     problem, record, named, build = _parts(source)
+    if announce and (words := long_look(problem)):
+        announce(words)
     choice: Choice | None = choose(problem, method or named, build)
     while True:
         assert choice is not None

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import platform
+import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
-from importlib import metadata
 from pathlib import Path
 from typing import Any
 
@@ -45,7 +45,7 @@ WORDS = {
     "S": "slope dP/d(delta) of the nonadhesive contact",
     "dS": "derivative dS/da",
 }
-PACKAGES = ("numpy", "scipy", "gmsh", "scikit-fem", "h5py")
+PACKAGES = {"numpy": "numpy", "scipy": "scipy", "gmsh": "gmsh", "scikit-fem": "skfem", "h5py": "h5py"}  # modules
 DOUBT = (
     "the series file is of format 1, which has no digest: damage to its case or words may go unnoticed; run the case "
     "again for full protection"
@@ -67,24 +67,20 @@ BOUNDS = Bounds()
 def record_of(case: Case, path: Path = Record.path) -> Record:
     """What a solution of ``case`` keeps of it."""
     adhesion = case.model.adhesion
-    return Record(case.model.title, adhesion.w, adhesion.z0, path, case)
+    stress = adhesion.stress or adhesion.stress_of_bridge
+    return Record(case.model.title, adhesion.works, adhesion.z0, path, case, stress=stress, length=adhesion.range)
 
 
 def versions() -> dict[str, str]:
-    """Versions of jkr, Python and the packages that a result depends on."""
-    found = {"jkr": __version__, "python": platform.python_version()}
-    for name in PACKAGES:
-        try:
-            found[name] = metadata.version(name)
-        except metadata.PackageNotFoundError:
-            found[name] = "not installed"
-    return found
+    """Versions of jkr, Python and the packages that a result depends on: those that this process has loaded."""
+    loaded = {name: sys.modules[module].__version__ for name, module in PACKAGES.items() if module in sys.modules}
+    return {"jkr": __version__, "python": platform.python_version(), **loaded}
 
 
 # ---------------------------------------------------------------------- writing
 def write(path: Path, solution: Solution, command_line: str = "") -> None:
     """Write ``solution`` to ``path``, whole or not at all; ``command_line``: what made it, unless it says so itself."""
-    write_bytes(path, hdf5.image(_tree(solution, command_line), fixed=True))
+    write_bytes(path, hdf5.image(_tree(solution, command_line)))
 
 
 def _tree(solution: Solution, command_line: str) -> Group:
@@ -95,9 +91,7 @@ def _tree(solution: Solution, command_line: str) -> Group:
     members: dict[str, Group | Dataset] = {
         "case": Dataset(text),
         "series": Group(first, _columns({name: getattr(series, name) for name in COLUMNS}, WORDS)),
-        "errors": Group(
-            budget, _columns(series.errors, {name: f"estimated absolute error of {NAMES[name]}" for name in COLUMNS})
-        ),
+        "errors": Group(budget, _errors(series)),
         "facts": Group(solution.facts),
         "timings_s": Group(solution.timings),
         "versions": Group(record.versions or versions()),
@@ -113,6 +107,20 @@ def _tree(solution: Solution, command_line: str) -> Group:
         members["contact"] = hdf5.sealed(Group({}, {"r": r, "pressure": p}))
     identity = {"format": FORMAT, "version": VERSION, "method": solution.method, "problem_key": solution.key}
     return Group(identity | {"command_line": record.command_line or command_line}, members)
+
+
+def _errors(series: Series) -> dict[str, Group | Dataset]:
+    """The errors of the columns, each with what is held when it is compared with the truth."""
+    at_radius = series.errors_at_radius
+    held = {name: "radius" if name in ("S", "dS") or not at_radius else "displacement" for name in COLUMNS}
+    words = {name: f"estimated absolute error of {NAMES[name]} at equal {held[name]}" for name in COLUMNS}
+    others = {
+        f"{NAMES[name]}_at_equal_a": hdf5.column(
+            values, UNITS[name], f"estimated absolute error of {NAMES[name]} at equal radius"
+        )
+        for name, values in at_radius.items()
+    }
+    return _columns(series.errors, words) | others
 
 
 def _columns(values: Mapping[str, Array | None], words: Mapping[str, str]) -> dict[str, Group | Dataset]:

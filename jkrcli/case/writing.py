@@ -15,7 +15,7 @@ def case_of(problem: Problem) -> Case:
     """A case of ``problem``, with defaults for all else; InputError where no case can say it."""
     tree = {
         "indenter": problem.indenter.keys | _material(problem.indenter.material),
-        "specimen": _specimen(problem.specimen),
+        "specimen": _specimen(problem.specimen) | ({"surface": "sticking"} if problem.sticks else {}),
         "loading": _loading(problem.loading),
     }
     return Case(validated(case_model(tree), tree, "problem"), "problem")

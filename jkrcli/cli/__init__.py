@@ -16,11 +16,11 @@ import click
 from .. import __version__
 from ..base import interrupts
 from ..base.errors import InputError, JkrError, did_you_mean, printable
-from ..base.threads import ONE_THREAD
+from ..base.threads import begin_with_one
 from .voice import level_options
 
-# One BLAS thread, set before numpy is first imported: the same numbers everywhere, and faster at these sizes.
-os.environ.update(ONE_THREAD)
+begin_with_one()  # the same numbers everywhere, and faster at these sizes
+os.environ["PYDANTIC_DISABLE_PLUGINS"] = "__all__"  # nothing foreign reads along, and no search for it
 
 # What numpy warns of where a result would be no number: an error here, because nothing good can follow.
 ARITHMETIC = "(overflow|divide by zero|invalid value) encountered"
@@ -105,7 +105,7 @@ def jkr() -> None:
     \b
     jkr new my.toml                 a commented case file to edit
     jkr run my.toml                 solve it: my.h5
-    jkr transform my.h5 --w 50      adhesive curve for w = 50 J/m^2: CSV, JSON, plots
+    jkr transform my.h5 --w 0.05    adhesive curve for w = 0.05 J/m^2: CSV, JSON, plots
 
     Exit codes: 0 done, 2 bad input, 130 interrupted (Ctrl-C), 1 anything else.
     """
@@ -115,8 +115,12 @@ def main(arguments: Sequence[str] | None = None) -> None:
     """Entry point of ``jkr``: one line per mistake on stderr, never a traceback for what the user can mend."""
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")  # a name that the terminal's encoding lacks is no mistake
-    code = call(arguments)
-    interrupts.ignore()
+    try:
+        code = call(arguments)
+        interrupts.ignore()
+    except KeyboardInterrupt:  # behind the last word of a command, or while it is said that it was interrupted
+        interrupts.ignore()
+        code = _fail([interrupts.SAID], interrupts.CODE)
     sys.exit(code)
 
 

@@ -15,7 +15,7 @@ from ..base.clock import StageClock
 from ..base.errors import printable
 from ..case import Case, load_case, store
 from ..case.solving import solve
-from ..many.study.chart_measure import process_cost
+from ..many.cost import process_cost
 from ..methods import METHODS
 from ..methods.guards import Limits
 from .options import limits_options

@@ -11,17 +11,18 @@ import click
 from ..adhesion import validity
 from ..adhesion.curve import CriticalPoint
 from ..adhesion.expectation import Expectation, expect
+from ..adhesion.sticking import StickingEffect, as_told, sticking_effect, sticking_warnings
 from ..base.errors import Refusal
 from ..base.units import show
 from ..base.unknown import Estimate, Unknown
 from ..case import load_case
 from ..case.models import CaseModel
 from ..case.numerics import method_of
-from ..methods.choose import Option, choose, survey
+from ..methods.choose import Option, choose, long_look, survey
 from ..report import tables
 from .output import answer, json_option
 from .series import reached
-from .voice import warn
+from .voice import note, say, warn
 
 
 @click.command()
@@ -35,20 +36,36 @@ def check(case: Path, as_json: bool) -> None:
     \b
     jkr check cases/thin-layer.toml
     """
-    model = load_case(case).model
+    loaded = load_case(case)
+    model = loaded.model
     problem = model.problem()
-    options = survey(problem, lambda name: method_of(model, name))
+    if words := long_look(problem):
+        note(words)
     choice = choose(problem, model.method, lambda name: method_of(model, name))
+    options = choice.options or survey(problem, lambda name: method_of(model, name))
     expected = _expected(model)
+    effect = _effect(model, expected)
     if as_json:
         data = {"case": str(case), "problem": problem.words, "method": choice.name, "reason": choice.reason}
+        data |= {"surface": problem.surface, "sticking": as_told(effect)}
         answer(data | {"options": [asdict(o) for o in options]} | _as_dict(expected))
         return
-    click.echo(problem.words)
-    click.echo(f"  method    {choice.name}: {choice.brief}")
+    say(problem.words)
+    say(f"  method    {choice.name}: {choice.brief}")
     for option in options:
-        click.echo(f"            {option.name:<12} {_option(option)}")
+        say(f"            {option.name:<12} {_option(option)}")
     _print(expected)
+    if not isinstance(effect, Unknown):
+        say(f"  sticking  against sliding makes {effect.words} as large")
+    for warning in (*loaded.remarks, *sticking_warnings(problem, effect)):
+        warn(warning)
+
+
+def _effect(model: CaseModel, expected: Expectation | Unknown) -> StickingEffect | Unknown:
+    """What it matters whether the surfaces stick, at the largest radius expected."""
+    if isinstance(expected, Unknown):
+        return expected
+    return sticking_effect(model.problem(), expected.a, model.adhesion.w)
 
 
 def _expected(model: CaseModel) -> Expectation | Unknown:
@@ -83,20 +100,20 @@ def _as_dict(expected: Expectation | Unknown) -> dict[str, Any]:
 
 def _print(expected: Expectation | Unknown) -> None:
     if isinstance(expected, Unknown):
-        click.echo(f"  reaches   unknown: {expected}")
+        say(f"  reaches   unknown: {expected}")
         return
-    click.echo(f"  reaches   {reached(expected.a, expected.delta, expected.P)}")
+    say(f"  reaches   {reached(expected.a, expected.delta, expected.P)}")
     if expected.half_space_error is not None:
         ratio = 1 + expected.half_space_error
-        click.echo(
-            f"  layers    make the load at this depth {ratio:.4g} times that of a half-space of the top material"
-        )
+        say(f"  layers    make the load at this depth {ratio:.4g} times that of a half-space of the top material")
     for w, point, judged in expected.adhesion:
-        click.echo(f"  w = {show(w, 'work')}: pull-off (load control): {_pull_off(point)}")
+        say(f"  w = {show(w, 'work')}: pull-off (load control): {_pull_off(point)}")
         regime = f": {judged.regime}" if not isinstance(judged.tabor, Unknown) else ""
-        click.echo(f"            Tabor number {_ratio(judged.tabor)}{regime}")
-        click.echo(f"            a/R = {_ratio(judged.a_over_R)}, a/h = {_ratio(judged.a_over_h)}, "
-                   f"delta/h = {_ratio(judged.delta_over_h)}")  # fmt: skip
+        say(f"            Tabor number {_ratio(judged.tabor)}{regime}")
+        sizes = {"a/R": judged.a_over_R, "a/h": judged.a_over_h, "delta/h": judged.delta_over_h}
+        known = [f"{name} = {value:.3g}" for name, value in sizes.items() if not isinstance(value, Unknown)]
+        if known:
+            say(f"            {', '.join(known)}")
     for warning in dict.fromkeys(text for _, _, judged in expected.adhesion for text in validity.check(judged)):
         warn(warning)
 

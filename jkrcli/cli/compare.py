@@ -12,7 +12,7 @@ from ..report import tables
 from ..report.output import PICTURES, Output
 from ..series.differences import Difference, curve_differences, series_differences
 from .output import answer, output_options
-from .series import read_series
+from .series import read_series, series_file
 from .voice import say
 
 COLUMNS = ("P", "a", "S", "dS")
@@ -71,12 +71,12 @@ def compare(
         from ..report import plots
         from ..report.plots.study import differences_figure
 
-        plots.save(differences_figure(found, rtol), plot)
+        plots.save(differences_figure(found, rtol), [plot])
     ctx.exit(0 if agree else 1)
 
 
 def _series(first: Path, second: Path) -> list[Difference]:
-    held = [read_series(path) for path in (first, second)]
+    held = [read_series(series_file(path)) for path in (first, second)]
     one, two = (solution.problem for solution in held)
     for name in ("indenter", "specimen"):
         if getattr(one, name) != getattr(two, name):

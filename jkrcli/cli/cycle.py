@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -9,6 +10,7 @@ import click
 
 from ..adhesion.analysis import analyse
 from ..adhesion.device import control
+from ..adhesion.law import AskedRange
 from ..adhesion.stability import Cycle, Jump, trace, turning_radius
 from ..adhesion.stability import cycle as run_cycle
 from ..base.errors import InputError
@@ -16,10 +18,11 @@ from ..base.units import show
 from ..base.unknown import Unknown
 from ..report import tables
 from ..report.output import PICTURES, Output
-from .options import LengthType, LoadType, WorkType, modulus_factor_option, slopes_option
+from .cycle_rate import RateOptions, Turn, rate_options, run
+from .options import LengthType, LoadType, WorkType, modulus_factor_option, range_options, slopes_option
 from .output import answer, into_folder, output_options
 from .pull_off import ControlType
-from .series import read_series, works_of
+from .series import read_series, series_file, works_of
 from .voice import say
 
 
@@ -32,7 +35,9 @@ from .voice import say
 )
 @click.option("--to-load", type=LoadType(), help="Turn at this load [default: at the end of the series].")
 @click.option("--to-depth", type=LengthType(), help="Turn at this displacement delta.")
+@rate_options
 @click.option("--points", type=click.IntRange(2, 100_000), default=200, show_default=True, help="Rows per branch.")
+@range_options
 @slopes_option
 @modulus_factor_option
 @into_folder()
@@ -45,26 +50,49 @@ def cycle(
     to_load: float | None,
     to_depth: float | None,
     points: int,
+    stress: float | None,
+    length: float | None,
     slopes: str,
     modulus_factor: float,
+    rates: RateOptions,
     output: Output,
 ) -> None:
     """Trace what a device records that presses the bodies of a series FILE together and pulls them apart again.
 
     JKR forces have no range: contact jumps in where the undeformed gap closes (delta = 0) and out where
-    d(delta + P/stiffness)/da = 0. A rigid device is displacement control. Writes <stem>-cycle.csv, .png and .svg.
+    d(delta + P/stiffness)/da = 0. A rigid device is displacement control. With --rate over time: the edge recedes as
+    fast as G/w0 says, rests between the works of adhesion, advances at once (--stress is then the cohesive stress of
+    the dissipating zone). Else with --stress or --range the surfaces attract each other before they touch. Writes
+    <stem>-cycle.csv, .png and .svg.
 
     \b
     jkr cycle data.h5 --stiffness "10 kN/m"
     jkr cycle gel.h5 --w-approach "35 mJ/m^2" --w-retract "45 mJ/m^2" --to-load "0.5 mN"
+    jkr cycle gel.h5 --rate v0="1 um/s",n=0.6 --speed "10 um/s" --to-load "0.5 mN"
     """
     if to_load is not None and to_depth is not None:
         raise InputError("cycle: give at most one of --to-load and --to-depth")
+    file = series_file(file)
     solution = read_series(file)
     approach = works_of(solution, "--w-approach")[0] if w_approach is None else w_approach
     works = approach, approach if w_retract is None else w_retract
-    targets = output.files(output.folder(file.parent) / f"{file.stem}-cycle", (".csv", *PICTURES), [file])
-    inwards, outwards = (result.curve for result in analyse(solution, works, slopes, modulus_factor))
+    if rates.rate is not None:  # there the stress is that of the zone in which energy is lost
+        rates, stress = replace(rates, stress=stress), None
+    asked = AskedRange.of(solution.record, stress, length)
+    if asked and rates.rate is not None:
+        raise InputError("cycle: --rate goes with adhesion without a range: leave --range and the case's out")
+    if asked and works[0] != works[1]:
+        raise InputError(
+            "cycle: adhesion of finite range loses energy in its jumps alone: give one work of adhesion, got "
+            f"{show(works[0], 'work')} on approach and {show(works[1], 'work')} on retraction"
+        )
+    stem = output.folder(file.parent) / f"{file.stem}-cycle{asked.suffix}"
+    targets = output.files(stem, (".csv", *PICTURES), [file])
+    results = analyse(solution, works, slopes, modulus_factor, asked)
+    if rates.rate is not None:
+        run(file, results, stiffness, Turn(to_load, to_depth), points, rates, targets, output)
+        return
+    inwards, outwards = (result.curve for result in results)
     turn = None
     if to_load is not None or to_depth is not None:
         turn = turning_radius(inwards, stiffness, load=to_load, depth=to_depth)
@@ -94,7 +122,7 @@ def _as_dict(file: Path, found: Cycle) -> dict[str, Any]:
         "w_approach_J_per_m2": found.approach.curve.w,
         "w_retract_J_per_m2": found.retraction.curve.w,
         "jump_in": tables.point(found.begin),
-        "turn_a_m": found.turn,
+        "turn_a_m": found.approach.curve.point(found.turn).a,
         "jumps_on_approach": [tables.jump(jump) for jump in found.jumps_in],
         "jumps_on_retraction": [tables.jump(jump) for jump in found.jumps_out],
         "contact_lost": found.retraction.ends == "lost",
@@ -106,11 +134,11 @@ def _print(file: Path, found: Cycle) -> None:
     works = [show(path.curve.w, "work") for path in (found.approach, found.retraction)]
     begin = found.begin
     say(f"{file}: {control(found.stiffness)}, w = {works[0]} on approach, {works[1]} on retraction")
-    start = (
-        "jump-in at delta = 0 to" if found.approach.curve.w > 0 else "contact grows from a point; first of the series:"
-    )
+    onset = found.approach.curve.onset
+    jump_in = f"jump-in at delta = {show(onset, 'length') if onset else 0} to"
+    start = jump_in if found.approach.curve.w > 0 else "contact grows from a point; first of the series:"
     say(f"  {start} P = {show(begin.P, 'load')}, a = {show(begin.a, 'length')}")
-    say(f"  turn at a = {show(found.turn, 'length')}")
+    say(f"  turn at a = {show(found.approach.curve.point(found.turn).a, 'length')}")
     for jump in (*found.jumps_in, *found.jumps_out):
         say(f"  {_jump(jump)}")
     if found.retraction.ends != "lost":

@@ -16,6 +16,7 @@ from typing import Literal
 import click
 
 from .. import __version__
+from ..base.installing import installs
 from .output import answer, json_option
 
 REQUIRED = ("numpy", "scipy", "h5py", "click", "pydantic", "tomli-w", "matplotlib", "scikit-fem", "meshio",
@@ -67,10 +68,10 @@ def examine() -> Iterator[Finding]:
     """Everything that is worth looking at, in the order of a report."""
     yield Finding("Python", "ok", f"{platform.python_version()} on {platform.platform(terse=True)}")
     for package in REQUIRED:
-        yield _package(package, "", Finding(package, "missing", "not installed", f"pip install {package}"))
+        yield _package(package, "", Finding(package, "missing", "not installed", installs("")))
     yield _mesher()
     for package, (extra, use) in OPTIONAL.items():
-        lacking = Finding(package, "optional", f"not installed ({use})", f'pip install "jkrcli[{extra}]"')
+        lacking = Finding(package, "optional", f"not installed ({use})", installs(extra))
         yield _package(package, f" ({use})", lacking)
     cholmod = _package("cvxopt", "", Finding("", "optional", "")).state == "ok"
     solvers = "CHOLMOD (cvxopt), SuperLU (SciPy) for mixed elements" if cholmod else "SuperLU (SciPy)"
@@ -95,7 +96,7 @@ def _mesher() -> Finding:
     except PackageNotFoundError:
         return Finding("gmsh", "ok", "from the system")
     except ImportError:
-        return Finding("gmsh", "missing", "not installed", "pip install gmsh")
+        return Finding("gmsh", "missing", "not installed", installs(""))
     except OSError as error:
         remedy = f"sudo apt-get install --no-install-recommends {LIBRARIES}"
         return Finding("gmsh", "missing", f"cannot load: {error}; methods without a mesh work", remedy)

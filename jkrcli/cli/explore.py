@@ -16,7 +16,7 @@ from ..report.output import Output
 from .measured import reading_of, reading_options
 from .options import WorkType, slopes_option
 from .output import ONE_FILE, answer, into_file, output_options
-from .series import read_series
+from .series import read_series, series_file, without_range
 from .voice import say
 
 
@@ -48,13 +48,15 @@ def explore(
     """
     if work == 0:
         raise InputError("explore: --w must be > 0 J/m^2 to begin with, got 0")
+    file = series_file(file)
     target = output.file(file.parent / f"{file.stem}-explore.html", [file, *data])
     solution = read_series(file)
+    without_range(solution.record, "explore")
     curves = [curve for path in data for curve in measured.read(path, reading_of(dict(reading)))]
     works = (work,) if work is not None else tuple(w for w in solution.record.w if w > 0)[:1]
     result = analyse(solution, works or (1.0,), slopes)[0]
     if not works:
-        result = analyse(solution, (start_work(result.curve.nonadhesive),), slopes)[0]
+        result = analyse(solution, (start_work(result.jkr.nonadhesive),), slopes)[0]
     text = page(payload(result, curves, slopes))
     write_text(target, text)
     size, points = target.stat().st_size, sum(map(len, curves))

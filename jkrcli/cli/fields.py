@@ -18,7 +18,7 @@ from ..report.output import PICTURES, Files, Output
 from .mesh import MARKS
 from .options import LengthType, LoadType, WorkType
 from .output import answer, into_folder, output_options
-from .series import read_series
+from .series import first_work, read_series, series_file, without_range
 from .voice import say
 
 if TYPE_CHECKING:
@@ -54,9 +54,10 @@ def fields(
     """
     if (radius is None) == (load is None):
         raise InputError("fields: give exactly one of --a and --load")
+    file = series_file(file)
     solution = read_series(file)
-    works = solution.record.w
-    w = work if work is not None else (works or (0.0,))[0]
+    without_range(solution.record, "fields")
+    w = first_work(solution) if work is None else work
     targets = output.files(output.folder(file.parent) / f"{file.stem}-fields", (".vtu", ".csv", *PICTURES), [file])
     from ..case.numerics import fem_of
     from ..methods.fem.state import contact_state

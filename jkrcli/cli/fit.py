@@ -10,12 +10,14 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from ..adhesion.rate.laws import RATE_LAWS
 from ..base.errors import InputError
 from ..methods.guards import Limits
 from ..report.output import PICTURES, Files, Output
 from .body import FLAGS, body_options, given_flags, tables_of
+from .fit_law import fit_law, refuse_unused
 from .measured import reading_of, reading_options
-from .options import ParamType, ScaleType, limits_options, parallel_options, slopes_option
+from .options import NamedType, ParamType, ScaleType, limits_options, parallel_options, slopes_option
 from .output import answer, into_folder, output_options
 from .voice import progress, say, warn
 
@@ -24,23 +26,12 @@ if TYPE_CHECKING:
     from ..identification.fit import Fit, FittedBody, Settings
     from ..identification.fit.fitting import Failure
 
+    Pictures = list[tuple[Fit | Failure, Files]]
+
 SHALLOW = 0.2  # choice: of the tip radius, to which a body by flags is solved first; the data may ask for more
 SHOWN = 10  # curves that are told line by line, and drawn
+SURFACES = {"both": ("sliding", "sticking"), "sliding": ("sliding",), "sticking": ("sticking",)}
 SECONDS = 0.1  # CPU seconds of a curve, about
-
-
-class NamedType(ParamType):
-    """NAME=TEXT, told apart by the name alone: what the text may be depends on it."""
-
-    name = "NAME=VALUE"
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[str, str]:
-        if isinstance(value, tuple):
-            return value
-        name, mark, text = (part.strip() for part in str(value).partition("="))
-        if not (name and mark and text):
-            self.fail(f'must be NAME=VALUE, such as w="50 mJ/m^2", got "{value}"', param, ctx)
-        return name, text
 
 
 class NamesType(ParamType):
@@ -66,6 +57,12 @@ class NamesType(ParamType):
 )
 @click.option("--start", multiple=True, type=NamedType(), help="Starting value, beside those found in the data.")
 @click.option("--bound", multiple=True, type=NamedType(), help='Bounds, w="10 mJ/m^2..1 J/m^2"; one may be left out.')
+@click.option(
+    "--law",
+    type=click.Choice(list(RATE_LAWS)),
+    help="Adhesion depends on the speed of the edge: w0 and "
+    "the law's v0, n (or v0, b) are free too, all records are fitted together; needs t, delta, P.",
+)
 @click.option("--segment", type=click.Choice(["approach", "retract", "both"]),
               help="Rows to fit [default: retract where the file names segments, else all].")  # fmt: skip
 @click.option("--branch", type=click.Choice(["all", "compressive"]), default="all", show_default=True,
@@ -79,6 +76,8 @@ class NamesType(ParamType):
 @click.option("--level", type=float, default=0.95, show_default=True, help="Of the intervals.")
 @click.option("--samples", type=click.IntRange(20, 100_000), default=200, show_default=True, help="Of the bootstrap.")
 @click.option("--seed", type=int, default=0, show_default=True, help="Of the bootstrap.")
+@click.option("--surface", type=click.Choice(["sliding", "sticking", "both"]),
+              help="Of the body, instead of its own; both: under either, and what the data prefer.")  # fmt: skip
 @click.option("--uncertain", multiple=True, type=NamedType(),
               help="Standard deviation of an input, carried through: nu=0.02, thickness=5%, E:LAYER=10%.")  # fmt: skip
 @slopes_option
@@ -95,7 +94,9 @@ def fit(
     start: tuple[tuple[str, str], ...],
     bound: tuple[tuple[str, str], ...],
     uncertain: tuple[tuple[str, str], ...],
+    surface: str | None,
     slopes: str,
+    law: str | None,
     workers: int | None,
     scheduler: str | None,
     limits: Limits,
@@ -109,68 +110,111 @@ def fit(
     two or three of a, delta, P; a and P need no zero of the displacement. Free are the common factor of all moduli
     (told as E*), w and delta0; a layer's own E:LAYER or h:LAYER in their place (LAYER: its name, its number from 1 at
     the contact, or base). A reading is delta0 + delta + compliance P, and P0 + P. Orthogonal distances are minimised,
-    in units of the noise. Writes <BODY>-fit.csv (a row per curve), .json, .h5 and <BODY>-fit-<curve>.png, .svg.
+    in units of the noise. Writes <BODY>-fit.csv (a row per curve), .json, .h5 and <BODY>-fit-<curve>.png, .svg; of the
+    curves of a scan <BODY>-fit-map.png, .svg: images of E*, w, contact point, adhesion force and quality.
 
     \b
     jkr fit sphere.toml probe.csv
     jkr fit gel.h5 probe.csv --unit P=mN --confidence profile --uncertain nu=0.005
     jkr fit coating.toml probe.csv --free E:skin --bound E:skin="1 MPa..1 GPa"
+    jkr fit gel.toml probe.csv --surface both
     jkr fit --radius "5 um" --nu 0.5 --shape paraboloid curve.jpk-force
     jkr fit data.h5 map.jpk-force-map --workers 2
     """
-    from ..data.text_table import some
-    from ..identification.fit.fitting import Failure
-    from ..identification.fit.settings import settings_of, uncertain_of
-    from ..report import fit as report
-
     flags = {key: options.pop(key) for key in FLAGS}
-    by_case = not any(flags.values())
+    source, paths = _given(body_file, measured, flags)
     inputs = (body_file, *measured)
-    measured = measured if by_case else inputs
-    if not by_case and body_file.suffix == ".toml":
-        raise InputError(f"fit: give a body file or the body by flags, not both: {body_file} and {given_flags(flags)}")
-    if not measured:
-        raise InputError("fit: give MEASURED files behind BODY, or the body by flags: --radius, --nu")
-    targets = output.files(output.folder(body_file.parent) / f"{body_file.stem}-fit", (".csv", ".json", ".h5"), inputs)
+    if law is not None:
+        refuse_unused({**options, "bound": bound, "uncertain": uncertain})
+    endings = (".csv", ".json", ".h5") if law is None else (".csv", ".json", *PICTURES)
+    targets = output.files(output.folder(body_file.parent) / f"{body_file.stem}-fit", endings, inputs)
     reading = reading_of(options)
     options["noise"], options["contact"] = dict(options["noise"]), reading.contact
-    body = _body(body_file if by_case else flags, slopes, limits)
+    body = _body(source, slopes, limits)
+    told = str(source) if isinstance(source, Path) else body.problem.words
     names = [name for group in free for name in group]
-    settings = settings_of(body, names, fix, start, bound, **options)
-    if uncertain:
-        settings = settings_of(
-            body, names, fix, start, bound, uncertain=uncertain_of(body, uncertain, settings), **options
-        )
-    told = str(body_file) if by_case else body.problem.words
-    found, reasons = _fits(body, measured, reading, settings, workers, scheduler)
-    named = _pictures(found) if output.plots else []
-    drawn = [(item, output.files(Path(f"{targets.stem}-{name}"), PICTURES, inputs)) for item, name in named]
-    none = all(isinstance(item, Failure) for item in found)
-    if none and not found:
-        raise InputError(some(reasons))
-    targets.write(report.columns(found), report.summary(found, told))
-    report.write(targets[".h5"], found, told)
-    _draw(drawn)
-    if none:
-        raise InputError(some(reasons))
+    if law is not None:
+        fit_law(body, law, paths, reading, names, fix, start, options, targets, told, output)
+        return
+    settings = _settings(body, uncertain, names, fix, start, bound, options)
+    bodies = [body.on_surface(one) for one in SURFACES[surface or body.problem.surface]]
+    each = [_fits(one, paths, reading, settings, workers, scheduler) for one in bodies]
+    found, reasons = [item for items, _ in each for item in items], list(each[0][1])
+    pictures = _pictures(each, bodies, targets, inputs, output) if output.plots else []
+    map_file = _write(found, reasons, targets, pictures, told, output, inputs)
     for line in reasons:
         warn(f"skipped: {line}")
     _tell(found, output.json, told)
+    _tell_surfaces(found, body, bodies)
     if not output.json:
-        pictures = f", {len(drawn)} picture{'s' if len(drawn) > 1 else ''}" if drawn else ""
-        say(f"written {targets}{pictures}")
+        drawn = f", {len(pictures)} picture{'s' if len(pictures) > 1 else ''}" if pictures else ""
+        say(f"written {targets}{drawn}" + (f", the map in {map_file}" if map_file else ""))
+
+
+def _given(
+    body_file: Path, measured: tuple[Path, ...], flags: dict[str, str | None]
+) -> tuple[Path | dict[str, str | None], tuple[Path, ...]]:
+    """What describes the body, a file or the flags, and the measured files: by flags every file is one."""
+    by_case = not any(flags.values())
+    if not by_case and body_file.suffix == ".toml":
+        raise InputError(f"fit: give a body file or the body by flags, not both: {body_file} and {given_flags(flags)}")
+    if by_case and not measured:
+        raise InputError("fit: give MEASURED files behind BODY, or the body by flags: --radius, --nu")
+    return (body_file, measured) if by_case else (flags, (body_file, *measured))
+
+
+def _settings(
+    body: FittedBody, uncertain: tuple[tuple[str, str], ...], names: list[str], fix: Any, start: Any, bound: Any,
+    options: dict[str, Any],
+) -> Settings:  # fmt: skip
+    """What is fitted and how; uncertain inputs are known only when the parameters are."""
+    from ..identification.fit.settings import settings_of, uncertain_of
+
+    settings = settings_of(body, names, fix, start, bound, **options)
+    if not uncertain:
+        return settings
+    carried = uncertain_of(body, uncertain, settings)
+    return settings_of(body, names, fix, start, bound, uncertain=carried, **options)
+
+
+def _write(
+    found: list[Fit | Failure], reasons: list[str], targets: Files, pictures: Pictures, told: str, output: Output,
+    inputs: tuple[Path, ...],
+) -> Files | None:  # fmt: skip
+    """Write table, summary, archive and pictures; the files of the map, if there is one. InputError, when all that can
+    be written is, where no curve could be used."""
+    from ..data.text_table import some
+    from ..identification.fit.fitting import Failure
+    from ..report import fit as report
+    from ..report.map import map_of
+
+    if not found:
+        raise InputError(some(reasons))
+    held = map_of(found) if output.plots else None
+    of_map = None if held is None else output.files(Path(f"{targets.stem}-map"), PICTURES, inputs)
+    targets.write(report.columns(found), report.summary(found, told))
+    report.write(targets[".h5"], found, told)
+    _draw(pictures)
+    if held is not None and of_map is not None:
+        from ..report.plots.map import map_figure
+
+        of_map.write(figure=map_figure(held))
+    if all(isinstance(item, Failure) for item in found):
+        raise InputError(some(reasons))
+    return of_map
 
 
 def _body(source: Path | dict[str, str | None], slopes: str, limits: Limits) -> FittedBody:
     """The body of a file, or of flags: there a modulus that is not told is 1 MPa, which no result depends on."""
+    from ..case import Case, load_case, parse_case, store
     from ..identification.fit.body import body_of
-    from .series import read_series
+    from .series import read_series, without_range
 
     if isinstance(source, Path):
-        return body_of(source if source.suffix == ".toml" else read_series(source), slopes, limits)
+        held = load_case(source) if source.suffix == ".toml" else read_series(source)
+        without_range(store.record_of(held, source) if isinstance(held, Case) else held.record, "fit")
+        return body_of(source if isinstance(held, Case) else held, slopes, limits)
     import tomli_w
-
-    from ..case import parse_case
 
     tables = tables_of("fit", source, "a case or series file", {"radius": 1.0}, "1 MPa")
     radius = parse_case(tomli_w.dumps(tables).encode(), "fit").model.problem().indenter.tip_radius
@@ -207,8 +251,21 @@ def _fits(
     return found, [*unread, *failed]
 
 
-def _pictures(found: list[Fit | Failure]) -> list[tuple[Fit | Failure, str]]:
-    """Curves to draw, fitted or not, each with what its pictures are called after."""
+def _pictures(
+    each: list[tuple[list[Fit | Failure], list[str]]], bodies: list[FittedBody], targets: Files,
+    inputs: tuple[Path, ...], output: Output,
+) -> Pictures:  # fmt: skip
+    """Curves to draw, fitted or not, each with its files, named after the curve and, of several, the surface."""
+    named = [
+        (item, name if len(bodies) == 1 else f"{name}-{body.problem.surface}")
+        for (items, _), body in zip(each, bodies, strict=True)
+        for item, name in _named(items)
+    ]
+    return [(item, output.files(Path(f"{targets.stem}-{name}"), PICTURES, inputs)) for item, name in named]
+
+
+def _named(found: list[Fit | Failure]) -> list[tuple[Fit | Failure, str]]:
+    """Curves that can be drawn, each with what its pictures are called after; none where they are many."""
     from ..identification.fit.fitting import Failure
 
     drawable = [
@@ -222,7 +279,7 @@ def _pictures(found: list[Fit | Failure]) -> list[tuple[Fit | Failure, str]]:
     return [(item, re.sub(r"[^-_.a-zA-Z0-9]+", "-", name)) for item, name in zip(drawable, names, strict=True)]
 
 
-def _draw(drawn: list[tuple[Fit | Failure, Files]]) -> None:
+def _draw(drawn: Pictures) -> None:
     """The fitted curve over its data; of a curve that could not be fitted its record, if it can be taken apart."""
     from ..data.record import examine
     from ..identification.fit.fitting import Failure
@@ -252,3 +309,11 @@ def _tell(found: list[Fit | Failure], as_json: bool, body: str) -> None:
     for item in fits[:SHOWN]:
         for warning in item.warnings:
             warn(f"{item.where}: {warning}")
+
+
+def _tell_surfaces(found: list[Fit | Failure], body: FittedBody, bodies: list[FittedBody]) -> None:
+    """What the assumption on the surfaces matters, or what the data prefer where both were fitted."""
+    from ..identification.fit.friction import friction_warnings, preferences
+
+    for line in preferences(found) if len(bodies) > 1 else friction_warnings(body, found):
+        warn(line)

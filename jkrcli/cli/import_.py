@@ -24,7 +24,7 @@ from .body import FLAGS, body_options, flag, tables_of
 from .options import KeyNumberType, KeyValueType, LengthType, ScaleType
 from .output import ONE_FILE, answer, into_file, output_options
 from .series import end_of, reached
-from .voice import command_line, say
+from .voice import command_line, say, warn
 
 KEYS = tuple(NAMES.quantities)
 SOME_LOADING = b"\n[loading]\ndepth = 1.0\n"  # stands in where a case has none: the table says how far it went
@@ -99,6 +99,8 @@ def import_(
     say(f"  read      {solution.facts['rows']} rows, {len(series)} different contact radii")
     say(f"  reached   {reached(series.a[-1], series.delta[-1], series.P[-1])}")
     say(f"  written   {target}")
+    for warning in solution.warnings:
+        warn(f"{table}: {warning}")
 
 
 def _case(path: Path | None, body: dict[str, str | None]) -> Case:
@@ -130,4 +132,5 @@ def _as_dict(target: Path, solution: Solution) -> dict[str, Any]:
         **end_of(solution.series),
         "facts": dict(solution.facts),
         "errors": solution.budget.as_dict(),
+        "warnings": list(solution.warnings),
     }

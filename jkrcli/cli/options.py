@@ -12,7 +12,9 @@ import click
 
 from ..adhesion.slopes import RULES
 from ..base import units
+from ..base.errors import InputError
 from ..methods.guards import Limits
+from .voice import warn
 
 if TYPE_CHECKING:
     ParamType = click.ParamType[Any, Any]
@@ -37,6 +39,14 @@ def limits_options(command: Callable[..., Any]) -> Callable[..., Any]:
     return memory(hours(limited))
 
 
+def range_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """--stress and --range of adhesion of finite range, as ``stress`` [Pa] and ``length`` [m]."""
+    stress = click.option("--stress", type=StressType(),
+                          help='Adhesion of finite range: its tension, "100 MPa" [default: the case\'s].')  # fmt: skip
+    length = click.option("--range", "length", type=RangeType(), help='The same by its range, "0.3 nm".')
+    return stress(length(command))
+
+
 slopes_option = click.option(
     "--slopes",
     type=click.Choice(["auto", *RULES]),
@@ -53,6 +63,13 @@ def parallel_options(command: Callable[..., Any]) -> Callable[..., Any]:
         "--scheduler", metavar="ADDRESS", help="Dask scheduler that you run, such as tcp://node1:8786."
     )
     return workers(scheduler(command))
+
+
+def check_nu(*nus: float) -> None:
+    """InputError where a Poisson's ratio of ``--nu`` is none of an elastic material."""
+    for nu in nus:
+        if not -1 < nu <= 0.5:
+            raise InputError(f"--nu: must be > -1 and <= 0.5, got {nu:g}")
 
 
 class QuantityType(ParamType):
@@ -80,6 +97,20 @@ class WorkType(QuantityType):
     dimension = "work"
     least = 0.0
 
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        found = super().convert(value, param, ctx)
+        if _is_bare(value) and (doubt := units.doubtful_work(found)):
+            warn(f"{param.opts[0] if param else 'w'}: {doubt}")
+        return found
+
+
+def _is_bare(value: Any) -> bool:
+    """Whether what was typed is a number without a unit."""
+    try:
+        return isinstance(value, str) and math.isfinite(float(value))
+    except ValueError:
+        return False
+
 
 class LengthType(QuantityType):
     name = "LENGTH"
@@ -101,6 +132,16 @@ class PositiveType(QuantityType):
         if found == 0:
             self.fail(f"must be > 0, got {value}", param, ctx)
         return found
+
+
+class StressType(PositiveType):
+    name = "STRESS"
+    dimension = "modulus"
+
+
+class RangeType(PositiveType):
+    name = "LENGTH"
+    dimension = "length"
 
 
 class FactorType(PositiveType):
@@ -135,6 +176,20 @@ class KeyValueType(ParamType):
         if not mark or key not in self.keys or not text:
             self.fail(f'must be KEY=VALUE with a key of {", ".join(self.keys)}, got "{value}"', param, ctx)
         return key, text
+
+
+class NamedType(ParamType):
+    """NAME=TEXT, told apart by the name alone: what the text may be depends on it."""
+
+    name = "NAME=VALUE"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[str, str]:
+        if isinstance(value, tuple):
+            return value
+        name, mark, text = (part.strip() for part in str(value).partition("="))
+        if not (name and mark and text):
+            self.fail(f'must be NAME=VALUE, such as w="50 mJ/m^2", got "{value}"', param, ctx)
+        return name, text
 
 
 class ScaleType(KeyValueType):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -14,16 +14,30 @@ from ..base.table import as_json
 from ..report.output import Output
 
 ONE_FILE = "Replace an existing file that jkr did not write."  # help of --force
+FILES = (".msh", ".vtu", ".csv", ".json", ".png", ".svg", ".pdf", ".h5", ".html", ".toml", ".txt")
 Command = Callable[..., Any]
+if TYPE_CHECKING:
+    _Path = click.Path[Path]
+else:
+    _Path = click.Path  # not generic in every version of click
 
 
 json_option = click.option("--json", "as_json", is_flag=True, help="Print as JSON.")
 
 
+class Folder(_Path):
+    """A folder, there or to be made; a name that ends like one of the files that go into it is answered."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        found = super().convert(value, param, ctx)
+        if found.suffix in FILES and not found.is_dir():
+            self.fail(f"{found} is the name of a file, a folder is wanted: files are named by the input")
+        return found
+
+
 def into_folder(help: str = "Folder [default: the file's].", **options: Any) -> Callable[[Command], Command]:
     """-o for a folder."""
-    kind = click.Path(path_type=Path, file_okay=False)
-    return click.option("-o", "--output", type=kind, help=help, **options)
+    return click.option("-o", "--output", type=Folder(path_type=Path, file_okay=False), help=help, **options)
 
 
 def into_file(help: str) -> Callable[[Command], Command]:

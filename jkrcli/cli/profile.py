@@ -3,22 +3,26 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import cast
 
 import click
 import numpy as np
 
 from ..adhesion.analysis import analyse
+from ..adhesion.law import AskedRange, Range
 from ..adhesion.stability import stable_radius
 from ..base.errors import InputError
 from ..base.units import show
 from ..bodies.problem import Problem
+from ..case import Case
 from ..methods.layered.fields import profile as solve_profile
 from ..methods.layered.layered import unbounded
 from ..report.output import PICTURES, Output
 from ..report.plots.body import profile_figure
-from .options import LengthType, LoadType, WorkType
+from ..series import Solution
+from .options import LengthType, LoadType, WorkType, range_options
 from .output import into_folder, output_options
-from .series import read_series
+from .series import first_work, read_series, series_file
 from .voice import say
 
 
@@ -27,30 +31,93 @@ from .voice import say
 @click.option("--a", "radius", type=LengthType(), help='Contact radius, "2 um".')
 @click.option("--load", type=LoadType(), help='Load, "-3 mN" (stable branch), compression positive.')
 @click.option("--w", "work", type=WorkType(), help="Work of adhesion; 0: nonadhesive [default: the case's first].")
+@range_options
 @into_folder()
 @output_options()
-def profile(file: Path, radius: float | None, load: float | None, work: float | None, output: Output) -> None:
+def profile(
+    file: Path,
+    radius: float | None,
+    load: float | None,
+    work: float | None,
+    stress: float | None,
+    length: float | None,
+    output: Output,
+) -> None:
     """Pressure p(r) inside and surface displacement and gap around the contact of a series FILE, at one state.
 
     The state is solved exactly on the laterally unbounded body of the file's case, whatever method wrote the series.
+    Of surfaces that stick it is solved by finite elements, with a column for the shear. With --stress or --range the
+    surfaces attract each other around the contact, and the body is that of the file, cylinders too.
     Writes <stem>-profile.csv, .png and .svg.
 
     \b
     jkr profile data.h5 --a "5 um"
-    jkr profile data.h5 --load "-10 mN" --w 50
+    jkr profile data.h5 --load "-10 uN" --w "50 mJ/m^2"
     """
     if (radius is None) == (load is None):
         raise InputError("profile: give exactly one of --a and --load")
+    file = series_file(file)
     solution = read_series(file)
-    w = work if work is not None else (solution.record.w or (0.0,))[0]
-    targets = output.files(output.folder(file.parent) / f"{file.stem}-profile", (".csv", *PICTURES), [file])
+    w = first_work(solution) if work is None else work
+    asked = AskedRange.of(solution.record, stress, length)
+    stem = output.folder(file.parent) / f"{file.stem}-profile{asked.suffix}"
+    targets = output.files(stem, (".csv", *PICTURES), [file])
     if radius is None:
         assert load is not None
-        radius = stable_radius(analyse(solution, [w])[0].curve, load)
-    columns = _columns(unbounded(solution.problem), radius, w)
+        curve = analyse(solution, [w], asked=asked)[0].curve
+        radius = curve.point(stable_radius(curve, load)).a
+    columns = _attracted(solution, radius, asked.law(w)) if asked else _of_jkr(solution, radius, w)
     targets.write(columns, figure=profile_figure(columns, radius, w))
     say(f"{file}: a = {show(radius, 'length')}, w = {show(w, 'work')}")
     say(f"  written {targets}")
+
+
+def _of_jkr(solution: Solution, a: float, w: float) -> dict[str, np.ndarray]:
+    return _stuck(solution, a, w) if solution.problem.sticks else _columns(unbounded(solution.problem), a, w)
+
+
+def _attracted(solution: Solution, a: float, law: Range) -> dict[str, np.ndarray]:
+    """Pressure, displacement and gap out to 3 c under a tension of finite range; the tension is a negative pressure."""
+    from ..adhesion.finite_range import FiniteRangeBody
+    from ..methods.integral.annulus import attracted_surface
+
+    held = FiniteRangeBody.of(solution).body
+    problem, s = held.problem, 2 * law.stress / held.problem.E_star
+    if not 0 < a <= solution.series.a[-1] * (1 + 1e-9):
+        end = show(float(solution.series.a[-1]), "length")
+        raise InputError(f"profile: the contact radius must lie between 0 and {end}, got {show(a, 'length')}")
+    attraction = held.attraction(min(3 * held.reach(a, s, law.length), held.limit))
+    inside = a * np.sin(np.linspace(0, np.pi / 2, 202)[1:-1])
+    outside = a + (attraction.reach - a) * np.linspace(0, 1, 202)[1:-1] ** 2
+    r = np.concatenate([inside, outside])
+    found = attracted_surface(attraction, a, law.stress, law.length, r, held.scale)
+    displacement = found.rims.delta[0] - problem.indenter.f(r) + found.gap
+    if problem.indenter.material is not None:
+        displacement -= problem.E_star / problem.indenter.material.E_star * found.own
+    return {"r_m": r, "pressure_Pa": found.pressure, "displacement_m": displacement, "gap_m": found.gap}
+
+
+def _stuck(solution: Solution, a: float, w: float) -> dict[str, np.ndarray]:
+    """Pressure and shear at the nodes inside, displacement and gap at the vertices out to 3 a; outwards positive."""
+    from ..case.numerics import fem_of
+    from ..methods.fem.state import contact_state
+
+    curve = analyse(solution, [w])[0].curve
+    delta, _ = (float(value) for value in curve.at(np.array(a)))
+    state = contact_state(fem_of(cast(Case, solution.record.case).model), solution.problem, a, delta)
+    points, u = state.grid.points, -state.displacement[:, 1]
+    top = np.flatnonzero((np.abs(points[:, 1]) <= 1e-12 * a) & (points[:, 0] <= 3 * a))
+    top = top[np.argsort(points[top, 0], kind="stable")]
+    r, inside = points[top, 0], points[top, 0] < a * (1 - 1e-9)
+    line = state.lines["surface"]
+    pressure, shear = (np.interp(r, line.r, traction) for traction in (-line.zz, line.rz))
+    return {
+        "r_m": r,
+        "pressure_Pa": np.where(inside, pressure, 0.0),
+        "shear_Pa": np.where(inside, shear, 0.0),
+        "displacement_m": u[top],
+        "gap_m": np.where(inside, 0.0, solution.problem.indenter.f(r) - delta + u[top]),
+    }
 
 
 def _columns(problem: Problem, a: float, w: float, points: int = 200) -> dict[str, np.ndarray]:

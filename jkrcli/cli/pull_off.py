@@ -3,25 +3,35 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..adhesion.analysis import Analysis, analyse
+from ..adhesion.analysis import Analysis, analyse, error_of_point, with_solved_points
+from ..adhesion.critical import Errors
 from ..adhesion.curve import Equilibrium
 from ..adhesion.device import DISPLACEMENT_CONTROL, LOAD_CONTROL, control
+from ..adhesion.law import AskedRange
+from ..adhesion.sharp import resolved, yielding
 from ..adhesion.stability import Behaviour, behaviour
-from ..adhesion.stability_inverse import FoundWork, work_from_pull_off
 from ..adhesion.validity import check
 from ..base.errors import InputError
 from ..base.units import show
-from ..base.unknown import Estimate, Unknown
+from ..base.unknown import Estimate, Unknown, known
 from ..report import tables
-from .options import LoadType, QuantityType, WorkType, modulus_factor_option, slopes_option
+from ..series import Solution
+from .options import LoadType, NamedType, QuantityType, WorkType, modulus_factor_option, range_options, slopes_option
 from .output import answer, json_option
-from .series import read_series, works_of
+from .series import attracted, read_series, series_file, works_of
+from .voice import say
 
+if TYPE_CHECKING:
+    from ..identification.work_of_adhesion import MeasuredWork
+
+TINY = Unknown("it would be one of a contact smaller than atoms")
 SIZES = {"a/R": "a_over_R", "a/R at pull-off": "a_over_R_pull_off", "a/h": "a_over_h", "a/L": "a_over_L"}
 Answer = tuple[dict[str, Any], list[str]]  # for machines, for people
 
@@ -54,6 +64,13 @@ class ControlType(QuantityType):
     help='Of the machine or cantilever, "0.2 N/m"; also "load" and "rigid" [default: these two].',
 )
 @click.option("--load", "force", type=LoadType(), help='A measured pull-off force, "12 uN": which w does it mean?')
+@click.option(
+    "--uncertain",
+    multiple=True,
+    type=NamedType(),
+    help="With --load: standard deviation of load, R, E, h, nu or E:LAYER, such as load=5%, h=1um.",
+)
+@range_options
 @slopes_option
 @modulus_factor_option
 @json_option
@@ -62,6 +79,9 @@ def pull_off(
     works: tuple[float, ...],
     stiffnesses: tuple[float, ...],
     force: float | None,
+    uncertain: tuple[tuple[str, str], ...],
+    stress: float | None,
+    length: float | None,
     slopes: str,
     modulus_factor: float,
     as_json: bool,
@@ -73,90 +93,151 @@ def pull_off(
     measured pull-off force means on this body (under load control, or of each --stiffness).
 
     \b
-    jkr pull-off data.h5 --w 50 --stiffness "10 kN/m"
-    jkr pull-off gel.h5 --load "1.2 mN"
+    jkr pull-off my.toml --w "50 mJ/m^2" --stiffness "10 N/m"
+    jkr pull-off gel.h5 --load "1.2 mN" --uncertain load=3% --uncertain R=1%
     """
     if force is not None and works:
         raise InputError("pull-off: give either --w or --load, not both")
+    if force is not None and (stress is not None or length is not None):
+        raise InputError("pull-off: --load asks for the w of JKR: give neither --stress nor --range with it")
     if force is not None and force == 0:
         raise InputError("pull-off: --load must not be 0; give the measured pull-off force")
+    if uncertain and force is None:
+        raise InputError("pull-off: --uncertain says how well a measured force and its body are known: give --load too")
+    files = tuple(map(series_file, files))
     held = [read_series(path) for path in files]
     results: list[Answer] = []
     for solution in held:
-        wanted = (works or works_of(solution)) if force is None else (0.0,)
-        analyses = analyse(solution, wanted, slopes, modulus_factor)
         if force is None:
-            results += [_forward(result, stiffnesses or (LOAD_CONTROL, DISPLACEMENT_CONTROL)) for result in analyses]
+            controls = stiffnesses or (LOAD_CONTROL, DISPLACEMENT_CONTROL)
+            asked = AskedRange.of(solution.record, stress, length)
+            analyses = analyse(solution, works or works_of(solution), slopes, modulus_factor, asked)
+            results += [_forward(with_solved_points(result, *stiffnesses), controls) for result in analyses]
         else:
-            results += [_inverse(analyses[0], abs(force), stiffness) for stiffness in stiffnesses or (LOAD_CONTROL,)]
+            told = partial(_inverse, solution, abs(force), slopes, modulus_factor, uncertain)
+            results += [told(stiffness) for stiffness in stiffnesses or (LOAD_CONTROL,)]
     if as_json:
         answer({"results": [data for data, _ in results]})
         return
     for _, lines in results:
-        click.echo("\n".join(lines))
+        say("\n".join(lines))
 
 
 def _forward(result: Analysis, stiffnesses: Sequence[float]) -> Answer:
-    found = [behaviour(result.curve, stiffness) for stiffness in stiffnesses]
-    lines = [f"{result.path}: w = {show(result.w, 'work')}"]
-    for item in found:
-        lines += _text(item)
+    found = [_above_atoms(behaviour(result.curve, stiffness), result) for stiffness in stiffnesses]
+    errors = [_error(result, item) for item in found]
+    lines = [f"{result.path}: w = {show(result.w, 'work')}{attracted(result)}"]
+    for item, error in zip(found, errors, strict=True):
+        lines += _text(item, error)
     lines += _validity(result)
+    controls = []
+    for item, error in zip(found, errors, strict=True):
+        told = tables.control(item)
+        told["pull_off"] |= tables.errors(error)
+        controls.append({"control": item.control, "stiffness_N_per_m": _finite(item.stiffness), **told})
     data = {
         "file": str(result.path),
         "w_J_per_m2": result.w,
+        **tables.law(result),
         "modulus_factor": result.modulus_factor,
-        "controls": [
-            {"control": item.control, "stiffness_N_per_m": _finite(item.stiffness), **tables.control(item)}
-            for item in found
-        ],
+        "controls": controls,
         "validity": tables.validity(result),
+        "errors": result.budget.as_dict() | {"between_rows": result.curve.interpolation_error},
     }
     return data, lines
 
 
-def _inverse(result: Analysis, force: float, stiffness: float) -> Answer:
-    R, path = result.problem.indenter.tip_radius, result.path
+def _above_atoms(found: Behaviour, result: Analysis) -> Behaviour:
+    """What was read off without what would happen at radii below atoms."""
+    point = resolved(found.pull_off, result.curve, found.stiffness, result.solution.record.z0)
+    if point is found.pull_off or not isinstance(point, Unknown):
+        return found
+    return replace(found, critical=(), pull_off=point, jump_in=TINY, energy_lost=TINY, separation=TINY)
+
+
+def _error(result: Analysis, found: Behaviour) -> Errors | Unknown | None:
+    """Half-widths of the pull-off point; None where there is none."""
+    if isinstance(found.pull_off, Unknown):
+        return None
+    return error_of_point(result.curve, found.pull_off, found.stiffness)
+
+
+def _inverse(
+    solution: Solution,
+    force: float,
+    slopes: str,
+    modulus_factor: float,
+    uncertain: Sequence[tuple[str, str]],
+    stiffness: float,
+) -> Answer:
+    from ..identification.work_of_adhesion import measured_work, uncertain_inputs
+
+    path = solution.record.path
+    inputs = uncertain_inputs(solution, uncertain)
     try:
-        found = work_from_pull_off(result.curve.nonadhesive, force, stiffness, R)
+        told = measured_work(solution, force, stiffness, slopes, modulus_factor, inputs)
     except InputError as error:
         raise InputError([f"{path}: {line}" for line in error.lines]) from None
+    found = told.found
     data = {
         "file": str(path),
         "load_N": force,
         "control": control(stiffness),
         "stiffness_N_per_m": _finite(stiffness),
         "w_J_per_m2": found.w,
+        "w_err_J_per_m2": known(told.error),
+        "w_err_by_input_J_per_m2": dict(told.parts),
+        "w_err_of_series_J_per_m2": known(told.series),
         "w_half_space_J_per_m2": found.half_space,
         "pull_off": tables.point(found.point),
+        "validity": tables.validity(told.result),
     }
-    return data, _inverse_text(path, found)
+    if isinstance(told.error, Unknown):
+        data["error"] = told.error.reason
+    return data, _inverse_text(path, told)
 
 
-def _inverse_text(path: Path, found: FoundWork) -> list[str]:
+def _inverse_text(path: Path, told: MeasuredWork) -> list[str]:
+    found = told.found
+    error = "?" if isinstance(told.error, Unknown) else show(told.error, "work")
     lines = [
-        f"{path}: a pull-off force of {show(found.load, 'load')} means w = {show(found.w, 'work')} "
+        f"{path}: a pull-off force of {show(found.load, 'load')} means w = {show(found.w, 'work')} ± {error} "
         f"({control(found.stiffness)}, a = {show(found.point.a, 'length')})"
     ]
+    if told.parts:
+        parts = (f"{name} {show(part, 'work')}" for name, part in told.parts.items())
+        lines.append(f"  standard error from {', '.join(parts)}; that of the series {_part(told.series)}")
+    else:
+        lines.append("  90 % half-width from the error of the series alone; --uncertain load=5% and others add theirs")
     if found.half_space is None:
-        return [*lines, "  no tip radius: classical JKR has no answer for this indenter"]
-    return [
-        *lines,
-        f"  1.5 pi w R of a half-space would have given {show(found.half_space, 'work')}, "
-        f"{found.half_space / found.w:.3g} times this body's",
-    ]
+        lines.append("  no tip radius: classical JKR has no answer for this indenter")
+    else:
+        lines.append(
+            f"  1.5 pi w R of a half-space would have given {show(found.half_space, 'work')}, "
+            f"{found.half_space / found.w:.3g} times this body's"
+        )
+    return [*lines, *_validity(told.result)]
 
 
-def _text(found: Behaviour) -> list[str]:
+def _part(value: Estimate) -> str:
+    return str(value) if isinstance(value, Unknown) else show(value, "work")
+
+
+def _text(found: Behaviour, error: Errors | Unknown | None) -> list[str]:
     lines = [f"  {found.control}", f"    pull-off            {_point(found.pull_off)}"]
+    if isinstance(error, Unknown):
+        lines.append(f"    its error           {error}")
+    elif error is not None:
+        words = f"P within {show(error['P'], 'load')}, delta within {show(error['delta'], 'length')}"
+        lines.append(f"    its error           {words} (90 %)")
     others = [point for point in found.critical if point != found.pull_off]
-    if not found.critical:
+    if not found.critical and not isinstance(found.pull_off, Unknown):
         lines.append("    critical points     none in the series")
     lines += [f"    other {point.kind:<14}{_point(point)}" for point in others]
     lines += [
         f"    jumps back          {_point(jump.start)}  to  {_point(jump.end)}" for jump in found.partial if jump.end
     ]
-    lines.append(f"    jump-in, delta = 0  {_point(found.jump_in)}")
+    lines.append(f"    jump-in{', delta = 0  ' if found.onset == 0 else ', attracted  '}{_point(found.jump_in)}")
     lines.append(f"    energy lost         {_energy(found.energy_lost)}")
     if found.separation != found.energy_lost:
         lines.append(f"    work of separation  {_energy(found.separation)}")
@@ -166,7 +247,8 @@ def _text(found: Behaviour) -> list[str]:
 def _point(point: Equilibrium | Unknown) -> str:
     if isinstance(point, Unknown):
         return f"none: {point.reason}"
-    return f"P = {show(point.P, 'load'):<12} delta = {show(point.delta, 'length'):<12} a = {show(point.a, 'length')}"
+    c = "" if point.c is None else f"  c = {show(point.c, 'length')}"
+    return f"P = {show(point.P, 'load'):<12} delta = {show(point.delta, 'length'):<12} a = {show(point.a, 'length')}{c}"
 
 
 def _energy(value: Estimate) -> str:
@@ -179,14 +261,11 @@ def _validity(result: Analysis) -> list[str]:
     lines = []
     if isinstance(judged["tabor"], float):
         lines.append(f"  Tabor number {judged['tabor']:.3g}: {judged['regime']}")
-    if isinstance(judged.get("tabor_thin_layer"), float):
-        lines.append(f"  its thin-layer counterpart {judged['tabor_thin_layer']:.3g}: {judged['regime_thin_layer']}")
-    if isinstance(judged.get("tabor_of_coating"), float):
-        numbers = f"{judged['tabor_of_coating']:.3g} with the coating's E*, {judged['tabor_of_substrate']:.3g}"
-        lines.append(f"  Tabor number {numbers} with the substrate's: {judged['regime_coated']}")
     sizes = ((name, judged[key]) for name, key in SIZES.items())
     lines.append("  " + ", ".join(f"{name} = {value:.3g}" for name, value in sizes if isinstance(value, float)))
-    said = (warning for warning in check(result.validity) if not warning.startswith("Tabor"))  # stands above
+    stands_above = "Tabor", "at the range"
+    said = [warning for warning in check(result.validity) if not warning.startswith(stands_above)]
+    said += yielding(result.problem, result.curve)
     return [line for line in [*lines, *(f"  {warning}" for warning in said)] if line.strip()]
 
 

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import click
 
+from ..adhesion.sticking import as_told, effect_facts, sticking_effect, sticking_warnings
 from ..adhesion.validity import check, end_of_body, judge
 from ..base.unknown import Unknown
 from ..bodies.problem import Problem
@@ -55,11 +57,15 @@ def run(
     for stage, used in solution.timings.items():
         detail(f"{stage}: {used:.3f} s CPU")
     problem = loaded.model.problem()
+    effect = sticking_effect(problem, float(solution.series.a[-1]), ())
+    solution = replace(solution, facts={**solution.facts, **effect_facts(effect)})
     store.write(target, solution, command_line())
     seconds = time.process_time() - start
-    warnings = [*solution.warnings, *_geometry(problem, solution)]
+    warnings = [
+        *loaded.remarks, *solution.warnings, *_geometry(problem, solution), *sticking_warnings(problem, effect)
+    ]  # fmt: skip
     if output.json:
-        answer(_as_json(target, choice, solution, warnings, seconds))
+        answer(_as_json(target, choice, solution, warnings, seconds) | {"sticking": as_told(effect)})
     else:
         _print(loaded, target, choice, solution, seconds)
     for warning in warnings:
@@ -91,6 +97,7 @@ def _as_json(
         "file": str(target),
         "method": choice.name,
         "reason": choice.reason,
+        "surface": solution.problem.surface,
         **end_of(solution.series),
         "errors": solution.budget.as_dict(),
         "warnings": warnings,

@@ -2,14 +2,69 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
+from .. import __version__
 from ..base.errors import InputError
+from ..base.files import check_series_target
 from ..base.units import show
-from ..case import store
-from ..series import Series, Solution
-from .voice import warn
+from ..case import Case, load_case, store
+from ..series import Record, Series, Solution
+from .voice import command_line, note, warn
+
+if TYPE_CHECKING:
+    from ..adhesion.analysis import Analysis
+
+IMPORTED = "jkr import"  # how the command line of a series begins that no case gives again
+
+
+def series_file(path: Path) -> Path:
+    """The series file meant by ``path``: itself, or for a case what ``jkr run`` makes of it, ``<case>.h5`` here.
+
+    That is solved now unless it is there already, and says so; a file that jkr did not write is left alone, and so is
+    an imported series of another case.
+    """
+    if path.suffix != ".toml":
+        return path
+    case, target = load_case(path), Path(f"{path.stem}.h5")
+    check_series_target(target, False, [path])
+    found = _solved(target, case)
+    if found is not None:
+        note(f"{path}: {target} holds its series already (method {found.method})")
+        if _adhesion(found.record) != _adhesion(store.record_of(case)):
+            store.write(target, replace(found, record=store.record_of(case)), found.record.command_line)
+        return target
+    from ..case.solving import solve
+
+    choice, solution = solve(case, announce=note)
+    store.write(target, solution, command_line())
+    note(f"{path}: solved by method {choice.name}, written {target}")
+    for remark in case.remarks:
+        warn(remark)
+    return target
+
+
+def _adhesion(record: Record) -> tuple[object, ...]:
+    return record.w, record.z0, record.stress, record.length
+
+
+def _solved(target: Path, case: Case) -> Solution | None:
+    """What ``target`` holds where that is a series of the same body, loading and method by this release."""
+    try:
+        found = store.read(target, with_pressure=True) if target.exists() else None
+    except InputError:
+        return None
+    if found is None or not isinstance(found.record.case, Case):
+        return None
+    apart = {"title", "adhesion"}
+    held, wanted = (one.model.model_dump(exclude=apart) for one in (found.record.case, case))
+    if held == wanted and found.record.versions.get("jkr") == __version__:
+        return found
+    if found.record.command_line.startswith(IMPORTED):
+        raise InputError(f"{target}: is an imported series of another case: name it itself, or move it away")
+    return None
 
 
 def read_series(path: Path) -> Solution:
@@ -25,6 +80,29 @@ def works_of(solution: Solution, option: str = "--w") -> tuple[float, ...]:
     if not solution.record.w:
         raise InputError(f"{solution.record.path}: its case names no work of adhesion: give {option}")
     return solution.record.w
+
+
+def first_work(solution: Solution) -> float:
+    """The first work of adhesion [J/m^2] that the case names; 0, which is said, where it names none."""
+    if not solution.record.w:
+        note(f"{solution.record.path}: its case names no work of adhesion: the contact without adhesion, or give --w")
+    return (*solution.record.w, 0.0)[0]
+
+
+def without_range(record: Record, verb: str) -> None:
+    """Refusal by a ``verb`` that knows no adhesion of finite range, where the case of ``record`` asks for it."""
+    if record.stress is not None or record.length is not None:
+        raise InputError(
+            f"{verb}: knows no adhesion of finite range, which the case of {record.path} asks for: leave "
+            "adhesion.range, stress and capillary out"
+        )
+
+
+def attracted(result: Analysis) -> str:
+    """Tension and range of a curve of finite range, for a sentence; empty for JKR."""
+    if result.law is None:
+        return ""
+    return f", stress {show(result.law.stress, 'modulus')} up to {show(result.law.length, 'length')}"
 
 
 def end_of(series: Series) -> dict[str, Any]:

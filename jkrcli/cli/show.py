@@ -1,4 +1,4 @@
-"""``jkr show``: what a series file holds."""
+"""``jkr show``: what a series file, an archive of fits or the table of a sweep holds."""
 
 from __future__ import annotations
 
@@ -9,9 +9,12 @@ import click
 
 from ..base.errors import printable
 from ..base.units import show as quantity
+from ..case import plain_toml
+from ..report import archive
 from ..series import COLUMNS, Solution
 from .output import answer, json_option
-from .series import read_series
+from .series import read_series, series_file
+from .voice import warn
 
 
 @click.command()
@@ -21,16 +24,31 @@ from .series import read_series
 def show(files: tuple[Path, ...], case_only: bool, as_json: bool) -> None:
     """Print what each series FILE holds: method, range, error budget, mesh and solver facts, timings, versions.
 
+    Archives of fits and tables of sweeps (.h5) are shown too, checked against the digest they were written under.
+
     \b
     jkr show data.h5
     jkr show --case data.h5 > again.toml
     """
-    held = [read_series(path) for path in files]
+    held = [_held(path, case_only) for path in files]
     if as_json:
-        answer({"files": [_as_dict(solution) for solution in held]})
+        answer({"files": [_as_dict(item) if isinstance(item, Solution) else item for item in held]})
         return
-    for solution in held:
-        click.echo(solution.record.toml.rstrip() if case_only else _text(solution))
+    for item in held:
+        if isinstance(item, Solution):
+            click.echo(plain_toml(item.record.toml).rstrip() if case_only else _text(item))
+        else:
+            click.echo("\n".join(map(printable, archive.words(item))))
+
+
+def _held(path: Path, case_only: bool) -> Solution | dict[str, Any]:
+    """The series in a file, or the summary of an archive, which has no case."""
+    if case_only or not archive.is_archive(path):
+        return read_series(series_file(path))
+    found = archive.read(path)
+    if not found.is_protected:
+        warn(f"{path}: {archive.DOUBT}")
+    return archive.summary(found)
 
 
 def _as_dict(solution: Solution) -> dict[str, Any]:
@@ -39,6 +57,7 @@ def _as_dict(solution: Solution) -> dict[str, Any]:
         "file": str(solution.record.path),
         "method": solution.method,
         "problem_key": solution.key,
+        "surface": solution.problem.surface,
         "command_line": solution.record.command_line,
         "rows": raw.a.size,
         "columns": _columns(solution),
@@ -59,6 +78,7 @@ def _text(solution: Solution) -> str:
         f"  a         {quantity(raw.a[0], 'length')} to {quantity(raw.a[-1], 'length')}",
         f"  delta     {quantity(raw.delta[0], 'length')} to {quantity(raw.delta[-1], 'length')}",
         f"  P         {quantity(raw.P[0], 'load')} to {quantity(raw.P[-1], 'load')}",
+        f"  surface   {solution.problem.surface}",
         f"  written   by: {solution.record.command_line or 'unknown'}",
     ]
     lines += [f"  error     {name}: {_number(value)}" for name, value in solution.budget.as_dict().items()]

@@ -78,7 +78,7 @@ def study_converge(
 
 
 def _figure(found: Convergence) -> Figure:
-    from ..many.study.figures import convergence_figure
+    from ..many.study.converge_figure import convergence_figure
 
     return convergence_figure(found)
 

@@ -9,11 +9,10 @@ import click
 import numpy as np
 
 from ..base.arrays import Array
-from ..base.errors import InputError
 from ..base.executors import executor
 from ..many.study.pull_off_map import map_columns, pull_off_map
 from ..report.output import PICTURES, Output
-from .options import parallel_options
+from .options import check_nu, parallel_options
 from .output import answer, into_folder, output_options
 from .voice import progress
 
@@ -46,9 +45,7 @@ def study_pull_off_map(
     jkr study pull-off-map --nu 0.3 --nu 0.5 -o map
     jkr study pull-off-map --nu 0.45 --q 0.02 --base frictionless
     """
-    for nu in nus:
-        if not -1 < nu <= 0.5:
-            raise InputError(f"--nu: must be > -1 and <= 0.5, got {nu:g}")
+    check_nu(*nus)
     files = output.files(output.folder(Path()) / "pull-off-map", (".csv", *PICTURES))
     wanted = qs or tuple(10.0 ** (np.arange(-12, 17) / 4))
     with executor(workers, scheduler, progress, len(nus)) as pool:

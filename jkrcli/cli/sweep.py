@@ -6,7 +6,8 @@ from pathlib import Path
 
 import click
 
-from ..base.errors import InputError
+from ..base.errors import InputError, printable
+from ..case import plain_toml
 from ..many.sweep.plan import Plan, load_plan
 from ..many.sweep.running import Means, alone, rerun
 from ..many.sweep.running import sweep as carry_out
@@ -55,7 +56,7 @@ def sweep(
     """
     plan = load_plan(sweep_file)
     if show_case is not None:
-        click.echo(plan.case(_number(plan, show_case, "--show-case")).to_toml(), nl=False)
+        click.echo(plain_toml(plan.case(_number(plan, show_case, "--show-case")).to_toml()), nl=False)
     elif only is not None:
         _print_row(plan, _number(plan, only, "--only"), as_json)
     else:
@@ -80,7 +81,7 @@ def _print_row(plan: Plan, number: int, as_json: bool) -> None:
         click.echo(tables.as_json(whole).rstrip())
         return
     for name, value in whole.items():
-        click.echo(f"{name:<40} {'' if value is None else value}".rstrip())
+        click.echo(printable(f"{name:<40} {'' if value is None else value}".rstrip()))
 
 
 def _print_summary(plan: Plan, table: SweepTable, paths: list[Path], as_json: bool) -> None:

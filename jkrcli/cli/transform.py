@@ -3,27 +3,36 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..adhesion.analysis import Analysis, analyse
+from ..adhesion.analysis import Analysis, analyse, forecast
 from ..adhesion.curve import CriticalPoint
+from ..adhesion.law import AskedRange
+from ..adhesion.sticking import StickingEffect, as_told, effect_on, sticking_warnings
 from ..base.errors import InputError
 from ..base.units import show
 from ..base.unknown import Estimate, Unknown
+from ..methods import Forecast
+from ..methods.guards import Limits, admit
 from ..report import tables
 from ..report.output import PICTURES, Files, Output
 from ..report.scaling import Scales, own_scales, scales_of
-from .options import ScaleType, WorkType, modulus_factor_option, slopes_option
+from ..series import Solution
+from .options import ScaleType, WorkType, limits_options, modulus_factor_option, range_options, slopes_option
 from .output import answer, into_folder, output_options, refuse_doubles
-from .series import read_series, works_of
-from .voice import say, warn
+from .series import attracted, read_series, series_file, works_of
+from .voice import note, say, warn
+
+if TYPE_CHECKING:
+    from ..report.plots import Figure
 
 
 @click.command()
 @click.argument("files", nargs=-1, required=True, type=click.Path(path_type=Path))
 @click.option("--w", "works", multiple=True, type=WorkType(), help='J/m^2 or "35 mJ/m^2" [default: the case\'s].')
+@range_options
 @slopes_option
 @modulus_factor_option
 @into_folder()
@@ -31,52 +40,91 @@ from .voice import say, warn
 @click.option(
     "--scale", "own", multiple=True, type=ScaleType(), help='Own units: a="1 um", delta=..., P=..., all three.'
 )
+@click.option("--together", is_flag=True, help="One picture of all w, <stem>-all-w.png and .svg, instead of one each.")
+@limits_options
 @output_options(plots="Write CSV and JSON only.", json="Print the summaries as JSON.")
 def transform(
     files: tuple[Path, ...],
     works: tuple[float, ...],
+    stress: float | None,
+    length: float | None,
     slopes: str,
     modulus_factor: float,
     dimensionless: str | None,
     own: tuple[tuple[str, float], ...],
+    together: bool,
+    limits: Limits,
     output: Output,
 ) -> None:
     """Apply the explicit JKR transformation (Eq. 13) to each FILE for each work of adhesion.
 
-    Writes <stem>-w<J/m^2>.csv, .json, .png and .svg; <stem>-w<J/m^2>-modulus<factor> with --modulus-factor.
+    With --stress or --range adhesion of finite range is solved for in its place (a constant tension up to a separation,
+    Maugis 1992), on any body but those of finite elements. Writes <stem>-w<J/m^2>.csv, .json, .png and .svg;
+    -stress<Pa>, -range<m> and -modulus<factor> are added to the name with these options.
 
     \b
-    jkr transform data.h5 --w 50
-    jkr transform gel.h5 --w "35 mJ/m^2" --w "40 mJ/m^2" -o results
+    jkr transform data.h5 --w "50 mJ/m^2"
+    jkr transform gel.h5 --w "35 mJ/m^2" --w "40 mJ/m^2" --together -o results
     """
     if own and dimensionless:
         raise InputError("transform: give either --dimensionless or --scale, got both")
+    if together and dimensionless:
+        raise InputError("transform: --together needs one unit for all w: give --scale instead of --dimensionless")
     users = own_scales(dict(own)) if own else None
+    files = tuple(map(series_file, files))
     held = [read_series(path) for path in files]
     wanted = [works or works_of(solution) for solution in held]
+    _admit(held, [len(some) for some in wanted], output.plots, limits)
     suffix = "" if modulus_factor == 1 else f"-modulus{modulus_factor:g}"
+    asked = [AskedRange.of(solution.record, stress, length) for solution in held]
     stems = [
-        [(output.where or path.parent) / f"{path.stem}-w{w:g}{suffix}" for w in some]
-        for path, some in zip(files, wanted, strict=True)
+        [(output.where or path.parent) / f"{path.stem}-w{w:g}{ranged.suffix}{suffix}" for w in some]
+        for path, some, ranged in zip(files, wanted, asked, strict=True)
     ]
     refuse_doubles([stem for some in stems for stem in some], "give each its own -o and w once")
     output.folder(Path())
-    targets = [[output.files(stem, (".csv", ".json", *PICTURES), files) for stem in some] for some in stems]
+    endings = (".csv", ".json") if together else (".csv", ".json", *PICTURES)
+    targets = [[output.files(stem, endings, files) for stem in some] for some in stems]
+    pictures = [
+        output.files((output.where or path.parent) / f"{path.stem}-all-w{ranged.suffix}{suffix}", PICTURES, files)
+        for path, ranged in zip(files, asked, strict=True)
+        if together
+    ]
     summaries = []
-    for solution, some, written in zip(held, wanted, targets, strict=True):
-        results = analyse(solution, some, slopes, modulus_factor)
+    for solution, some, ranged, written in zip(held, wanted, asked, targets, strict=True):
+        results = analyse(solution, some, slopes, modulus_factor, ranged)
+        effect = effect_on(solution.scaled(modulus_factor), some)
         for result, target in zip(results, written, strict=True):
             scales = scales_of(result.problem, result.w, dimensionless) if dimensionless else users
-            summaries.append(_write(result, target, scales, output.plots))
+            summaries.append(_write(result, target, scales, output.plots and not together, effect))
+        if together and output.plots:
+            picture = pictures.pop(0)
+            picture.write(figure=_figure(results, users))
+        for warning in sticking_warnings(solution.problem, effect):
+            warn(f"{solution.record.path}: {warning}")
         if not output.json:
             _print(results, written)
+            if together and output.plots:
+                say(f"  all works of adhesion in one picture: {picture}")
     if output.json:
         answer({"results": summaries})
 
 
-def _write(result: Analysis, target: Files, scales: Scales | None, with_plots: bool) -> dict[str, Any]:
+def _admit(held: list[Solution], counts: list[int], plots: bool, limits: Limits) -> None:
+    """Say what all curves together will cost, where that is much; Refusal beyond the limits."""
+    costs = [forecast(solution, works, plots) for solution, works in zip(held, counts, strict=True)]
+    total = Forecast(sum(cost.seconds for cost in costs), max(cost.memory_mib for cost in costs), 0.0)
+    rows = sum(solution.increments.a.size for solution in held)
+    what = f"transform of {rows:,} rows for {sum(counts):,} works of adhesion"
+    if said := admit(what, total, limits, "fewer rows, files or works of adhesion, or leave out the plots"):
+        note(said)
+
+
+def _write(
+    result: Analysis, target: Files, scales: Scales | None, with_plots: bool, effect: StickingEffect | Unknown
+) -> dict[str, Any]:
     """Write table, summary and plots of one curve; the figure is drawn before anything is written."""
-    columns, summary = tables.curve_columns(result.curve), tables.summary(result)
+    columns, summary = tables.curve_columns(result.curve), tables.summary(result) | {"sticking": as_told(effect)}
     if scales is not None:
         columns |= scales.columns(result)
         summary["scales"] = {"name": scales.name, "P_N": scales.P, "delta_m": scales.delta, "a_m": scales.a}
@@ -88,6 +136,14 @@ def _write(result: Analysis, target: Files, scales: Scales | None, with_plots: b
         figure = plots_curve.curve_figure(result, units)
     target.write(columns, summary, figure)
     return summary
+
+
+def _figure(results: list[Analysis], users: Scales | None) -> Figure:
+    """One picture of the curves of one body for several works of adhesion."""
+    from ..report.plots import curve as plots_curve
+
+    units = plots_curve.physical_units(results[-1].curve) if users is None else plots_curve.units_of(users)
+    return plots_curve.curves_figure(results, units)
 
 
 def _known(result: Analysis, control: str) -> str:
@@ -104,7 +160,7 @@ def _print(results: list[Analysis], targets: list[Files]) -> None:
     kept = len(results[0].curve.series)
     say(f"{path}: {kept} points kept, {results[0].dropped} dropped; slopes {slopes.method} ({slopes.reason})")
     for result, target in zip(results, targets, strict=True):
-        say(f"  w = {show(result.w, 'work')}")
+        say(f"  w = {show(result.w, 'work')}{attracted(result)}")
         for name, point in result.pull_off.items():
             if isinstance(point, CriticalPoint):
                 load = f"{show(point.P, 'load')} {_known(result, name)}"
@@ -121,7 +177,8 @@ def _print(results: list[Analysis], targets: list[Files]) -> None:
         budget = result.budget
         say(
             f"    estimated error: {_estimate(budget.total)} "
-            f"(series {_estimate(budget.series)}, slopes {_estimate(budget.smoothing)})"
+            f"(series {_estimate(budget.series)}, slopes {_estimate(budget.smoothing)}); "
+            f"between the rows up to {_estimate(result.curve.interpolation_error)} more"
         )
         say(f"    written {target}")
     for warning in dict.fromkeys(text for result in results for text in result.warnings):

@@ -61,13 +61,13 @@ def say(text: str) -> None:
 def note(text: str) -> None:
     """A line on stderr on what goes on, for who waits."""
     if _level() != QUIET:
-        click.echo(f"jkr: {text}", err=True)
+        click.echo(f"jkr: {printable(text)}", err=True)
 
 
 def detail(text: str) -> None:
     """A line for those who want to know more."""
     if _level() == VERBOSE:
-        click.echo(f"jkr: {text}", err=True)
+        click.echo(f"jkr: {printable(text)}", err=True)
 
 
 def warn(text: str) -> None:

@@ -15,7 +15,9 @@ from .output import answer, into_folder, output_options, refuse_doubles
 from .voice import progress, say, warn
 
 if TYPE_CHECKING:
+    from ..base.unknown import Unknown
     from ..data.measured import Reading
+    from ..identification.rate.through import LawThrough
     from ..identification.work import Evaluation, WorkAlong
 
 CHUNK = 20  # curves in one task
@@ -49,8 +51,9 @@ def work(
 
     At each measured point w = S' (delta_H - delta)^2/(4 pi a), the energy release rate of the contact's edge: from a
     and P (needs no zero of the displacement), a and delta, or delta and P. With a time column also the speed da/dt of
-    the edge: rate-dependent adhesion. Tables name their columns and units, "a_um, P_mN, t_s"; files of force
-    microscopes (.jpk-force, .jpk-force-map, .ibw, .h5, .tab) are read by the optional package afmformats.
+    the edge: rate-dependent adhesion, and w0 (1 + (v/v0)^n) through the rows whose edge recedes. Tables name their
+    columns and units, "a_um, P_mN, t_s"; files of force microscopes (.jpk-force, .jpk-force-map, .ibw, .h5, .tab) are
+    read by the optional package afmformats.
     Writes <stem>-work.csv, .json, .png and .svg.
 
     \b
@@ -59,16 +62,20 @@ def work(
     jkr work data.h5 map.jpk-force-map --contact estimate --segment retract
     """
     from ..adhesion.analysis import adhesive, nonadhesive
+    from ..identification.rate.through import law_along
     from ..identification.work import Evaluation, check_window, typical
+    from ..report.rate import through_summary, through_words
     from ..report.work import summary
-    from .series import read_series
+    from .series import read_series, series_file, without_range
 
     check_window(options["window"])
     stems = [(output.where or path.parent) / f"{path.stem}-work" for path in measured]
     refuse_doubles(stems, "give each its own -o")
     output.folder(Path())
+    series = series_file(series)
     targets = [output.files(stem, (".csv", ".json", *PICTURES), (series, *measured)) for stem in stems]
     solution = read_series(series)
+    without_range(solution.record, "work")
     unit = nonadhesive(solution, slopes)
     reading = reading_of(options)
     use = None if options["use"] is None else tuple(options["use"].split(","))
@@ -78,10 +85,13 @@ def work(
     for path, target in zip(measured, targets, strict=True):
         found, skipped = _curves(path, reading, evaluation, workers)
         curve = adhesive(solution, unit, typical(found), modulus_factor)
-        summaries.append(summary(found, curve, path, skipped))
-        _write(target, found, summaries[-1], output.plots)
+        law = law_along(found)
+        summaries.append(summary(found, curve, path, skipped) | {"rate_law": through_summary(law)})
+        _write(target, found, summaries[-1], law, output.plots)
         if not output.json:
             _print(found)
+            if law is not None:
+                say(f"  {through_words(law)}")
             say(f"  written {target}")
         _warn(path, found, skipped, summaries[-1]["warnings"])
     if output.json:
@@ -111,15 +121,18 @@ def _curves(path: Path, reading: Reading, evaluation: Evaluation, workers: int) 
     return found, skipped
 
 
-def _write(target: Files, found: list[WorkAlong], summary: dict[str, Any], with_plots: bool) -> None:
+def _write(
+    target: Files, found: list[WorkAlong], summary: dict[str, Any], law: LawThrough | Unknown | None, with_plots: bool
+) -> None:
     """Table, summary and plots of one file; the figure is drawn before anything is written."""
     from ..report.work import columns
 
     figure = None
     if with_plots:
+        from ..identification.rate.through import LawThrough
         from ..report.plots.work import work_figure
 
-        figure = work_figure(found)
+        figure = work_figure(found, law if isinstance(law, LawThrough) else None)
     target.write(columns(found), summary, figure)
 
 

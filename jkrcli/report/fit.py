@@ -7,17 +7,15 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from .. import __version__
 from ..base import hdf5
 from ..base.arrays import Array
-from ..base.files import write_bytes
 from ..base.units import SI, show
 from ..identification.fit.fitting import Failure
 from ..identification.fit.result import Fit, FittedValue
+from . import archive
+from .map import images_of, map_of
 
-FORMAT, VERSION = "jkr-fit", 1
+FORMAT, VERSION = archive.FITS, 1  # of the summary
 UNIT_NAMES = {
     "modulus": "_Pa",
     "work": "_J_per_m2",
@@ -42,23 +40,31 @@ def columns(found: Sequence[Fit | Failure]) -> dict[str, list[Any]]:
 def _row(item: Fit | Failure) -> dict[str, Any]:
     if isinstance(item, Failure):
         curve = item.curve
-        return dict(
-            zip(ALWAYS, (str(curve.origin or ""), curve.name, UNUSABLE, " ".join(item.lines), None), strict=True)
-        )
+        held = (str(curve.origin or ""), curve.name, UNUSABLE, " ".join(item.lines), None)
+        told = {"quality": 0.0, "flags": "; ".join(item.flags)}
+        return dict(zip(ALWAYS, held, strict=True)) | _placed(item) | told
     row: dict[str, Any] = dict(zip(ALWAYS, (item.file, item.name, _status(item), "", item.a.size), strict=True))
+    row |= _placed(item) | {"surface": item.surface}
     for estimate in item.estimates:
         parts: dict[str, float | None] = {"": estimate.value}
         if estimate.free:
             parts |= {"err": estimate.error, "low": estimate.low, "high": estimate.high}
         row |= {_title(estimate.name, part, estimate.dimension): value for part, value in parts.items()}
-    told: dict[str, Any] = {
+    told = {
         "scatter": item.scatter,
         "lag1": item.structure.lag1,
         "correlation_modulus_w": item.correlated("modulus", "w"),
     }
     if item.quality is not None:
-        told |= {"quality": item.quality["quality"], "flags": "; ".join(item.flags)}
+        told |= {"adhesion_force_N": item.adhesion, "quality": item.quality["quality"]}
+        told |= {"flags": "; ".join(item.flags)}
     return row | told | {"warnings": "; ".join(item.warnings)}
+
+
+def _placed(item: Fit | Failure) -> dict[str, Any]:
+    """Column, row and position of a curve of a map; nothing of others."""
+    at = item.pixel
+    return {} if at is None else {"map_column": at.column, "map_row": at.row, "x_m": at.x, "y_m": at.y}
 
 
 def _title(name: str, part: str, dimension: str) -> str:
@@ -75,13 +81,15 @@ def summary(found: Sequence[Fit | Failure], body: str) -> dict[str, Any]:
 def _summary(item: Fit | Failure) -> dict[str, Any]:
     if isinstance(item, Failure):
         curve = item.curve
-        return {"file": str(curve.origin or ""), "curve": curve.name, "status": UNUSABLE, "reason": list(item.lines)}
-    told = item.structure
+        told: dict[str, Any] = {"file": str(curve.origin or ""), "curve": curve.name, "status": UNUSABLE}
+        return told | {"reason": list(item.lines), "quality": {"quality": 0.0}, "flags": list(item.flags)}
+    structure = item.structure
     return {
         "file": item.file,
         "curve": item.name,
+        "surface": item.surface,
         "status": _status(item),
-        "estimates": {estimate.name: _estimate(estimate) for estimate in item.estimates},
+        "estimates": {estimate.name: estimate_summary(estimate) for estimate in item.estimates},
         "level": item.settings.level,
         "confidence": item.settings.confidence,
         "loss": item.settings.loss,
@@ -95,10 +103,10 @@ def _summary(item: Fit | Failure) -> dict[str, Any]:
         "scatter": item.scatter,
         "degrees_of_freedom": item.dof,
         "residuals": {
-            "lag1_autocorrelation": told.lag1,
-            "runs": told.runs,
-            "runs_expected": told.expected,
-            "probability": told.probability,
+            "lag1_autocorrelation": structure.lag1,
+            "runs": structure.runs,
+            "runs_expected": structure.expected,
+            "probability": structure.probability,
         },
         **({} if item.quality is None else {"quality": dict(item.quality), "flags": list(item.flags)}),
         "warnings": list(item.warnings),
@@ -109,7 +117,7 @@ def _status(item: Fit) -> str:
     return DOUBTFUL if item.flags else FITTED
 
 
-def _estimate(item: FittedValue) -> dict[str, Any]:
+def estimate_summary(item: FittedValue) -> dict[str, Any]:
     found = {"value": item.value, "unit": "m/N" if item.name == "compliance" else SI[item.dimension], "free": item.free}
     if item.free:
         found |= {"standard_error": item.error, "low": item.low, "high": item.high}
@@ -122,10 +130,13 @@ def words(item: Fit) -> list[str]:
     """A fit as lines of text: what was free, and what follows from it."""
     out = f" ({', '.join(item.left_out)} left out)" if item.left_out else ""
     status = f"{_status(item)}, " if item.quality is not None else ""
-    lines = [f"{item.where}: {status}{item.a.size} rows of {', '.join(item.data)}{out}"]
+    stuck = ", surfaces that stick" if item.surface == "sticking" else ""
+    lines = [f"{item.where}: {status}{item.a.size} rows of {', '.join(item.data)}{out}{stuck}"]
     for estimate in item.estimates:
         if estimate.free and estimate.name != "modulus":
-            lines.append(f"  {SYMBOLS.get(estimate.name, estimate.name):<12} {_words(estimate, item.settings.level)}")
+            lines.append(
+                f"  {SYMBOLS.get(estimate.name, estimate.name):<12} {estimate_words(estimate, item.settings.level)}"
+            )
     told = item.correlated("modulus", "w")
     more = [] if told is None else [f"correlation of E* and w {told:.2f}"]
     lines.append(f"  {'scatter':<12} {', '.join([*_scatter(item), *more])}")
@@ -135,7 +146,7 @@ def words(item: Fit) -> list[str]:
     return lines
 
 
-def _words(estimate: FittedValue, level: float) -> str:
+def estimate_words(estimate: FittedValue, level: float) -> str:
     dimension = estimate.dimension
     text = f"{show(estimate.value, dimension, 5):<14}"
     if estimate.error is None:
@@ -160,8 +171,8 @@ def write(path: Path, found: Sequence[Fit | Failure], body: str) -> None:
         f"{number:06d}": hdf5.Group({"summary": json.dumps(words)}, _held(item) if isinstance(item, Fit) else {})
         for number, (item, words) in enumerate(zip(found, told, strict=True))
     }
-    identity = {"format": np.bytes_(FORMAT), "version": VERSION, "jkr": __version__, "body": body}
-    write_bytes(path, hdf5.image(hdf5.Group(identity, {"curves": hdf5.Group({}, curves)})))
+    images = {"map": images_of(held)} if (held := map_of(found)) else {}
+    archive.write(path, FORMAT, {"body": body}, {"curves": hdf5.Group({}, curves), **images})
 
 
 def _held(item: Fit) -> dict[str, hdf5.Group | hdf5.Dataset]:

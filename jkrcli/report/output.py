@@ -47,9 +47,7 @@ class Files:
         if figure is not None:
             from . import plots
 
-            for ending in self.endings:
-                if ending in PICTURES:
-                    plots.save(figure, self[ending])
+            plots.save(figure, [self[ending] for ending in self.endings if ending in PICTURES])
 
 
 @dataclass(frozen=True)

@@ -9,10 +9,9 @@ import numpy as np
 
 from ..adhesion.analysis import Analysis
 from ..adhesion.critical import Errors
-from ..adhesion.curve import AdhesiveCurve, Equilibrium
+from ..adhesion.curve import Equilibrium, EquilibriumCurve
 from ..adhesion.device import CONTROLS
 from ..adhesion.stability import Behaviour, Jump, behaviour, branch
-from ..adhesion.validity import layer_tabor
 from ..base.arrays import Array
 from ..base.errors import InputError
 from ..base.files import read_bytes
@@ -23,21 +22,13 @@ SUMMARY_FORMAT, SUMMARY_VERSION = "jkr-summary", 1
 WORD_COLUMNS = ("branch",)  # of a curve; all others are numbers
 
 
-def curve_columns(curve: AdhesiveCurve) -> dict[str, Array]:
+def curve_columns(curve: EquilibriumCurve) -> dict[str, Array]:
     """The columns of the CSV file by name; later versions may add columns after these."""
-    series, slopes = curve.series, curve.slopes
-    columns = {
-        "a_m": series.a,
-        "delta_m": curve.delta,
-        "P_N": curve.P,
-        "delta_H_m": series.delta,
-        "P_H_N": series.P,
-        "S_N_per_m": slopes.S,
-        "dS_da_N_per_m2": slopes.dS,
-    }
+    columns = dict(curve.columns)
+    attracted = {name: columns.pop(name) for name in ("c_m",) if name in columns}
     if curve.errors:
         columns |= {"P_err_N": curve.errors["P"], "delta_err_m": curve.errors["delta"]}
-    return columns | {"branch": branch(curve)}
+    return columns | {"branch": branch(curve)} | attracted
 
 
 def read_curve(path: Path) -> dict[str, Array]:
@@ -60,10 +51,10 @@ def read_curve(path: Path) -> dict[str, Array]:
     if len(rows) < 2:
         raise InputError(f"{path}: holds {len(rows)} rows, at least 2 are needed")
     table = np.array(rows).T
-    if (np.diff(table[0]) <= 0).any():
-        raise InputError(
-            f"{path}: line {int(np.argmax(np.diff(table[0]) <= 0)) + 3}: a_m must increase from row to row"
-        )
+    along = "c_m" if "c_m" in numeric else "a_m"
+    steps = np.diff(table[numeric.index(along)])
+    if (steps <= 0).any():
+        raise InputError(f"{path}: line {int(np.argmax(steps <= 0)) + 3}: {along} must increase from row to row")
     return dict(zip(numeric, table, strict=True))
 
 
@@ -77,19 +68,21 @@ def summary(result: Analysis) -> dict[str, Any]:
         "file": str(result.path),
         "title": result.solution.record.title,
         "w_J_per_m2": result.w,
+        **law(result),
         "modulus_factor": result.modulus_factor,
         "method": result.solution.method,
+        "surface": result.problem.surface,
         "slopes": slopes.method,
         "slopes_reason": slopes.reason,
         "smoothing_lambda": slopes.smoothing_lambda,
         "points": {"kept": len(result.curve.series), "dropped": result.dropped},
         "pull_off": {
-            name: point(found) | _errors(result.pull_off_errors.get(name)) for name, found in result.pull_off.items()
+            name: point(found) | errors(result.pull_off_errors.get(name)) for name, found in result.pull_off.items()
         },
         "stability": stability(result),
         "tabor": judged["tabor"],
         "validity": judged,
-        "errors": result.budget.as_dict(),
+        "errors": result.budget.as_dict() | {"between_rows": result.curve.interpolation_error},
         "comparison": None if comparison is None else {
             "reference": "closed form of the same indenter on a half-space",
             "load": comparison.load,
@@ -101,14 +94,20 @@ def summary(result: Analysis) -> dict[str, Any]:
     }  # fmt: skip
 
 
+def law(result: Analysis) -> dict[str, float]:
+    """Tension and range of adhesion of finite range; nothing for JKR."""
+    return {} if result.law is None else {"stress_Pa": result.law.stress, "range_m": result.law.length}
+
+
 def point(found: Equilibrium | Unknown) -> dict[str, Any]:
     """A critical point or state by its columns; all None with the reason where it lies outside the series."""
     if isinstance(found, Unknown):
         return {"P_N": None, "delta_m": None, "a_m": None, "reason": found.reason}
-    return {"P_N": found.P, "delta_m": found.delta, "a_m": found.a}
+    attracted = {} if found.c is None else {"c_m": found.c}
+    return {"P_N": found.P, "delta_m": found.delta, "a_m": found.a} | attracted
 
 
-def _errors(found: Errors | Unknown | None) -> dict[str, Any]:
+def errors(found: Errors | Unknown | None) -> dict[str, Any]:
     """The half-widths beside a point; None with the reason where they are unknown, nothing where there is no point."""
     if found is None:
         return {}
@@ -118,8 +117,8 @@ def _errors(found: Errors | Unknown | None) -> dict[str, Any]:
 
 
 def validity(result: Analysis) -> dict[str, Any]:
-    """The numbers by which the result is judged, those of a layer last."""
-    return vars(result.validity) | layer_tabor(result.problem, result.w, result.solution.record.z0)
+    """The numbers by which the result is judged."""
+    return vars(result.validity)
 
 
 def stability(result: Analysis) -> dict[str, Any]:

@@ -12,6 +12,7 @@ from typing import Any
 
 from ... import __version__
 from ...base.errors import InputError
+from ...base.installing import installs
 
 SCRIPTS = ("curve.js", "controls.js", "plots.js", "page.js")
 
@@ -37,7 +38,7 @@ def _library() -> str:
     try:
         from plotly.offline import get_plotlyjs
     except ImportError:
-        raise InputError('explore: needs the optional package plotly: pip install "jkrcli[explore]"') from None
+        raise InputError(f"explore: needs the optional package plotly: {installs('explore')}") from None
     return get_plotlyjs()
 
 

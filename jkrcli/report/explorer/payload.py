@@ -57,7 +57,7 @@ def payload(result: Analysis, measured: Sequence[Curve], slopes_option: str = "a
     ``result`` gives the work of adhesion to begin with, which must be > 0; its modulus factor must be 1.
     ``slopes_option``: as asked for on the command line that is reproduced.
     """
-    curve, problem = result.curve, result.problem
+    curve, problem = result.jkr, result.problem
     shown, total = _thinned(measured)
     return {
         "version": __version__,

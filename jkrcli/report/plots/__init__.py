@@ -12,6 +12,7 @@ import numpy as np
 from matplotlib.axes import Axes as Axes
 from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure as Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
@@ -21,6 +22,7 @@ from ...base.files import atomic
 from ...base.units import scale
 
 WIDE, MIDDLE, NARROW = 7.0, 4.8, 3.4  # two columns of a journal, one and a half, one [inch]: printed unscaled
+DPI = 300  # choice: of PNG files
 STYLE: dict[Any, Any] = {
     "font.size": 9,
     "axes.titlesize": 9,
@@ -103,10 +105,21 @@ def log_ticks(axis: Axis) -> None:
     axis.set_minor_formatter(NullFormatter())
 
 
-def save(figure: Figure, path: Path) -> None:
-    """Write a figure atomically; PNG or SVG by the ending, reproducible to the byte, marked as ours."""
+def save(figure: Figure, paths: Iterable[Path]) -> None:
+    """Write a figure to files, each atomically; PNG or SVG by the ending, reproducible to the byte, marked as ours.
+
+    Its layout is computed once, for the resolution of print; ``savefig`` would do so for every file, and draw twice.
+    """
     mark = f"jkr {__version__}"
-    metadata = {"Software": mark} if path.suffix == ".png" else {"Creator": mark, "Date": None}
-    with style(), atomic(path) as temporary:
-        FigureCanvasAgg(figure)
-        figure.savefig(temporary, dpi=300, metadata=metadata)
+    with style():
+        figure.set_dpi(DPI)
+        png, svg = FigureCanvasAgg(figure), FigureCanvasSVG(figure)
+        figure.draw_without_rendering()
+        figure.set_layout_engine("none")
+        for path in paths:
+            with atomic(path) as temporary:
+                if path.suffix == ".png":
+                    figure.set_dpi(DPI)  # SVG has 72
+                    png.print_png(temporary, metadata={"Software": mark})  # type: ignore[no-untyped-call]
+                else:
+                    svg.print_svg(temporary, metadata={"Creator": mark, "Date": None})  # type: ignore[no-untyped-call]

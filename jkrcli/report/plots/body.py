@@ -227,6 +227,9 @@ def _pressure(axes: Axes, columns: Mapping[str, Array], a: float, length: float)
     p = columns["pressure_Pa"] / factor
     axes.axhline(0, color="0.7", lw=0.6)
     axes.plot(r[r < a], p[r < a], color=ORANGE)
+    if "shear_Pa" in columns:
+        axes.plot(r[r < a], columns["shear_Pa"][r < a] / factor, "--", color=ORANGE, label="shear, outwards")
+        axes.legend(frameon=False)
     _edge(axes, a)
     low, high = min(0.0, float(np.min(p[seen]))), max(0.0, float(np.max(p[seen])))
     axes.set_ylim(low - 0.1 * (high - low), high + 0.1 * (high - low))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,12 +11,12 @@ import numpy as np
 from matplotlib.ticker import MaxNLocator
 
 from ...adhesion.analysis import Analysis
-from ...adhesion.curve import AdhesiveCurve, CriticalPoint
+from ...adhesion.curve import CriticalPoint, EquilibriumCurve
 from ...adhesion.stability import GRIPPED, STABLE, UNSTABLE, branch
 from ...base.arrays import Array
 from ...base.units import scale, show
 from ..scaling import Scales
-from . import BLACK, BLUE, GREEN, ORANGE, WIDE, Axes, Figure, drawing, legend_below, pretty, scaled
+from . import BLACK, BLUE, COLORS, GREEN, ORANGE, WIDE, Axes, Figure, drawing, legend_below, pretty, scaled
 
 BRANCHES = {STABLE: ("o-", ""), GRIPPED: ("--", "stable under displacement control only"), UNSTABLE: (":", "unstable")}
 PHASES = {"approach": (BLUE, 2.4), "turn": (GREEN, 1.8), "retraction": (ORANGE, 1.1)}  # the last drawn the thinnest
@@ -42,7 +42,7 @@ class Units:
         return self.labels[("delta", "P", "a").index(name)]
 
 
-def physical_units(curve: AdhesiveCurve) -> Units:
+def physical_units(curve: EquilibriumCurve) -> Units:
     """People's units, chosen by the magnitude of all that is drawn."""
     drawn = {name: np.concatenate([getattr(curve.series, name), getattr(curve, name)]) for name in ("delta", "P", "a")}
     delta, delta_unit = scale(float(np.max(np.abs(drawn["delta"]))), "length")
@@ -72,6 +72,36 @@ def curve_figure(result: Analysis, units: Units) -> Figure:
         return figure
 
 
+def curves_figure(results: Sequence[Analysis], units: Units) -> Figure:
+    """The adhesive curves of one body for several works of adhesion over its nonadhesive one: their tension and three
+    times as much compression, where the loads of the series dwarf it."""
+    tension = max(-float(np.min(result.curve.P)) for result in results)
+    near = [np.abs(result.curve.P) <= 3 * tension for result in results]
+    with drawing(WIDE, 3.4) as figure:
+        panels = figure.subplots(1, 2)
+        for axes, (x, y, _) in zip(panels, PANELS, strict=True):
+            axes.axhline(0, color="0.7", lw=0.6)
+            axes.axvline(0, color="0.7", lw=0.6)
+            series = results[0].curve.series
+            axes.plot(_of(series, x, units), _of(series, y, units), color="0.6", lw=2.4, label="nonadhesive")
+            for result, color in zip(results, itertools.cycle(COLORS), strict=False):
+                label = f"w = {pretty(show(result.w, 'work'))}"
+                axes.plot(_of(result.curve, x, units), _of(result.curve, y, units), color=color, lw=1.2, label=label)
+                point = result.pull_off["load"]
+                if isinstance(point, CriticalPoint):
+                    axes.plot(getattr(point, x) / getattr(units, x), getattr(point, y) / getattr(units, y), "o",
+                              color=color, ms=4)  # fmt: skip
+            axes.set_xlabel(units.label(x))
+            axes.set_ylabel(units.label(y))
+            if any(_dwarfed(result.curve) for result in results):
+                for name, limit in ((x, axes.set_xlim), (y, axes.set_ylim)):
+                    shown = [_of(result.curve, name, units)[rows] for result, rows in zip(results, near, strict=True)]
+                    low, high = min(map(np.min, shown)), max(map(np.max, shown))
+                    limit(low - 0.05 * (high - low), high + 0.05 * (high - low))
+        legend_below(figure, panels, 4)
+        return figure
+
+
 def _draw(axes: Axes, result: Analysis, units: Units, x: str, y: str) -> None:
     """All lines of a panel, with their labels for the legend."""
     curve = result.curve
@@ -97,7 +127,7 @@ def _of(held: Any, name: str, units: Units) -> Array:
     return getattr(held, name) / getattr(units, name)
 
 
-def _band(axes: Axes, curve: AdhesiveCurve, units: Units, x: str, y: str) -> None:
+def _band(axes: Axes, curve: EquilibriumCurve, units: Units, x: str, y: str) -> None:
     """The 90 % band of P, where its half-width is a hundredth of the axis, enough to be seen."""
     if not curve.errors or np.max(curve.errors["P"]) < 0.01 * np.ptp(curve.P):
         return
@@ -122,7 +152,7 @@ def _by_stability(axes: Axes, result: Analysis, units: Units, x: str, y: str) ->
         axes.plot(line[0][part], line[1][part], BRANCHES[str(words[first])][0], markevery=SPACING, **style)
 
 
-def _dwarfed(curve: AdhesiveCurve) -> bool:
+def _dwarfed(curve: EquilibriumCurve) -> bool:
     """Whether the largest tension takes less than a fifth of the axis of loads, too little to be read."""
     least, most = float(np.min(curve.P)), float(max(np.max(curve.P), np.max(curve.series.P)))
     return least < 0 and -least < 0.2 * (most - least)
@@ -163,9 +193,30 @@ def cycle_figure(columns: Mapping[str, Array], title: str) -> Figure:
             axes.axhline(0, color="0.7", lw=0.6, zorder=0)
             axes.set_xlabel(f"{name} ({x_unit})")
             axes.set_ylabel(f"{label} ({y_unit})")
+            if column == "P_N" and -y.min() < 0.2 * np.ptp(y):
+                _enlarge_loop(axes, x, y, columns)
         legend_below(figure, panels, 4)
         figure.suptitle(title)
         return figure
+
+
+def _enlarge_loop(axes: Axes, x: Array, y: Array, columns: Mapping[str, Array]) -> None:
+    """An inset with the loop in tension, up to as much compression, left of where the loads pass 0.42 of the axis."""
+    axes.autoscale_view()
+    left, bottom, top = 0.16, 0.52, 0.97
+    places = axes.transLimits.transform(np.column_stack([x, y]))
+    width = float(np.min(places[places[:, 1] > bottom - 0.1, 0])) - 0.04 - left
+    if width < 0.2:
+        return
+    inset = axes.inset_axes((left, bottom, width, top - bottom))
+    near = np.abs(y) <= -y.min()
+    _phases(inset, x, y, columns)
+    inset.axhline(0, color="0.7", lw=0.6, zorder=0)
+    for values, limit in ((x[near], inset.set_xlim), (y[near], inset.set_ylim)):
+        limit(values.min() - 0.08 * np.ptp(values), values.max() + 0.08 * np.ptp(values))
+    inset.tick_params(labelsize=7, pad=1.5, length=2)
+    for axis in (inset.xaxis, inset.yaxis):
+        axis.set_major_locator(MaxNLocator(3))
 
 
 def _phases(axes: Axes, x: Array, y: Array, columns: Mapping[str, Array]) -> None:

@@ -66,7 +66,7 @@ def panels_figure(panels: Sequence[Panel], title: str = "") -> Figure:
 def _draw(axes: Axes, panel: Panel, letter: str) -> None:
     if "x" in panel.logs:
         axes.set_xscale("log")
-        axes.set_xticks(panel.lines[0].x, [f"{x:.3g}" for x in panel.lines[0].x])
+        axes.set_xticks(panel.lines[0].x, [f"{x:.3g}" if x < 1000 else f"{x:,.0f}" for x in panel.lines[0].x])
         axes.minorticks_off()
     if "y" in panel.logs:
         axes.set_yscale("log")
@@ -100,6 +100,28 @@ def _symbol(column: str) -> str:
     return column.removesuffix("_m").replace("delta", "δ")
 
 
+def transition_figure(columns: Mapping[str, Array]) -> Figure:
+    """The transition map: -P_min/(pi w R) over mu, one line per layer, JKR's limit dashed, that of a long range dotted,
+    a dot where the force lies above both."""
+    with drawing(MIDDLE, 3.4) as figure:
+        axes = figure.subplots()
+        axes.axhline(2, color="0.6", lw=0.8, ls=":")
+        layers = dict.fromkeys(zip(columns["nu"].tolist(), columns["w_R2_over_Estar_h3"].tolist(), strict=True))
+        for i, (nu, q) in enumerate(layers):
+            rows = (columns["nu"] == nu) & (columns["w_R2_over_Estar_h3"] == q)
+            mu, force = columns["mu"][rows], columns["minus_P_over_pi_w_R"][rows]
+            short, color = float(columns["jkr_minus_P_over_pi_w_R"][rows][0]), COLORS[i % len(COLORS)]
+            axes.semilogx(mu, force, "-", color=color, label=f"ν = {nu:g}, w R²/(E* h³) = {q:g}")
+            above = force > max(short, 2)
+            axes.semilogx(mu[above], force[above], "o", color=color, ms=4)
+            axes.axhline(short, color=color, lw=0.8, ls="--")
+        axes.set_xlabel("σ (R / (E*² w))^(1/3)")
+        axes.set_ylabel("pull-off force / (π w R)")
+        axes.set_title(f"layer on a rigid base, {columns['base'][0]}; dashed: JKR, dotted: long range")
+        legend_below(figure, [axes], 3)
+        return figure
+
+
 def map_figure(columns: Mapping[str, Array]) -> Figure:
     """The pull-off map: -P_min/(pi w R) over w R^2/(E* h^3), one line per Poisson's ratio, with its limits."""
     with drawing(MIDDLE, 3.4) as figure:
@@ -117,4 +139,21 @@ def map_figure(columns: Mapping[str, Array]) -> Figure:
         axes.set_ylim(1.4, 3.15)
         axes.set_title(f"layer on a rigid base, {columns['base'][0]}")
         legend_below(figure, [axes], 4)
+        return figure
+
+
+def sticking_figure(columns: Mapping[str, Array]) -> Figure:
+    """The map of what sticking changes: ratios of S and of the load at equal depth over a/h, a line for each nu."""
+    with drawing(WIDE, 3.4) as figure:
+        pair = figure.subplots(1, 2, sharey=True)
+        titles = {"S_ratio": "S at equal radius", "load_ratio": "load at equal depth"}
+        for axes, (name, title) in zip(pair, titles.items(), strict=True):
+            for i, nu in enumerate(dict.fromkeys(columns["nu"].tolist())):
+                rows = columns["nu"] == nu
+                x, y = columns["a_over_h"][rows], columns[name][rows]
+                axes.semilogx(x, y, ".-", color=COLORS[i % len(COLORS)], ms=4, label=f"ν = {nu:g}")
+            axes.set_xlabel("a / h")
+            axes.set_title(title)
+        pair[0].set_ylabel("sticking / sliding")
+        legend_below(figure, [pair[1]], 6)
         return figure

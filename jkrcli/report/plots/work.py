@@ -8,16 +8,17 @@ import numpy as np
 
 from ...base.arrays import Array
 from ...base.units import scale
+from ...identification.rate.through import LawThrough
 from ...identification.work import WorkAlong, typical
-from . import BLUE, GREEN, NARROW, ORANGE, WIDE, Axes, Figure, drawing, legend_below, log_ends, log_ticks, pretty
+from . import BLACK, BLUE, GREEN, NARROW, ORANGE, WIDE, Axes, Figure, drawing, legend_below, log_ends, log_ticks, pretty
 
 GROUPS = {"measured": (GREEN, "o"), "advancing": (BLUE, "^"), "receding": (ORANGE, "v")}  # told apart in grey too
 
 
-def work_figure(found: Sequence[WorkAlong]) -> Figure:
+def work_figure(found: Sequence[WorkAlong], law: LawThrough | None = None) -> Figure:
     """w over the contact radius; where time was recorded also over the speed of the contact's edge, both logarithmic.
 
-    Points are the rows of all curves; those whose edge advances and recedes are told apart.
+    Points are the rows of all curves, those whose edge advances and recedes told apart; a ``law`` has its 90 % band.
     """
     groups = _groups(found)
     timed = "measured" not in groups
@@ -26,7 +27,7 @@ def work_figure(found: Sequence[WorkAlong]) -> Figure:
         w, unit = scale(typical(found), "work")
         _over_radius(axes[0], groups, w)
         if timed:
-            _over_speed(axes[1], groups, w)
+            _over_speed(axes[1], groups, w, law)
         for panel in axes:
             panel.set_ylabel(f"work of adhesion w ({pretty(unit)})")
         if timed:
@@ -70,11 +71,16 @@ def _over_radius(axes: Axes, groups: Mapping[str, Mapping[str, Array]], w: float
     axes.set_ylim(0, 1.3 * largest / w)
 
 
-def _over_speed(axes: Axes, groups: Mapping[str, Mapping[str, Array]], w: float) -> None:
+def _over_speed(axes: Axes, groups: Mapping[str, Mapping[str, Array]], w: float, law: LawThrough | None) -> None:
     speed, unit = scale(max(float(np.abs(held["speed"]).max()) for held in groups.values()), "length")
     for name, held in groups.items():
         colour, marker = GROUPS[name]
         axes.loglog(np.abs(held["speed"]) / speed, held["w"] / w, marker, color=colour, ms=3, mfc="none")
+    if law is not None:
+        v = np.geomspace(*law.speeds, 100)
+        middle, low, high = law.band(v)
+        axes.fill_between(v / speed, low / w, high / w, color=BLACK, alpha=0.2, lw=0)
+        axes.loglog(v / speed, middle / w, color=BLACK, label="power law")
     columns = list(groups.values())
     axes.set_xlim(*log_ends(np.concatenate([np.abs(held["speed"]) / speed for held in columns])))
     axes.set_ylim(*log_ends(np.concatenate([held["w"] / w for held in columns])))

@@ -1,0 +1,237 @@
+"""``jkr cycle --rate``: what a device records over time while adhesion depends on the speed of the contact's edge."""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+import numpy as np
+
+from ..adhesion.device import LOAD_CONTROL, position
+from ..base.errors import InputError, SolveError
+from ..base.units import parse, show
+from ..report.output import Files, Output
+from .options import ParamType
+from .output import answer
+from .voice import say, warn
+
+if TYPE_CHECKING:
+    from ..adhesion.analysis import Analysis
+    from ..adhesion.rate.history import History, RateContact
+    from ..adhesion.rate.program import Program
+
+
+class PairsType(ParamType):
+    """KEY=VALUE,KEY=VALUE ..."""
+
+    name = "KEY=VALUE,..."
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> dict[str, str]:
+        if isinstance(value, dict):
+            return value
+        found: dict[str, str] = {}
+        for pair in str(value).split(","):
+            key, mark, text = (part.strip() for part in pair.partition("="))
+            if not (key and mark and text):
+                self.fail(f'must be KEY=VALUE,..., such as v0="1 um/s",n=0.6, got "{value}"', param, ctx)
+            if key in found:
+                self.fail(f"{key} is given twice", param, ctx)
+            found[key] = text
+        return found
+
+
+@dataclass(frozen=True)
+class RateOptions:
+    """What the command line says about rates, as text where it depends on the control; None: not given."""
+
+    rate: Mapping[str, str] | None
+    rate_advance: Mapping[str, str] | None
+    speed: str | None
+    speed_approach: str | None
+    hold: str | None
+    dwell: str | None
+    dwell_time: str | None
+    program: Path | None
+    stress: float | None = None
+
+    def __post_init__(self) -> None:
+        given = [name for name, value in vars(self).items() if value is not None and name != "rate"]
+        if self.rate is None and given:
+            raise InputError(f"cycle: {flag(given[0])} needs --rate: without it nothing depends on time")
+        if self.rate is None:
+            return
+        if (self.speed is None) == (self.program is None):
+            raise InputError('cycle: --rate needs what the device does: --speed "10 um/s", or --program TABLE')
+        if self.program is not None and (beside := [name for name in given if name in ALONE]):
+            raise InputError(f"cycle: {flag(beside[0])} and --program exclude each other: the table says all")
+        if (self.dwell is None) != (self.dwell_time is None):
+            raise InputError("cycle: --dwell and --dwell-time go together")
+
+
+ALONE = ("speed", "speed_approach", "hold", "dwell", "dwell_time")
+
+
+def flag(name: str) -> str:
+    """The option of a field."""
+    return "--" + name.replace("_", "-")
+
+
+def rate_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """The options of speed and time, as one argument ``rates``."""
+    options = (
+        click.option("--rate", type=PairsType(), help='w0 (1 + (v/v0)^n) as the edge recedes: v0="1 um/s",n=0.6; '
+                     'law=log,v0=...,b="5 mJ/m^2": w0 + b log(1 + v/v0). w0 is --w-retract.'),
+        click.option("--rate-advance", type=PairsType(), help="The same of an edge that advances [default: at once]."),
+        click.option("--speed", help='Of the device, "10 um/s"; of the load under load control, "1 mN/s".'),
+        click.option("--speed-approach", help="The same on approach [default: --speed]."),
+        click.option("--hold", help='Time to wait at the turn, "10 s".'),
+        click.option("--dwell", help="Go back as far as this position (load under load control) and stay there."),
+        click.option("--dwell-time", help="How long to stay."),
+        click.option("--program", type=click.Path(path_type=Path), help="Table t, x of the device instead: times [s] "
+                     "and positions (loads) between which it moves evenly; equal times are steps."),
+    )  # fmt: skip
+
+    @functools.wraps(command)
+    def with_rates(*words: Any, **others: Any) -> Any:
+        names = [name for name in RateOptions.__dataclass_fields__ if name != "stress"]
+        rates = RateOptions(**{name: others.pop(name) for name in names})
+        return command(*words, rates=rates, **others)
+
+    decorated = with_rates
+    for option in reversed(options):
+        decorated = option(decorated)
+    return decorated
+
+
+@dataclass(frozen=True, eq=False)
+class Turn:
+    """Where the approach ends: at a load [N], at a depth [m], or, both None, at the end of the series."""
+
+    load: float | None
+    depth: float | None
+
+
+def run(
+    file: Path, curves: Sequence[Analysis], stiffness: float, turn: Turn, points: int, rates: RateOptions,
+    targets: Files, output: Output,
+) -> None:  # fmt: skip
+    """Trace, figure and summary of what happens over time; ``curves``: those of approach and of retraction."""
+    from ..adhesion.rate.history import RateContact
+    from ..adhesion.rate.laws import rate_law_of
+    from ..report import rate as report
+
+    inwards, outwards = curves
+    law = rate_law_of(rates.rate or {}, "--rate")
+    advance = None if rates.rate_advance is None else rate_law_of(rates.rate_advance, "--rate-advance")
+    contact = RateContact(outwards.jkr.nonadhesive, law, outwards.w, inwards.w, stiffness, advance)
+    try:
+        history = contact.history(_program(contact, rates, turn))
+    except SolveError as error:
+        raise InputError(f"{file}: {error}") from None
+    if history.ends == "series":
+        raise InputError(f"{file}: {_out_of_series(history)}")
+    zone = _zone(history, outwards, rates)
+    columns = history.table(points)
+    figure = None
+    if output.plots:
+        from ..report.plots.rate import history_figure
+
+        figure = history_figure(columns, f"{history.control}, {report.law_words(law)}")
+    targets.write(columns, figure=figure)
+    found = report.warnings_of(history, zone)
+    if output.json:
+        answer({"file": str(file)} | report.summary(history, zone) | {"warnings": found})
+    else:
+        first, *rest = report.words(history)
+        say("\n".join([f"{file}: {first}", *rest]))
+        say(f"  written {targets}")
+    for line in found:
+        warn(f"{file}: {line}")
+
+
+def _program(contact: RateContact, rates: RateOptions, turn: Turn) -> Program:
+    """What the device does, of the speeds or of the table."""
+    from ..adhesion.rate.program import Program, dwell, there_and_back
+
+    loaded = contact.stiffness == LOAD_CONTROL
+    length, speed = ("load", "load rate") if loaded else ("length", "speed")
+    if rates.program is not None:
+        from ..data.device_program import read_program
+
+        return Program(*read_program(rates.program, length))
+    back = _quantity("--speed", rates.speed, speed)
+    there = _quantity("--speed-approach", rates.speed_approach, speed) if rates.speed_approach else back
+    hold = 0.0 if rates.hold is None else _quantity("--hold", rates.hold, "time", least=0.0)
+    x = _turn(contact, turn, there)
+    if rates.dwell is None:
+        return there_and_back(x, there, back, hold, contact.least)
+    held = _quantity("--dwell", rates.dwell, length, least=-math.inf)
+    lasts = _quantity("--dwell-time", rates.dwell_time, "time")
+    return dwell(x, there, back, held, lasts, hold, contact.least)
+
+
+def _quantity(option: str, text: str | None, dimension: str, least: float | None = None) -> float:
+    """The number that an option gives; > 0 where no ``least`` is told."""
+    try:
+        value = parse(text or "", dimension)
+    except ValueError as error:
+        raise InputError(f"{option}: {error}") from None
+    wrong = value <= 0 if least is None else value < least
+    if wrong or not math.isfinite(value):
+        raise InputError(f"{option}: must be {'> 0' if least is None else f'>= {least:g}'}, got {text}")
+    return value
+
+
+def _turn(contact: RateContact, turn: Turn, speed: float) -> float:
+    """What the device holds at the turn."""
+    from ..adhesion.passage import grow
+    from ..adhesion.rate.program import Program
+    from ..adhesion.stability import turning_radius
+    from ..base.unknown import Unknown
+
+    curve, k = contact.advancing, contact.stiffness
+    if contact.law_advance is None:
+        inwards = grow(curve, k)
+        if isinstance(inwards, Unknown):
+            raise InputError(f"cycle: {inwards.reason}")
+        whole = turn.load is None and turn.depth is None
+        a = inwards.last if whole else turning_radius(curve, k, load=turn.load, depth=turn.depth)
+        point = curve.point(a)
+        return float(position(point.delta, point.P, k))
+    quantity, value = ("P", turn.load) if turn.depth is None else ("delta", turn.depth)
+    if value is None:
+        raise InputError("cycle: --rate-advance needs --to-load or --to-depth")
+    approach = contact.history(Program(np.zeros(1), np.array([contact.least]), speed))
+    held = approach.first_held(quantity, value)
+    if held is None:
+        told = show(value, "load" if quantity == "P" else "length")
+        raise InputError(f"cycle: the turn at {quantity} = {told} is not passed on approach within the series")
+    return held
+
+
+def _out_of_series(history: History) -> str:
+    """Why and where a history leaves its series."""
+    a = history.pieces[-1].last[1]
+    if history.pieces[-1].phase == "recede":
+        return (
+            f"the contact shrinks below the smallest radius of the series, a = {show(a, 'length')}, while pressed: "
+            'ask for smaller radii, loading.spacing = "log"'
+        )
+    return "the contact grows beyond the largest radius of the series: turn before, --to-load, or load further"
+
+
+def _zone(history: History, body: Analysis, rates: RateOptions) -> Any:
+    from ..adhesion.rate.history import states
+    from ..adhesion.rate.validity import zone
+
+    pulled, problem = history.pull_off, body.problem
+    edge = history.contact.edge
+    x = pulled.P if edge.stiffness == LOAD_CONTROL else position(pulled.delta, pulled.P, edge.stiffness)
+    G = float(states(edge, np.array([pulled.a]), np.array([x]))[2][0])
+    z0 = body.solution.record.z0
+    return zone(G, history.contact.w0, problem.E_star, pulled.a, problem.specimen.top_thickness, rates.stress, z0)

@@ -1,0 +1,69 @@
+"""``jkr study transition-map``: the pull-off force on a layer between JKR and DMT."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from ..base.arrays import Array
+from ..base.executors import executor
+from ..many.study.transition_map import transition_columns, transition_map
+from ..report.output import PICTURES, Output
+from .options import check_nu, parallel_options
+from .output import answer, into_folder, output_options
+from .voice import progress
+
+if TYPE_CHECKING:
+    from ..report.plots import Figure
+
+SHOWN = ("nu", "w_R2_over_Estar_h3", "mu", "minus_P_over_pi_w_R", "jkr_minus_P_over_pi_w_R", "a_over_h", "c_over_h")
+
+
+@click.command("transition-map")
+@click.option("--nu", "nus", type=float, multiple=True, default=(0.499,), show_default=True, help="Repeatable.")
+@click.option("--base", type=click.Choice(["bonded", "frictionless"]), default="bonded", show_default=True)
+@click.option("--q", "qs", type=float, multiple=True, default=(0.01, 1.0, 100.0), show_default=True,
+              help="Values of w R^2/(E* h^3).")  # fmt: skip
+@click.option("--mu", "mus", type=float, multiple=True, default=(0.2, 0.5, 1.0, 2.0, 3.0, 5.0, 10.0, 20.0),
+              show_default=True, help="Values of stress (R/(E*^2 w))^(1/3).")  # fmt: skip
+@parallel_options
+@into_folder("Folder [default: .].", default=Path())
+@output_options(plots="Write the CSV only.", json="Print the table as JSON.")
+def study_transition_map(
+    nus: tuple[float, ...],
+    base: str,
+    qs: tuple[float, ...],
+    mus: tuple[float, ...],
+    workers: int | None,
+    scheduler: str | None,
+    output: Output,
+) -> None:
+    """Map the pull-off force of a paraboloid on a layer on a rigid base, in pi w R, over the range of adhesion.
+
+    mu is the Tabor number of that range; the limits are JKR's force on the same layer, and 2 of a long range. Writes
+    transition-map.csv, .png and .svg.
+
+    \b
+    jkr study transition-map --nu 0.3 --q 1 --mu 0.3 --mu 3 -o map
+    """
+    check_nu(*nus)
+    files = output.files(output.folder(Path()) / "transition-map", (".csv", *PICTURES))
+    with executor(workers, scheduler, progress, len(nus) * len(qs) * len(mus) / 3) as pool:
+        columns = transition_columns(transition_map(nus, base == "bonded", qs, mus, pool))
+    files.write(columns, figure=files.draw(lambda: _figure(columns)))
+    if output.json:
+        answer({name: values.tolist() for name, values in columns.items()})
+        return
+    click.echo(f"{base} layer on a rigid base, paraboloid: pull-off force in pi w R")
+    click.echo(f"  {'nu':>6} {'w R^2/(E* h^3)':>15} {'mu':>6} {'force':>8} {'JKR':>8} {'a/h':>9} {'c/h':>9}")
+    for nu, q, mu, pulled, jkr, a, c in zip(*(columns[name] for name in SHOWN), strict=True):
+        click.echo(f"  {nu:>6g} {q:>15.4g} {mu:>6g} {pulled:>8.4f} {jkr:>8.4f} {a:>9.4g} {c:>9.4g}")
+    click.echo(f"  written {files}")
+
+
+def _figure(columns: dict[str, Array]) -> Figure:
+    from ..report.plots.study import transition_figure
+
+    return transition_figure(columns)

@@ -1,0 +1,72 @@
+"""Maps: what was fitted to the curves of one scan, as images over its pixels."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..base import hdf5
+from ..base.arrays import Array
+from ..base.units import SI
+from ..identification.fit.fitting import Failure
+from ..identification.fit.result import Fit
+
+IMAGES = {  # name: dimension
+    "E_star": "modulus",
+    "w": "work",
+    "contact_point": "length",
+    "adhesion_force": "load",
+    "quality": "number",
+}
+LEAST = 2  # choice: curves of a map that is worth a picture
+
+
+@dataclass(frozen=True, eq=False)
+class Map:
+    """``images`` (rows, columns) by their names in ``IMAGES``, SI, NaN where nothing was found; ``x, y`` [m] of their
+    columns and rows, the rows and columns that hold no curve left out."""
+
+    x: Array
+    y: Array
+    images: Mapping[str, Array]
+
+
+def map_of(found: Sequence[Fit | Failure]) -> Map | None:
+    """The map that the curves make; None where they were not taken on a grid, or several share a pixel."""
+    pixels = [item.pixel for item in found if item.pixel is not None]
+    if len(pixels) < LEAST or len(pixels) != len(found) or len({(at.column, at.row) for at in pixels}) != len(found):
+        return None
+    columns, column = np.unique([at.column for at in pixels], return_inverse=True)
+    rows, row = np.unique([at.row for at in pixels], return_inverse=True)
+    x, y = np.array([at.x for at in pixels]), np.array([at.y for at in pixels])
+    images = {name: np.full((rows.size, columns.size), np.nan) for name in IMAGES}
+    values = [_values(item) for item in found]
+    for name, image in images.items():
+        image[row, column] = [value[name] for value in values]
+    return Map(
+        np.array([np.mean(x[column == i]) for i in range(columns.size)]),
+        np.array([np.mean(y[row == i]) for i in range(rows.size)]),
+        images,
+    )
+
+
+def _values(item: Fit | Failure) -> dict[str, float]:
+    """The pixel of one curve in each image."""
+    if isinstance(item, Failure):
+        return dict.fromkeys(IMAGES, np.nan) | {"quality": 0.0}
+    told = {estimate.name: estimate.value for estimate in item.estimates}
+    return {
+        "E_star": told.get("E_star", np.nan),
+        "w": told["w"],
+        "contact_point": told.get("delta0", np.nan),
+        "adhesion_force": np.nan if item.adhesion is None else item.adhesion,
+        "quality": np.nan if item.quality is None else item.quality["quality"],
+    }
+
+
+def images_of(held: Map) -> hdf5.Group:
+    """A map in HDF5: each image with its unit, and the positions of columns and rows."""
+    images = {name: hdf5.column(image, SI[IMAGES[name]]) for name, image in held.images.items()}
+    return hdf5.Group({}, {"x": hdf5.column(held.x, "m"), "y": hdf5.column(held.y, "m"), **images})

@@ -1,0 +1,112 @@
+"""Figures of contacts whose adhesion depends on speed."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping
+
+import numpy as np
+
+from ...base.arrays import Array
+from ...base.units import scale, show
+from ...identification.rate.fitting import RateFit
+from . import (
+    BLACK,
+    BLUE,
+    COLORS,
+    GREEN,
+    ORANGE,
+    WIDE,
+    Axes,
+    Figure,
+    drawing,
+    legend_below,
+    log_ticks,
+    pretty,
+    scaled,
+)
+
+PHASES = {"advance": (BLUE, "-"), "rest": (GREEN, "--"), "recede": (ORANGE, "-"), "free": (BLACK, ":")}
+PANELS = (("P_N", "load", "load P"), ("a_m", "length", "contact radius a"))
+
+
+def history_figure(columns: Mapping[str, Array], title: str) -> Figure:
+    """Load over displacement, and load and contact radius over time, each phase in its colour and line.
+
+    ``columns``: as ``History.table`` gives them.
+    """
+    panels = (("delta_m", "length", "displacement δ", *PANELS[0]), *(("t_s", "time", "time t", *y) for y in PANELS))
+    with drawing(WIDE, 3.2) as figure:
+        axes = figure.subplots(1, len(panels))
+        for place, (over, x_dimension, x_label, column, y_dimension, y_label) in zip(axes, panels, strict=True):
+            x, x_unit = scaled(columns[over], x_dimension)
+            y, y_unit = scaled(columns[column], y_dimension)
+            place.plot(x, y, color="0.8", lw=0.8, label="jump", zorder=0)
+            for part in np.unique(columns["part"]):
+                rows = columns["part"] == part
+                phase = str(columns["phase"][rows][0])
+                colour, line = PHASES[phase]
+                place.plot(x[rows], y[rows], line, color=colour, label=phase)
+            place.set_xlabel(f"{x_label} ({x_unit})")
+            place.set_ylabel(f"{y_label} ({y_unit})")
+        legend_below(figure, axes, 5)
+        figure.suptitle(title)
+        return figure
+
+
+def rate_fit_figure(fit: RateFit) -> Figure:
+    """Loads over time since each record's begin, in units of its length, with the prediction; the law with its band."""
+    with drawing(WIDE, 3.2) as figure:
+        left, right = figure.subplots(1, 2)
+        factor, unit = scale(max(float(np.max(np.abs(record.P))) for record in fit.records), "load")
+        for i, (record, told) in enumerate(zip(fit.records, fit.predictions, strict=True)):
+            part = (record.t - record.t[0]) / (record.t[-1] - record.t[0])
+            colour = COLORS[i % len(COLORS)]
+            left.plot(part, record.P / factor, ".", color=colour, ms=1.5, alpha=0.4)
+            left.plot(
+                part,
+                (told.P + fit.zero) / factor,
+                color=colour,
+                label=pretty(f"device {show(record.speed, 'speed', 3)}"),
+            )
+        left.set_xlabel("time over the record's length")
+        left.set_ylabel(f"load P ({pretty(unit)})")
+        low, high = (max(v, 1e-30) for v in fit.speeds)
+        v = np.geomspace(low, high, 100)
+        law_band(right, v, *fit.band(v), BLACK, f"{fit.settings.law} law, {fit.settings.level:.0%} band")
+        legend_below(figure, [left, right], 3)
+        return figure
+
+
+def law_band(axes: Axes, v: Array, w: Array, low: Array, high: Array, colour: str, label: str) -> None:
+    """w over the edge's speed with a band, both axes logarithmic."""
+    speed, v_unit = scale(float(v[-1]), "speed")
+    work, w_unit = scale(float(np.max(w)), "work")
+    axes.fill_between(v / speed, low / work, high / work, color=colour, alpha=0.25, lw=0)
+    axes.loglog(v / speed, w / work, color=colour, label=label)
+    axes.set_xlabel(f"speed of the contact's edge |da/dt| ({pretty(v_unit)})")
+    axes.set_ylabel(f"work of adhesion w ({pretty(w_unit)})")
+    for axis in (axes.xaxis, axes.yaxis):
+        log_ticks(axis)
+
+
+def rate_map_figure(columns: Mapping[str, Array]) -> Figure:
+    """Pull-off force and energy over the device's speed, a colour for each body, a line for each stiffness."""
+    lines = ("-", "--", ":", "-.")
+    bodies, devices = (list(dict.fromkeys(columns[name].tolist())) for name in ("h_over_R", "k_over_Estar_R"))
+    with drawing(WIDE, 3.2) as figure:
+        panels = figure.subplots(1, 2)
+        names = ("minus_P_over_pi_w0_R", "dissipated_over_w0_pi_a2")
+        titles = ("pull-off force −P/(π w0 R)", "energy lost at the edge/(w0 π a²)")
+        for axes, name, title in zip(panels, names, titles, strict=True):
+            for (i, h), (j, k) in itertools.product(enumerate(bodies), enumerate(devices)):
+                rows = (columns["h_over_R"] == h) & (columns["k_over_Estar_R"] == k)
+                body = "half-space" if np.isinf(h) else f"h = {h:g} R"
+                device = "rigid" if np.isinf(k) else f"k = {k:g} E*R"
+                axes.loglog(columns["V_over_v0"][rows], columns[name][rows], lines[j % 4], color=COLORS[i % 6],
+                            label=f"{body}, {device}")  # fmt: skip
+            axes.set_xlabel("speed of the device V/v0")
+            axes.set_ylabel(title)
+            log_ticks(axes.yaxis)
+        legend_below(figure, panels, 3)
+        return figure

@@ -68,12 +68,12 @@ def _study(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> Callable[..., Outcome]:
     """Run one of the studies that make starts, by its name, in an empty folder; exit code, stdout and stderr."""
-    from jkrcli.many.study import command
+    from studies import command
 
     monkeypatch.chdir(tmp_path)
 
     def run(name: str, *words: object) -> Outcome:
-        module = importlib.import_module(f"jkrcli.many.study.{name}")
+        module = importlib.import_module(f"studies.{name}")
         code = command.call(module.main, [str(word) for word in words])
         captured = capsys.readouterr()
         return Outcome(code, captured.out, captured.err)

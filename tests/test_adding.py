@@ -1,8 +1,9 @@
-"""Adding an indenter, a method or a slopes rule is one file: each is used to the CSV, in a process of its own."""
+"""Adding an indenter, a method, a slopes rule or a law is one file: each is used in a process of its own."""
 
 from __future__ import annotations
 
 import csv
+import json
 import os
 import subprocess
 import sys
@@ -129,6 +130,20 @@ def test_a_slopes_rule_of_ones_own_is_named(tmp_path: Path) -> None:
     sweep.write_text(text.format("differences"))
     done = jkr("differences", "sweep", sweep, "-o", tmp_path / "swept", "--workers", "1")
     assert done.returncode == 0, done.stderr
+
+
+def test_a_law_of_speed_of_ones_own(tmp_path: Path) -> None:
+    """The power law at n = 1 under another name: the same pull-off force."""
+    series, loads = tmp_path / "my.h5", []
+    (tmp_path / "my.toml").write_text(CASE.format(method="layered", shape="paraboloid", keys="", thickness="1 mm"))
+    assert jkr("linear_rate", "run", tmp_path / "my.toml", "-o", series).returncode == 0
+    for law in ("law=linear,v0=1 um/s", "law=power,v0=1 um/s,n=1"):
+        words = "--rate", law, "--speed", "1 um/s", "-o", tmp_path / "out", "--no-plots", "--json"
+        done = jkr("linear_rate", "cycle", series, *words)
+        assert done.returncode == 0, done.stderr
+        loads.append(json.loads(done.stdout)["pull_off"]["P_N"])
+    assert loads[0] == pytest.approx(loads[1], rel=1e-6)
+    assert "[power|log|linear]" in jkr("linear_rate", "fit", "--help").stdout
 
 
 def test_the_names_of_slopes_import_nothing_heavy() -> None:

@@ -130,6 +130,11 @@ def test_the_example_scripts_run(script: Path, tmp_path: Path) -> None:
     assert done.stdout.strip()
 
 
+def test_the_shipped_record_is_what_its_script_makes(tmp_path: Path) -> None:
+    subprocess.run([sys.executable, EXAMPLES / "raw_force_curve.py", "made.txt"], cwd=tmp_path, timeout=120, check=True)
+    assert (tmp_path / "made.txt").read_bytes() == (CASES / "measured" / "raw-force-curve.txt").read_bytes()
+
+
 def test_what_is_printed_is_one_line() -> None:
     solved = jkr_python.solve(CASES / "coating.toml")
     curve = jkr_python.transform(solved, w=0.05)

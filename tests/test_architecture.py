@@ -158,3 +158,14 @@ def test_help_imports_no_heavy_module() -> None:
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.splitlines()[-1] == "HEAVY []"
+
+
+def test_a_layered_run_needs_nothing_of_scipy(tmp_path: Path) -> None:
+    case = PACKAGE.parent / "cases" / "gel.toml"
+    code = (
+        f"import sys\nfrom jkrcli.cli import call\ncall(['run', {str(case)!r}, '-o', {str(tmp_path / 'gel.h5')!r}])\n"
+        "heavy = {f'scipy.{name}' for name in ('linalg', 'special', 'optimize', 'interpolate', 'sparse')}\n"
+        "print('HEAVY', sorted(heavy & set(sys.modules)))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines()[-1] == "HEAVY []"

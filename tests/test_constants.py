@@ -16,7 +16,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parent.parent
-SOURCES = sorted((ROOT / "jkrcli").rglob("*.py"))
+SOURCES = sorted([*(ROOT / "jkrcli").rglob("*.py"), *(ROOT / "docs" / "studies").glob("*.py")])
 TARGETS = set(re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(), re.MULTILINE))
 SAYS = re.compile(r"(theory|choice): \S|tuned on .+`make (?P<target>[a-z-]+)`", re.DOTALL)
 # Constants of modules: a third of the 453 that stood alone in 0.1.0 before tunings were kept in sets.

@@ -20,10 +20,10 @@ from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Specimen
 from jkrcli.formulas.half_space import hertz, power_law, rounded_flat
 from jkrcli.formulas.thin_layer import thin_incompressible_layer, thin_layer
-from jkrcli.many.study.failures_cells import indenter_of, specimen_of
-from jkrcli.many.study.noise_cells import BODIES, cell, noise_study, noisy
 from jkrcli.methods.layered.layered import Layered
 from jkrcli.series import RawSeries, Series
+from studies.failures_cells import indenter_of, specimen_of
+from studies.noise_cells import BODIES, cell, noise_study, noisy
 
 E_STAR, R, W = 5e9 / 0.84, 1e-4, 50.0
 PULL_OFF = -1.5 * np.pi * W * R

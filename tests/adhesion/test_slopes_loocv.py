@@ -12,8 +12,8 @@ from jkrcli.adhesion.slopes.loocv import interpolated_slope, loocv
 from jkrcli.base.errors import InputError, Refusal
 from jkrcli.formulas.half_space import hertz
 from jkrcli.formulas.thin_layer import thin_incompressible_layer, thin_layer
-from jkrcli.many.study.noise_cells import noisy
 from jkrcli.series import Series
+from studies.noise_cells import noisy
 
 E_STAR, R, W = 5e9 / 0.84, 1e-4, 50.0
 

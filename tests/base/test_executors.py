@@ -16,6 +16,7 @@ import pytest
 
 from jkrcli.base.errors import InputError, JkrError, SolveError
 from jkrcli.base.executors import completed, executor, in_order, run_chunk
+from jkrcli.base.installing import installs
 
 DEADLINE = 60.0  # seconds to wait for processes on a machine that others use too
 
@@ -104,7 +105,7 @@ def test_a_missing_distributed_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "distributed", None)
     with pytest.raises(InputError) as caught, executor(scheduler="tcp://127.0.0.1:1"):
         pass
-    assert caught.value.lines == ('--scheduler: needs the optional package distributed: pip install "jkrcli[cluster]"',)
+    assert caught.value.lines == (f"--scheduler: needs the optional package distributed: {installs('cluster')}",)
 
 
 def test_workers_of_another_release_are_refused() -> None:

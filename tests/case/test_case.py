@@ -121,3 +121,4 @@ def test_shown_values_are_rounded_before_the_unit_is_chosen() -> None:
     assert units.show(0.99999999e-6, "length") == "1 um"
     assert units.show(999.4e-9, "length") == "999.4 nm"
     assert units.show(-0.999999e-3, "load") == "-1 mN"
+    assert units.show(2.613e-7, "length", 2) == "260 nm"

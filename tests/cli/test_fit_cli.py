@@ -58,7 +58,7 @@ def test_a_case_and_a_curve_give_table_summary_archive_and_picture(jkr, folder: 
         group = file["curves/000000"]
         assert json.loads(group.attrs["summary"]) == curve
         assert group["data/delta"].shape == group["foot_a"].shape == (200,)
-        assert group["data/P"].attrs["unit"] == "N"
+        assert group["data/P"].attrs["unit"].decode() == "N"
 
 
 def test_a_series_file_gives_what_its_case_gives(jkr, folder: Path) -> None:

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from jkrcli.base.errors import InputError
+from jkrcli.base.installing import installs
 from jkrcli.data import measured
 from jkrcli.data.measured import Curve, Reading
 
@@ -137,5 +138,5 @@ def test_without_the_package_one_line_says_how_to_get_it(tmp_path: Path, monkeyp
     with pytest.raises(InputError) as caught:
         measured.read(tmp_path / "m.jpk-force")
     assert str(caught.value) == (
-        f'{tmp_path / "m.jpk-force"}: needs the optional package afmformats: pip install "jkrcli[afm]"'
+        f"{tmp_path / 'm.jpk-force'}: needs the optional package afmformats: {installs('afm')}"
     )

@@ -4,21 +4,24 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 import pytest
 from force_curves import Instrument, equilibrium, record
+from layer_contact import BondedLayer, half_space
 
 from jkrcli.adhesion.slopes.choice import slopes
 from jkrcli.base.errors import InputError
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.materials import Elastic
-from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Specimen
+from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.data.measured import Curve
-from jkrcli.identification.fit import Fit, FittedBody, fit
+from jkrcli.identification.fit import Fit, FittedBody, FittedValue, fit
 from jkrcli.identification.fit.record import whole_record
 from jkrcli.identification.fit.settings import Settings, settings_of
 from jkrcli.methods.closed_form.method import ClosedForm
+from jkrcli.methods.layered.layered import Layered
 
 R = 5e-6
 
@@ -81,17 +84,72 @@ def test_modulus_and_work_of_records_with_all_dirt(seed: int) -> None:
     assert found.quality["misfit"] > 0.9
 
 
+LAYERS = {(h, nu): BondedLayer(h, nu) for h in (0.5e-6, 1.5e-6, 5e-6) for nu in (0.3, 0.45, 0.5)}
+
+
+@lru_cache
+def case(kind: tuple[float, float] | None, E_star: float) -> FittedBody:
+    """The half-space, or the layer of thickness [m] and nu, with the modulus that a case file may hold."""
+    if kind is None:
+        return body(E_star)
+    h, nu = kind
+    specimen = Specimen((Layer(Elastic((1 - nu**2) * E_star, nu), h),), Rigid())
+    problem = Problem(Paraboloid(R), specimen, Loading("radius", 1e-6, 60))
+    series = Layered()(problem).series
+    return FittedBody.of(problem, series, slopes(series), extensible=True)
+
+
+def made_on(rng: np.random.Generator, kind: tuple[float, float] | None) -> tuple[Curve, float, float]:
+    """A record on the half-space or a layer with pull-off at a random radius; its E* [Pa] and w [J/m^2]."""
+    held = half_space if kind is None else LAYERS[kind]
+    widest = 0.3 * R if kind is None else min(0.3 * R, 4 * kind[0])
+    E_star, radius = 10 ** rng.uniform(2, 7), widest * 10 ** rng.uniform(-1, 0)
+    a = radius * np.array([0.999, 1.0, 1.001])
+    _, P, S, dS = held(a, R)
+    tension = S * np.sqrt(4 * math.pi * a / dS)  # of w = E* = 1
+    w = E_star * ((P[2] - P[0]) / (tension[2] - tension[0])) ** 2
+    force = math.sqrt(w * E_star) * tension[1] - E_star * P[1]
+    k, largest = E_star * S[1] * 10 ** rng.uniform(math.log10(0.03), 2), force * rng.uniform(2, 10)
+    position = equilibrium(E_star, R, w, k, largest, held)[0]
+    span = float(position[-1] - position.min())
+    rows = int(10 ** rng.uniform(math.log10(200), math.log10(20000)))
+    device = Instrument(
+        k, rows, far=span * rng.uniform(0.3, 3) - float(position.min()), largest=largest,
+        noise=force * 10 ** rng.uniform(-3, math.log10(0.03)), offset=force * rng.uniform(-5, 5),
+        tilt=force / span * rng.uniform(-0.2, 0.2), drag=force * rng.uniform(0, 0.2),
+        drift=force * rng.uniform(-0.1, 0.1), pause=int(rng.choice([0, rows // 10])),
+    )  # fmt: skip
+    columns = record(E_star, R, 0.0, w, device, int(rng.integers(1 << 30)), held)
+    told = columns["segment"] if rng.random() < 0.5 else None
+    return Curve("made", delta=columns["z"] - columns["P"] / k, P=columns["P"], segment=told, stiffness=k), E_star, w
+
+
+def wrong(item: FittedValue, true: float) -> bool:
+    """By more than a tenth and more than three half-widths."""
+    assert item.low is not None
+    assert item.high is not None
+    return abs(item.value - true) > max(0.1 * true, 1.5 * (item.high - item.low))
+
+
 @pytest.mark.slow
-def test_intervals_of_three_hundred_records() -> None:
-    """Measured: E* held in 94 to 97 %, w in 97 to 98 %, median errors 3e-4 and 5e-4."""
-    rng = np.random.default_rng(20261122)
-    records = (made(rng) for _ in range(300))
-    found = [judged(fit(BODY, curve, usual()), {"E_star": E, "w": w}) for curve, E, w in records]
-    for name, most in (("E_star", 1e-3), ("w", 1.5e-3)):
-        errors = np.array([told[name][0] for told in found])
-        assert 0.925 <= np.mean([told[name][1] for told in found]) <= 0.985
-        assert np.median(np.abs(errors)) < most
-        assert (np.abs(errors) > 0.1).sum() <= 6  # of springs much softer than the contact
+def test_intervals_of_a_thousand_records() -> None:
+    """Measured: E* and w held in 95.5 % each, median errors 4e-4 and 6e-4, none wrong without a flag, one flagged."""
+    rng = np.random.default_rng(77)
+    held, errors, flagged, silent = [], [], 0, 0
+    kinds = [None, *LAYERS]
+    for i in range(1000):
+        kind = None if i % 2 else kinds[1 + i // 2 % len(LAYERS)]
+        curve, E_star, w = made_on(rng, kind)
+        found = fit(case(kind, 10.0 ** (round(math.log10(E_star)) + int(rng.integers(-3, 4)))), curve, usual())
+        told = judged(found, {"E_star": E_star, "w": w})
+        errors.append([abs(error) for error, _ in told.values()])
+        held.append([inside for _, inside in told.values()])
+        flagged += bool(found.flags)
+        silent += not found.flags and (wrong(found.estimate("E_star"), E_star) or wrong(found.estimate("w"), w))
+    assert (np.abs(np.mean(held, axis=0) - 0.95) <= 0.025).all()
+    assert (np.median(errors, axis=0) < [1e-3, 1.5e-3]).all()
+    assert flagged <= 50
+    assert silent <= 5
 
 
 @pytest.mark.parametrize("factor", [1e-3, 1e3])

@@ -307,7 +307,7 @@ KINDS = {
         "method closed-form: the thin-layer formulae are for a rigid sphere or paraboloid: use method layered",
         {**CLOSED, "indenter": ELASTIC}, LAYERED),
     "closed-form: thick layer": kind("method closed-form: the thin-layer formula errs by {} between a/h = {} and {}, "
-        "more than 0.05: use method layered", CLOSED, LAYERED),
+        "more than 5%: use method layered", CLOSED, LAYERED),
     "closed-form: not checked": kind("method closed-form: the thin-layer formula could not be checked: " + MUCH + "{}",
         {**CLOSED, "specimen": {"layers": [layer("1 um", nu=0.2)]},
          "loading": {"radius": ["80 um", "100 um"], "points": None}},

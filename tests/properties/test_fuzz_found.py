@@ -307,3 +307,20 @@ def test_a_long_stretch_of_equal_elements_does_not_overflow() -> None:
     points = graded_points(0.0, 1.0, lambda x: np.full_like(x, 1e-3))
     assert points.size == 1001
     np.testing.assert_allclose(np.diff(points), 1e-3, rtol=1e-9)
+
+
+@pytest.mark.parametrize("lost", ["a", "delta", "P", "S", "dS_da"])
+def test_series_that_state_errors_of_some_columns_only_are_transformed(jkr, tmp_path, lost):
+    """Found by random changes: a stated error that was missing ended transform in a KeyError."""
+    (tmp_path / "s.toml").write_text(
+        'method = "closed-form"\nindenter = { shape = "paraboloid", radius = "1 mm" }\n'
+        'specimen.half_space = { E = "1 MPa", nu = 0.3 }\nloading = { radius = "0.1 mm", points = 20 }\n'
+    )
+    assert jkr("run", "s.toml").code == 0
+
+    def lose(file):
+        del file["errors"][lost]
+
+    edit(tmp_path / "s.h5", lose)
+    done = jkr("transform", "s.h5", "--w", "0.05", "--no-plots")
+    assert done.code == 0, done.err

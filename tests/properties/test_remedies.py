@@ -34,10 +34,10 @@ from jkrcli.base.errors import Refusal
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
-from jkrcli.many.study.chart_reference import reference_of
 from jkrcli.methods.fem.method import FEM
 from jkrcli.methods.hybrid.method import Hybrid
 from jkrcli.methods.layered.layered import Layered, unbounded
+from studies.chart_reference import reference_of
 
 PACKAGE = Path(__file__).parents[2] / "jkrcli"
 
@@ -250,7 +250,7 @@ REFUSALS = {"Refusal", "InaccurateError"}
 REASONS = {"refusal", "_unable", "_too_much", "_not_found", "unsmooth", "_formula", "_half_space", "_thin_layer"}
 PASSED_ON = {  # what such functions return, and refusals that another one holds
     "reason", "found", "error.fixed", "_not_found(problem, reach)", "_too_much(problem)",
-    "[*unreached.lines, *refusal.lines]",
+    "[*unreached.lines, *refusal.lines]", "self._too_far(a)",
 }  # fmt: skip
 BEHIND = (  # never seen, as something else is told before, or seen as no refusal
     "mesh: {} x {} lines make too many quadrilaterals",  # their number is estimated first
@@ -258,6 +258,14 @@ BEHIND = (  # never seen, as something else is told before, or seen as no refusa
     "needs a contact beyond the profile: load less, or give a larger profile",  # found on the wide body first
     "method {}: {}",  # of jkrcli.methods.choose: leads the reasons above
     "the coarse solution would take about {} s",  # of jkr check, which goes on without
+)
+
+BY_OTHER_VERBS = (  # refused to transform, or at sizes that take long: tests of finite range and of surfaces that stick
+    "adhesion of finite range",
+    "there is no formula for surfaces that stick",
+    "the contact is not a growing disc of nodes (violation {}), so that it is not known where points stuck",
+    "the correction is that of surfaces that slide",
+    "rows where the surfaces stick (limit {})",
 )
 
 
@@ -291,7 +299,7 @@ def test_every_refusal_has_a_test_of_its_remedy() -> None:
     for where, node in found:
         for text in (text for text in texts(node) if re.search("[a-z]", text)):
             covered = any(re.search(pattern(text), says) or text in says for says in tested)
-            if not covered and not any(part in text for part in BEHIND):
+            if not covered and not any(part in text for part in BEHIND + BY_OTHER_VERBS):
                 untested.append(f"{where}: {text}")
     assert untested == []
     assert {ast.unparse(node) for _, node in found if not any(texts(node))} - PASSED_ON == set()

@@ -15,8 +15,9 @@ import pytest
 from conftest import CASES
 from scipy.interpolate import CubicHermiteSpline
 
-from jkrcli.adhesion.analysis import analyse
+from jkrcli.adhesion.analysis import adhesive, analyse, nonadhesive
 from jkrcli.base.files import is_ours
+from jkrcli.base.installing import installs
 from jkrcli.case import store
 from jkrcli.cli import call
 from jkrcli.data.measured import Curve
@@ -61,8 +62,9 @@ def evaluated(held: dict[str, Any], a: np.ndarray, w: float, factor: float) -> t
 @pytest.mark.parametrize(("w", "factor"), [(0.035, 1.0), (0.2, 0.3), (0.004, 7.0)])
 def test_the_knots_are_the_curve(gel: Path, slopes: str, w: float, factor: float) -> None:
     stored = store.read(gel)
-    held = payload(analyse(stored, [0.04], slopes)[0], [])
-    curve = analyse(stored, [w], slopes, factor)[0].curve
+    body = nonadhesive(stored, slopes)  # without the points that are solved for one w
+    held = payload(adhesive(stored, body, 0.04), [])
+    curve = body.scaled(factor).adhesive(w)
     a = np.geomspace(curve.a[0], curve.a[-1], 37)
     for ours, theirs in zip(evaluated(held, a, w, factor), curve.at(a), strict=True):
         np.testing.assert_allclose(ours, theirs, rtol=0, atol=ROUND_OFF * np.abs(theirs).max())
@@ -182,4 +184,4 @@ def test_a_missing_library_is_one_line(jkr: Callable, gel: Path, monkeypatch: py
     monkeypatch.setitem(sys.modules, "plotly.offline", None)
     outcome = jkr("explore", "gel.h5")
     assert outcome.code == 2
-    assert outcome.err == 'jkr: error: explore: needs the optional package plotly: pip install "jkrcli[explore]"\n'
+    assert outcome.err == f"jkr: error: explore: needs the optional package plotly: {installs('explore')}\n"

@@ -26,16 +26,16 @@ from matplotlib.transforms import Bbox
 from jkrcli.adhesion.analysis import Analysis, analyse
 from jkrcli.adhesion.curve import CriticalPoint, transform
 from jkrcli.case import store
-from jkrcli.many.study.chart import chart_figure
-from jkrcli.many.study.chart_measure import Cost
-from jkrcli.many.study.chart_points import Measured, Setting
-from jkrcli.many.study.chart_reference import Errors
-from jkrcli.many.study.failures import LOOKS
-from jkrcli.many.study.failures_judge import OUTCOMES
+from jkrcli.many.cost import Cost
 from jkrcli.report import plots
 from jkrcli.report.plots.curve import curve_figure, physical_units
 from jkrcli.report.plots.study import differences_figure
 from jkrcli.series.differences import Difference
+from studies.chart import chart_figure
+from studies.chart_points import Measured, Setting
+from studies.chart_reference import Errors
+from studies.failures import LOOKS
+from studies.failures_judge import OUTCOMES
 
 CASES = Path(__file__).parents[2] / "cases"
 BODY = """
@@ -62,7 +62,7 @@ def _drawn(jkr: Callable, monkeypatch: pytest.MonkeyPatch) -> Callable[..., list
     def run(*words: object) -> list[Figure]:
         figures: list[Figure] = []
         with monkeypatch.context() as patch:
-            patch.setattr(plots, "save", lambda figure, path: figure in figures or figures.append(figure))
+            patch.setattr(plots, "save", lambda figure, paths: figure in figures or figures.append(figure))
             done = jkr(*words)
         assert done.code in (0, 1), done.err
         return figures
@@ -188,7 +188,7 @@ def test_figures_are_the_same_to_the_byte(tmp_path: Path, monkeypatch: pytest.Mo
     x = np.array([1e-9, 1e-8])
     for name in ("one", "two"):
         for ending in (".png", ".svg"):
-            plots.save(differences_figure([Difference("P", "delta_m", x, x, 1.0)], 1e-3), Path(name + ending))
+            plots.save(differences_figure([Difference("P", "delta_m", x, x, 1.0)], 1e-3), [Path(name + ending)])
     for ending in (".png", ".svg"):
         assert Path("one" + ending).read_bytes() == Path("two" + ending).read_bytes()
 

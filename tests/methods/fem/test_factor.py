@@ -8,6 +8,7 @@ from scipy.sparse import csc_matrix, diags
 
 from jkrcli.base.clock import StageClock
 from jkrcli.base.errors import InputError, SolveError
+from jkrcli.base.installing import installs
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
@@ -88,9 +89,7 @@ def test_a_missing_library_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(factor, "has_cholmod", lambda: False)
     with pytest.raises(InputError) as error:
         sparse_factor(chain(5), 2, True, "cholmod")
-    assert error.value.lines == (
-        'mesh.solver: "cholmod" needs the optional package cvxopt: pip install "jkrcli[fast]"',
-    )
+    assert error.value.lines == (f'mesh.solver: "cholmod" needs the optional package cvxopt: {installs("fast")}',)
     assert sparse_factor(chain(5), 2, True, "auto").name == "SuperLU"
 
 

@@ -5,12 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from scipy.integrate import quad
+from scipy.linalg import solve_triangular
 
 from jkrcli.base.errors import SolveError
 from jkrcli.bodies.indenters import Indenter, Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Layer, Rigid, Specimen
-from jkrcli.methods.integral.equation import DiscreteEquation, panel_means, solve
+from jkrcli.methods.integral.equation import DiscreteEquation, forward_substitution, panel_means, solve
 from jkrcli.methods.integral.quadrature import Panels, Quadrature, phase_allowed
 from jkrcli.methods.layered.contact import LayeredContact, checked
 from jkrcli.methods.layered.spectrum import LayeredSpectrum, deviation, resolved
@@ -24,6 +25,15 @@ THREE = Specimen(
 )
 BODIES = [BONDED, INCOMPRESSIBLE, COATED, STIFF_COATING, THREE]
 TABLE = TableProfile(tuple(np.linspace(0, 5, 12)), tuple(np.linspace(0, 5, 12) ** 3 / 200))
+
+
+@pytest.mark.parametrize("n", [1, 63, 64, 65, 200])
+def test_substitution_by_blocks_is_that_of_lapack(n: int) -> None:
+    factor = np.linalg.cholesky(np.eye(n) + 1 / (1 + np.add.outer(np.arange(n), np.arange(n))))
+    right = np.sin(np.arange(3 * n)).reshape(n, 3)
+    for b in (right, right[:, 0]):
+        found = forward_substitution(factor, b)
+        np.testing.assert_allclose(found, solve_triangular(factor, b, lower=True), rtol=0, atol=1e-14)
 
 
 @pytest.mark.parametrize("specimen", BODIES)

@@ -9,8 +9,8 @@ from types import ModuleType
 
 import pytest
 
-from jkrcli.many.study import tuning
 from jkrcli.methods.layered import layered
+from studies import tuning
 
 MADE_UP = '''
 from dataclasses import dataclass

@@ -20,11 +20,12 @@ from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.case import load_case
 from jkrcli.case.numerics import method_of
-from jkrcli.many.study.chart_measure import Cost, process_cost, typical
-from jkrcli.many.study.chart_points import DEFAULT, SETTINGS, automatic, beside_front, front, read_peers, settings_of
-from jkrcli.many.study.chart_reference import reference_of
+from jkrcli.many.cost import Cost, process_cost
 from jkrcli.methods.choose import choose
 from jkrcli.methods.layered.layered import Layered
+from studies.chart_measure import typical
+from studies.chart_points import DEFAULT, SETTINGS, automatic, beside_front, front, read_peers, settings_of
+from studies.chart_reference import reference_of
 
 LAYER = Problem(
     Paraboloid(1e-3), Specimen((Layer(Elastic(5e9, 0.4), 1e-6),), Rigid()), Loading("radius", 1e-5, points=60)
@@ -170,7 +171,7 @@ def test_the_study_writes_table_json_and_picture(study, tmp_path: Path, monkeypa
     two = [
         setting for setting in SETTINGS if setting.method == "layered" and setting.words in (DEFAULT, "tolerance 1e-2")
     ]
-    monkeypatch.setattr("jkrcli.many.study.chart_points.SETTINGS", two)
+    monkeypatch.setattr("studies.chart_points.SETTINGS", two)
     peers = stored(tmp_path)
     outcome = study("chart", CASES / "thin-layer.toml", "--methods", "layered", "--repeat", 1, "--peers", peers,
                   "-o", "out")  # fmt: skip

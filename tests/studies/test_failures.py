@@ -18,16 +18,16 @@ from jkrcli.base.executors import completed, executor
 from jkrcli.bodies.indenters import PowerLaw
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Specimen
-from jkrcli.many.study import failures_judge
-from jkrcli.many.study.failures_cells import AXES, Cell, draw
-from jkrcli.many.study.failures_judge import BUGS, CRASHED, REFUSED, RIGHT, SAID, SILENT, TOO_SLOW, Verdict, judge
-from jkrcli.many.study.watchdog import TooSlowError, cpu_limit
 from jkrcli.methods import Forecast
 from jkrcli.methods.integral.disc import disc_warnings
 from jkrcli.methods.layered.contact import LayeredContact
 from jkrcli.methods.layered.fields import profile
 from jkrcli.methods.layered.layered import Layered
 from jkrcli.series import ErrorBudget, Series, Solution
+from studies import failures_judge
+from studies.failures_cells import AXES, Cell, draw
+from studies.failures_judge import BUGS, CRASHED, REFUSED, RIGHT, SAID, SILENT, TOO_SLOW, Verdict, judge
+from studies.watchdog import TooSlowError, cpu_limit
 
 PLAIN = Cell("layered", "paraboloid", "bonded", 0.4, 2.0, 1.0, 0.1, 30, 0, 20, 0.0, 1.0, 1.0, 0)
 
@@ -96,7 +96,7 @@ def endless(cell: Cell) -> None:
 
 
 def test_a_cell_that_does_not_end_is_too_slow(monkeypatch, tuned) -> None:
-    tuned("jkrcli.many.study.failures_judge.TUNING.limit", 0.2)
+    tuned("studies.failures_judge.TUNING.limit", 0.2)
     monkeypatch.setattr(failures_judge, "method_of", endless)
     start = time.process_time()
     verdict = judge(PLAIN)

@@ -1,0 +1,77 @@
+"""Pull-off points of exact methods: solved at their own radii, with an error near the true one."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from jkrcli.adhesion.analysis import analyse
+from jkrcli.adhesion.curve import CriticalPoint
+from jkrcli.base.unknown import Unknown
+from jkrcli.bodies.problem import Loading, Problem
+from jkrcli.case import load_case
+from jkrcli.case.solving import solve
+from jkrcli.methods.layered.layered import Layered
+
+CASES = Path(__file__).parents[2] / "cases"
+
+
+def stationary(problem: Problem, w: float, a: float, control: str) -> tuple[float, float]:
+    """P and delta where the polynomial of degree 8 through Eq. 13 at nine radii around ``a`` is stationary."""
+    x = 0.02 * np.cos(np.pi * np.arange(9) / 8)[::-1]
+    series = Layered(1e-11)(replace(problem, loading=Loading.given("radius", tuple(a * (1 + x))))).series
+    assert series.S is not None
+    assert series.dS is not None
+    t = np.sqrt(4 * math.pi * w * series.a / series.dS)
+    fits = {"P": series.P - series.S * t, "delta": series.delta - t}
+    P, delta = (np.polynomial.Chebyshev.fit(x, fits[name], 8) for name in ("P", "delta"))
+    roots = (P if control == "load" else delta).deriv().roots()
+    root = float(np.real(roots[np.argmin(np.abs(roots))]))
+    return float(P(root)), float(delta(root))
+
+
+@pytest.mark.parametrize(("name", "points"), [("gel", 100), ("coating", 100), ("thin-layer", 100), ("thin-layer", 40)])
+def test_points_are_solved_and_their_errors_are_near_the_truth(name: str, points: int) -> None:
+    """Interpolated, their force erred by up to 5e-4 and said 1e-4 to 2e-3."""
+    model = load_case(CASES / f"{name}.toml").model
+    problem = replace(model.problem(), loading=replace(model.problem().loading, points=points))
+    result = analyse(solve(problem, "layered")[1], [model.adhesion.w[0]])[0]
+    assert isinstance(result.budget.total, float)
+    assert result.budget.total < 1e-8
+    for control, point in result.pull_off.items():
+        assert isinstance(point, CriticalPoint)
+        P, delta = stationary(problem, result.w, point.a, control)
+        stated = result.pull_off_errors[control]
+        assert not isinstance(stated, Unknown)
+        held, other = ("P", "delta") if control == "load" else ("delta", "P")
+        truth = {"P": P, "delta": delta}
+        room = {held: 1e-11, other: 1e-7}  # how well the polynomial knows it: what is not held follows the radius
+        for quantity, value in truth.items():
+            error = abs(getattr(point, quantity) - value)
+            assert error <= stated[quantity] + room[quantity] * abs(value)
+        assert stated[held] <= 1e-8 * abs(truth[held])
+        assert stated[other] <= 1e-6 * abs(truth[other])
+
+
+def test_what_is_read_between_the_rows_has_its_own_error() -> None:
+    model = load_case(CASES / "thin-layer.toml").model
+    result = analyse(solve(model.problem(), "layered")[1], [model.adhesion.w[0]])[0]
+    curve, a = result.curve, result.curve.a
+    middle = np.sqrt(a[1:8] * a[:7])
+    exact = Layered(1e-11)(replace(model.problem(), loading=Loading.given("radius", tuple(middle)))).series
+    assert exact.S is not None
+    assert exact.dS is not None
+    t = np.sqrt(4 * math.pi * result.w * middle / exact.dS)
+    between = curve.interpolation_at(middle)
+    assert not isinstance(between, Unknown)
+    for name, truth, found in zip(
+        ("delta", "P"), (exact.delta - t, exact.P - exact.S * t), curve.at(middle), strict=True
+    ):
+        errors = np.abs(found - truth)
+        assert (errors <= 3 * between[name]).all()
+        assert (between[name] <= 30 * errors.max()).all()
+    assert all((values == 0).all() for values in curve.interpolation_at(a).values())  # type: ignore[union-attr]

@@ -1,0 +1,114 @@
+"""``jkr cycle --rate``: the files, the figures for machines, and one clear line for what is wrong."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+CASE = """
+[indenter]
+shape = "paraboloid"
+radius = 1.0
+[specimen.half_space]
+E = 0.75
+nu = 0.5
+[loading]
+radius = 5.0
+points = 60
+spacing = "log"
+[adhesion]
+w = 1.0
+"""
+RATE = ("--rate", "v0=1,n=0.6")
+
+
+@pytest.fixture(name="series")
+def _series(jkr: Callable, tmp_path: Path) -> Path:
+    (tmp_path / "unit.toml").write_text(CASE)
+    done = jkr("run", "unit.toml", "-q")
+    assert done.code == 0, done.err
+    return tmp_path / "unit.h5"
+
+
+def answer(jkr: Callable, *words: object) -> dict:
+    done = jkr("cycle", *words, "--json", "--no-plots")
+    assert done.code == 0, done.err
+    found = json.loads(done.out)
+    assert isinstance(found, dict)
+    return found
+
+
+def test_the_pull_off_force_at_speed(jkr: Callable, series: Path) -> None:
+    """The table's value at V = 0.1, n = 0.6, a rigid device, from equilibrium at no load."""
+    found = answer(jkr, series, *RATE, "--speed", "0.1 m/s", "--to-load", "0 N")
+    assert set(found["pull_off"]) >= {"P_N", "delta_m", "a_m", "t_s"}
+    assert -found["pull_off"]["P_N"] / math.pi == pytest.approx(1.733807, rel=1e-5)
+    assert found["contact_lost"]
+    assert found["rate"] == {"law": "power", "v0_m_per_s": 1.0, "n": 0.6}
+    assert found["turn_t_s"] < found["pull_off"]["t_s"] < found["lost_t_s"]
+
+
+def test_the_trace_holds_every_moment(jkr: Callable, series: Path) -> None:
+    done = jkr("cycle", series, *RATE, "--speed", "0.1", "--to-load", "0.5", "--hold", "2 s", "--stiffness", "2 N/m",
+               "--w-retract", "1.5", "--points", 50)  # fmt: skip
+    assert done.code == 0, done.err
+    with (series.parent / "unit-cycle.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    t, delta, P, x = (np.array([float(row[name]) for row in rows]) for name in ("t_s", "delta_m", "P_N", "device_m"))
+    assert (np.diff(t) >= 0).all()
+    assert x == pytest.approx(delta + P / 2, abs=1e-12)
+    assert [row["phase"] for row in rows][-1] == "recede"
+    assert (series.parent / "unit-cycle.svg").exists()
+    assert "contact is lost at t = " in done.out
+
+
+def test_a_dwell_under_load_ends_in_loss(jkr: Callable, series: Path) -> None:
+    found = answer(jkr, series, *RATE, "--speed", "1 N/s", "--stiffness", "load", "--dwell", "-5 N", "--dwell-time",
+                   "1000 s")  # fmt: skip
+    assert found["contact_lost"]
+    assert found["pull_off"]["P_N"] == pytest.approx(-5.0)
+
+
+def test_a_table_says_what_the_device_does(jkr: Callable, series: Path) -> None:
+    Path("way.csv").write_text("t_s,x_m\n0,-1\n10,1\n12,1\n12,0\n40,-20\n")
+    found = answer(jkr, series, *RATE, "--program", "way.csv", "--rate-advance", "law=log,v0=1,b=0.2")
+    assert found["contact_lost"]
+    assert found["rate_advance"] == {"law": "log", "v0_m_per_s": 1.0, "b_J_per_m2": 0.2}
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("--rate", "v0=0,n=0.6", "--speed", "1"), "--rate: v0: must be > 0, got 0"),
+        (("--rate", "v0=1,n=-1", "--speed", "1"), "--rate: n: must be > 0 and <= 100, got -1"),
+        (("--rate", "v0=1", "--speed", "1"), '--rate: the law "power" needs n too, such as v0="1 um/s"'),
+        (("--rate", "v0=1,m=2", "--speed", "1"), '--rate: the law "power" has no parameter "m" (it has: v0, n)'),
+        (("--rate", "law=powr,v0=1", "--speed", "1"),
+         '--rate: unknown law "powr", did you mean "power"? (laws: power, log)'),
+        (("--rate", "v0=1 kg,n=1", "--speed", "1"), '--rate: v0: must be a speed, got "1 kg": unknown unit "kg" '
+         "(allowed: m/s, pm/s, nm/s, um/s, mm/s)"),
+        ((*RATE, "--speed", "0"), "--speed: must be > 0, got 0"),
+        ((*RATE, "--speed", "1", "--speed-approach", "0 m/s"), "--speed-approach: must be > 0, got 0 m/s"),
+        (RATE, 'cycle: --rate needs what the device does: --speed "10 um/s", or --program TABLE'),
+        (("--speed", "1"), "cycle: --speed needs --rate: without it nothing depends on time"),
+        ((*RATE, "--speed", "1", "--dwell", "1"), "cycle: --dwell and --dwell-time go together"),
+        ((*RATE, "--program", "x.csv", "--hold", "1"),
+         "cycle: --hold and --program exclude each other: the table says all"),
+        ((*RATE, "--program", "bad.csv"), "program: time must not fall, got t = 1 s after 2 s in row 3"),
+        ((*RATE, "--program", "units.csv"), 'units.csv: column 2 is to be a length, got the unit "mN"'),
+        ((*RATE, "--speed", "1", "--w-approach", "2 J/m^2", "--w-retract", "1 J/m^2"),
+         "the work of adhesion of the receding edge must be >= that of the advancing one, got 1 J/m^2 after 2 J/m^2"),
+    ],
+)  # fmt: skip
+def test_what_is_wrong_is_one_line(jkr: Callable, series: Path, words: tuple[str, ...], said: str) -> None:
+    Path("bad.csv").write_text("t_s,x_m\n0,0\n2,5\n1,4\n")
+    Path("units.csv").write_text("t_s,x_mN\n0,0\n2,5\n3,4\n")
+    done = jkr("cycle", series, *words)
+    assert (done.code, done.out) == (2, "")
+    assert done.err.splitlines()[-1] == f"jkr: error: {said}"

@@ -1,0 +1,174 @@
+"""Adhesion of finite range on the command line: files, names, refusals, and what JKR says of itself."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from jkrcli.cli import call
+from jkrcli.report.tables import read_curve
+
+TIP = """
+[indenter]
+shape = "paraboloid"
+radius = "30 nm"
+[[specimen.layers]]
+thickness = "20 nm"
+E = "1 GPa"
+nu = 0.4
+[specimen.half_space]
+E = "100 GPa"
+nu = 0.25
+[loading]
+radius = "9 nm"
+points = 40
+[adhesion]
+w = "50 mJ/m^2"
+"""
+
+
+@pytest.fixture
+def tip(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    Path("tip.toml").write_text(TIP)
+    assert call(["run", "tip.toml", "-q"]) == 0
+    return Path("tip.h5")
+
+
+def test_transform_writes_beside_jkr_and_adds_a_column(tip: Path) -> None:
+    assert call(["transform", "tip.h5", "--no-plots", "-q"]) == 0
+    assert call(["transform", "tip.h5", "--stress", "100 MPa", "--no-plots", "-q"]) == 0
+    assert call(["transform", "tip.h5", "--range", "0.5 nm", "--no-plots", "-q"]) == 0
+    jkr, by_stress, by_range = (
+        json.loads(Path(f"tip-w0.05{name}.json").read_text()) for name in ("", "-stress1e+08", "-range5e-10")
+    )
+    assert set(jkr) < set(by_stress)
+    assert by_stress["range_m"] == pytest.approx(5e-10)
+    assert by_stress["pull_off"]["load"]["P_N"] == pytest.approx(by_range["pull_off"]["load"]["P_N"], rel=1e-12)
+    assert by_stress["pull_off"]["load"]["c_m"] > by_stress["pull_off"]["load"]["a_m"]
+    found, plain = read_curve(Path("tip-w0.05-range5e-10.csv")), read_curve(Path("tip-w0.05.csv"))
+    assert [*found][: len(plain)] == [*plain]
+    assert list(found)[-1] == "c_m"
+    touching = found["a_m"] > 0
+    rows = np.searchsorted(found["a_m"][touching], plain["a_m"] * (1 - 1e-12))
+    assert np.allclose(found["delta_H_m"][touching][rows], plain["delta_H_m"], rtol=1e-7)
+    assert np.allclose(found["P_H_N"][touching][rows], plain["P_H_N"], rtol=1e-7)
+    assert found["delta_m"][0] == -5e-10
+
+
+def test_what_a_range_changes_is_told_where_it_matters(tip: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert call(["check", "tip.toml"]) == 0
+    said = capsys.readouterr()
+    assert "Tabor number 1.25: at the range z0 the pull-off force differs by +4.10%" in said.out
+    assert "would differ by +4.10% (Tabor number 1.25): give --range or --stress" in said.err
+    assert call(["transform", "tip.h5", "--w", "5 J/m^2", "--no-plots", "--json"]) == 0
+    assert "range" not in capsys.readouterr().err  # short enough a range: nothing is said
+
+
+def test_case_files_ask_for_it(tip: Path) -> None:
+    for line, name in (('range = "0.5 nm"', "-range5e-10"), ('stress = "100 MPa"', "-stress1e+08")):
+        Path("own.toml").write_text(TIP + line)
+        assert call(["run", "own.toml", "-q"]) == 0
+        assert call(["transform", "own.h5", "--no-plots", "-q"]) == 0
+        assert Path(f"own-w0.05{name}.csv").exists()
+
+
+def test_capillary_bridge_is_a_tension_and_a_work(tip: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    bridge = 'capillary = { surface_tension = "72.8 mN/m", humidity = 0.5, contact_angles = [0, 60] }'
+    Path("wet.toml").write_text(TIP.replace('w = "50 mJ/m^2"', bridge))
+    assert call(["run", "wet.toml", "-q"]) == 0
+    assert call(["transform", "wet.h5", "--no-plots", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)["results"][0]
+    assert found["w_J_per_m2"] == pytest.approx(72.8e-3 * 1.5, rel=1e-12)
+    assert found["range_m"] == pytest.approx(1.5 * 0.778e-9, rel=2e-3)  # r_K = 0.54 nm/ln 2 of water at 20 degrees
+
+
+def test_pull_off_and_cycle(tip: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert call(["pull-off", "tip.h5", "--range", "0.5 nm", "--stiffness", "0.5 N/m", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)["results"][0]["controls"][0]
+    assert call(["cycle", "tip.h5", "--range", "0.5 nm", "--stiffness", "0.5 N/m", "--no-plots", "--json"]) == 0
+    around = json.loads(capsys.readouterr().out)
+    assert around["jumps_on_retraction"][-1]["from"]["P_N"] == pytest.approx(found["pull_off"]["P_N"], rel=1e-9)
+    assert around["energy_lost_J"] == pytest.approx(found["energy_lost_J"], rel=1e-12)
+    assert around["jump_in"] == found["jump_in"]
+    assert "c_m" in Path("tip-cycle-range5e-10.csv").read_text().splitlines()[0]
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["transform", "tip.h5", "--stress", "1e8", "--range", "1e-9"], "give either --stress or --range, got both"),
+        (["transform", "tip.h5", "--w", "0", "--range", "1e-9"], "w: must be > 0 J/m^2, got 0"),
+        (["transform", "tip.h5", "--range", "0"], "invalid value for '--range': must be > 0, got 0; see jkr transform"),
+        (["transform", "tip.h5", "--range", "1 nm", "--slopes", "loocv"], "slopes: loocv has no part in adhesion of"),
+        (["pull-off", "tip.h5", "--range", "1 nm", "--load", "1 nN"], "pull-off: --load asks for the w of JKR"),
+        (["cycle", "tip.h5", "--range", "1 nm", "--w-retract", "0.1"], "cycle: adhesion of finite range loses energy"),
+    ],
+)
+def test_refusals_are_one_line(tip: Path, capsys: pytest.CaptureFixture[str], words: list[str], message: str) -> None:
+    capsys.readouterr()
+    assert call(words) == 2
+    said = capsys.readouterr().err.splitlines()
+    assert len(said) == 1
+    assert message in said[0]
+
+
+@pytest.mark.parametrize(
+    ("lines", "message"),
+    [
+        (
+            "range = 1e-9\nstress = 1e8",
+            "adhesion: give at most one of range, stress and capillary, got range and stress",
+        ),
+        ("range = 0", "adhesion.range: must be > 0"),
+        ("stress = -1", "adhesion.stress: must be > 0"),
+        (
+            "capillary = { surface_tension = 0.07, humidity = 0.5, contact_angles = 0 }",
+            "adhesion: capillary: gives the",
+        ),
+        ("rnage = 1e-9", 'adhesion.rnage: unknown key, did you mean "range"?'),
+    ],
+)
+def test_mistakes_in_case_files(tip: Path, capsys: pytest.CaptureFixture[str], lines: str, message: str) -> None:
+    Path("wrong.toml").write_text(TIP + lines)
+    capsys.readouterr()
+    assert call(["check", "wrong.toml"]) == 2
+    said = capsys.readouterr().err.splitlines()
+    assert len(said) == 1
+    assert message in said[0]
+
+
+def test_profile_carries_the_load_and_the_tension(tip: Path) -> None:
+    assert call(["transform", "tip.h5", "--range", "0.5 nm", "--no-plots", "-q"]) == 0
+    assert call(["profile", "tip.h5", "--range", "0.5 nm", "--a", "4.5 nm", "-q"]) == 0
+    table = np.genfromtxt("tip-profile-range5e-10.csv", delimiter=",", names=True)
+    r, p, gap = table["r_m"], table["pressure_Pa"], table["gap_m"]
+    curve = read_curve(Path("tip-w0.05-range5e-10.csv"))
+    touching = curve["a_m"] > 0
+    c, P = (np.interp(4.5e-9, curve["a_m"][touching], curve[name][touching]) for name in ("c_m", "P_N"))
+    inside = r < 4.5e-9
+    carried = np.trapezoid(2 * np.pi * r[inside] * p[inside], r[inside]) - 1e8 * np.pi * (c**2 - 4.5e-9**2)
+    assert carried == pytest.approx(P, rel=2e-2)  # trapezoids; the mean pressure at the middle is left out
+    assert p[inside][-1] == pytest.approx(-1e8, rel=0.05)
+    assert set(p[~inside]) == {-1e8, 0.0}
+    assert (gap[~inside] > 0).all()
+    assert np.interp(c, r, gap) == pytest.approx(5e-10, rel=1e-3)
+
+
+@pytest.mark.parametrize("verb", [["explore"], ["fields", "--a", "4 nm"], ["work", "data.csv"], ["fit", "data.csv"]])
+def test_verbs_that_know_no_range_refuse_it_by_name(
+    tip: Path, capsys: pytest.CaptureFixture[str], verb: list[str]
+) -> None:
+    Path("own.toml").write_text(TIP + 'range = "0.5 nm"')
+    Path("data.csv").write_text("delta_nm,P_nN\n0,1\n1,2\n2,4\n3,7\n4,9\n5,12\n")
+    assert call(["run", "own.toml", "-q"]) == 0
+    capsys.readouterr()
+    assert call([verb[0], "own.h5", *verb[1:]]) == 2
+    said = capsys.readouterr().err.splitlines()
+    assert said == [
+        f"jkr: error: {verb[0]}: knows no adhesion of finite range, which the case of own.h5 asks for: leave "
+        "adhesion.range, stress and capillary out"
+    ]

@@ -1,0 +1,169 @@
+"""The first minutes: a case where a series is meant, mistakes told at once, doubtful numbers remarked."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from conftest import CASES
+
+from jkrcli.case import store
+
+GEL = CASES / "gel.toml"
+BARE = """
+[indenter]
+shape = "paraboloid"
+radius = "10 um"
+[specimen.half_space]
+E = "1 MPa"
+nu = 0.4
+[loading]
+radius = "3 um"
+"""
+
+
+def with_w(w: str, text: str = BARE) -> None:
+    Path("my.toml").write_text(f"{text}[adhesion]\nw = {w}\n")
+
+
+def test_a_case_stands_for_its_series_which_is_kept_and_used_again(jkr: Callable) -> None:
+    first = jkr("pull-off", GEL, "--json")
+    assert (first.code, first.err) == (0, f"jkr: {GEL}: solved by method layered, written gel.h5\n")
+    written = Path("gel.h5").read_bytes()
+    second = jkr("pull-off", GEL, "--json")
+    assert (second.out, second.err) == (first.out, f"jkr: {GEL}: gel.h5 holds its series already (method layered)\n")
+    assert Path("gel.h5").read_bytes() == written
+    assert jkr("pull-off", "gel.h5", "--json").out == first.out
+
+
+@pytest.mark.parametrize(
+    "words",
+    [("transform", "--no-plots"), ("cycle", "--no-plots"), ("profile", "--a", "0.2 mm"), ("explore",)],
+    ids=lambda words: words[0],
+)
+def test_every_verb_of_a_series_takes_a_case(jkr: Callable, words: tuple[str, ...]) -> None:
+    if words[0] == "explore":
+        pytest.importorskip("plotly")
+    verb, *options = words
+    assert jkr(verb, GEL, *options).code == 0
+    assert len(list(Path().glob("gel*"))) >= 2
+    assert jkr("show", GEL).code == 0
+    assert jkr("compare", GEL, "gel.h5").code == 0
+
+
+def test_a_changed_case_is_solved_anew_and_a_changed_w_is_not(jkr: Callable) -> None:
+    with_w('"50 mJ/m^2"')
+    jkr("pull-off", "my.toml")
+    with_w('"20 mJ/m^2"')
+    again = jkr("pull-off", "my.toml", "--json")
+    assert "holds its series already" in again.err
+    assert json.loads(again.out)["results"][0]["w_J_per_m2"] == 0.02
+    with_w('"20 mJ/m^2"', BARE.replace("1 MPa", "2 MPa"))
+    assert "solved by" in jkr("pull-off", "my.toml").err
+    assert store.read("my.h5").problem.specimen.surface.E == 2e6
+
+
+def test_an_imported_series_of_another_case_is_never_replaced(jkr: Callable) -> None:
+    rows = [f"{a},{a**2 / 6e-3},{1e4 * a**3}" for a in (2e-4, 3e-4, 4e-4, 5e-4, 6e-4, 7e-4)]
+    Path("table.csv").write_text("\n".join(["a_m,delta_m,P_N", *rows]))
+    assert jkr("import", "table.csv", "--case", GEL, "-o", "my.h5").code == 0
+    Path("my.toml").write_text(BARE)
+    assert jkr("show", "my.toml").err == (
+        "jkr: error: my.h5: is an imported series of another case: name it itself, or move it away\n"
+    )
+
+
+def test_a_state_without_w_is_said_to_be_without_adhesion(jkr: Callable) -> None:
+    Path("my.toml").write_text(BARE)
+    jkr("run", "my.toml", "-q")
+    said = jkr("profile", "my.h5", "--a", "1 um")
+    assert said.err == "jkr: my.h5: its case names no work of adhesion: the contact without adhesion, or give --w\n"
+    assert "w = 0 J/m^2" in said.out
+
+
+def test_units_without_quotes_and_all_else_that_is_wrong_are_told_at_once(jkr: Callable) -> None:
+    Path("my.toml").write_text("""
+[indenter]
+shape = "sphere"
+radius = 10 um # of the tip
+[[specimen.layers]]
+thickness = 3um
+E = { law = "linear", top = 5 MPa, bottom = "1 MPaa" }
+nu = 0.8
+name = "0x12 um"
+[loading]
+radius = "1.2"
+depth = "3 N"
+""")
+    units = "(allowed: Pa, kPa, MPa, GPa, TPa, N/m^2, kN/m^2, N/mm^2)"
+    assert jkr("check", "my.toml").err.splitlines() == [
+        f"jkr: error: my.toml: {line}"
+        for line in (
+            'line 4: text with a unit must stand in quotes: radius = "10 um"',
+            'line 6: text with a unit must stand in quotes: thickness = "3um"',
+            'line 7: text with a unit must stand in quotes: top = "5 MPa"',
+            'loading.depth: must be a length, got "3 N": unknown unit "N" (allowed: m, pm, nm, um, mm, km, cm, Å)',
+            "loading: needs exactly one of depth, load, radius, got depth and radius",
+            'specimen.layers[0].E.bottom: must be a modulus, got "1 MPaa": unknown unit "MPaa", did you mean "MPa"? '
+            f"{units}",
+            "specimen.layers[0].nu: must be > -1 and <= 0.5, got 0.8",
+        )
+    ]
+
+
+def test_a_misspelt_key_is_not_told_as_a_missing_one_too(jkr: Callable) -> None:
+    Path("my.toml").write_text(BARE.replace("[loading]\nradius", "[loading]\nradus"))
+    assert jkr("check", "my.toml").err == (
+        'jkr: error: my.toml: loading.radus: unknown key, did you mean "radius"? '
+        "(allowed: depth, load, radius, points, spacing)\n"
+    )
+
+
+@pytest.mark.parametrize(
+    ("place", "remedy"),
+    [
+        ('E = "1 MPa"\n', "give that E and nu here and none in [indenter]"),
+        ("[specimen.half_space]\n", "a rigid indenter is one without E and nu: leave both out"),
+    ],
+    ids=["specimen", "indenter"],
+)
+def test_rigid_is_answered_with_how_to_say_it(jkr: Callable, place: str, remedy: str) -> None:
+    own = 'E = "rigid"\n' if place.startswith("E") else f'E = "rigid"\nnu = 0.3\n{place}'
+    Path("my.toml").write_text(BARE.replace(place, own))
+    assert remedy in jkr("check", "my.toml").err
+
+
+def test_a_bare_w_that_no_surface_has_is_remarked_and_one_with_its_unit_is_meant(jkr: Callable) -> None:
+    remark = (
+        'is 50 J/m^2, and surfaces have a few mJ/m^2 to 1 J/m^2; if it is meant, write "50 J/m^2", if not, perhaps '
+        '"50 mJ/m^2"\n'
+    )
+    with_w("50")
+    assert jkr("run", "my.toml").err == f"jkr: warning: my.toml: adhesion.w: 50 without a unit {remark}"
+    assert jkr("pull-off", "my.h5", "--w", "50").err == f"jkr: warning: --w: 50 without a unit {remark}"
+    assert jkr("pull-off", "my.h5", "--w", "50 J/m^2").err == ""
+    assert jkr("pull-off", "my.h5", "--w", "0.05").err == ""
+
+
+def test_a_file_name_where_a_folder_is_meant_is_answered(jkr: Callable, tmp_path: Path) -> None:
+    said = jkr("mesh", GEL, "-o", "x.msh")
+    assert said.code == 2
+    assert "x.msh is the name of a file, a folder is wanted" in said.err
+    assert list(tmp_path.iterdir()) == []
+    assert jkr("transform", GEL, "--no-plots", "-o", "v1.2").code == 0  # a folder may have a dot
+
+
+def test_a_half_space_has_no_ratios_to_a_thickness(jkr: Callable) -> None:
+    done = jkr("check", CASES / "halfspace.toml")
+    assert "a/R = 0.172\n" in done.out
+    assert "none" not in done.out
+
+
+def test_several_w_in_one_picture(jkr: Callable) -> None:
+    done = jkr("transform", GEL, "--together")
+    assert "all works of adhesion in one picture: gel-all-w{.png,.svg}" in done.out
+    tables = [f"gel-w{w}.{end}" for w in ("0.035", "0.04", "0.045") for end in ("csv", "json")]
+    assert sorted(path.name for path in Path().glob("gel-*")) == sorted(["gel-all-w.png", "gel-all-w.svg", *tables])
+    assert "give --scale instead" in jkr("transform", GEL, "--together", "--dimensionless", "thin-layer").err

@@ -1,0 +1,95 @@
+"""``jkr pull-off`` states errors: of the points, and of w from a measured force and uncertain inputs."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+
+import pytest
+
+CASE = """
+[indenter]
+shape = "paraboloid"
+radius = "50 um"
+[specimen.half_space]
+E = "1 MPa"
+nu = 0.3
+[loading]
+radius = "10 um"
+points = 40
+[adhesion]
+w = "50 mJ/m^2"
+"""
+LAYER = CASE.replace(
+    '[specimen.half_space]\nE = "1 MPa"\nnu = 0.3',
+    '[[specimen.layers]]\nname = "gel"\nthickness = "5 um"\nE = "1 MPa"\nnu = 0.45',
+).replace("50 mJ", "5 mJ")
+
+
+def solved(jkr, text: str) -> None:
+    Path("x.toml").write_text(text, encoding="utf-8")
+    assert jkr("run", "x.toml").code == 0
+
+
+def test_points_carry_their_errors(jkr) -> None:
+    solved(jkr, CASE)
+    outcome = jkr("pull-off", "x.h5", "--stiffness", "load", "--stiffness", "5 N/m")
+    assert outcome.code == 0
+    assert outcome.out.count("its error           P within ") == 2
+    told = json.loads(jkr("pull-off", "x.h5", "--json").out)["results"][0]
+    for control, exact in zip(told["controls"], (-1.5, -5 / 6), strict=True):
+        point = control["pull_off"]
+        error = abs(point["P_N"] / (exact * math.pi * 50e-3 * 50e-6) - 1)
+        assert error <= point["P_err_N"] / abs(point["P_N"]) < 1e-7
+    assert told["errors"]["total"] < 1e-9
+
+
+def inverse(jkr, *words: str) -> dict:
+    outcome = jkr("pull-off", "x.h5", "--json", *words)
+    assert outcome.code == 0, outcome.err
+    return json.loads(outcome.out)["results"][0]
+
+
+def test_uncertain_force_and_radius_on_a_half_space(jkr) -> None:
+    """w = F/(1.5 pi R): relative errors add in quadrature, the modulus counts for nothing."""
+    solved(jkr, CASE)
+    told = inverse(jkr, "--load", "10 uN", "--uncertain", "load=3%", "--uncertain", "R=2um", "--uncertain", "E=10%")
+    w = 10e-6 / (1.5 * math.pi * 50e-6)
+    assert told["w_J_per_m2"] == pytest.approx(w, rel=1e-9)
+    parts = told["w_err_by_input_J_per_m2"]
+    assert parts["load"] == pytest.approx(0.03 * w, rel=1e-6)
+    assert parts["R"] == pytest.approx(0.04 * w, rel=2e-3)  # of second order: 0.04^2
+    assert parts["E"] < 1e-8 * w
+    assert told["w_err_J_per_m2"] == pytest.approx(0.05 * w, rel=2e-3)
+    assert told["w_err_of_series_J_per_m2"] < 1e-7 * w
+    assert told["validity"]["tabor"] > 5
+    assert told["validity"]["a_over_R_pull_off"] == pytest.approx(told["pull_off"]["a_m"] / 50e-6)
+
+
+def test_uncertain_thickness_is_what_other_thicknesses_give(jkr) -> None:
+    solved(jkr, LAYER)
+    told = inverse(jkr, "--load", "1.5 uN", "--uncertain", "h=2%", "--uncertain", "nu:gel=0.01")
+    works = []
+    for h in (4.9, 5.1):
+        solved(jkr, LAYER.replace('"5 um"', f'"{h} um"'))
+        works.append(inverse(jkr, "--load", "1.5 uN")["w_J_per_m2"])
+    assert told["w_err_by_input_J_per_m2"]["h:gel"] == pytest.approx(abs(works[1] - works[0]) / 2, rel=1e-4)
+    assert told["w_err_by_input_J_per_m2"]["nu:gel"] > 0
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("--uncertain", "load=3%"), "--uncertain says how well a measured force and its body are known: give --load"),
+        (("--load", "1 uN", "--uncertain", "hh=3%"), 'unknown parameter "hh"'),
+        (("--load", "1 uN", "--uncertain", "R=0"), "the uncertainty of R must be > 0, got 0"),
+        (("--load", "1 uN", "--uncertain", "R=two"), "--uncertain R: "),
+        (("--load", "1 uN", "--uncertain", "R=1%", "--uncertain", "R=2%"), "the uncertainty of R is given twice"),
+    ],
+)
+def test_mistakes_are_named(jkr, words: tuple[str, ...], message: str) -> None:
+    solved(jkr, LAYER)
+    outcome = jkr("pull-off", "x.h5", *words)
+    assert outcome.code == 2
+    assert message in outcome.err

@@ -1,0 +1,217 @@
+"""w0, v0, n from records of retraction at several speeds, made by an integrator of their own."""
+
+from __future__ import annotations
+
+import math
+import time
+from functools import cache
+
+import numpy as np
+import pytest
+from rate_records import retraction
+
+from jkrcli.adhesion.curve import Nonadhesive
+from jkrcli.adhesion.rate.laws import PowerRate
+from jkrcli.adhesion.rate.program import Program
+from jkrcli.adhesion.slopes.choice import slopes
+from jkrcli.base.errors import InputError
+from jkrcli.bodies.indenters import Paraboloid
+from jkrcli.bodies.materials import Elastic
+from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
+from jkrcli.data.measured import Curve
+from jkrcli.identification.fit.body import FittedBody
+from jkrcli.identification.rate.fitting import rate_fit, rate_settings
+from jkrcli.identification.rate.prediction import predict
+from jkrcli.identification.rate.through import LawThrough, law_along, law_through
+from jkrcli.identification.work import work_along
+from jkrcli.methods.layered.layered import Layered
+
+RIGID = math.inf
+SPEEDS = (1e-6, 3e-6, 1e-5, 3e-5)
+GEL, COATING = (0.04, 2e-6, 0.5), (0.05, 5e-7, 0.4)  # w0, v0, n
+
+
+@cache
+def body(name: str) -> FittedBody:
+    if name == "gel":
+        specimen, R, radii = Specimen((Layer(Elastic(15e3, 0.499), 0.36e-3),), Rigid(True)), 6e-3, (1e-5, 1.2e-3)
+    else:
+        specimen, R, radii = (
+            Specimen((Layer(Elastic(20e6, 0.4), 5e-6),), HalfSpace(Elastic(1e6, 0.48))),
+            1e-3,
+            (1e-6, 2e-4),
+        )
+    problem = Problem(Paraboloid(R), specimen, Loading.given("radius", tuple(np.geomspace(*radii, 80))))
+    series = Layered(1e-8)(problem).series
+    return FittedBody.of(problem, series, slopes(series))
+
+
+@cache
+def clean(name: str, V: float, rows: int) -> tuple:
+    held = body(name)
+    truth, a0, stiffness = (GEL, 7e-4, RIGID) if name == "gel" else (COATING, 6e-5, 2e3)
+    found = retraction(Nonadhesive(held.series, held.slopes), *truth, V, a0, stiffness, rows)
+    return (*found, stiffness)
+
+
+def record(name: str, V: float, rows: int, rng: np.random.Generator, zero: float, noise: float = 0.01) -> Curve:
+    """1 % noise on the device's position and the load; the deflection is subtracted as an instrument does."""
+    t, delta, P, _, stiffness = clean(name, V, rows)
+    compliance = 0.0 if math.isinf(stiffness) else 1 / stiffness
+    device = delta + compliance * P
+    P = P + noise * np.ptp(P) * rng.normal(size=rows)
+    device = device + zero + noise * np.ptp(device) * rng.normal(size=rows)
+    held = None if math.isinf(stiffness) else stiffness
+    return Curve(f"{V:g}", delta=device - compliance * P, P=P, t=t, stiffness=held)
+
+
+def covered(name: str, seeds: range, rows: int = 250) -> np.ndarray:
+    """Whether w0, v0, n lie in their 95 % intervals, for each seed."""
+    truth = GEL if name == "gel" else COATING
+    zero = 5e-6 if name == "gel" else 2e-7
+    texts = (("w0", str(truth[0])), ("v0", str(truth[1])), ("n", str(truth[2])), ("modulus", "1.03"), ("delta0", "0"))
+    settings = rate_settings(body(name), "power", start=texts)
+    found = []
+    for seed in seeds:
+        rng = np.random.default_rng(seed)
+        fit = rate_fit(body(name), [record(name, V, rows, rng, zero) for V in SPEEDS], settings)
+        items = [next(item for item in fit.estimates if item.name == key) for key in ("w0", "v0", "n")]
+        found.append([item.low <= value <= item.high for item, value in zip(items, truth, strict=True)])
+    return np.array(found)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "seeds", "held"), [("gel", 100, 0.91), ("coating", 70, 0.95)])
+def test_the_intervals_hold_what_is_said_of_them(name: str, seeds: int, held: float) -> None:
+    """The guide states that on the gel 95 % intervals hold 91 % (measured on 150 other seeds), on the coating 95 %.
+
+    Three standard deviations of a share of so many seeds. The start is a user's, near the truth as that of `work` is
+    on exact bodies: the search is tested beside.
+    """
+    shares = covered(name, range(seeds)).mean(axis=0)
+    assert shares == pytest.approx(held, abs=3 * math.sqrt(held * (1 - held) / seeds))
+
+
+def test_a_prediction_is_that_of_another_integrator_and_so_are_its_derivatives() -> None:
+    held = body("gel")
+    unit = Nonadhesive(held.series, held.slopes)
+    t, delta, P, a, _ = clean("gel", 1e-5, 400)
+    rows = a > 2e-4  # beyond, the contact runs away: there times, not loads, agree
+    middle, half = float(t[0] + t[-1]) / 2, float(t[-1] - t[0]) / 2
+
+    def told(values: np.ndarray) -> np.ndarray:
+        stiff, shift, tilt, u, w0, v0, n = values
+        ends = np.array([t[0], t[-1]])
+        program = Program(ends, delta[[0, -1]] + shift + tilt * np.array([-1, 1]))
+        law = PowerRate(math.exp(v0), math.exp(n))
+        scaled = unit.scaled(math.exp(stiff))
+        return predict(scaled, law, math.exp(w0), RIGID, program, (middle, half), math.exp(u), t)
+
+    here = np.array([0.0, 0.0, 0.0, math.log(7e-4), *np.log(GEL)])
+    found = told(here)
+    assert found.P[rows] == pytest.approx(P[rows], abs=1e-6 * float(np.ptp(P)))
+    assert found.a[rows] == pytest.approx(a[rows], rel=1e-6)
+    # Measured 4e-3 at the last rows, before the contact runs away; elsewhere 1e-3.
+    for i, step in enumerate((1e-5, 1e-10, 1e-10, 1e-5, 1e-5, 1e-5, 1e-5)):
+        move = step * (np.arange(7) == i)
+        slope = (told(here + move).P - told(here - move).P) / (2 * step)
+        assert found.dP[i][rows] == pytest.approx(slope[rows], abs=1e-2 * float(np.max(np.abs(slope[rows]))))
+
+
+def test_four_speeds_tell_everything() -> None:
+    rng = np.random.default_rng(5)
+    curves = [record("gel", V, 400, rng, 5e-6) for V in SPEEDS]
+    fit = rate_fit(body("gel"), curves, rate_settings(body("gel"), "power"))
+    for name, truth in zip(("w0", "v0", "n", "modulus", "delta0"), (*GEL, 1.0, 5e-6), strict=True):
+        item = next(item for item in fit.estimates if item.name == name)
+        assert item.error is not None
+        scale = item.error / item.value if name != "delta0" else item.error
+        off = math.log(item.value / truth) if name != "delta0" else item.value - truth
+        assert abs(off) < 4 * scale
+    assert fit.scatter == pytest.approx(1, abs=0.1)
+    assert fit.speeds[1] > 30 * fit.speeds[0]
+
+
+def test_one_record_of_two_thousand_rows_is_quick() -> None:
+    rng = np.random.default_rng(1)
+    curve = record("gel", 1e-5, 2500, rng, 5e-6)
+    settings = rate_settings(body("gel"), "power", fix=[("modulus", "1"), ("delta0", "5 um"), ("n", "0.5")])
+    begin = time.process_time()
+    fit = rate_fit(body("gel"), [curve], settings)
+    assert time.process_time() - begin < 5
+    assert fit.value("w0") == pytest.approx(GEL[0], rel=0.2)
+
+
+@pytest.mark.slow
+def test_what_one_record_does_not_tell_is_said() -> None:
+    curve = record("gel", 1e-5, 2500, np.random.default_rng(1), 5e-6)
+    begin = time.process_time()
+    free = rate_fit(body("gel"), [curve], rate_settings(body("gel"), "power"))
+    assert time.process_time() - begin < 8  # measured 4.6
+    assert any("uncertain by" in line or "apart" in line for line in free.warnings)
+
+
+def test_a_law_through_points_and_its_band() -> None:
+    law, rng = PowerRate(2e-6, 0.5), np.random.default_rng(2)
+    inside = []
+    for _ in range(60):
+        v = np.geomspace(1e-8, 1e-4, 80)
+        w = law.work(0.04, v) * np.exp(0.03 * rng.normal(size=v.size))
+        found = law_through("power", v, w)
+        assert isinstance(found, LawThrough)
+        _, low, high = found.band(np.array([1e-6]))
+        inside.append(low[0] <= law.work(0.04, 1e-6) <= high[0])
+    assert 0.8 < np.mean(inside) < 0.98  # 90 % band, 60 draws
+
+
+def test_too_narrow_speeds_are_said() -> None:
+    v = np.geomspace(1e-6, 3e-6, 50)
+    found = law_through("power", v, PowerRate(2e-6, 0.5).work(0.04, v))
+    assert isinstance(found, LawThrough)
+    assert found.narrow
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ({"law": "powr"}, 'fit: unknown law "powr", did you mean "power"? (laws: power, log)'),
+        ({"law": "power", "fix": [("n", "0")]}, "fit: n: must be > 0 and <= 100, got 0"),
+        ({"law": "power", "fix": [("v0", "-1 um/s")]}, "fit: v0: must be > 0, got -1 um/s"),
+        ({"law": "power", "free": ["q"]},
+         'fit: unknown parameter "q" (with --law: modulus, w0, v0, n, delta0, P0, E_star, w)'),
+        ({"law": "power", "free": ["n"], "fix": [("n", "0.5")]}, "fit: n is both free and fixed"),
+    ],
+)  # fmt: skip
+def test_wrong_settings_are_one_line(words: dict, said: str) -> None:
+    with pytest.raises(InputError) as caught:
+        rate_settings(body("gel"), **words)
+    assert list(caught.value.lines) == [said]
+
+
+def test_a_time_that_falls_is_one_line() -> None:
+    t = np.array([0.0, 1.0, 0.5, *range(2, 40)])
+    curve = Curve("r", delta=-t, P=-t, t=t)
+    with pytest.raises(InputError, match="r: time must rise from row to row, it does not in row 3"):
+        rate_fit(body("gel"), [curve], rate_settings(body("gel"), "power"))
+
+
+def test_work_along_a_record_gives_the_law() -> None:
+    """Where a radius was measured, the points alone tell n within a few per cent."""
+    held = body("gel")
+    found = []
+    for V in SPEEDS:
+        t, _, P, a, _ = clean("gel", V, 400)
+        rows = a > 1e-4
+        found.append(work_along(Nonadhesive(held.series, held.slopes), Curve("r", a=a[rows], P=P[rows], t=t[rows])))
+    law = law_along(found)
+    assert isinstance(law, LawThrough)
+    assert law.w0 == pytest.approx(GEL[0], rel=0.1)
+    assert law.law.n == pytest.approx(GEL[2], rel=0.05)  # type: ignore[attr-defined]
+    assert not law.narrow
+
+
+def test_without_a_time_there_is_no_law() -> None:
+    held = body("gel")
+    _, _, P, a, _ = clean("gel", 1e-5, 400)
+    rows = a > 1e-4
+    assert law_along([work_along(Nonadhesive(held.series, held.slopes), Curve("r", a=a[rows], P=P[rows]))]) is None

@@ -1,0 +1,34 @@
+"""``jkr study rate-map``: the table of the half-space, and a layer beside it."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable
+
+import pytest
+
+from jkrcli.adhesion.rate.laws import PowerRate
+from jkrcli.many.study.rate_map import rate_map
+
+
+def test_the_half_space_has_the_known_forces_and_a_layer_stands_beside_it() -> None:
+    points = rate_map(PowerRate(1.0, 0.6), [0.3], 0.3, [math.inf], [1e-3, 1.0])
+    assert [point.force for point in points[:2]] == pytest.approx([1.515478, 2.348038], rel=1e-5)
+    assert [point.thickness for point in points] == [math.inf, math.inf, 0.3, 0.3]
+    assert points[2].force > points[0].force
+    assert points[2].energy == pytest.approx(1, rel=0.05)  # slow, rigid: w0 times the area
+
+
+def test_the_study_writes_table_and_figure(jkr: Callable) -> None:
+    done = jkr("study", "rate-map", "--speed", "0.1", "--thickness", "1", "--stiffness", "rigid", "--workers", "1",
+               "--json")  # fmt: skip
+    assert done.code == 0, done.err
+    found = json.loads(done.out)
+    assert found["minus_P_over_pi_w0_R"][0] == pytest.approx(1.733807, rel=1e-5)
+    for words, said in (
+        (("--speed", "0"), "rate map: speed must be > 0, got 0"),
+        (("--rate", "n=-1"), "--rate: n: must be > 0 and <= 100, got -1"),
+    ):
+        done = jkr("study", "rate-map", *words, "--force")
+        assert (done.code, done.err.splitlines()[-1]) == (2, f"jkr: error: {said}")

@@ -1,0 +1,76 @@
+"""Stated errors of finite elements: what each is compared at, and that it holds where the side or the rim is near."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import h5py
+import numpy as np
+import pytest
+
+from jkrcli.bodies.indenters import Paraboloid, PowerLaw, Sphere
+from jkrcli.bodies.materials import Elastic
+from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
+from jkrcli.case import store
+from jkrcli.methods.fem.method import FEM
+from jkrcli.methods.hybrid.method import Hybrid
+from jkrcli.methods.layered.layered import Layered
+from jkrcli.series import Series
+
+COATING = Problem(
+    PowerLaw(0.02, 4.0),
+    Specimen((Layer(Elastic(1.0, 0.3), 1.0),), HalfSpace(Elastic(30.0, 0.2))),
+    Loading("radius", 1.5, 60),
+)
+CYLINDER = Problem(
+    Paraboloid(50.0), Specimen((Layer(Elastic(1e4, 0.499), 0.6),), Rigid(), 1.0, "free"), Loading("radius", 0.9, 60)
+)
+WIDE_SPHERE = Problem(Sphere(1.0), Specimen((), HalfSpace(Elastic(1e4, 0.3))), Loading("radius", 0.97, 60))
+
+
+def worst(found: Series, exact: Series, name: str, errors: np.ndarray) -> float:
+    """The true error of a column over the stated one, where that is worst."""
+    rows = found.delta >= 0.01 * found.delta[-1]
+    return float(np.max((np.abs(getattr(found, name) - getattr(exact, name)) / errors)[rows]))
+
+
+def test_errors_of_load_and_depth_are_known_at_equal_radius_and_at_equal_depth() -> None:
+    """P(a) was off by four times what was stated: that is the error of P(delta)."""
+    found = FEM()(COATING).series
+    at_depth = Layered()(replace(COATING, loading=Loading.given("depth", tuple(found.delta)))).series
+    at_radius = Layered()(replace(COATING, loading=Loading.given("radius", tuple(found.a)))).series
+    assert worst(found, at_depth, "P", found.errors["P"]) <= 1
+    assert worst(found, at_depth, "a", found.errors["a"]) <= 1
+    told = found.errors_at_radius
+    assert worst(found, at_radius, "P", told["P"]) <= 1
+    assert worst(found, at_radius, "delta", told["delta"]) <= 1
+    assert worst(found, at_radius, "P", found.errors["P"]) > 1  # why both are told
+
+
+def test_the_file_says_what_each_error_is_compared_at(tmp_path) -> None:
+    solution = FEM(spacing=0.12)(COATING)
+    store.write(tmp_path / "x.h5", solution)
+    with h5py.File(tmp_path / "x.h5") as file:
+        words = {name: data.attrs["description"].decode() for name, data in file["errors"].items()}
+        told = file["errors/P_at_equal_a"][()]
+    assert words["P"] == "estimated absolute error of P at equal displacement"
+    assert words["dS_da"] == "estimated absolute error of dS_da at equal radius"
+    assert words["delta_at_equal_a"] == "estimated absolute error of delta at equal radius"
+    np.testing.assert_array_equal(told, solution.series.errors_at_radius["P"])
+    assert store.read(tmp_path / "x.h5").series.errors.keys() == solution.series.errors.keys()
+    assert Layered()(COATING).series.errors_at_radius == {}  # exact radii: all errors are at equal radius
+
+
+def test_a_free_side_near_the_contact() -> None:
+    found = FEM()(CYLINDER).series
+    exact = Hybrid()(replace(CYLINDER, loading=Loading.given("radius", tuple(found.a)))).series
+    for name in ("S", "dS"):
+        assert worst(found, exact, name, found.errors[name]) <= 1
+    assert worst(found, exact, "P", found.errors_at_radius["P"]) <= 1
+
+
+@pytest.mark.parametrize("body", [WIDE_SPHERE])
+def test_the_rim_of_a_sphere(body: Problem) -> None:
+    found = FEM()(body).series
+    exact = Layered()(replace(body, loading=Loading.given("depth", tuple(found.delta)))).series
+    assert worst(found, exact, "P", found.errors["P"]) <= 1

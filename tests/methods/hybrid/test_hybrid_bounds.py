@@ -1,0 +1,57 @@
+"""Bodies on which two degrees agree by accident, or the cut is extrapolated in vain: the stated errors hold them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from jkrcli.base.errors import Refusal
+from jkrcli.bodies.indenters import Paraboloid, PowerLaw
+from jkrcli.bodies.materials import Elastic
+from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
+from jkrcli.methods.hybrid.method import Hybrid
+from jkrcli.methods.layered.layered import Layered
+
+COLUMNS = ("delta", "P", "S", "dS")
+STACK = Specimen(
+    (
+        Layer(Elastic(143800.67, 0.5), 9.4687),
+        Layer(Elastic(239.507, 0.3316), 2.972),
+        Layer(Elastic(2838.711, 0.00876), 7.7812),
+    ),
+    Rigid(bonded=False),
+)
+ON_ITS_BASE = Specimen((Layer(Elastic(24416.76, 0.5), 2.993e-3),), HalfSpace(Elastic(1.544e10, 0.0166)))
+SUBSTRATE_AT_A_HALF = Specimen(
+    (Layer(Elastic(1911.0, 0.4738), 0.24597), Layer(Elastic(1171.0, 0.3267), 0.027916)),
+    HalfSpace(Elastic(989.3, 0.499964)),
+)
+BODIES = {
+    # 7e-5 and 9e-5 off in S and S' where 1.7e-6 and 3.4e-6 were stated: degrees 4 and 6 err alike
+    "three layers": Problem(Paraboloid(10.0), STACK, Loading.given("radius", (0.36, 0.72))),
+    # 2.9e-6 off in S' where 1.4e-6 was stated: the order that extrapolation takes for granted is none here
+    "half-space at 1/2": Problem(PowerLaw(0.05, 2.0), SUBSTRATE_AT_A_HALF, Loading.given("radius", (0.3, 1.0))),
+}
+
+
+def ratios(problem: Problem) -> dict[str, float]:
+    """The true error of each column over the stated one, where that is worst."""
+    found, exact = Hybrid()(problem).series, Layered(1e-10)(problem).series
+    return {
+        name: float(np.max(np.abs(getattr(found, name) - getattr(exact, name)) / found.errors[name]))
+        for name in COLUMNS
+    }
+
+
+@pytest.mark.parametrize("name", BODIES)
+def test_the_stated_errors_hold(name: str) -> None:
+    assert max(ratios(BODIES[name]).values()) <= 1.0
+
+
+@pytest.mark.slow  # degree 14 on 53,000 unknowns
+def test_a_soft_incompressible_layer_on_a_rock() -> None:
+    """S 3.8e-5 and S' 6.9e-5 off, 5.7e-6 stated: now that tolerance is refused, with one that is met."""
+    d, a = 5.0044, 19.7e-3
+    problem = Problem(PowerLaw(0.1 * a ** (1 - d) / d, d), ON_ITS_BASE, Loading.given("radius", (4.63e-3, a)))
+    with pytest.raises(Refusal, match=r"above the tolerance 1\.0e-05; set hybrid\.tolerance to"):
+        Hybrid()(problem)

@@ -1,0 +1,112 @@
+"""Stacks of many layers and tables of many points: what they cost is known at once, by counts that are right."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from jkrcli.base.errors import InputError
+from jkrcli.bodies.grading import Tabulated
+from jkrcli.bodies.indenters import Paraboloid
+from jkrcli.bodies.materials import Elastic, Graded
+from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
+from jkrcli.methods.choose import long_look, survey
+from jkrcli.methods.closed_form.method import ClosedForm
+from jkrcli.methods.fem.method import FEM
+from jkrcli.methods.fem.sizes import SizeLaw, expected_triangles
+from jkrcli.methods.hybrid.method import Hybrid
+from jkrcli.methods.layered.layered import Layered, largest_radius
+
+METHODS = {"closed-form": ClosedForm(), "layered": Layered(), "hybrid": Hybrid(), "fem": FEM()}
+
+
+def stack(count: int, loading: Loading | None = None, top: float = 1e-4) -> Problem:
+    """A hundred micrometres of ``count`` layers, the uppermost ``top`` m thick, on a half-space."""
+    rest = [Layer(Elastic(1e6 * (1 + i % 7), 0.2 + 0.02 * (i % 9)), 1e-4 / count) for i in range(1, count)]
+    layers = (Layer(Elastic(1e6, 0.2), top), *rest)
+    return Problem(Paraboloid(1e-3), Specimen(layers, HalfSpace(Elastic(1e7, 0.3))), loading or Loading("radius", 5e-5))
+
+
+def law(thicknesses: list[float], growth: float) -> SizeLaw:
+    """Sizes on layers, as on a contact of the radius 1 on them."""
+    tops = np.cumsum([0.0, *thicknesses[:-1]]).tolist()
+    layers = tuple((top, t, min(2 * growth, 0.5) * t, 100 * t) for top, t in zip(tops, thicknesses, strict=True))
+    return SizeLaw(1.0, growth, 0.2, 5.0, inner=0.1, slope=0.2, layers=layers)
+
+
+def brute_force(sizes: SizeLaw, width: float, depth: float) -> float:
+    """The same count from the law itself, point by point on a dense grid."""
+    r, z = (np.concatenate([[0], np.geomspace(1e-5, end, 1500)]) for end in (width, depth))
+    near = np.geomspace(1e-4, 0.5, 100)
+    across = np.array([top + t * part for top, t, *_ in sizes.layers for part in (near, 1 - near)]).ravel()
+    z = np.unique(np.concatenate([z, across]).clip(0, depth))
+    lines = [np.trapezoid(1 / sizes(np.full_like(z, radius), -z) ** 2, z) for radius in r]
+    return float(1.12 * 4 / np.sqrt(3) * np.trapezoid(lines, r))
+
+
+@pytest.mark.parametrize("thicknesses", [[1.0], [0.2] * 12, [0.02, 0.3] * 6, [0.5, 0.01, 2.0, 0.1]], ids=str)
+def test_expected_triangles_are_those_of_the_law(thicknesses: list[float]) -> None:
+    sizes = law(thicknesses, 0.15)
+    for depth in (sum(thicknesses), 50.0):
+        counted = expected_triangles(sizes, 40.0, depth)
+        assert counted == pytest.approx(brute_force(sizes, 40.0, depth), rel=0.02)  # measured: 0.007
+
+
+def test_sizes_on_a_grid_are_those_at_its_points() -> None:
+    chance = np.random.default_rng(3)
+    sizes = law((10 ** chance.uniform(-2, 0, 30)).tolist(), 0.1)
+    r, z = np.sort(chance.uniform(0, 20, 40)), np.sort(chance.uniform(0, 30, 300))
+    points = sizes(np.repeat(r[:, None], z.size, axis=1), np.repeat(-z[None, :], r.size, axis=0))
+    assert sizes.on_grid(r, z) == pytest.approx(points, rel=1e-12)
+
+
+@pytest.mark.parametrize("goal", [Loading("radius", 5e-5), Loading("load", 5e-4)])
+def test_a_thousand_layers_are_surveyed_at_once(goal: Loading) -> None:
+    problem = stack(1000, goal)
+    start = time.process_time()
+    options = {option.name: option for option in survey(problem, METHODS.__getitem__)}
+    assert time.process_time() - start < 4, "2 s, on a machine that is not slowed down by others"
+    assert "elements expected" in options["fem"].refusal
+    assert "unknowns" in options["hybrid"].refusal
+
+
+@pytest.mark.parametrize("count", [50, 400])
+def test_the_forecast_of_many_layers_is_right_within_a_factor_of_three(count: int) -> None:
+    problem = stack(count)
+    forecast = Layered().forecast(problem).seconds
+    start = time.process_time()
+    Layered()(problem)
+    assert 1 / 3 < forecast / (time.process_time() - start) < 3.5
+
+
+def test_a_wide_contact_is_forecast_without_a_search() -> None:
+    """On a thin bonded layer the radius is a hundred times the thickness: the search goes on by powers."""
+    layers = (Layer(Elastic(1e6, 0.3), 1e-6),)
+    wide = Problem(Paraboloid(1e-2), Specimen(layers, Rigid()), Loading("radius", 1e-4))
+    load = float(Layered()(replace(wide, loading=Loading("radius", 1e-4, 5))).series.P[-1])
+    assert largest_radius(replace(wide, loading=Loading("load", load))) == pytest.approx(1e-4, rel=0.05)
+
+
+def graded(points: int) -> Specimen:
+    depths = np.linspace(0, 1e-4, points)
+    E = 1e6 * (2 + np.sin(3e5 * depths))
+    layer = Layer(Graded(Tabulated(tuple(depths.tolist()), tuple(E.tolist())), 0.3), 1e-4)
+    return Specimen((layer,), Rigid())
+
+
+def test_a_table_of_many_points_is_refused() -> None:
+    start = time.process_time()
+    with pytest.raises(InputError, match="E over depth has 20,000 smooth pieces, at most 1,000 are taken; leave out"):
+        graded(20_001)
+    assert time.process_time() - start < 2
+
+
+def test_a_long_look_is_announced() -> None:
+    problem = Problem(Paraboloid(1e-3), graded(101), Loading("radius", 1e-5))
+    assert long_look(problem) == (
+        "a layer with 100 pieces of E over depth: looking at what each method would cost takes about 10 s of CPU time"
+    )
+    assert long_look(stack(200)) is None

@@ -1,0 +1,198 @@
+"""Archives of fits, tables of sweeps and kept solves: damage is refused, or every number and string is the same."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+import pytest
+
+from jkrcli.base import hdf5
+from jkrcli.base.errors import InputError
+from jkrcli.case import load_case, store
+from jkrcli.case.solving import solve
+from jkrcli.many import cache
+from jkrcli.report import archive
+
+CASE = """
+title = "plain"
+method = "closed-form"
+indenter = { shape = "paraboloid", radius = "1 mm" }
+specimen.half_space = { E = "1 MPa", nu = 0.3 }
+loading = { radius = "0.1 mm", points = 20 }
+adhesion = { w = "50 mJ/m^2" }
+"""
+SWEEP = """
+[base]
+method = "closed-form"
+indenter = { shape = "paraboloid", radius = "1 mm" }
+specimen.half_space = { E = "1 MPa", nu = 0.3 }
+loading = { radius = "0.1 mm" }
+adhesion = { w = "50 mJ/m^2" }
+[samples]
+count = 8
+[samples.of]
+"specimen.half_space.nu" = { distribution = "normal", mean = 0.5, sd = 0.1 }
+"""
+KINDS = ("fits", "table")
+TRIALS = pytest.mark.parametrize("trials", [200, pytest.param(2000, marks=pytest.mark.slow)])
+
+
+@pytest.fixture(name="archives")
+def _archives(jkr: Callable, tmp_path: Path) -> dict[str, Path]:
+    """An archive of each kind, with numbers, words and values that are missing."""
+    (tmp_path / "s.toml").write_text(CASE)
+    (tmp_path / "many.toml").write_text(SWEEP)
+    a = np.linspace(2e-5, 9e-5, 40)
+    E = 1e6 / (1 - 0.3**2)
+    P = 4 * E * a**3 / 3e-3 - np.sqrt(8 * np.pi * a**3 * 0.05 * E)  # JKR
+    P *= 1 + 1e-3 * np.random.default_rng(0).standard_normal(a.size)
+    rows = zip(a.tolist(), P.tolist(), strict=True)
+    (tmp_path / "probe.csv").write_text("a_m,P_N\n" + "".join(f"{x},{y}\n" for x, y in rows))
+    assert jkr("fit", "s.toml", "probe.csv", "--no-plots").code == 0
+    assert jkr("sweep", "many.toml", "-o", "r", "--workers", 1).code == 0
+    return {"fits": tmp_path / "s-fit.h5", "table": tmp_path / "r" / "table.h5"}
+
+
+def flat(group: hdf5.Group, where: str = "") -> dict[str, Any]:
+    """Every number and string of a tree by its place, comparable."""
+    found: dict[str, Any] = {f"{where}@{key}": _plain(value) for key, value in group.attributes.items()}
+    for name, member in group.members.items():
+        if isinstance(member, hdf5.Dataset):
+            found[f"{where}/{name}"] = _plain(member.values)
+            member = hdf5.Group(member.attributes)
+        found |= flat(member, f"{where}/{name}")
+    return found
+
+
+def _plain(value: Any) -> Any:
+    return (value.dtype.str, value.shape, value.tobytes()) if isinstance(value, np.ndarray) else value
+
+
+def one_byte_changed(path: Path, trials: int, read: Callable[[], object], refused: Callable[[], bool]) -> int:
+    """How many of so many single random changes are ``refused``; ``read`` asserts that the others changed nothing."""
+    whole, rng, count = path.read_bytes(), np.random.default_rng(3), 0
+    for place in rng.integers(0, len(whole), trials):
+        damaged = bytearray(whole)
+        damaged[place] ^= int(rng.integers(1, 256))
+        path.write_bytes(damaged)
+        if refused():
+            count += 1
+        else:
+            read()
+    path.write_bytes(whole)
+    return count
+
+
+@TRIALS
+@pytest.mark.parametrize("kind", KINDS)
+def test_one_changed_byte_is_refused_or_changes_nothing(archives: dict[str, Path], kind: str, trials: int) -> None:
+    path = archives[kind]
+    before = flat(archive.read(path).root)
+
+    def refused() -> bool:
+        try:
+            archive.read(path)
+        except InputError as error:
+            assert [line.startswith(f"{path}: ") for line in error.lines] == [True]  # noqa: PT017
+            return True
+        return False
+
+    def same() -> None:
+        assert flat(archive.read(path).root) == before
+
+    assert one_byte_changed(path, trials, same, refused) > trials / 10
+
+
+@TRIALS
+def test_a_changed_byte_of_a_kept_solve_is_not_believed(tmp_path: Path, trials: int) -> None:
+    path = tmp_path / "solve.h5"
+    (tmp_path / "s.toml").write_text(CASE)
+    _, solution = solve(load_case(tmp_path / "s.toml"))
+    store.write(path, solution, cache._made_by("key"))
+    before = flat(hdf5.parse(path, path.read_bytes()))
+
+    def same() -> None:
+        assert flat(hdf5.parse(path, path.read_bytes())) == before
+
+    assert (
+        one_byte_changed(path, trials, same, lambda: cache._read(path, solution.problem, "key") is None) > trials / 10
+    )
+
+
+def change_unsealed(path: Path, change: Callable[[h5py.File], object]) -> None:
+    with h5py.File(path, "r+") as file:
+        change(file)
+
+
+CHANGES = {
+    "fits": lambda file: file["curves/000000/foot_a"].__setitem__(0, 1.0),
+    "table": lambda file: file["table/status"].__setitem__(0, b"no"),
+}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("version", [1, 2])
+def test_what_is_not_as_written_is_refused_by_name(jkr, archives: dict[str, Path], kind: str, version: int) -> None:
+    path = archives[kind]
+    change_unsealed(path, CHANGES[kind])
+    change_unsealed(path, lambda file: file.attrs.__setitem__("version", version))
+    done = jkr("show", path)
+    assert (done.code, done.err) == (
+        2,
+        f"jkr: error: {path}: the HDF5 file is damaged (it does not hold what was written) and cannot be read; "
+        "run the command that wrote it again\n",
+    )
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_an_earlier_version_reads_and_is_said_to_be_without_protection(
+    jkr, archives: dict[str, Path], kind: str
+) -> None:
+    path = archives[kind]
+    wanted = json.loads(jkr("show", "--json", path).out)["files"][0]
+    assert wanted["warnings"] == []
+
+    def older(file: h5py.File) -> None:
+        file.attrs["version"] = 1
+        del file.attrs[hdf5.SEAL]
+
+    change_unsealed(path, older)
+    done = jkr("show", "--json", path)
+    assert (done.code, done.err) == (0, f"jkr: warning: {path}: {archive.DOUBT}\n")
+    assert json.loads(done.out)["files"] == [{**wanted, "version": 1, "warnings": [archive.DOUBT]}]
+
+
+def test_a_version_without_its_digest_is_refused(jkr, archives: dict[str, Path]) -> None:
+    change_unsealed(archives["table"], lambda file: file.attrs.__delitem__(hdf5.SEAL))
+    assert "it does not hold what was written" in jkr("show", archives["table"]).err
+
+
+def test_an_archive_of_a_later_release_is_refused(jkr, archives: dict[str, Path]) -> None:
+    path = archives["fits"]
+    change_unsealed(path, lambda file: file.attrs.__setitem__("version", 3))
+    done = jkr("show", path)
+    assert done.err == f"jkr: error: {path}: version must be 2, got 3; this file needs another release of jkr\n"
+
+
+def test_archives_are_told(jkr, archives: dict[str, Path]) -> None:
+    fits, table = jkr("show", *archives.values()).out.split("\n" + str(archives["table"]))
+    assert fits.startswith(f"{archives['fits']}: fits of 1 curves to s.toml (format jkr-fit 2, ")
+    assert "  probe.csv, probe: fitted" in fits
+    assert table.startswith(": a sweep of 8 cases (format jkr-sweep-table 2, ")
+    assert "  status                                   failed, ok" in table
+    told = json.loads(jkr("show", "--json", *archives.values()).out)["files"]
+    assert told[0]["curves"] == json.loads(Path("s-fit.json").read_text())["curves"]
+    assert (told[1]["rows"], told[1]["columns"]["case"]) == (8, [0, 7])
+
+
+def test_an_archive_that_lacks_its_part_is_refused(jkr, archives: dict[str, Path]) -> None:
+    path = archives["table"]
+    path.write_bytes(hdf5.image(hdf5.Group({"format": archive.SWEEP_TABLE, "version": 2, "jkr": "0"})))
+    done = jkr("show", path)
+    line = f"jkr: error: {path}: does not hold what an archive of format jkr-sweep-table does\n"
+    assert (done.code, done.err) == (2, line)

@@ -1,0 +1,149 @@
+"""README and the pages of the documentation: what they show is run, what they name exists.
+
+Every ``sh`` and ``python`` block of a page is run, in order, in one empty folder with the shipped cases. A ``text``
+block after an ``sh`` block is what that prints: each of its lines must be there. A block that takes long or needs what
+is not here is marked by the line before it: ``<!-- not run: why -->``.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+from jkrcli.cli import VERBS
+from jkrcli.cli.study import STUDIES
+
+ROOT = Path(__file__).parents[1]
+README = ROOT / "README.md"
+PAGES = [README, *sorted((ROOT / "docs").rglob("*.md"))]
+GIVEN = ("cases", "docs", "tests", "Makefile")  # what a page may name
+BLOCK = re.compile(r"(?:^<!-- (?P<mark>not run: [^\n]+) -->\n)?^```(?P<kind>\w+)\n(?P<text>.*?)^```$", re.M | re.S)
+PICTURE = re.compile(r"!\[[^\]]*\]\(([^)]+)\)")
+LINK = re.compile(r"(?<!!)\[[^\]]*\]\(([^)#]+)(?:#[^)]*)?\)")
+
+
+@dataclass(frozen=True)
+class Block:
+    """A fenced block: its language, its text, and why it is not run."""
+
+    kind: str
+    text: str
+    mark: str | None
+
+
+def blocks(page: Path) -> list[Block]:
+    found = BLOCK.finditer(page.read_text(encoding="utf-8"))
+    return [Block(one["kind"], one["text"], one["mark"]) for one in found]
+
+
+def name_of(page: Path) -> str:
+    return str(page.relative_to(ROOT))
+
+
+RUN = [page for page in PAGES if any(b.kind in ("sh", "python") and not b.mark for b in blocks(page))]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("page", RUN, ids=name_of)
+def test_every_unmarked_block_runs_and_prints_what_the_page_shows(page: Path, tmp_path: Path) -> None:
+    for given in GIVEN:
+        (tmp_path / given).symlink_to(ROOT / given)
+    environment = {**os.environ, "PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}"}
+    printed = ""
+    for block in blocks(page):
+        if block.kind == "text" and not block.mark:
+            missing = [line for line in shown(block) if line not in printed]
+            assert missing == [], printed
+        if block.mark or block.kind not in ("sh", "python"):
+            continue
+        command = ["bash", "-euo", "pipefail", "-c"] if block.kind == "sh" else [sys.executable, "-c"]
+        run = subprocess.run([*command, block.text], capture_output=True, text=True, cwd=tmp_path, timeout=300,
+                             env=environment)  # fmt: skip
+        assert run.returncode == 0, f"{block.text}\n{run.stderr}"
+        printed = run.stdout + run.stderr
+
+
+def shown(block: Block) -> list[str]:
+    """The lines of a block; "..." stands for lines left out."""
+    return [line.rstrip() for line in block.text.splitlines() if line.strip() not in ("", "...")]
+
+
+def test_toml_blocks_are_whole_and_valid_cases() -> None:
+    from jkrcli.case import parse_case, parse_toml, validated
+    from jkrcli.case.sweep import SweepModel
+
+    found = [(page, block) for page in PAGES for block in blocks(page) if block.kind == "toml" and not block.mark]
+    assert any(page == README for page, _ in found)
+    for page, block in found:
+        if re.search(r"^base =", block.text, re.M):
+            validated(SweepModel, parse_toml(block.text.encode(), name_of(page)), name_of(page))
+        else:
+            parse_case(block.text.encode(), name_of(page)).model.problem()
+
+
+def test_readme_is_short() -> None:
+    lines = README.read_text(encoding="utf-8").splitlines()
+    assert len(lines) <= 120
+    assert [line for line in lines if len(line) > 120] == []
+
+
+def test_readme_s_first_screen_has_the_ways_from_a_clone_to_w() -> None:
+    screen = "\n".join(README.read_text(encoding="utf-8").splitlines()[:40])
+    for command in (
+        "make setup",
+        "jkr pull-off my.toml --load",
+        "jkr fit cases/measured/raw-force-curve.txt",
+        "jkr transform my.toml --w",
+    ):
+        assert command in screen
+
+
+@pytest.mark.parametrize("verb", [*VERBS, *(f"study {name}" for name in STUDIES)])
+def test_every_verb_is_used_on_a_page(verb: str) -> None:
+    assert any(f"jkr {verb}" in page.read_text(encoding="utf-8") for page in PAGES)
+
+
+def test_every_picture_exists() -> None:
+    pictures = [(page, picture) for page in PAGES for picture in PICTURE.findall(page.read_text(encoding="utf-8"))]
+    assert any(page == README for page, _ in pictures)
+    assert [(page, picture) for page, picture in pictures if not (page.parent / picture).is_file()] == []
+
+
+def test_every_link_to_a_file_leads_somewhere() -> None:
+    links = [(page, link) for page in PAGES for link in LINK.findall(page.read_text(encoding="utf-8"))]
+    assert [
+        (name_of(page), link) for page, link in links if "://" not in link and not (page.parent / link).exists()
+    ] == []
+
+
+def test_every_make_target_named_exists() -> None:
+    targets = set(re.findall(r"^([a-z-]+):.*## ", (ROOT / "Makefile").read_text(), re.M))
+    text = "\n".join(page.read_text(encoding="utf-8") for page in PAGES)
+    named = set(re.findall(r"(?:`|^ *)make ([a-z][a-z-]+)", text, re.M))
+    assert {"run", "test", "docs", "validation"} <= named
+    assert named <= targets, named - targets
+
+
+def test_every_function_named_in_the_theory_exists() -> None:
+    """The pages name a function as ``room/file.py: name``."""
+    named = [
+        (name_of(page), place, name)
+        for page in (ROOT / "docs" / "theory").glob("*.md")
+        for place, name in re.findall(r"`([\w/]+\.py): (\w+)`", page.read_text(encoding="utf-8"))
+    ]
+    assert len(named) >= 30
+    for page, place, name in named:
+        text = (ROOT / "jkrcli" / place).read_text(encoding="utf-8")
+        assert re.search(rf"^\s*(?:def|class) {name}\b|^{name}\b", text, re.M), (page, place, name)
+
+
+def test_every_fraction_has_braces() -> None:
+    """The converter to MathML takes digits together: it would read 32 over pi in a three halves pi without them."""
+    bare = [name_of(page) for page in PAGES if re.search(r"\\[dt]?frac(?!\{)", page.read_text(encoding="utf-8"))]
+    assert bare == []

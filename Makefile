@@ -9,7 +9,7 @@ RESULTS ?= results
 SEED    ?= 1
 
 JKR     := $(VENV)/bin/jkr
-STUDY   := $(VENV)/bin/python -m jkrcli.many.study
+STUDY   := PYTHONPATH=docs $(VENV)/bin/python -m studies
 READY   := $(VENV)/.ready
 QUOTE    = '$(subst ','\'',$(1))'
 STEM     = $(shell basename -- $(call QUOTE,$(CASE)) .toml)
@@ -17,26 +17,28 @@ CASES   := $(notdir $(basename $(wildcard cases/*.toml)))
 SOURCES := $(shell find jkrcli -name '*.py')
 
 .DEFAULT_GOAL := help
-.PHONY: help setup run test test-all test-minimal fuzz lint cases bench figures noise-study chart chart-peers failures tuning sweep audit clean requirements
+.PHONY: help setup run test test-all test-minimal fuzz lint docs validation gallery benchmarks cases bench figures noise-study chart chart-peers failures bounds tuning sweep audit clean requirements
 .DELETE_ON_ERROR:
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "  make %-14s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
-	@echo "  variables: CASE=my.toml  W='50 40' (J/m^2)  RESULTS=folder  SEED=7  PYTHON=python3.12"
+	@echo "  variables: CASE=my.toml  W='50 40' (J/m^2)  RESULTS=folder  SEED=7  AGAINST=checkout  PYTHON=python3.12"
 
 setup: $(READY) ## virtual environment and the system libraries that the mesher needs
 
 $(READY): requirements.txt pyproject.toml .ci/system-libraries
 	@sh .ci/system-libraries $(PYTHON)
-	$(PYTHON) -m venv --clear $(VENV)
-	$(VENV)/bin/python -m pip install --quiet --require-hashes -r requirements.txt
-	$(VENV)/bin/python -m pip install --quiet --no-deps --no-build-isolation -e .
+	@echo "setting up $(VENV): about 100 pinned packages, half a minute to two; pip is silent until it is done"
+	@$(PYTHON) -m venv --clear $(VENV)
+	@$(VENV)/bin/python -m pip install --quiet --require-hashes -r requirements.txt
+	@$(VENV)/bin/python -m pip install --quiet --no-deps --no-build-isolation -e .
 	@touch $@
 
 run: $(READY) ## solve and transform CASE (default: the half-space), optionally for the works of adhesion W
 	@mkdir -p $(call QUOTE,$(RESULTS))
 	$(JKR) run $(call QUOTE,$(CASE)) -o $(call QUOTE,$(RESULTS)/$(STEM).h5)
 	$(JKR) transform $(call QUOTE,$(RESULTS)/$(STEM).h5) $(addprefix --w ,$(W)) -o $(call QUOTE,$(RESULTS))
+	@echo "look at:"; ls -t $(call QUOTE,$(RESULTS))/$(call QUOTE,$(STEM))-w*.png | head -n $(words $(or $(W),1)) | sed 's/^/  /'
 
 test: $(READY) ## the fast tests
 	$(VENV)/bin/python -m pytest -n auto -m "not slow"
@@ -45,7 +47,7 @@ test-all: $(READY) ## every test
 	$(VENV)/bin/python -m pytest -n auto
 
 fuzz: $(READY) ## wrong files and random bodies of a SEED that the tests do not try (an hour)
-	$(VENV)/bin/python -m pytest -n auto --fuzz-seed $(SEED) tests/properties/test_fuzz.py tests/many/test_failures.py
+	$(VENV)/bin/python -m pytest -n auto --fuzz-seed $(SEED) tests/properties/test_fuzz.py tests/studies/test_failures.py
 
 test-minimal: $(READY) ## the fast tests with the required packages only, in an environment of their own
 	$(PYTHON) -m venv --clear $(VENV)-minimal
@@ -55,7 +57,20 @@ test-minimal: $(READY) ## the fast tests with the required packages only, in an 
 lint: $(READY) ## style and types
 	$(VENV)/bin/ruff check .
 	$(VENV)/bin/ruff format --check .
-	$(VENV)/bin/mypy jkrcli
+	$(VENV)/bin/mypy
+
+docs: $(READY) ## the documentation as a site, every warning an error: build/docs/index.html
+	$(VENV)/bin/python -m sphinx --quiet --nitpicky --fail-on-warning --keep-going docs build/docs
+	@echo "documentation: build/docs/index.html"
+
+validation: $(READY) ## tables against published and independent values: docs/validation/tables.md (a minute)
+	$(VENV)/bin/python -m docs.validation.validate
+
+gallery: $(READY) ## the pictures of docs/gallery from the commands that stand there
+	$(VENV)/bin/python -m docs.gallery.draw
+
+benchmarks: $(READY) ## whole processes of six commands, twenty runs each, into docs/benchmarks/history.csv
+	$(VENV)/bin/python -m docs.benchmarks.measure --keep $(if $(AGAINST),--against $(call QUOTE,$(AGAINST)))
 
 cases: $(CASES:%=$(RESULTS)/%.done) ## every shipped case to results
 
@@ -75,8 +90,9 @@ bench: $(READY) ## time the stages of a run
 figures: $(READY) ## the paper's figures 5, 7, 8 and 10
 	$(STUDY).figures --cases cases -o $(RESULTS)/figures
 
-noise-study: $(READY) ## what noise in the data does to the adhesive curve, 200 seeds (twenty minutes)
+noise-study: $(READY) ## what noise in the data does to the adhesive curve, and what is wrong with noise (hours)
 	$(STUDY).noise -o $(RESULTS)/noise
+	$(STUDY).disturbed
 
 chart: $(READY) ## speed against accuracy on four bodies: pictures and tables
 	@mkdir -p $(RESULTS)/chart
@@ -86,7 +102,7 @@ chart: $(READY) ## speed against accuracy on four bodies: pictures and tables
 chart-peers: $(READY) ## run other programs on the same work, in an environment of their own (half an hour; needs ccx)
 	$(PYTHON) -m venv --clear $(VENV)-peers
 	$(VENV)-peers/bin/python -m pip install --quiet ContactMechanics==1.8.3 tamaas==2.9.0 scikit-fem==12.0.2 scipy
-	$(VENV)/bin/python docs/peers/run.py --python $(VENV)-peers/bin/python
+	PYTHONPATH=docs $(VENV)/bin/python docs/peers/run.py --python $(VENV)-peers/bin/python
 
 tuning: $(READY) ## every tuned number halved and doubled: errors and times of reference bodies (half an hour)
 	@mkdir -p $(RESULTS)/tuning
@@ -94,6 +110,9 @@ tuning: $(READY) ## every tuned number halved and doubled: errors and times of r
 
 failures: $(READY) ## where each method is right, refuses, or errs (an hour)
 	$(STUDY).failures -o $(RESULTS)/failures
+
+bounds: $(READY) ## whether stated errors bound the true ones and are near them, on 500 random bodies (half an hour)
+	$(STUDY).bounds --seed $(SEED) -o $(RESULTS)/bounds
 
 sweep: $(READY) ## a small map over thickness and Poisson's ratio
 	$(JKR) sweep cases/sweeps/gel.toml -o $(RESULTS)/sweep-gel

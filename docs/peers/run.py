@@ -33,10 +33,11 @@ from jkrcli.base.files import check_target, write_text
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
-from jkrcli.many.study.chart_measure import Cost, machine, process_cost, yardstick
-from jkrcli.many.study.chart_reference import Errors, reference_of
+from jkrcli.many.cost import Cost, process_cost
 from jkrcli.report import tables
 from jkrcli.series import RawSeries
+from studies.chart_measure import machine, yardstick
+from studies.chart_reference import Errors, reference_of
 
 HERE = Path(__file__).resolve().parent
 WORKS = {"halfspace": 50.0, "thin-layer": 10.0}  # J/m^2, of the pull-off force

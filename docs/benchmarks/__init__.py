@@ -1,0 +1,1 @@
+"""How long the commands that users feel take, release by release."""

@@ -1,0 +1,23 @@
+"""The site of the documentation: `make docs` builds it from the pages of this folder, without a network."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import jkrcli
+
+sys.path.insert(0, str(Path(__file__).parent))  # site_parts
+
+project = "jkr"
+author = "The jkr developers"
+version = release = jkrcli.__version__
+extensions = ["myst_parser", "site_parts.generated", "site_parts.mathml"]
+exclude_patterns = ["examples", "peers", "studies", "site_parts"]
+myst_enable_extensions = ["dollarmath", "colon_fence", "deflist"]
+myst_heading_anchors = 3
+suppress_warnings = ["config.cache"]
+html_theme = "furo"
+html_title = f"jkr {version}"
+html_static_path: list[str] = []
+html_copy_source = False

@@ -1,0 +1,1 @@
+"""Studies of the methods themselves, run by make: speed against accuracy, failures, noise, tuned numbers, figures."""

@@ -1,0 +1,299 @@
+"""The chart of speed against accuracy, every method on one case: its command, table and picture."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from operator import attrgetter
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from jkrcli.base.errors import InputError
+from jkrcli.base.table import as_json
+from jkrcli.base.unknown import known
+from jkrcli.case import Case, load_case
+from jkrcli.methods import METHODS
+from jkrcli.report.output import PICTURES
+from jkrcli.report.plots import (
+    BLACK,
+    BLUE,
+    GREEN,
+    ORANGE,
+    PURPLE,
+    WIDE,
+    Axes,
+    Figure,
+    drawing,
+    legend_below,
+    log_ends,
+    log_ticks,
+    pretty,
+)
+
+from .chart_measure import machine, yardstick
+from .chart_points import (
+    LeftOut,
+    Measured,
+    Peer,
+    automatic,
+    beside_front,
+    chart,
+    chosen_points,
+    front,
+    read_peers,
+    settings_of,
+)  # fmt: skip
+from .chart_reference import reference_of
+from .command import call, counted, output_of, parser_of, quantity
+
+
+@dataclass(frozen=True)
+class Found:
+    """All that the study reports of one case."""
+
+    case: Case
+    w: float
+    reference: str
+    points: Sequence[Measured]
+    left_out: Sequence[LeftOut]
+    peers: Sequence[Peer]
+    yardstick: float
+    auto: str
+
+    @property
+    def front(self) -> list[int]:
+        return front([_pair(point) for point in self.points])
+
+    @property
+    def auto_beside_front(self) -> bool | None:
+        """Whether the method that "auto" takes lies on the front or next to it; None where it was not measured."""
+        mine = chosen_points(self.points, self.auto)
+        return any(beside_front(_pair(p), [_pair(q) for q in self.points]) for p in mine) if mine else None
+
+
+def _pair(point: Measured) -> tuple[float, float]:
+    return point.whole.cpu_s, point.errors.load
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    """Solve a case by every method and setting: CPU and wall time, memory, and error against the exact solution.
+
+    Whole process (jkr run) and after imports, medians of several runs; errors of P at equal displacement, of the
+    adhesive curve and of the pull-off force. Writes <case>-chart.csv, .json, .png and .svg.
+    """
+    parser = parser_of(str(main.__doc__), parallel=False)
+    parser.add_argument("case", type=Path)
+    parser.add_argument("--methods", action="append", default=[], choices=list(METHODS), help="only these")
+    parser.add_argument("--w", type=quantity("work"), help="work of adhesion [default: the case's first]")
+    parser.add_argument("--repeat", type=int, default=3, help="runs, whose medians are shown [default: 3]")
+    parser.add_argument("--patience", type=float, default=30.0, help="leave out what takes longer [CPU s, 30]")
+    parser.add_argument("--peers", type=Path, help="stored timings of other programs, to be drawn too")
+    given = parser.parse_args(words)
+    loaded = load_case(given.case)
+    w = given.w if given.w is not None else next(iter(loaded.model.adhesion.w), None)
+    if not w:
+        raise InputError(f"{given.case}: names no work of adhesion > 0: give --w")
+    output = output_of(given)
+    inputs = [path for path in (given.case, given.peers) if path]
+    files = output.files(given.output / f"{given.case.stem}-chart", (".csv", ".json", *PICTURES), inputs)
+    measure = yardstick()
+    theirs = [peer for peer in read_peers(given.peers, measure) if peer.body == given.case.stem] if given.peers else []
+    reference = reference_of(loaded.model.problem(), w)
+    settings = settings_of(loaded.model, given.methods)
+    results = []
+    with counted("chart", len(settings)) as step:
+        for result in chart(loaded, settings, w, reference, given.repeat, given.patience):
+            results.append(result)
+            step(isinstance(result, LeftOut))
+    found = Found(
+        loaded,
+        w,
+        reference.name,
+        [point for result in results if not isinstance(result, LeftOut) for point in result],
+        [result for result in results if isinstance(result, LeftOut)],
+        theirs,
+        measure,
+        automatic(loaded),
+    )
+    title = loaded.model.problem().words
+    data = as_dict(found)
+    table = {name: [cell(point) for point in found.points] for name, cell in CELLS.items()}
+    files.write(table, data, files.draw(lambda: chart_figure(found.points, found.peers, title)))
+    if output.json:
+        print(as_json(data), end="")
+    else:
+        _print(found)
+        print(f"  written   {files}")
+    if found.auto_beside_front is False:
+        print(f'jkr: warning: "auto" takes {found.auto}, which is not on or next to the Pareto front', file=sys.stderr)
+    return 0
+
+
+def as_dict(found: Found) -> dict[str, Any]:
+    """The chart as JSON."""
+    best = found.front
+    return {
+        "format": "jkr-chart",
+        "version": 1,
+        "problem": found.case.model.problem().words,
+        "w_J_per_m2": found.w,
+        "reference": found.reference,
+        "machine": machine(),
+        "yardstick_cpu_s": found.yardstick,
+        "auto": {"method": found.auto, "beside_front": found.auto_beside_front},
+        "points": [
+            {
+                "method": point.setting.method,
+                "setting": point.setting.words,
+                "slopes": point.slopes,
+                "unknowns": point.unknowns,
+                "whole_process": vars(point.whole),
+                "after_imports": vars(point.after_imports),
+                "slopes_cpu_s": point.slopes_cpu_s,
+                "stated_error": point.stated,
+                "errors": vars(point.errors),
+                "on_front": i in best,
+            }
+            for i, point in enumerate(found.points)
+        ],
+        "left_out": [
+            {"method": out.setting.method, "setting": out.setting.words, "reason": out.reason} for out in found.left_out
+        ],
+        "peers": [
+            {
+                "peer": f"{peer.name} {peer.version}",
+                "settings": peer.settings,
+                "unknowns": peer.unknowns,
+                "whole_process": vars(peer.whole),
+                "after_imports_cpu_s": peer.after_imports_cpu_s,
+                "errors": vars(peer.errors),
+            }
+            for peer in found.peers
+        ],
+    }
+
+
+CELLS: dict[str, Callable[[Measured], Any]] = {
+    "method": attrgetter("setting.method"),
+    "setting": attrgetter("setting.words"),
+    "slopes": attrgetter("slopes"),
+    "unknowns": attrgetter("unknowns"),
+    "whole_cpu_s": attrgetter("whole.cpu_s"),
+    "whole_wall_s": attrgetter("whole.wall_s"),
+    "memory_MiB": attrgetter("whole.memory_mib"),
+    "after_imports_cpu_s": attrgetter("after_imports.cpu_s"),
+    "after_imports_wall_s": attrgetter("after_imports.wall_s"),
+    "slopes_cpu_s": attrgetter("slopes_cpu_s"),
+    "stated_error": lambda point: known(point.stated),
+    "P_error": attrgetter("errors.load"),
+    "curve_error": attrgetter("errors.curve"),
+    "pull_off_error": attrgetter("errors.pull_off"),
+}
+
+
+def _print(found: Found) -> None:
+    print(found.case.model.problem().words)
+    print(f"  against   {found.reference}; * is on the Pareto front of whole-process CPU and error of P")
+    print(f"    {'method':<12}{'setting':<32}{'slopes':<9}{'unknowns':>9}{'process':>9}{'solve':>9}{'MiB':>6}"
+               f"{'P':>9}{'curve':>9}{'pull-off':>9}")  # fmt: skip
+    best = found.front
+    for i, point in enumerate(found.points):
+        errors = (point.errors.load, point.errors.curve, point.errors.pull_off)
+        cells = "".join(f"{'-' if error is None else f'{error:.1e}':>9}" for error in errors)
+        print(f"  {'*' if i in best else ' '} {point.setting.method:<12}{point.setting.words:<32}{point.slopes:<9}"
+                   f"{point.unknowns or '-':>9}{point.whole.cpu_s:>9.2f}{point.after_imports.cpu_s:>9.4f}"
+                   f"{point.whole.memory_mib or 0:>6.0f}{cells}")  # fmt: skip
+    for peer in found.peers:
+        after, load = peer.after_imports_cpu_s, peer.errors.load
+        solve = "-" if after is None else f"{after:.2f}"
+        pull_off = "-" if peer.errors.pull_off is None else f"{peer.errors.pull_off:.1e}"
+        name = f"{peer.name} {peer.version}, {peer.settings}"
+        print(f"    {name:<53}{peer.unknowns:>9}{peer.whole.cpu_s:>9.1f}"
+                   f"{solve:>9}{peer.whole.memory_mib or 0:>6.0f}{load:>9.1e}{'':>9}{pull_off:>9}")  # fmt: skip
+    for out in found.left_out:
+        print(f"    {out.setting.method}, {out.setting.words}: left out, {out.reason}")
+    print(f"  auto      takes {found.auto}")
+
+
+# ---------------------------------------------------------------------- the picture
+GREY = "0.45"
+LOOKS = {"closed-form": (BLACK, "D"), "layered": (GREEN, "s"), "hybrid": (ORANGE, "P"), "fem": (BLUE, "o")}
+PEER_MARKERS = "^v<>"
+
+
+@dataclass(frozen=True)
+class Spot:
+    """A point of a panel, with the family it belongs to in the legend."""
+
+    x: float
+    y: float
+    family: str
+
+
+@dataclass(frozen=True)
+class ChartPanel:
+    """One pair of axes; ``ours``, ``theirs``: (cost, error) of a measured point and of a peer, None where unknown."""
+
+    title: str
+    ylabel: str
+    ours: Callable[[Measured], tuple[float, float | None]]
+    theirs: Callable[[Peer], tuple[float | None, float | None]]
+
+
+PANELS = (
+    ChartPanel("whole process", "error of P(δ)", lambda p: (p.whole.cpu_s, p.errors.load),
+          lambda q: (q.whole.cpu_s, q.errors.load)),
+    ChartPanel("after imports", "error of P(δ)", lambda p: (p.after_imports.cpu_s, p.errors.load),
+          lambda q: (q.after_imports_cpu_s, q.errors.load)),
+    ChartPanel("whole process, with slopes", "error of the pull-off force",
+          lambda p: (p.whole.cpu_s + p.slopes_cpu_s, p.errors.pull_off), lambda q: (q.whole.cpu_s, q.errors.pull_off)),
+    ChartPanel("after imports, with slopes", "error of the pull-off force",
+          lambda p: (p.after_imports.cpu_s + p.slopes_cpu_s, p.errors.pull_off),
+          lambda q: (q.after_imports_cpu_s, q.errors.pull_off)),
+)  # fmt: skip
+
+
+def chart_figure(points: Sequence[Measured], peers: Sequence[Peer], title: str) -> Figure:
+    """Four panels, P(delta) above and the pull-off force below; the line is the Pareto front of this program."""
+    with drawing(WIDE, 6.0) as figure:
+        axes = figure.subplots(2, 2, sharey="row")
+        for place, panel in zip(axes.ravel(), PANELS, strict=True):
+            _draw(place, panel, points, peers)
+        for place, panel in zip(axes[:, 0], PANELS[::2], strict=True):
+            place.set_ylabel(panel.ylabel)
+        legend_below(figure, axes.ravel(), 4)
+        figure.suptitle(pretty(title))
+        return figure
+
+
+def _draw(axes: Axes, panel: ChartPanel, points: Sequence[Measured], peers: Sequence[Peer]) -> None:
+    ours = [spot for point in points if (spot := _spot(*panel.ours(point), point.setting.method))]
+    theirs = [spot for peer in peers if (spot := _spot(*panel.theirs(peer), f"{peer.name} {peer.version}"))]
+    axes.set(xscale="log", yscale="log", title=panel.title, xlabel="CPU seconds")
+    best = [ours[i] for i in front([(spot.x, spot.y) for spot in ours])]
+    axes.plot([s.x for s in best], [s.y for s in best], "-", color="0.7", lw=3, zorder=1, label="best of jkr")
+    for name, (color, marker) in LOOKS.items():
+        _scatter(axes, [spot for spot in ours if spot.family == name], name, color, marker)
+    for name, marker in zip(dict.fromkeys(spot.family for spot in theirs), PEER_MARKERS, strict=False):
+        _scatter(axes, [spot for spot in theirs if spot.family == name], name, GREY, marker)
+    axes.axhline(1e-3, color=PURPLE, lw=1.0, ls="--", zorder=1, label="error of 0.001")  # what auto asks for
+    if ours or theirs:
+        axes.set_xlim(*log_ends(np.array([spot.x for spot in (*ours, *theirs)]), least=10.0, margin=1.3))
+        log_ticks(axes.xaxis)
+
+
+def _scatter(axes: Axes, spots: Sequence[Spot], name: str, color: str, marker: str) -> None:
+    if spots:
+        x, y = [spot.x for spot in spots], [spot.y for spot in spots]
+        axes.plot(x, y, marker, color=color, mfc="none" if color == GREY else color, ms=5, alpha=0.8, label=name)
+
+
+def _spot(x: float | None, y: float | None, family: str) -> Spot | None:
+    return None if x is None or y is None else Spot(x, max(y, 1e-16), family)  # 0 has no logarithm
+
+
+if __name__ == "__main__":
+    sys.exit(call(main))

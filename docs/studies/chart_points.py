@@ -1,0 +1,215 @@
+"""Speed against accuracy: one case by every method and setting, on the same machine, against one exact solution."""
+
+from __future__ import annotations
+
+import json
+import sys
+import tempfile
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+from jkrcli.adhesion.analysis import analyse
+from jkrcli.base.errors import InputError, JkrError
+from jkrcli.base.files import read_bytes
+from jkrcli.base.unknown import Estimate
+from jkrcli.bodies.problem import Problem
+from jkrcli.case import Case, store
+from jkrcli.case.models import CaseModel
+from jkrcli.case.numerics import fem_of, method_of
+from jkrcli.many.cost import Cost, process_cost
+from jkrcli.methods import METHODS, method_class
+from jkrcli.methods.choose import choose
+
+from .chart_measure import timed, typical
+from .chart_reference import Errors, Reference
+
+SLOPES = ("exact", "integral", "loocv")
+
+
+@dataclass(frozen=True)
+class Setting:
+    """A method with options: ``tables`` of the case file by name, each in place of the case's own."""
+
+    method: str
+    words: str
+    tables: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+
+    def of(self, model: CaseModel) -> CaseModel:
+        """The case solved by this setting."""
+        tables = {name: type(getattr(model, name))(**values) for name, values in self.tables.items()}
+        return model.model_copy(update=tables | {"method": self.method})
+
+
+DEFAULT = "default"
+
+
+def _fem(words: str, contact: str = "nested", **mesh: Any) -> Setting:
+    return Setting("fem", words, {"mesh": mesh, "contact": {"algorithm": contact}})
+
+
+SETTINGS = (
+    Setting("layered", "tolerance 1e-2", {"layered": {"tolerance": 1e-2}}),
+    Setting("layered", DEFAULT, {"layered": {}}),
+    _fem("spacing 0.16", spacing=0.16),
+    _fem("spacing 0.08", spacing=0.08),
+    _fem(DEFAULT),
+    _fem("spacing 0.02", spacing=0.02),
+    _fem("spacing 0.08, nothing estimated", spacing=0.08, estimate_error=False, edge_correction=False),
+    _fem("order 1", order=1),
+    _fem("incremental", "incremental"),
+    _fem("zones", layout="zones"),
+)  # methods without an entry are measured with their defaults
+
+
+@dataclass(frozen=True)
+class Measured:
+    """One setting with one way of finding the slopes.
+
+    ``whole``: the process ``jkr run``; ``after_imports``: the solve alone, in a process that has done it once before;
+    ``slopes_cpu_s``: slopes and transformation; ``stated``: the error that the result itself claims for its series.
+    """
+
+    setting: Setting
+    slopes: str
+    unknowns: int | None
+    whole: Cost
+    after_imports: Cost
+    slopes_cpu_s: float
+    stated: Estimate
+    errors: Errors
+
+
+@dataclass(frozen=True)
+class LeftOut:
+    """A setting that was not measured, and why."""
+
+    setting: Setting
+    reason: str
+
+
+def settings_of(model: CaseModel, methods: Sequence[str]) -> list[Setting]:
+    """All settings of ``methods`` (none: of all); the case's own mesh too, where it is not the default."""
+    found = [setting for setting in SETTINGS if not methods or setting.method in methods]
+    known = {setting.method for setting in SETTINGS}
+    found += [Setting(name, DEFAULT) for name in METHODS if name not in known and (not methods or name in methods)]
+    if replace(fem_of(model), contact="nested") != method_class("fem")() and (not methods or "fem" in methods):
+        found.append(Setting("fem", "the case's own mesh"))
+    return sorted(found, key=lambda setting: list(METHODS).index(setting.method))
+
+
+def chart(
+    case: Case, settings: Iterable[Setting], w: float, reference: Reference, repeat: int, patience: float
+) -> Iterator[list[Measured] | LeftOut]:
+    """Measure every setting: a point for each way of finding the slopes, or why there is none."""
+    problem = case.model.problem()
+    for setting in settings:
+        model = setting.of(case.model)
+        try:
+            if reason := _unwanted(model, problem, setting.method, patience):
+                yield LeftOut(setting, reason)
+            else:
+                yield _measured(Case(model, case.source), setting, w, reference, repeat)
+        except JkrError as error:
+            yield LeftOut(setting, str(error))
+
+
+def _unwanted(model: CaseModel, problem: Problem, name: str, patience: float) -> str | None:
+    method = method_of(model, name)
+    if reason := method.refusal(problem):
+        return reason
+    seconds = method.forecast(problem).seconds
+    return f"would take about {seconds:.0f} s, more than {patience:g} s" if seconds > patience else None
+
+
+def _measured(case: Case, setting: Setting, w: float, reference: Reference, repeat: int) -> list[Measured]:
+    method, problem = method_of(case.model, setting.method), case.model.problem()
+    solution = method(problem)
+    after_imports = typical(lambda: timed(lambda: method(problem))[1], repeat)
+    unknowns = solution.facts.get("unknowns", solution.facts.get("nodes"))
+    points = []
+    with tempfile.TemporaryDirectory() as folder:
+        file, target = Path(folder) / "case.toml", Path(folder) / "series.h5"
+        file.write_text(case.to_toml(), encoding="utf-8")
+        command = [sys.executable, "-m", "jkrcli", "run", str(file), "-o", str(target)]
+        whole = typical(lambda: process_cost(command), repeat)
+        solved = store.read(target)
+        for slopes in SLOPES:
+            try:
+                found, cost = timed(lambda name=slopes: analyse(solved, [w], name)[0].curve)  # type: ignore[misc]
+            except JkrError:
+                continue  # these slopes do not exist for such a series
+            errors = reference.errors(found)
+            points.append(
+                Measured(setting, slopes, unknowns, whole, after_imports, cost.cpu_s, solution.budget.series, errors)
+            )
+    return points
+
+
+def front(points: Sequence[tuple[float, float]]) -> list[int]:
+    """Indices of the Pareto front of (cost, error), by increasing cost: no other point is cheaper and no less exact."""
+    order = sorted(range(len(points)), key=lambda i: points[i])
+    best, kept = float("inf"), []
+    for i in order:
+        if points[i][1] < best:
+            best = points[i][1]
+            kept.append(i)
+    return kept
+
+
+def beside_front(point: tuple[float, float], points: Sequence[tuple[float, float]], slack: float = 1.5) -> bool:
+    """Whether a (cost, error) lies on the front or next to it: nothing as exact is quicker by more than ``slack``."""
+    return not any(cost * slack < point[0] and error <= point[1] for cost, error in points)
+
+
+def automatic(case: Case) -> str:
+    """The method that "auto" takes with the case's tables left at their defaults."""
+    bare = case.model.model_copy(update={name: type(getattr(case.model, name))() for name in ("mesh", "layered")})
+    return choose(case.model.problem(), "auto", lambda name: method_of(bare, name)).name
+
+
+def chosen_points(points: Sequence[Measured], method: str) -> list[Measured]:
+    """What was measured of ``method`` at its defaults."""
+    return [point for point in points if point.setting.method == method and point.setting.words == DEFAULT]
+
+
+# ---------------------------------------------------------------------- other programs
+@dataclass(frozen=True)
+class Peer:
+    """One run of another program, its costs as on this machine; ``after_imports_cpu_s``: None where not known."""
+
+    name: str
+    version: str
+    body: str
+    settings: str
+    unknowns: int
+    whole: Cost
+    after_imports_cpu_s: float | None
+    errors: Errors
+
+
+def read_peers(path: Path, yardstick: float) -> list[Peer]:
+    """The stored runs, their times multiplied by ``yardstick`` [CPU s, of now] over the one of then."""
+    try:
+        data = json.loads(read_bytes(path, "file of peers"))
+        if (data["format"], data["version"]) != ("jkr-peers", 1):
+            raise InputError(f"{path}: must be jkr-peers version 1, got {data['format']} {data['version']}")
+        ratio = yardstick / min(data["yardstick_cpu_s"])
+        return [_peer(run, ratio) for run in data["runs"]]
+    except (json.JSONDecodeError, KeyError, TypeError, ValueError) as error:
+        raise InputError(f"{path}: is not a file of peers' timings ({error!r})") from None
+
+
+def _peer(run: Mapping[str, Any], ratio: float) -> Peer:
+    after = run["after_imports_cpu_s"]
+    return Peer(
+        run["peer"],
+        run["version"],
+        run["body"],
+        run["settings"],
+        run["unknowns"],
+        Cost(run["cpu_s"] * ratio, run["wall_s"] * ratio, run["memory_mib"]),
+        None if after is None else after * ratio,
+        Errors(**run["errors"]),
+    )

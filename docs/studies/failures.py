@@ -1,0 +1,171 @@
+"""The failure map, where each method is right, refuses, or errs: its command, table and pictures."""
+
+from __future__ import annotations
+
+import datetime
+import itertools
+import sys
+from collections.abc import Sequence
+from dataclasses import fields
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from jkrcli.base.table import as_json
+from jkrcli.methods import METHODS
+from jkrcli.report.output import PICTURES
+from jkrcli.report.plots import BLACK, BLUE, GREEN, ORANGE, PURPLE, Axes, Figure, drawing
+
+from .command import call, output_of, parser_of, pool_of
+from .failures_cells import AXES, BODIES, SHAPES, Cell
+from .failures_judge import (
+    BUGS,
+    CRASHED,
+    OUTCOMES,
+    REFUSED,
+    RIGHT,
+    SAID,
+    SILENT,
+    TOO_SLOW,
+    UNJUDGED,
+    Verdict,
+    counts,
+    failures,
+    random_cells,
+)  # fmt: skip
+
+FIRST = ("method", "outcome", "nu", "a_over_h")
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    """Solve random problems, from the ordinary to the absurd, and compare each with the exact solution.
+
+    Poisson's ratio to 1/2, contact from a thousandth to a hundred layer thicknesses, contrasts, indenters, few and many
+    points, nodes and increments, noise, any units. A cell is right within its stated error, wrong and said so (refused,
+    warned, error unknown), too slow (60 CPU s), or silently wrong: that is a bug, and the exit code is then 1.
+    Writes failures.csv, .json and per method failures-<method>.png; 2,000 cells take about half an hour.
+    """
+    parser = parser_of(str(main.__doc__))
+    parser.add_argument("--cells", type=int, default=2000, help="random cells [default: 2000]")
+    parser.add_argument("--seed", type=int, help="of the cells [default: today's date as a number]")
+    every = [*METHODS, "slopes"]
+    parser.add_argument("--methods", action="append", default=[], choices=every, help="only these")
+    given = parser.parse_args(words)
+    output = output_of(given)
+    files = output.files(given.output / "failures", (".csv", ".json"))
+    named = given.methods or every
+    pictures = {name: output.files(given.output / f"failures-{name}", PICTURES[:1]) for name in named}
+    seed = int(f"{datetime.date.today():%Y%m%d}") if given.seed is None else given.seed
+    with pool_of(given, given.cells) as pool:
+        verdicts = failures(random_cells(given.cells, seed, given.methods), pool)
+    data = as_dict(verdicts, seed)
+    files.write(_columns(verdicts), data)
+    for name in {verdict.cell.method for verdict in verdicts}:
+        pictures[name].write(figure=pictures[name].draw(partial(failures_figure, verdicts, name)))
+    if output.json:
+        print(as_json(data), end="")
+    else:
+        _print(verdicts, seed)
+        print(f"  written   {given.output / 'failures'}{{.csv,.json{',-<method>.png' if output.plots else ''}}}")
+    return int(any(verdict.outcome in BUGS for verdict in verdicts))
+
+
+def as_dict(verdicts: Sequence[Verdict], seed: int) -> dict[str, Any]:
+    """The study as JSON: how many of each outcome by method, and every silently wrong cell with all that makes it."""
+    return {
+        "format": "jkr-failures",
+        "version": 1,
+        "seed": seed,
+        "counts": counts(verdicts),
+        "too_slow": [vars(v.cell) for v in verdicts if v.outcome == TOO_SLOW],
+        "bugs": [{"outcome": v.outcome, "words": v.words, "cell": vars(v.cell)} for v in verdicts if v.outcome in BUGS],
+    }
+
+
+def _columns(verdicts: Sequence[Verdict]) -> dict[str, list[Any]]:
+    names = [*FIRST, *(field.name for field in fields(Cell) if field.name not in FIRST), "error", "stated", "words"]
+    return {name: [_value(verdict, name) for verdict in verdicts] for name in names}
+
+
+def _value(verdict: Verdict, name: str) -> Any:
+    return getattr(verdict, name) if hasattr(verdict, name) else getattr(verdict.cell, name)
+
+
+def _print(verdicts: Sequence[Verdict], seed: int) -> None:
+    print(f"{len(verdicts)} random cells, seed {seed}")
+    print(f"  {'method':<13}" + "".join(f"{outcome:>10}" for outcome in OUTCOMES))
+    for method, found in counts(verdicts).items():
+        print(f"  {method:<13}" + "".join(f"{found[outcome]:>10}" for outcome in OUTCOMES))
+    for verdict in verdicts:
+        if verdict.outcome in (*BUGS, TOO_SLOW):
+            print(f"  {verdict.outcome}: {verdict.words}: {verdict.cell}")
+
+
+# ---------------------------------------------------------------------- the pictures
+LOOKS = {  # colour, marker, size: the rarer and worse the larger
+    RIGHT: (GREEN, ".", 3),
+    SAID: (BLUE, "+", 4),
+    REFUSED: (ORANGE, "x", 3.5),
+    UNJUDGED: ("0.7", ".", 3),
+    TOO_SLOW: (PURPLE, "v", 4),
+    SILENT: (BLACK, "s", 5),
+    CRASHED: (BLACK, "D", 5),
+}
+WORDS = {
+    "shape": "indenter", "body": "body", "nu": "ν", "a_over_h": "a/h", "contrast": "E below / E on top",
+    "points": "points", "nodes": "nodes in contact", "increments": "increments (0: nested)", "noise": "noise",
+    "length_unit": "unit of length (m)", "force_unit": "unit of force (N)",
+}  # fmt: skip
+COMMON = ("nu", "a_over_h", "contrast", "points", "shape", "body", "length_unit", "force_unit")
+RELEVANT = {"fem": ("nodes", "increments", *COMMON), "slopes": ("noise", *COMMON)}
+CATEGORIES = {"shape": SHAPES, "body": BODIES}
+SMALL = {"font.size": 7, "xtick.labelsize": 6, "ytick.labelsize": 6, "axes.grid": False}
+SPACING = {"left": 0.09, "right": 0.99, "bottom": 0.09, "top": 0.99, "hspace": 0.12, "wspace": 0.12}
+LEAST = {"increments": 1.0, "noise": 1e-7}  # where none stands on a logarithmic axis
+
+
+def failures_figure(verdicts: Sequence[Verdict], method: str) -> Figure:
+    """A triangle of panels, one for every pair of the axes that matter to ``method``."""
+    mine = [verdict for verdict in verdicts if verdict.cell.method == method]
+    names = RELEVANT.get(method, COMMON)
+    n = len(names) - 1
+    with drawing(1.25 * n + 0.8, 1.25 * n + 0.8, SMALL, layout=None) as figure:
+        axes = figure.subplots(n, n, squeeze=False, gridspec_kw=SPACING)
+        for (row, below), (column, beside) in itertools.product(enumerate(names[1:]), enumerate(names[:-1])):
+            if column > row:
+                axes[row, column].remove()
+                continue
+            _draw(axes[row, column], mine, beside, below)
+            axes[row, column].label_outer()
+        figure.align_labels()
+        handles, labels = axes[0, 0].get_legend_handles_labels()
+        figure.legend(
+            handles, labels, loc="upper right", fontsize=9, title_fontsize=9, title=f"{method}, {len(mine)} cells"
+        )
+        return figure
+
+
+def _draw(axes: Axes, verdicts: Sequence[Verdict], x: str, y: str) -> None:
+    for outcome, (color, marker, size) in LOOKS.items():
+        cells = [verdict.cell for verdict in verdicts if verdict.outcome == outcome]
+        if cells:
+            label = f"{outcome}: {len(cells)}"
+            axes.plot([_place(cell, x) for cell in cells], [_place(cell, y) for cell in cells], marker, color=color,
+                      ms=size, mew=0.8, alpha=0.8, label=label)  # fmt: skip
+    axes.set(xlabel=WORDS[x], ylabel=WORDS[y])
+    for name, axis, scale in ((x, axes.xaxis, axes.set_xscale), (y, axes.yaxis, axes.set_yscale)):
+        if name in CATEGORIES:
+            axis.set_ticks(np.arange(len(CATEGORIES[name])), CATEGORIES[name])
+        elif name in AXES:
+            scale("log")
+    axes.tick_params(axis="x", rotation=90)
+
+
+def _place(cell: object, name: str) -> float:
+    value = getattr(cell, name)
+    return CATEGORIES[name].index(value) if name in CATEGORIES else max(value, LEAST.get(name, value))
+
+
+if __name__ == "__main__":
+    sys.exit(call(main))

@@ -1,0 +1,306 @@
+"""The study of tuned numbers: error and time of reference bodies with each of them halved, as shipped, and doubled.
+
+Every algorithm keeps what it was tuned to in one frozen dataclass, a module's constant whose name ends in TUNING; the
+fields whose comment says "tuned" are varied here, one at a time.
+"""
+
+from __future__ import annotations
+
+import ast
+import contextlib
+import functools
+import gc
+import importlib
+import inspect
+import pkgutil
+import sys
+import time
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, is_dataclass, replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+import jkrcli
+from jkrcli.adhesion.curve import transform
+from jkrcli.adhesion.slopes.choice import slopes
+from jkrcli.base.errors import SolveError
+from jkrcli.base.executors import Pool, completed
+from jkrcli.base.unknown import Unknown
+from jkrcli.bodies.grading import Exponential
+from jkrcli.bodies.indenters import Paraboloid
+from jkrcli.bodies.materials import Elastic, Graded
+from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
+from jkrcli.data.measured import Curve
+from jkrcli.identification.fit import FittedBody, Parameter, Settings, fit
+from jkrcli.methods import METHODS, method_class
+
+from . import noise_cells
+from .chart_reference import Reference, reference_of
+from .command import call, output_of, parser_of, pool_of
+from .watchdog import TooSlowError, cpu_limit
+
+SOFT, STIFF, GEL = Elastic(1e6, 0.4), Elastic(2e7, 0.3), Elastic(1e6, 0.499)
+SKIN = Graded(Exponential(2e7, 1e6, 1e-6), 0.4)
+# h = 1 um, R = 1 mm, contact to several h; the least body first.
+SPECIMENS = {
+    "coating": Specimen((Layer(SOFT, 1e-6),), HalfSpace(STIFF)),
+    "half-space": Specimen((), HalfSpace(SOFT)),
+    "thin layer": Specimen((Layer(SOFT, 1e-6),), Rigid()),
+    "gel": Specimen((Layer(GEL, 1e-6),), Rigid()),
+    "stiff on soft": Specimen((Layer(STIFF, 2e-7), Layer(GEL, 1e-6)), HalfSpace(SOFT)),
+    "graded": Specimen((Layer(SKIN, 1e-6),), HalfSpace(SOFT)),
+    "cylinder": Specimen((Layer(SOFT, 1e-5),), Rigid(), radius=2e-5, side="free"),
+}
+BODIES = {name: Problem(Paraboloid(1e-3), held, Loading("radius", 5e-6, 25)) for name, held in SPECIMENS.items()}
+NOISY = ("noisy Hertz", "noisy layer")  # series for slopes, with relative noise of 1e-3
+RECORDED = ("half-space", "thin layer")  # bodies of simulated records that are fitted
+USERS = {"integral": ("layered", "hybrid")}  # methods that share what stands in a folder; else the folder's own
+SHARED: dict[str, Reference] = {}  # exact solutions of this process, by shipped tunings
+
+
+@dataclass(frozen=True)
+class Knob:
+    """A tuned number: ``field`` of the constant ``name`` in ``module``, and its ``shipped`` value."""
+
+    module: str
+    name: str
+    field: str
+    shipped: float
+
+    @property
+    def values(self) -> tuple[float, ...]:
+        """The values it is varied to: a half and a double, of small whole numbers the neighbours."""
+        x = self.shipped
+        if isinstance(x, int):
+            return (x // 2, 2 * x) if x > 7 else tuple(n for n in (x - 1, x + 1) if n > 0)
+        return x / 2, 2 * x
+
+
+@dataclass(frozen=True)
+class Variant:
+    """A body solved by a method (or slopes found of a noisy series) with ``value`` at ``knob``; None: all shipped."""
+
+    body: str
+    method: str
+    knob: Knob | None = None
+    value: float | None = None
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """Relative ``error`` of P, of the pull-off force where slopes were found, of E* and w where a record was fitted;
+    CPU ``seconds``; ``reason``: why there is no error."""
+
+    error: float | None
+    seconds: float
+    reason: str = ""
+
+
+def knobs(asked: Sequence[str] = ()) -> list[Knob]:
+    """All tuned numbers of the algorithms ``asked`` for (parts of modules' names; none: of all)."""
+    found = []
+    for item in pkgutil.walk_packages(jkrcli.__path__, "jkrcli."):
+        if item.name.split(".")[1] in ("cli", "many", "report", "__main__"):
+            continue
+        module = importlib.import_module(item.name)
+        if asked and not any(word.replace("-", "_") in item.name for word in asked):
+            continue
+        for name, held in vars(module).items():
+            if name.endswith("TUNING") and is_dataclass(held) and type(held).__module__ == item.name:
+                found += [Knob(item.name, name, field, getattr(held, field)) for field in _tuned(type(held))]
+    return [knob for knob in found if type(knob.shipped) in (int, float)]
+
+
+def _tuned(cls: type) -> list[str]:
+    """The fields whose comment, beside or right above them, says that they are tuned."""
+    lines = inspect.getsource(cls).splitlines()
+    (tree,) = ast.parse("\n".join(lines)).body
+    fields = []
+    for node in ast.walk(tree):
+        if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name):
+            first = node.lineno - 1
+            while lines[first - 1].lstrip().startswith("#"):
+                first -= 1
+            told = " ".join(line.partition("#")[2] for line in lines[first : node.end_lineno])
+            fields += [node.target.id] if "tuned" in told else []
+    return fields
+
+
+def variants_of(knob: Knob, bodies: Sequence[str]) -> list[Variant]:
+    """All that the algorithm of ``knob`` has a part in, with each of its values; empty where it has none."""
+    _, room, *rest = knob.module.split(".")
+    if room == "identification":
+        able = [(body, "fit") for body in RECORDED[: len(bodies)]]
+    elif room == "adhesion":
+        able = [(body, way) for body in NOISY[: len(bodies)] for way in noise_cells.METHODS]
+    else:
+        folder = rest[0] if rest else ""
+        names = USERS.get(folder, (folder.replace("_", "-"),)) if room == "methods" else ()
+        methods = {name: method_class(name)() for name in names if name in METHODS}
+        able = [(body, name) for body in bodies for name, held in methods.items() if not held.refusal(BODIES[body])]
+    return [Variant(*pair, knob, value) for pair in able for value in knob.values]
+
+
+def measure(variant: Variant) -> Outcome:
+    """The outcome of a variant that is solved here; SolveError where it takes more than a minute of CPU time."""
+    work = _prepared(variant)
+    with contextlib.nullcontext() if variant.knob is None else varied(variant.knob, variant.value):
+        start = time.process_time()
+        try:
+            with cpu_limit(60.0):
+                error = work()
+        except TooSlowError:
+            raise SolveError("takes more than 60 CPU s") from None
+        return Outcome(error, time.process_time() - start)
+
+
+def outcomes(variants: Sequence[Variant], pool: Pool) -> dict[Variant, Outcome]:
+    """The outcomes of all variants in their order; what fails is told."""
+    found = {}
+    for index, result in completed(pool, measure, variants, "tuning"):
+        if isinstance(result, Exception):
+            result = Outcome(None, 0.0, f"{type(result).__name__}: {result}".splitlines()[0])
+        found[index] = result
+    return {variant: found[index] for index, variant in enumerate(variants)}
+
+
+def _prepared(variant: Variant) -> partial[float]:
+    """What is timed, its exact solution found beforehand with the shipped tunings."""
+    if variant.body in NOISY:
+        body = noise_cells.BODIES[NOISY.index(variant.body)]
+        exact = body.series(60)
+        return partial(_slopes_error, variant.method, body, transform(exact, slopes(exact, "exact"), body.w))
+    problem = BODIES[variant.body]
+    if variant.method == "fit":
+        return partial(_fit_error, problem)
+    if variant.body not in SHARED:
+        SHARED[variant.body] = _reference(problem)
+    return partial(_load_error, variant.method, problem, SHARED[variant.body])
+
+
+def _reference(problem: Problem) -> Reference:
+    """The exact solution; of a body that ends sideways by ``hybrid`` to a tolerance a tenth of its default."""
+    if problem.specimen.radius is None:
+        return reference_of(problem, 1e-3)
+    dense = replace(problem, loading=replace(problem.loading, maximum=5.1e-6, points=100))
+    series = method_class("hybrid")(tolerance=1e-6)(dense).series
+    return Reference("hybrid, tolerance 1e-06", transform(series, slopes(series, "exact"), 1e-3))
+
+
+def _load_error(method: str, problem: Problem, reference: Reference) -> float:
+    series = method_class(method)()(problem).series
+    return reference.load_error(series.delta, series.P)
+
+
+def _slopes_error(way: str, body: noise_cells.Body, truth: Any) -> float:
+    return noise_cells.cell(body, truth, 1e-3, way, 5).median
+
+
+def _fit_error(problem: Problem) -> float:
+    """Median over nine records of the larger relative error of E* and w: a retraction under load control with 1 % of
+    noise on both axes, its jump, a base line."""
+    series = method_class("layered")()(problem).series
+    body = FittedBody.of(problem, series, slopes(series, "exact"))
+    third = len(series) // 3  # there w shifts the contact by its own displacement
+    w = float(series.delta[third] ** 2 * body.slopes.dS[third] / (4 * np.pi * series.a[third]))
+    adhesive = transform(series, body.slopes, w)
+    lost = adhesive.pull_off(0.0)
+    assert not isinstance(lost, Unknown)
+    delta, P = adhesive.at(np.linspace(series.a[-1], lost.a, 150))
+    delta = np.append(delta, lost.delta - np.linspace(0, np.ptp(delta), 50))
+    P = np.append(P, np.zeros(50))
+    settings, errors = Settings(tuple(Parameter(name, True) for name in ("modulus", "w", "delta0"))), []
+    for seed in range(9):
+        noise = 0.01 * np.random.default_rng(seed).standard_normal((2, delta.size))
+        record = Curve("record", delta=delta + noise[0] * series.delta[third], P=P + noise[1] * abs(lost.P))
+        found = fit(body, record, settings)
+        errors.append(max(abs(found.value("modulus") - 1), abs(found.value("w") / w - 1)))
+    return float(np.median(errors))
+
+
+@contextlib.contextmanager
+def varied(knob: Knob, value: float | None) -> Iterator[None]:
+    """The tuning with ``value`` at ``knob`` wherever it is known in the package; nothing computed before is kept."""
+    shipped = getattr(importlib.import_module(knob.module), knob.name)
+    modules = [vars(module) for name, module in list(sys.modules.items()) if name.startswith("jkrcli")]
+    holders = [(names, name) for names in modules for name, held in list(names.items()) if held is shipped]
+
+    def put(tuning: Any) -> None:
+        for names, name in holders:
+            names[name] = tuning
+        for item in gc.get_objects():
+            if isinstance(item, functools._lru_cache_wrapper):
+                item.cache_clear()
+
+    put(replace(shipped, **{knob.field: value}))
+    try:
+        yield
+    finally:
+        put(shipped)
+
+
+def table(found: Mapping[Variant, Outcome]) -> dict[str, list[Any]]:
+    """A row per varied number, value, body and method, the shipped one beside it."""
+    rows = []
+    for trial, outcome in found.items():
+        if trial.knob is not None:
+            usual = found[Variant(trial.body, trial.method)]
+            named = {"algorithm": trial.knob.module.removeprefix("jkrcli."), "field": trial.knob.field}
+            told = {"shipped": trial.knob.shipped, "value": trial.value, "body": trial.body, "method": trial.method}
+            errors = {"shipped_error": usual.error, "error": outcome.error}
+            times = {"shipped_cpu_s": usual.seconds, "cpu_s": outcome.seconds, "reason": outcome.reason}
+            rows.append(named | told | errors | times)
+    return {name: [row[name] for row in rows] for name in (rows[0] if rows else ("algorithm", "field", "shipped"))}
+
+
+def words(found: Mapping[Variant, Outcome], every: Sequence[Knob]) -> list[str]:
+    """A line per varied number, value and method: worst error and whole time of all bodies, varied and shipped."""
+    titles = f"{'error':>10}{'CPU s':>8}"
+    lines = [f"{'tuned number':<48}{'method':<10}{'value':>10}{titles}{'shipped':>10}{titles}"]
+    for knob, value in [(each, value) for each in every for value in each.values]:
+        label = f"{knob.module.removeprefix('jkrcli.')}.{knob.field}"
+        mine = {trial: held for trial, held in found.items() if (trial.knob, trial.value) == (knob, value)}
+        for method in dict.fromkeys(trial.method for trial in mine):
+            changed = {trial: held for trial, held in mine.items() if trial.method == method}
+            usual = _summary([found[Variant(trial.body, method)] for trial in changed])
+            lines.append(
+                f"{label:<48}{method:<10}{value:>10.4g}{_summary(changed.values())}{knob.shipped:>10.4g}{usual}"
+            )
+        if not mine:
+            lines.append(f"{label:<48}no body here depends on it")
+    return lines
+
+
+def _summary(outcomes: Collection[Outcome]) -> str:
+    errors = [held.error for held in outcomes]
+    worst = f"{max(error for error in errors if error is not None):.1e}" if None not in errors else "failed"
+    return f"{worst:>10}{sum(held.seconds for held in outcomes):>8.2f}"
+
+
+def main(given_words: Sequence[str] | None = None) -> int:
+    """Vary every tuned number by a half and a double; errors and times on reference bodies beside the shipped ones.
+
+    P at equal depth against the exact solution; for slopes the pull-off force of noisy series, for fits E* and w of
+    simulated records. Writes tuning.csv and
+    prints the table; half an hour for all on two cores.
+    """
+    parser = parser_of(str(main.__doc__))
+    parser.add_argument("algorithms", nargs="*", help="parts of modules' names, such as hybrid [default: all]")
+    parser.add_argument("--quick", action="store_true", help="one body")
+    given = parser.parse_args(given_words)
+    files = output_of(given).files(given.output / "tuning", (".csv",))
+    bodies = list(BODIES)[: 1 if given.quick else None]
+    every = knobs(given.algorithms)
+    asked = [trial for knob in every for trial in variants_of(knob, bodies)]
+    asked = [*dict.fromkeys(Variant(trial.body, trial.method) for trial in asked), *asked]
+    with pool_of(given, 0.5 * len(asked)) as pool:
+        found = outcomes(asked, pool)
+    files.write(table(found))
+    print("\n".join(words(found, every)))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(call(main))

@@ -1,0 +1,178 @@
+"""`make validation`: what this program computes against published and independent values, as the tables of a page.
+
+Each row states its source and its tolerance; a row beyond it makes the command fail. Independent are values that no
+code of jkrcli made: closed forms written out here, numbers of publications, other programs, and a second solution of
+the contact equation by plain quadrature, below.
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+
+import jkrcli as jkr
+from jkrcli.adhesion.stability import behaviour
+from jkrcli.many.study.pull_off_map import pull_off_map
+
+HERE = Path(__file__).parent
+HAYES = "Hayes, Keer, Herrmann and Mockros, J. Biomech. 5 (1972) 541, digits beyond theirs by two programs"
+MAUGIS = "Maugis and Barquins, J. Phys. D 11 (1978) 1989"
+JKR = "Johnson, Kendall and Roberts, Proc. R. Soc. A 324 (1971) 301"
+PAPER = "Jiang, Borodich, Perepelkin and Jin"
+QUADRATURE = "plain quadrature in `docs/validation/validate.py`"
+
+
+@dataclass(frozen=True)
+class Row:
+    """A quantity, its value here and elsewhere, where that is from, and the relative difference that is allowed."""
+
+    what: str
+    computed: float
+    reference: float
+    source: str
+    tolerance: float
+
+    @property
+    def difference(self) -> float:
+        return abs(self.computed / self.reference - 1)
+
+    @property
+    def line(self) -> str:
+        return (
+            f"| {self.what} | {self.computed:.8g} | {self.reference:.8g} | {self.difference:.0e} "
+            f"| {self.tolerance:.0e} | {self.source} |"
+        )
+
+
+# ---------------------------------------------------------------------- independent solution
+def plain_stiffness(nu: float, a: float, nodes: int = 160) -> float:
+    """S/(2 E* a) of a flat punch of radius ``a`` on a bonded layer of unit thickness: Lebedev and Ufliand's equation by
+    Gauss points on the radius and on a cut half-axis of wave numbers."""
+    y, weight = np.polynomial.legendre.leggauss(800)
+    k, dk = 20 * (y + 1), 20 * weight
+    kappa = 3 - 4 * nu
+    g = (2 * kappa * np.sinh(2 * k) - 4 * k) / (2 * kappa * np.cosh(2 * k) + 1 + kappa**2 + 4 * k**2)
+    t, dt = np.polynomial.legendre.leggauss(nodes)
+    t, dt = a * (t + 1) / 2, a * dt / 2
+    K = (np.cos(np.outer(t, k)) * ((g - 1) * dk)) @ np.cos(np.outer(k, t))
+    phi = np.linalg.solve(np.eye(nodes) + 2 / math.pi * K * dt, np.full(nodes, 2 / math.pi))
+    return float(math.pi * phi @ dt / (2 * a))
+
+
+# ---------------------------------------------------------------------- rows
+def bonded(nu: float, h: float = 1.0, E: float = 1.0) -> jkr.Specimen:
+    return jkr.Specimen((jkr.Layer(jkr.Elastic(E, nu), h),), jkr.Rigid(bonded=True))
+
+
+@cache
+def at(specimen: jkr.Specimen, a: float, method: object = None) -> object:
+    """The series of a blunt paraboloid at one contact radius and ten smaller ones."""
+    radii = tuple(np.linspace(0.05, 1, 20) * a)
+    return jkr.solve(jkr.Problem(jkr.Paraboloid(1000.0), specimen, jkr.Loading.given("radius", radii)), method).series
+
+
+def classical() -> Iterator[Row]:
+    """Half-space: the theory of Johnson, Kendall and Roberts."""
+    R, w, E = 10e-6, 0.05, 1e6
+    problem = jkr.Problem(jkr.Paraboloid(R), jkr.Specimen((), jkr.HalfSpace(jkr.Elastic(E, 0.3))),
+                          jkr.Loading("radius", 5e-6, 100))  # fmt: skip
+    for method in (jkr.ClosedForm(), jkr.Layered()):
+        curve, name = jkr.transform(jkr.solve(problem, method), w=w), type(method).__name__
+        force = curve.pull_off["load"].P / (math.pi * w * R)
+        rigid = curve.pull_off["displacement"].P / (math.pi * w * R)
+        yield Row(f"pull-off force / π w R, load control, {name}", -force, 1.5, JKR, 1e-12)
+        yield Row(f"the same, displacement control, {name}", -rigid, 5 / 6, MAUGIS, 1e-11)
+        E_star = E / (1 - 0.3**2)
+        soft, stiff = behaviour(curve.curve, 0.0), behaviour(curve.curve, math.inf)
+        zero = 6 * math.pi * w * R**2 * 3 / (4 * E_star)
+        yield Row(f"a³ at P = 0 / (9 π w R²/2 E*), {name}", soft.jump_in.a**3 / zero, 1.0, JKR, 1e-12)
+        contact = math.pi * w * R**2 * 2 / E_star
+        yield Row(f"a³ at δ = 0 / (2 π w R²/E*), {name}", stiff.jump_in.a**3 / contact, 1.0, MAUGIS, 1e-12)
+
+
+def sphere() -> Iterator[Row]:
+    """The exact sphere: Sneddon's load at a = 0.5 R."""
+    specimen = jkr.Specimen((), jkr.HalfSpace(jkr.Elastic(1.0, 0.0)))
+    problem = jkr.Problem(jkr.Sphere(1.0), specimen, jkr.Loading.given("radius", (0.25, 0.5)))
+    exact = (1 + 0.25) * math.atanh(0.5) - 0.5
+    for method in (jkr.ClosedForm(), jkr.Layered()):
+        P = float(jkr.solve(problem, method).series.P[-1])
+        yield Row(f"load of a sphere at a = R/2 / E* R², {type(method).__name__}", P, exact,
+                  "Sneddon, Int. J. Eng. Sci. 3 (1965) 47: (R² + a²) artanh(a/R) − a R", 1e-13)  # fmt: skip
+
+
+def layers() -> Iterator[Row]:
+    """Bonded layers: indentation factor of Hayes, and a second solution of the contact equation."""
+    published = {(0.3, 0.2): 1.20656, (0.3, 0.4): 1.47261, (0.3, 0.6): 1.78475, (0.3, 0.8): 2.12598,
+                 (0.3, 1.0): 2.48352, (0.5, 1.0): 3.61874}  # fmt: skip
+    for (nu, a), factor in published.items():
+        found = at(bonded(nu), a).S[-1] * (1 - nu**2) / (2 * a)
+        yield Row(f"κ = S/2E*a, ν = {nu:g}, a/h = {a:g}", found, factor, HAYES, 6e-6)
+    for nu, a in ((0.3, 1.0), (0.3, 5.0), (0.499, 1.0), (0.499, 5.0), (0.5, 5.0)):
+        found = at(bonded(nu), a).S[-1] * (1 - nu**2) / (2 * a)
+        yield Row(f"κ, ν = {nu:g}, a/h = {a:g}", found, plain_stiffness(nu, a), QUADRATURE, 1e-10)
+
+
+def thin() -> Iterator[Row]:
+    """Thin and thick limits of the pull-off force on a layer."""
+    for nu, q, force, tolerance in ((0.3, 1e-6, 1.5, 1e-5), (0.3, 1e6, 2.0, 1e-2)):
+        (found,) = pull_off_map([nu], True, (q,))
+        name = f"pull-off force / π w R, ν = {nu:g}, w R²/E* h³ = {q:g}"
+        yield Row(name, found.force, force, "limits: half-space 3/2; Eq. 20, thin compressible layer 2", tolerance)
+
+
+def others() -> Iterator[Row]:
+    """The methods among themselves, where they share nothing but the problem."""
+    gel = bonded(0.499, 0.36e-3, 15e3)
+    for method, tolerance in ((jkr.Hybrid(), 1e-6), (jkr.FEM(), 1e-3)):
+        problem = jkr.Problem(jkr.Sphere(6e-3), gel, jkr.Loading("radius", 1.2e-3, 100))
+        here, exact = (jkr.transform(jkr.solve(problem, one), w=0.04).pull_off["load"].P
+                       for one in (method, jkr.Layered()))  # fmt: skip
+        yield Row(f"pull-off force on the gel [mN], {type(method).__name__}", -1e3 * here, -1e3 * exact, "`layered`",
+                  tolerance)  # fmt: skip
+    yield Row("the same, `layered`", -1e3 * exact, 1.4833, "a program written apart from this one, five digits", 4e-5)
+    cylinder = replace(bonded(0.3), radius=3.0, side="free")
+    problem = jkr.Problem(jkr.Paraboloid(1000.0), cylinder, jkr.Loading("radius", 2.0, 60))
+    hybrid, fem = (jkr.solve(problem, method).series for method in (jkr.Hybrid(), jkr.FEM(tolerance=1e-4)))
+    delta = float(fem.delta[-2])
+    loads = [float(np.exp(np.interp(np.log(delta), np.log(one.delta), np.log(one.P)))) for one in (hybrid, fem)]
+    yield Row("load of a free cylinder, radius 3 h, `hybrid`", *loads, "`fem` at a tolerance of 1e-4", 5e-6)
+
+
+def paper() -> Iterator[Row]:
+    """Numbers of the paper."""
+    from jkrcli.formulas.half_space import tabor
+
+    E_star = 5e9 / (1 - 0.4**2)
+    for w, R, printed in ((50.0, 1e-4, 639), (10.0, 1e-3, 471)):
+        yield Row(
+            f"Tabor number, w = {w:g} J/m², R = {R * 1e3:g} mm", tabor(R, w, E_star, 0.3e-9), printed, PAPER, 1e-3
+        )
+
+
+SECTIONS = (classical, sphere, layers, thin, others, paper)
+HEAD = "| quantity | here | elsewhere | relative difference | allowed | source |\n|---|---|---|---|---|---|"
+
+
+def page() -> tuple[str, list[Row]]:
+    """The page, and the rows that are further off than they may be."""
+    parts = ["# Tables", "Written by `make validation`."]
+    wrong: list[Row] = []
+    for section in SECTIONS:
+        rows = list(section())
+        wrong += [row for row in rows if not row.difference <= row.tolerance]
+        parts += [f"## {(section.__doc__ or '').rstrip('.')}", "\n".join([HEAD, *(row.line for row in rows)])]
+    return "\n\n".join(parts) + "\n", wrong
+
+
+if __name__ == "__main__":
+    text, wrong = page()
+    (HERE / "tables.md").write_text(text, encoding="utf-8")
+    print(text)
+    sys.exit("".join(f"beyond its tolerance: {row}\n" for row in wrong) or 0)

@@ -114,7 +114,7 @@ class Nonadhesive:
         if factor == 1:
             return self
         further = None if self.further is None else self.further.scaled(factor)
-        return Nonadhesive(self.series.scaled(factor), self.slopes.scaled(factor), self.log_rates, further)
+        return replace(self, series=self.series.scaled(factor), slopes=self.slopes.scaled(factor), further=further)
 
     def adhesive(self, w: float) -> AdhesiveCurve:
         """The curve for the work of adhesion ``w`` >= 0 [J/m^2]."""

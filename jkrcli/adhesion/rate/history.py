@@ -17,6 +17,7 @@ from ...base.unknown import Estimate, Unknown
 from ..curve import AdhesiveCurve, Equilibrium, Nonadhesive
 from ..device import DISPLACEMENT_CONTROL, LOAD_CONTROL, control, position
 from ..stability import UNBOUNDED
+from .conservative import conservative
 from .edge import Edge
 from .laws import RateLaw
 from .motion import Driven, Motion, move
@@ -45,7 +46,7 @@ class RateContact:
     """A contact whose edge recedes by ``law`` above ``w0`` [J/m^2], in a device of ``stiffness`` [N/m].
 
     It advances where G is below ``w_advance`` <= w0 [J/m^2]: by ``law_advance``, or, None, at once to equilibrium.
-    ``tolerance``: relative, of the integrator's steps.
+    ``tolerance``: relative, of the integrator's steps. The ``body`` is interpolated so that it conserves energy.
     """
 
     body: Nonadhesive
@@ -57,6 +58,7 @@ class RateContact:
     tolerance: float = TUNING.tolerance
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "body", conservative(self.body))
         positive("J/m^2", w0=self.w0)
         if not 0 <= self.w_advance <= self.w0:
             raise InputError(

@@ -9,12 +9,14 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from scipy.optimize import least_squares
 
 from ...adhesion.curve import Nonadhesive
+from ...adhesion.rate.conservative import conservative
 from ...adhesion.rate.laws import RATE_LAWS, RateLaw, rate_parameters
 from ...base.arrays import Array
 from ...base.errors import InputError, JkrError, SolveError, did_you_mean
@@ -223,7 +225,12 @@ class _Problem:
         return predict(body, law, w0, record.stiffness, program, record.tilt, start, record.t)
 
     def body_at(self, log_modulus: float) -> Nonadhesive:
-        return Nonadhesive(self.body.series, self.body.slopes).scaled(math.exp(log_modulus))
+        return self.unit.scaled(math.exp(log_modulus))
+
+    @cached_property
+    def unit(self) -> Nonadhesive:
+        """The functions of the body with its own moduli."""
+        return conservative(Nonadhesive(self.body.series, self.body.slopes))
 
     def equations(self, theta: Array) -> tuple[Array, Array]:
         """Residuals in standard deviations, and their derivatives by the unknowns."""

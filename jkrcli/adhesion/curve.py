@@ -13,10 +13,9 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple, TypeVar
 
 import numpy as np
-from scipy.interpolate import CubicHermiteSpline, CubicSpline
-from scipy.optimize import brentq
 
 from ..base.arrays import Array
+from ..base.cubic import PiecewiseCubic, spline_slopes, zeros_between
 from ..base.errors import InputError
 from ..base.units import show
 from ..base.unknown import Estimate, Unknown
@@ -41,6 +40,7 @@ class CurveTuning:
     order_factor: float = 8.0  # theory: halving the spacing divides an error of third order by it, at least
     middle: float = 0.5  # theory: of its largest value, in which a cubic Hermite errs by s^2 (1 - s)^2 of an interval
     solved: float = 1e-6  # choice: relative distance from a solved radius up to which a point is solved
+    zero: float = 1e-14  # theory: rounding of the samples, logs of radii or fractions of the last place
     end: float = 1e-9  # choice: fraction by which a radius may leave the series, for round-off of units
 
 
@@ -193,7 +193,7 @@ class Nonadhesive:
         return np.full((self.a.size, 2), np.nan) if self.log_rates is None else self.log_rates
 
     @cached_property
-    def logs(self) -> tuple[CubicHermiteSpline, CubicHermiteSpline]:
+    def logs(self) -> tuple[PiecewiseCubic, PiecewiseCubic]:
         """Cubics between the points: log of (delta_H, P_H) over log(a - a0), log of (S, S') over log a."""
         if self.further is not None:
             return self.knots.logs
@@ -201,11 +201,11 @@ class Nonadhesive:
             raise InputError("adhesive curve: a series of one point has no values between points")
         delta, P, S, dS, _ = self.points
         x, z = np.log(self.a), np.log(self.a - self.series.a0)
-        fitted = np.stack([CubicSpline(z, np.log(delta))(z, 1), CubicSpline(x, np.log(dS))(x, 1)], 1)
+        fitted = np.stack([spline_slopes(z, np.log(delta)), spline_slopes(x, np.log(dS))], 1)
         rate, rate_dS = np.where(np.isnan(self._known_rates), fitted, self._known_rates).T
         return (
-            CubicHermiteSpline(z, np.log(np.stack([delta, P], 1)), np.stack([rate, S * delta / P * rate], 1)),
-            CubicHermiteSpline(x, np.log(np.stack([S, dS], 1)), np.stack([self.a * dS / S, rate_dS], 1)),
+            PiecewiseCubic(z, np.log(np.stack([delta, P], 1)), np.stack([rate, S * delta / P * rate], 1)),
+            PiecewiseCubic(x, np.log(np.stack([S, dS], 1)), np.stack([self.a * dS / S, rate_dS], 1)),
         )
 
 
@@ -373,11 +373,11 @@ class EquilibriumCurve(ABC):
 
         x = self._samples
         signs = np.sign(along(x))
-        for i in np.flatnonzero(signs[:-1] * signs[1:] <= 0):
-            if signs[i + 1] == 0 and i + 2 < signs.size:
-                continue  # taken by the next pair
-            place = float(self._place(brentq(along, x[i], x[i + 1], xtol=1e-14, rtol=1e-14)))
-            yield min(max(place, first), last), bool(signs[i + 1] > signs[i])
+        changes = np.flatnonzero(signs[:-1] * signs[1:] <= 0)
+        left = changes[(signs[changes + 1] != 0) | (changes + 2 == signs.size)]  # a zero at a sample is the next pair's
+        found = zeros_between(along, x[left], x[left + 1], TUNING.zero)
+        places = np.clip(self._place(found), first, last)
+        yield from zip(places.tolist(), (signs[left + 1] > signs[left]).tolist(), strict=True)
 
     def pull_off(self, stiffness: float) -> CriticalPoint | Unknown:
         """Pull-off under load control (``stiffness`` 0), pull-off under displacement control (inf), or by a device.

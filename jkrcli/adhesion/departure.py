@@ -69,7 +69,7 @@ def _own(problem: Problem, a: Array) -> Series | None:
 
 def _judged(gap: Array, rates: Array, x: Array) -> tuple[str, ...]:
     """The sentence on the ``gap`` (2, n) of the logs of delta and P at log radii ``x``, if it is no scatter."""
-    from scipy.stats import f
+    from scipy.special import fdtrc
 
     n = x.size
     t = np.linspace(-1, 1, n)
@@ -84,7 +84,7 @@ def _judged(gap: Array, rates: Array, x: Array) -> tuple[str, ...]:
     target, design = _independent(white, rho).ravel(), _independent(basis, rho).reshape(6, -1)
     full, few = _least(design, target), _least(design[3:4], target)
     free = target.size - 6
-    chance = float(f.sf((few - full) / 5 / max(full / free, 1e-300), 5, free))
+    chance = float(fdtrc(5, free, (few - full) / 5 / max(full / free, 1e-300)))
     coefficients = np.linalg.lstsq(design.T, target, rcond=None)[0]
     departs = {"displacement": coefficients[:3] @ powers, "load": coefficients[3:] @ powers}
     spans = {

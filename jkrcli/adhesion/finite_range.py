@@ -10,10 +10,9 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
-from scipy.interpolate import BSpline, PchipInterpolator, make_interp_spline
 
 from ..base.arrays import Array
 from ..base.errors import InputError, Refusal
@@ -51,6 +50,8 @@ class FiniteRangeTuning:
 
 
 TUNING = FiniteRangeTuning()
+if TYPE_CHECKING:
+    from scipy.interpolate import BSpline  # when called: commands that need no finite range start sooner
 
 STATES = ("a", "c", "delta", "P", "gap")  # columns of Rims
 
@@ -166,6 +167,8 @@ class FiniteRangeCurve(EquilibriumCurve):
     @cached_property
     def _spline(self) -> BSpline:
         """a, delta, P over arcosh sqrt(c/c0)."""
+        from scipy.interpolate import make_interp_spline
+
         v = self._stretched(self.touching.c)
         columns = np.stack([self.touching.a, self.touching.delta, self.touching.P], axis=1)
         return make_interp_spline(v, columns, min(TUNING.degree, v.size - 1))
@@ -177,6 +180,8 @@ class FiniteRangeCurve(EquilibriumCurve):
     @cached_property
     def _pulled(self) -> BSpline:
         """f(c) - delta [m] without contact, over c."""
+        from scipy.interpolate import make_interp_spline
+
         return make_interp_spline(self.apart.c, self.problem.indenter.f(self.apart.c) - self.apart.delta, TUNING.degree)
 
     def _at(self, places: Array) -> tuple[Array, Array]:
@@ -307,6 +312,8 @@ class FiniteRangeBody:
     def _touching(self, attraction: Attraction, s: float, gap: float) -> Rims:
         """States in contact from a = 0 on: at the radii of the series, and at more of them where they are too far apart
         in arcosh sqrt(c/c0)."""
+        from scipy.interpolate import PchipInterpolator
+
         a = np.concatenate([[0.0], self.series.a])
         rims = attraction.discs(a).equilibria(s, gap, attraction.reach)
         for _ in range(TUNING.rounds):

@@ -6,9 +6,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import brentq
 
 from ..base.arrays import Array
+from ..base.cubic import zeros_between
 from ..base.errors import InputError, SolveError
 from ..base.units import show
 from ..base.unknown import Unknown
@@ -81,7 +81,9 @@ def work_from_pull_off(
     low, high = widened(inside(works), -TUNING.step), widened(inside(works[::-1]), TUNING.step)
     if not excess(low) <= 0 <= excess(high):
         raise InputError(_out_of_reach(load, (1 + excess(low)) * load, (1 + excess(high)) * load))
-    w = math.exp(brentq(excess, low, high, xtol=1e-14, rtol=1e-14)) if low < high else math.exp(low)
+    if low < high:
+        low = float(zeros_between(np.vectorize(excess), np.array([low]), np.array([high]), 1e-14)[0])
+    w = math.exp(low)
     found = point(w)
     if isinstance(found, Unknown) or abs(-found.P / load - 1) > TUNING.met:
         raise InputError(

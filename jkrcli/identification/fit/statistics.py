@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import stats
+from scipy import special
 
 from ...base.arrays import Array
 from .settings import Loss
@@ -62,7 +62,7 @@ def uneven(residuals: Array, order: Array) -> bool:
     design = np.stack([np.ones(n), place, place**2])
     fitted = np.linalg.lstsq(design.T, squares, rcond=None)[0] @ design
     explained = np.var(fitted) / max(np.var(squares), 1e-300)
-    return bool(stats.chi2.sf(n * explained, 2) < 0.01)  # choice: once in a hundred by chance
+    return bool(special.chdtrc(2, n * explained) < 0.01)  # choice: once in a hundred by chance
 
 
 def covariance_of_uneven(jacobian: Array, residuals: Array) -> Array | None:
@@ -84,12 +84,12 @@ def covariance_of_uneven(jacobian: Array, residuals: Array) -> Array | None:
 
 def t_quantile(level: float, dof: int) -> float:
     """Half-width of a two-sided interval in standard errors."""
-    return float(stats.t.ppf((1 + level) / 2, dof))
+    return float(special.stdtrit(dof, (1 + level) / 2))
 
 
 def rise(level: float, dof: int, parameters: int = 1) -> float:
     """Relative rise of the sum of squares on the border of a joint confidence region (F test)."""
-    return float(parameters / dof * stats.f.ppf(level, parameters, dof))
+    return float(parameters / dof * special.fdtri(parameters, dof, level))
 
 
 @dataclass(frozen=True)
@@ -119,5 +119,5 @@ def structure(residuals: Array) -> Structure:
     runs = 1 + int(np.sum(above[1:] != above[:-1]))
     expected = 1 + 2 * k * m / n
     variance = max((expected - 1) * (expected - 2) / (n - 1), 1e-12)
-    chances = stats.norm.sf([lag1 * math.sqrt(n), (expected - runs) / math.sqrt(variance)])
+    chances = special.ndtr([-lag1 * math.sqrt(n), (runs - expected) / math.sqrt(variance)])
     return Structure(lag1, runs, float(expected), float(min(1.0, 2 * min(chances))))

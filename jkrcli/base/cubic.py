@@ -1,0 +1,118 @@
+"""Piecewise cubics by values and slopes at their knots, and bracketed zeros, with NumPy alone.
+
+They agree with SciPy's, whose modules of splines and zeros take longer to be imported than most commands to run.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from .arrays import Array
+
+ROUNDING = float(np.finfo(float).eps)
+HALVINGS = 200  # theory: two steps halve a bracket at least once; doubles hold no more
+
+
+class PiecewiseCubic:
+    """The cubics that have given values ``y`` and slopes ``dydx`` (n, ...) at increasing knots ``x`` (n,).
+
+    ``c``: coefficients (4, n - 1, ...) of the powers 3 to 0 of the distance from the knot on the left. Beyond the knots
+    the first and the last cubic go on.
+    """
+
+    def __init__(self, x: Array, y: Array, dydx: Array):
+        h = np.diff(x).reshape(-1, *[1] * (y.ndim - 1))
+        secant = np.diff(y, axis=0) / h
+        bend = (dydx[:-1] + dydx[1:] - 2 * secant) / h
+        self.x = x
+        self.c = np.stack([bend / h, (secant - dydx[:-1]) / h - bend, dydx[:-1], y[:-1]])
+
+    def __call__(self, x: Array, order: int = 0) -> Array:
+        """Value (``order`` 0) or slope (1) at ``x`` of any shape."""
+        x = np.asarray(x, dtype=float)
+        at = np.clip(np.searchsorted(self.x, x, side="right") - 1, 0, self.x.size - 2)
+        s = (x - self.x[at]).reshape(*x.shape, *[1] * (self.c.ndim - 2))
+        cubic, square, linear, constant = self.c[:, at]
+        if order == 1:
+            return (3 * cubic * s + 2 * square) * s + linear
+        return ((cubic * s + square) * s + linear) * s + constant
+
+
+def spline_slopes(x: Array, y: Array) -> Array:
+    """Slopes (n,) at its knots of the cubic spline through ``y`` (n,) at increasing ``x``, not-a-knot at both ends.
+
+    Three points give a parabola, two a straight line.
+    """
+    h, secant = np.diff(x), np.diff(y) / np.diff(x)
+    if x.size == 2:
+        return np.repeat(secant, 2)
+    ends = [_end(h, secant), _end(h[::-1], secant[::-1])]
+    if x.size == 3:
+        middle = np.array([(h[1] * secant[0] + h[0] * secant[1]) / (h[0] + h[1])])
+    else:
+        right = 3 * (h[1:] * secant[:-1] + h[:-1] * secant[1:])
+        diagonal, below, above = 2 * (h[:-1] + h[1:]), h[1:].copy(), h[:-1].copy()
+        # the end rows, h[1] s[0] + (h[0] + h[1]) s[1] = end and its mirror image, taken from the rows beside them
+        diagonal[[0, -1]] = h[0] + h[1], h[-1] + h[-2]
+        right[[0, -1]] -= ends
+        middle = _tridiagonal(below, diagonal, above, right)
+    first = (ends[0] - (h[0] + h[1]) * middle[0]) / h[1]
+    last = (ends[1] - (h[-1] + h[-2]) * middle[-1]) / h[-2]
+    return np.concatenate([[first], middle, [last]])
+
+
+def _end(h: Array, secant: Array) -> float:
+    """h[1] s[0] + (h[0] + h[1]) s[1] where the third derivative is continuous at the second knot."""
+    both = h[0] + h[1]
+    return float(((h[0] + 2 * both) * h[1] * secant[0] + h[0] ** 2 * secant[1]) / both)
+
+
+def _tridiagonal(below: Array, diagonal: Array, above: Array, right: Array) -> Array:
+    """Solution of a diagonally dominant system; entries (n,), ``below[0]`` and ``above[-1]`` unused. Plain floats: the
+    recursion is sequential."""
+    rows = zip(below.tolist(), diagonal.tolist(), above.tolist(), right.tolist(), strict=True)
+    ratio = value = 0.0
+    ratios, values = [], []
+    for low, pivot, high, b in rows:
+        pivot -= low * ratio
+        ratio, value = high / pivot, (b - low * value) / pivot
+        ratios.append(ratio)
+        values.append(value)
+    for i in range(len(values) - 2, -1, -1):
+        values[i] -= ratios[i] * values[i + 1]
+    return np.array(values)
+
+
+def zeros_between(function: Callable[[Array], Array], low: Array, high: Array, tolerance: float) -> Array:
+    """The zeros of ``function`` (elementwise), one in each bracket from ``low`` to ``high`` (n,), at whose ends its
+    signs differ or it vanishes; to ``tolerance``, or to rounding.
+
+    Chandrupatla (1997): inverse quadratic interpolation where three points allow it, else halves.
+    """
+    x1, x2 = np.array(low, dtype=float), np.array(high, dtype=float)
+    f1, f2 = function(x1), function(x2)
+    part = np.full_like(x1, 0.5)
+    for _ in range(HALVINGS):
+        best = np.where(np.abs(f1) < np.abs(f2), x1, x2)
+        least = (tolerance + 2 * ROUNDING * np.abs(best)) / np.maximum(np.abs(x2 - x1), np.finfo(float).tiny)
+        if np.all((least > 0.5) | (f1 == 0) | (f2 == 0)):
+            break
+        x = x1 + np.clip(part, np.minimum(least, 0.5), np.maximum(1 - least, 0.5)) * (x2 - x1)
+        f = function(x)
+        same = np.sign(f) == np.sign(f1)
+        x3, f3 = np.where(same, x1, x2), np.where(same, f1, f2)
+        x2, f2 = np.where(same, x2, x1), np.where(same, f2, f1)
+        x1, f1 = x, f
+        part = _next_part(x1, x2, x3, f1, f2, f3)
+    return best
+
+
+def _next_part(x1: Array, x2: Array, x3: Array, f1: Array, f2: Array, f3: Array) -> Array:
+    """Where to look next between x1 (0) and x2 (1): by inverse quadratic interpolation where it is monotone."""
+    with np.errstate(all="ignore"):
+        place, height = (x1 - x2) / (x3 - x2), (f1 - f2) / (f3 - f2)
+        monotone = (height**2 < place) & ((1 - height) ** 2 < 1 - place)
+        inverse = f1 / (f2 - f1) * f3 / (f2 - f3) + (x3 - x1) / (x2 - x1) * f1 / (f3 - f1) * f2 / (f3 - f2)
+    return np.where(monotone & np.isfinite(inverse), inverse, 0.5)

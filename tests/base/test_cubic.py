@@ -1,0 +1,75 @@
+"""Piecewise cubics and bracketed zeros against SciPy's."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.interpolate import CubicHermiteSpline, CubicSpline
+from scipy.optimize import brentq
+
+from jkrcli.base.arrays import Array
+from jkrcli.base.cubic import PiecewiseCubic, spline_slopes, zeros_between
+
+steps = st.lists(st.floats(0.02, 50.0), min_size=1, max_size=30)
+
+
+@given(steps, st.integers(0, 2**32 - 1))
+def test_slopes_are_those_of_a_not_a_knot_spline(step: list[float], seed: int) -> None:
+    x = np.cumsum([0.0, *step])
+    y = np.random.default_rng(seed).normal(size=x.size)
+    expected = CubicSpline(x, y)(x, 1)
+    assert spline_slopes(x, y) == pytest.approx(expected, rel=1e-9, abs=1e-11 * np.max(np.abs(expected)))
+
+
+def test_a_cubic_is_reproduced() -> None:
+    x = np.array([0.0, 0.1, 1.0, 1.5, 4.0])
+    assert spline_slopes(x, x**3 - 2 * x) == pytest.approx(3 * x**2 - 2, rel=1e-13, abs=1e-12)
+
+
+@given(steps, st.integers(0, 2**32 - 1))
+def test_values_and_slopes_between_and_beyond_the_knots(step: list[float], seed: int) -> None:
+    chance = np.random.default_rng(seed)
+    x = np.cumsum([0.0, *step])
+    y, dydx = chance.normal(size=(2, x.size, 2))
+    ours, theirs = PiecewiseCubic(x, y, dydx), CubicHermiteSpline(x, y, dydx)
+    wanted = chance.uniform(x[0] - 0.01, x[-1] + 0.01, (4, 3))
+    for order in (0, 1):
+        assert ours(wanted, order) == pytest.approx(theirs(wanted, order), rel=1e-9, abs=1e-10)
+        assert ours(x[0], order) == pytest.approx((y, dydx)[order][0])
+    assert ours.c == pytest.approx(theirs.c)
+
+
+HARD: dict[str, tuple[Callable[[Array], Array], float, float]] = {
+    "smooth": (lambda x: np.cos(x) - x**3, 0.0, 5.0),
+    "steep": (lambda x: np.exp(50 * x) - 3, -1.0, 1.3),
+    "flat": (lambda x: (x - 0.5) ** 9, 0.0, 1.3),
+    "vertical": (lambda x: np.sign(x - 0.3) * np.abs(x - 0.3) ** 0.2, 0.0, 1.0),
+    "a jump": (lambda x: np.where(x < 1 / 3, -1.0, 2.0), 0.0, 1.0),
+    "falling": (lambda x: 1e-12 * (math.pi - x), 0.0, 100.0),
+    "at an end": (lambda x: x - 1.0, 0.0, 1.0),
+}
+
+
+@pytest.mark.parametrize("name", HARD)
+def test_a_zero_is_found_to_the_tolerance(name: str) -> None:
+    function, low, high = HARD[name]
+    expected = brentq(lambda x: float(function(np.array(x))), low, high, xtol=1e-15, rtol=1e-14, maxiter=1000)
+    assert zeros_between(function, np.array([low]), np.array([high]), 1e-14)[0] == pytest.approx(expected, abs=1e-13)
+
+
+def test_many_zeros_are_found_at_once() -> None:
+    asked = []
+
+    def function(x: Array) -> Array:
+        asked.append(x.size)
+        return np.sin(x)
+
+    edges = math.pi * (np.arange(100) + 0.3)
+    found = zeros_between(function, edges[:-1], edges[1:], 1e-14)
+    assert found == pytest.approx(math.pi * np.arange(1, 100), rel=1e-14)
+    assert len(asked) < 20

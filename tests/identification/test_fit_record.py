@@ -179,6 +179,17 @@ def test_an_approach_without_a_jump_has_no_adhesion_to_tell() -> None:
     assert found.value("E_star") == pytest.approx(E_star, rel=0.05)
 
 
+def test_a_contact_of_few_rows_after_a_long_way_is_kept_to_its_end() -> None:
+    """Some forty of 10,000 rows are in contact: fewer than the last hundredth of the way."""
+    E_star, k = 20e3, 0.05
+    device = Instrument(k, 10000, 60e-6, 4e-9, 1e-11)
+    columns = record(E_star, R, 0.0, 0.0, device, 4)
+    curve = Curve("made", delta=columns["z"] - columns["P"] / k, P=columns["P"], stiffness=k)
+    found = fit(BODY, curve, usual(segment="approach"))
+    assert np.count_nonzero(found.a) > 35
+    assert found.value("E_star") == pytest.approx(E_star, rel=0.015)  # standard error: 0.0034
+
+
 def test_correlated_noise_widens_the_intervals() -> None:
     """AR(1) of 0.9: one of (1 + 0.9)/(1 - 0.9) = 19 rows is worth one. Held in 95 % of records, as without."""
     E_star, w, k, held = 20e3, 1e-4, 0.05, []

@@ -41,7 +41,7 @@ class ForceCurveTuning:
     shapes: int = 25  # choice: ratios w/s tried
     points: int = 41  # choice: contact points tried
     rows: int = 200  # choice: rows used while trying
-    turning: float = 0.01  # choice: of a direction, rows next to the turning point that are left out
+    turning: float = 0.01  # choice: of the rows in contact, those next to the turning point that are left out
     blunt: tuple[float, ...] = (1e-2, 1e-3, 1e-5)  # choice: of the depth of contact, for a blunt fold while searching
     moduli: float = 10.0  # choice: of ln s about its start, where the search may go
     converged: float = 1e-11  # choice: relative change of cost and parameters
@@ -275,7 +275,7 @@ def _stretch(record: ForceCurve, side: Direction, k: float) -> DirectionReadings
         first, last = side.border
         touching[last:] = True
         keep[first + 1 : last] = False
-    keep[round(rows.size * (1 - TUNING.turning)) :] = False
+    keep[rows.size - round(TUNING.turning * (rows.size - side.border[1])) :] = False
     P = curve.P[rows]
     z = curve.device[rows]
     return DirectionReadings(side.segment.kind, rows[keep], side.base, z[keep], P[keep], touching[keep], jumped)

@@ -137,13 +137,11 @@ def _flags(settled: _Settled, raw: RawSeries) -> Iterator[str]:
         yield f"errors of neighbouring rows seem to go together; {TOO_FEW} ({raw.a.size})"
     rho = settled.correlation
     if isinstance(rho, float) and settled.evidence > TUNING.evidence:
-        worth = raw.a.size * (1 - rho) / (1 + rho)
-        stated = "and the error stated is that of these"
-        if raw.a.size > TUNING.most_bins:
-            stated = f"which the error stated may miss by half: give every n-th row, at most {TUNING.most_bins}"
+        bins = settled.fit.residuals.size / 2
+        worth = bins * (1 - rho) / (1 + rho)
         yield (
             f"errors of neighbouring rows go together (correlation {rho:.2f}): {raw.a.size} rows are worth "
-            f"{max(worth, 1):.0f} with independent ones, {stated}"
+            f"{max(worth, 1):.0f} with independent ones, and the error stated is that of these"
         )
 
 
@@ -335,7 +333,9 @@ class _Bins:
         follows = float(np.corrcoef(recorded, ranks)[0, 1]) > TUNING.recorded
         self.order = recorded if follows else np.argsort(x, kind="stable")
         self.ordered_x = x[self.order]
-        self.starts = np.linspace(0, x.size, min(x.size, TUNING.most_bins), endpoint=False).astype(int)
+        # bins of one size: where some hold one point and some two, the noise left in them differs as it does not along
+        # the record, and correlation is told too small
+        self.starts = np.arange(0, x.size, -(-x.size // TUNING.most_bins))
         self.counts = np.diff(np.append(self.starts, x.size))
         self.x = self.mean(self.ordered_x)
 

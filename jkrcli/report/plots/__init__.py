@@ -23,6 +23,7 @@ from ...base.units import scale
 
 WIDE, MIDDLE, NARROW = 7.0, 4.8, 3.4  # two columns of a journal, one and a half, one [inch]: printed unscaled
 DPI = 300  # choice: of PNG files
+PNG = {"compress_level": 4}  # choice: two thirds of the time of the default, a hundredth larger
 STYLE: dict[Any, Any] = {
     "font.size": 9,
     "axes.titlesize": 9,
@@ -113,13 +114,14 @@ def save(figure: Figure, paths: Iterable[Path]) -> None:
     mark = f"jkr {__version__}"
     with style():
         figure.set_dpi(DPI)
-        png, svg = FigureCanvasAgg(figure), FigureCanvasSVG(figure)
-        figure.draw_without_rendering()
+        svg, png = FigureCanvasSVG(figure), FigureCanvasAgg(figure)  # the layout is that of the last, by its letters
+        if (engine := figure.get_layout_engine()) is not None:
+            engine.execute(figure)
         figure.set_layout_engine("none")
         for path in paths:
             with atomic(path) as temporary:
                 if path.suffix == ".png":
                     figure.set_dpi(DPI)  # SVG has 72
-                    png.print_png(temporary, metadata={"Software": mark})  # type: ignore[no-untyped-call]
+                    png.print_png(temporary, metadata={"Software": mark}, pil_kwargs=PNG)  # type: ignore[no-untyped-call]
                 else:
                     svg.print_svg(temporary, metadata={"Creator": mark, "Date": None})  # type: ignore[no-untyped-call]

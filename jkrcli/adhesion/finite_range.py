@@ -289,11 +289,6 @@ class FiniteRangeBody:
                 f"{solution.record.path}: adhesion of finite range needs the kernel of the contact equation, which "
                 f"the method {solution.method} does not have: solve the case with the method layered or hybrid"
             )
-        if solution.problem.sticks:
-            raise Refusal(
-                f"{solution.record.path}: adhesion of finite range is one of surfaces that slide: solve the case "
-                "without sticking, or leave stress and range out"
-            )
         return cls(solution.problem, solution.series, AttractedBody(solution.problem))
 
     def curve(self, law: Range) -> FiniteRangeCurve:

@@ -6,9 +6,10 @@ far the attraction reaches is known only with its range, which no series holds.
 
 from __future__ import annotations
 
+import contextlib
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -17,7 +18,7 @@ from ..base.arrays import Array
 from ..base.errors import Refusal
 from ..base.units import show
 from ..bodies.problem import HalfSpace, Problem, Specimen
-from .hybrid.contact import AdaptiveKernel, ErrorEstimates
+from .hybrid.contact import AdaptiveKernel, ErrorEstimates, KernelContact
 from .integral.attraction import Attraction
 from .layered.contact import LayeredContact
 from .layered.layered import GRADED, unbounded
@@ -30,7 +31,8 @@ class AttractedTuning:
     tolerance: float = 1e-10  # of K by its polynomials; choice: far below what is stated, at no cost
     checked: float = 0.01  # of that, of the second panels with which results are compared; choice: two digits more
     other_order: int = 20  # Gauss nodes in k on the second panels; choice: shares nothing with the first's 24
-    cylinder: float = 1e-5  # tolerance of finite elements; choice: the default of hybrid
+    # Tolerances of finite elements, the first that is met; what they leave is stated:
+    cylinder: tuple[float, ...] = (1e-5, 1e-4, 1e-3)  # choice: from the default of hybrid on
     room: float = 1.15  # of a reach over the one expected; choice: what is looked at beyond c
     further: float = 1.5  # of the next reach over one that was too short; choice: each is a small solve
     attempts: int = 40  # choice: guard
@@ -58,7 +60,7 @@ class AttractedBody:
     @cached_property
     def _cylinder(self) -> AdaptiveKernel | None:
         specimen = self.problem.specimen
-        return None if specimen.radius is None else AdaptiveKernel(self.problem.indenter, specimen, TUNING.cylinder)
+        return None if specimen.radius is None else AdaptiveKernel(self.problem.indenter, specimen, TUNING.cylinder[0])
 
     @property
     def limit(self) -> float:
@@ -99,7 +101,7 @@ class AttractedBody:
                 wide = self._wide
                 found = wide.attraction(reach, TUNING.tolerance), wide.attraction(reach, finer, other), None
             else:
-                contact, errors, _, _ = self._cylinder.accurate(reach)
+                contact, errors = _met(self._cylinder, reach)
                 found = contact.attraction(reach, TUNING.tolerance), contact.attraction(reach, finer), errors
             self._kernels[reach] = found
         return self._kernels[reach]
@@ -138,3 +140,15 @@ class AttractedBody:
             f"beyond {end} (at {show(self.limit, 'length')} the separation is still within the range): load less, or "
             "give a larger stress (a shorter range)"
         )
+
+
+def _met(cylinder: AdaptiveKernel, reach: float) -> tuple[KernelContact, ErrorEstimates]:
+    """The contact up to ``reach`` [m] at the first tolerance that is met, and its errors."""
+    for tolerance in TUNING.cylinder:
+        with contextlib.suppress(Refusal):
+            return replace(cylinder, tolerance=tolerance).accurate(reach)[:2]
+    raise Refusal(
+        f"adhesion of finite range: the kernel of the cylinder is not known to {TUNING.cylinder[-1]:g} up to "
+        f"{show(reach, 'length')}, about as far as the surfaces attract each other: load less, or give a larger stress "
+        "(a shorter range)"
+    )

@@ -37,6 +37,7 @@ class AttractionTuning:
     """How the edge of the attracted annulus is found."""
 
     inner: int = 20  # nodes in the integrals of F; choice: as in the equation without attraction
+    halvings: int = 40  # of the rest to the profile's end, cut there; theory: F of a sphere is singular at it
     arc: int = 24  # nodes in separations; choice: for checks and pictures
     most_order: int = 16  # polynomials on a panel; choice: beyond, narrower panels are as cheap
     most_nodes: int = 800  # choice: some seconds, half a gigabyte
@@ -253,8 +254,9 @@ class Attraction:
 
     @cached_property
     def _abel(self) -> AbelMoments:
-        kinks = np.unique([self.indenter.a0, *self.indenter.kinks])
-        return AbelMoments(self.indenter.abel, kinks[kinks > 0], self.basis, TUNING.inner)
+        towards_end = self.indenter.r_max * (1 - 0.5 ** np.arange(1, TUNING.halvings))
+        kinks = np.unique([self.indenter.a0, *self.indenter.kinks, *towards_end])
+        return AbelMoments(self.indenter.abel, kinks[(kinks > 0) & (kinks < self.reach)], self.basis, TUNING.inner)
 
     @cached_property
     def _schur(self) -> list[Array]:

@@ -65,6 +65,8 @@ class NamesType(ParamType):
 )
 @click.option("--segment", type=click.Choice(["approach", "retract", "both"]),
               help="Rows to fit [default: retract where the file names segments, else all].")  # fmt: skip
+@click.option("--base-line", type=click.Choice(["straight", "sine"]), default="straight", show_default=True,
+              help="Of a raw record; sine: on top of it the wave of light that interferes.")  # fmt: skip
 @click.option("--branch", type=click.Choice(["all", "compressive"]), default="all", show_default=True,
               help="compressive: rows under compression only.")  # fmt: skip
 @click.option("--noise", multiple=True, type=ScaleType(),

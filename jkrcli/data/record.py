@@ -360,7 +360,7 @@ def _flags(curve: Curve, directions: Sequence[Direction]) -> dict[str, str]:
         elif base.waviness > TUNING.wavy * span:
             flags["wavy base line"] = (
                 f"the {name}'s base line deviates from straight by {show(base.waviness, 'load')}, "
-                f"{base.waviness / span:.0%} of the range of the load"
+                f"{base.waviness / span:.0%} of the range of the load (fit --base-line sine, if light interferes)"
             )
     for item in touched:
         name = item.segment.kind

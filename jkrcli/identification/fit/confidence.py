@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -56,7 +56,7 @@ def confidence_of(minimum: Minimum, settings: Settings) -> Confidence:
     if settings.uncertain:
         changes = {name: _changes(minimum, settings, name, sigma) for name, sigma in settings.uncertain.items()}
         estimates = tuple(
-            _wider(item, {name: change[item.name] for name, change in changes.items()}, t) for item in estimates
+            wider(item, {name: change[item.name] for name, change in changes.items()}, t) for item in estimates
         )
     return Confidence(estimates, spread.outer_covariance(), spread.outer_samples(), math.sqrt(factor), dof)
 
@@ -215,26 +215,37 @@ def _bootstrap(minimum: Minimum, settings: Settings) -> Array:
 
 # ---------------------------------------------------------------------- uncertain inputs of the body, to first order
 def _changes(minimum: Minimum, settings: Settings, name: str, sigma: float) -> dict[str, float]:
-    """Change of every estimate by a change of the input ``name`` by its standard deviation ``sigma``.
+    """Change of every estimate by a change of the input ``name`` by its standard deviation ``sigma``."""
+    objective = minimum.objective
+
+    def outcome(value: float) -> dict[str, float]:
+        moved = replace(objective, body=objective.body.with_values({name: value}))
+        found = minimise(moved, minimum.x, settings.loss, minimum.width)
+        return found.objective.values(found.x) | _follows(found.objective, found.x)
+
+    here = objective.values(minimum.x) | _follows(objective, minimum.x)
+    return changes_by(name, objective.body.nominal(name), sigma, here, outcome)
+
+
+def changes_by(
+    name: str, centre: float, sigma: float, here: Mapping[str, float], outcome: Callable[[float], Mapping[str, float]]
+) -> dict[str, float]:
+    """Change of everything in ``outcome`` by a change of the input ``name`` by ``sigma`` from its value ``centre``,
+    where it is ``here``.
 
     The input is moved to both sides, where that is possible, the body solved anew and the data fitted again.
     """
-    objective = minimum.objective
-    centre = objective.body.nominal(name)
-    ends = [(centre, minimum)]
+    ends = [(centre, here)]
     for value in (centre - sigma, centre + sigma):
         with contextlib.suppress(InputError):  # beyond what the quantity can be, as nu > 1/2
-            moved = replace(objective, body=objective.body.with_values({name: value}))
-            ends.append((value, minimise(moved, minimum.x, settings.loss, minimum.width)))
+            ends.append((value, outcome(value)))
     if len(ends) == 1:
         raise InputError(f"{name} cannot be {sigma:g} off its value {centre:g} to either side")
-    (one, low), (two, high) = (
-        (value, found.objective.values(found.x) | _follows(found.objective, found.x)) for value, found in ends[-2:]
-    )
-    return {key: (high[key] - low[key]) / (two - one) * sigma for key in low}
+    (one, low), (two, high) = ends[-2:]
+    return {key: (high[key] - low[key]) / (two - one) * sigma for key in here}
 
 
-def _wider(item: FittedValue, systematic: Mapping[str, float], t: float) -> FittedValue:
+def wider(item: FittedValue, systematic: Mapping[str, float], t: float) -> FittedValue:
     """The estimate with its ``systematic`` errors by name added in quadrature."""
     total = math.hypot(*systematic.values())
     if total == 0:

@@ -6,7 +6,8 @@ a straight base line; all scatter is in the load:
     reading(z) = offset + tilt (z - z_touch) + P(z - z0; s, w, k)
 
 P is the stable branch of Eq. 13 for all moduli times s, P = s (H - r V), delta = D - r T, r = sqrt(w/s), where the rows
-are in contact, and 0 where they are free. Each direction has its own base line (drag, drift), and its own w.
+are in contact, and 0 where they are free. Each direction has its own base line (drag, drift), on request with a wave
+c cos + s sin of 2 pi (z - at)/period (``interference``), and its own w.
 """
 
 from __future__ import annotations
@@ -27,6 +28,9 @@ from ...data.measured.curve import APPROACH
 from ...data.record import BaseLine, Direction, ForceCurve
 from .coloured import spread as covariance
 from .family import Family
+from .interference import Wave, parts
+from .settings import Loss
+from .statistics import TURNS, influence, robust_scale
 
 
 @dataclass(frozen=True)
@@ -44,6 +48,7 @@ class ForceCurveTuning:
     turning: float = 0.01  # choice: of the rows in contact, those next to the turning point that are left out
     blunt: tuple[float, ...] = (1e-2, 1e-3, 1e-5)  # choice: of the depth of contact, for a blunt fold while searching
     moduli: float = 10.0  # choice: of ln s about its start, where the search may go
+    periods: float = 0.3  # choice: the same of the log of a wave's period
     converged: float = 1e-11  # choice: relative change of cost and parameters
     about: float = 1e-6  # choice: the same while the fold is blunter than it will be, or no more can be had
     evaluations: int = 80  # choice: steps after which the search gives up
@@ -57,7 +62,7 @@ class DirectionReadings:
     """The ``rows`` of one direction, from the far end inwards: device position ``z`` [m], reading ``P`` [N].
 
     ``touching``: whether a row may be in contact; where ``jumped``, all those rows are, and the others are free.
-    ``line``: the base line that was found from the free rows alone.
+    ``line``: the base line that was found from the free rows alone, ``wave``: on top of it.
     """
 
     kind: str
@@ -67,6 +72,7 @@ class DirectionReadings:
     P: Array
     touching: Array
     jumped: bool
+    wave: Wave | None = None
 
     @cached_property
     def spacing(self) -> float:
@@ -157,8 +163,9 @@ def _fold(rate: Callable[[Array], Array], u: Array) -> float:
 class ForceCurveModel:
     """The readings of some stretches on one body at a device of stiffness ``k`` [N/m], as a function of the unknowns.
 
-    These are ln s, z0, and for each stretch its offset, tilt, and q = w/s unless ``adhesive`` says that it has no
-    adhesion. ``known``: those that are not fitted, by name.
+    These are ln s, z0, the log of the period where there are waves, and for each stretch its offset, tilt, cosine and
+    sine of its wave, and q = w/s unless ``adhesive`` says that it has no adhesion. ``known``: those that are not
+    fitted, by name. ``works``: w [J/m^2] where it is known, by kind. ``moduli``: least and largest s.
     """
 
     family: Family
@@ -166,13 +173,17 @@ class ForceCurveModel:
     stretches: tuple[DirectionReadings, ...]
     adhesive: tuple[bool, ...]
     known: Mapping[str, float] = field(default_factory=dict)
+    works: Mapping[str, float] = field(default_factory=dict)
+    moduli: tuple[float, float] = (0.0, math.inf)
 
     @cached_property
     def names(self) -> tuple[str, ...]:
         """The unknowns in order; those of a stretch carry its kind."""
-        names = ["ln_s", "z0"]
+        names = ["ln_s", "z0"] + ["ln_period"] * any(stretch.wave is not None for stretch in self.stretches)
         for stretch, adhesive in zip(self.stretches, self.adhesive, strict=True):
-            names += [f"offset:{stretch.kind}", f"tilt:{stretch.kind}"] + [f"q:{stretch.kind}"] * adhesive
+            names += [f"offset:{stretch.kind}", f"tilt:{stretch.kind}"]
+            names += [f"cos:{stretch.kind}", f"sin:{stretch.kind}"] * (stretch.wave is not None)
+            names += [f"q:{stretch.kind}"] * (adhesive and stretch.kind not in self.works)
         return tuple(name for name in names if name not in self.known)
 
     @cached_property
@@ -184,7 +195,8 @@ class ForceCurveModel:
 
     def values(self, x: Array) -> dict[str, float]:
         """All unknowns by name, the known ones too."""
-        return {**self.known, **dict(zip(self.names, map(float, x), strict=True))}
+        found = {**self.known, **dict(zip(self.names, map(float, x), strict=True))}
+        return found | {f"q:{kind}": w / math.exp(found["ln_s"]) for kind, w in self.works.items()}
 
     def residuals(self, x: Array, blunt: float) -> tuple[Array, Array]:
         """Model minus reading [N] of all rows, and its derivatives by the unknowns, (rows, unknowns).
@@ -218,8 +230,16 @@ class ForceCurveModel:
         by_s, by_q, by_z = by
         along = part.z - part.z[0]
         off = values[f"offset:{part.kind}"] + values[f"tilt:{part.kind}"] * along + P - part.P
-        return off, {
-            "ln_s": by_s,
+        waves = {}
+        if part.wave is not None:
+            way, period = part.z - part.wave.at, math.exp(values["ln_period"])
+            c, s = values[f"cos:{part.kind}"], values[f"sin:{part.kind}"]
+            cos, sin = parts(way, period).T
+            off += c * cos + s * sin
+            waves = {"ln_period": 2 * math.pi * way / period * (c * sin - s * cos), f"cos:{part.kind}": cos,
+                     f"sin:{part.kind}": sin}  # fmt: skip
+        return off, waves | {
+            "ln_s": by_s - q * by_q if part.kind in self.works else by_s,
             "z0": -by_z,
             f"q:{part.kind}": by_q,
             f"offset:{part.kind}": np.ones_like(P),
@@ -252,18 +272,16 @@ class ForceCurveFit:
         return math.sqrt(self.covariance[i, i])
 
 
-def stretches(record: ForceCurve, kinds: Sequence[str], k: float) -> tuple[DirectionReadings, ...]:
-    """The directions ``kinds`` of a record as the model takes them, at a device of stiffness ``k`` [N/m] (inf: the
-    displacement is prescribed): rows within a jump belong to neither side and are left out."""
-    found = []
-    for kind in kinds:
-        side = record.direction(kind)
-        if side is not None:
-            found.append(_stretch(record, side, k))
-    return tuple(found)
+def stretches(
+    record: ForceCurve, kinds: Sequence[str], waves: Mapping[str, Wave] | None = None
+) -> tuple[DirectionReadings, ...]:
+    """The directions ``kinds`` of a record as the model takes them: rows within a jump belong to neither side and are
+    left out. ``waves``: what was taken off the loads of the record and is to be fitted with the rest."""
+    sides = [side for kind in kinds if (side := record.direction(kind)) is not None]
+    return tuple(_stretch(record, side, (waves or {}).get(side.segment.kind)) for side in sides)
 
 
-def _stretch(record: ForceCurve, side: Direction, k: float) -> DirectionReadings:
+def _stretch(record: ForceCurve, side: Direction, wave: Wave | None) -> DirectionReadings:
     curve, rows = record.curve, np.arange(side.segment.first, side.segment.last + 1)
     assert curve.P is not None
     if side.segment.kind != APPROACH:
@@ -276,14 +294,23 @@ def _stretch(record: ForceCurve, side: Direction, k: float) -> DirectionReadings
         touching[last:] = True
         keep[first + 1 : last] = False
     keep[rows.size - round(TUNING.turning * (rows.size - side.border[1])) :] = False
-    P = curve.P[rows]
     z = curve.device[rows]
-    return DirectionReadings(side.segment.kind, rows[keep], side.base, z[keep], P[keep], touching[keep], jumped)
+    P = curve.P[rows] if wave is None else curve.P[rows] + wave(z)
+    return DirectionReadings(side.segment.kind, rows[keep], side.base, z[keep], P[keep], touching[keep], jumped, wave)
 
 
-def _search(model: ForceCurveModel, x: Array, bounds: tuple[Array, Array], blunt: float, enough: float) -> Any:
-    """SciPy's least squares of the loads over the range of their stretch, from ``x`` on."""
-    scale = np.concatenate([np.full(part.P.size, float(np.ptp(part.P))) for part in model.stretches])
+def _scale(model: ForceCurveModel) -> Array:
+    """The range of the load of its stretch [N], for every row."""
+    return np.concatenate([np.full(part.P.size, float(np.ptp(part.P))) for part in model.stretches])
+
+
+def _search(
+    model: ForceCurveModel, x: Array, bounds: tuple[Array, Array], blunt: float, enough: float, loss: Loss = "linear",
+    width: float = 1.0,
+) -> Any:  # fmt: skip
+    """SciPy's least squares of the loads over the range of their stretch, from ``x`` on, or the least sum of a robust
+    ``loss`` that turns at ``width`` of that range."""
+    scale = _scale(model)
     held: list[tuple[Array, Array, Array]] = []
 
     def at(x: Array) -> tuple[Array, Array]:
@@ -292,32 +319,47 @@ def _search(model: ForceCurveModel, x: Array, bounds: tuple[Array, Array], blunt
         return held[0][1] / scale, held[0][2] / scale[:, None]
 
     return least_squares(
-        lambda x: at(x)[0], x, lambda x: at(x)[1], bounds=bounds, x_scale="jac",
+        lambda x: at(x)[0], x, lambda x: at(x)[1], bounds=bounds, x_scale="jac", loss=loss, f_scale=width,
         ftol=enough, xtol=enough, gtol=enough, max_nfev=TUNING.evaluations,
     )  # fmt: skip
 
 
-def fit(model: ForceCurveModel, start: Array, near: bool = False) -> ForceCurveFit:
+def fit(model: ForceCurveModel, start: Array, near: bool = False, loss: Loss = "linear") -> ForceCurveFit:
     """The unknowns that leave least, first with a blunt fold unless ``start`` is ``near``, then as it is; SolveError
     where no search converges."""
-    low, high = model.ends
-    adhesive = np.array([name.startswith("q:") for name in model.names])
-    free = np.where(np.array(model.names, dtype=str) == "ln_s", TUNING.moduli, np.inf)
-    bounds = np.where(adhesive, low, start - free), np.where(adhesive, high, start + free)
+    bounds = _bounds(model, start)
     x, sharp = np.clip(start, *bounds), TUNING.blunt[-1]
     for blunt in () if near else TUNING.blunt[:-1]:
         x = _search(model, x, bounds, blunt, TUNING.about).x
     found = _search(model, x, bounds, sharp, TUNING.converged)
     if found.status <= 0:  # of few rows at the fold each makes a kink, between which a search runs to and fro
         found = _search(model, found.x, bounds, sharp, TUNING.about)
+    scale, width = _scale(model), 1.0
+    for _ in range(2 * (loss != "linear")):
+        width = TURNS[loss] * robust_scale(model.residuals(found.x, sharp)[0] / scale)
+        found = _search(model, found.x, bounds, sharp, TUNING.about, loss, width)
     if found.status <= 0:
         raise SolveError(f"the fit did not converge in {TUNING.evaluations} steps")
     x = found.x
-    off = model.residuals(x, TUNING.blunt[-1])[0]
+    off = model.residuals(x, sharp)[0]
     J = model.residuals(x, 0.0)[1]  # where the fold lies between two rows, the data do not tell
-    sigma = math.sqrt(float(off @ off) / max(off.size - x.size, 1))
-    spread = covariance(off, J, [part.P.size for part in model.stretches])
+    psi, slope = influence(off / (scale * width), loss)
+    pull = psi * scale * width / max(float(np.mean(slope)), 0.1)  # what a row pulls with (Huber 1981, Sec. 7.6)
+    sigma = math.sqrt(float(pull @ pull) / max(off.size - x.size, 1))
+    spread = covariance(pull, J, [part.P.size for part in model.stretches])
     return ForceCurveFit(model, model.names, x, spread.covariance, off, sigma, spread.tau, int(found.nfev))
+
+
+def _bounds(model: ForceCurveModel, start: Array) -> tuple[Array, Array]:
+    """Least and largest unknowns of a search from ``start`` on."""
+    least, most = (math.log(s) if s > 0 else -math.inf for s in model.moduli)
+    low, high = model.ends
+    names = np.array(model.names, dtype=str)
+    adhesive = np.char.startswith(names, "q:")
+    reach = np.select([names == "ln_s", names == "ln_period"], [TUNING.moduli, TUNING.periods], np.inf)
+    lowest, highest = np.where(adhesive, low, start - reach), np.where(adhesive, high, start + reach)
+    of_s = names == "ln_s"
+    return np.where(of_s, np.maximum(lowest, least), lowest), np.where(of_s, np.minimum(highest, most), highest)
 
 
 def start(model: ForceCurveModel) -> Array:
@@ -326,10 +368,12 @@ def start(model: ForceCurveModel) -> Array:
     part = model.stretches[i]
     rows = _some_rows(part)
     net = part.P[rows] - part.line(part.z[rows])
+    if part.wave is not None:
+        net -= part.wave(part.z[rows])
     delta = part.z[rows] - net / model.k
     u = np.linspace(model.family.low - TUNING.below, model.family.high + TUNING.beyond, TUNING.nodes)
     (D, T, H, V), _, _ = model.family.at(u)
-    known = model.known.get("ln_s")
+    known, work = model.known.get("ln_s"), model.works.get(part.kind)
     best = (math.inf, 0.0, 0.0, 0.0)
     for r in _shapes(D, T) if model.adhesive[i] else (0.0,):
         path, load = D - r * T, H - r * V
@@ -339,7 +383,9 @@ def start(model: ForceCurveModel) -> Array:
         if part.jumped:
             basis = np.where(part.touching[rows], basis, 0.0)
         size = np.sum(basis**2, axis=1)
-        factors = basis @ net / np.where(size > 0, size, np.inf) if known is None else np.full(size.size, np.exp(known))
+        factors = basis @ net / np.where(size > 0, size, np.inf)
+        if known is not None or work is not None:
+            factors[:] = math.exp(known) if known is not None else work / r**2 if work and r else 0.0
         costs = np.sum((net - factors[:, None] * basis) ** 2, axis=1)
         at = int(np.argmin(np.where(factors > 0, costs, np.inf)))
         if factors[at] > 0 and costs[at] < best[0]:
@@ -352,6 +398,9 @@ def start(model: ForceCurveModel) -> Array:
         values[f"offset:{other.kind}"] = float(other.line(other.z[0]))
         values[f"tilt:{other.kind}"] = other.line.tilt
         values[f"q:{other.kind}"] = r**2
+        if other.wave is not None:
+            values["ln_period"] = math.log(other.wave.period)
+            values |= {f"cos:{other.kind}": other.wave.cos, f"sin:{other.kind}": other.wave.sin}
     return np.array([values[name] for name in model.names])
 
 

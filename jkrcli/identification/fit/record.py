@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,7 +16,9 @@ from ...data.measured.curve import APPROACH, RETRACT
 from ...data.record import ForceCurve, examine
 from .body import FittedBody
 from .checks import warnings_of
-from .force_curve import DirectionReadings, ForceCurveFit, ForceCurveModel, branch, fit, start, stretches
+from .confidence import changes_by, wider
+from .force_curve import ForceCurveFit, ForceCurveModel, branch, fit, start, stretches
+from .interference import Wave, straightened
 from .result import Fit, FittedValue
 from .settings import Settings
 from .statistics import structure, t_quantile
@@ -37,11 +39,14 @@ class WholeRecordTuning:
     spoilt: float = 0.1  # choice: factor of the quality for each thing that is wrong with the record itself
     dependent: float = 2.0  # choice: rows worth one above which it is said
     untold: float = 10.0  # choice: half-width of the log of a modulus above which it is not told by the data
+    at_bound: float = 1e-6  # choice: relative distance of a modulus from a bound at which it is said to end there
     step: float = 1e-6  # choice: of unknowns, for central differences; outcomes are smooth in them
 
 
 TUNING = WholeRecordTuning()
 ASKED = frozenset({"modulus", "w", "delta0", "P0"})  # parameters of a whole record; others need prepared readings
+FREE = (-math.inf, math.inf)
+ZEROS = frozenset({"delta0", "P0", "compliance"})  # always fitted, or told by the stiffness of the device
 
 
 def whole_record(curve: Curve, settings: Settings) -> ForceCurve | None:
@@ -49,20 +54,25 @@ def whole_record(curve: Curve, settings: Settings) -> ForceCurve | None:
 
     By itself that is so for records of a device whose deflection is known, or of both directions with a base line each.
     """
-    if settings.contact in ("as-is", "estimate") or curve.a is not None or curve.delta is None or curve.P is None:
+    prepared = settings.contact in ("as-is", "estimate")
+    asked = settings.contact == "fitted" or settings.base_line != "straight"
+    if prepared or curve.a is not None or curve.delta is None or curve.P is None:
+        if settings.base_line != "straight":
+            raise InputError(f"--base-line {settings.base_line} is for raw records of displacement and load, with "
+                             "--contact fitted or auto")  # fmt: skip
         return None
-    reason = _in_the_way(settings)
-    if settings.contact == "auto" and reason:
-        return None
-    if reason:
-        raise InputError(f"--contact fitted: {reason}: prepare the readings, --contact as-is or estimate")
     try:
         record = examine(curve)
     except InputError:
-        if settings.contact == "fitted":
+        if asked:
             raise
         return None
-    return record if settings.contact == "fitted" or _raw(record) else None
+    if not (asked or _raw(record)):
+        return None
+    if reason := _in_the_way(settings):
+        raise InputError(f"{reason} is not for the fit of a whole raw record: leave it out, or prepare the readings "
+                         "with --contact estimate, or with --zero and --contact as-is")  # fmt: skip
+    return record
 
 
 def _raw(record: ForceCurve) -> bool:
@@ -74,16 +84,16 @@ def _raw(record: ForceCurve) -> bool:
 
 
 def _in_the_way(settings: Settings) -> str:
-    """What a whole record cannot be fitted with; "" where nothing is."""
-    if others := {p.name for p in settings.parameters if p.free} - ASKED:
-        return f"{sorted(others)[0]} is free"
-    if any(p.value for p in settings.parameters if not p.free and p.name != "modulus"):
-        return "a zero point, w or the compliance is fixed at a value other than 0"
-    if any(math.isfinite(p.low) or math.isfinite(p.high) for p in settings.free):
-        return "a parameter has bounds"
-    if settings.loss != "linear" or settings.branch != "all" or settings.confidence != "covariance":
-        return "it knows no other loss, branch or confidence than the default"
-    return "inputs are uncertain" if settings.uncertain or settings.noise else ""
+    """What a whole record cannot be fitted with, as the user wrote it; "" where nothing is."""
+    free = settings.free
+    told = [f"--free {p.name}" for p in free if p.name not in ASKED]
+    told += [f"--bound {p.name}" for p in free if p.name != "modulus" and (p.low, p.high) != FREE]
+    told += [f"--start {p.name}" for p in free if p.value is not None]
+    told += [f"--fix {p.name}" for p in settings.parameters if p.name in ZEROS & settings.given and not p.free]
+    told += ["--branch compressive"] if settings.branch != "all" else []
+    told += [f"--confidence {settings.confidence}"] if settings.confidence != "covariance" else []
+    told += ["--noise"] if settings.noise else []
+    return next(iter(told), "")
 
 
 def _usable(record: ForceCurve, kind: str) -> bool:
@@ -96,17 +106,14 @@ def _usable(record: ForceCurve, kind: str) -> bool:
 def fit_record(body: FittedBody, record: ForceCurve, settings: Settings) -> Fit:
     """Modulus, w, contact point and base lines of a whole record; InputError where it holds no contact."""
     curve = record.curve
-    kinds = _kinds(record, settings)
-    k = math.inf if curve.stiffness is None else curve.stiffness
-    parts = stretches(record, kinds, k)
-    w, modulus = settings.parameter("w"), settings.parameter("modulus")
-    told = w is not None and w.free
-    adhesive = tuple(told and _adheres(record, part.kind) for part in parts)
-    known = {} if modulus is None or modulus.free else {"ln_s": math.log(modulus.value or 1.0)}
-    found, body = None, _deep_enough(body, parts, k)
+    record, waves = straightened(record) if settings.base_line == "sine" else (record, {})
+    body = body.with_values({p.name: float(p.value) for p in settings.parameters if p.of_body and p.value is not None})
+    model = _model(body, record, settings, waves)
+    body = _deep_enough(body, model)
+    found = None
     for _ in range(TUNING.rounds):
-        model = ForceCurveModel(body.family, k, parts, adhesive, known)
-        found = fit(model, start(model)) if found is None else fit(model, found.x, near=True)
+        model = replace(model, family=body.family)
+        found = fit(model, start(model) if found is None else found.x, found is not None, settings.loss)
         reach = _contact_radii(found).max()
         if not body.extensible or reach <= body.series.a[-1]:
             break
@@ -114,12 +121,26 @@ def fit_record(body: FittedBody, record: ForceCurve, settings: Settings) -> Fit:
     assert found is not None
     if np.count_nonzero(_contact_radii(found)) <= len(found.names):
         raise SolveError("the curve that fits best has next to no row in contact")
-    return _result(body, record, settings, found)
+    return _result(body, record, curve, settings, found)
 
 
-def _deep_enough(body: FittedBody, parts: Sequence[DirectionReadings], k: float) -> FittedBody:
+def _model(body: FittedBody, record: ForceCurve, settings: Settings, waves: Mapping[str, Wave]) -> ForceCurveModel:
+    """What is to be fitted to a record, as asked."""
+    curve, w, modulus = record.curve, settings.parameter("w"), settings.parameter("modulus")
+    parts = stretches(record, _kinds(record, settings), waves)
+    assert w is not None
+    assert modulus is not None
+    work = 0.0 if w.free else float(w.value or 0.0)
+    adhesive = tuple((w.free and _adheres(record, part.kind)) or (work > 0 and part is parts[-1]) for part in parts)
+    known = {} if modulus.free else {"ln_s": math.log(modulus.value or 1.0)}
+    k = math.inf if curve.stiffness is None else curve.stiffness
+    works = {parts[-1].kind: work} if work else {}
+    return ForceCurveModel(body.family, k, parts, adhesive, known, works, (modulus.low, modulus.high))
+
+
+def _deep_enough(body: FittedBody, model: ForceCurveModel) -> FittedBody:
     """The body solved to the contact radius that a record can reach at most, as its tip moves no deeper."""
-    ways = ((part.z - part.P / k)[part.touching if part.jumped else slice(None)] for part in parts)
+    ways = ((part.z - part.P / model.k)[part.touching if part.jumped else slice(None)] for part in model.stretches)
     depth = max(float(np.ptp(way)) for way in ways)
     u = np.linspace(body.family.low, body.family.high + TUNING.ahead, 200)
     reached = np.flatnonzero(body.family.at(u)[0][0] <= depth)
@@ -139,10 +160,17 @@ def _kinds(record: ForceCurve, settings: Settings) -> tuple[str, ...]:
     wanted = {None: (RETRACT, APPROACH), "both": (APPROACH, RETRACT)}.get(settings.segment, (str(settings.segment),))
     held = tuple(kind for kind in wanted if _usable(record, kind))
     if not held:
-        sides = {side.segment.kind: side.touch for side in record.directions}
-        reasons = [f"{kind}: {sides.get(kind, 'not in the record')}" for kind in wanted]
+        reasons = [f"{kind}: {_reason(record, kind)}" for kind in wanted]
         raise InputError(f"no direction can be fitted ({'; '.join(reasons)})")
     return held if settings.segment == "both" else held[:1]
+
+
+def _reason(record: ForceCurve, kind: str) -> str:
+    """Why a direction cannot be fitted."""
+    side = record.direction(kind)
+    if side is None:
+        return "not in the record"
+    return side.touch.reason if isinstance(side.touch, Unknown) else "it has no base line"
 
 
 def _adheres(record: ForceCurve, kind: str) -> bool:
@@ -166,43 +194,58 @@ def _contact_radii(found: ForceCurveFit) -> Array:
     return np.concatenate(radii)
 
 
-def _outcome(found: ForceCurveFit, x: Array, E_star: float) -> dict[str, float]:
+def _outcome(found: ForceCurveFit, x: Array, body: FittedBody) -> dict[str, float]:
     """What the unknowns ``x`` mean, SI."""
-    values = found.model.values(x)
+    values, problem = found.model.values(x), body.problem
     s = math.exp(values["ln_s"])
     last = found.model.stretches[-1]
     told = {"modulus": s}
     for part in found.model.stretches:
         name = "w" if part is last else f"w_{part.kind}"
-        told[name] = values.get(f"q:{part.kind}", 0.0) * s
+        told[name] = found.model.works.get(part.kind, values.get(f"q:{part.kind}", 0.0) * s)
     tilt = values[f"tilt:{last.kind}"]
     P0 = values[f"offset:{last.kind}"] + tilt * (values["z0"] - last.z[0])
-    told |= {"delta0": values["z0"] - P0 / found.model.k, "P0": P0, "tilt": tilt, "E_star": s * E_star}
+    if last.wave is not None:
+        wave = Wave(math.exp(values["ln_period"]), last.wave.at, values[f"cos:{last.kind}"], values[f"sin:{last.kind}"])
+        P0 += float(wave(np.array(values["z0"])))
+    told |= {"delta0": values["z0"] - P0 / found.model.k, "P0": P0, "tilt": tilt}
+    if last.wave is not None:
+        told |= {"wave_period": wave.period, "wave_amplitude": math.hypot(wave.cos, wave.sin)}
+    told["E_star"] = s * problem.E_star
+    if problem.indenter.material is None:
+        materials = problem.specimen.materials
+        told |= {f"E:{name}": s * m.surface.E for name, m in zip(body.layer_names, materials, strict=True)}
     return told
 
 
-DIMENSIONS = {"modulus": "number", "delta0": "length", "P0": "load", "tilt": "stiffness", "E_star": "modulus"}
+DIMENSIONS = {
+    "modulus": "number", "w": "work", "w_approach": "work", "w_retract": "work", "delta0": "length", "P0": "load",
+    "tilt": "stiffness", "wave_period": "length", "wave_amplitude": "load",
+}  # fmt: skip
 
 
-def _result(body: FittedBody, record: ForceCurve, settings: Settings, found: ForceCurveFit) -> Fit:
-    curve, E_star = record.curve, body.problem.E_star
-    values = _outcome(found, found.x, E_star)
+def _result(body: FittedBody, record: ForceCurve, curve: Curve, settings: Settings, found: ForceCurveFit) -> Fit:
+    """The fit of a ``curve`` as every fit gives it; ``record``: without the waves of its base lines."""
+    values = _outcome(found, found.x, body)
     sizes = np.maximum(np.abs(found.x), np.sqrt(np.diag(found.covariance)))
-    curved = [name == "ln_s" or name.startswith("q:") for name in found.names]  # all others are linear in the outcome
+    curved = [name.startswith(("ln_", "q:")) for name in found.names]  # all others are linear in the outcome
     steps = TUNING.step * np.where(curved, np.abs(found.x), sizes)
     rates = np.zeros((len(values), found.x.size))
     for i, step in enumerate(steps):
         unit = step * (np.arange(found.x.size) == i)
-        high, low = _outcome(found, found.x + unit, E_star), _outcome(found, found.x - unit, E_star)
+        high, low = _outcome(found, found.x + unit, body), _outcome(found, found.x - unit, body)
         rates[:, i] = [(high[name] - low[name]) / (2 * step) for name in values]
     covariance = rates @ found.covariance @ rates.T
     names = list(values)
     dof = max(found.off.size - found.x.size, 1)
     t = t_quantile(settings.level, max(round(dof / found.tau), 1))
+    carried = _carried(body, found, settings, values)
     estimates = tuple(
-        _estimate(name, values[name], math.sqrt(max(covariance[i, i], 0.0)), t) for i, name in enumerate(names)
-    )
-    free = tuple(item.name for item in estimates if item.free and item.name != "E_star")
+        wider(_estimate(name, values[name], math.sqrt(max(covariance[i, i], 0.0)), t),
+              {source: change[name] for source, change in carried.items()}, t)
+        for i, name in enumerate(names)
+    )  # fmt: skip
+    free = tuple(item.name for item in estimates if item.free and item.name != "E_star" and ":" not in item.name)
     rows = np.concatenate([part.rows for part in found.model.stretches])
     a = _contact_radii(found)
     order = np.argsort(rows)
@@ -238,17 +281,38 @@ def _result(body: FittedBody, record: ForceCurve, settings: Settings, found: For
         result, adhesion=_adhesion(record), flags=tuple(dict.fromkeys([*record.flags, *flags])), quality=quality
     )
     said = [f"{name}: {sentence}" for name, sentence in {**record.flags, **flags}.items()]
-    return replace(result, warnings=(*said, *_words(found), *warnings_of(result, body, body.family)))
+    at_bound = ["modulus"] * bool(np.isclose(values["modulus"], found.model.moduli, rtol=TUNING.at_bound).any())
+    more = warnings_of(result, body, body.family, at_bound)
+    return replace(result, warnings=(*said, *_words(found, settings), *more))
+
+
+def _carried(
+    body: FittedBody, found: ForceCurveFit, settings: Settings, here: Mapping[str, float]
+) -> dict[str, dict[str, float]]:
+    """Changes of the outcome by the standard deviation of each uncertain input."""
+
+    def outcome(moved: FittedBody) -> dict[str, float]:
+        refitted = fit(replace(found.model, family=moved.family), found.x, near=True, loss=settings.loss)
+        return _outcome(refitted, refitted.x, moved)
+
+    return {
+        name: changes_by(
+            name, body.nominal(name), sigma, here,
+            lambda value, name=name: outcome(body.with_values({name: value})),  # type: ignore[misc]
+        )
+        for name, sigma in settings.uncertain.items()
+    }  # fmt: skip
 
 
 def _estimate(name: str, value: float, error: float, t: float) -> FittedValue:
     """An estimate with its interval: of moduli in the logarithm, of w not below 0."""
-    dimension = DIMENSIONS.get(name, "work")
+    dimension = DIMENSIONS.get(name, "modulus")
+    modulus = name == "modulus" or dimension == "modulus"
     if error == 0:
         return FittedValue(name, value, False, dimension)
-    if name in ("modulus", "E_star") and t * error > TUNING.untold * value:
+    if modulus and t * error > TUNING.untold * value:
         return FittedValue(name, value, True, dimension)  # the data do not tell it
-    if name in ("modulus", "E_star"):
+    if modulus:
         spread = math.exp(min(t * error / value, 700.0))
         return FittedValue(name, value, True, dimension, error, value / spread, value * spread)
     low = value - t * error
@@ -298,8 +362,10 @@ def _judged(record: ForceCurve, found: ForceCurveFit, a: Array) -> tuple[dict[st
     return flags, {"quality": math.prod(parts.values()), **parts}
 
 
-def _words(found: ForceCurveFit) -> Iterator[str]:
+def _words(found: ForceCurveFit, settings: Settings) -> Iterator[str]:
     """How the record was taken, and what its residuals did to the intervals."""
+    if settings.base_line == "sine" and found.model.stretches[0].wave is None:
+        yield "base line: no sine is told from its noise, it is taken as straight"
     for part, adhesive in zip(found.model.stretches, found.model.adhesive, strict=True):
         if not adhesive:
             what = "no jump into contact" if part.kind == APPROACH else "no tension above the noise"

@@ -17,6 +17,7 @@ SegmentName = Literal["approach", "retract", "both"]
 Loss = Literal["linear", "soft_l1", "huber", "cauchy"]
 ContactName = Literal["auto", "fitted", "as-is", "estimate"]
 ConfidenceName = Literal["covariance", "profile", "bootstrap"]
+BaseLineName = Literal["straight", "sine"]
 DIMENSIONS = {"modulus": "number", "w": "work", "delta0": "length", "P0": "load", "compliance": "number"}
 KINDS: dict[str, Kind] = {"modulus": "log", "w": "positive", "delta0": "linear", "P0": "linear", "compliance": "linear"}
 OF_A_LAYER = {"E": "modulus", "h": "length", "nu": "number"}
@@ -108,7 +109,8 @@ class Settings:
     ``level``: of the confidence intervals. ``uncertain``: standard deviations of inputs of the body ("nu:film",
     "h:film", SI), carried through. ``samples, seed``: of the bootstrap.
     ``contact``: "fitted": base line and contact point are fitted with the rest (``record``), "auto": where the curve is
-    a raw record, else readings as they are.
+    a raw record, else readings as they are. ``base_line`` of a raw record: "sine": with a wave by interference.
+    ``given``: names of the parameters that are not left out.
     """
 
     parameters: tuple[Parameter, ...]
@@ -122,9 +124,12 @@ class Settings:
     samples: int = 200
     seed: int = 0
     contact: ContactName = "auto"
+    base_line: BaseLineName = "straight"
+    given: frozenset[str] = frozenset()
 
     def __post_init__(self) -> None:
-        given = {parameter.name for parameter in self.parameters}
+        given = self.given or frozenset(parameter.name for parameter in self.parameters)
+        object.__setattr__(self, "given", given)
         if "w" not in given:
             raise InputError("fit: w must be free or fixed at a value")
         left_out = (Parameter(name, False, value) for name, value in AS_IN_THE_CASE.items() if name not in given)

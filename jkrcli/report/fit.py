@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -49,6 +50,8 @@ def _row(item: Fit | Failure) -> dict[str, Any]:
         parts: dict[str, float | None] = {"": estimate.value}
         if estimate.free:
             parts |= {"err": estimate.error, "low": estimate.low, "high": estimate.high}
+        if estimate.model:
+            parts["model"] = math.hypot(*estimate.model.values())
         row |= {_title(estimate.name, part, estimate.dimension): value for part, value in parts.items()}
     told = {
         "scatter": item.scatter,
@@ -123,6 +126,8 @@ def estimate_summary(item: FittedValue) -> dict[str, Any]:
         found |= {"standard_error": item.error, "low": item.low, "high": item.high}
     if item.systematic:
         found["systematic"] = dict(item.systematic)
+    if item.model:
+        found["model"] = dict(item.model)
     return found
 
 
@@ -156,7 +161,8 @@ def estimate_words(estimate: FittedValue, level: float) -> str:
     text += f" {level:.0%}: {ends[0] or 'no lower limit'} to {ends[1] or 'no upper limit'}"
     named = (estimate.systematic or {}).items()
     parts = [f"{name} {show(value, dimension, 2)}" for name, value in named if value > NOTICEABLE * estimate.error]
-    return text + (f" (of which {', '.join(parts)})" if parts else "")
+    model = f"; model ± {show(math.hypot(*estimate.model.values()), dimension, 2)}" if estimate.model else ""
+    return text + (f" (of which {', '.join(parts)})" if parts else "") + model
 
 
 def _scatter(item: Fit) -> list[str]:

@@ -12,6 +12,7 @@ from ...base.units import show
 from .body import FittedBody
 from .family import Family
 from .result import Fit
+from .rivals import Rivals
 
 
 @dataclass(frozen=True)
@@ -31,12 +32,15 @@ class WarningThresholds:
 THRESHOLDS = WarningThresholds()
 
 
-def warnings_of(found: Fit, body: FittedBody, family: Family, at_bound: Sequence[str] = ()) -> list[str]:
+def warnings_of(
+    found: Fit, body: FittedBody, family: Family, at_bound: Sequence[str] = (), rivals: Rivals | None = None
+) -> list[str]:
     """Sentences on all that stands against the fit or limits it; ``body`` and its ``family`` with the values found,
-    ``at_bound``: parameters that end on a bound."""
+    ``at_bound``: parameters that end on a bound; ``rivals``: the nearest other models."""
     return [
         *_told_apart(found, at_bound),
         *_structured(found),
+        *(rivals.warnings() if rivals is not None and _relative_residual(found) > THRESHOLDS.resolved else ()),
         *_scatter(found),
         *_far_from_case(found, body),
         *_bounds(found, at_bound),

@@ -20,9 +20,10 @@ from .model import arc
 from .points import Points, points_of
 from .record import fit_record, whole_record
 from .result import Fit
+from .rivals import rivals_of
 from .search import robust, search
 from .settings import Settings
-from .statistics import structure
+from .statistics import structure, t_quantile
 
 CHUNK = 20  # choice: curves per task
 
@@ -91,6 +92,7 @@ def _fit(body: FittedBody, curve: Curve, settings: Settings) -> Fit:
     settings, words = _told_by(settings, points)
     minimum = robust(search(body, points, settings), settings.loss)
     confidence = confidence_of(minimum, settings)
+    rivals = rivals_of(minimum, confidence.scatter**2, t_quantile(settings.level, confidence.dof))
     distances = minimum.found
     u, readings = distances.u, distances.readings
     along = arc(readings)
@@ -100,7 +102,7 @@ def _fit(body: FittedBody, curve: Curve, settings: Settings) -> Fit:
         name=curve.name,
         file="" if curve.origin is None else str(curve.origin),
         where=curve.where,
-        estimates=confidence.estimates,
+        estimates=rivals.with_parts(confidence.estimates),
         free=tuple(parameter.name for parameter in settings.free),
         covariance=confidence.covariance,
         samples=confidence.samples,
@@ -119,7 +121,7 @@ def _fit(body: FittedBody, curve: Curve, settings: Settings) -> Fit:
         warnings=(),
         flags=() if curve.stiffness is None else flags_of(curve),
     )
-    said = warnings_of(found, minimum.objective.body, readings.family, minimum.at_bound)
+    said = warnings_of(found, minimum.objective.body, readings.family, minimum.at_bound, rivals)
     return replace(found, warnings=(*words, *said))
 
 

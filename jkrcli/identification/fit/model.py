@@ -39,11 +39,41 @@ class FootPointTuning:
 TUNING = FootPointTuning()
 
 
+@dataclass(frozen=True)
+class Drift:
+    """w and the moduli times 1 + change times the place on the record: 0 at the contact radius ``low``, 1 at ``high``
+    [m], less ``centre``."""
+
+    name: str
+    change: float
+    centre: float
+    low: float
+    high: float
+
+    def factor(self, a: Array) -> Array:
+        """What w or the moduli are multiplied by at contact radii ``a`` [m]; even beyond the record."""
+        return 1 + self.change * (np.clip((a - self.low) / (self.high - self.low), -0.2, 1.2) - self.centre)
+
+    def applied(self, functions: tuple[Array, Array, Array], u: Array) -> tuple[Array, Array, Array]:
+        """The family's functions (D, T, H, V) and their derivatives by u = log a with this drift."""
+        a, factor = np.exp(u), self.factor(np.exp(u))
+        rate = self.change * a / (self.high - self.low) / factor
+        power = np.array(DRIFTS[self.name])[:, None]
+        first, second = power * rate, power * rate * (1 - rate)
+        value, by_u, by_uu = functions
+        g = factor**power
+        return g * value, g * (by_u + first * value), g * (by_uu + 2 * first * by_u + (second + first**2) * value)
+
+
+DRIFTS = {"w": (0.0, 0.5, 0.0, 0.5), "modulus": (0.0, -0.5, 1.0, 0.5)}  # theory: powers of w and moduli in the family
+
+
 @dataclass(frozen=True, eq=False)
 class Readings:
     """The readings of one set of parameters; ``x``: the optimiser's unknowns in the order of ``parameters``.
 
     ``columns``: those of a, delta, P that are measured; each is divided by its scale in ``scales`` [m, m, N].
+    ``drift``: of w or of the moduli along the record.
     """
 
     family: Family
@@ -51,6 +81,7 @@ class Readings:
     x: Array
     columns: tuple[str, ...]
     scales: Array
+    drift: Drift | None = None
 
     def value(self, name: str) -> float:
         """The value of the parameter called ``name``, SI."""
@@ -61,7 +92,7 @@ class Readings:
         """Scaled readings and their first and second derivatives by u = log a, each of shape (columns, n)."""
         s, w = self.value("modulus"), self.value("w")
         found = []
-        for order, (D, T, H, V) in enumerate(self.family.at(u)):
+        for order, (D, T, H, V) in enumerate(self._functions(u)):
             delta, P = D - np.sqrt(w / s) * T, s * H - np.sqrt(w * s) * V
             delta0, P0 = (self.value("delta0"), self.value("P0")) if order == 0 else (0.0, 0.0)
             found.append(self._scaled(np.exp(u), delta0 + delta + self.value("compliance") * P, P0 + P))
@@ -69,7 +100,7 @@ class Readings:
 
     def by_parameters(self, u: Array) -> Array:
         """Derivatives of the scaled readings by the optimiser's unknowns, shape (parameters, columns, n)."""
-        (D, T, H, V), _, _ = self.family.at(u)
+        (D, T, H, V), _, _ = self._functions(u)
         s, w, compliance = self.value("modulus"), self.value("w"), self.value("compliance")
         root, q = np.sqrt(s), np.sqrt(w)
         one, zero = np.ones_like(u), np.zeros_like(u)
@@ -95,6 +126,10 @@ class Readings:
                 rows = rates[parameter.name]
             found.append(self._scaled(zero, *rows))
         return np.stack(found)
+
+    def _functions(self, u: Array) -> tuple[Array, Array, Array]:
+        found = self.family.at(u)
+        return found if self.drift is None else self.drift.applied(found, u)
 
     def _scaled(self, a: Array, delta: Array, P: Array) -> Array:
         rows = {"a": a, "delta": delta, "P": P}
@@ -171,6 +206,7 @@ class Objective:
     parameters: tuple[Parameter, ...]
     points: Points
     scales: Array
+    drift: Drift | None = None
 
     @property
     def free(self) -> Array:
@@ -194,7 +230,7 @@ class Objective:
         body = self.body.rated(own, varied) if rated and varied else self.body.with_values(own)
         columns = self.points.columns
         target = np.stack([self.points.values[name] for name in columns]) / self.scales[:, None]
-        return distances(Readings(body.family, self.parameters, x, columns, self.scales), target)
+        return distances(Readings(body.family, self.parameters, x, columns, self.scales, self.drift), target)
 
     def natural_units(self) -> dict[str, float]:
         """Sizes of unknowns by the nonadhesive body at half of its largest radius: delta, P, and w that shifts it by

@@ -17,7 +17,8 @@ from .statistics import Structure
 @dataclass(frozen=True)
 class FittedValue:
     """A parameter or what follows from it, SI. ``error``: standard error, ``low, high``: the confidence interval;
-    None where the data do not tell, or where it is fixed. ``systematic``: from uncertain inputs, by name."""
+    None where the data do not tell, or where it is fixed. ``systematic``: from uncertain inputs, by name,
+    held in the interval; ``model``: half-widths from models near this one that the data do not exclude, beside it."""
 
     name: str
     value: float
@@ -27,6 +28,7 @@ class FittedValue:
     low: float | None = None
     high: float | None = None
     systematic: Mapping[str, float] | None = None
+    model: Mapping[str, float] | None = None
 
 
 @dataclass(frozen=True, eq=False)

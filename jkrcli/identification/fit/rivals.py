@@ -1,0 +1,156 @@
+"""How far what was fitted rests on its model: the nearest other models, told apart by the data or not.
+
+Two rivals are looked at: a work of adhesion that changes along the record, and moduli that do, as those of a layer or a
+base seem to. Each adds one direction to the residuals, that of w or of the moduli times a straight line in the contact
+radius. Where the data tell a rival from the model to first order, this is a warning. What they leave of it is fitted
+again at both of its ends: it moves the parameters, a second part of their uncertainty beside the statistical one.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.special import fdtrc
+
+from ...base.arrays import Array
+from .model import Drift
+from .result import FittedValue
+from .search import Minimum
+
+
+@dataclass(frozen=True)
+class RivalTuning:
+    """What is expected of rivals before the data, and when they are told."""
+
+    likely: float = 0.5  # choice: standard deviation of the relative change along the record; w of polymers may double
+    chance: float = 5e-3  # choice: at which data of the model itself show a rival
+    least: float = -0.7  # choice: guard, a change along the record; w and moduli stay above 0
+    most: float = 1.2  # choice: guard, the same
+    steps: int = 2  # choice: of Gauss and Newton; two more change the parts by a twentieth
+    fewest: int = 6  # choice: degrees of freedom; two of them go to the rivals
+
+
+TUNING = RivalTuning()
+# What changes along the record, how it is called, and where on the record the fitted value is meant to hold: 0 at the
+# smallest contact radius (w there decides pull-off), 1/2 in the middle.
+RIVALS = {"w": ("a change of w along the record", 0.0), "modulus": ("a change of E* along the record", 0.5)}
+
+
+@dataclass(frozen=True, eq=False)
+class Rival:
+    """A model with one more number, the relative ``change`` of a parameter from the smallest to the largest contact
+    radius; ``moves``: how far the changes that the data leave likely move each unknown."""
+
+    name: str
+    change: float
+    moves: Mapping[str, float]
+
+
+@dataclass(frozen=True, eq=False)
+class Rivals:
+    """The rivals of a fit; ``chance``: that data of the model itself speak as much for them."""
+
+    found: tuple[Rival, ...]
+    chance: float
+
+    @property
+    def told(self) -> bool:
+        return self.chance < TUNING.chance
+
+    def warnings(self) -> Iterator[str]:
+        """A sentence where the data tell a rival from the model."""
+        if self.told:
+            parts = " or ".join(f"{RIVALS[rival.name][0]} by {rival.change:+.0%}" for rival in self.found)
+            yield (
+                f"the data speak against this model (by chance: {self.chance:.1g}) and for {parts} with the contact "
+                "radius: other bodies (a layer, a base), or adhesion that depends on speed or has a range; the "
+                "statistical intervals do not hold it"
+            )
+
+    def with_parts(self, estimates: Sequence[FittedValue]) -> tuple[FittedValue, ...]:
+        """The ``estimates`` with what the rivals may move each by; what follows from the moduli's factor with it."""
+        found = []
+        for item in estimates:
+            parts = {}
+            for rival in self.found if item.error is not None else ():
+                move = rival.moves.get(item.name)
+                if move is None and item.dimension == "modulus":
+                    move = item.value * rival.moves.get("modulus", 0.0)
+                if move:
+                    parts[RIVALS[rival.name][0]] = move
+            found.append(replace(item, model=parts or None))
+        return tuple(found)
+
+
+def rivals_of(minimum: Minimum, variance: float, t: float) -> Rivals:
+    """The rivals of what was found; ``variance`` of the residuals, ``t``: half-width of the intervals in standard
+    errors. None of few points, and of parameters that are 0."""
+    objective, residuals = minimum.objective, minimum.found.residuals.ravel()
+    values = objective.values(minimum.x)
+    dof = residuals.size - objective.free.size
+    wanted = [name for name in RIVALS if values.get(name, 0.0) > 0]
+    if dof < TUNING.fewest or not wanted or not variance > 0:
+        return Rivals((), 1.0)
+    jacobian = minimum.found.jacobian(objective.free)
+    directions = np.stack([_direction(minimum, name) for name in wanted], axis=1)
+    alone = directions - jacobian @ np.linalg.lstsq(jacobian, directions, rcond=None)[0]
+    found = []
+    for name, direction in zip(wanted, alone.T, strict=True):
+        precision = float(direction @ direction) / variance
+        if precision > 0:
+            change = -float(direction @ residuals) / variance / precision
+            spread = t / math.sqrt(precision + 1 / TUNING.likely**2)
+            centre = change * (spread / t) ** 2 * precision
+            found.append(Rival(name, change, _moves(minimum, name, (centre - spread, centre, centre + spread))))
+    return Rivals(tuple(found), _chance(alone, residuals, variance, dof))
+
+
+def _moves(minimum: Minimum, name: str, changes: tuple[float, ...]) -> dict[str, float]:
+    """How far the values of the free parameters move, at most, where ``name`` changes along the record by any of
+    ``changes``."""
+    objective, before = minimum.objective, minimum.objective.values(minimum.x)
+    free = [objective.parameters[i].name for i in objective.free]
+    moves = dict.fromkeys(free, 0.0)
+    a = np.exp(minimum.found.u)
+    for change in changes:
+        drift = Drift(
+            name, min(max(change, TUNING.least), TUNING.most), RIVALS[name][1], float(a.min()), float(a.max())
+        )
+        after = _followed(minimum, drift)
+        moves = {key: max(move, abs(after[key] - before[key])) for key, move in moves.items()}
+    return moves
+
+
+def _followed(minimum: Minimum, drift: Drift) -> dict[str, float]:
+    """The values of the parameters with a ``drift`` that leave the residuals as they are, as nearly as possible: what
+    noise and outliers there are stays. Gauss-Newton."""
+    objective, x = replace(minimum.objective, drift=drift), minimum.x.copy()
+    free, kept = objective.free, minimum.found.residuals.ravel()
+    for _ in range(TUNING.steps):
+        there = objective.distances(x)
+        x[free] -= np.linalg.lstsq(there.jacobian(free), there.residuals.ravel() - kept, rcond=None)[0]
+    values = objective.values(x)
+    u = objective.distances(x, rated=False).u
+    radii = np.exp(np.array([u.min(), u.max()]))  # the model's own, not those of before
+    values[drift.name] *= float(drift.factor(radii) @ (1 - drift.centre, drift.centre))
+    return values
+
+
+def _direction(minimum: Minimum, name: str) -> Array:
+    """Derivative of the residuals by the relative change of the parameter ``name`` along the record, (k n,)."""
+    index = [parameter.name for parameter in minimum.objective.parameters].index(name)
+    parameter, x = minimum.objective.parameters[index], float(minimum.x[index])
+    by_log = minimum.found.jacobian(np.array([index]))[:, 0] * parameter.outer(x) / parameter.derivative(x)
+    a = np.exp(minimum.found.u)
+    place = (a - a.min()) / max(float(np.ptp(a)), np.finfo(float).tiny) - RIVALS[parameter.name][1]
+    return by_log * np.tile(place, by_log.size // place.size)
+
+
+def _chance(alone: Array, residuals: Array, variance: float, dof: int) -> float:
+    """Chance of what the rivals together take from the squares of the residuals (F test)."""
+    taken = residuals @ alone @ np.linalg.lstsq(alone, residuals, rcond=None)[0]
+    k = alone.shape[1]
+    return float(fdtrc(k, max(dof - k, 1), max(taken, 0.0) / k / variance))

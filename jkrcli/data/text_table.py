@@ -5,6 +5,7 @@ from __future__ import annotations
 import codecs
 import contextlib
 import csv
+import math
 import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
@@ -27,16 +28,23 @@ WRONG_LINES_SHOWN = 5
 MOST_BYTES = 256 << 20  # choice: of a table of numbers, ten times as much in memory
 SAMPLE = 2000  # lines from which the dialect is found out
 _NUMBER = re.compile(r"[+-]?(\d+[.]?\d*|[.]\d+)([eEdD][+-]?\d+)?\Z|[+-]?(nan|inf|infinity)\Z", re.IGNORECASE)
+_THOUSANDS = {  # by the decimal mark: a number whose digits are grouped, always by the same mark
+    ".": re.compile(r"[+-]?[1-9]\d{0,2}([,'’\u00a0\u202f])\d{3}(\1\d{3})*([.]\d*)?\Z"),
+    ",": re.compile(r"[+-]?[1-9]\d{0,2}([.'’\u00a0\u202f])\d{3}(\1\d{3})*(,\d*)?\Z"),
+}
+_WORD = re.compile(r"[^\W\d]")
 
 
 @dataclass(frozen=True)
 class Dialect:
-    """The way a table is written: the ``separator`` (a key of ``SEPARATORS``), the ``decimal`` mark, and which columns
-    (from 0) hold ``text``: their cells count as the number 0."""
+    """The way a table is written: the ``separator`` (a key of ``SEPARATORS``), the ``decimal`` mark, which columns
+    (from 0) hold ``text``: their cells count as the number 0, and whether the digits before the decimal mark are
+    grouped in ``thousands``."""
 
     separator: str
     decimal: str
     text: frozenset[int] = frozenset()
+    thousands: bool = False
 
     def cells(self, line: str) -> list[str]:
         """The cells of a line, without surrounding blanks; a separator at the end of the line ends no empty cell."""
@@ -48,11 +56,22 @@ class Dialect:
         cells = [cell.strip() for cell in parts]
         return cells[:-1] if len(cells) > 1 and not cells[-1] else cells
 
-    def numbers(self, line: str) -> list[float] | None:
-        """The numbers of a line, or None where one of its cells is none."""
+    def numbers(self, line: str, width: int = 0) -> list[float] | None:
+        """The numbers of a line, or None where one of its cells is none; nan for an empty cell.
+
+        ``width``: of the table, where it is known: a line that ends in empty cells has as many.
+        """
         cells = self.cells(line)
+        mark = SEPARATORS[self.separator]
+        if mark is not None and len(cells) == width - 1 and line.rstrip(" \r\n").endswith(mark):
+            cells = [*cells, ""]
         if self.text:
             cells = ["0" if i in self.text else cell for i, cell in enumerate(cells)]
+        if len(cells) > 1 and "" in cells and any(cells):
+            cells = [cell or "nan" for cell in cells]
+        if self.thousands:
+            found = [(cell, _THOUSANDS[self.decimal].match(cell)) for cell in cells]
+            cells = [cell.replace(match[1], "") if match else cell for cell, match in found]
         if self.decimal == ",":
             if any("." in cell for cell in cells):
                 return None
@@ -66,7 +85,8 @@ class Dialect:
 class TextTable:
     """A table as read: ``values`` (rows, columns), the ``lines`` they stand in (from 1), ``names`` of the columns.
 
-    ``text``: the cells of the columns (from 0) that hold words; ``head``: the lines before the numbers.
+    ``text``: the cells of the columns (from 0) that hold words; ``head``: the lines before the numbers; ``notes``: the
+    comments between them, by their lines.
     """
 
     path: Path
@@ -76,6 +96,7 @@ class TextTable:
     dialect: Dialect
     text: Mapping[int, tuple[str, ...]] = field(default_factory=dict)
     head: tuple[str, ...] = ()
+    notes: Mapping[int, str] = field(default_factory=dict)
 
 
 def decoded(content: bytes) -> str:
@@ -124,9 +145,9 @@ def read_table(
     _check_rows(path, lines_of_file, dialect, lines, values, finite)
     header = [line for n, line in lines_of_file if n < lines[0]]
     names = _names(header, dialect, values.shape[1])
-    return TextTable(
-        path, names, values, lines, dialect, _texts(lines_of_file, dialect, set(lines.tolist())), tuple(header)
-    )
+    text = _texts(lines_of_file, dialect, set(lines.tolist()))
+    notes = {n: line for n, line in lines_of_file if n > lines[0] and _is_comment(line)}
+    return TextTable(path, names, values, lines, dialect, text, tuple(header), notes)
 
 
 def _rows(content: list[tuple[int, str]], dialect: Dialect, least: int) -> tuple[Array, Array]:
@@ -143,7 +164,11 @@ def _rows(content: list[tuple[int, str]], dialect: Dialect, least: int) -> tuple
 def _regular(body: list[tuple[int, str]], dialect: Dialect, width: int) -> Array | None:
     """The values by numpy's reader, ten times as fast; None where any line needs a closer look."""
     mark = SEPARATORS[dialect.separator]
-    if dialect.decimal != "." or any(len(line.split(mark)) != width or '"' in line for _, line in body):
+    if (
+        dialect.decimal != "."
+        or dialect.thousands
+        or any(len(line.split(mark)) != width or '"' in line for _, line in body)
+    ):
         return None
     numbers = [i for i in range(width) if i not in dialect.text]
     values = np.zeros((len(body), width))
@@ -168,6 +193,8 @@ def _with_text(content: list[tuple[int, str]], dialect: Dialect, is_text: Callab
     """The dialect with the columns of text, by the first line that names one: before any row of numbers."""
     for _, line in content:
         cells = _header_cells(line, dialect, 0)
+        if _is_comment(line) and cells and cells[0].endswith(":"):  # "# segment: extend" is no header
+            cells = cells[1:] if cells[0].lower() in HEADINGS else []
         if found := {i for i, cell in enumerate(cells) if is_text(i, cell)}:
             return replace(dialect, text=frozenset(found))
         if dialect.numbers(line) is not None:
@@ -187,18 +214,48 @@ def _dialect(
     allowed = [d for d in found if separator in (None, d.separator) and decimal in (None, d.decimal)]
     if not allowed:
         raise InputError('separator "comma" and decimal "," exclude each other: say which one the comma is')
-    allowed = [_with_text(content, dialect, is_text) for dialect in allowed]
-    counts = [(sum(1 for _ in _data(content, dialect, least)), dialect) for dialect in allowed]
-    best = max(counts, key=lambda pair: pair[0])
-    return best[1] if best[0] else None
+    for by_content in (False, True):
+        plain = [
+            _with_words(content, dialect, least) if by_content else _with_text(content, dialect, is_text)
+            for dialect in allowed
+        ]
+        best, unread = _most_rows(content, plain, least)
+        if unread:  # numbers whose digits are grouped are tried only where others leave something over
+            best, _ = _most_rows(content, [*plain, *(replace(dialect, thousands=True) for dialect in plain)], least)
+        if best is not None:
+            return best
+    return None
+
+
+def _most_rows(content: list[tuple[int, str]], dialects: list[Dialect], least: int) -> tuple[Dialect | None, bool]:
+    """The dialect that gives most rows of numbers, None where none gives any; whether it leaves lines behind its first
+    row unread."""
+    rows = [[n for n, _ in _data(content, dialect, least)] for dialect in dialects]
+    sizes = [len(found) for found in rows]
+    most = sizes.index(max(sizes))
+    if not sizes[most]:
+        return None, True
+    later = sum(1 for n, line in content if n >= rows[most][0] and not _is_comment(line))
+    return dialects[most], later > sizes[most]
+
+
+def _with_words(content: list[tuple[int, str]], dialect: Dialect, least: int) -> Dialect:
+    """The dialect with those columns as text that hold words in all rows of the later half, beside ``least`` columns or
+    more of none."""
+    rows = [cells for _, line in content if not _is_comment(line) and len(cells := dialect.cells(line)) > least]
+    widths = [len(cells) for cells in rows]
+    width = max(widths, key=widths.count, default=0)
+    later = [cells for cells in rows if len(cells) == width][len(rows) // 2 :]
+    found = [i for i in range(width) if later and all(_WORD.match(cells[i]) for cells in later)]
+    return replace(dialect, text=frozenset(found if width - len(found) >= least else ()))
 
 
 def _data(content: list[tuple[int, str]], dialect: Dialect, least: int) -> Iterator[tuple[int, list[float]]]:
     """The rows of numbers, all as wide as the first."""
     width = 0
     for n, line in content:
-        row = None if _is_comment(line) else dialect.numbers(line)
-        if row is not None and len(row) >= least and len(row) == (width or len(row)):
+        row = None if _is_comment(line) else dialect.numbers(line, width)
+        if row is not None and len(row) == (width or len(row)) and len(row) - sum(map(math.isnan, row)) >= least:
             width = len(row)
             yield n, row
 
@@ -215,7 +272,7 @@ def _check_rows(
     for n, line in content:
         if n in bad:
             wrong.append(f'{path}: line {n} must hold finite numbers, got "{line.strip()[:60]}"')
-        elif n > lines[0] and n not in rows and not _is_comment(line):
+        elif n > lines[0] and n not in rows and not _is_comment(line) and any(dialect.cells(line)):
             expected = f"{width - len(dialect.text)} numbers{words}"
             wrong.append(f'{path}: line {n} must hold {expected}, got "{line.strip()[:60]}"')
     if wrong:
@@ -235,8 +292,9 @@ def _is_comment(line: str) -> bool:
 def _names(header: list[str], dialect: Dialect, width: int) -> tuple[str, ...]:
     """Column names from the last lines before the numbers, a line of units under them taken in; else empty names."""
     lines = [_header_cells(line, dialect, width) for line in header]
-    lines = [cells[1:] if cells and cells[0].lower() in HEADINGS else cells for cells in lines]
+    headed = {cells[0].lower(): cells[1:] for cells in lines if cells and cells[0].lower() in HEADINGS}
     titles = [cells for cells in lines if len(cells) == width]
+    titles = [cells for key in HEADINGS if len(cells := headed.get(key, [])) == width] or titles
     if not titles:
         return ("",) * width
     last = titles[-1]

@@ -61,6 +61,17 @@ def test_a_case_and_a_curve_give_table_summary_archive_and_picture(jkr, folder: 
         assert group["data/P"].attrs["unit"].decode() == "N"
 
 
+def test_a_table_of_transform_gives_its_own_modulus_and_work_back(jkr, folder: Path) -> None:
+    """With its column of words, and unstable states far below pull-off."""
+    assert jkr("transform", "sphere.toml", "--w", "50 mJ/m^2", "--no-plots").code == 0
+    done = jkr("fit", "sphere.toml", "sphere-w0.05.csv", "--json", "--no-plots")
+    estimates = json.loads(done.out)["curves"][0]["estimates"]
+    assert estimates["E_star"]["value"] == pytest.approx(2e6, rel=1e-8)
+    assert estimates["w"]["value"] == pytest.approx(0.05, rel=1e-8)
+    done = jkr("work", "sphere.h5", "sphere-w0.05.csv", "--no-plots")
+    assert "w = 50 mJ/m^2 (half of the rows: 50 mJ/m^2 to 50 mJ/m^2)" in done.out
+
+
 def test_a_series_file_gives_what_its_case_gives(jkr, folder: Path) -> None:
     assert jkr("run", "sphere.toml", "-o", "series.h5").code == 0
     told = [

@@ -146,6 +146,91 @@ def test_names_and_units_of_comment_heads_and_units_within_names(tmp_path: Path)
     assert list(curve.segments()) == ["approach", "retract"]
 
 
+JPK = """# exportDate: 2021.03.22
+# springConstant: 0.05
+#
+# segmentIndex: 0
+# segment: extend
+# columns: strainGaugeHeight vDeflection seriesTime time
+# fancyNames: "Height (measured)" "Vertical Deflection" "Series Time" "Segment Time"
+# calibrationSlots: nominal force elapsed elapsed
+# springConstant: 0.05
+# sensitivity: 7.36E-8
+# units: m N s s
+#
+{0}
+
+# segmentIndex: 1
+# segment: retract
+# columns: strainGaugeHeight vDeflection seriesTime time
+# units: m N s s
+#
+{1}
+"""
+
+
+def test_segments_of_comment_heads(tmp_path: Path) -> None:
+    """Each segment has its head and its own time; names, units and the spring constant stand in the head."""
+    rows = [f"{-z} {P} {i * 0.5} {i % 3 * 0.5}" for i, (z, P) in enumerate(zip(Z, LOAD, strict=True))]
+    path = written(tmp_path, JPK.format("\n".join(rows[:3]), "\n".join(rows[3:])), "exported.txt")
+    curve = one(path)
+    assert curve.segment is not None
+    assert curve.segment.tolist() == ["approach"] * 3 + ["retract"] * 3
+    assert curve.stiffness == 0.05
+    np.testing.assert_allclose(curve.delta, Z - LOAD / 0.05, rtol=1e-12, atol=1e-20)
+    np.testing.assert_allclose(curve.t, 0.5 * np.arange(6))
+    assert one(path, Reading(columns={"t": "time"})).t is None
+
+
+def test_columns_of_words_that_nobody_asked_for(tmp_path: Path) -> None:
+    columns = {"a_m": Z + 1e-6, "delta_m": Z, "P_N": LOAD}
+    lines = [
+        ",".join(map(repr, row)) + ",stable,2" for row in zip(*(c.tolist() for c in columns.values()), strict=True)
+    ]
+    curve = one(written(tmp_path, "\n".join([",".join([*columns, "branch", "dS_da_N_per_m2"]), *lines]) + "\n"))
+    np.testing.assert_allclose(curve.P, LOAD, rtol=1e-12)
+    np.testing.assert_allclose(curve.a, Z + 1e-6, rtol=1e-12)
+
+
+@pytest.mark.parametrize("separator", ["\t", ",", ";"])
+@pytest.mark.parametrize("short", [0, 1])
+def test_pairs_of_columns_of_unequal_length(tmp_path: Path, separator: str, short: int) -> None:
+    """The shorter pair ends in empty cells, be it the last or the first."""
+    there, back = [(f"{z * 1e9}", f"{P * 1e9}") for z, P in zip(Z, LOAD, strict=True)], [("-9", "-1"), ("-8", "-2")]
+    pairs = [there, back][:: 1 - 2 * (short == 0)]
+    rows = [
+        [*(pairs[0][i] if i < len(pairs[0]) else ("", "")), *(pairs[1][i] if i < len(pairs[1]) else ("", ""))]
+        for i in range(len(there))
+    ]
+    names = ["Extend Z-Sense(nm)", "Extend Force(nN)", "Retract Z-Sense(nm)", "Retract Force(nN)"]
+    curve = one(written(tmp_path, "\n".join(separator.join(row) for row in [names, *rows, ["", "", "", ""]]) + "\n"))
+    assert curve.segment is not None
+    assert curve.segment.tolist() == ["approach"] * len(pairs[0]) + ["retract"] * len(pairs[1])
+    assert curve.P is not None
+    np.testing.assert_allclose(curve.P * 1e9, [float(P) for pair in pairs for _, P in pair], rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("rows", "separator"),
+    [
+        (("999.5", "1,234.5", "12,345.25"), "\t"),
+        (("999,5", "1.234,5", "12.345,25"), ";"),
+        (("999,5", "1'234,5", "12'345,25"), ";"),
+        (("999.5", '"1,234.5"', '"12,345.25"'), ","),
+    ],
+)
+def test_marks_of_thousands(tmp_path: Path, rows: tuple[str, ...], separator: str) -> None:
+    """They are told from decimal marks where both occur."""
+    lines = [f"{i}{separator}{row}" for i, row in enumerate(rows)]
+    curve = one(written(tmp_path, "\n".join([f"delta_nm{separator}P_nN", *lines]) + "\n"))
+    np.testing.assert_allclose(curve.P, np.array([999.5, 1234.5, 12345.25]) * 1e-9, rtol=1e-12)
+
+
+def test_three_decimals_are_no_thousands(tmp_path: Path) -> None:
+    curve = one(written(tmp_path, "delta_nm;P_nN\n1,250;2,375\n2,500;3,125\n3,750;4,875\n"))
+    np.testing.assert_allclose(curve.P, np.array([2.375, 3.125, 4.875]) * 1e-9, rtol=1e-12)
+
+
 def test_volts_and_metres_of_deflection_become_loads(tmp_path: Path) -> None:
     volts = written(tmp_path, table(("Height (um)", -Z * 1e6), ("Deflection (mV)", LOAD / 0.1 / 5e-8 * 1e3)))
     curve = one(volts, Reading(stiffness=0.1, sensitivity=5e-8))

@@ -36,7 +36,7 @@ class Position:
 
 POSITIONS = (
     Position("a height", -1, True, (
-        "height (measured)", "measured height", "measuredheight", "capacitivesensorheight",
+        "height (measured)", "measured height", "measuredheight", "capacitivesensorheight", "straingaugeheight",
         "height (measured & smoothed)", "height sensor", "height",
         "piezo height", "height (piezo)", "smoothed measured height", "höhe")),
     Position("a position of the piezo", 0, True, (
@@ -126,6 +126,8 @@ def constants(head: tuple[str, ...]) -> Mapping[str, float]:
     """Spring constant "stiffness" [N/m] and "sensitivity" [m/V] that the head of a file names; 1 stands for unknown."""
     found: dict[str, float] = {}
     for line in head:
+        if match := re.match(r"\W*(springConstant|sensitivity)\s*:\s*([-+.\deE]+)\s*\Z", line):  # of JPK, always SI
+            line = f"{match[1]}: {match[2]} {'N/m' if match[1] == 'springConstant' else 'm/V'}"
         match = re.match(r'[\W_]*(.*?)\s*[,:=\t;]?\s*[\[(]?([a-zµμ]*[NmV]/[a-zµμ]*[mV])[\])]?[\s:=;,"]+(\S+)', line)
         match = match or re.match(r'[\W_]*(.*?)\s*[:=;\t]\s*([-+.,\deE]+)\s*([a-zµμ]*[NmV]/[a-zµμ]*[mV])\s*"?\Z', line)
         if not match:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -28,12 +29,13 @@ from .instruments import (
     toward,
 )
 
+WHOLE = ("seriestime", "series time")  # of a record whose segments have their own time too
 UNITS_OF = {"stiffness": "N/m", "sensitivity": "m/V"}
 
 NAMES = Vocabulary(CONTACT | {
     "delta": CONTACT["delta"].also("indentation depth"),
     "P": CONTACT["P"].also("normal force", "kraft", "prüfkraft", "standardkraft", "normalkraft"),
-    "t": Quantity("time", "time", ("t", "time", "zeit", "prüfzeit", "elapsed time")),
+    "t": Quantity("time", "time", ("t", "time", "zeit", "prüfzeit", "elapsed time", *WHOLE)),
     "segment": Quantity("segment", "", ("segment", "phase", "direction", "richtung")),
     "curve": Quantity("curve", "", ("curve", "curve number", "curve_number")),
 })  # fmt: skip
@@ -74,15 +76,36 @@ def _curves(
     table = _paired(table, reading)
     found = Columns.of(table, reading)
     segments = None
-    if "segment" in found.chosen:
-        given = table.text[found.chosen["segment"]]
+    given = table.text[found.chosen["segment"]] if "segment" in found.chosen else _noted(table)
+    if given:
         segments = np.array([SEGMENTS.get(word.lower(), word) for word in given])
     for name, rows in _groups(table, found.chosen, stem):
         part = {key: column[rows] for key, column in found.values.items()}
+        if segments is not None and _starts_anew(part.get("t"), segments[rows]):
+            del part["t"]
         curve = _curve(table, origin, name, rows, part, None if segments is None else segments[rows])
         if isinstance(curve, Curve):
             curve = found.with_sign(curve, reading)
         yield curve, found.stiffness
+
+
+def _noted(table: TextTable) -> list[str]:
+    """The word of every row by the comments before it, "# segment: extend"; none where no comment tells it."""
+    pattern = re.compile(r"\W*segment(?:[ _]?name)?\s*[:=]\s*\"?([^\W\d]\w*)", re.IGNORECASE)
+    notes = [(0, line) for line in table.head] + sorted(table.notes.items())
+    told = [(n, match[1]) for n, line in notes if (match := pattern.match(line))]
+    if not told or told[0][0] > 0:
+        return []
+    lines, words = zip(*told, strict=True)
+    return [words[i] for i in np.searchsorted(lines, table.lines) - 1]
+
+
+def _starts_anew(t: Array | None, segment: Array) -> bool:
+    """Whether time runs back where one segment ends and the next begins, and nowhere else."""
+    if t is None:
+        return False
+    back = np.diff(t) < 0
+    return bool(back.any()) and bool((segment[1:] != segment[:-1])[back].all())
 
 
 def _paired(table: TextTable, reading: Reading) -> TextTable:
@@ -246,7 +269,8 @@ def _columns(table: TextTable, reading: Reading, stiffness: float | None) -> tup
         said += [why] if why else []
     for key in NAMES.quantities:
         if key not in chosen and NAMES.named(table, key) and not (key == "area" and "a" in chosen):
-            chosen[key] = NAMES.guess(table, key)
+            whole = [i for i in NAMES.named(table, key) if plain(table.names[i]) in WHOLE]
+            chosen[key] = whole[0] if whole else NAMES.guess(table, key)
     bent = deflection(table)
     if "P" not in chosen and bent is not None and bent not in chosen.values():
         chosen["P"] = bent

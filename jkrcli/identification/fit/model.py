@@ -163,7 +163,8 @@ class Distances:
 
 def distances(readings: Readings, points: Array) -> Distances:
     """Nearest points of the curve to the scaled measured ``points`` (columns, n)."""
-    u = arc(readings)
+    radii = points[readings.columns.index("a")] * readings.scales[0] if "a" in readings.columns else None
+    u = arc(readings, None if radii is None else float(radii.min()))
     u = u[cKDTree(readings.along(u)[0].T).query(points.T)[1]]  # of the nearest vertices
     for _ in range(TUNING.steps):
         X, first, second = readings.along(u)
@@ -187,14 +188,16 @@ def _normal(tangent: Array) -> Array:
     return np.stack([-tangent[1], tangent[0]])
 
 
-def arc(readings: Readings) -> Array:
-    """log a of the vertices of the part of the curve on which points are looked for."""
+def arc(readings: Readings, least: float | None = None) -> Array:
+    """log a of the vertices of the part of the curve on which points are looked for, down to the ``least`` radius that
+    was measured [m], if any."""
     family = readings.family
     whole = np.linspace(family.low - TUNING.below_fold, family.high, TUNING.vertices // 2)
     s, w = readings.value("modulus"), readings.value("w")
     (D, T, _, _), _, _ = family.at(whole)
     fold = whole[np.argmin(D - np.sqrt(w / s) * T)]
-    return np.linspace(max(fold - TUNING.below_fold, whole[0]), family.high + TUNING.beyond_last, TUNING.vertices)
+    below = fold - TUNING.below_fold if least is None else min(fold - TUNING.below_fold, math.log(least))
+    return np.linspace(max(below, whole[0]), family.high + TUNING.beyond_last, TUNING.vertices)
 
 
 # ---------------------------------------------------------------------- what is minimised

@@ -19,7 +19,7 @@ from .fit_law import fit_law, refuse_unused
 from .measured import reading_of, reading_options
 from .options import NamedType, ParamType, ScaleType, limits_options, parallel_options, slopes_option
 from .output import answer, into_folder, output_options
-from .voice import progress, say, warn
+from .voice import note, progress, say, warn
 
 if TYPE_CHECKING:
     from ..data.measured import Curve
@@ -147,7 +147,7 @@ def fit(
     for line in reasons:
         warn(f"skipped: {line}")
     _tell(found, output.json, told)
-    _tell_surfaces(found, body, bodies)
+    _tell_surfaces(found, body, bodies, output.json)
     if not output.json:
         drawn = f", {len(pictures)} picture{'s' if len(pictures) > 1 else ''}" if pictures else ""
         say(f"written {targets}{drawn}" + (f", the map in {map_file}" if map_file else ""))
@@ -308,14 +308,19 @@ def _tell(found: list[Fit | Failure], as_json: bool, body: str) -> None:
             say("\n".join(report.words(item)))
         if len(fits) > SHOWN:
             say(f"... and {len(fits) - SHOWN} more curves")
+    both = len({item.surface for item in fits}) > 1
     for item in fits[:SHOWN]:
         for warning in item.warnings:
-            warn(f"{item.where}: {warning}")
+            warn(f"{item.where}{f', {item.surface}' if both else ''}: {warning}")
 
 
-def _tell_surfaces(found: list[Fit | Failure], body: FittedBody, bodies: list[FittedBody]) -> None:
+def _tell_surfaces(found: list[Fit | Failure], body: FittedBody, bodies: list[FittedBody], as_json: bool) -> None:
     """What the assumption on the surfaces matters, or what the data prefer where both were fitted."""
     from ..identification.fit.friction import friction_warnings, preferences
 
-    for line in preferences(found) if len(bodies) > 1 else friction_warnings(body, found):
+    if len(bodies) > 1:
+        for line in preferences(found):
+            (note if as_json else say)(line)
+        return
+    for line in friction_warnings(body, found):
         warn(line)

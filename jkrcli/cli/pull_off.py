@@ -17,6 +17,7 @@ from ..adhesion.device import DISPLACEMENT_CONTROL, LOAD_CONTROL, control
 from ..adhesion.law import AskedRange
 from ..adhesion.sharp import resolved, yielding
 from ..adhesion.stability import Behaviour, behaviour
+from ..adhesion.sticking import effect_on, sticking_warnings
 from ..adhesion.validity import check
 from ..base.errors import InputError
 from ..base.units import show
@@ -26,7 +27,7 @@ from ..series import Solution
 from .options import LoadType, NamedType, QuantityType, WorkType, modulus_factor_option, range_options, slopes_option
 from .output import answer, json_option
 from .series import attracted, read_series, series_file, works_of
-from .voice import say
+from .voice import say, warn
 
 if TYPE_CHECKING:
     from ..identification.work_of_adhesion import MeasuredWork
@@ -115,7 +116,11 @@ def pull_off(
             results += [_forward(with_solved_points(result, *stiffnesses), controls) for result in analyses]
         else:
             told = partial(_inverse, solution, abs(force), slopes, modulus_factor, uncertain)
-            results += [told(stiffness) for stiffness in stiffnesses or (LOAD_CONTROL,)]
+            answers = [told(stiffness) for stiffness in stiffnesses or (LOAD_CONTROL,)]
+            effect = effect_on(solution, [answers[0][0]["w_J_per_m2"]])
+            for warning in sticking_warnings(solution.problem, effect):
+                warn(f"{solution.record.path}: {warning}")
+            results += answers
     if as_json:
         answer({"results": [data for data, _ in results]})
         return

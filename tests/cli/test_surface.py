@@ -69,6 +69,12 @@ def test_the_assumption_is_warned_of_where_it_matters(jkr, folder):
     assert "sticking  against sliding makes the load at equal depth 1.0" in outcome.out
 
 
+def test_the_work_behind_a_pull_off_force_names_what_it_assumes(jkr, folder):
+    done = jkr("pull-off", folder / "sliding.toml", "--load", "1 mN")
+    assert "warning: " in done.err
+    assert "it is assumed that the surfaces slide without friction: against sliding, sticking makes" in done.err
+
+
 def test_a_profile_shows_the_shear(jkr, folder):
     jkr("run", folder / "sticking.toml", "-o", folder / "s.h5")
     jkr("profile", folder / "s.h5", "--a", "0.6 mm", "--w", "0")

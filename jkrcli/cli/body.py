@@ -9,8 +9,10 @@ from typing import Any
 import click
 
 from ..base.errors import InputError
+from .voice import warn
 
 FLAGS = ("shape", "radius", "modulus", "nu", "thickness", "base")
+LARGE = 0.1  # choice: [m], from which on a bare number is remarked
 Command = Callable[..., Any]
 OPTIONS = (
     click.option("--shape", type=click.Choice(["sphere", "paraboloid"]),
@@ -53,6 +55,11 @@ def tables_of(
         raise InputError(f"{verb}: needs {instead}, or the bodies by flags: {', '.join(missing)} missing")
     if held["base"] is not None and held["thickness"] is None:
         raise InputError(f"{verb}: --base needs --thickness: a half-space has no base")
+    for name in ("radius", "thickness"):
+        size = number_or_text(held[name])
+        if isinstance(size, float) and size >= LARGE:
+            warn(f"{flag(name)} {held[name]} without a unit is {size:g} m: give its unit, {flag(name)} "
+                 f'"{held[name]} um"')  # fmt: skip
     material = {"E": number_or_text(held["modulus"]), "nu": number_or_text(held["nu"])}
     if held["thickness"] is None:
         specimen: dict[str, Any] = {"half_space": material}

@@ -129,6 +129,11 @@ class Direction:
         enough = self.base.rows >= TUNING.far * len(self.segment)
         return enough and abs(self.base.tilt) * self.depth <= TUNING.steep * self.largest
 
+    @property
+    def based(self) -> bool:
+        """Whether touch and loads over the base line mean anything: it is there, or nothing but a base line."""
+        return self.begins_free or isinstance(self.touch, Unknown)
+
 
 @dataclass(frozen=True, eq=False)
 class ForceCurve:
@@ -138,6 +143,11 @@ class ForceCurve:
     segments: tuple[Segment, ...]
     directions: tuple[Direction, ...]
     flags: dict[str, str]
+
+    @property
+    def rest(self) -> int:
+        """How many rows belong to no segment."""
+        return len(self.curve) - sum(map(len, self.segments))
 
     def direction(self, kind: str) -> Direction | None:
         """The first direction of a kind, "approach" or "retract"."""
@@ -155,7 +165,7 @@ def examine(curve: Curve) -> ForceCurve:
     parts = _found(curve.device) if curve.segment is None else _told(curve)
     sides = [part for part in parts if part.kind in (APPROACH, RETRACT) and len(part) >= TUNING.least_rows]
     directions = tuple(_direction(curve.device, curve.P, part) for part in sides)
-    return ForceCurve(curve, tuple(parts), directions, _flags(curve, directions))
+    return ForceCurve(curve, tuple(parts), directions, _flags(curve, parts, directions))
 
 
 def _told(curve: Curve) -> list[Segment]:
@@ -339,7 +349,7 @@ def _runs(held: Array, width: int) -> list[tuple[int, int]]:
     return [(int(group[0]), int(group[-1]) + width) for group in groups]
 
 
-def _flags(curve: Curve, directions: Sequence[Direction]) -> dict[str, str]:
+def _flags(curve: Curve, parts: Sequence[Segment], directions: Sequence[Direction]) -> dict[str, str]:
     """What a reader should know before trusting anything that is fitted to this curve."""
     assert curve.delta is not None
     assert curve.P is not None
@@ -347,7 +357,14 @@ def _flags(curve: Curve, directions: Sequence[Direction]) -> dict[str, str]:
     kinds = [item.segment.kind for item in directions]
     for kind, other in ((APPROACH, RETRACT), (RETRACT, APPROACH)):
         if kind not in kinds:
-            flags[f"no {kind}"] = f"only {other} rows" if other in kinds else "neither approach nor retraction"
+            few = sum(len(part) for part in parts if part.kind == kind)
+            flags[f"no {kind}"] = (
+                f"of its rows there {'is 1' if few == 1 else f'are {few}'}, at least {TUNING.least_rows} are needed"
+                if few
+                else f"only {other} rows"
+                if other in kinds
+                else "neither approach nor retraction"
+            )
     span = float(np.ptp(curve.P))
     touched = [item for item in directions if not isinstance(item.touch, Unknown)]
     if directions and not touched:

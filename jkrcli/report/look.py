@@ -8,6 +8,7 @@ from ..base.units import show
 from ..base.unknown import Unknown
 from ..data.record import BaseLine, Direction, ForceCurve
 
+NO_BASE_LINE = Unknown("there is no base line")
 NAMES = {"a": "contact radius", "delta": "displacement", "P": "load", "t": "time"}
 
 
@@ -19,6 +20,7 @@ def as_dict(record: ForceCurve) -> dict[str, Any]:
         "rows": len(curve),
         "columns": list(curve.measured),
         "read": list(curve.flags),
+        "rows_of_no_segment": record.rest,
         "segments": [{"kind": s.kind, "first_row": s.first + 1, "last_row": s.last + 1} for s in record.segments],
         **{item.segment.kind: _direction(item) for item in record.directions},
         "flags": dict(record.flags),
@@ -26,14 +28,15 @@ def as_dict(record: ForceCurve) -> dict[str, Any]:
 
 
 def _direction(item: Direction) -> dict[str, Any]:
+    touch, adhesion = (item.touch, item.adhesion) if item.based else (NO_BASE_LINE, NO_BASE_LINE)
     return {
         "rows": len(item.segment),
-        **_known("touch_m", item.touch),
-        "touch_err_m": None if isinstance(item.touch, Unknown) else item.touch_err,
-        "base_line": _base_line(item.base),
-        "largest_load_N": item.largest,
-        **_known("adhesion_force_N", item.adhesion),
-        "adhesion_at_m": None if isinstance(item.adhesion, Unknown) else item.adhesion_at,
+        **_known("touch_m", touch),
+        "touch_err_m": None if isinstance(touch, Unknown) else item.touch_err,
+        "base_line": _base_line(item.base) if item.based else None,
+        **_known("largest_load_N", item.largest if item.based else NO_BASE_LINE),
+        **_known("adhesion_force_N", adhesion),
+        "adhesion_at_m": None if isinstance(adhesion, Unknown) else item.adhesion_at,
         "jumps": [{"row": jump.row + 1, "position_m": jump.position, "step_N": jump.step} for jump in item.jumps],
     }
 
@@ -58,6 +61,7 @@ def words(record: ForceCurve) -> list[str]:
     curve = record.curve
     held = ", ".join(NAMES[name] for name in curve.measured)
     parts = ", ".join(f"{segment.kind} {len(segment)}" for segment in record.segments)
+    parts += f", {record.rest} of neither" if record.rest else ""
     return [
         f"{curve.where}: {len(curve)} rows of {held}; {parts}",
         *(f"  {flag}" for flag in curve.flags),
@@ -75,6 +79,9 @@ def _said(item: Direction) -> str:
     )
     if isinstance(item.touch, Unknown):
         return f"{item.touch.reason}; {line}"
+    if not item.based:
+        where = "begins and the largest load" if approach else "ends and the adhesion force"
+        return f"in contact from end to end, or nowhere straight: where contact {where} are not told"
     touch = f"{show(item.touch, 'length')} ± {show(item.touch_err, 'length', 3)}"
     tension = (
         item.adhesion.reason

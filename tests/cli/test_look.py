@@ -48,6 +48,40 @@ def test_json_holds_what_was_found(jkr: Callable[..., Outcome], table: Path) -> 
     assert len(curve["retract"]["jumps"]) == 1
 
 
+def test_no_base_line_leaves_nothing_that_is_told_over_it(jkr: Callable[..., Outcome], tmp_path: Path) -> None:
+    z = np.concatenate([way := np.linspace(0.2, 1.0, 500), way[::-1]])
+    path = tmp_path / "deep.csv"
+    path.write_text("delta_um,P_nN\n" + "".join(f"{x},{30 * x**1.5}\n" for x in z))
+    done = jkr("look", str(path), "--no-plots")
+    words = "in contact from end to end, or nowhere straight: where contact"
+    assert f"approach  {words} begins and the largest load are not told" in done.out
+    assert f"retract   {words} ends and the adhesion force are not told" in done.out
+    assert done.out.count("base line") == 1
+    told = json.loads(jkr("look", str(path), "--json", "--no-plots").out)["files"][0]["curves"][0]["retract"]
+    assert told["base_line"] is None
+    assert told["touch_m"] is None
+    assert told["adhesion_force_N_unknown"] == "there is no base line"
+
+
+def test_no_row_is_dropped_silently(jkr: Callable[..., Outcome], tmp_path: Path) -> None:
+    z = np.linspace(1.0, -3.0, 400)
+    load = 30 * np.maximum(z, 0) ** 1.5 + 0.05 * np.random.default_rng(1).normal(size=400)
+    rows = [f"{x},{P}" for x, P in zip(z, load, strict=True)]
+    path = tmp_path / "back.csv"
+    told = [f"{rows[0]},approach", *(f"{row},retract" for row in rows)]
+    path.write_text("\n".join(["delta_um,P_nN,segment", *told]) + "\n")
+    done = jkr("look", str(path), "--no-plots")
+    assert "401 rows of displacement, load; approach 1, retract 400" in done.out
+    assert "no approach: of its rows there is 1, at least 20 are needed" in done.out
+    path.write_text("\n".join(["delta_um,P_nN", rows[1], *rows]) + "\n")
+    assert "401 rows of displacement, load; retract 400, 1 of neither" in jkr("look", str(path), "--no-plots").out
+
+
+def test_a_radius_of_metres_is_remarked(jkr: Callable[..., Outcome], table: Path) -> None:
+    done = jkr("fit", "--radius", "5", "--nu", "0.5", str(table), "--no-plots", "--stiffness", "0.05 N/m")
+    assert done.err.startswith('jkr: warning: --radius 5 without a unit is 5 m: give its unit, --radius "5 um"\n')
+
+
 def test_unit_and_factor_overrule_the_file(jkr: Callable[..., Outcome], table: Path) -> None:
     options = ("--unit", "P=pN", "--factor", "P=1000")
     done, plain = (jkr("look", str(table), *told, "--json", "--no-plots") for told in (options, ()))

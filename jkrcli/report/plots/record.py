@@ -58,6 +58,8 @@ def _unit(values: Array, dimension: str) -> tuple[float, str]:
 
 def _marks(axes: Axes, item: Direction, position: Array, x: float, y: float) -> None:
     """Base line, touch, adhesion and jumps of one direction; lengths in ``x`` [m], loads in ``y`` [N]."""
+    if not item.based:
+        return
     ends = np.array([position.min(), position.max()])
     axes.plot(ends / x, item.base(ends) / y, color=BLACK, ls="--", lw=0.7, label="base line")
     if not isinstance(item.touch, Unknown):

@@ -1,0 +1,42 @@
+"""Curves of real force microscopes against what another program finds in them."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import Outcome
+
+TABLES = Path(__file__).parent / "afm"  # made by afm/thin.py
+# E [Pa] by nanite 4.2.3, model hertz_para, R = 5 um, nu = 0.5, approach, all rows; compute_tip_position,
+# correct_force_offset, correct_tip_offset (deviation from baseline), weight_cp = 0; and its misfit, the rms
+# of residuals in contact over the range of the force.
+NANITE = {"gel.csv": (348.0, 0.012), "spot.csv": (2.08e4, 0.024)}
+
+
+@pytest.mark.parametrize("name", NANITE)
+def test_modulus_of_a_measured_approach(jkr: Callable[..., Outcome], name: str) -> None:
+    """Measured: 348.0 Pa and 20.29 kPa."""
+    body = ("--shape", "paraboloid", "--radius", "5 um", "--nu", "0.5")
+    asked = ("--segment", "approach", "--fix", "w=0", "--json", "--no-plots", "-o", "found")
+    done = jkr("fit", *body, *asked, str(TABLES / name))
+    assert done.code == 0
+    (curve,) = json.loads(done.out)["curves"]
+    E, misfit = NANITE[name]
+    assert curve["estimates"]["E:base"]["value"] == pytest.approx(E, rel=0.1)
+    assert curve["status"] == "fitted"
+    assert curve["quality"]["misfit"] > 0.8  # of 1; 0.6 at a misfit of 0.03, above which the model does not describe it
+    force = np.loadtxt(TABLES / name, delimiter=",", comments=("#", "height"), usecols=1) * 1e-9
+    assert curve["scales"]["P"] < misfit * np.ptp(force)  # standard deviation of the residuals
+
+
+@pytest.mark.parametrize("name", NANITE)
+def test_a_measured_curve_is_told_without_complaint(jkr: Callable[..., Outcome], name: str) -> None:
+    done = jkr("look", str(TABLES / name), "--json", "--no-plots")
+    (curve,) = json.loads(done.out)["files"][0]["curves"]
+    assert curve["flags"] == {}
+    assert curve["approach"]["touch_m"] is not None
+    assert curve["retract"]["largest_load_N"] > 0

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 SHALLOW = 0.2  # choice: of the tip radius, to which a body by flags is solved first; the data may ask for more
 SHOWN = 10  # curves that are told line by line, and drawn
 SURFACES = {"both": ("sliding", "sticking"), "sliding": ("sliding",), "sticking": ("sticking",)}
+NO_RANGE = "knows no adhesion of finite range, which the case asks for: leave adhesion.range, stress and capillary out"
 SECONDS = 0.1  # CPU seconds of a curve, about
 
 
@@ -50,7 +51,10 @@ class NamesType(ParamType):
 @click.argument("measured", nargs=-1, type=click.Path(path_type=Path))
 @body_options
 @click.option(
-    "--free", multiple=True, type=NamesType(), help="Also free: P0, compliance, E:LAYER, h:LAYER (thickness)."
+    "--free",
+    multiple=True,
+    type=NamesType(),
+    help="Also free: P0, compliance, E:LAYER, h:LAYER (thickness), range or stress (adhesion of finite range).",
 )
 @click.option(
     "--fix", multiple=True, type=NamedType(), help='Known: w="50 mJ/m^2", delta0=0, modulus=1, E_star="1 MPa".'
@@ -111,13 +115,15 @@ def fit(
     flags (--radius, --nu, --thickness ...: its modulus is not needed), then every file is a measured one. Measured are
     two or three of a, delta, P; a and P need no zero of the displacement. Free are the common factor of all moduli
     (told as E*), w and delta0; a layer's own E:LAYER or h:LAYER in their place (LAYER: its name, its number from 1 at
-    the contact, or base). A reading is delta0 + delta + compliance P, and P0 + P. Orthogonal distances are minimised,
-    in units of the noise. Writes <BODY>-fit.csv (a row per curve), .json, .h5 and <BODY>-fit-<curve>.png, .svg; of the
+    the contact, or base). With range or stress free, fixed or in the case adhesion has a finite range; JKR's misfit is
+    told beside it. A reading is delta0 + delta + compliance P, and P0 + P. Orthogonal distances are minimised, in
+    units of the noise. Writes <BODY>-fit.csv (a row per curve), .json, .h5 and <BODY>-fit-<curve>.png, .svg; of the
     curves of a scan <BODY>-fit-map.png, .svg: images of E*, w, contact point, adhesion force and quality.
 
     \b
     jkr fit sphere.toml probe.csv
     jkr fit gel.h5 probe.csv --unit P=mN --confidence profile --uncertain nu=0.005
+    jkr fit tip.toml curve.csv --free range
     jkr fit coating.toml probe.csv --free E:skin --bound E:skin="1 MPa..1 GPa"
     jkr fit gel.toml probe.csv --surface both
     jkr fit --radius "5 um" --nu 0.5 --shape paraboloid curve.jpk-force
@@ -136,6 +142,8 @@ def fit(
     told = str(source) if isinstance(source, Path) else body.problem.words
     names = [name for group in free for name in group]
     if law is not None:
+        if body.asked:
+            raise InputError(f"fit: --law {NO_RANGE}")
         fit_law(body, law, paths, reading, names, fix, start, options, targets, told, output)
         return
     settings = _settings(body, uncertain, names, fix, start, bound, options)
@@ -208,14 +216,12 @@ def _write(
 
 def _body(source: Path | dict[str, str | None], slopes: str, limits: Limits) -> FittedBody:
     """The body of a file, or of flags: there a modulus that is not told is 1 MPa, which no result depends on."""
-    from ..case import Case, load_case, parse_case, store
+    from ..case import parse_case
     from ..identification.fit.body import body_of
-    from .series import read_series, without_range
+    from .series import read_series
 
     if isinstance(source, Path):
-        held = load_case(source) if source.suffix == ".toml" else read_series(source)
-        without_range(store.record_of(held, source) if isinstance(held, Case) else held.record, "fit")
-        return body_of(source if isinstance(held, Case) else held, slopes, limits)
+        return body_of(source if source.suffix == ".toml" else read_series(source), slopes, limits)
     import tomli_w
 
     tables = tables_of("fit", source, "a case or series file", {"radius": 1.0}, "1 MPa")

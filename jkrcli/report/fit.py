@@ -12,7 +12,7 @@ from ..base import hdf5
 from ..base.arrays import Array
 from ..base.units import SI, show
 from ..identification.fit.fitting import Failure
-from ..identification.fit.result import Fit, FittedValue
+from ..identification.fit.result import Fit, FittedValue, JKRBeside
 from . import archive
 from .map import images_of, map_of
 
@@ -111,9 +111,19 @@ def _summary(item: Fit | Failure) -> dict[str, Any]:
             "runs_expected": structure.expected,
             "probability": structure.probability,
         },
+        **_beside(item),
         **({} if item.quality is None else {"quality": dict(item.quality), "flags": list(item.flags)}),
         "warnings": list(item.warnings),
     }
+
+
+def _beside(item: Fit) -> dict[str, Any]:
+    """JKR beside a fit with a range, by what its misfit is larger."""
+    jkr = item.jkr
+    if not isinstance(jkr, JKRBeside):
+        return {} if jkr is None else {"jkr": {"reason": str(jkr)}}
+    told = {"E_star_Pa": jkr.E_star, "w_J_per_m2": jkr.w, "misfit": jkr.rms / jkr.rms_of_range}
+    return {"jkr": told}
 
 
 def _status(item: Fit) -> str:
@@ -155,12 +165,16 @@ def estimate_words(estimate: FittedValue, level: float) -> str:
     dimension = estimate.dimension
     text = f"{show(estimate.value, dimension, 5):<14}"
     if estimate.error is None:
-        return text + " (not told by the data)"
-    text += f" ± {show(estimate.error, dimension, 2):<12}"
+        text += " (not told by the data)"
+        if estimate.low is None and estimate.high is None:
+            return text
+    else:
+        text += f" ± {show(estimate.error, dimension, 2):<12}"
     ends = [None if end is None else show(end, dimension, 5) for end in (estimate.low, estimate.high)]
     text += f" {level:.0%}: {ends[0] or 'no lower limit'} to {ends[1] or 'no upper limit'}"
     named = (estimate.systematic or {}).items()
-    parts = [f"{name} {show(value, dimension, 2)}" for name, value in named if value > NOTICEABLE * estimate.error]
+    least = NOTICEABLE * (estimate.error or 0.0)
+    parts = [f"{name} {show(value, dimension, 2)}" for name, value in named if value > least]
     model = f"; model ± {show(math.hypot(*estimate.model.values()), dimension, 2)}" if estimate.model else ""
     return text + (f" (of which {', '.join(parts)})" if parts else "") + model
 

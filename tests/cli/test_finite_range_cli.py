@@ -158,7 +158,7 @@ def test_profile_carries_the_load_and_the_tension(tip: Path) -> None:
     assert np.interp(c, r, gap) == pytest.approx(5e-10, rel=1e-3)
 
 
-@pytest.mark.parametrize("verb", [["explore"], ["fields", "--a", "4 nm"], ["work", "data.csv"], ["fit", "data.csv"]])
+@pytest.mark.parametrize("verb", [["explore"], ["fields", "--a", "4 nm"], ["work", "data.csv"]])
 def test_verbs_that_know_no_range_refuse_it_by_name(
     tip: Path, capsys: pytest.CaptureFixture[str], verb: list[str]
 ) -> None:

@@ -8,14 +8,16 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Any
 
-from ...adhesion.analysis import nonadhesive
+from ...adhesion.analysis import JKR, nonadhesive
+from ...adhesion.finite_range import FiniteRangeBody
+from ...adhesion.law import AskedRange
 from ...adhesion.slopes.choice import slopes
 from ...adhesion.slopes.result import Slopes
-from ...base.errors import InputError, JkrError, SolveError, did_you_mean
+from ...base.errors import InputError, JkrError, Refusal, SolveError, did_you_mean
 from ...bodies.materials import Elastic
 from ...bodies.problem import HalfSpace, Layer, Loading, Problem
 from ...case import Case, load_case, store
@@ -23,7 +25,8 @@ from ...case.solving import solve
 from ...methods.guards import Limits
 from ...methods.layered.layered import Layered, unbounded
 from ...series import Series, Solution
-from .family import Family
+from .attracted import AttractedFamily
+from .family import Family, Members
 
 BASE = "base"  # name of an elastic half-space below the layers
 REMEMBERED = 256  # choice: families kept; more only saves solves
@@ -63,10 +66,28 @@ class FittedBody:
     extensible: bool = False
     told: bool = True
     tolerance: float = TUNING.tolerance
+    asked: AskedRange = JKR
+    no_range: str = ""
 
     @classmethod
     def of(cls, problem: Problem, series: Series, found: Slopes, extensible: bool = False) -> FittedBody:
         return cls(problem, series, found, Family.of(series, found), extensible)
+
+    def members(self, ranged: bool) -> Members:
+        """The adhesive curves of the body, of finite range or JKR's."""
+        return self.attracted if ranged else self.family
+
+    @cached_property
+    def attracted(self) -> AttractedFamily:
+        """The adhesive curves of finite range; Refusal where the body has none."""
+        if self.problem.sticks:
+            raise Refusal(
+                "fit: adhesion of finite range is known of surfaces that slide alone: give --surface sliding, or leave "
+                "range and stress out"
+            )
+        if self.no_range:
+            raise Refusal(self.no_range)
+        return AttractedFamily.of(self.problem, self.family)
 
     @property
     def layer_names(self) -> tuple[str, ...]:
@@ -124,14 +145,18 @@ class FittedBody:
         points = max(len(self.series), TUNING.points)
         loading = Loading("radius", float(self.series.a[-1]), points, "radius")
         other = replace(unbounded(self.problem), loading=loading, sticks=surface == "sticking")
-        return replace(_reaching(other, self.tolerance), extensible=self.extensible, told=self.told)
+        return self._like(_reaching(other, self.tolerance), extensible=self.extensible)
 
     def to_radius(self, a: float) -> FittedBody:
         """The same problem solved by ``layered`` up to contact radius ``a`` [m] or little more, with as many points."""
         points = max(len(self.series), TUNING.points)
         a = 10 ** (math.ceil(math.log10(a) * TUNING.per_decade) / TUNING.per_decade)
         problem = replace(unbounded(self.problem), loading=Loading("radius", a, points, "radius"))
-        return replace(_reaching(problem, self.tolerance), told=self.told)
+        return self._like(_reaching(problem, self.tolerance))
+
+    def _like(self, other: FittedBody, **changes: Any) -> FittedBody:
+        """The ``other`` body as the user describes this one."""
+        return replace(other, told=self.told, asked=self.asked, no_range=self.no_range, **changes)
 
     def _part(self, layer: str) -> Layer | HalfSpace:
         specimen = self.problem.specimen
@@ -219,7 +244,17 @@ def body_of(source: Case | Solution | Path, rule: str = "auto", limits: Limits |
         source = load_case(source) if source.suffix == ".toml" else store.read(source)
     if isinstance(source, Solution):
         body = nonadhesive(source, rule)
-        return FittedBody.of(source.problem, body.series, body.slopes)
+        return _asked(FittedBody.of(source.problem, body.series, body.slopes), source)
     _, solution = solve(source, limits=limits)
     problem, series = solution.problem, solution.series
-    return FittedBody.of(problem, series, slopes(series, rule), problem.specimen.radius is None)
+    return _asked(FittedBody.of(problem, series, slopes(series, rule), problem.specimen.radius is None), solution)
+
+
+def _asked(body: FittedBody, solution: Solution) -> FittedBody:
+    """The body with the range of adhesion that its case asks for, and whether it has curves of one."""
+    refused = ""
+    try:
+        FiniteRangeBody.of(solution)
+    except Refusal as error:
+        refused = str(error)
+    return replace(body, asked=AskedRange.of(solution.record), no_range=refused)

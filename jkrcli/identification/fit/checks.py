@@ -9,10 +9,12 @@ import numpy as np
 
 from ...adhesion.validity import check, judge
 from ...base.units import show
+from ...base.unknown import Unknown
 from .body import FittedBody
 from .family import Family
 from .result import Fit
 from .rivals import Rivals
+from .settings import RANGES
 
 
 @dataclass(frozen=True)
@@ -25,6 +27,7 @@ class WarningThresholds:
     least_scatter: float = 0.5  # choice: of the residuals in units of the user's noise
     most_scatter: float = 2.0  # choice: the same
     reached: float = 1.1  # choice: in contact radius, how near to pull-off the data must come
+    touching: float = 0.05  # choice: of the largest contact radius, below which pull-off without contact is near
     far_from_case: float = 30.0  # choice: factor of the case's moduli that makes wrong units likelier than the case
     z0: float = 0.3e-9  # choice: [m], the paper's equilibrium distance, for the Tabor number
 
@@ -39,6 +42,7 @@ def warnings_of(
     ``at_bound``: parameters that end on a bound; ``rivals``: the nearest other models."""
     return [
         *_told_apart(found, at_bound),
+        *_beside_jkr(found),
         *_structured(found),
         *(rivals.warnings() if rivals is not None and _relative_residual(found) > THRESHOLDS.resolved else ()),
         *_scatter(found),
@@ -59,18 +63,41 @@ def _told_apart(found: Fit, at_bound: Sequence[str]) -> Iterator[str]:
     for i, j in zip(*np.triu_indices(len(found.free), 1), strict=True):
         one, two = found.free[i], found.free[j]
         pair = {one, two}
-        if abs(matrix[i, j]) > THRESHOLDS.apart and (pair <= {"modulus", "w"} or any(":" in name for name in pair)):
+        told = pair <= {"modulus", "w", *RANGES} or any(":" in name for name in pair)
+        if abs(matrix[i, j]) > THRESHOLDS.apart and told:
             yield (
                 f"the data can hardly tell {_word(one)} and {_word(two)} apart (correlation {matrix[i, j]:.4f}): "
                 "fix one, or measure up to pull-off and to larger loads"
             )
     for name in found.free:
         item = found.estimate(name)
-        positive = item.dimension in ("work", "modulus") or name == "modulus"
+        positive = item.dimension in ("work", "modulus") or name in ("modulus", "range")
+        if name in RANGES and item.error is None:
+            continue  # said beside JKR
         if item.low == 0 and item.high is not None:
             yield f"{_word(name)} is not told from 0: it is at most {show(item.high, item.dimension)}"
         elif positive and item.error is not None and item.error > THRESHOLDS.vague * item.value > 0:
             yield f"{_word(name)} is uncertain by {item.error / item.value:.0%} (standard error)"
+
+
+def _beside_jkr(found: Fit) -> Iterator[str]:
+    """Whether the rows tell a range, and how far JKR misses them."""
+    jkr, law = found.jkr, found.settings.range
+    if jkr is None or law is None:
+        return
+    if isinstance(jkr, Unknown):
+        yield f"no curve of JKR comes near the data: {jkr}"
+        return
+    told = (
+        f"JKR's nearest curve, E* = {show(jkr.E_star, 'modulus')} and w = {show(jkr.w, 'work')}, has "
+        f"{jkr.rms / jkr.rms_of_range:.4g} times the misfit"
+    )
+    if not law.free or found.estimate(law.name).error is not None:
+        yield told
+        return
+    item = found.estimate("range")
+    most = "" if item.high is None else f" (it is at most {show(item.high, 'length')})"
+    yield f"the data do not tell a range from none{most}: {told}"
 
 
 def _far_from_case(found: Fit, body: FittedBody) -> Iterator[str]:
@@ -109,7 +136,7 @@ def _scatter(found: Fit) -> Iterator[str]:
 def _bounds(found: Fit, at_bound: Sequence[str]) -> Iterator[str]:
     for name in at_bound:
         item = found.estimate(name)
-        if item.low != 0:  # else said already
+        if item.low != 0 and not (name in RANGES and item.error is None):  # else said already
             yield f"{_word(name)} ends on its bound {show(item.value, item.dimension)}"
 
 
@@ -119,7 +146,7 @@ def _pull_off(found: Fit) -> Iterator[str]:
         return
     radius = float(found.line["a"][int(np.argmin(found.line["P"]))])
     least = float(np.min(found.a))
-    if least > THRESHOLDS.reached * radius:
+    if least > max(THRESHOLDS.reached * radius, THRESHOLDS.touching * float(np.max(found.a))):
         yield (
             f"no pull-off in the data: they end at a = {show(least, 'length')}, contact is lost at "
             f"{show(radius, 'length')}; w rests on the shape of the curve"
@@ -141,7 +168,8 @@ def _validity(found: Fit, body: FittedBody, family: Family) -> list[str]:
     thickness = next(free, problem.specimen.top_thickness)
     judged = judge(
         a=a, delta=float(D[0]), E_star=found.value("E_star"), w=found.value("w") if _adhesion(found) else 0.0,
-        R=problem.indenter.tip_radius, h=thickness, L=problem.specimen.radius, z0=THRESHOLDS.z0, end_is_cut=False,
+        R=problem.indenter.tip_radius, h=thickness, L=problem.specimen.radius,
+        z0=THRESHOLDS.z0 if found.jkr is None else None, end_is_cut=False,
     )  # fmt: skip
     return check(judged)
 

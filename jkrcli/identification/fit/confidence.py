@@ -12,11 +12,12 @@ from scipy.optimize import brentq
 
 from ...base.arrays import Array
 from ...base.errors import InputError, JkrError
+from ...base.unknown import Unknown
 from .body import changed
 from .model import Objective
-from .result import FittedValue
+from .result import FittedValue, JKRBeside
 from .search import Minimum, minimise
-from .settings import Parameter, Settings
+from .settings import RANGES, Parameter, Settings, dimension_of
 from .statistics import covariance, covariance_of_uneven, t_quantile, uneven, variance_factor
 
 DOUBLINGS = 6  # choice: of the step in which a profile must reach its limit, else it has none
@@ -37,8 +38,11 @@ class Confidence:
     dof: int
 
 
-def confidence_of(minimum: Minimum, settings: Settings) -> Confidence:
-    """All parameters and what follows from them, with intervals as ``settings`` ask for them."""
+def confidence_of(minimum: Minimum, settings: Settings, jkr: JKRBeside | Unknown | None = None) -> Confidence:
+    """All parameters and what follows from them, with intervals as ``settings`` ask for them; ``jkr``: beside a range.
+
+    A range that JKR does without is known on one side only, by its profile.
+    """
     objective, free = minimum.objective, minimum.objective.free
     residuals = minimum.found.residuals
     columns = len(objective.points.columns)
@@ -51,7 +55,8 @@ def confidence_of(minimum: Minimum, settings: Settings) -> Confidence:
         inner = covariance(jacobian, factor)
     samples = _bootstrap(minimum, settings) if settings.confidence == "bootstrap" else None
     t = t_quantile(settings.level, dof)
-    spread = _Spread(minimum, settings, inner, samples, t, factor)
+    untold = isinstance(jkr, JKRBeside) and jkr.excess < 0.5 * t**2 * factor
+    spread = _Spread(minimum, settings, inner, samples, t, factor, untold)
     estimates = (*(spread.parameter(i) for i in range(len(objective.parameters))), *spread.derived())
     if settings.uncertain:
         changes = {name: _changes(minimum, settings, name, sigma) for name, sigma in settings.uncertain.items()}
@@ -71,6 +76,7 @@ class _Spread:
     samples: Array | None
     t: float
     factor: float
+    untold: bool
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
@@ -94,10 +100,20 @@ class _Spread:
         p, x = self.parameters[i], float(self.minimum.x[i])
         if not p.free:
             return FittedValue(p.name, p.outer(x), False, p.dimension)
+        if p.name in RANGES and self.untold:
+            return self._one_sided(i)
         sigma = self._sigma(i)
         error = None if sigma is None else p.derivative(x) * sigma
         low, high = (None if end is None else p.outer(end) for end in self._interval(i))
         return FittedValue(p.name, p.outer(x), True, p.dimension, error, low, high)
+
+    def _one_sided(self, i: int) -> FittedValue:
+        """A range that is not told from 0, by the largest that it may have, or a tension by the least."""
+        p, x = self.parameters[i], float(self.minimum.x[i])
+        inner = self._profile(i, 1 if p.name == "range" else -1)
+        end = None if inner is None else p.outer(inner)
+        low, high = (0.0, end) if p.name == "range" else (end, None)
+        return FittedValue(p.name, p.outer(x), True, p.dimension, None, low, high)
 
     def _position(self, i: int) -> int:
         return int(np.flatnonzero(self.minimum.objective.free == i)[0])
@@ -124,6 +140,8 @@ class _Spread:
         x, limit = float(self.minimum.x[i]), self.minimum.cost + 0.5 * self.t**2 * self.factor
         sigma = self._sigma(i)
         step = side * (self.t * sigma if sigma is not None else 0.1)
+        if self.parameters[i].kind == "log":
+            step = math.copysign(min(abs(step), 1.0), side)  # of a vague one: more would overflow
         positive = self.parameters[i].kind == "positive"
         objective = self.minimum.objective.held(self.parameters[i].name)
         start = self.minimum.x.copy()
@@ -152,21 +170,26 @@ class _Spread:
         gradients = self._log_gradients()
         for name, value in _follows(self.minimum.objective, self.minimum.x).items():
             parents = np.flatnonzero(gradients[name])
-            error, low, high = self._of_log(value, gradients[name], parents) if parents.size else (None, None, None)
-            found.append(FittedValue(name, value, parents.size > 0, "modulus", error, low, high))
+            told = parents.size and not (name in RANGES and self.untold)
+            error, low, high = self._of_log(value, gradients[name], parents) if told else (None, None, None)
+            dimension = dimension_of(name) if name in RANGES else "modulus"
+            found.append(FittedValue(name, value, parents.size > 0, dimension, error, low, high))
         return found
 
     def _log_gradients(self) -> dict[str, Array]:
-        """d(log value)/dx by all unknowns of what follows from the parameters; only moduli and layers enter."""
+        """d(log value)/dx by all unknowns of what follows from the parameters; only moduli, layers, w and its range
+        enter."""
         objective, x = self.minimum.objective, self.minimum.x
         found = {name: np.zeros(x.size) for name in _follows(objective, x)}
         for i in objective.free:
-            if self.parameters[i].kind == "log":
-                unit = STEP * (np.arange(x.size) == i)
-                low, high = _follows(objective, x - unit), _follows(objective, x + unit)
-                for name, gradient in found.items():
-                    rate = (math.log(high[name]) - math.log(low[name])) / (2 * STEP)
-                    gradient[i] = rate if abs(rate) >= STEP else 0.0
+            if self.parameters[i].kind == "linear":
+                continue
+            size = 1.0 if self.parameters[i].kind == "log" else float(x[i])
+            unit = STEP * size * (np.arange(x.size) == i)
+            low, high = _follows(objective, x - unit), _follows(objective, x + unit)
+            for name, gradient in found.items():
+                rate = (math.log(high[name]) - math.log(low[name])) / (2 * STEP)
+                gradient[i] = rate / size if abs(rate) >= STEP else 0.0
         return found
 
     def _of_log(self, value: float, gradient: Array, parents: Array) -> tuple[float | None, float | None, float | None]:
@@ -187,7 +210,7 @@ class _Spread:
 
 
 def _follows(objective: Objective, x: Array) -> dict[str, float]:
-    """E* [Pa] and the moduli E of all layers [Pa] that are no parameters themselves."""
+    """E* [Pa] and the moduli E of all layers [Pa] that are no parameters themselves, and tension [Pa] or range [m]."""
     values, body = objective.values(x), objective.body
     problem = changed(body, {name: value for name, value in values.items() if ":" in name})
     s = values.get("modulus", 1.0)
@@ -195,6 +218,9 @@ def _follows(objective: Objective, x: Array) -> dict[str, float]:
     if problem.indenter.material is None:  # else its own modulus is scaled too, and none of the layers' follows
         materials = problem.specimen.materials
         found |= {f"E:{name}": s * m.surface.E for name, m in zip(body.layer_names, materials, strict=True)}
+    if objective.ranged:
+        found |= {"stress": values["w"] / values["range"]} if "range" in values else {}
+        found |= {"range": values["w"] / values["stress"]} if "stress" in values else {}
     return {name: value for name, value in found.items() if name not in values}
 
 

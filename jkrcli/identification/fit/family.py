@@ -7,7 +7,9 @@ D, H: delta_H and P_H of the series; T = sqrt(4 pi a/S'), V = S T: its adhesive 
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline, PPoly
@@ -19,6 +21,39 @@ from ...series import Series
 
 REFINED = 6  # choice: nodes per interval of the series; the cubics between them err far less than the curve itself
 FUNCTIONS = 4  # D, T, H, V
+SOUGHT = 200  # choice: radii among which the fold is looked for
+
+
+class Member(Protocol):
+    """One adhesive curve of a body over u, the log of a place on it [m]: states (a [m], delta [m], P [N])."""
+
+    def ends(self, below_fold: float, beyond_last: float, least: float | None) -> tuple[float, float]:
+        """u between which measured points are looked for, so far beyond the fold and the end of the series, and down to
+        the ``least`` radius that was measured [m], if any."""
+
+    def refuse_beyond(self, a: float) -> None:
+        """Refusal where the curve does not reach the contact radius ``a`` [m]."""
+
+    def along(self, u: Array) -> tuple[Array, Array, Array]:
+        """The states and their first and second derivatives by u, each of shape (3, n)."""
+
+    def rates(self, u: Array) -> Mapping[str, Array]:
+        """Derivatives (3, n) of the states by the log of the modulus factor "modulus", by "w", and by the log of what
+        else the curve depends on."""
+
+    def own_rates(self, u: Array) -> Array:
+        """Derivatives (parameters, 3, n) of the states by the logs of the body's own parameters that vary."""
+
+
+class Members(Protocol):
+    """The adhesive curves of one body by the values of the parameters, SI; ``plain``: its family without a range of
+    adhesion."""
+
+    @property
+    def plain(self) -> Family: ...
+
+    def member(self, values: Mapping[str, float], drift: Drift | None = None) -> Member:
+        """The curve of these values, with a ``drift`` of one of them along the record where the family knows it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,6 +80,24 @@ class Family:
         logs = CubicHermiteSpline(u, np.log(values), a[:, None] * rates / values)
         return cls(_with_derivatives(_extended(logs)), float(u[0]), float(u[-1]))
 
+    @property
+    def plain(self) -> Family:
+        return self
+
+    def member(self, values: Mapping[str, float], drift: Drift | None = None) -> JKRMember:
+        return JKRMember(self, values["modulus"], values["w"], drift)
+
+    def neck(self, s: float, w: float) -> float:
+        """What adhesion adds to the displacement where the load is least [m], for JKR."""
+        _, T, H, V = self.at(np.linspace(self.low, self.high, SOUGHT))[0]
+        return float(np.sqrt(w / s) * T[np.argmin(s * H - np.sqrt(w * s) * V)])
+
+    @property
+    def natural_work(self) -> float:
+        """The w [J/m^2] that shifts the body at half of its largest radius by its own displacement."""
+        D, T, _, _ = self.at(np.array([self.high - np.log(2)]))[0][:, 0]
+        return float((D / T) ** 2)
+
     def rate_from(self, base: Family, step: float) -> Array:
         """Coefficients of the change of the four logs from ``base`` on, per ``step`` of a parameter."""
         return (self.logs.c[..., :FUNCTIONS] - base.logs.c[..., :FUNCTIONS]) / step
@@ -65,6 +118,82 @@ class Family:
         if self.rates is None:
             return np.empty((0, FUNCTIONS, u.size))
         return self.rates(u).T.reshape(-1, FUNCTIONS, u.size)
+
+
+@dataclass(frozen=True)
+class Drift:
+    """w and the moduli times 1 + change times the place on the record: 0 at the contact radius ``low``, 1 at ``high``
+    [m], less ``centre``."""
+
+    name: str
+    change: float
+    centre: float
+    low: float
+    high: float
+
+    def factor(self, a: Array) -> Array:
+        """What w or the moduli are multiplied by at contact radii ``a`` [m]; even beyond the record."""
+        return 1 + self.change * (np.clip((a - self.low) / (self.high - self.low), -0.2, 1.2) - self.centre)
+
+    def applied(self, functions: tuple[Array, Array, Array], u: Array) -> tuple[Array, Array, Array]:
+        """The family's functions (D, T, H, V) and their derivatives by u = log a with this drift."""
+        a, factor = np.exp(u), self.factor(np.exp(u))
+        rate = self.change * a / (self.high - self.low) / factor
+        power = np.array(DRIFTS[self.name])[:, None]
+        first, second = power * rate, power * rate * (1 - rate)
+        value, by_u, by_uu = functions
+        g = factor**power
+        return g * value, g * (by_u + first * value), g * (by_uu + 2 * first * by_u + (second + first**2) * value)
+
+
+DRIFTS = {"w": (0.0, 0.5, 0.0, 0.5), "modulus": (0.0, -0.5, 1.0, 0.5)}  # theory: powers of w and moduli in the family
+
+
+@dataclass(frozen=True, eq=False)
+class JKRMember:
+    """The curve of a ``family`` for the modulus factor ``s`` and the work of adhesion ``w`` [J/m^2], over u = log a;
+    ``drift``: of w or of the moduli along the record."""
+
+    family: Family
+    s: float
+    w: float
+    drift: Drift | None
+
+    def ends(self, below_fold: float, beyond_last: float, least: float | None) -> tuple[float, float]:
+        whole = np.linspace(self.family.low - below_fold, self.family.high, SOUGHT)
+        (D, T, _, _), _, _ = self.family.at(whole)
+        fold = whole[np.argmin(D - np.sqrt(self.w / self.s) * T)]
+        below = fold - below_fold if least is None else min(fold - below_fold, np.log(least))
+        return float(max(below, whole[0])), self.family.high + beyond_last
+
+    def _functions(self, u: Array) -> tuple[Array, Array, Array]:
+        found = self.family.at(u)
+        return found if self.drift is None else self.drift.applied(found, u)
+
+    def refuse_beyond(self, a: float) -> None:
+        """Power laws go on beyond the series, whose end the search looks at."""
+
+    def along(self, u: Array) -> tuple[Array, Array, Array]:
+        a, s, w = np.exp(u), self.s, self.w
+        first, second, third = (
+            np.stack([a, D - np.sqrt(w / s) * T, s * H - np.sqrt(w * s) * V]) for D, T, H, V in self._functions(u)
+        )
+        return first, second, third
+
+    def rates(self, u: Array) -> Mapping[str, Array]:
+        _, T, H, V = self._functions(u)[0]
+        s, root, q, zero = self.s, np.sqrt(self.s), np.sqrt(self.w), np.zeros_like(u)
+        half = 1 / (2 * q) if q > 0 else 0.0  # a free w stays above 0
+        return {
+            "modulus": np.stack([zero, q / root * T / 2, s * H - q * root * V / 2]),
+            "w": np.stack([zero, -T / root * half, -root * V * half]),
+        }
+
+    def own_rates(self, u: Array) -> Array:
+        D, T, H, V = self._functions(u)[0]
+        s, root, q = self.s, np.sqrt(self.s), np.sqrt(self.w)
+        rD, rT, rH, rV = np.moveaxis(self.family.relative_rates(u), 1, 0)
+        return np.stack([np.zeros_like(rD), D * rD - q / root * T * rT, s * H * rH - q * root * V * rV], axis=1)
 
 
 def _grid(series: Series) -> Array:

@@ -16,11 +16,12 @@ from ...data.record import examine
 from .body import FittedBody, check_parameters
 from .checks import warnings_of
 from .confidence import confidence_of
+from .jkr_beside import jkr_beside
 from .model import arc
 from .points import Points, points_of
 from .record import fit_record, whole_record
 from .result import Fit
-from .rivals import rivals_of
+from .rivals import Rivals, rivals_of
 from .search import robust, search
 from .settings import Settings
 from .statistics import structure, t_quantile
@@ -91,12 +92,17 @@ def _fit(body: FittedBody, curve: Curve, settings: Settings) -> Fit:
     points = points_of(curve, settings.segment, settings.branch, len(settings.free), level)
     settings, words = _told_by(settings, points)
     minimum = robust(search(body, points, settings), settings.loss)
-    confidence = confidence_of(minimum, settings)
-    rivals = rivals_of(minimum, confidence.scatter**2, t_quantile(settings.level, confidence.dof))
+    sharp = None if settings.range is None else jkr_beside(minimum, body, points, settings)
+    confidence = confidence_of(minimum, settings, sharp)
+    rivals = Rivals((), 1.0)
+    if settings.range is None:
+        rivals = rivals_of(minimum, confidence.scatter**2, t_quantile(settings.level, confidence.dof))
     distances = minimum.found
-    u, readings = distances.u, distances.readings
+    readings, a = distances.readings, distances.a
+    readings.member.refuse_beyond(float(a.max()))
     along = arc(readings)
-    along = along[along <= max(readings.family.high, u.max())]
+    line_a = readings.radii(along)
+    along = along[line_a <= max(float(np.exp(readings.members.plain.high)), a.max())]
     line = readings.along(along)[0] * readings.scales[:, None]
     found = Fit(
         name=curve.name,
@@ -109,19 +115,20 @@ def _fit(body: FittedBody, curve: Curve, settings: Settings) -> Fit:
         data=points.values,
         rows=points.rows,
         left_out=points.left_out,
-        a=np.exp(u),
+        a=a,
         residuals=distances.residuals,
         scales=dict(zip(points.columns, map(float, readings.scales), strict=True)),
         scatter=confidence.scatter,
         dof=confidence.dof,
-        structure=structure(distances.residuals[-1][np.argsort(u)]),
-        line={"a": np.exp(along)} | dict(zip(points.columns, line, strict=True)),
+        structure=structure(distances.residuals[-1][np.argsort(distances.u)]),
+        line={"a": readings.radii(along)} | dict(zip(points.columns, line, strict=True)),
         evaluations=minimum.evaluations,
         settings=settings,
         warnings=(),
         flags=() if curve.stiffness is None else flags_of(curve),
+        jkr=sharp,
     )
-    said = warnings_of(found, minimum.objective.body, readings.family, minimum.at_bound, rivals)
+    said = warnings_of(found, minimum.objective.body, readings.members.plain, minimum.at_bound, rivals)
     return replace(found, warnings=(*words, *said))
 
 

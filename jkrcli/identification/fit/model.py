@@ -12,15 +12,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from scipy.spatial import cKDTree
 
 from ...base.arrays import Array
 from .body import FittedBody
-from .family import Family
+from .family import Drift, Member, Members
 from .points import Points
-from .settings import Parameter
+from .settings import RANGES, Parameter
 
 
 @dataclass(frozen=True)
@@ -39,35 +40,6 @@ class FootPointTuning:
 TUNING = FootPointTuning()
 
 
-@dataclass(frozen=True)
-class Drift:
-    """w and the moduli times 1 + change times the place on the record: 0 at the contact radius ``low``, 1 at ``high``
-    [m], less ``centre``."""
-
-    name: str
-    change: float
-    centre: float
-    low: float
-    high: float
-
-    def factor(self, a: Array) -> Array:
-        """What w or the moduli are multiplied by at contact radii ``a`` [m]; even beyond the record."""
-        return 1 + self.change * (np.clip((a - self.low) / (self.high - self.low), -0.2, 1.2) - self.centre)
-
-    def applied(self, functions: tuple[Array, Array, Array], u: Array) -> tuple[Array, Array, Array]:
-        """The family's functions (D, T, H, V) and their derivatives by u = log a with this drift."""
-        a, factor = np.exp(u), self.factor(np.exp(u))
-        rate = self.change * a / (self.high - self.low) / factor
-        power = np.array(DRIFTS[self.name])[:, None]
-        first, second = power * rate, power * rate * (1 - rate)
-        value, by_u, by_uu = functions
-        g = factor**power
-        return g * value, g * (by_u + first * value), g * (by_uu + 2 * first * by_u + (second + first**2) * value)
-
-
-DRIFTS = {"w": (0.0, 0.5, 0.0, 0.5), "modulus": (0.0, -0.5, 1.0, 0.5)}  # theory: powers of w and moduli in the family
-
-
 @dataclass(frozen=True, eq=False)
 class Readings:
     """The readings of one set of parameters; ``x``: the optimiser's unknowns in the order of ``parameters``.
@@ -76,60 +48,58 @@ class Readings:
     ``drift``: of w or of the moduli along the record.
     """
 
-    family: Family
+    members: Members
     parameters: tuple[Parameter, ...]
     x: Array
     columns: tuple[str, ...]
     scales: Array
     drift: Drift | None = None
 
-    def value(self, name: str) -> float:
-        """The value of the parameter called ``name``, SI."""
-        pairs = zip(self.parameters, self.x, strict=True)
-        return next(parameter.outer(float(x)) for parameter, x in pairs if parameter.name == name)
+    @cached_property
+    def values(self) -> dict[str, float]:
+        """The values of the parameters by name, SI."""
+        return {p.name: p.outer(float(x)) for p, x in zip(self.parameters, self.x, strict=True)}
+
+    @cached_property
+    def member(self) -> Member:
+        """The curve behind the readings."""
+        return self.members.member(self.values, self.drift)
+
+    def radii(self, u: Array) -> Array:
+        """Contact radii [m]."""
+        return self.member.along(u)[0][0]
 
     def along(self, u: Array) -> tuple[Array, Array, Array]:
-        """Scaled readings and their first and second derivatives by u = log a, each of shape (columns, n)."""
-        s, w = self.value("modulus"), self.value("w")
-        found = []
-        for order, (D, T, H, V) in enumerate(self._functions(u)):
-            delta, P = D - np.sqrt(w / s) * T, s * H - np.sqrt(w * s) * V
-            delta0, P0 = (self.value("delta0"), self.value("P0")) if order == 0 else (0.0, 0.0)
-            found.append(self._scaled(np.exp(u), delta0 + delta + self.value("compliance") * P, P0 + P))
+        """Scaled readings and their first and second derivatives by u, each of shape (columns, n)."""
+        values, found = self.values, []
+        for order, (a, delta, P) in enumerate(self.member.along(u)):
+            delta0, P0 = (values["delta0"], values["P0"]) if order == 0 else (0.0, 0.0)
+            found.append(self._scaled(a, delta0 + delta + values["compliance"] * P, P0 + P))
         return found[0], found[1], found[2]
 
     def by_parameters(self, u: Array) -> Array:
         """Derivatives of the scaled readings by the optimiser's unknowns, shape (parameters, columns, n)."""
-        (D, T, H, V), _, _ = self._functions(u)
-        s, w, compliance = self.value("modulus"), self.value("w"), self.value("compliance")
-        root, q = np.sqrt(s), np.sqrt(w)
         one, zero = np.ones_like(u), np.zeros_like(u)
-        half = 1 / (2 * q) if q > 0 else 0.0  # a free w stays above 0
-
-        def through_machine(delta: Array, P: Array) -> tuple[Array, Array]:
-            return delta + compliance * P, P
-
-        rates = {  # of the readings of delta and P
-            "modulus": through_machine(q / root * T / 2, s * H - q * root * V / 2),
-            "w": through_machine(-T / root * half, -root * V * half),
-            "delta0": (one, zero),
-            "P0": (zero, one),
-            "compliance": (s * H - q * root * V, zero),
+        compliance, of_body = self.values["compliance"], iter(self.member.own_rates(u))
+        through_machine = {
+            name: np.stack([a, delta + compliance * P, P]) for name, (a, delta, P) in self.member.rates(u).items()
         }
-        of_body = iter(self.family.relative_rates(u))
+        rates = through_machine | {
+            "delta0": np.stack([zero, one, zero]),
+            "P0": np.stack([zero, zero, one]),
+            "compliance": np.stack([zero, self.member.along(u)[0][2], zero]),
+        }
         found = []
         for parameter in self.parameters:
-            if parameter.of_body:
-                rD, rT, rH, rV = next(of_body) if parameter.free else np.zeros((4, u.size))
-                rows = through_machine(D * rD - q / root * T * rT, s * H * rH - q * root * V * rV)
-            else:
+            if not parameter.of_body:
                 rows = rates[parameter.name]
-            found.append(self._scaled(zero, *rows))
+            elif parameter.free:
+                a, delta, P = next(of_body)
+                rows = np.stack([a, delta + compliance * P, P])
+            else:
+                rows = np.zeros((3, u.size))
+            found.append(self._scaled(*rows))
         return np.stack(found)
-
-    def _functions(self, u: Array) -> tuple[Array, Array, Array]:
-        found = self.family.at(u)
-        return found if self.drift is None else self.drift.applied(found, u)
 
     def _scaled(self, a: Array, delta: Array, P: Array) -> Array:
         rows = {"a": a, "delta": delta, "P": P}
@@ -139,7 +109,7 @@ class Readings:
 # ---------------------------------------------------------------------- foot points
 @dataclass(frozen=True, eq=False)
 class Distances:
-    """Distances of n points: ``u`` log of the foot points' radii, ``residuals`` (k, n), scaled.
+    """Distances of n points: ``u`` log of the foot points' places, ``residuals`` (k, n), scaled.
 
     Two columns: k = 1, the signed normal distance; three: k = 3, the distance vector. ``tangent``: unit vectors along
     the curve at the foot points (columns, n).
@@ -149,6 +119,11 @@ class Distances:
     u: Array
     residuals: Array
     tangent: Array
+
+    @property
+    def a(self) -> Array:
+        """Contact radii of the foot points [m]."""
+        return self.readings.radii(self.u)
 
     def jacobian(self, chosen: Array) -> Array:
         """Derivatives of all residuals by the ``chosen`` unknowns, shape (k n, chosen)."""
@@ -178,7 +153,8 @@ def distances(readings: Readings, points: Array) -> Distances:
         if np.max(np.abs(step)) < TUNING.close:
             break
     X, first, _ = readings.along(u)
-    tangent, gap = first / np.sqrt(np.einsum("cn,cn->n", first, first)), points - X
+    speed = np.sqrt(np.maximum(np.einsum("cn,cn->n", first, first), np.finfo(float).tiny))
+    tangent, gap = first / speed, points - X
     if len(readings.columns) == 2:
         gap = np.einsum("cn,cn->n", _normal(tangent), gap)[None]
     return Distances(readings, u, gap, tangent)
@@ -189,15 +165,9 @@ def _normal(tangent: Array) -> Array:
 
 
 def arc(readings: Readings, least: float | None = None) -> Array:
-    """log a of the vertices of the part of the curve on which points are looked for, down to the ``least`` radius that
-    was measured [m], if any."""
-    family = readings.family
-    whole = np.linspace(family.low - TUNING.below_fold, family.high, TUNING.vertices // 2)
-    s, w = readings.value("modulus"), readings.value("w")
-    (D, T, _, _), _, _ = family.at(whole)
-    fold = whole[np.argmin(D - np.sqrt(w / s) * T)]
-    below = fold - TUNING.below_fold if least is None else min(fold - TUNING.below_fold, math.log(least))
-    return np.linspace(max(below, whole[0]), family.high + TUNING.beyond_last, TUNING.vertices)
+    """u of the vertices of the part of the curve on which points are looked for, down to the ``least`` radius that was
+    measured [m], if any."""
+    return np.linspace(*readings.member.ends(TUNING.below_fold, TUNING.beyond_last, least), TUNING.vertices)
 
 
 # ---------------------------------------------------------------------- what is minimised
@@ -216,6 +186,11 @@ class Objective:
         """Indices of the free parameters."""
         return np.flatnonzero([parameter.free for parameter in self.parameters])
 
+    @property
+    def ranged(self) -> bool:
+        """Whether adhesion has a range."""
+        return any(parameter.name in RANGES for parameter in self.parameters)
+
     def held(self, *names: str) -> Objective:
         """The same objective with these parameters held at whatever values the unknowns give them."""
         parameters = (replace(p, free=False, value=p.value or 1.0) if p.name in names else p for p in self.parameters)
@@ -233,11 +208,12 @@ class Objective:
         body = self.body.rated(own, varied) if rated and varied else self.body.with_values(own)
         columns = self.points.columns
         target = np.stack([self.points.values[name] for name in columns]) / self.scales[:, None]
-        return distances(Readings(body.family, self.parameters, x, columns, self.scales, self.drift), target)
+        readings = Readings(body.members(self.ranged), self.parameters, x, columns, self.scales, self.drift)
+        return distances(readings, target)
 
     def natural_units(self) -> dict[str, float]:
         """Sizes of unknowns by the nonadhesive body at half of its largest radius: delta, P, and w that shifts it by
         its own displacement."""
-        middle = np.array([self.body.family.high - math.log(2)])
-        D, T, H, _ = self.body.family.at(middle)[0][:, 0]
-        return {"w": (D / T) ** 2, "delta0": D, "P0": H, "compliance": D / H}
+        family = self.body.family
+        D, _, H, _ = family.at(np.array([family.high - math.log(2)]))[0][:, 0]
+        return {"w": family.natural_work, "delta0": D, "P0": H, "compliance": D / H}

@@ -86,6 +86,8 @@ def _raw(record: ForceCurve) -> bool:
 def _in_the_way(settings: Settings) -> str:
     """What a whole record cannot be fitted with, as the user wrote it; "" where nothing is."""
     free = settings.free
+    if settings.range is not None:
+        return "adhesion of finite range"
     told = [f"--free {p.name}" for p in free if p.name not in ASKED]
     told += [f"--bound {p.name}" for p in free if p.name != "modulus" and (p.low, p.high) != FREE]
     told += [f"--start {p.name}" for p in free if p.value is not None]

@@ -9,6 +9,7 @@ import numpy as np
 
 from ...base.arrays import Array
 from ...base.errors import InputError
+from ...base.unknown import Unknown
 from ...data.measured.curve import Pixel
 from .settings import Settings
 from .statistics import Structure
@@ -31,6 +32,19 @@ class FittedValue:
     model: Mapping[str, float] | None = None
 
 
+@dataclass(frozen=True)
+class JKRBeside:
+    """JKR's nearest curve to rows that were fitted with a range: ``E_star`` [Pa], ``w`` [J/m^2], the root mean squares
+    of the residuals, ``rms`` and ``rms_of_range``, in the same units, and how much larger half the sum of losses
+    is."""
+
+    E_star: float
+    w: float
+    rms: float
+    rms_of_range: float
+    excess: float
+
+
 @dataclass(frozen=True, eq=False)
 class Fit:
     """One fitted curve: plain numbers, light to send between processes.
@@ -44,7 +58,7 @@ class Fit:
     fitted curve, readings by column and "a". ``warnings``: sentences with numbers. ``flags``: what is wrong with a
     raw record, in a word or two each; ``surface``: what the surfaces were taken to do; ``quality``: of a raw
     record, between 0 and 1, with its parts, None where readings were prepared; ``adhesion``: its largest tension on
-    retraction [N], None where none is told. ``pixel``: in a map.
+    retraction [N], None where none is told. ``pixel``: in a map. ``jkr``: of a fit with a range, JKR beside it.
     """
 
     name: str
@@ -72,6 +86,7 @@ class Fit:
     surface: str = "sliding"
     adhesion: float | None = None
     pixel: Pixel | None = None
+    jkr: JKRBeside | Unknown | None = None
 
     @property
     def correlation(self) -> Array | None:

@@ -16,7 +16,7 @@ import numpy as np
 from scipy.special import fdtrc
 
 from ...base.arrays import Array
-from .model import Drift
+from .family import Drift
 from .result import FittedValue
 from .search import Minimum
 

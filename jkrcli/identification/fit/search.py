@@ -8,7 +8,8 @@ by averages.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Mapping
+import math
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -22,7 +23,7 @@ from .family import Family
 from .model import Distances, Objective, Readings, arc
 from .points import TUNING as ROWS
 from .points import Points, scatter
-from .settings import Loss, Settings
+from .settings import RANGES, Loss, Settings
 from .statistics import TURNS, robust_scale
 
 
@@ -32,7 +33,7 @@ class FitSearchTuning:
 
     # Least squares
     converged: float = 1e-13  # choice: relative change of unknowns and cost; leaves only round-off
-    converged_layers: float = 1e-9  # choice: the same where layers vary, by solves that are themselves good to 1e-8
+    converged_layers: float = 1e-9  # choice: the same for layers and ranges, by curves good to 1e-8 themselves
     converged_robust: float = 1e-7  # choice: the same with a robust loss, whose turn is an estimate
     evaluations: int = 200  # choice: guard
     reach: float = 7.0  # choice: guard, how far logs may move from their start
@@ -56,6 +57,12 @@ class FitSearchTuning:
     )
     looked_at: int = 8  # tuned on records by `make tuning`: starts whose cost is computed in full
     followed: int = 4  # tuned on records by `make tuning`: starts that are followed to their minimum
+    ranged: int = 1  # choice: starts of JKR from which ranges are tried
+    # Ranges over the displacement that adhesion adds at JKR's pull-off; Tabor numbers 0.3, 1, 3, 10:
+    ranges: tuple[float, ...] = (1.0, 0.3, 0.1, 0.03)  # choice: least squares bridges what lies between
+    followed_ranges: int = 2  # choice: of them that are followed to their minimum
+    least_work: float = 1e-3  # choice: of the natural one, with which a range is tried
+    span: float = 5.0  # choice: of the log of a range from its start: beyond, all is a rigid sphere or JKR
     # Minima, in sizes of the curve
     least_size: float = 0.05  # choice: of the data's range, the least size of a curve
     near: float = 1e-3  # tuned on records by `make tuning`: residuals so small that no other start is tried
@@ -114,8 +121,8 @@ def minimise(objective: Objective, start: Array, loss: Loss = "linear", width: f
         return remembered[0][1]
 
     bounds = low[free] / units, high[free] / units
-    varied = any(objective.parameters[i].of_body for i in free)
-    close = TUNING.converged_layers if varied else TUNING.converged
+    splines = objective.ranged or any(objective.parameters[i].of_body for i in free)
+    close = TUNING.converged_layers if splines else TUNING.converged
     close = close if loss == "linear" else TUNING.converged_robust
     found = least_squares(
         lambda y: at(y).residuals.ravel(), _inside(begin[free] / units, *bounds),
@@ -147,6 +154,8 @@ def _bounds(objective: Objective, start: Array) -> tuple[Array, Array]:
             (p.inner(objective.body.nominal(p.name)), TUNING.body_reach) if p.of_body else (float(x), TUNING.reach)
         )
         least, most = (middle - reach, middle + reach) if p.kind == "log" else (-np.inf, np.inf)
+        if p.name in RANGES:
+            least, most = float(x) - TUNING.span, float(x) + TUNING.span
         if p.kind == "positive":
             least = TUNING.faint * units[p.name]
         low.append(max(p.inner(p.low) if p.kind != "linear" else p.low, least))
@@ -320,14 +329,16 @@ def search(body: FittedBody, points: Points, settings: Settings) -> Minimum:
             body = body.to_radius(TUNING.room * tried[0].reach)
             continue
         minimum = _best(body, points, settings, tried)
-        reach = float(np.exp(minimum.found.u.max()))
+        reach = float(minimum.found.a.max())
         if not body.extensible or TUNING.least_used * high <= reach <= high * TUNING.past_end:
             break
         body = body.to_radius(TUNING.room * reach)
     else:
         minimum = _best(body, points, settings, _all_starts(body, points, settings))
-    u = minimum.found.u
-    _check_reach(minimum.objective.body, float(np.exp(u.min())), float(np.exp(u.max())))
+    a = minimum.found.a
+    # A curve of finite range begins at first touch, whatever the series does.
+    least = math.inf if minimum.objective.ranged else float(a.min())
+    _check_reach(minimum.objective.body, least, float(a.max()))
     return minimum
 
 
@@ -375,7 +386,19 @@ def _all_starts(body: FittedBody, points: Points, settings: Settings) -> list[St
     if not tried:
         assert reason is not None
         raise reason
-    return sorted(tried, key=lambda start: start.cost)
+    tried.sort(key=lambda start: start.cost)
+    law = settings.range
+    return tried if law is None or not law.free else list(_with_ranges(body, tried, law.name))
+
+
+def _with_ranges(body: FittedBody, tried: Sequence[Start], name: str) -> Iterator[Start]:
+    """The nearest starts with ranges (or tensions) from those of a rigid sphere to those of JKR."""
+    for start in tried[: TUNING.ranged]:
+        s = start.values["modulus"]
+        w = max(start.values["w"], TUNING.least_work * body.family.natural_work * s)
+        for part in TUNING.ranges:
+            length = part * body.family.neck(s, w)
+            yield replace(start, values={**start.values, "w": w, name: length if name == "range" else w / length})
 
 
 def _bodies(body: FittedBody, settings: Settings) -> Iterator[dict[str, float]]:
@@ -404,10 +427,19 @@ def _best(body: FittedBody, points: Points, settings: Settings, tried: list[Star
         unknowns.append(np.array([x if value is None else p.inner(value) for value, x, p in given]))
     far = max(scales[name] / sizes[name] for name in points.columns)
     found: list[Minimum] = []
-    for x in _by_cost(objective, unknowns)[: TUNING.followed]:
-        found.append(minimise(objective, x))
-        if _is_good(found[-1], far):
+    failed: JkrError | None = None
+    for x in _by_cost(objective, unknowns)[: TUNING.followed_ranges if objective.ranged else TUNING.followed]:
+        try:
+            found.append(minimise(objective, x))
+        except JkrError as error:
+            if not objective.ranged:
+                raise
+            failed = error
+            continue
+        if not objective.ranged and _is_good(found[-1], far):  # good without its range is not yet the best with it
             break
+    if failed is not None and not found:
+        raise failed
     minimum = min(found, key=lambda item: item.cost)
     distance = far * robust_scale(minimum.found.residuals)
     if distance > TUNING.alien:
@@ -428,14 +460,30 @@ def _is_good(minimum: Minimum, far: float) -> bool:
 
 
 def _by_cost(objective: Objective, unknowns: list[Array]) -> list[Array]:
-    """Starts sorted by their cost; where layers vary, after the other parameters were fitted with the layers held."""
-    own = [p.name for p in objective.parameters if p.of_body and p.free]
+    """Starts sorted by their cost; where layers or a range vary, after the other parameters were fitted with these
+    held."""
+    own = [p.name for p in objective.parameters if (p.of_body or p.name in RANGES) and p.free]
     held = objective.held(*own)
     if not own or held.free.size == 0:
-        costs = [float(np.sum(objective.distances(x, rated=False).residuals ** 2)) for x in unknowns]
-        return [unknowns[i] for i in np.argsort(costs)]
-    found = [minimise(held, x) for x in unknowns]
-    return [found[i].x for i in np.argsort([minimum.cost for minimum in found])]
+        return sorted(unknowns, key=lambda x: _cost(objective, x))
+    found = []
+    for x in unknowns:
+        try:
+            found.append(minimise(held, x))
+        except JkrError:
+            if not objective.ranged:
+                raise
+    return [found[i].x for i in np.argsort([minimum.cost for minimum in found])] if found else unknowns
+
+
+def _cost(objective: Objective, x: Array) -> float:
+    """The sum of squares; infinite where a range takes the surfaces beyond the body."""
+    try:
+        return float(np.sum(objective.distances(x, rated=False).residuals ** 2))
+    except JkrError:
+        if not objective.ranged:
+            raise
+        return math.inf
 
 
 def _unknowns(settings: Settings, start: Start) -> Array:
@@ -446,8 +494,10 @@ def _unknowns(settings: Settings, start: Start) -> Array:
 def _sizes(body: FittedBody, points: Points, settings: Settings, start: Start, x: Array) -> dict[str, float]:
     """The size of the start's curve on each axis: its pull-off, or a part of the data's range where that is larger."""
     held = body.with_values({p.name: start.values[p.name] for p in settings.parameters if p.of_body})
-    readings = Readings(held.family, settings.parameters, x, points.columns, np.ones(len(points.columns)))
-    offsets = {"delta": readings.value("delta0"), "P": readings.value("P0")}
+    readings = Readings(
+        held.members(settings.range is not None), settings.parameters, x, points.columns, np.ones(len(points.columns))
+    )
+    offsets = {"delta": readings.values["delta0"], "P": readings.values["P0"]}
     curve = readings.along(arc(readings))[0]
     ranges = {name: float(np.ptp(points.values[name])) for name in points.columns}
     return {  # a radius has no zero of its own: its size is its range

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 from ...base.errors import InputError
@@ -18,7 +18,9 @@ Loss = Literal["linear", "soft_l1", "huber", "cauchy"]
 ContactName = Literal["auto", "fitted", "as-is", "estimate"]
 ConfidenceName = Literal["covariance", "profile", "bootstrap"]
 BaseLineName = Literal["straight", "sine"]
-DIMENSIONS = {"modulus": "number", "w": "work", "delta0": "length", "P0": "load", "compliance": "number"}
+DIMENSIONS = {"modulus": "number", "w": "work", "delta0": "length", "P0": "load", "compliance": "number",
+              "range": "length", "stress": "modulus"}  # fmt: skip
+RANGES = ("range", "stress")  # one of them: adhesion of finite range; neither: JKR
 KINDS: dict[str, Kind] = {"modulus": "log", "w": "positive", "delta0": "linear", "P0": "linear", "compliance": "linear"}
 OF_A_LAYER = {"E": "modulus", "h": "length", "nu": "number"}
 USUALLY_FREE = ("modulus", "w", "delta0")
@@ -141,6 +143,27 @@ class Settings:
                 raise InputError(f"fit: the noise of {name} must be > 0, got {value:g}")
         if not self.free:
             raise InputError("fit: no parameter is free")
+        if self.range is not None:
+            self._check_range(given)
+
+    def _check_range(self, given: frozenset[str]) -> None:
+        if set(RANGES) <= given:
+            raise InputError("fit: range and stress are one quantity, stress = w/range: free or fix one of them")
+        if own := [p.name for p in self.free if p.of_body]:
+            raise InputError(f"fit: {own[0]} cannot be free together with a range of adhesion: fix {own[0]}")
+        w = self.parameter("w")
+        if w is not None and w.value == 0:
+            raise InputError("fit: adhesion of finite range needs w > 0: leave w free, or range and stress out")
+
+    @property
+    def range(self) -> Parameter | None:
+        """The parameter that says how far adhesion reaches; None: JKR."""
+        return next((parameter for parameter in self.parameters if parameter.name in RANGES), None)
+
+    @property
+    def without_range(self) -> Settings:
+        """The same of JKR."""
+        return replace(self, parameters=tuple(p for p in self.parameters if p.name not in RANGES))
 
     @property
     def free(self) -> tuple[Parameter, ...]:
@@ -180,6 +203,9 @@ def settings_of(
         value = _value(body, name, *starts[name]) if name in starts else None
         found.append(Parameter(name, True, value, low, high))
     found += [Parameter(name, False, _value(body, name, *text)) for name, text in fixed.items()]
+    if not set(RANGES) & {parameter.name for parameter in found}:
+        asked = {"stress": body.asked.stress, "range": body.asked.length}
+        found += [Parameter(name, False, value) for name, value in asked.items() if value is not None]
     return Settings(tuple(found), **options)
 
 

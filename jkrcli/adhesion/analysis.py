@@ -96,6 +96,7 @@ class Analysis:
             w=self.w,
             R=problem.indenter.tip_radius,
             h=problem.specimen.top_thickness,
+            depth=problem.specimen.yielding_depth,
             L=end_of_body(problem, self.solution.facts),
             z0=self.solution.record.z0 if self.law is None else self.law.length,
             a_pull_off=point.a if isinstance(point, CriticalPoint) else None,

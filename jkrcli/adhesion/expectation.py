@@ -62,6 +62,7 @@ def expect(problem: Problem, works: tuple[float, ...], z0: float) -> Expectation
             w=w,
             R=problem.indenter.tip_radius,
             h=problem.specimen.top_thickness,
+            depth=problem.specimen.yielding_depth,
             L=problem.specimen.radius,
             end_is_cut=False,
             z0=z0,

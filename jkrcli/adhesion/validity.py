@@ -85,6 +85,7 @@ def judge(
     h: float | None,
     L: float | None,
     z0: float | None,
+    depth: float | None = None,
     a_pull_off: float | None = None,
     end_is_cut: bool = True,
     effect_of_range: Estimate = NOT_SOLVED,
@@ -93,17 +94,19 @@ def judge(
 
     ``R``: tip radius [m], None where the indenter has none. ``h``: thickness [m] of the layer that the contact feels,
     None or infinite for a half-space. ``L``: size [m] of the body or mesh, None for an unbounded exact solution.
+    ``depth``: that to which the body is squeezed [m], ``h`` if not given (``Specimen.yielding_depth``).
     ``z0``: equilibrium distance of the adhesive forces [m]; ``w`` in J/m^2, ``E_star`` in Pa.
     """
     no_layer = Unknown("no layer: the specimen is a half-space")
     thickness = None if h is None or math.isinf(h) else h
+    depth = thickness if depth is None else None if math.isinf(depth) else depth
     number = _tabor(R, w, E_star, z0)
     return Validity(
         number,
         _words(number, effect_of_range),
         _ratio(a, R, NO_TIP_RADIUS),
         Unknown("no pull-off radius given") if a_pull_off is None else _ratio(a_pull_off, R, NO_TIP_RADIUS),
-        _ratio(delta, thickness, no_layer),
+        _ratio(delta, depth, no_layer if thickness is None else Unknown("no layer lies on anything stiffer")),
         _ratio(a, thickness, no_layer),
         _ratio(a, L, Unknown("the body is unbounded in this method")),
         end_is_cut,

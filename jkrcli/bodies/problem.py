@@ -127,6 +127,16 @@ class Specimen:
         return self.layers[0].thickness if self.layers else math.inf
 
     @property
+    def yielding_depth(self) -> float:
+        """Depth [m] down to the first material that is stiffer than the one above it, or the rigid base: what is
+        squeezed; infinite where there is none, as below a stiff skin."""
+        moduli = [material.surface.E for material in self.materials]
+        below = [*moduli, math.inf] if isinstance(self.base, Rigid) else moduli
+        stiffer = (i for i, E in enumerate(below[1:]) if E > moduli[i])
+        last = next(stiffer, None)
+        return math.inf if last is None else sum(layer.thickness for layer in self.layers[: last + 1])
+
+    @property
     def words(self) -> str:
         """``a layer (E = 1 MPa, nu = 0.4, h = 1 um) on a rigid base``."""
         surface = self.materials[0].words

@@ -82,6 +82,7 @@ def _geometry(problem: Problem, solution: Solution) -> list[str]:
         w=0.0,
         R=problem.indenter.tip_radius,
         h=problem.specimen.top_thickness,
+        depth=problem.specimen.yielding_depth,
         L=end_of_body(problem, solution.facts),
         z0=None,
         end_is_cut=problem.specimen.radius is None,

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import math
+
 import pytest
 
 from jkrcli.adhesion.validity import NO_TIP_RADIUS, check, judge, regime
 from jkrcli.base.errors import InputError
 from jkrcli.base.unknown import Unknown
+from jkrcli.bodies.materials import Elastic
+from jkrcli.bodies.problem import HalfSpace, Layer, Rigid, Specimen
 
 SOUND = {"a": 1e-5, "delta": 1e-6, "E_star": 5e9 / 0.84, "w": 50.0, "R": 1e-4, "h": None, "L": None, "z0": 0.3e-9}
 
@@ -82,3 +86,16 @@ def test_a_limit_that_is_just_met_gives_no_warning() -> None:
     for delta, count in ((1e-6 * (1 + 1e-12), 0), (1.001e-6, 1)):
         judged = judge(a=1e-6, delta=delta, E_star=1e6, w=0.0, R=1e-4, h=1e-5, L=None, z0=None)
         assert len(check(judged)) == count
+
+
+def test_a_stiff_skin_is_not_squeezed() -> None:
+    """delta/h asks how far a layer is pressed against something stiffer: what lies under a skin gives way itself."""
+    skin, soft, stiff = (Layer(Elastic(E, 0.4), 1e-6) for E in (20e6, 1e6, 5e6))
+    depths = [Specimen(layers, base).yielding_depth for layers, base in (
+        ((skin,), HalfSpace(Elastic(1e6, 0.4))), ((skin,), Rigid()), ((skin, soft), Rigid()), ((soft, stiff), Rigid()),
+        ((skin, soft), HalfSpace(Elastic(0.9e6, 0.4))), ((), HalfSpace(Elastic(1e6, 0.4))))]  # fmt: skip
+    assert depths == pytest.approx([math.inf, 1e-6, 2e-6, 1e-6, math.inf, math.inf])
+    judged = judge(**{**SOUND, "delta": 2e-6, "h": 1e-6, "depth": math.inf})
+    assert isinstance(judged.delta_over_h, Unknown)
+    assert judged.delta_over_h.reason == "no layer lies on anything stiffer"
+    assert not any("delta/h" in text for text in check(judged))

@@ -165,11 +165,12 @@ def _validity(found: Fit, body: FittedBody, family: Family) -> list[str]:
     problem, a = body.problem, float(np.max(found.a))
     (D, _, _, _), _, _ = family.at(np.array([np.log(a)]))
     free = (item.value for item in found.estimates if item.name.startswith("h:") and item.free)
-    thickness = next(free, problem.specimen.top_thickness)
+    top, depth = problem.specimen.top_thickness, problem.specimen.yielding_depth
+    thickness = next(free, top)
     judged = judge(
         a=a, delta=float(D[0]), E_star=found.value("E_star"), w=found.value("w") if _adhesion(found) else 0.0,
-        R=problem.indenter.tip_radius, h=thickness, L=problem.specimen.radius,
-        z0=THRESHOLDS.z0 if found.jkr is None else None, end_is_cut=False,
+        R=problem.indenter.tip_radius, h=thickness, depth=thickness if depth == top else depth,
+        L=problem.specimen.radius, z0=THRESHOLDS.z0 if found.jkr is None else None, end_is_cut=False,
     )  # fmt: skip
     return check(judged)
 

@@ -201,8 +201,11 @@ class Nonadhesive:
             raise InputError("adhesive curve: a series of one point has no values between points")
         delta, P, S, dS, _ = self.points
         x, z = np.log(self.a), np.log(self.a - self.series.a0)
-        fitted = np.stack([spline_slopes(z, np.log(delta)), spline_slopes(x, np.log(dS))], 1)
-        rate, rate_dS = np.where(np.isnan(self._known_rates), fitted, self._known_rates).T
+        rates = self._known_rates
+        if np.isnan(rates).any():
+            fitted = np.stack([spline_slopes(z, np.log(delta)), spline_slopes(x, np.log(dS))], 1)
+            rates = np.where(np.isnan(rates), fitted, rates)
+        rate, rate_dS = rates.T
         return (
             PiecewiseCubic(z, np.log(np.stack([delta, P], 1)), np.stack([rate, S * delta / P * rate], 1)),
             PiecewiseCubic(x, np.log(np.stack([S, dS], 1)), np.stack([self.a * dS / S, rate_dS], 1)),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import time
 from functools import cache
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -227,12 +228,46 @@ def test_under_constant_load_contact_is_lost_after_a_while() -> None:
     waits = []
     for load in (-5.0, -6.0):
         history = contact.history(dwell(5.0, 1e3, 1e3, load, 1e4))
-        assert history.lost is not None
-        waits.append(history.lost.t - history.turn)
-        assert history.pull_off.P == pytest.approx(load)
+        assert history.ends == "lost"
+        assert history.waited is not None
+        waits.append(history.waited)
+        assert history.pull_off.P == load
+        assert history.pull_off.t == pytest.approx(5.0 * 1e-3 + (5 - load) * 1e-3, rel=1e-12)  # when it is reached
     assert 0 < waits[1] < waits[0]
     stays = contact.history(dwell(5.0, 1e3, 1e3, -4.5, 1e4))  # less than 3/2 pi
     assert stays.lost is None
+    assert stays.waited is None
+    assert isinstance(stays.error["lost"], Unknown)
+
+
+def test_the_time_of_loss_under_constant_load_and_its_error() -> None:
+    """While the load stands, t = int da/v(G(a)) is exact."""
+    contact = RateContact(half_space(), PowerRate(1.0, 0.6), 1.0, 0.5, 0.0)
+    history = contact.history(dwell(5.0, 1e3, 1e3, -5.0, 1e4))
+    piece = history.pieces[-1]
+
+    def slowness(u: float) -> float:
+        G = float(contact.edge.state(np.exp(u), np.array(-5.0)).G)
+        return math.exp(u) / PowerRate(1.0, 0.6).speed(1.0, G)
+
+    begin, end = math.log(piece.first[1]), math.log(piece.last[1])
+    exact = sum(quad(slowness, *ends, epsrel=1e-12)[0] for ends in pairwise(np.linspace(end, begin, 20)))
+    assert history.waited is not None
+    stated = history.error["lost"]
+    assert isinstance(stated, float)
+    assert abs(history.waited / exact - 1) < 3 * stated < 1e-7  # measured 1e-10
+
+
+def test_the_trace_ends_an_instant_before_contact_is_lost() -> None:
+    """Under load the displacement of a contact that runs away grows without bound; that is no state of it."""
+    contact = RateContact(half_space(), PowerRate(1.0, 0.6), 1.0, 0.5, 0.0)
+    history = contact.history(dwell(5.0, 1e3, 1e3, -5.0, 1e4))
+    table, lost = history.table(500), history.lost
+    assert lost is not None
+    assert table["a_m"][-1] == pytest.approx(lost.start.a)
+    assert lost.start.a > 20 * half_space().a[0]
+    assert 0 < lost.t - table["t_s"][-1] < 1e-5 * lost.t
+    assert (table["phase"] != "free").all()
 
 
 def test_a_law_of_advance_delays_the_growth() -> None:

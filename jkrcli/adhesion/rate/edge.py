@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import NamedTuple
 
@@ -41,7 +41,8 @@ class Edge:
         """The state at the radii ``a`` [m] while the device holds ``x``."""
         here = self.body.parts(a)
         lag = (position(here.delta_H, here.P_H, self.stiffness) - x) / self._give(here.S)
-        return EdgeState(here.delta_H - lag, here.P_H - here.S * lag, here.dS * lag**2 / (4 * math.pi * a), lag)
+        P = here.P_H - here.S * lag if self.stiffness != LOAD_CONTROL else np.broadcast_to(x, lag.shape)
+        return EdgeState(here.delta_H - lag, P, here.dS * lag**2 / (4 * math.pi * a), lag)
 
     def held_at(self, a: Array, G: float) -> Array:
         """What the device holds where the edge at radius ``a`` [m] has the energy release rate ``G``."""
@@ -82,21 +83,24 @@ class Pointwise:
 
     nodes: list[float]
     starts: list[float]
-    cubics: list[list[list[float]]]
+    cubics: Array
     a0: float
+    known: dict[int, list[list[float]]] = field(default_factory=dict)  # those asked for, as lists
 
     @classmethod
     def of(cls, body: Nonadhesive) -> Pointwise:
         columns, slopes = body.logs
         cubics = np.concatenate([columns.c, slopes.c], axis=2)  # (order, interval, function)
-        return cls(slopes.x.tolist(), columns.x.tolist(), cubics.transpose(1, 2, 0).tolist(), body.series.a0)
+        return cls(slopes.x.tolist(), columns.x.tolist(), cubics.transpose(1, 2, 0), body.series.a0)
 
     def __call__(self, u: float) -> tuple[float, float, float, float]:
         """The four functions at log a = ``u``; the outer cubics go on beyond the ends."""
         i = min(max(bisect_right(self.nodes, u) - 1, 0), len(self.cubics) - 1)
+        if i not in self.known:
+            self.known[i] = self.cubics[i].tolist()
         y = u - self.nodes[i]
         z = (math.log(math.exp(u) - self.a0) if self.a0 else u) - self.starts[i]
-        delta, P, S, dS = self.cubics[i]
+        delta, P, S, dS = self.known[i]
         return _exp(delta, z), _exp(P, z), _exp(S, y), _exp(dS, y)
 
 

@@ -30,6 +30,7 @@ class HistoryTuning:
     """Accuracy of the motions, and how it is told."""
 
     tolerance: float = 1e-10  # choice: relative, of a step of the integrator; leaves 1e-9 of the pull-off force
+    evaluations: int = 100_000  # choice: guard, six times what the slowest pull in tests takes
     coarser: float = 4.0  # choice: factor of the tolerance of the second run, from whose distance the error is told
     floor: float = 0.5  # choice: of the tolerance, no smaller error is stated; true ones are 0.01 to 1.7 of it
     rests: float = 1e-11  # theory: of positions, what round-off of times and radii leaves
@@ -46,7 +47,8 @@ class RateContact:
     """A contact whose edge recedes by ``law`` above ``w0`` [J/m^2], in a device of ``stiffness`` [N/m].
 
     It advances where G is below ``w_advance`` <= w0 [J/m^2]: by ``law_advance``, or, None, at once to equilibrium.
-    ``tolerance``: relative, of the integrator's steps. The ``body`` is interpolated so that it conserves energy.
+    ``tolerance``: relative, of the integrator's steps; ``evaluations`` of the edge's speed, the most of one motion. The
+    ``body`` is interpolated so that it conserves energy.
     """
 
     body: Nonadhesive
@@ -56,6 +58,7 @@ class RateContact:
     stiffness: float = DISPLACEMENT_CONTROL
     law_advance: RateLaw | None = None
     tolerance: float = TUNING.tolerance
+    evaluations: int = TUNING.evaluations
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "body", conservative(self.body))
@@ -176,15 +179,26 @@ class History:
         """The last loss of contact."""
         return next((jump for jump in reversed(self.jumps) if jump.end is None), None)
 
+    @property
+    def waited(self) -> float | None:
+        """How long [s] the device stood still before contact was lost; None where it moved, or it was not lost."""
+        ramp = next((piece.ramp for piece in reversed(self.pieces) if _lost(piece)), None)
+        return None if ramp is None or self.lost is None or ramp.rate != 0 else self.lost.t - ramp.t
+
     @cached_property
     def error(self) -> dict[str, Estimate]:
-        """Relative error of the integration of "P" and "t" at pull-off, counted from the turn, and of the "balance":
-        work of the device against stored energy and work of the edge."""
+        """Relative error of the integration of "P" and "t" at pull-off and of the time at which contact is "lost", both
+        counted from the turn, and of the "balance": work of the device against stored energy and work of the edge."""
         if self.beside is None:
-            return dict.fromkeys(("P", "t", "balance"), Unknown("integrated once only"))
-        here, there = self.pull_off, self.beside.pull_off
-        since, earlier = here.t - self.turn, there.t - self.beside.turn
-        return {"P": self._stated(here.P, there.P), "t": self._stated(since, earlier), "balance": self.balance}
+            return dict.fromkeys(("P", "t", "lost", "balance"), Unknown("integrated once only"))
+        both = (self, self.beside)
+        lost = [(history.lost.t if history.lost else math.nan) - history.turn for history in both]
+        return {
+            "P": self._stated(*(history.pull_off.P for history in both)),
+            "t": self._stated(*(history.pull_off.t - history.turn for history in both)),
+            "lost": Unknown("contact is not lost") if math.isnan(sum(lost)) else self._stated(*lost),
+            "balance": self.balance,
+        }
 
     def _stated(self, here: float, there: float) -> float:
         """Relative error of ``here``: errors are proportional to the tolerance."""
@@ -249,10 +263,13 @@ class History:
         for one, two in zip(self.pieces[:-1], self.pieces[1:], strict=True):
             gone = one.phase != "free" and two.phase == "free"
             if gone or (abs(two.first[1] - one.last[1]) > 1e-9 * one.last[1]):
-                start = self._state(one, *one.last)
-                yield TimedJump(one.last[0], start, None if gone else self._state(two, *two.first))
+                yield self._jump(one, None if gone else self._state(two, *two.first))
         if self.ends == "lost":
-            yield TimedJump(self.pieces[-1].last[0], self._state(self.pieces[-1], *self.pieces[-1].last), None)
+            yield self._jump(self.pieces[-1], None)
+
+    def _jump(self, piece: Piece, end: TimedState | None) -> TimedJump:
+        start = piece.parting if isinstance(piece, Motion) else piece.last
+        return TimedJump(piece.last[0], self._state(piece, *start), end)
 
     def _state(self, piece: Piece, t: float, a: float) -> TimedState:
         x = _held(piece, np.array([t]))
@@ -314,7 +331,7 @@ def _history(contact: RateContact, program: Program, start: float | None) -> His
     pieces: list[Piece] = []
     ends, a = "program", start or 0.0
     for ramp in program.ramps():
-        found, ends = _on_ramp(contact, ramp, a)
+        found, ends = _on_ramp(contact, ramp, a, program)
         pieces += found
         if ends != "program":
             break
@@ -324,8 +341,8 @@ def _history(contact: RateContact, program: Program, start: float | None) -> His
     return History(contact, tuple(pieces), ends)
 
 
-def _on_ramp(contact: RateContact, ramp: Ramp, a: float) -> tuple[list[Piece], str]:
-    """The pieces of one ramp, and how it ends: "program", "series", or "lost" on a ramp that has no end."""
+def _on_ramp(contact: RateContact, ramp: Ramp, a: float, program: Program) -> tuple[list[Piece], str]:
+    """The pieces of one ramp, and how it ends: "program", "series", or "lost" where no contact forms anew."""
     now, pieces = _Now(ramp.t, a, ramp.x), list[Piece]()
     for _ in range(TUNING.restarts):
         piece = _next(contact, ramp, now)
@@ -335,7 +352,7 @@ def _on_ramp(contact: RateContact, ramp: Ramp, a: float) -> tuple[list[Piece], s
         now = _after(ramp, piece)
         if isinstance(piece, Motion) and (piece.ends == "last" or (piece.ends == "first" and now.x > 0)):
             return pieces, "series"
-        if _lost(piece) and math.isinf(ramp.t_end):
+        if _lost(piece) and not program.highest(now.t) > contact.least:
             return pieces, "lost"
         if now.t >= ramp.t_end:
             return pieces, "program"
@@ -365,7 +382,7 @@ def _next(contact: RateContact, ramp: Ramp, now: _Now) -> Piece | None:
     beyond = now.x - recedes
     if not now.rests and (beyond <= slack if ramp.rate < 0 else beyond < -slack):
         driven = Driven(contact.law, contact.w0, True)
-        return move(contact.edge, ramp, driven, now.t, now.a, contact.tolerance)
+        return move(contact.edge, ramp, driven, now.t, now.a, contact.tolerance, contact.evaluations)
     if not now.rests and (now.x > advances + slack or (ramp.rate > 0 and now.x >= advances - slack)):
         return _grow(contact, ramp, now)
     target = {1: advances, -1: recedes, 0: now.x}[int(np.sign(ramp.rate))]
@@ -379,7 +396,7 @@ def _grow(contact: RateContact, ramp: Ramp, now: _Now) -> Piece | None:
     """The edge advances: by its law, or at once to equilibrium and on along it."""
     if contact.law_advance is not None:
         driven = Driven(contact.law_advance, contact.w_advance, False)
-        return move(contact.edge, ramp, driven, now.t, now.a, contact.tolerance)
+        return move(contact.edge, ramp, driven, now.t, now.a, contact.tolerance, contact.evaluations)
     _, advances, slack = contact.turning(now.a)
     stands = abs(advances - now.x) <= slack and contact.rises(now.a * (1 + TUNING.beside))
     a = now.a if stands else contact.settled(now.a, now.x)

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache
 from typing import Annotated, Any, Protocol, TypeAlias
 
 import numpy as np
@@ -96,6 +97,12 @@ def rate_law_of(values: Mapping[str, Any], where: str = "rate") -> RateLaw:
 
 def rate_parameters(name: str) -> dict[str, Ranged]:
     """The parameters of the law called ``name``, by name, with their dimensions and ranges."""
+    return dict(_parameters(name, RATE_LAWS[name]))
+
+
+@cache
+def _parameters(name: str, kind: type) -> dict[str, Ranged]:
+    """The same, read once for each class, as that takes longer than a prediction."""
     notes = {key: getattr(item.annotation, "__metadata__", ()) for key, item in RATE_LAWS.parameters(name).items()}
     return {key: next(note for note in reversed(held) if isinstance(note, Ranged)) for key, held in notes.items()}
 

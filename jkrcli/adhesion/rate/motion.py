@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import itertools
 import math
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
@@ -33,7 +34,7 @@ class MotionTuning:
     absolute: float = 1e-2  # choice: of the relative tolerance; the unknowns are scaled to 1
     fastest: float = 1e200  # theory: in radii per T: a speed beyond numbers, its square must not overflow
     longest: float = 1e15  # theory: of s; beyond it the round-off of a double is longer than a step
-    evaluations: int = 100_000  # choice: guard, six times what the slowest pull in tests takes
+    instant: float = 1e-6  # choice: of a motion's time, at its end: contact runs away, which inertia would delay
     newton: int = 8  # choice: guard; two steps bring s of a given time to round-off
 
 
@@ -105,8 +106,25 @@ class Motion:
         return self.energy * float(self.steps[3, -1] - self.steps[3, 0])
 
     def rows(self, points: int) -> tuple[Array, Array]:
-        """Times [s] and radii [m] of ``points`` states, even in s."""
-        return self._states(np.linspace(self.nodes[0], self.nodes[-1], points))
+        """Times [s] and radii [m] of ``points`` states, even in s, to the last state."""
+        return self._states(np.linspace(self.nodes[0], self._told, points))
+
+    @property
+    def parting(self) -> tuple[float, float]:
+        """Time [s] and radius [m] of the last state that is told: the end, or an instant before contact is lost."""
+        t, a = self._states(np.array([self._told]))
+        return float(t[0]), float(a[0])
+
+    @cached_property
+    def _told(self) -> float:
+        """The s up to which states are told."""
+        tau, end = self.steps[0], float(self.nodes[-1])
+        if self.ends != "first":
+            return end
+        until = tau[-1] - TUNING.instant * (tau[-1] - tau[0])
+        i = min(int(np.searchsorted(tau, until)), tau.size - 1)
+        low = float(self.nodes[max(i - 1, 0)])
+        return low if tau[0] == until else float(brentq(lambda s: self.path(s)[0] - until, low, self.nodes[i]))
 
     def at(self, t: Array) -> Array:
         """Radii [m] at the times ``t`` [s] of the motion: s by Newton's method, from the nodes."""
@@ -124,6 +142,8 @@ class Motion:
 
     def lowest(self) -> tuple[float, float]:
         """Time [s] and radius [m] at the least load: at an end, or where dP/dt = 0 between two nodes."""
+        if self.edge.stiffness == LOAD_CONTROL:
+            return self.last if self.ramp.rate < 0 else self.first
 
         def slope(s: float) -> float:
             t, a = self._states(np.array([s]))
@@ -138,9 +158,7 @@ class Motion:
         return float(times[i]), float(radii[i])
 
     def _load_rate(self, t: Array, a: Array) -> Array:
-        """(1 + S/k) dP/dt [N/s] = S dx/dt - S' L da/dt; dx/dt itself under load control."""
-        if self.edge.stiffness == LOAD_CONTROL:
-            return np.full_like(t, self.ramp.rate)
+        """(1 + S/k) dP/dt [N/s] = S dx/dt - S' L da/dt."""
         here, state = self.edge.body.parts(a), self.edge.state(a, self.ramp.at(t))
         return here.S * self.ramp.rate - here.dS * state.lag * self._speed(t, a)
 
@@ -157,17 +175,19 @@ class Motion:
         return self.ramp.t + self.unit * tau, np.clip(np.exp(u), *ends)
 
 
-def move(edge: Edge, ramp: Ramp, driven: Driven, t: float, a: float, tolerance: float) -> Motion:
+def move(edge: Edge, ramp: Ramp, driven: Driven, t: float, a: float, tolerance: float, most: int) -> Motion:
     """The motion of the edge from radius ``a`` [m] at the time ``t`` [s] of a ``ramp`` on; ``tolerance``: relative, of
-    each step. SolveError where the integrator gives up."""
+    each step. SolveError where the integrator gives up, or takes more than ``most`` evaluations."""
     unit = _unit_of_time(edge, ramp, driven, t, a)
     energy = math.pi * a**2 * driven.w
-    rates = _equations(edge, ramp, driven, unit, energy)
+    rates = _equations(edge, ramp, driven, unit, energy, most)
     start = [(t - ramp.t) / unit, math.log(a), 0.0, 0.0]
-    found = solve_ivp(
-        rates, (0.0, TUNING.longest), start, method="LSODA", rtol=tolerance, atol=tolerance * TUNING.absolute,
-        dense_output=True, events=_events(edge, ramp, driven, unit),
-    )  # fmt: skip
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "lsoda", UserWarning)  # it gives up, which is told below
+        found = solve_ivp(
+            rates, (0.0, TUNING.longest), start, method="LSODA", rtol=tolerance, atol=tolerance * TUNING.absolute,
+            dense_output=True, events=_events(edge, ramp, driven, unit),
+        )  # fmt: skip
     if found.status != 1:
         raise SolveError(f"the edge's motion could not be integrated beyond a = {math.exp(found.y[1, -1]):.4g} m")
     names = ("ramp", "first" if driven.receding else "last", "rest")
@@ -192,7 +212,9 @@ def _bounded(driven: Driven, G: float, most: float) -> float:
         return -most if driven.receding else most
 
 
-def _equations(edge: Edge, ramp: Ramp, driven: Driven, unit: float, energy: float) -> Callable[..., list[float]]:
+def _equations(
+    edge: Edge, ramp: Ramp, driven: Driven, unit: float, energy: float, most: int
+) -> Callable[..., list[float]]:
     """d/ds of t/T, log a, and the works of device and edge over ``energy``."""
     body, stiffness, rate, x0 = edge.pointwise, edge.stiffness, ramp.rate, ramp.x
     loaded, give = stiffness == LOAD_CONTROL, 0.0 if math.isinf(stiffness) or stiffness == 0 else 1 / stiffness
@@ -201,8 +223,8 @@ def _equations(edge: Edge, ramp: Ramp, driven: Driven, unit: float, energy: floa
     count = itertools.count(1)
 
     def rates(_: float, y: Any) -> list[float]:
-        if next(count) > TUNING.evaluations:
-            raise SolveError(f"the edge's motion takes more than {TUNING.evaluations} evaluations of its speed")
+        if next(count) > most:
+            raise SolveError(f"the edge's motion takes more than {most} evaluations of its speed")
         tau, u, a = float(y[0]), float(y[1]), math.exp(y[1])
         delta_H, P_H, S, dS = body(u)
         x, c = x0 + rate * unit * tau, S if loaded else 1 + S * give

@@ -69,6 +69,10 @@ class Program:
                 f"program: time must not fall, got t = {self.t[row + 1]:g} s after {self.t[row]:g} s in row {row + 2}"
             )
 
+    def highest(self, t: float) -> float:
+        """The largest that is held after the time ``t`` [s]."""
+        return math.inf if (self.rate or 0) > 0 else float(np.max(self.x[self.t > t], initial=-math.inf))
+
     def ramps(self) -> Iterator[Ramp]:
         """The ramps in order; the last has no end where the program has a ``rate``."""
         for one, two in itertools.pairwise(zip(self.t.tolist(), self.x.tolist(), strict=True)):

@@ -30,7 +30,7 @@ from ..fit.settings import Parameter, Settings
 from ..fit.statistics import covariance, t_quantile
 from ..work import WorkAlong, work_along
 from .prediction import BESIDE, Prediction, predict
-from .record import RateRecord, rate_record
+from .record import LEAST, RateRecord, rate_record, recovered
 from .through import TUNING as POINTS
 from .through import law_of, law_through, log_rates, receding
 
@@ -40,10 +40,13 @@ class RateFitTuning:
     """How the least sum of squares is sought, and when it is doubted."""
 
     converged: float = 1e-6  # choice: relative, far below any standard error
-    evaluations: int = 60  # choice: guard
+    started: float = 1e-3  # choice: the same of a start, beyond which it takes the whole records
+    evaluations: int = 300  # choice: guard
     reach: float = 12.0  # choice: guard, how far logs may move from their start
-    good: float = 1.15  # choice: scatter over the noise from which no other start is tried
+    good: float = 3.0  # theory: standard deviations of the scatter over 1 up to which no other start is tried
     softer: tuple[float, ...] = (1.0, 0.8, 0.64, 0.5, 0.4)  # choice: moduli over that of an even adhesion
+    beyond: float = 0.2  # choice: of a record's length, how long after its last row contact may be predicted to be lost
+    looked_at: int = 1_000  # choice: times among which that is looked for
     rows: int = 120  # choice: of each record, by which starts are compared and followed
     laws: tuple[float, float] = (0.1, 3.0)  # choice: exponents that are sought; measured ones are 0.1 to 1
     exponents: tuple[float, ...] = (0.3, 0.6, 1.0)  # choice: starts of n, where the points' own does not lead to it
@@ -75,8 +78,8 @@ class RateSettings:
 @dataclass(frozen=True, eq=False)
 class RateFit:
     """Records fitted together: ``estimates`` of the common parameters and E*, the ``covariance`` of the ``free`` ones
-    (inner: logs of those > 0), each record's readings and prediction, ``scatter`` over the noise, ``speeds``: range of
-    the edges' [m/s]; ``dof``; ``warnings``: sentences."""
+    (inner: logs of those > 0), each record's readings and prediction, ``scatter`` of the residuals over the noise from
+    row to row, ``speeds``: range of the edges' [m/s]; ``dof``; ``warnings``: sentences."""
 
     law: RateLaw
     w0: float
@@ -164,12 +167,16 @@ def rate_fit(body: FittedBody, curves: Sequence[Curve], settings: RateSettings) 
     coarse = problem.thinned()
     best: Any = None
     for start in coarse.starts():
-        found = coarse.minimise(start)
+        found = coarse.minimise(start, TUNING.started)
         if found is not None and (best is None or found.cost < best.cost):
             best = found
-        if best is not None and coarse.scatter(best) < TUNING.good and not best.active_mask.any():
+        usual = 1 + TUNING.good / math.sqrt(2 * coarse.size)
+        if best is not None and coarse.scatter(best) < usual and not best.active_mask.any():
             break
     found = None if best is None else problem.minimise(best.x)
+    if found is not None:
+        problem = problem.settled(found)
+        found = problem.minimise(found.x)
     if found is None:
         raise SolveError("the fit over speed found no start from which it converges; fix n or v0, or check the units")
     return problem.result(found)
@@ -216,13 +223,16 @@ class _Problem:
         return theta[first : first + 3]
 
     def prediction(self, theta: Array, i: int) -> Prediction:
+        """What record ``i`` shows at its rows."""
+        return self._predicted(theta, i, self.records[i].t, False)
+
+    def _predicted(self, theta: Array, i: int, t: Array, onwards: bool) -> Prediction:
         values, (u, shift, tilt), record = self.common(theta), self.own(theta, i), self.records[i]
         law, w0 = law_of(self.settings.law, values[1:-2])
         body = self.body_at(values[0])
-        delta0 = values[-2]
-        program = record.program(shift * record.loose[0] - delta0, tilt * record.loose[1])
+        program = record.program(shift * record.loose[0] - values[-2], tilt * record.loose[1], onwards)
         start = float(np.clip(math.exp(u), body.a[0] * 1.001, body.a[-1]))
-        return predict(body, law, w0, record.stiffness, program, record.tilt, start, record.t)
+        return predict(body, law, w0, record.stiffness, program, record.tilt, start, t)
 
     def body_at(self, log_modulus: float) -> Nonadhesive:
         return self.unit.scaled(math.exp(log_modulus))
@@ -245,7 +255,7 @@ class _Problem:
                 read = getattr(record, column)
                 if read is None:
                     continue
-                sigma = record.noise[column]
+                sigma = record.sigma[column]
                 parts.append((model - read) / sigma)
                 matrix = np.zeros((read.size, n))
                 zero = np.ones(read.size) if column == "P" else np.zeros(read.size)
@@ -258,8 +268,8 @@ class _Problem:
             rates.append(np.eye(n)[first + 1 : first + 3])
         return np.concatenate(parts), np.concatenate(rates)
 
-    def minimise(self, start: Array) -> Any:
-        """The least sum of squares from ``start`` on, None where the way there fails."""
+    def minimise(self, start: Array, converged: float = TUNING.converged) -> Any:
+        """The least sum of squares from ``start`` on, ``converged`` relatively; None where the way there fails."""
         kept: list[tuple[Array, tuple[Array, Array]]] = []
 
         def at(theta: Array) -> tuple[Array, Array]:
@@ -271,7 +281,7 @@ class _Problem:
         try:
             found = least_squares(
                 lambda theta: at(theta)[0], np.clip(start, low, high), lambda theta: at(theta)[1], bounds=(low, high),
-                x_scale="jac", ftol=TUNING.converged, xtol=TUNING.converged, gtol=TUNING.converged,
+                x_scale="jac", ftol=converged, xtol=TUNING.converged, gtol=TUNING.converged,
                 max_nfev=TUNING.evaluations,
             )  # fmt: skip
         except (JkrError, FloatingPointError, OverflowError, np.linalg.LinAlgError):
@@ -289,9 +299,48 @@ class _Problem:
         return low, high
 
     def scatter(self, found: Any) -> float:
-        """Standard deviation of the residuals over the noise."""
-        size = sum(record.t.size * (1 if record.a is None else 2) for record in self.records)
-        return math.sqrt(2 * found.cost / max(size - found.x.size + 2 * len(self.records), 1))
+        """Standard deviation of the residuals over what they are weighed by."""
+        return math.sqrt(2 * found.cost / max(self.size - found.x.size + 2 * len(self.records), 1))
+
+    @property
+    def size(self) -> int:
+        """Number of readings."""
+        return sum(record.t.size * len(record.noise) for record in self.records)
+
+    def residuals(self, found: Any) -> list[dict[str, Array]]:
+        """What each record's columns differ from the prediction."""
+        parts = []
+        for i, record in enumerate(self.records):
+            told = self.prediction(found.x, i)
+            P = told.P + self.common(found.x)[-1] - record.P
+            parts.append({"P": P} | ({} if record.a is None else {"a": told.a - record.a}))
+        return parts
+
+    def misfit(self, found: Any) -> float:
+        """Standard deviation of the residuals over the noise from row to row."""
+        parts = zip(self.records, self.residuals(found), strict=True)
+        squares = sum(float(np.sum((part[name] / record.noise[name]) ** 2)) for record, part in parts for name in part)
+        return math.sqrt(squares / max(self.size - found.x.size + 2 * len(self.records), 1))
+
+    def settled(self, found: Any) -> _Problem:
+        """The same with each record until its predicted loss of contact, as the last row is else chosen by its own
+        noise, and weighed by its residuals, which tell the noise better than the differences of neighbours."""
+        share = (found.x.size - 2 * len(self.records)) / self.size
+        records = []
+        for i, (record, part) in enumerate(zip(self.records, self.residuals(found), strict=True)):
+            again = rate_record(record.curve, self.settings.segment, self._lost(found.x, i))
+            sigma = {name: math.sqrt(float(np.mean(values**2)) / (1 - share)) for name, values in part.items()}
+            least = {name: LEAST * float(np.ptp(getattr(record, name))) for name in part}
+            records.append(replace(again, sigma={name: max(sigma[name], least[name]) for name in part}))
+        return replace(self, records=tuple(records))
+
+    def _lost(self, theta: Array, i: int) -> float | None:
+        """The time [s] at which the predicted tension of record ``i`` has all but gone; None where it does not go."""
+        begin, end = self.records[i].t[[0, -1]]
+        t = np.linspace(begin, end + TUNING.beyond * (end - begin), TUNING.looked_at)
+        P = self._predicted(theta, i, t, True).P
+        row = recovered(P, int(np.argmin(P)))
+        return None if row == t.size else float(t[row])
 
     # ------------------------------------------------------------------ starts
     def starts(self) -> list[Array]:
@@ -384,7 +433,7 @@ class _Problem:
         values, settings = self.common(found.x), self.settings
         law, w0 = law_of(settings.law, values[1:-2])
         dof = max(found.fun.size - found.x.size, 1)
-        scatter = self.scatter(found)
+        scatter, misfit = self.scatter(found), self.misfit(found)
         whole = covariance(found.jac, max(scatter, 1e-12) ** 2)
         size = int(self.free.sum())
         inner = None if whole is None else whole[:size, :size]
@@ -401,7 +450,7 @@ class _Problem:
         moving = np.concatenate([item.speed[item.speed > 0] for item in predictions])
         speeds = tuple(map(float, np.quantile(moving, (0.05, 0.95)))) if moving.size else (0.0, 0.0)
         fit = RateFit(
-            law, w0, tuple(estimates), names, inner, self.records, predictions, float(values[-1]), scatter, dof,
+            law, w0, tuple(estimates), names, inner, self.records, predictions, float(values[-1]), misfit, dof,
             (speeds[0], speeds[1]), int(found.nfev), settings, (),
         )  # fmt: skip
         return replace(fit, warnings=tuple(_warnings(fit)))

@@ -27,6 +27,7 @@ class PredictionTuning:
     """Accuracy of a trace that is compared with readings."""
 
     tolerance: float = 1e-8  # choice: of the integrator, far below the noise of any record
+    evaluations: int = 5_000  # choice: guard, ten times what a retraction takes; beyond it values are far off
     between: int = 4  # choice: nodes per step of the integrator; the steps of the derivatives err by 1e-4 with them
     rests: float = 1e-9  # theory: of w0, below which round-off hides how v follows from G
     step: float = 1e-4  # theory: of log v, for the law's slope: the square root of what round-off leaves of it
@@ -59,7 +60,7 @@ def predict(
 
     ``tilt``: middle and half-width [s] of the times, over which a tilt of the program grows from -1 to 1.
     """
-    contact = RateContact(body, law, w0, 0.0, stiffness, tolerance=TUNING.tolerance)
+    contact = RateContact(body, law, w0, 0.0, stiffness, tolerance=TUNING.tolerance, evaluations=TUNING.evaluations)
     pieces = contact.once(program, start).pieces
     edge, parameters = contact.edge, BESIDE + 1 + 1 + len(vars(law))
     y = np.zeros(parameters)
@@ -128,8 +129,8 @@ def _linear(s: Array, growth: Array, forcing: Array, y: Array) -> Array:
     found = np.empty((s.size, y.size))
     found[0] = y
     for i, (factor, term) in enumerate(zip(gain.tolist(), added, strict=True)):
-        found[i + 1] = np.clip(factor * found[i] + term, -LARGEST, LARGEST)
-    return found.T
+        y = found[i + 1] = factor * y + term
+    return np.clip(np.nan_to_num(found.T), -LARGEST, LARGEST)
 
 
 def _located(s: Array, times: Array, per_s: Array, t: Array) -> Array:

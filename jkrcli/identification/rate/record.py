@@ -20,23 +20,28 @@ class RateRecordTuning:
     least: int = 20  # choice: rows of a record
     moving: float = 0.1  # choice: of the travel, beyond which the device surely moves back
     recovered: float = 0.2  # choice: of the pull-off force: rows of less tension behind it are taken as free
+    still: float = 3.0  # theory: standard deviations above the highest rows, where the way back would begin: it waited
+    highest: float = 2.33  # theory: standard deviations by which 1 % of rows at rest lie higher
     straight: float = 1.5  # choice: scatter about a straight line over the noise, beyond which the motion is no line
     knots: int = 40  # choice: points of a motion that is no line
 
 
 TUNING = RateRecordTuning()
+LEAST = 1e-6  # choice: of a column's range, no smaller noise is taken
 
 
 @dataclass(frozen=True, eq=False)
 class RateRecord:
-    """One retraction: times ``t`` [s], load ``P`` [N], where measured radius ``a`` [m], with their standard deviations
-    ``noise``; the device moves by ``base`` (t, x) but for a shift and a tilt of standard deviations ``loose`` [m]."""
+    """One retraction: times ``t`` [s], load ``P`` [N], where measured radius ``a`` [m]; their standard deviations from
+    row to row, ``noise``, and those by which they are weighed, ``sigma``. The device moves by ``base`` (t, x) but for a
+    shift and a tilt of standard deviations ``loose`` [m]; ``rows`` of the curve."""
 
     curve: Curve
     t: Array
     P: Array
     a: Array | None
     noise: dict[str, float]
+    sigma: dict[str, float]
     base: tuple[Array, Array]
     loose: tuple[float, float]
     stiffness: float
@@ -47,11 +52,14 @@ class RateRecord:
         """Middle and half-width [s] of the times, over which the tilt grows from -1 to 1."""
         return float(self.t[0] + self.t[-1]) / 2, float(self.t[-1] - self.t[0]) / 2
 
-    def program(self, shift: float, tilt: float) -> Program:
-        """What the device did, moved by ``shift`` [m] and tilted by ``tilt`` [m] at the ends."""
+    def program(self, shift: float, tilt: float, onwards: bool = False) -> Program:
+        """What the device did, moved by ``shift`` [m] and tilted by ``tilt`` [m] at the ends; ``onwards``: moving on as
+        at the last row for as long as there is contact."""
         t, x = self.base
         middle, half = self.tilt
-        return Program(t, x + shift + tilt * (t - middle) / half)
+        moved = x + shift + tilt * (t - middle) / half
+        rate = float((moved[-1] - moved[-2]) / (t[-1] - t[-2]))
+        return Program(t, moved, rate if onwards and rate < 0 else None)
 
     def thinned(self, most: int) -> RateRecord:
         """The record by at most ``most`` of its rows, its ends among them."""
@@ -66,9 +74,10 @@ class RateRecord:
         return float((x[0] - x[-1]) / (t[-1] - t[0]))
 
 
-def rate_record(curve: Curve, segment: str | None) -> RateRecord:
+def rate_record(curve: Curve, segment: str | None, lost: float | None = None) -> RateRecord:
     """The retraction in ``curve``: its rows of ``segment`` (default: "retract" where it names any), from the turn of
-    the device to loss of contact. InputError where a column is missing or too few rows are left."""
+    the device until the time ``lost`` [s], None: that at which the readings show the contact to be lost. InputError
+    where a column is missing or too few rows are left."""
     missing = [name for name in ("t", "delta", "P") if getattr(curve, name) is None]
     if missing:
         raise InputError(f"{curve.where}: a fit over speed needs t, delta and P, it lacks {', '.join(missing)}")
@@ -82,21 +91,18 @@ def rate_record(curve: Curve, segment: str | None) -> RateRecord:
     if (np.diff(t) <= 0).any():
         row = int(numbers[int(np.flatnonzero(np.diff(t) <= 0)[0]) + 1]) + 1
         raise InputError(f"{curve.where}: time must rise from row to row, it does not in row {row}")
-    chosen = _retraction(t, P, device) if t.size >= TUNING.least else np.empty(0, dtype=int)
+    chosen = _retraction(t, P, device, lost) if t.size >= TUNING.least else np.empty(0, dtype=int)
     if chosen.size < TUNING.least:
         raise InputError(f"{curve.where}: {chosen.size} rows of a retraction, at least {TUNING.least} are needed")
-    noise = {"P": third_differences(P[chosen]), "delta": third_differences(device[chosen])}
     a = None if part.a is None else part.a[chosen]
-    if a is not None:
-        noise["a"] = third_differences(a)
-    floors = {"P": np.ptp(P[chosen]), "delta": np.ptp(device[chosen]), "a": 0.0 if a is None else np.ptp(a)}
-    noise = {name: max(value, 1e-6 * float(floors[name])) for name, value in noise.items()}
-    base, loose = _motion(t[chosen], device[chosen], noise["delta"])
+    read = {"P": P[chosen]} | ({} if a is None else {"a": a})
+    noise = {name: max(third_differences(column), LEAST * float(np.ptp(column))) for name, column in read.items()}
+    base, loose = _motion(t[chosen], device[chosen])
     stiffness = np.inf if curve.stiffness is None else curve.stiffness
-    return RateRecord(curve, t[chosen], P[chosen], a, noise, base, loose, float(stiffness), numbers[chosen])
+    return RateRecord(curve, t[chosen], P[chosen], a, noise, noise, base, loose, float(stiffness), numbers[chosen])
 
 
-def _retraction(t: Array, P: Array, device: Array) -> Array:
+def _retraction(t: Array, P: Array, device: Array, lost: float | None) -> Array:
     """Rows from the turn of the device to loss of contact."""
     top, end = float(np.quantile(device, 0.99)), float(np.min(device))
     moved = np.flatnonzero(device > top - TUNING.moving * (top - end))
@@ -104,25 +110,44 @@ def _retraction(t: Array, P: Array, device: Array) -> Array:
     lowest = last + int(np.argmin(P[last:]))
     fitted = slice(last, max(lowest, last + 2))
     rate, level = np.polyfit(t[fitted] - t[last], device[fitted], 1)
-    before = t[last] + (top - level) / rate if rate < 0 else t[0]
-    begin = int(np.searchsorted(t, max(before, t[0])))
+    noise = third_differences(device)
+    begin = 0
+    if rate < 0 and level + rate * (t[0] - t[last]) > top + TUNING.still * noise:
+        begin = int(np.searchsorted(t, t[last] + (top - TUNING.highest * noise - level) / rate))
+    over = _over(P, lowest) if lost is None else max(int(np.searchsorted(t, lost)), begin + TUNING.least)
+    return np.arange(begin, min(over, t.size))
+
+
+def _over(P: Array, lowest: int) -> int:
+    """The row that shows contact to be lost."""
     free = float(np.median(P[-max(5, P.size // 50) :]))
-    level_P = free if abs(free) < 0.3 * (np.max(P) - np.min(P)) else 0.0
-    risen = np.flatnonzero(P[lowest:] - level_P > TUNING.recovered * (P[lowest] - level_P))
-    over = lowest + int(risen[0]) if risen.size else t.size
-    return np.arange(begin, over)
+    level = free if abs(free) < 0.3 * (np.max(P) - np.min(P)) else 0.0
+    return recovered(P - level, lowest)
 
 
-def _motion(t: Array, device: Array, noise: float) -> tuple[tuple[Array, Array], tuple[float, float]]:
-    """The device's motion as points (t, x), and standard deviations of its shift and tilt, from noise alone."""
+def recovered(P: Array, lowest: int) -> int:
+    """The row behind the ``lowest`` where the tension has all but gone; the number of rows where it never has."""
+    risen = np.flatnonzero(P[lowest:] > TUNING.recovered * P[lowest])
+    return lowest + int(risen[0]) if risen.size else P.size
+
+
+def _motion(t: Array, device: Array) -> tuple[tuple[Array, Array], tuple[float, float]]:
+    """The device's motion as points (t, x), and standard deviations of its shift and tilt, from noise alone: that of
+    the readings about the motion."""
     middle, half = (t[0] + t[-1]) / 2, (t[-1] - t[0]) / 2
-    z = (t - middle) / half
+    z, least = (t - middle) / half, LEAST * float(np.ptp(device))
     line = np.polynomial.polynomial.polyfit(z, device, 1)
-    ends = np.array([t[0], t[-1]])
-    loose = noise / np.sqrt(t.size), noise / np.sqrt(np.sum((z - z.mean()) ** 2))
-    residual = device - np.polynomial.polynomial.polyval(z, line)
-    if np.std(residual) <= TUNING.straight * noise + 1e-9 * np.ptp(device):
-        return (ends, np.polynomial.polynomial.polyval(np.array([-1.0, 1.0]), line)), loose
-    knots = np.linspace(t[0], t[-1], min(TUNING.knots, t.size // 4) + 1)
-    hats = np.stack([np.interp(t, knots, row) for row in np.eye(knots.size)], axis=1)
-    return (knots, np.linalg.lstsq(hats, device, rcond=None)[0]), loose
+    base = t[[0, -1]], np.polynomial.polynomial.polyval(np.array([-1.0, 1.0]), line)
+    noise = _rms(device - np.polynomial.polynomial.polyval(z, line), 2)
+    if noise > TUNING.straight * third_differences(device) + least:
+        knots = np.linspace(t[0], t[-1], min(TUNING.knots, t.size // 4) + 1)
+        hats = np.stack([np.interp(t, knots, row) for row in np.eye(knots.size)], axis=1)
+        base = knots, np.linalg.lstsq(hats, device, rcond=None)[0]
+        noise = _rms(device - hats @ base[1], knots.size)
+    noise = max(noise, least)
+    return base, (noise / np.sqrt(t.size), noise / np.sqrt(np.sum((z - z.mean()) ** 2)))
+
+
+def _rms(residuals: Array, parameters: int) -> float:
+    """Standard deviation of the readings that ``residuals`` are left of."""
+    return float(np.sqrt(np.sum(residuals**2) / (residuals.size - parameters)))

@@ -141,13 +141,13 @@ def run(
     if output.plots:
         from ..report.plots.rate import history_figure
 
-        figure = history_figure(columns, f"{history.control}, {report.law_words(law)}")
+        figure = history_figure(columns, history.jumps, f"{history.control}, {report.law_words(law)}")
     targets.write(columns, figure=figure)
     found = report.warnings_of(history, zone)
     if output.json:
         answer({"file": str(file)} | report.summary(history, zone) | {"warnings": found})
     else:
-        first, *rest = report.words(history)
+        first, *rest = report.words(history, zone)
         say("\n".join([f"{file}: {first}", *rest]))
         say(f"  written {targets}")
     for line in found:

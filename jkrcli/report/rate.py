@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from ..adhesion.device import LOAD_CONTROL
 from ..adhesion.rate.history import History, TimedJump, TimedState
 from ..adhesion.rate.laws import RateLaw, parameters_of, rate_parameters
 from ..adhesion.rate.validity import NEGLECTED, Zone
@@ -54,25 +55,32 @@ def summary(history: History, zone: Zone) -> dict[str, Any]:
         "jumps": [_jump(jump) for jump in history.jumps],
         "contact_lost": lost is not None,
         "lost_t_s": None if lost is None else lost.t,
+        "lost_t_relative_error": known(error["lost"]),
+        "waited_s": history.waited,
         "energy_lost_J": known(history.energy_lost),
         "energy_lost_reason": history.energy_lost if isinstance(history.energy_lost, Unknown) else None,
         "dissipated_at_edge_J": history.dissipated,
         "balance_relative_error": history.balance,
-        "zone": {"width_m": known(zone.width), "over_a": known(zone.over_a), "over_h": known(zone.over_h)},
+        "zone": {
+            "width_m": known(zone.width),
+            "over_a": known(zone.over_a),
+            "over_h": known(zone.over_h),
+            "reason": zone.width if isinstance(zone.width, Unknown) else None,
+        },
         "neglected": NEGLECTED,
     }
 
 
 def warnings_of(history: History, zone: Zone) -> list[str]:
     """What a reader should know, each with its number."""
-    worst = max(value for name in ("P", "t") if (value := known(history.error[name])) is not None)
+    worst = max(value for name in ("P", "t", "lost") if (value := known(history.error[name])) is not None)
     found = [f"the integration errs by about {worst:.1g}"] if worst > ACCURATE else []
     if history.balance > BALANCED:
         found.append(f"the energies balance to {history.balance:.1g} only: ask for more points of the series")
     return [*found, *zone.warnings]
 
 
-def words(history: History) -> list[str]:
+def words(history: History, zone: Zone) -> list[str]:
     """Lines for people."""
     contact, pulled, lost = history.contact, history.pull_off, history.lost
     works = show(contact.w_advance, "work"), show(contact.w0, "work")
@@ -88,9 +96,15 @@ def words(history: History) -> list[str]:
         f"{show(pulled.delta, 'length')}, a = {show(pulled.a, 'length')}; edge up to {show(history.fastest, 'speed')}"
     )
     told = "contact is not lost" if lost is None else f"contact is lost at t = {show(lost.t, 'time')}"
+    if lost is not None and history.waited is not None:
+        held = (
+            f"at P = {show(lost.start.P, 'load')}" if contact.stiffness == LOAD_CONTROL else "with the device at rest"
+        )
+        told += f", after {show(history.waited, 'time')} {held}"
     lines.append(f"  {told}; the contact stopped to grow at t = {show(history.turn, 'time')}")
     energy = history.energy_lost
     lines.append(f"  energy lost: {energy if isinstance(energy, Unknown) else f'{energy:.4g} J'}")
+    lines.append(f"  dissipating zone at the edge: {zone.words}")
     return lines
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from ...base.units import show
 from ...base.unknown import Estimate, Unknown
 
 NEGLECTED = (
@@ -17,6 +18,7 @@ NEGLECTED = (
 class ZoneLimits:
     """Sizes beyond which the edge is no line."""
 
+    atom: float = 1e-10  # theory: [m], below which there is no zone
     wide: float = 0.1  # choice: of radius or thickness, where a line of force as in Eq. 13 is no longer meant
 
 
@@ -30,6 +32,15 @@ class Zone:
     width: Estimate
     over_a: Estimate
     over_h: Estimate
+
+    @property
+    def words(self) -> str:
+        """Its size for people, or why there is none."""
+        if isinstance(self.width, Unknown):
+            return f"unknown: {self.width}"
+        shares = ((self.over_a, "the contact radius"), (self.over_h, "the layer's thickness"))
+        told = " and ".join(f"{share:.2g} of {name}" for share, name in shares if isinstance(share, float))
+        return f"{show(self.width, 'length', 2)}, {told}"
 
     @property
     def warnings(self) -> list[str]:
@@ -51,9 +62,15 @@ def zone(G: float, w0: float, E_star: float, a: float, h: float, stress: float |
     half-space.
     """
     if stress is None and z0 is None:
-        none = Unknown("unknown without a cohesive stress or a range of adhesion")
+        none = Unknown("no cohesive stress or range of adhesion is known: --stress")
         return Zone(none, none, none)
     sigma = stress if stress is not None else w0 / (z0 or math.inf)
     width = math.pi * E_star * G / (4 * sigma**2)
+    if width < LIMITS.atom:
+        small = Unknown(
+            f"the attraction's stress, {show(sigma, 'modulus')}, would put it at {width:.1g} m, less than an atom: "
+            "what dissipates on so soft a body reaches further; give its own stress, --stress"
+        )
+        return Zone(small, small, small)
     no_layer = Unknown("no layer: the specimen is a half-space")
     return Zone(width, width / a, no_layer if math.isinf(h) else width / h)

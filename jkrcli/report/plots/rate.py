@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from ...adhesion.rate.history import TimedJump
 from ...base.arrays import Array
 from ...base.units import scale, show
 from ...identification.rate.fitting import RateFit
@@ -23,35 +25,59 @@ from . import (
     legend_below,
     log_ticks,
     pretty,
-    scaled,
 )
 
 PHASES = {"advance": (BLUE, "-"), "rest": (GREEN, "--"), "recede": (ORANGE, "-"), "free": (BLACK, ":")}
-PANELS = (("P_N", "load", "load P"), ("a_m", "length", "contact radius a"))
+PANELS = (("delta_m", "P_N"), ("t_s", "P_N"), ("t_s", "a_m"))
 
 
-def history_figure(columns: Mapping[str, Array], title: str) -> Figure:
-    """Load over displacement, and load and contact radius over time, each phase in its colour and line.
+class _Quantity(NamedTuple):
+    """What an axis shows: the field of a state, its dimension, and words."""
 
-    ``columns``: as ``History.table`` gives them.
-    """
-    panels = (("delta_m", "length", "displacement δ", *PANELS[0]), *(("t_s", "time", "time t", *y) for y in PANELS))
+    field: str
+    dimension: str
+    words: str
+
+
+AXES = {
+    "t_s": _Quantity("t", "time", "time t"),
+    "delta_m": _Quantity("delta", "length", "displacement δ"),
+    "P_N": _Quantity("P", "load", "load P"),
+    "a_m": _Quantity("a", "length", "contact radius a"),
+}
+
+
+def history_figure(columns: Mapping[str, Array], jumps: Sequence[TimedJump], title: str) -> Figure:
+    """Load over displacement, and load and contact radius over time, each phase in its colour and line; where the
+    contact ``jumps``, and where it is lost. ``columns``: as ``History.table`` gives them."""
     with drawing(WIDE, 3.2) as figure:
-        axes = figure.subplots(1, len(panels))
-        for place, (over, x_dimension, x_label, column, y_dimension, y_label) in zip(axes, panels, strict=True):
-            x, x_unit = scaled(columns[over], x_dimension)
-            y, y_unit = scaled(columns[column], y_dimension)
-            place.plot(x, y, color="0.8", lw=0.8, label="jump", zorder=0)
+        axes = figure.subplots(1, len(PANELS))
+        for place, (over, column) in zip(axes, PANELS, strict=True):
+            (x_factor, x_label), (y_factor, y_label) = (_axis(columns, name) for name in (over, column))
             for part in np.unique(columns["part"]):
                 rows = columns["part"] == part
-                phase = str(columns["phase"][rows][0])
-                colour, line = PHASES[phase]
-                place.plot(x[rows], y[rows], line, color=colour, label=phase)
-            place.set_xlabel(f"{x_label} ({x_unit})")
-            place.set_ylabel(f"{y_label} ({y_unit})")
-        legend_below(figure, axes, 5)
-        figure.suptitle(title)
+                if np.ptp(columns["t_s"][rows]) > 0:
+                    colour, line = PHASES[phase := str(columns["phase"][rows][0])]
+                    x, y = columns[over][rows] / x_factor, columns[column][rows] / y_factor
+                    place.plot(x, y, line, color=colour, label=phase)
+            for jump in jumps:
+                ends = [jump.start] if jump.end is None else [jump.start, jump.end]
+                x, y = (np.array([getattr(end, AXES[name].field) for end in ends]) for name in (over, column))
+                lost: dict[str, Any] = {"marker": "x", "ls": "", "label": "contact is lost"}
+                look = lost if jump.end is None else {"label": "jump"}
+                place.plot(x / x_factor, y / y_factor, color="0.5", **look)
+            place.set_xlabel(x_label)
+            place.set_ylabel(y_label)
+        legend_below(figure, axes, 6)
+        figure.suptitle(pretty(title))
         return figure
+
+
+def _axis(columns: Mapping[str, Array], name: str) -> tuple[float, str]:
+    """The unit of a column, SI, and the label of its axis."""
+    axis = AXES[name]
+    factor, unit = scale(float(np.max(np.abs(columns[name]))), axis.dimension)
+    return factor, f"{axis.words} ({pretty(unit)})"
 
 
 def rate_fit_figure(fit: RateFit) -> Figure:

@@ -209,13 +209,13 @@ class History:
     @cached_property
     def fastest(self) -> float:
         """The largest speed [m/s] of the receding edge up to pull-off."""
-        end = self.pull_off.t
-        found = [0.0]
+        end, found = self.pull_off, [0.0]
         for piece in self.pieces:
-            if piece.phase == "recede" and piece.first[0] <= end:
+            if piece.phase == "recede" and piece.first[0] <= end.t:
                 t, a = piece.rows(TUNING.looked_at)
-                G = states(self.contact.edge, a, _held(piece, t))[2]
-                found.append(float(np.max(-piece.speeds(a, G)[t <= max(end, t[0])])))
+                t, a = np.append(t[t <= end.t], end.t), np.append(a[t <= end.t], end.a)
+                t, a = t[t <= piece.last[0]], a[t <= piece.last[0]]
+                found.append(float(np.max(-piece.speeds(a, states(self.contact.edge, a, _held(piece, t))[2]))))
         return max(found)
 
     def first_held(self, quantity: str, value: float) -> float | None:

@@ -1,0 +1,55 @@
+"""Every verb that writes recognises its own files: run again with the same words, it replaces them."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+CASES = Path(__file__).parents[2] / "cases"
+PROBE = "cases/measured/gel-probe.csv"
+RATE = ("--w-retract", "0.04", "--rate", "v0=1um/s,n=0.6", "--speed", "10um/s")
+VERBS = {
+    "run": ("run", "cases/thin-layer.toml", "-o", "o/thin.h5"),
+    "transform": ("transform", "gel.h5", "--w", "0.03", "--w", "0.04", "--together"),
+    "transform, finite range": ("transform", "gel.h5", "--w", "0.04", "--stress", "1 MPa"),
+    "transform, dimensionless": ("transform", "gel.h5", "--w", "0.04", "--dimensionless", "thin-layer"),
+    "profile": ("profile", "gel.h5", "--a", "0.5 mm"),
+    "fields": ("fields", "gel.h5", "--a", "0.5 mm"),
+    "cycle": ("cycle", "gel.h5"),
+    "cycle over time": ("cycle", "gel.h5", *RATE),
+    "work": ("work", "cases/gel.toml", PROBE),
+    "fit": ("fit", "cases/gel.toml", PROBE),
+    "look": ("look", PROBE),
+    "explore": ("explore", "gel.h5", "-o", "o/gel.html"),
+    "mesh": ("mesh", "cases/halfspace.toml"),
+    "bench": ("bench", "cases/thin-layer.toml"),
+    "pull-off-map": ("study", "pull-off-map", "--nu", "0.3"),
+    "converge": ("study", "converge", "cases/thin-layer.toml"),
+    "transition-map": ("study", "transition-map", "--q", "1", "--mu", "1"),
+    "rate-map": ("study", "rate-map", "--speed", "0.1", "--speed", "1", "--stiffness", "rigid"),
+    "sticking-map": ("study", "sticking-map", "--nu", "0.4", "--ratio", "1"),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", VERBS)
+def test_a_verb_replaces_what_it_wrote(name: str, jkr, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    shutil.copytree(CASES, tmp_path / "cases")
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "o").mkdir()
+    words = VERBS[name]
+    if "gel.h5" in words:
+        assert jkr("run", "cases/gel.toml", "-o", "gel.h5").code == 0
+    target = () if "-o" in words or name == "bench" else ("-o", "o")
+    for _ in range(2):
+        done = jkr(*words, *target)
+        assert done.code == 0, done.err
+    kept = [path for path in (tmp_path / "o").rglob("*") if path.is_file()]
+    assert kept or name == "bench"
+    for path in kept:  # and the user's own files are his
+        path.write_text("mine\n")
+    if kept:
+        assert jkr(*words, *target).code == 2
+        assert all(path.read_text() == "mine\n" for path in kept)

@@ -13,8 +13,12 @@ TYPE_CHECKING = False  # typing's own takes as long to import as all else here, 
 if TYPE_CHECKING:
     from typing import Any
 
+    from .adhesion.rate.laws import LogRate, PowerRate
+    from .adhesion.rate.program import Program
     from .api import (
+        cycle_at_speed,
         identify,
+        identify_law,
         load_case,
         measured_curves,
         parse_case,
@@ -55,10 +59,13 @@ __all__ = [
     "Limits",
     "Linear",
     "Loading",
+    "LogRate",
     "Paraboloid",
     "Power",
     "PowerLaw",
+    "PowerRate",
     "Problem",
+    "Program",
     "Refusal",
     "Rigid",
     "RoundedFlat",
@@ -68,7 +75,9 @@ __all__ = [
     "Tabulated",
     "TransverselyIsotropic",
     "Unknown",
+    "cycle_at_speed",
     "identify",
+    "identify_law",
     "load_case",
     "measured_curves",
     "parse_case",
@@ -82,6 +91,8 @@ __all__ = [
     "transform",
 ]
 _HOMES = {  # of what is not in jkrcli.api
+    ".adhesion.rate.laws": ("LogRate", "PowerRate"),
+    ".adhesion.rate.program": ("Program",),
     ".base.errors": ("InputError", "JkrError", "Refusal"),
     ".base.unknown": ("Unknown",),
     ".bodies.grading": ("Exponential", "Linear", "Power", "Tabulated"),

@@ -29,6 +29,12 @@ The same without TOML, by a method of one's choice:
 >>> curve = jkr.transform(jkr.solve(problem, jkr.Layered(tolerance=1e-9)), w="50 mJ/m^2")
 >>> f"{curve.pull_off['load'].P * 1e6:.4f} uN"
 '-2.4906 uN'
+
+Adhesion that depends on the speed of the contact's edge, over time:
+
+>>> history = jkr.cycle_at_speed(solved, 0.05, jkr.PowerRate(v0=1e-6, n=0.5), speed="10 um/s", to_load="1 uN")
+>>> f"{history.pull_off.P * 1e6:.2f} uN after {history.pull_off.t:.3f} s"
+'-12.98 uN after 0.126 s'
 """
 
 from __future__ import annotations
@@ -37,7 +43,8 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .adhesion.analysis import Analysis, analyse
+from .adhesion.analysis import Analysis, analyse, nonadhesive
+from .adhesion.device import DISPLACEMENT_CONTROL, LOAD_CONTROL
 from .adhesion.law import AskedRange
 from .base.arrays import Array
 from .base.errors import InputError
@@ -59,11 +66,17 @@ from .series import Solution
 if TYPE_CHECKING:
     from pandas import DataFrame
 
+    from .adhesion.rate.history import History
+    from .adhesion.rate.laws import RateLaw
+    from .adhesion.rate.program import Program
     from .identification.fit import Fit
+    from .identification.rate.fitting import RateFit
     from .report.plots import Figure
 
 __all__ = [
+    "cycle_at_speed",
     "identify",
+    "identify_law",
     "load_case",
     "measured_curves",
     "parse_case",
@@ -130,18 +143,84 @@ def transform(
     all moduli times this. ``stress`` [Pa] or ``length`` [m]: adhesion of finite range by its tension or its range,
     else what the case says.
     """
+    solution = _solution(solved, method)
+    asked = AskedRange.of(solution.record, stress, length)
+    return analyse(solution, [_number("w", w, "work")], slopes, modulus_factor, asked)[0]
+
+
+@one_thread()
+def cycle_at_speed(
+    solved: Solution | Case | Problem | str | Path,
+    w: float | str,
+    law: RateLaw | Mapping[str, Any],
+    speed: float | str | None = None,
+    *,
+    program: Program | None = None,
+    w_approach: float | str | None = None,
+    law_approach: RateLaw | Mapping[str, Any] | None = None,
+    speed_approach: float | str | None = None,
+    to_load: float | str | None = None,
+    to_depth: float | str | None = None,
+    hold: float | str = 0.0,
+    stiffness: float | str = DISPLACEMENT_CONTROL,
+    slopes: str = "auto",
+) -> History:
+    """What a device records over time while the work of adhesion depends on the speed of the contact's edge.
+
+    ``w`` at rest on retraction [J/m^2] and its ``law``: PowerRate(v0=1e-6, n=0.6), LogRate, or their keys as of ``jkr
+    cycle --rate``, {"v0": "1 um/s", "n": 0.6}. The device presses at ``speed_approach`` (default: ``speed``) to
+    ``to_load`` or ``to_depth`` (default: the end of the series), waits for the time ``hold`` and goes back at
+    ``speed``; or it does what a ``program`` says. Its speeds are in m/s, under load control in N/s. ``w_approach``:
+    default ``w``; ``law_approach``: else an advancing edge follows at once. ``stiffness`` [N/m]: 0 is load control,
+    infinite (default) a rigid device. Numbers are SI, text carries its unit.
+
+    The result's ``pull_off``, ``jumps``, ``lost``, ``energy_lost`` and ``error`` tell what happened, ``table(points)``
+    gives its columns. Raises InputError where the contact leaves the series.
+    """
+    from .adhesion.rate.history import RateContact
+    from .adhesion.rate.program import there_and_back
+    from .adhesion.rate.turn import held_at_turn
+
+    w0, k = _number("w", w, "work"), _number("stiffness", stiffness, "stiffness")
+    w_a = w0 if w_approach is None else _number("w_approach", w_approach, "work")
+    inwards = None if law_approach is None else _law(law_approach)
+    contact = RateContact(nonadhesive(_solution(solved, None), slopes), _law(law), w0, w_a, k, inwards)
+    if (speed is None) == (program is None):
+        raise InputError("cycle_at_speed: give either the speed of the device or its program")
+    if speed is not None:
+        rate = "load rate" if k == LOAD_CONTROL else "speed"
+        back = _number("speed", speed, rate)
+        there = back if speed_approach is None else _number("speed_approach", speed_approach, rate)
+        load = None if to_load is None else _number("to_load", to_load, "load")
+        depth = None if to_depth is None else _number("to_depth", to_depth, "length")
+        turn = held_at_turn(contact, load, depth, there)
+        program = there_and_back(turn, there, back, _number("hold", hold, "time"), contact.least)
+    assert program is not None
+    history = contact.history(program)
+    if history.out_of_series is not None:
+        raise InputError(f"cycle_at_speed: {history.out_of_series}")
+    return history
+
+
+def _law(law: RateLaw | Mapping[str, Any]) -> RateLaw:
+    from .adhesion.rate.laws import rate_law_of
+
+    return rate_law_of(law, "law") if isinstance(law, Mapping) else law
+
+
+def _solution(solved: Solution | Case | Problem | str | Path, method: str | Method | None) -> Solution:
+    """The series of what is solved, or to be solved."""
     if isinstance(solved, Case | Problem) or (not isinstance(solved, Solution) and Path(solved).suffix == ".toml"):
         solved = solve(solved, method)
-    solution = solved if isinstance(solved, Solution) else store.read(solved)
-    asked = AskedRange.of(solution.record, stress, length)
-    return analyse(solution, [_work(w) if isinstance(w, str) else w], slopes, modulus_factor, asked)[0]
+    return solved if isinstance(solved, Solution) else store.read(solved)
 
 
-def _work(text: str) -> float:
+def _number(name: str, value: float | str, dimension: str) -> float:
+    """A number in SI, or text with its unit."""
     try:
-        return parse(text, "work")
+        return parse(value, dimension) if isinstance(value, str) else float(value)
     except ValueError as error:
-        raise InputError(f"w: {error}") from None
+        raise InputError(f"{name}: {error}") from None
 
 
 def identify(
@@ -165,6 +244,31 @@ def identify(
     source = body_of(Path(body) if isinstance(body, str) else body, slopes)
     curve = measured if isinstance(measured, Curve) else _only_curve(Path(measured))
     return one_thread()(fit)(source, curve, settings_of(source, free, (fix or {}).items(), **options))
+
+
+def identify_law(
+    body: Case | Solution | str | Path,
+    measured: Iterable[Curve | str | Path],
+    law: str = "power",
+    free: Iterable[str] = (),
+    fix: Mapping[str, str] | None = None,
+    slopes: str = "auto",
+    **options: Any,
+) -> RateFit:
+    """w0, the parameters of a ``law`` over the edge's speed, E* and the zero point, from records with time together.
+
+    ``measured``: curves of retractions at one or several speeds, or their files; ``free``: more parameters ("P0");
+    ``fix``: known ones, {"n": "0.5"}; ``options``: start, level, segment as of ``jkr fit --law``. Raises InputError
+    where the records cannot be fitted.
+    """
+    from .identification.fit.body import body_of
+    from .identification.rate.fitting import rate_fit, rate_settings
+
+    source = body_of(Path(body) if isinstance(body, str) else body, slopes)
+    start = options.pop("start", {}).items()
+    settings = rate_settings(source, law, free, (fix or {}).items(), start, **options)
+    curves = [curve for each in measured for curve in ([each] if isinstance(each, Curve) else measured_curves(each))]
+    return one_thread()(rate_fit)(source, curves, settings)
 
 
 def _only_curve(path: Path) -> Curve:

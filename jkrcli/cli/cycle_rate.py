@@ -14,7 +14,7 @@ import numpy as np
 
 from ..adhesion.device import LOAD_CONTROL, position
 from ..base.errors import InputError, SolveError
-from ..base.units import parse, show
+from ..base.units import parse
 from ..report.output import Files, Output
 from .options import ParamType
 from .output import answer
@@ -133,8 +133,8 @@ def run(
         history = contact.history(_program(contact, rates, turn))
     except SolveError as error:
         raise InputError(f"{file}: {error}") from None
-    if history.ends == "series":
-        raise InputError(f"{file}: {_out_of_series(history)}")
+    if history.out_of_series is not None:
+        raise InputError(f"{file}: {history.out_of_series}")
     zone = _zone(history, outwards, rates)
     columns = history.table(points)
     figure = None
@@ -157,6 +157,7 @@ def run(
 def _program(contact: RateContact, rates: RateOptions, turn: Turn) -> Program:
     """What the device does, of the speeds or of the table."""
     from ..adhesion.rate.program import Program, dwell, there_and_back
+    from ..adhesion.rate.turn import held_at_turn
 
     loaded = contact.stiffness == LOAD_CONTROL
     length, speed = ("load", "load rate") if loaded else ("length", "speed")
@@ -167,7 +168,7 @@ def _program(contact: RateContact, rates: RateOptions, turn: Turn) -> Program:
     back = _quantity("--speed", rates.speed, speed)
     there = _quantity("--speed-approach", rates.speed_approach, speed) if rates.speed_approach else back
     hold = 0.0 if rates.hold is None else _quantity("--hold", rates.hold, "time", least=0.0)
-    x = _turn(contact, turn, there)
+    x = held_at_turn(contact, turn.load, turn.depth, there)
     if rates.dwell is None:
         return there_and_back(x, there, back, hold, contact.least)
     held = _quantity("--dwell", rates.dwell, length, least=-math.inf)
@@ -185,44 +186,6 @@ def _quantity(option: str, text: str | None, dimension: str, least: float | None
     if wrong or not math.isfinite(value):
         raise InputError(f"{option}: must be {'> 0' if least is None else f'>= {least:g}'}, got {text}")
     return value
-
-
-def _turn(contact: RateContact, turn: Turn, speed: float) -> float:
-    """What the device holds at the turn."""
-    from ..adhesion.passage import grow
-    from ..adhesion.rate.program import Program
-    from ..adhesion.stability import turning_radius
-    from ..base.unknown import Unknown
-
-    curve, k = contact.advancing, contact.stiffness
-    if contact.law_advance is None:
-        inwards = grow(curve, k)
-        if isinstance(inwards, Unknown):
-            raise InputError(f"cycle: {inwards.reason}")
-        whole = turn.load is None and turn.depth is None
-        a = inwards.last if whole else turning_radius(curve, k, load=turn.load, depth=turn.depth)
-        point = curve.point(a)
-        return float(position(point.delta, point.P, k))
-    quantity, value = ("P", turn.load) if turn.depth is None else ("delta", turn.depth)
-    if value is None:
-        raise InputError("cycle: --rate-advance needs --to-load or --to-depth")
-    approach = contact.history(Program(np.zeros(1), np.array([contact.least]), speed))
-    held = approach.first_held(quantity, value)
-    if held is None:
-        told = show(value, "load" if quantity == "P" else "length")
-        raise InputError(f"cycle: the turn at {quantity} = {told} is not passed on approach within the series")
-    return held
-
-
-def _out_of_series(history: History) -> str:
-    """Why and where a history leaves its series."""
-    a = history.pieces[-1].last[1]
-    if history.pieces[-1].phase == "recede":
-        return (
-            f"the contact shrinks below the smallest radius of the series, a = {show(a, 'length')}, while pressed: "
-            'ask for smaller radii, loading.spacing = "log"'
-        )
-    return "the contact grows beyond the largest radius of the series: turn before, --to-load, or load further"
 
 
 def _zone(history: History, body: Analysis, rates: RateOptions) -> Any:

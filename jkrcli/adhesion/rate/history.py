@@ -161,6 +161,19 @@ class History:
         """Where the radius changes while no time goes by, and where contact is lost."""
         return tuple(self._jumps())
 
+    @property
+    def out_of_series(self) -> str | None:
+        """Why and where the contact left its series; None where it did not."""
+        if self.ends != "series":
+            return None
+        if self.pieces[-1].phase == "recede":
+            return (
+                "the contact shrinks below the smallest radius of the series, a = "
+                f"{show(self.pieces[-1].last[1], 'length')}, while pressed: ask for smaller radii, "
+                'loading.spacing = "log"'
+            )
+        return "the contact grows beyond the largest radius of the series: turn before, --to-load, or load further"
+
     @cached_property
     def turn(self) -> float:
         """The time [s] at which the contact last stopped to grow; that of the begin where it never grew."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import signal
 from collections.abc import Callable
 from dataclasses import dataclass, is_dataclass, replace
 from pathlib import Path
@@ -19,6 +20,12 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption(
         "--fuzz-seed", type=int, default=20_000, help="Of the inputs that tests draw (make fuzz SEED=...)."
     )
+
+
+def pytest_configure() -> None:
+    """Ctrl-C is minded even in the background of a shell, where what is started would ignore it and tests of it pass
+    whatever happens."""
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.fixture(name="seed")

@@ -22,7 +22,7 @@ from .range_effect import effect_of_range
 from .sharp import resolved, yielding
 from .slopes.choice import slopes, smoothed
 from .slopes.result import Slopes
-from .solved import solved, solver_of
+from .solved import seconds_of_points, solved, solver_of
 from .validity import Validity, check, end_of_body, judge, unresolved
 
 SURE = 2.0  # theory: 90 % half-widths of a normal error that one in a thousand exceeds
@@ -170,25 +170,40 @@ def analyse(
 
 @dataclass(frozen=True)
 class CostTuning:
-    """What curves cost, as measured on series of 100 to 100,000 rows."""
+    """What curves cost, as measured on series of 100 to 1,000,000 rows."""
 
     mib: float = 110.0  # memory of any; tuned on series of 100 rows, by `make bench`
-    mib_per_row: float = 0.011  # tuned on series of 1e5 rows, by `make bench`
-    fit: float = 2e-4  # CPU seconds per row of slopes that are fitted; tuned on the same, by `make bench`
-    curve: float = 0.04  # CPU seconds of a curve; tuned on series of 100 rows, by `make bench`
-    per_row: float = 8e-5  # and per row; tuned on series of 1e5 rows, by `make bench`
-    figure: float = 1.0  # of its pictures; tuned on series of 100 rows, by `make bench`
+    mib_per_row: float = 3e-3  # of curves; tuned on series of 1e6 rows, by `make bench`
+    table_mib_per_row: float = 6e-3  # and of their tables; tuned on series of 1e6 rows, by `make bench`
+    fit: float = 2e-4  # CPU seconds per row of slopes that are fitted; tuned on series of 1e5 rows, by `make bench`
+    curve: float = 0.03  # CPU seconds of a curve; tuned on series of 100 rows, by `make bench`
+    per_row: float = 4e-5  # and per row; tuned on series of 1e5 rows, by `make bench`
+    table_per_row: float = 3e-5  # and of its table; tuned on series of 1e5 rows, by `make bench`
+    figure: float = 0.6  # of its pictures; tuned on series of 100 rows, by `make bench`
 
 
 COST = CostTuning()
 
 
-def forecast(solution: Solution, works: int, figures: bool) -> Forecast:
-    """What the curves of a solution for so many ``works`` of adhesion cost, with their pictures or without."""
+def forecast(
+    solution: Solution, works: Sequence[float], asked: AskedRange = JKR, tables: bool = True, figures: bool = False
+) -> Forecast:
+    """What the curves of a solution for ``works`` of adhesion [J/m^2] cost, with their tables and pictures or without;
+    ``asked``: of finite range."""
     rows = solution.increments.a.size
     fitted = COST.fit * rows if solution.series.S is None else 0.0
-    each = COST.curve + COST.per_row * rows + figures * COST.figure
-    return Forecast(fitted + works * each, COST.mib + COST.mib_per_row * rows, 0.0)
+    per_row, mib = COST.per_row + tables * COST.table_per_row, COST.mib_per_row + tables * COST.table_mib_per_row
+    each = COST.curve + per_row * rows + figures * COST.figure
+    each += _ranged(solution, works, asked) if asked else seconds_of_points(solution)
+    return Forecast(fitted + len(works) * each, COST.mib + mib * rows, 0.0)
+
+
+def _ranged(solution: Solution, works: Sequence[float], asked: AskedRange) -> float:
+    """CPU seconds of the dearest of the curves of finite range: the least or the largest w reaches farthest."""
+    from .finite_range import FiniteRangeBody
+
+    body = FiniteRangeBody.of(solution)
+    return max(body.seconds(asked.law(w)) for w in {min(works), max(works)})
 
 
 def adhesive(solution: Solution, body: Nonadhesive, w: float, modulus_factor: float = 1.0) -> Analysis:

@@ -291,10 +291,18 @@ class FiniteRangeBody:
             )
         return cls(solution.problem, solution.series, AttractedBody(solution.problem))
 
+    def seconds(self, law: Range) -> float:
+        """CPU seconds of the curve for a ``law``, about; Refusal where it is known that there is none."""
+        return self.body.seconds(*self._pulled(law))
+
+    def _pulled(self, law: Range) -> tuple[float, float, float]:
+        """The largest contact radius [m], s = 2 sigma/E* and the range [m] of a ``law``."""
+        return float(self.series.a[-1]), 2 * law.stress / self.problem.E_star, law.length
+
     def curve(self, law: Range) -> FiniteRangeCurve:
         """The curve for a ``law``, with its errors."""
-        s, gap = 2 * law.stress / self.problem.E_star, law.length
-        reach = self.body.reach(float(self.series.a[-1]), s, gap)
+        largest, s, gap = self._pulled(law)
+        reach = self.body.reach(largest, s, gap)
         attraction = self.body.attraction(reach)
         rims = self._touching(attraction, s, gap)
         _refuse_folded(rims)

@@ -26,6 +26,7 @@ from .device import CONTROLS
 from .slopes.exact import exact
 from .slopes.result import TWO_SIDED_90, covariance_from_errors
 
+POINTS = 10  # radii that are solved at once for a curve: five around each of two pull-off points
 Further = Callable[[Array], Nonadhesive]  # the functions at other radii [m], solved
 STEPS = np.arange(-2, 3)
 # Rows: derivative of the quartic through values at ``STEPS``, of the parabola through the inner three, by the step.
@@ -40,6 +41,7 @@ class SolvedTuning:
     least: float = 3e-3  # theory: a smooth series errs by the fourth power
     most: float = 5e-2  # choice: what still lies close
     rounds: int = 4  # of solves; choice: coarse series need three
+    each: float = 0.3  # of that of a solve, the cost of a curve's points; tuned on 1 to 1000 layers, by `make bench`
     seconds: float = 1.0  # forecast of one solve up to which it is begun; choice: of the wait for a curve
 
 
@@ -65,6 +67,16 @@ def solver_of(solution: Solution) -> Further | None:
         return _in_the_middle(method(replace(problem, loading=loading)).series, order.reshape(-1, STEPS.size), step)
 
     return further
+
+
+def seconds_of_points(solution: Solution) -> float:
+    """CPU seconds of the solved pull-off points of a curve, about; 0 where none are."""
+    method = method_behind(solution)
+    if method is None or solver_of(solution) is None:
+        return 0.0
+    radii = solution.series.a[-1] * np.linspace(0.5, 1, POINTS)
+    problem = replace(solution.problem, loading=Loading.given("radius", tuple(radii.tolist())))
+    return TUNING.each * method.forecast(problem).seconds
 
 
 def method_behind(solution: Solution) -> Method | None:
@@ -112,9 +124,11 @@ def solved(curve: AdhesiveCurve, further: Further, *devices: float) -> AdhesiveC
         if not radii.size:
             break
         try:
-            curve = _through(curve, further(radii))
-        except JkrError:  # the body or the profile does not allow it: what is interpolated stands, with its error
+            found = _through(curve, further(radii))
+            found.nonadhesive.logs  # noqa: B018 - refuses points that do not fit in between the rows
+        except JkrError:  # nor may body or profile allow it: what is interpolated stands, with its error
             break
+        curve = found
     return curve
 
 

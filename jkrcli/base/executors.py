@@ -217,12 +217,16 @@ class _Processes(Pool):
         self._pool = ProcessPoolExecutor(self.workers, context, _begin, (held,))
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
+        """Ctrl-C waits while processes may be started: half-started ones end in tracebacks. They inherit that."""
+        before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
         try:
             return self._pool.submit(fn, *args, **kwargs)
         except BrokenExecutor:
             self.abandon()
             self._start()
             return self._pool.submit(fn, *args, **kwargs)
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
         self._pool.shutdown(wait, cancel_futures=cancel_futures)
@@ -233,7 +237,8 @@ class _Processes(Pool):
 
 
 def _begin(lifeline: Connection) -> None:
-    """First thing in a worker: Ctrl-C is the parent's to handle, and the worker ends when the parent does."""
+    """First thing in a worker: Ctrl-C is the parent's to handle (until here it is blocked), and the worker ends when
+    the parent does."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     os.environ.update(ONE_THREAD)
     threading.Thread(target=_end_with, args=(lifeline,), daemon=True).start()

@@ -6,8 +6,13 @@ import os
 import signal
 import sys
 
+TYPE_CHECKING = False  # typing's own is not worth its time here
+if TYPE_CHECKING:
+    from types import FrameType
+
 SAID = "interrupted; nothing half-written was left"
 CODE = 130  # 128 + SIGINT, as shells count
+_came = False  # a KeyboardInterrupt was raised
 
 
 def _leave(*_: object) -> None:
@@ -25,18 +30,43 @@ def leave_at_once() -> None:
 def raise_from_here() -> None:
     """From here on Ctrl-C is a KeyboardInterrupt, so that work is given up in order."""
     if signal.getsignal(signal.SIGINT) is _leave:
-        sys.unraisablehook = _once_more
-        signal.signal(signal.SIGINT, signal.default_int_handler)
+        import threading  # noqa: F401 - for ``_once_more``, which may come while anything is imported
+
+        sys.unraisablehook = _if_lost
+        signal.signal(signal.SIGINT, _raise)
 
 
-def _once_more(lost: sys.UnraisableHookArgs) -> None:
+def _raise(_: int, frame: FrameType | None) -> None:
+    """A KeyboardInterrupt; while a module is imported only once that is done: compiled ones, and libraries that can do
+    without one, make a failed import of it."""
+    while frame is not None:
+        if frame.f_code.co_filename.startswith("<frozen importlib"):
+            return _once_more()
+        frame = frame.f_back
+    global _came
+    _came = True
+    raise KeyboardInterrupt
+
+
+def came() -> bool:
+    """Whether a KeyboardInterrupt was raised: other errors behind it are its consequence, compiled code makes such."""
+    return _came
+
+
+def _if_lost(lost: sys.UnraisableHookArgs) -> None:
     """A Ctrl-C that met a destructor or a callback, from which Python lets nothing out, is sent anew, out of there."""
     if lost.exc_type is KeyboardInterrupt:
-        from threading import Timer
-
-        Timer(0.01, os.kill, (os.getpid(), signal.SIGINT)).start()
+        _once_more()
     else:
         sys.__unraisablehook__(lost)
+
+
+def _once_more() -> None:
+    from threading import Timer
+
+    timer = Timer(0.01, os.kill, (os.getpid(), signal.SIGINT))
+    timer.daemon = True  # a process that ends meanwhile is not held up
+    timer.start()
 
 
 def ignore() -> None:

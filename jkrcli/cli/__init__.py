@@ -9,7 +9,7 @@ import keyword
 import os
 import sys
 import warnings
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import click
 
@@ -128,7 +128,7 @@ def call(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and return its exit code."""
     try:
         words = list(sys.argv[1:] if arguments is None else arguments)
-        with warnings.catch_warnings():
+        with warnings.catch_warnings(), _interrupts_first():
             warnings.filterwarnings("error", ARITHMETIC, RuntimeWarning)
             code = jkr.main(args=words, prog_name="jkr", standalone_mode=False, obj=["jkr", *words])
         return code if isinstance(code, int) else 0
@@ -154,6 +154,17 @@ def call(arguments: Sequence[str] | None = None) -> int:
         if error.filename is None:
             _give_up_output()
         return _fail([f"{error.filename or 'output'}: {error.strerror or error}"], 1)
+
+
+@contextlib.contextmanager
+def _interrupts_first() -> Iterator[None]:
+    """What goes wrong behind a Ctrl-C is told as one."""
+    try:
+        yield
+    except Exception:
+        if interrupts.came():
+            raise KeyboardInterrupt from None
+        raise
 
 
 def _give_up_output() -> None:

@@ -16,13 +16,14 @@ from ..adhesion.stability import cycle as run_cycle
 from ..base.errors import InputError
 from ..base.units import show
 from ..base.unknown import Unknown
+from ..methods.guards import Limits
 from ..report import tables
 from ..report.output import PICTURES, Output
 from .cycle_rate import RateOptions, Turn, rate_options, run
-from .options import LengthType, LoadType, WorkType, modulus_factor_option, range_options, slopes_option
+from .options import LengthType, LoadType, WorkType, limits_options, modulus_factor_option, range_options, slopes_option
 from .output import answer, into_folder, output_options
 from .pull_off import ControlType
-from .series import read_series, series_file, works_of
+from .series import begin_curves, read_series, series_file, works_of
 from .voice import say
 
 
@@ -40,6 +41,7 @@ from .voice import say
 @range_options
 @slopes_option
 @modulus_factor_option
+@limits_options
 @into_folder()
 @output_options(plots="Write the CSV only.", json="Print the figures as JSON.")
 def cycle(
@@ -55,6 +57,7 @@ def cycle(
     slopes: str,
     modulus_factor: float,
     rates: RateOptions,
+    limits: Limits,
     output: Output,
 ) -> None:
     """Trace what a device records that presses the bodies of a series FILE together and pulls them apart again.
@@ -88,6 +91,7 @@ def cycle(
         )
     stem = output.folder(file.parent) / f"{file.stem}-cycle{asked.suffix}"
     targets = output.files(stem, (".csv", *PICTURES), [file])
+    begin_curves("cycle", [solution], [works], [asked], limits)
     results = analyse(solution, works, slopes, modulus_factor, asked)
     if rates.rate is not None:
         run(file, results, stiffness, Turn(to_load, to_depth), points, rates, targets, output)

@@ -8,15 +8,17 @@ from typing import Any
 import click
 
 from ..adhesion.analysis import analyse
+from ..adhesion.law import AskedRange
 from ..base.errors import InputError
 from ..base.files import write_text
 from ..data import measured
+from ..methods.guards import Limits
 from ..report.explorer import page, payload, start_work
 from ..report.output import Output
 from .measured import reading_of, reading_options
-from .options import WorkType, slopes_option
+from .options import WorkType, limits_options, slopes_option
 from .output import ONE_FILE, answer, into_file, output_options
-from .series import read_series, series_file, without_range
+from .series import begin_curves, read_series, series_file, without_range
 from .voice import say
 
 
@@ -27,12 +29,14 @@ from .voice import say
 @click.option("--w", "work", type=WorkType(), help="To begin with [default: the case's first].")
 @slopes_option
 @reading_options
+@limits_options
 @output_options(force=ONE_FILE, json="Print what was written as JSON.")
 def explore(
     file: Path,
     data: tuple[Path, ...],
     work: float | None,
     slopes: str,
+    limits: Limits,
     output: Output,
     **reading: Any,
 ) -> None:
@@ -54,6 +58,7 @@ def explore(
     without_range(solution.record, "explore")
     curves = [curve for path in data for curve in measured.read(path, reading_of(dict(reading)))]
     works = (work,) if work is not None else tuple(w for w in solution.record.w if w > 0)[:1]
+    begin_curves("explore", [solution], [works or (1.0,)], [AskedRange()], limits)
     result = analyse(solution, works or (1.0,), slopes)[0]
     if not works:
         result = analyse(solution, (start_work(result.jkr.nonadhesive),), slopes)[0]

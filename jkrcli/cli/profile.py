@@ -15,14 +15,15 @@ from ..base.errors import InputError
 from ..base.units import show
 from ..bodies.problem import Problem
 from ..case import Case
+from ..methods.guards import Limits
 from ..methods.layered.fields import profile as solve_profile
 from ..methods.layered.layered import unbounded
 from ..report.output import PICTURES, Output
 from ..report.plots.body import profile_figure
 from ..series import Solution
-from .options import LengthType, LoadType, WorkType, range_options
+from .options import LengthType, LoadType, WorkType, limits_options, range_options
 from .output import into_folder, output_options
-from .series import first_work, read_series, series_file
+from .series import begin_curves, first_work, read_series, series_file
 from .voice import say
 
 
@@ -32,6 +33,7 @@ from .voice import say
 @click.option("--load", type=LoadType(), help='Load, "-3 mN" (stable branch), compression positive.')
 @click.option("--w", "work", type=WorkType(), help="Work of adhesion; 0: nonadhesive [default: the case's first].")
 @range_options
+@limits_options
 @into_folder()
 @output_options()
 def profile(
@@ -41,6 +43,7 @@ def profile(
     work: float | None,
     stress: float | None,
     length: float | None,
+    limits: Limits,
     output: Output,
 ) -> None:
     """Pressure p(r) inside and surface displacement and gap around the contact of a series FILE, at one state.
@@ -64,6 +67,7 @@ def profile(
     targets = output.files(stem, (".csv", *PICTURES), [file])
     if radius is None:
         assert load is not None
+        begin_curves("profile", [solution], [(w,)], [asked], limits)
         curve = analyse(solution, [w], asked=asked)[0].curve
         radius = curve.point(stable_radius(curve, load)).a
     columns = _attracted(solution, radius, asked.law(w)) if asked else _of_jkr(solution, radius, w)

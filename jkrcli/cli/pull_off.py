@@ -22,16 +22,27 @@ from ..adhesion.validity import check
 from ..base.errors import InputError
 from ..base.units import show
 from ..base.unknown import Estimate, Unknown, known
+from ..methods.guards import Limits
 from ..report import tables
 from ..series import Solution
-from .options import LoadType, NamedType, QuantityType, WorkType, modulus_factor_option, range_options, slopes_option
+from .options import (
+    LoadType,
+    NamedType,
+    QuantityType,
+    WorkType,
+    limits_options,
+    modulus_factor_option,
+    range_options,
+    slopes_option,
+)
 from .output import answer, json_option
-from .series import attracted, read_series, series_file, works_of
+from .series import attracted, begin_curves, read_series, series_file, works_of
 from .voice import say, warn
 
 if TYPE_CHECKING:
     from ..identification.work_of_adhesion import MeasuredWork
 
+SEARCHED = (0.05,) * 10  # works of adhesion [J/m^2] that are tried for that of a measured force; choice: for forecasts
 TINY = Unknown("it would be one of a contact smaller than atoms")
 SIZES = {"a/R": "a_over_R", "a/R at pull-off": "a_over_R_pull_off", "a/h": "a_over_h", "a/L": "a_over_L"}
 Answer = tuple[dict[str, Any], list[str]]  # for machines, for people
@@ -74,6 +85,7 @@ class ControlType(QuantityType):
 @range_options
 @slopes_option
 @modulus_factor_option
+@limits_options
 @json_option
 def pull_off(
     files: tuple[Path, ...],
@@ -85,6 +97,7 @@ def pull_off(
     length: float | None,
     slopes: str,
     modulus_factor: float,
+    limits: Limits,
     as_json: bool,
 ) -> None:
     """Say where each series FILE's contact is lost: under load control, displacement control, devices of a stiffness.
@@ -107,12 +120,14 @@ def pull_off(
         raise InputError("pull-off: --uncertain says how well a measured force and its body are known: give --load too")
     files = tuple(map(series_file, files))
     held = [read_series(path) for path in files]
+    wanted = [works or works_of(solution) if force is None else SEARCHED for solution in held]
+    asked = [AskedRange.of(solution.record, stress, length) if force is None else AskedRange() for solution in held]
+    begin_curves("pull-off", held, wanted, asked, limits)
     results: list[Answer] = []
-    for solution in held:
+    for solution, some, ranged in zip(held, wanted, asked, strict=True):
         if force is None:
             controls = stiffnesses or (LOAD_CONTROL, DISPLACEMENT_CONTROL)
-            asked = AskedRange.of(solution.record, stress, length)
-            analyses = analyse(solution, works or works_of(solution), slopes, modulus_factor, asked)
+            analyses = analyse(solution, some, slopes, modulus_factor, ranged)
             results += [_forward(with_solved_points(result, *stiffnesses), controls) for result in analyses]
         else:
             told = partial(_inverse, solution, abs(force), slopes, modulus_factor, uncertain)

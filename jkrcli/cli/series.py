@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,11 +12,14 @@ from ..base.errors import InputError
 from ..base.files import check_series_target
 from ..base.units import show
 from ..case import Case, load_case, store
+from ..methods import Forecast
+from ..methods.guards import Limits, admit
 from ..series import Record, Series, Solution
 from .voice import command_line, note, warn
 
 if TYPE_CHECKING:
     from ..adhesion.analysis import Analysis
+    from ..adhesion.law import AskedRange
 
 IMPORTED = "jkr import"  # how the command line of a series begins that no case gives again
 
@@ -96,6 +100,26 @@ def without_range(record: Record, verb: str) -> None:
             f"{verb}: knows no adhesion of finite range, which the case of {record.path} asks for: leave "
             "adhesion.range, stress and capillary out"
         )
+
+
+def begin_curves(
+    verb: str,
+    held: Sequence[Solution],
+    works: Sequence[Sequence[float]],
+    asked: Sequence[AskedRange],
+    limits: Limits,
+    tables: bool = False,
+    figures: bool = False,
+) -> None:
+    """Say what the curves of a ``verb`` will cost together, where that is much; Refusal beyond the ``limits``."""
+    from ..adhesion.analysis import forecast
+
+    costs = [forecast(*each, tables, figures) for each in zip(held, works, asked, strict=True)]
+    total = Forecast(sum(cost.seconds for cost in costs), max(cost.memory_mib for cost in costs), 0.0)
+    rows = sum(solution.increments.a.size for solution in held)
+    what = f"{verb} of {rows:,} rows for {sum(map(len, works)):,} works of adhesion"
+    if said := admit(what, total, limits, "fewer rows, files or works of adhesion, or leave out the plots"):
+        note(said)
 
 
 def attracted(result: Analysis) -> str:

@@ -7,23 +7,21 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..adhesion.analysis import Analysis, analyse, forecast
+from ..adhesion.analysis import Analysis, analyse
 from ..adhesion.curve import CriticalPoint
 from ..adhesion.law import AskedRange
 from ..adhesion.sticking import StickingEffect, as_told, effect_on, sticking_warnings
 from ..base.errors import InputError
 from ..base.units import show
 from ..base.unknown import Estimate, Unknown
-from ..methods import Forecast
-from ..methods.guards import Limits, admit
+from ..methods.guards import Limits
 from ..report import tables
 from ..report.output import PICTURES, Files, Output
 from ..report.scaling import Scales, own_scales, scales_of
-from ..series import Solution
 from .options import ScaleType, WorkType, limits_options, modulus_factor_option, range_options, slopes_option
 from .output import answer, into_folder, output_options, refuse_doubles
-from .series import attracted, read_series, series_file, works_of
-from .voice import note, say, warn
+from .series import attracted, begin_curves, read_series, series_file, works_of
+from .voice import say, warn
 
 if TYPE_CHECKING:
     from ..report.plots import Figure
@@ -74,9 +72,10 @@ def transform(
     files = tuple(map(series_file, files))
     held = [read_series(path) for path in files]
     wanted = [works or works_of(solution) for solution in held]
-    _admit(held, [len(some) for some in wanted], output.plots, limits)
-    suffix = "" if modulus_factor == 1 else f"-modulus{modulus_factor:g}"
     asked = [AskedRange.of(solution.record, stress, length) for solution in held]
+    figures = output.plots and not together
+    begin_curves("transform", held, wanted, asked, limits, tables=True, figures=figures)
+    suffix = "" if modulus_factor == 1 else f"-modulus{modulus_factor:g}"
     stems = [
         [(output.where or path.parent) / f"{path.stem}-w{w:g}{ranged.suffix}{suffix}" for w in some]
         for path, some, ranged in zip(files, wanted, asked, strict=True)
@@ -96,7 +95,7 @@ def transform(
         effect = effect_on(solution.scaled(modulus_factor), some)
         for result, target in zip(results, written, strict=True):
             scales = scales_of(result.problem, result.w, dimensionless) if dimensionless else users
-            summaries.append(_write(result, target, scales, output.plots and not together, effect))
+            summaries.append(_write(result, target, scales, figures, effect))
         if together and output.plots:
             picture = pictures.pop(0)
             picture.write(figure=_figure(results, users))
@@ -108,16 +107,6 @@ def transform(
                 say(f"  all works of adhesion in one picture: {picture}")
     if output.json:
         answer({"results": summaries})
-
-
-def _admit(held: list[Solution], counts: list[int], plots: bool, limits: Limits) -> None:
-    """Say what all curves together will cost, where that is much; Refusal beyond the limits."""
-    costs = [forecast(solution, works, plots) for solution, works in zip(held, counts, strict=True)]
-    total = Forecast(sum(cost.seconds for cost in costs), max(cost.memory_mib for cost in costs), 0.0)
-    rows = sum(solution.increments.a.size for solution in held)
-    what = f"transform of {rows:,} rows for {sum(counts):,} works of adhesion"
-    if said := admit(what, total, limits, "fewer rows, files or works of adhesion, or leave out the plots"):
-        note(said)
 
 
 def _write(

@@ -142,6 +142,7 @@ def read_table(
             "give the separator and the decimal mark if they are unusual"
         )
     lines, values = _rows(lines_of_file, dialect, least)
+    dialect = replace(dialect, text=frozenset(i for i in dialect.text if i < values.shape[1]))
     _check_rows(path, lines_of_file, dialect, lines, values, finite)
     header = [line for n, line in lines_of_file if n < lines[0]]
     names = _names(header, dialect, values.shape[1])

@@ -22,6 +22,7 @@ from .hybrid.contact import AdaptiveKernel, ErrorEstimates, KernelContact
 from .integral.attraction import Attraction
 from .layered.contact import LayeredContact
 from .layered.layered import GRADED, unbounded
+from .layered.spectrum import spectrum_seconds
 
 
 @dataclass(frozen=True)
@@ -36,6 +37,10 @@ class AttractedTuning:
     room: float = 1.15  # of a reach over the one expected; choice: what is looked at beyond c
     further: float = 1.5  # of the next reach over one that was too short; choice: each is a small solve
     attempts: int = 40  # choice: guard
+    # CPU seconds of a curve, for forecasts, beside those of resolving the stack:
+    curve: float = 0.06  # tuned on half-spaces, by `make bench`
+    polynomials: float = 2.8e-6  # by the square of their number; tuned on 30 to 700 of them, by `make bench`
+    stack: float = 0.25  # of what a solve needs for the spectrum; tuned on 1 to 1000 layers, by `make bench`
     inside: float = 1 - 1e-9  # of the profile's end, to which it is used; choice: F of a sphere is infinite there
 
 
@@ -105,6 +110,18 @@ class AttractedBody:
                 found = contact.attraction(reach, TUNING.tolerance), contact.attraction(reach, finer), errors
             self._kernels[reach] = found
         return self._kernels[reach]
+
+    def seconds(self, a: float, s: float, gap: float) -> float:
+        """CPU seconds, about, of the states up to the contact radius ``a`` [m] (see ``reach``), from the polynomials
+        that a wide body needs; Refusal where they are too many."""
+        wide = self._wide
+        expected = TUNING.room * self._edge(self._half_space.attraction, 2 * a + math.sqrt(gap * a), a, s, gap)
+        count = wide.attraction_panels(min(expected, self.limit), TUNING.tolerance).x.size
+        stack = TUNING.stack * spectrum_seconds(wide.specimen)
+        sides = 0.0
+        if self._cylinder is not None:
+            sides, _ = self._cylinder.expected_cost(self._cylinder.expected_levels(min(expected, self.limit)))
+        return TUNING.curve + TUNING.polynomials * count**2 + stack + sides
 
     def reach(self, a: float, s: float, gap: float) -> float:
         """A radius [m] beyond that to which the tension s = 2 sigma/E* acts around a contact of the radius ``a`` [m],

@@ -28,13 +28,13 @@ class Scales:
 
     def columns(self, result: Analysis) -> dict[str, Array]:
         """The curve without dimensions, with Eq. 15 as units: Eq. 16."""
-        curve, series = result.curve, result.curve.series
+        columns = result.curve.columns
         return {
-            "a_bar": series.a / self.a,
-            "delta_bar": curve.delta / self.delta,
-            "P_bar": curve.P / self.P,
-            "delta_H_bar": series.delta / self.delta,
-            "P_H_bar": series.P / self.P,
+            "a_bar": columns["a_m"] / self.a,
+            "delta_bar": columns["delta_m"] / self.delta,
+            "P_bar": columns["P_N"] / self.P,
+            "delta_H_bar": columns["delta_H_m"] / self.delta,
+            "P_H_bar": columns["P_H_N"] / self.P,
         }
 
 

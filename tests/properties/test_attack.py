@@ -5,10 +5,9 @@ from __future__ import annotations
 import csv
 import os
 import shutil
-import signal
 import subprocess
 import sys
-import time
+from dataclasses import replace
 from pathlib import Path
 
 import h5py
@@ -17,11 +16,13 @@ import pytest
 from series_files import edit
 from stopwatch import takes_less_than
 
-from jkrcli import cli
+from jkrcli.adhesion.analysis import JKR, forecast
+from jkrcli.adhesion.law import AskedRange
 from jkrcli.base.errors import InputError
 from jkrcli.base.table import write_csv
-from jkrcli.case import parse_case, plain_toml
+from jkrcli.case import parse_case, plain_toml, store
 from jkrcli.many.sweep.plan import load_plan
+from jkrcli.methods.layered.layered import Layered
 
 ROOT = Path(__file__).parents[2]
 HALF_SPACE = ROOT / "cases" / "halfspace.toml"
@@ -46,6 +47,15 @@ from = 0.1
 to = 0.4
 count = 400
 """
+
+
+LAYERS = """
+indenter = {{ shape = "paraboloid", radius = "1 mm" }}
+specimen.half_space = {{ E = "10 MPa", nu = 0.3 }}
+loading = {{ radius = "50 um", points = 20 }}
+{}
+"""
+LAYER = '[[specimen.layers]]\nthickness = "{}"\nE = "{} MPa"\nnu = 0.3\n'
 
 
 @pytest.fixture(name="series")
@@ -250,8 +260,8 @@ def test_works_and_moduli_count_as_no_solves_of_their_own(tmp_path: Path) -> Non
     assert len(plan.groups(range(0, 24_000, 40), most=10**6)[0]) == 20
 
 
-def test_a_long_transform_is_announced_or_refused_before_it_begins(jkr, series: Path) -> None:
-    rows = 1_000_000
+def lengthened(series: Path, rows: int) -> None:
+    """The series with so many ``rows``, interpolated."""
 
     def lengthen(file: h5py.File) -> None:
         for group in ("series", "errors"):
@@ -262,19 +272,37 @@ def test_a_long_transform_is_announced_or_refused_before_it_begins(jkr, series: 
                 file[group].create_dataset(name, data=values).attrs.update(attributes)
 
     edit(series, lengthen)
-    with takes_less_than(2):
-        done = jkr("transform", series.name, "--no-plots", "--limit-memory", 4)
+
+
+@pytest.mark.parametrize("verb", [
+    ("transform",), ("pull-off",), ("pull-off", "--load", "0.1 mN"), ("cycle",), ("explore",),
+    ("profile", "--load", "-50 uN"),
+], ids=" ".join)  # fmt: skip
+def test_a_long_series_is_announced_or_refused_before_it_is_begun(jkr, series: Path, verb: tuple[str, ...]) -> None:
+    lengthened(series, 100_000)
+    done = jkr(verb[0], series.name, *verb[1:], "--limit-memory", 0.3)
     assert done.code == 2
-    assert done.err.startswith(
-        "jkr: error: transform of 1,000,000 rows for 1 works of adhesion would need about 10.8 GiB"
-    )
+    assert done.err.startswith(f"jkr: error: {verb[0]} of 100,000 rows for ")
+    assert f" would need about {'0.986' if verb[0] == 'transform' else '0.4'} GiB of memory and " in done.err
+
+
+def test_the_forecast_of_curves_counts_solved_points_and_the_range() -> None:
+    """Of a thousand layers, whose solves are the cost, and of a half-space, which solves in no time."""
+    for layers, seconds in ((1000, 0.19), (0, 0.03)):
+        stack = "".join(LAYER.format("0.1 um" if i else "100 um", i % 5 + 1) for i in range(layers))
+        case = parse_case(LAYERS.format(stack).encode(), "x")
+        solution = replace(Layered()(case.model.problem()), record=store.record_of(case))
+        plain, ranged = (forecast(solution, (0.05,), asked, tables=False).seconds for asked in (JKR, AskedRange(1e5)))
+        assert plain == pytest.approx(seconds, abs=0.04)
+        assert ranged > plain * 1.1
+        assert forecast(solution, (0.05, 0.04), JKR, tables=False).seconds == pytest.approx(2 * plain)
 
 
 def test_many_works_of_adhesion_are_refused_before_they_begin(jkr, series: Path) -> None:
     words = [word for i in range(20_000) for word in ("--w", str(0.01 + 1e-6 * i))]
     done = jkr("transform", series.name, *words)
     assert done.code == 2
-    assert "works of adhesion would need about 0.108 GiB of memory and 5.79 h of CPU time, the limit is 1 h" in done.err
+    assert "works of adhesion would need about 0.108 GiB of memory and 3.51 h of CPU time, the limit is 1 h" in done.err
 
 
 @pytest.mark.parametrize("verb", ["check", "run"])
@@ -309,83 +337,3 @@ def test_little_address_space_ends_in_one_line(series: Path) -> None:
     done = subprocess.run([*words, "-o", "r.h5"], cwd=series.parent, capture_output=True, text=True, timeout=60)
     assert (done.returncode == 0) == (series.parent / "r.h5").exists()
     assert "Traceback" not in done.stderr
-
-
-# ---------------------------------------------------------------------- interrupts
-def interrupted(folder: Path, words: tuple[str, ...], seconds: float) -> tuple[int, str]:
-    """Exit code and stderr of a command that is sent Ctrl-C so many ``seconds`` after jkrcli began to be imported."""
-    ready = "import os, sys; os.write(1, b'.'); from jkrcli.__main__ import main; sys.argv[0] = 'jkr'; main()"
-    process = subprocess.Popen(
-        [sys.executable, "-c", ready, *words], cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-    )
-    assert process.stdout is not None
-    process.stdout.read(1)
-    time.sleep(seconds)
-    process.send_signal(signal.SIGINT)
-    _, err = process.communicate(timeout=60)
-    return process.returncode, err
-
-
-VERBS = {
-    "run": ("run", str(HALF_SPACE), "-o", "r.h5"),
-    "transform": ("transform", "s.h5"),
-    "sweep": ("sweep", "many.toml", "-o", "r", "--workers", "2"),
-    "check": ("check", "s.toml"),
-    "show": ("show", "s.h5"),
-    "pull-off": ("pull-off", "s.h5"),
-}
-
-
-def test_an_interrupt_within_a_destructor_is_not_lost() -> None:
-    code = (
-        "import signal, time\nfrom jkrcli.base import interrupts\n"
-        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
-        "interrupts.leave_at_once(); interrupts.raise_from_here()\n"
-        "class Held:\n    def __del__(self): signal.raise_signal(signal.SIGINT)\n"
-        "try:\n    held = Held(); del held; time.sleep(10); print('lost')\n"
-        "except KeyboardInterrupt: print('caught')"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert (done.stdout, done.stderr) == ("caught\n", "")
-
-
-def test_little_is_imported_before_interrupts_are_minded() -> None:
-    """What is imported until then is the time in which Ctrl-C is the interpreter's own."""
-    code = "import sys; before = set(sys.modules); import jkrcli.__main__; print(*sorted(set(sys.modules) - before))"
-    found = subprocess.run([sys.executable, "-S", "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
-    ours = [name for name in found.stdout.split() if name.startswith("jkrcli")]
-    assert ours == ["jkrcli", "jkrcli.__main__", "jkrcli.base", "jkrcli.base.interrupts"]
-    assert "typing" not in found.stdout.split()
-
-
-def test_an_interrupt_behind_the_last_word_is_one_line(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Signals that wait are delivered when the handler is changed: there the exception comes out."""
-    waiting = [KeyboardInterrupt()]
-
-    def ignore() -> None:
-        if waiting:
-            raise waiting.pop()
-
-    monkeypatch.setattr("jkrcli.base.interrupts.ignore", ignore)
-    with pytest.raises(SystemExit) as left:
-        cli.main(["--version"])
-    assert (left.value.code, capsys.readouterr().err) == (
-        130,
-        "jkr: error: interrupted; nothing half-written was left\n",
-    )
-
-
-@pytest.mark.parametrize("trials", [10, pytest.param(40, marks=pytest.mark.slow)])
-@pytest.mark.parametrize("verb", VERBS)
-def test_interrupts_at_any_moment_are_one_line(series: Path, verb: str, trials: int) -> None:
-    """From 0.1 s after the first import (the interpreter's own is not ours) to 2 s."""
-    (series.parent / "many.toml").write_text(SWEEP)
-    for moment in np.linspace(0.1, 2.0, trials).tolist():
-        code, err = interrupted(series.parent, VERBS[verb], moment)
-        last = err.splitlines()[-1:]
-        assert "Traceback" not in err, err
-        assert "KeyboardInterrupt" not in err, err
-        if code != 0:
-            assert (code, last) == (130, ["jkr: error: interrupted; nothing half-written was left"]), err

@@ -42,13 +42,22 @@ SMALL = {
     "table": {"shape": "table", "r": [0.0, 1e-5, 2e-5, 4e-5], "f": [0.0, 1e-7, 4e-7, 16e-7]},
     "elastic": {"shape": "sphere", "radius": "100 um", "E": "70 GPa", "nu": 0.2},
 }
+ADHESIVE: list[dict[str, Any]] = [  # what tables of adhesion hold, and surfaces
+    {"adhesion": {"w": "50 mJ/m^2", "stress": "1 MPa"}},
+    {"adhesion": {"w": ["35 mJ/m^2", 0.04], "range": "2 nm", "z0": "0.3 nm"}},
+    {"adhesion": {"capillary": {"surface_tension": "72 mN/m", "humidity": 0.5, "contact_angles": [20.0, 40.0]}}},
+    {"adhesion": {"capillary": {"surface_tension": 0.072, "kelvin_radius": "1 nm", "contact_angles": 10.0}}},
+    {"method": "fem", "specimen": {"half_space": {"E": "5 MPa", "nu": 0.4}, "surface": "sticking"}},
+    {"specimen": {"layers": [{"thickness": "10 um", "E": "5 MPa", "nu": 0.45}], "surface": "sticking"}},
+]
 HALF_SPACE = {"specimen": {"half_space": {"E": "5 MPa", "nu": 0.4}}, "loading": {"radius": "20 um", "points": 20}}
 
 
 def trees() -> list[dict[str, Any]]:
-    """Valid cases: those that are shipped, and one for every shape."""
+    """Valid cases: those that are shipped, one for every shape, and one for every kind of adhesion and surface."""
     shipped = [tomllib.loads(path.read_text(encoding="utf-8")) for path in sorted(CASES.glob("*.toml"))]
-    return [*shipped, *({"indenter": indenter, **HALF_SPACE} for indenter in SMALL.values())]
+    shapes = [{"indenter": indenter, **HALF_SPACE} for indenter in SMALL.values()]
+    return [*shipped, *shapes, *({**shapes[0], **tables} for tables in ADHESIVE)]
 
 
 def sweeps() -> list[dict[str, Any]]:

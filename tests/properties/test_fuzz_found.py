@@ -324,3 +324,51 @@ def test_series_that_state_errors_of_some_columns_only_are_transformed(jkr, tmp_
     edit(tmp_path / "s.h5", lose)
     done = jkr("transform", "s.h5", "--w", "0.05", "--no-plots")
     assert done.code == 0, done.err
+
+
+def test_a_column_of_words_that_no_row_has(jkr: Callable) -> None:
+    """Found by coverage: the header names one column more than the rows have, and that one holds words."""
+    rows = "".join(f"{i}e-6,{i**2}e-9,{i**3}e-9\n" for i in range(1, 9))
+    Path("x.csv").write_text(f"a_m,delta_m,P_N,segment\n{rows}", encoding="utf-8")
+    done = jkr("look", "x.csv", "--no-plots")
+    assert (done.code, done.err.count("\n")) == (2, 1)
+    assert "jkr: error: x.csv: " in done.err
+
+
+def test_points_that_do_not_fit_between_the_rows_are_left_out(jkr: Callable, tmp_path: Path) -> None:
+    """Rows closer to each other than their errors: what is solved between them breaks their order."""
+    case = (
+        'method = "layered"\nindenter = { shape = "paraboloid", radius = "1 mm" }\nadhesion.w = 0.05\n'
+        'specimen.layers = [{ thickness = "0.2 mm", E = "1 MPa", nu = 0.3 }]\nloading = { radius = "0.1 mm" }\n'
+    )
+    (tmp_path / "s.toml").write_text(case, encoding="utf-8")
+    assert jkr("run", "s.toml").code == 0
+
+    def interpolate(file: h5py.File) -> None:
+        for group in ("series", "errors"):
+            for name, data in list(file[group].items()):
+                attributes = dict(data.attrs)
+                values = np.interp(np.linspace(0, 1, 5000), np.linspace(0, 1, data.size), data[()])
+                del file[group][name]
+                file[group].create_dataset(name, data=values).attrs.update(attributes)
+
+    edit(tmp_path / "s.h5", interpolate)
+    done = jkr("pull-off", "s.h5")
+    assert done.code == 0, done.err
+
+
+@pytest.mark.parametrize("stress", ["1 kPa", "10 kPa"])
+def test_a_range_beyond_the_sphere_is_refused_in_its_own_words(jkr: Callable, stress: str) -> None:
+    """The first guess of its width asked for the profile beyond its end: "numbers leave the range of arithmetic"."""
+    assert jkr("run", CASES / "thin-layer.toml", "-o", "s.h5").code == 0
+    done = jkr("transform", "s.h5", "--w", "0.04", "--stress", stress, "--no-plots")
+    assert done.code == 2
+    assert done.err.startswith("jkr: error: adhesion of finite range: it reaches out to ")
+
+
+def test_curves_of_finite_range_without_dimensions(jkr: Callable, path: Path) -> None:
+    words = ("--w", "0.05", "--stress", "100 MPa", "--dimensionless", "half-space", "--no-plots", "-o", ".")
+    done = jkr("transform", path, *words)
+    assert done.code == 0, done.err
+    (table,) = Path().glob("*.csv")
+    assert ",a_bar,delta_bar,P_bar,delta_H_bar,P_H_bar" in table.read_text(encoding="utf-8").splitlines()[0]

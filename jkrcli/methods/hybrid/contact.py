@@ -21,7 +21,7 @@ from ..integral.equation import DiscreteEquation, EquationResult, solve
 from ..integral.quadrature import Panels, Quadrature
 from ..layered.contact import LayeredContact
 from ..layered.layered import GRADED
-from .kernel import STEP, KernelLevels, PolynomialKernel, convergence, count_for
+from .kernel import STEP, CorrectionCost, KernelLevels, PolynomialKernel, convergence, count_for
 from .region import Region, nearest
 
 
@@ -258,6 +258,14 @@ class AdaptiveKernel:
         if any(levels.region.mixed) and not levels.region.cut_beside:
             steps += TUNING.at_sides
         return min(max(steps, 1.0), (TUNING.highest - TUNING.lowest) / STEP)
+
+    def expected_cost(self, levels: KernelLevels) -> tuple[float, CorrectionCost]:
+        """CPU seconds of all levels up to the one that the tolerance is expected to need, and the cost of that one."""
+        steps = self.expected_steps(levels)
+        degrees = range(TUNING.lowest, TUNING.lowest + STEP * math.ceil(steps) + 1, STEP)
+        costs = [levels.cost(degree) for degree in degrees]
+        shares = np.clip(steps - np.arange(len(costs)) + 1, 0, 1)  # the last level is needed in some of such bodies
+        return float(shares @ [cost.seconds for cost in costs]), costs[-1]
 
     def rough(self, reach: float) -> KernelContact:
         """Contact for finding radii: by the first level from the second on that gives a positive definite equation."""

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
 from threadpoolctl import threadpool_limits
 
 from ...base.clock import StageClock
@@ -73,16 +71,12 @@ class Hybrid(HybridOptions):
         """Cost of the levels up to the one that the tolerance is expected to need, of the search, and of the solves."""
         body = self._body(problem)
         levels = body.expected_levels(_expected_radius(problem, body))
-        steps = body.expected_steps(levels)
-        degrees = range(REFINING.lowest, REFINING.lowest + STEP * math.ceil(steps) + 1, STEP)
-        costs = [levels.cost(degree) for degree in degrees]
-        shares = np.clip(steps - np.arange(len(costs)) + 1, 0, 1)  # the last level is needed in some of such bodies
-        seconds = 0.02 + float(shares @ [cost.seconds for cost in costs])
+        solves, last = body.expected_cost(levels)
+        seconds = 0.02 + solves
         if problem.loading.to != "radius":
             seconds += TUNING.searches * levels.cost(REFINING.lowest + STEP).seconds
         if levels.wide is not None:
             seconds += 0.8  # the kernel of the wide body; measured by `make bench`
-        last = costs[-1]
         nodes = 2 * problem.loading.points  # at least
         seconds += nodes**3 / 3 / FLOPS_PER_SECOND
         memory = 20 + last.memory_mib + 8 * 6 * nodes**2 / 2**20

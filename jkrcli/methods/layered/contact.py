@@ -126,9 +126,13 @@ class LayeredContact(IndenterOnLayers):
     def attraction(self, reach: float, tolerance: float, order: int = 24) -> Attraction:
         """The pair of bodies ready for adhesion of finite range up to ``reach`` [m], K to the relative ``tolerance``;
         ``order`` as in ``matrix``."""
-        crowding = 1.0 if self.spectrum.tail is None else TUNING.narrower * self.scale / self.spectrum.tail.finest
-        panels = panels_for(reach, self.indenter.a0, self.scale, tolerance, crowding)
+        panels = self.attraction_panels(reach, tolerance)
         return Attraction.of(self.indenter, self.E_star, panels, self.matrix(panels, order))
+
+    def attraction_panels(self, reach: float, tolerance: float) -> Panels:
+        """The panels of ``attraction``; Refusal where they are too many."""
+        crowding = 1.0 if self.spectrum.tail is None else TUNING.narrower * self.scale / self.spectrum.tail.finest
+        return panels_for(reach, self.indenter.a0, self.scale, tolerance, crowding)
 
     def refined(self, radii: Array, tolerance: float) -> tuple[EquationResult, Array]:
         """The result at ``radii`` and its estimated relative error at each, below ``tolerance``.

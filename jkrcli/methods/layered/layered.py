@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from ...base.arrays import Array
 from ...base.clock import StageClock
 from ...base.errors import Refusal
 from ...bodies.problem import Loading, Problem, Specimen
@@ -16,13 +17,14 @@ from .. import Forecast
 from ..integral.contact import FLOPS_PER_SECOND, first_stiffness, largest_for_contact, radii_for_contact, series_of
 from ..integral.disc import disc_warnings, refuse_shrinking
 from ..integral.equation import ContactResult
-from .contact import TUNING, LayeredContact
+from .contact import TUNING, LayeredContact, checked
 from .options import LayeredOptions
 from .spectrum import spectrum_seconds
 from .stuck import StuckLayeredContact, unable
 
 SEARCH = 1e-10  # relative accuracy to which a prescribed depth or load is met; choice: finer than any tolerance in use
 SEARCHED = 20.0  # radius over the kernel's scale up to which forecasts search; choice: a tenth of a second
+SEARCHES = 4  # solves in which all radii of prescribed depths or loads are found; choice: for forecasts
 GRADED = 1e-5  # the least tolerance under a modulus that varies over depth; tuned on graded layers, by `make failures`
 
 
@@ -54,12 +56,20 @@ class Layered(LayeredOptions):
         """Seconds and memory of the solve, from its node counts; finding the largest radius is part of the forecast."""
         contact = _contact(problem)
         radii = np.linspace(problem.indenter.a0, largest_radius(problem), max(problem.loading.points, 1) + 1)[1:]
-        tolerance = self.attainable(problem.specimen)
-        plan: Any = contact.plan(radii, tolerance / TUNING.margin)
-        rounds = 5 if problem.loading.to != "radius" or problem.loading.spacing == "depth" else 2
-        seconds = spectrum_seconds(problem.specimen) + rounds * contact.flops(radii, plan) / FLOPS_PER_SECOND
+        plan: Any = contact.plan(radii, self.attainable(problem.specimen) / TUNING.margin)
+        seconds = spectrum_seconds(problem.specimen) + self._operations(contact, problem, radii) / FLOPS_PER_SECOND
         memory = 8 * 6 * (plan.nodes + radii.size) ** 2 / 2**20
-        return Forecast(seconds, 5 + memory, tolerance, f"{plan.nodes} nodes, no mesh")
+        return Forecast(seconds, 5 + memory, self.attainable(problem.specimen), f"{plan.nodes} nodes, no mesh")
+
+    def _operations(self, contact: Any, problem: Problem, radii: Array) -> float:
+        """Floating-point operations: of the solve, of its check at some of the ``radii``, and of finding them all where
+        depths or loads are prescribed."""
+        tolerance, loading = self.attainable(problem.specimen), problem.loading
+        main = float(contact.flops(radii, contact.plan(radii, tolerance / TUNING.margin)))
+        some = radii[checked(radii)]
+        check = contact.flops(some, contact.plan(some, tolerance / TUNING.margin**3).finer())
+        each_is_looked_for = loading.spacing == "depth" or (loading.to != "radius" and loading.values)
+        return main * (SEARCHES if each_is_looked_for else 1) + float(check)
 
     def __call__(self, problem: Problem) -> Solution:
         """Solve; errors: Refusal outside the validity, SolveError where the tolerance is not reached."""

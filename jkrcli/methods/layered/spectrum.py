@@ -38,8 +38,8 @@ class SpectrumTuning:
     floor: float = 1e-12  # |g - 1| beyond k_max; tuned on reference bodies, by `make tuning`
     graded_floor: float = 1e-9  # the same of graded layers; choice: there g is accurate to 1e-10
     phase: float = 1e-14  # error of a panel of (g - 1) cos(k s); theory: 50 times machine epsilon
-    start: float = 0.02  # CPU seconds of any stack; tuned on the cases of `make bench`, by `make bench`
-    layer_seconds: float = 8e-4  # and of a layer; tuned on stacks of 50 to 1000 layers, by `make bench`
+    start: float = 0.012  # CPU seconds of any stack; tuned on the cases of `make bench`, by `make bench`
+    layer_seconds: float = 5e-4  # and of a layer; tuned on stacks of 50 to 1000 layers, by `make bench`
     graded_seconds: float = 0.1  # and of a smooth piece of a law; tuned on tables of 10 to 100 points, by `make bench`
     halvings: int = 45  # choice: panels are then 2^-45 of k_max
 

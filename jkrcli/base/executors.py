@@ -35,6 +35,7 @@ from typing import Any, TypeAlias, TypeVar
 from .. import __version__
 from .errors import InputError, JkrError, SolveError, first_line
 from .installing import installs
+from .interrupts import Waiting
 from .threads import ONE_THREAD, pin_blas
 
 Item = TypeVar("Item")
@@ -217,16 +218,14 @@ class _Processes(Pool):
         self._pool = ProcessPoolExecutor(self.workers, context, _begin, (held,))
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
-        """Ctrl-C waits while processes may be started: half-started ones end in tracebacks. They inherit that."""
-        before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-        try:
-            return self._pool.submit(fn, *args, **kwargs)
-        except BrokenExecutor:
-            self.abandon()
-            self._start()
-            return self._pool.submit(fn, *args, **kwargs)
-        finally:
-            signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        """Ctrl-C waits while processes may be started: half-started ones end in tracebacks."""
+        with Waiting():
+            try:
+                return self._pool.submit(fn, *args, **kwargs)
+            except BrokenExecutor:
+                self.abandon()
+                self._start()
+                return self._pool.submit(fn, *args, **kwargs)
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
         self._pool.shutdown(wait, cancel_futures=cancel_futures)

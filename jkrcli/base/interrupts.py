@@ -13,6 +13,7 @@ if TYPE_CHECKING:
 SAID = "interrupted; nothing half-written was left"
 CODE = 130  # 128 + SIGINT, as shells count
 _came = False  # a KeyboardInterrupt was raised
+_waits = False  # none is raised now
 
 
 def _leave(*_: object) -> None:
@@ -39,13 +40,29 @@ def raise_from_here() -> None:
 def _raise(_: int, frame: FrameType | None) -> None:
     """A KeyboardInterrupt; while a module is imported only once that is done: compiled ones, and libraries that can do
     without one, make a failed import of it."""
+    global _came
+    if _waits:
+        return _once_more()
     while frame is not None:
         if frame.f_code.co_filename.startswith("<frozen importlib"):
             return _once_more()
         frame = frame.f_back
-    global _came
     _came = True
     raise KeyboardInterrupt
+
+
+class Waiting:
+    """A block in which Ctrl-C waits for its end; processes that are started there inherit that it is blocked."""
+
+    def __enter__(self) -> None:
+        global _waits
+        _waits = True
+        self._before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+
+    def __exit__(self, *_: object) -> None:
+        global _waits
+        _waits = False
+        signal.pthread_sigmask(signal.SIG_SETMASK, self._before)
 
 
 def came() -> bool:

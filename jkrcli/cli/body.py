@@ -8,7 +8,7 @@ from typing import Any
 
 import click
 
-from ..base.errors import InputError
+from ..base.errors import InputError, writable
 from .voice import warn
 
 FLAGS = ("shape", "radius", "modulus", "nu", "thickness", "base")
@@ -49,7 +49,8 @@ def tables_of(
 
     ``modulus``: the specimen's where the flags do not tell it; None: it must be told.
     """
-    held = {**body, "modulus": body["modulus"] or modulus}
+    told = {**body, "modulus": body["modulus"] or modulus}
+    held = {name: None if value is None else writable(value) for name, value in told.items()}
     missing = [flag(name) for name in ("radius", "modulus", "nu") if held[name] is None]
     if missing:
         raise InputError(f"{verb}: needs {instead}, or the bodies by flags: {', '.join(missing)} missing")

@@ -372,3 +372,10 @@ def test_curves_of_finite_range_without_dimensions(jkr: Callable, path: Path) ->
     assert done.code == 0, done.err
     (table,) = Path().glob("*.csv")
     assert ",a_bar,delta_bar,P_bar,delta_H_bar,P_H_bar" in table.read_text(encoding="utf-8").splitlines()[0]
+
+
+@pytest.mark.parametrize("verb", [("import", "x.csv"), ("fit", "x.csv", "--shape", "sphere")], ids=" ".join)
+def test_flags_of_a_body_that_are_no_text(jkr: Callable, verb: tuple[str, ...]) -> None:
+    Path("x.csv").write_text("a_m,delta_m,P_N\n" + "".join(f"{i}e-6,{i}e-8,{i}e-9\n" for i in range(1, 9)))
+    done = jkr(*verb, "--radius", "1 mm", "--E", "1 MPa", "--nu", os.fsdecode(b"\xff"))
+    assert (done.code, done.err.isprintable() or done.err.count("\n")) == (2, 1)

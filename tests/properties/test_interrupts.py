@@ -154,6 +154,27 @@ except KeyboardInterrupt:
     assert (done.stdout, done.stderr) == ("True\ncaught\n", "")
 
 
+def test_an_interrupt_waits_while_processes_are_started() -> None:
+    """A process that is not told what to do ends in a traceback; one sent by a thread is not held up by a mask."""
+    code = """
+import os, signal, threading, time
+from jkrcli.base import interrupts
+signal.signal(signal.SIGINT, signal.default_int_handler)
+interrupts.leave_at_once(); interrupts.raise_from_here()
+threading.Thread(target=lambda: (time.sleep(0.05), os.kill(os.getpid(), signal.SIGINT))).start()
+try:
+    with interrupts.Waiting():
+        time.sleep(0.2)
+        print("whole", flush=True)
+    time.sleep(10)
+    print("lost")
+except KeyboardInterrupt:
+    print("caught")
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert (done.stdout, done.stderr) == ("whole\ncaught\n", "")
+
+
 def test_what_compiled_code_makes_of_an_interrupt_is_told_as_one(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -18,6 +18,7 @@ import click
 from .. import __version__
 from ..base.installing import installs
 from .output import answer, json_option
+from .voice import say
 
 REQUIRED = ("numpy", "scipy", "h5py", "click", "pydantic", "tomli-w", "matplotlib", "scikit-fem", "meshio",
             "threadpoolctl")  # fmt: skip
@@ -57,10 +58,10 @@ def doctor(as_json: bool) -> int:
     if as_json:
         answer({"jkr": __version__, "sound": sound, "findings": [asdict(finding) for finding in findings]})
         return int(not sound)
-    click.echo(f"jkr {__version__}")
+    say(f"jkr {__version__}")
     for finding in findings:
         remedy = f"; type: {finding.remedy}" if finding.remedy else ""
-        click.echo(f"  {MARKS[finding.state]}  {finding.part:<16} {finding.found}{remedy}")
+        say(f"  {MARKS[finding.state]}  {finding.part:<16} {finding.found}{remedy}")
     return int(not sound)
 
 

@@ -21,7 +21,7 @@ from ..report import tables
 from ..report.output import PICTURES, Output
 from .options import WorkType, parallel_options
 from .output import answer, into_folder, output_options
-from .voice import progress
+from .voice import progress, say, warn
 
 if TYPE_CHECKING:
     from ..report.plots import Figure
@@ -74,7 +74,7 @@ def study_converge(
         answer(data)
     else:
         _print(found)
-        click.echo(f"  written   {files}")
+        say(f"  written   {files}")
 
 
 def _figure(found: Convergence) -> Figure:
@@ -132,19 +132,17 @@ def _columns(found: Convergence) -> dict[str, Sequence[Any]]:
 
 
 def _print(found: Convergence) -> None:
-    click.echo(found.problem.words)
+    say(found.problem.words)
     against = "the exact solution" if found.exact is not None else "the extrapolated value or the finest mesh"
-    click.echo(
-        f"  at        delta = {show(found.depth, 'length')}, w = {show(found.w, 'work')}; errors against {against}"
-    )
-    click.echo(f"  {'size':>10}{'elements':>10}{'a':>12}{'error':>9}{'P':>12}{'error':>9}{'pull-off':>12}{'error':>9}"
+    say(f"  at        delta = {show(found.depth, 'length')}, w = {show(found.w, 'work')}; errors against {against}")
+    say(f"  {'size':>10}{'elements':>10}{'a':>12}{'error':>9}{'P':>12}{'error':>9}{'pull-off':>12}{'error':>9}"
                f"{'kept':>6}{'dropped':>8}{'CPU s':>7}")  # fmt: skip
     errors = {name: found.errors(name) for name in QUANTITIES}
     for i, level in enumerate(found.levels):
         cells = "".join(
             _cell(level.state.value(name), errors[name][i], "length" if name == "a" else "load") for name in QUANTITIES
         )
-        click.echo(f"  {show(level.size, 'length', 3):>10}{level.elements:>10}{cells}{level.kept:>6}{level.dropped:>8}"
+        say(f"  {show(level.size, 'length', 3):>10}{level.elements:>10}{cells}{level.kept:>6}{level.dropped:>8}"
                    f"{level.seconds:>7.2f}")  # fmt: skip
     for name in QUANTITIES:
         order, limit = found.order(name), found.extrapolated[name]
@@ -155,13 +153,11 @@ def _print(found: Convergence) -> None:
             if isinstance(limit, Unknown)
             else f"extrapolated {show(limit[1], dimension, 6)}"
         )
-        click.echo(f"  {WORDS[name]:<15} {words}; {ends}")
-    click.echo(f"  {'CPU seconds':<15} grow like the number of unknowns to the power {found.time_exponent:.2f}")
+        say(f"  {WORDS[name]:<15} {words}; {ends}")
+    say(f"  {'CPU seconds':<15} grow like the number of unknowns to the power {found.time_exponent:.2f}")
     for level in found.levels:
         if isinstance(level.state.point, Unknown):
-            click.echo(
-                f"jkr: warning: elements of {show(level.size, 'length', 3)}: {level.state.point.reason}", err=True
-            )
+            warn(f"elements of {show(level.size, 'length', 3)}: {level.state.point.reason}")
 
 
 def _cell(value: float | None, error: float | None, dimension: str) -> str:

@@ -14,7 +14,7 @@ from ..many.study.pull_off_map import map_columns, pull_off_map
 from ..report.output import PICTURES, Output
 from .options import check_nu, parallel_options
 from .output import answer, into_folder, output_options
-from .voice import progress
+from .voice import progress, say
 
 if TYPE_CHECKING:
     from ..report.plots import Figure
@@ -54,11 +54,11 @@ def study_pull_off_map(
     if output.json:
         answer({name: values.tolist() for name, values in columns.items()})
         return
-    click.echo(f"{base} layer on a rigid base, paraboloid: pull-off force in pi w R")
-    click.echo(f"  {'nu':>6} {'w R^2/(E* h^3)':>15} {'force':>8} {'a/h':>9}")
+    say(f"{base} layer on a rigid base, paraboloid: pull-off force in pi w R")
+    say(f"  {'nu':>6} {'w R^2/(E* h^3)':>15} {'force':>8} {'a/h':>9}")
     for nu, q, pulled, a in zip(*(columns[name] for name in SHOWN), strict=True):
-        click.echo(f"  {nu:>6g} {q:>15.4g} {pulled:>8.4f} {a:>9.4g}")
-    click.echo(f"  written {files}")
+        say(f"  {nu:>6g} {q:>15.4g} {pulled:>8.4f} {a:>9.4g}")
+    say(f"  written {files}")
 
 
 def _figure(columns: dict[str, Array]) -> Figure:

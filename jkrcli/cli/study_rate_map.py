@@ -17,7 +17,7 @@ from ..report.output import PICTURES, Output
 from .cycle_rate import PairsType
 from .options import check_nu, parallel_options
 from .output import answer, into_folder, output_options
-from .voice import progress
+from .voice import progress, say
 
 if TYPE_CHECKING:
     from ..report.plots import Figure
@@ -66,12 +66,12 @@ def study_rate_map(
     if output.json:
         answer({name: [x if math.isfinite(x) else None for x in values.tolist()] for name, values in columns.items()})
         return
-    click.echo("paraboloid, E* = R = w0 = v0 = 1: pull-off force in pi w0 R, energy in w0 pi a^2 at no load")
-    click.echo(f"  {'h/R':>8} {'k/(E* R)':>9} {'V/v0':>10} {'force':>9} {'energy':>9}")
+    say("paraboloid, E* = R = w0 = v0 = 1: pull-off force in pi w0 R, energy in w0 pi a^2 at no load")
+    say(f"  {'h/R':>8} {'k/(E* R)':>9} {'V/v0':>10} {'force':>9} {'energy':>9}")
     for row in zip(*list(columns.values())[:5], strict=True):
         h, k, V, force, energy = row
-        click.echo(f"  {h:>8.3g} {k:>9.3g} {V:>10.4g} {force:>9.4f} {energy:>9.4g}")
-    click.echo(f"  written {files}")
+        say(f"  {h:>8.3g} {k:>9.3g} {V:>10.4g} {force:>9.4f} {energy:>9.4g}")
+    say(f"  written {files}")
 
 
 def _stiffness(text: str) -> float:

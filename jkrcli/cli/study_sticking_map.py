@@ -13,7 +13,7 @@ from ..many.study.sticking_map import sticking_map
 from ..report.output import PICTURES, Output
 from .options import check_nu, parallel_options
 from .output import answer, into_folder, output_options
-from .voice import progress
+from .voice import progress, say
 
 if TYPE_CHECKING:
     from ..report.plots import Figure
@@ -48,11 +48,11 @@ def study_sticking_map(
     if output.json:
         answer({name: values.tolist() for name, values in columns.items()})
         return
-    click.echo("paraboloid on a bonded layer: sticking over sliding")
-    click.echo(f"  {'nu':>6} {'a/h':>8} {'S':>8} {'load at equal depth':>20}")
+    say("paraboloid on a bonded layer: sticking over sliding")
+    say(f"  {'nu':>6} {'a/h':>8} {'S':>8} {'load at equal depth':>20}")
     for nu, ratio, S, load in zip(*(columns[n] for n in ("nu", "a_over_h", "S_ratio", "load_ratio")), strict=True):
-        click.echo(f"  {nu:>6g} {ratio:>8.4g} {S:>8.4f} {load:>20.4f}")
-    click.echo(f"  written {files}")
+        say(f"  {nu:>6g} {ratio:>8.4g} {S:>8.4f} {load:>20.4f}")
+    say(f"  written {files}")
 
 
 def _figure(columns: dict[str, Array]) -> Figure:

@@ -379,3 +379,12 @@ def test_flags_of_a_body_that_are_no_text(jkr: Callable, verb: tuple[str, ...]) 
     Path("x.csv").write_text("a_m,delta_m,P_N\n" + "".join(f"{i}e-6,{i}e-8,{i}e-9\n" for i in range(1, 9)))
     done = jkr(*verb, "--radius", "1 mm", "--E", "1 MPa", "--nu", os.fsdecode(b"\xff"))
     assert (done.code, done.err.isprintable() or done.err.count("\n")) == (2, 1)
+
+
+def test_a_sticking_layer_thinner_than_anything_is_refused_before_it_is_laid_out(jkr: Callable) -> None:
+    text = (CASES / "gel.toml").read_text(encoding="utf-8").replace("[specimen]", '[specimen]\nsurface = "sticking"')
+    Path("x.toml").write_text(text.replace("0.36 mm", "1e-9 um"), encoding="utf-8")
+    done = jkr("run", "x.toml")
+    assert done.code == 2
+    assert "rows where the surfaces stick (limit " in done.err or "would need about" in done.err, done.err
+    assert jkr("check", "x.toml").code in (0, 2)

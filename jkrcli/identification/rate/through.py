@@ -66,7 +66,8 @@ class LawThrough:
         if self.inner is None:
             return w, w, w
         rates = log_rates(self.law, self.w0, v)
-        spread = t_quantile(level, self.dof) * np.sqrt(np.einsum("pn,pq,qn->n", rates, self.inner, rates))
+        variance = np.maximum(np.einsum("pn,pq,qn->n", rates, self.inner, rates), 0.0)  # of exact points: rounding
+        spread = t_quantile(level, self.dof) * np.sqrt(variance)
         return w, w * np.exp(-spread), w * np.exp(spread)
 
 

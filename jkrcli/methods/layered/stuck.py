@@ -164,6 +164,9 @@ class StuckLayeredContact(IndenterOnLayers):
         """The plan expected to be accurate to ``tolerance`` up to the last of the ``radii`` [m]."""
         points = TUNING.points + math.ceil(-TUNING.per_decade * math.log10(tolerance))
         points, widest = min(points, TUNING.most_points), TUNING.piece * self.scale
+        count = points * math.ceil(float(radii[-1]) / widest) if math.isfinite(widest) else points
+        if count > REFINING.most_nodes:  # more than is solved: counted, not laid out
+            return StuckPlan(Quadrature(points, widest, count), widest, points)
         nodes = self._pieces(float(radii[-1]), widest, points).nodes
         quadrature = Quadrature.cheapest(nodes, self.indenter.a0, self.scale, tolerance)
         return StuckPlan(quadrature, widest, points)

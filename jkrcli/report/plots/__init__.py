@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import warnings
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any, Literal
@@ -14,10 +15,13 @@ from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure as Figure
+from matplotlib.mathtext import MathTextParser
+from matplotlib.text import Text
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from ... import __version__
 from ...base.arrays import Array
+from ...base.errors import printable
 from ...base.files import atomic
 from ...base.units import scale
 
@@ -106,13 +110,28 @@ def log_ticks(axis: Axis) -> None:
     axis.set_minor_formatter(NullFormatter())
 
 
+def _take_as_it_is(text: Text) -> None:
+    """Foreign words do nothing: control characters, of which SVG may hold none, as escapes, and what is no formula in
+    TeX's language as it stands."""
+    words = "\n".join(map(printable, text.get_text().split("\n")))
+    text.set_text(words)
+    if "$" in words:
+        try:
+            MathTextParser("path").parse(words)
+        except ValueError:
+            text.set_parse_math(False)
+
+
 def save(figure: Figure, paths: Iterable[Path]) -> None:
     """Write a figure to files, each atomically; PNG or SVG by the ending, reproducible to the byte, marked as ours.
 
     Its layout is computed once, for the resolution of print; ``savefig`` would do so for every file, and draw twice.
     """
     mark = f"jkr {__version__}"
-    with style():
+    with style(), warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "Glyph .* missing from font", UserWarning)  # drawn as a box
+        for text in figure.findobj(Text):
+            _take_as_it_is(text)
         figure.set_dpi(DPI)
         svg, png = FigureCanvasSVG(figure), FigureCanvasAgg(figure)  # the layout is that of the last, by its letters
         if (engine := figure.get_layout_engine()) is not None:

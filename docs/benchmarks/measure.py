@@ -1,7 +1,8 @@
 """`make benchmarks`: whole processes of the commands that users feel, and a line for each in the history.
 
 Runs of the versions compared alternate, so that what else goes on at the machine hits both; the least of all counts.
-`--against FOLDER` names another checkout, whose times stand beside ours with the ratio.
+`--against FOLDER` names another checkout; the ratio is that of the least CPU seconds, which other work at the machine
+changes least.
 """
 
 from __future__ import annotations
@@ -60,13 +61,13 @@ def measure(runs: int, against: Path | None) -> list[dict[str, object]]:
             for _ in range(runs):
                 for times, package in zip(found, packages, strict=True):
                     times.append(timed(words, package, folder))
-            least = [min(wall for wall, _ in times) for times in found]
-            walls, cpus = zip(*found[0], strict=True)
+            least = [min(cpu for _, cpu in times) for times in found]
+            walls = [wall for wall, _ in found[0]]
             rows.append({
                 "date": f"{datetime.now(UTC):%Y-%m-%d}", "commit": commit(ROOT),
                 "machine": f"{platform.machine()}, {os.cpu_count()} cores, Python {platform.python_version()}",
-                "command": command, "runs": runs, "least_s": f"{least[0]:.3f}",
-                "median_s": f"{statistics.median(walls):.3f}", "least_cpu_s": f"{min(cpus):.3f}",
+                "command": command, "runs": runs, "least_s": f"{min(walls):.3f}",
+                "median_s": f"{statistics.median(walls):.3f}", "least_cpu_s": f"{least[0]:.3f}",
                 "against": "" if against is None else commit(against),
                 "ratio": "" if against is None else f"{least[0] / least[1]:.3f}",
             })  # fmt: skip

@@ -17,9 +17,9 @@ from ..adhesion.stability_inverse import FoundWork, work_from_pull_off
 from ..base.errors import InputError
 from ..base.units import parse
 from ..base.unknown import Estimate, Unknown
-from ..bodies.problem import Loading, Problem
+from ..bodies.parts import changed, checked_names, layer_names, nominal
+from ..bodies.problem import Loading
 from ..series import Solution
-from .fit.body import FittedBody, changed, checked_names
 
 FORCE, RADIUS, MODULI = "load", "R", "E"  # uncertain inputs beside "h", "nu" and those of single layers
 DIMENSIONS = {FORCE: "load", RADIUS: "length", MODULI: "modulus", "h": "length", "nu": "number"}
@@ -110,18 +110,13 @@ def uncertain_inputs(solution: Solution, pairs: Iterable[tuple[str, str]]) -> di
 
 def _whole(solution: Solution, name: str) -> str:
     """The name with its layer; InputError where the body has no such input."""
-    names = _parts(solution.problem).layer_names
+    names = layer_names(solution.problem.specimen)
     whole = f"{name}:{names[0]}" if name in ("h", "nu") and names else name
     layers = names[: len(solution.problem.specimen.layers)]
     own = [f"{quantity}:{layer}" for quantity in ("E", "nu") for layer in names] + [f"h:{layer}" for layer in layers]
     radius = [RADIUS] if hasattr(solution.problem.indenter, "R") else []
     checked_names([whole], [FORCE, *radius, MODULI, *own], "pull-off")
     return whole
-
-
-def _parts(problem: Problem) -> FittedBody:
-    """The body with names for its parts alone."""
-    return FittedBody(problem, cast(Any, None), cast(Any, None), cast(Any, None))
 
 
 def _change(inverse: _Inverse, name: str, sigma: float) -> float:
@@ -149,7 +144,7 @@ def _nominal(inverse: _Inverse, name: str) -> float:
         return inverse.load
     if name == RADIUS:
         return float(cast(Any, problem.indenter).R)
-    return problem.E_star if name == MODULI else _parts(problem).nominal(name)
+    return problem.E_star if name == MODULI else nominal(problem.specimen, name)
 
 
 def _moved(inverse: _Inverse, name: str, value: float) -> _Inverse:
@@ -172,7 +167,7 @@ def _moved(inverse: _Inverse, name: str, value: float) -> _Inverse:
     if name == RADIUS:
         moved = replace(problem, indenter=cast(Any, replace(cast(Any, problem.indenter), R=value)))
     else:
-        moved = changed(_parts(problem), {name: value})
+        moved = changed(problem, {name: value})
     radii = solution.series.a[np.unique(np.linspace(0, len(solution.series) - 1, 100).astype(int))]
     again = method(replace(moved, loading=Loading.given("radius", tuple(radii.tolist()))))
     return replace(inverse, solution=again, body=nonadhesive(again))

@@ -17,9 +17,9 @@ from ...adhesion.finite_range import FiniteRangeBody
 from ...adhesion.law import AskedRange
 from ...adhesion.slopes.choice import slopes
 from ...adhesion.slopes.result import Slopes
-from ...base.errors import InputError, JkrError, Refusal, SolveError, did_you_mean
-from ...bodies.materials import Elastic
-from ...bodies.problem import HalfSpace, Layer, Loading, Problem
+from ...base.errors import InputError, JkrError, Refusal, SolveError
+from ...bodies.parts import changed, checked_names, layer_names, nominal
+from ...bodies.problem import Loading, Problem
 from ...case import Case, load_case, store
 from ...case.solving import solve
 from ...methods.guards import Limits
@@ -28,7 +28,6 @@ from ...series import Series, Solution
 from .attracted import AttractedFamily
 from .family import Family, Members
 
-BASE = "base"  # name of an elastic half-space below the layers
 REMEMBERED = 256  # choice: families kept; more only saves solves
 
 
@@ -92,10 +91,7 @@ class FittedBody:
     @property
     def layer_names(self) -> tuple[str, ...]:
         """Names of the layers as told in the case, else their numbers from 1 at the contact; "base": the half-space."""
-        layers = self.problem.specimen.layers
-        names = [layer.name or str(i) for i, layer in enumerate(layers, start=1)]
-        below = [BASE] if isinstance(self.problem.specimen.base, HalfSpace) else []
-        return (*names, *below)
+        return layer_names(self.problem.specimen)
 
     @property
     def own_parameters(self) -> tuple[str, ...]:
@@ -107,20 +103,13 @@ class FittedBody:
 
     def nominal(self, name: str) -> float:
         """The value of "E:layer" [Pa], "h:layer" [m] or "nu:layer" in the problem."""
-        quantity, _, layer = name.partition(":")
-        checked_names([layer], self.layer_names)
-        part = self._part(layer)
-        if quantity == "h":
-            if not isinstance(part, Layer):
-                raise InputError(f"{name}: a half-space has no thickness")
-            return part.thickness
-        return part.material.surface.E if quantity == "E" else part.material.surface.nu
+        return nominal(self.problem.specimen, name)
 
     def with_values(self, values: dict[str, float]) -> FittedBody:
         """The body solved anew by ``layered`` at the same radii with other ``values`` ("E:film": 2e6, ...), if any."""
         if not values:
             return self
-        problem = changed(self, values)
+        problem = changed(self.problem, values)
         return replace(self, problem=problem, family=self._solved(problem))
 
     def rated(self, values: dict[str, float], varied: Sequence[str]) -> FittedBody:
@@ -129,8 +118,10 @@ class FittedBody:
         They are taken at rounded values, so that steps near the solution need no more solves for them.
         """
         body, near = self.with_values(values), {name: _nearby(value) for name, value in values.items()}
-        base = self._solved(changed(self, near))
-        others = [self._solved(changed(self, near | {name: near[name] * math.exp(TUNING.step)})) for name in varied]
+        base = self._solved(changed(self.problem, near))
+        others = [
+            self._solved(changed(self.problem, near | {name: near[name] * math.exp(TUNING.step)})) for name in varied
+        ]
         return replace(body, family=body.family.with_rates([other.rate_from(base, TUNING.step) for other in others]))
 
     def on_surface(self, surface: str) -> FittedBody:
@@ -157,12 +148,6 @@ class FittedBody:
     def _like(self, other: FittedBody, **changes: Any) -> FittedBody:
         """The ``other`` body as the user describes this one."""
         return replace(other, told=self.told, asked=self.asked, no_range=self.no_range, **changes)
-
-    def _part(self, layer: str) -> Layer | HalfSpace:
-        specimen = self.problem.specimen
-        if layer == BASE and isinstance(specimen.base, HalfSpace):
-            return specimen.base
-        return specimen.layers[self.layer_names.index(layer)]
 
     def _solved(self, problem: Problem) -> Family:
         return solved(
@@ -195,46 +180,12 @@ def solved(problem: Problem, tolerance: float) -> Family:
     return Family.of(series, slopes(series, "exact"))
 
 
-def changed(body: FittedBody, values: dict[str, float]) -> Problem:
-    """The problem of ``body`` with other moduli [Pa], thicknesses [m] and Poisson's ratios."""
-    specimen = body.problem.specimen
-    layers, base = list(specimen.layers), specimen.base
-    for name, value in values.items():
-        quantity, _, layer = name.partition(":")
-        if layer == BASE and isinstance(base, HalfSpace):
-            base = HalfSpace(_with(base.material, quantity, value))
-            continue
-        i = body.layer_names.index(layer)
-        if quantity == "h":
-            layers[i] = replace(layers[i], thickness=value)
-        else:
-            layers[i] = replace(layers[i], material=_with(layers[i].material, quantity, value))
-    return replace(body.problem, specimen=replace(specimen, layers=tuple(layers), base=base))
-
-
-def _with(material: Any, quantity: str, value: float) -> Any:
-    """The material with another modulus [Pa] (that of its top, all moduli in proportion) or Poisson's ratio."""
-    if quantity == "E":
-        return (
-            replace(material, E=value) if isinstance(material, Elastic) else material.scaled(value / material.surface.E)
-        )
-    return replace(material, nu=value)
-
-
 def check_parameters(body: FittedBody, names: Sequence[str]) -> None:
     """Refuse parameters of layers that the body does not have or that cannot be solved anew."""
     own = [name for name in names if ":" in name]
     if own and not body.own_parameters:
         raise InputError(f"fit: {own[0]}: a finite cylinder is not solved anew; fit its modulus, or leave radius out")
     checked_names(own, body.own_parameters)
-
-
-def checked_names(names: Sequence[str], allowed: Sequence[str], verb: str = "fit") -> None:
-    """Refuse a name that is none of ``allowed``, with the nearest that is; the message begins with the ``verb``."""
-    for name in names:
-        if name not in allowed:
-            hint = did_you_mean(name, allowed, 0.4)
-            raise InputError(f'{verb}: unknown parameter "{name}"{hint} (allowed: {", ".join(allowed)})')
 
 
 def body_of(source: Case | Solution | Path, rule: str = "auto", limits: Limits | None = None) -> FittedBody:

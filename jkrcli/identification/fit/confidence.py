@@ -13,7 +13,7 @@ from scipy.optimize import brentq
 from ...base.arrays import Array
 from ...base.errors import InputError, JkrError
 from ...base.unknown import Unknown
-from .body import changed
+from ...bodies.parts import changed
 from .model import Objective
 from .result import FittedValue, JKRBeside
 from .search import Minimum, minimise
@@ -212,7 +212,7 @@ class _Spread:
 def _follows(objective: Objective, x: Array) -> dict[str, float]:
     """E* [Pa] and the moduli E of all layers [Pa] that are no parameters themselves, and tension [Pa] or range [m]."""
     values, body = objective.values(x), objective.body
-    problem = changed(body, {name: value for name, value in values.items() if ":" in name})
+    problem = changed(body.problem, {name: value for name, value in values.items() if ":" in name})
     s = values.get("modulus", 1.0)
     found = {"E_star": s * problem.E_star}
     if problem.indenter.material is None:  # else its own modulus is scaled too, and none of the layers' follows

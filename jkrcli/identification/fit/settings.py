@@ -9,7 +9,8 @@ from typing import Any, Literal
 
 from ...base.errors import InputError
 from ...base.units import parse
-from .body import FittedBody, checked_names
+from ...bodies.parts import checked_names
+from .body import FittedBody
 
 Kind = Literal["log", "positive", "linear"]
 BranchName = Literal["all", "compressive"]

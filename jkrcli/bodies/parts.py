@@ -1,0 +1,67 @@
+"""The layers of a body by name, and bodies with other moduli, thicknesses and Poisson's ratios in some of them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+from ..base.errors import InputError, did_you_mean
+from .materials import Elastic
+from .problem import HalfSpace, Layer, Problem, Specimen
+
+BASE = "base"  # name of an elastic half-space below the layers
+
+
+def layer_names(specimen: Specimen) -> tuple[str, ...]:
+    """Names of the layers as told in the case, else their numbers from 1 at the contact; "base": the half-space."""
+    names = [layer.name or str(i) for i, layer in enumerate(specimen.layers, start=1)]
+    return (*names, *([BASE] if isinstance(specimen.base, HalfSpace) else []))
+
+
+def nominal(specimen: Specimen, name: str) -> float:
+    """The value of "E:layer" [Pa], "h:layer" [m] or "nu:layer"."""
+    quantity, _, layer = name.partition(":")
+    names = layer_names(specimen)
+    checked_names([layer], names)
+    if layer == BASE and isinstance(specimen.base, HalfSpace):
+        part: Layer | HalfSpace = specimen.base
+    else:
+        part = specimen.layers[names.index(layer)]
+    if quantity == "h":
+        if not isinstance(part, Layer):
+            raise InputError(f"{name}: a half-space has no thickness")
+        return part.thickness
+    return part.material.surface.E if quantity == "E" else part.material.surface.nu
+
+
+def changed(problem: Problem, values: Mapping[str, float]) -> Problem:
+    """The problem with other moduli [Pa], thicknesses [m] and Poisson's ratios by name ("E:film": 2e6, ...)."""
+    specimen = problem.specimen
+    layers, base, names = list(specimen.layers), specimen.base, layer_names(specimen)
+    for name, value in values.items():
+        quantity, _, layer = name.partition(":")
+        if layer == BASE and isinstance(base, HalfSpace):
+            base = HalfSpace(_with(base.material, quantity, value))
+            continue
+        i = names.index(layer)
+        if quantity == "h":
+            layers[i] = replace(layers[i], thickness=value)
+        else:
+            layers[i] = replace(layers[i], material=_with(layers[i].material, quantity, value))
+    return replace(problem, specimen=replace(specimen, layers=tuple(layers), base=base))
+
+
+def _with(material: Any, quantity: str, value: float) -> Any:
+    """The material with another modulus [Pa] (that of its top, all moduli in proportion) or Poisson's ratio."""
+    if quantity == "nu":
+        return replace(material, nu=value)
+    return replace(material, E=value) if isinstance(material, Elastic) else material.scaled(value / material.surface.E)
+
+
+def checked_names(names: Sequence[str], allowed: Sequence[str], verb: str = "fit") -> None:
+    """Refuse a name that is none of ``allowed``, with the nearest that is; the message begins with the ``verb``."""
+    for name in names:
+        if name not in allowed:
+            hint = did_you_mean(name, allowed, 0.4)
+            raise InputError(f'{verb}: unknown parameter "{name}"{hint} (allowed: {", ".join(allowed)})')

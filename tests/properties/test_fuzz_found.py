@@ -24,6 +24,7 @@ from jkrcli.base.units import parse
 from jkrcli.base.unknown import Unknown
 from jkrcli.case import load_case, parse_case, store
 from jkrcli.methods.closed_form.method import ClosedForm
+from jkrcli.methods.layered.layered import Layered
 
 CASES = Path(__file__).parents[2] / "cases"
 GOOD = """
@@ -388,3 +389,14 @@ def test_a_sticking_layer_thinner_than_anything_is_refused_before_it_is_laid_out
     assert done.code == 2
     assert "rows where the surfaces stick (limit " in done.err or "would need about" in done.err, done.err
     assert jkr("check", "x.toml").code in (0, 2)
+
+
+def test_a_formula_is_not_checked_by_a_long_solve(jkr: Callable, monkeypatch: pytest.MonkeyPatch) -> None:
+    """``check`` took 23 s without a word: the exact layer under a contact of 600 times its thickness."""
+    solved = []
+    original = Layered.__call__
+    monkeypatch.setattr(Layered, "__call__", lambda self, problem: solved.append(problem) or original(self, problem))
+    text = (CASES / "thin-layer.toml").read_text(encoding="utf-8").replace("0.15 um", "189 um")
+    Path("x.toml").write_text(text, encoding="utf-8")
+    assert jkr("check", "x.toml").code == 0
+    assert [problem.loading.maximum < 1e-5 for problem in solved] == [True]

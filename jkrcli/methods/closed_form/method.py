@@ -11,6 +11,7 @@ import numpy as np
 from ...base.arrays import Array
 from ...base.clock import StageClock
 from ...base.errors import InputError, Refusal, SolveError
+from ...base.units import show
 from ...bodies.indenters import Paraboloid, Sphere
 from ...bodies.materials import Elastic
 from ...bodies.problem import Layer, Loading, Problem, Rigid
@@ -28,6 +29,7 @@ class ClosedFormTuning:
     round_off: float = 1e-14  # theory: 45 times the machine epsilon, for the dozen operations of a formula
     worst: float = 0.05  # choice: largest error at which the leading order of a thin layer is still offered
     checked: float = 1e-6  # choice: accuracy of the exact layer that it is checked against, small beside ``worst``
+    seconds: float = 3.0  # choice: forecast of that check up to which it is done, before any method is chosen
     searched: float = 1e-6  # choice: accuracy of the radii from which the search for those of a loading is refined
 
 
@@ -170,7 +172,16 @@ def _leading_order(R: float, layer: Layer, base: Rigid) -> Formula:
 
 
 def _leading_order_error(problem: Problem, formula: Formula, radii: Array) -> float:
-    """Largest relative difference of delta, P, S and S' to the exact layer solution at ``radii``."""
-    exact = Layered(TUNING.checked)(replace(unbounded(problem), loading=Loading.given("radius", tuple(radii)))).series
-    pairs = zip(formula.columns(radii), (exact.delta, exact.P, exact.S, exact.dS), strict=True)
-    return float(max(np.max(np.abs(ours / theirs - 1)) for ours, theirs in pairs if theirs is not None))
+    """Largest relative difference of delta, P, S and S' to the exact layer solution at the increasing ``radii``; where
+    that is no quick matter, of those below, if it is too large there; else SolveError."""
+    layered, worst = Layered(TUNING.checked), 0.0
+    for a in radii:
+        exactly = replace(unbounded(problem), loading=Loading.given("radius", (float(a),)))
+        if (seconds := layered.forecast(exactly).seconds) > TUNING.seconds:
+            if worst > TUNING.worst:
+                break
+            raise SolveError(f"the exact layer at a = {show(float(a), 'length')} would take about {seconds:.2g} s")
+        exact = layered(exactly).series
+        pairs = zip(formula.columns(np.array([a])), (exact.delta, exact.P, exact.S, exact.dS), strict=True)
+        worst = max(worst, *(float(np.abs(ours / theirs - 1)[0]) for ours, theirs in pairs if theirs is not None))
+    return worst

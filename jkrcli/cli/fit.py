@@ -228,6 +228,7 @@ def _body(source: Path | dict[str, str | None], slopes: str, limits: Limits) -> 
     radius = parse_case(tomli_w.dumps(tables).encode(), "fit").model.problem().indenter.tip_radius
     assert radius is not None  # of sphere and paraboloid
     tables["loading"]["radius"] = SHALLOW * radius
+    tables["method"] = "closed-form" if source["thickness"] is None else "layered"  # so that no other is imported
     body = body_of(parse_case(tomli_w.dumps(tables).encode(), "fit"), slopes, limits)
     return replace(body, told=source["modulus"] is not None)
 

@@ -56,6 +56,11 @@ class Dialect:
         cells = [cell.strip() for cell in parts]
         return cells[:-1] if len(cells) > 1 and not cells[-1] else cells
 
+    def divides(self, line: str) -> bool:
+        """Whether the separator stands in a line; quick, for the many lines of which another one is right."""
+        mark = SEPARATORS[self.separator]
+        return mark in line if mark is not None else len(line.split(None, 1)) > 1
+
     def numbers(self, line: str, width: int = 0) -> list[float] | None:
         """The numbers of a line, or None where one of its cells is none; nan for an empty cell.
 
@@ -190,15 +195,21 @@ def _texts(content: list[tuple[int, str]], dialect: Dialect, lines: set[int]) ->
     return {index: tuple(row[index] for row in rows) for index in dialect.text}
 
 
-def _with_text(content: list[tuple[int, str]], dialect: Dialect, is_text: Callable[[int, str], bool]) -> Dialect:
+def _with_text(
+    content: list[tuple[int, str]], dialect: Dialect, least: int, is_text: Callable[[int, str], bool]
+) -> Dialect:
     """The dialect with the columns of text, by the first line that names one: before any row of numbers."""
     for _, line in content:
+        if not dialect.divides(line):
+            continue
         cells = _header_cells(line, dialect, 0)
         if _is_comment(line) and cells and cells[0].endswith(":"):  # "# segment: extend" is no header
             cells = cells[1:] if cells[0].lower() in HEADINGS else []
+        if len(cells) < least:
+            continue
         if found := {i for i, cell in enumerate(cells) if is_text(i, cell)}:
             return replace(dialect, text=frozenset(found))
-        if dialect.numbers(line) is not None:
+        if all(_NUMBER.match(cell.replace(",", ".")) for cell in cells[:least]):
             break
     return dialect
 
@@ -217,7 +228,7 @@ def _dialect(
         raise InputError('separator "comma" and decimal "," exclude each other: say which one the comma is')
     for by_content in (False, True):
         plain = [
-            _with_words(content, dialect, least) if by_content else _with_text(content, dialect, is_text)
+            _with_words(content, dialect, least) if by_content else _with_text(content, dialect, least, is_text)
             for dialect in allowed
         ]
         best, unread = _most_rows(content, plain, least)
@@ -255,7 +266,7 @@ def _data(content: list[tuple[int, str]], dialect: Dialect, least: int) -> Itera
     """The rows of numbers, all as wide as the first."""
     width = 0
     for n, line in content:
-        row = None if _is_comment(line) else dialect.numbers(line, width)
+        row = dialect.numbers(line, width) if dialect.divides(line) and not _is_comment(line) else None
         if row is not None and len(row) == (width or len(row)) and len(row) - sum(map(math.isnan, row)) >= least:
             width = len(row)
             yield n, row

@@ -102,12 +102,13 @@ def _parts(basis: Array, mean: Array, count: Array) -> tuple[float, float]:
     S = np.maximum(mean, 1e-3 * mean.max())
     for _ in range(TUNING.rounds):
         weights = count / np.maximum(S, 1e-300) ** 2
-        normal = (basis * weights) @ basis.T
-        right = (basis * weights) @ mean
-        A, B = np.linalg.solve(normal + 1e-12 * np.diag(np.diag(normal)), right)
+        (aa, ab), (_, bb) = ((basis * weights) @ basis.T).tolist()
+        a, b = ((basis * weights) @ mean).tolist()
+        determinant = aa * bb * (1 + TUNING.untold) - ab * ab
+        A, B = (a * bb - b * ab) / determinant, (b * aa - a * ab) / determinant
         if B < 0:
-            A, B = right[0] / normal[0, 0], 0.0
+            A, B = a / aa, 0.0
         elif A < 0:
-            A, B = 0.0, right[1] / normal[1, 1]
+            A, B = 0.0, b / bb
         S = A * basis[0] + B * basis[1]
-    return float(A), float(B)
+    return A, B

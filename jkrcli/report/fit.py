@@ -144,7 +144,7 @@ def estimate_summary(item: FittedValue) -> dict[str, Any]:
 def words(item: Fit) -> list[str]:
     """A fit as lines of text: what was free, and what follows from it."""
     out = f" ({', '.join(item.left_out)} left out)" if item.left_out else ""
-    status = f"{_status(item)}, " if item.quality is not None else ""
+    status = f"{_status(item)}, " if item.quality is not None or item.flags else ""
     stuck = ", surfaces that stick" if item.surface == "sticking" else ""
     lines = [f"{item.where}: {status}{item.a.size} rows of {', '.join(item.data)}{out}{stuck}"]
     for estimate in item.estimates:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from functools import lru_cache
 
@@ -188,6 +189,44 @@ def test_a_contact_of_few_rows_after_a_long_way_is_kept_to_its_end() -> None:
     found = fit(BODY, curve, usual(segment="approach"))
     assert np.count_nonzero(found.a) > 35
     assert found.value("E_star") == pytest.approx(E_star, rel=0.015)  # standard error: 0.0034
+
+
+def without_base_line(chosen: Callable[[np.ndarray, np.ndarray], np.ndarray], offset: float = 0.0) -> Curve:
+    """The rows of a record, E* = 20 kPa, w = 0.1 mJ/m^2, whose position and load over the pull-off force are chosen."""
+    force, k = 1.5 * math.pi * 1e-4 * R, 0.05
+    columns = record(20e3, R, 0.0, 1e-4, Instrument(k, 1500, 3e-6, 4 * force, 0.005 * force), 1)
+    rows = chosen(columns["z"], columns["P"] / force)
+    z, P = columns["z"][rows], columns["P"][rows] + offset * force
+    return Curve("made", delta=z - P / k, P=P, stiffness=k)
+
+
+@pytest.mark.parametrize(
+    ("chosen", "error"),
+    [
+        (lambda z, P: z > 0.02e-6, 0.01),
+        (lambda z, P: P > 0.3, 0.1),  # without pull-off w rests on the shape of the curve
+        (lambda z, P: (P < -0.05) & (z > -0.2e-6), 0.01),
+    ],
+    ids=["no base line", "compression", "tension"],
+)
+def test_what_there_is_of_a_record_is_fitted(
+    chosen: Callable[[np.ndarray, np.ndarray], np.ndarray], error: float
+) -> None:
+    """Without a base line the zero of the load is that of the file; the retraction alone, told by the motion."""
+    found = fit(BODY, without_base_line(chosen), usual())
+    assert found.value("E_star") == pytest.approx(20e3, rel=0.03)
+    assert found.value("w") == pytest.approx(1e-4, rel=error)
+    assert "no base line" in found.flags
+    assert any("reading of no load: it is taken as 0 (--free P0" in line for line in found.warnings)
+    assert fit(BODY, without_base_line(chosen), usual(segment="retract")).value("w") == found.value("w")
+
+
+def test_a_free_zero_of_a_record_in_tension_leaves_w_open() -> None:
+    found = fit(BODY, without_base_line(lambda z, P: (P < -0.05) & (z > -0.2e-6), offset=1.0), usual(free=["P0"]))
+    item = found.estimate("w")
+    assert item.low == 0
+    assert item.high is not None
+    assert item.high > 1e-4
 
 
 def test_correlated_noise_widens_the_intervals() -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -11,7 +11,7 @@ import numpy as np
 from ...base.errors import InputError, JkrError, SolveError
 from ...base.executors import Pool, completed
 from ...data.measured import Curve
-from ...data.measured.curve import Pixel
+from ...data.measured.curve import APPROACH, RETRACT, Pixel
 from ...data.record import examine
 from .body import FittedBody, check_parameters
 from .checks import warnings_of
@@ -23,7 +23,7 @@ from .record import fit_record, whole_record
 from .result import Fit
 from .rivals import Rivals, rivals_of
 from .search import robust, search
-from .settings import Settings
+from .settings import Parameter, Settings
 from .statistics import structure, t_quantile
 
 CHUNK = 20  # choice: curves per task
@@ -39,19 +39,36 @@ class Failure:
 
     @property
     def flags(self) -> tuple[str, ...]:
-        return flags_of(self.curve)
+        return tuple(flags_of(self.curve))
 
     @property
     def pixel(self) -> Pixel | None:
         return self.curve.pixel
 
 
-def flags_of(curve: Curve) -> tuple[str, ...]:
-    """What is wrong with a record, in a word or two each; none where it is too short or no force curve."""
+def flags_of(curve: Curve) -> Mapping[str, str]:
+    """What is wrong with a record, in a word or two, and a sentence on each; none where it is too short or no force
+    curve."""
     try:
-        return tuple(examine(curve).flags)
+        return examine(curve).flags
     except InputError:
-        return ()
+        return {}
+
+
+def parted(curve: Curve, settings: Settings) -> Curve:
+    """The curve with approach and retraction told apart by its motion, where no column tells them and one of them is
+    asked for, or to be taken because it is the record of a device."""
+    asked = settings.segment in (APPROACH, RETRACT) or (settings.segment is None and curve.stiffness is not None)
+    if curve.segment is not None or not asked:
+        return curve
+    try:
+        segments = examine(curve).segments
+    except InputError:
+        return curve
+    words = np.full(len(curve), "", dtype="U8")
+    for segment in segments:
+        words[segment.rows] = segment.kind
+    return replace(curve, segment=words)
 
 
 def fit_all(body: FittedBody, curves: Sequence[Curve], settings: Settings, pool: Pool) -> list[Fit | Failure]:
@@ -87,7 +104,7 @@ def _fit(body: FittedBody, curve: Curve, settings: Settings) -> Fit:
     check_parameters(body, [parameter.name for parameter in settings.parameters])
     if (record := whole_record(curve, settings)) is not None:
         return fit_record(body, record, settings)
-    zero = settings.parameter("P0")
+    curve, zero = parted(curve, settings), settings.parameter("P0")
     level = 0.0 if zero is None else None if zero.free else zero.value
     points = points_of(curve, settings.segment, settings.branch, len(settings.free), level)
     settings, words = _told_by(settings, points)
@@ -97,6 +114,7 @@ def _fit(body: FittedBody, curve: Curve, settings: Settings) -> Fit:
     rivals = Rivals((), 1.0)
     if settings.range is None:
         rivals = rivals_of(minimum, confidence.scatter**2, t_quantile(settings.level, confidence.dof))
+    flags: Mapping[str, str] = {} if curve.stiffness is None else flags_of(curve)
     distances = minimum.found
     readings, a = distances.readings, distances.a
     readings.member.refuse_beyond(float(a.max()))
@@ -125,11 +143,18 @@ def _fit(body: FittedBody, curve: Curve, settings: Settings) -> Fit:
         evaluations=minimum.evaluations,
         settings=settings,
         warnings=(),
-        flags=() if curve.stiffness is None else flags_of(curve),
+        flags=tuple(flags),
         jkr=sharp,
     )
     said = warnings_of(found, minimum.objective.body, readings.members.plain, minimum.at_bound, rivals)
-    return replace(found, warnings=(*words, *said))
+    return replace(found, warnings=(*_on_record(flags, zero), *words, *said))
+
+
+def _on_record(flags: Mapping[str, str], zero: Parameter | None) -> Iterator[str]:
+    """Sentences on what is wrong with the record of a device whose readings were fitted as they are."""
+    yield from (f"{name}: {sentence}" for name, sentence in flags.items())
+    if "no base line" in flags and zero is not None and not zero.free and not zero.value:
+        yield "no base line tells the reading of no load: it is taken as 0 (--free P0, or --zero P=... if it is known)"
 
 
 def _told_by(settings: Settings, points: Points) -> tuple[Settings, tuple[str, ...]]:

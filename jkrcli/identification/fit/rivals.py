@@ -29,6 +29,7 @@ class RivalTuning:
     chance: float = 5e-3  # choice: at which data of the model itself show a rival
     least: float = -0.7  # choice: guard, a change along the record; w and moduli stay above 0
     most: float = 1.2  # choice: guard, the same
+    reach: float = 7.0  # choice: guard, how far logs may move, as in the search
     steps: int = 2  # choice: of Gauss and Newton; two more change the parts by a twentieth
     fewest: int = 6  # choice: degrees of freedom; two of them go to the rivals
 
@@ -129,9 +130,12 @@ def _followed(minimum: Minimum, drift: Drift) -> dict[str, float]:
     noise and outliers there are stays. Gauss-Newton."""
     objective, x = replace(minimum.objective, drift=drift), minimum.x.copy()
     free, kept = objective.free, minimum.found.residuals.ravel()
+    logs = np.array([parameter.kind == "log" for parameter in objective.parameters])
+    low, high = x - np.where(logs, TUNING.reach, np.inf), x + np.where(logs, TUNING.reach, np.inf)
     for _ in range(TUNING.steps):
         there = objective.distances(x)
         x[free] -= np.linalg.lstsq(there.jacobian(free), there.residuals.ravel() - kept, rcond=None)[0]
+        x = np.clip(x, low, high)
     values = objective.values(x)
     u = objective.distances(x, rated=False).u
     radii = np.exp(np.array([u.min(), u.max()]))  # the model's own, not those of before

@@ -56,14 +56,16 @@ def flags_of(curve: Curve) -> Mapping[str, str]:
 
 
 def parted(curve: Curve, settings: Settings) -> Curve:
-    """The curve with approach and retraction told apart by its motion, where no column tells them and one of them is
-    asked for, or to be taken because it is the record of a device."""
+    """The curve with approach and retraction told apart by its motion, where it holds both, no column tells them and
+    one of them is asked for, or to be taken because it is the record of a device."""
     asked = settings.segment in (APPROACH, RETRACT) or (settings.segment is None and curve.stiffness is not None)
     if curve.segment is not None or not asked:
         return curve
     try:
         segments = examine(curve).segments
     except InputError:
+        return curve
+    if not {APPROACH, RETRACT} <= {segment.kind for segment in segments}:
         return curve
     words = np.full(len(curve), "", dtype="U8")
     for segment in segments:

@@ -383,8 +383,9 @@ def _refuse_folded(rims: Rims) -> None:
     if falls.size:
         raise Refusal(
             f"adhesion of finite range: beyond the contact radius {show(float(rims.a[falls[0]]), 'length')} the radius "
-            "to which the surfaces attract each other falls: a coating so much stiffer than what lies below it is "
-            "not touched in a disc that grows; ask for a smaller radius"
+            "to which the surfaces attract each other falls: a stiff coating, or a layer so soft that it leaps up to "
+            "the indenter, is not touched in a disc that grows; ask for a smaller radius, or give another stress or "
+            "range"
         )
 
 

@@ -10,6 +10,7 @@ STUDIES = {
     "pull-off-map": "The pull-off force on a layer, in pi w R, over w R^2/(E* h^3).",
     "sticking-map": "What sticking changes on a layer: S and load over those of sliding, over a/h.",
     "transition-map": "The pull-off force on a layer between JKR and DMT, over the range of adhesion.",
+    "adhesion-map": "Which model of adhesion holds on a layer, over its range and the load.",
     "rate-map": "Pull-off force and energy lost over speed, stiffness and body.",
     "converge": "The same case on a sequence of meshes.",
 }

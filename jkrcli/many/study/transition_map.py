@@ -48,7 +48,8 @@ TUNING = TransitionTuning()
 
 @dataclass(frozen=True)
 class TransitionPoint:
-    """One point of the map: ``force`` = -P_min/(pi w R), ``jkr``: that without a range; ``a_over_h``, ``c_over_h``."""
+    """One point of the map: ``force`` = -P_min/(pi w R), ``jkr``: that without a range; ``a_over_h``, ``c_over_h``;
+    NaN where there is no curve, and the ``reason``."""
 
     nu: float
     base: str
@@ -58,6 +59,7 @@ class TransitionPoint:
     jkr: float
     a_over_h: float
     c_over_h: float
+    reason: str = ""
 
 
 def transition_map(
@@ -96,11 +98,17 @@ def _row(bonded: bool, mus: Sequence[float], cell: tuple[float, float]) -> list[
     body = FiniteRangeBody(problem, solution.series, AttractedBody(problem))
     found, unit, base = [], math.pi * q, "bonded" if bonded else "frictionless"
     for mu in mus:
-        try:
-            point = body.curve(Range.of(q, stress=mu * q ** (1 / 3))).pull_off(LOAD_CONTROL)
-        except JkrError as error:
-            raise SolveError(f"transition map: nu = {nu:g}, q = {q:g}, mu = {mu:g}: {error}") from None
-        if not isinstance(point, CriticalPoint) or point.c is None:
-            raise SolveError(f"transition map: nu = {nu:g}, q = {q:g}, mu = {mu:g}: no pull-off")
-        found.append(TransitionPoint(nu, base, q, mu, -point.P / unit, -sharp.P / unit, point.a, point.c))
+        found.append(_point(body, nu, base, q, mu, -sharp.P / unit))
     return found
+
+
+def _point(body: FiniteRangeBody, nu: float, base: str, q: float, mu: float, jkr: float) -> TransitionPoint:
+    """One range on a ``body``; by what its curve is refused where it has none."""
+    try:
+        point = body.curve(Range.of(q, stress=mu * q ** (1 / 3))).pull_off(LOAD_CONTROL)
+    except JkrError as error:
+        point = Unknown(str(error))
+    if isinstance(point, CriticalPoint) and point.c is not None:
+        return TransitionPoint(nu, base, q, mu, -point.P / (math.pi * q), jkr, point.a, point.c)
+    reason = f"nu = {nu:g}, q = {q:g}, mu = {mu:g}: {point.reason if isinstance(point, Unknown) else 'no pull-off'}"
+    return TransitionPoint(nu, base, q, mu, math.nan, jkr, math.nan, math.nan, reason)

@@ -100,28 +100,6 @@ def _symbol(column: str) -> str:
     return column.removesuffix("_m").replace("delta", "δ")
 
 
-def transition_figure(columns: Mapping[str, Array]) -> Figure:
-    """The transition map: -P_min/(pi w R) over mu, one line per layer, JKR's limit dashed, that of a long range dotted,
-    a dot where the force lies above both."""
-    with drawing(MIDDLE, 3.4) as figure:
-        axes = figure.subplots()
-        axes.axhline(2, color="0.6", lw=0.8, ls=":")
-        layers = dict.fromkeys(zip(columns["nu"].tolist(), columns["w_R2_over_Estar_h3"].tolist(), strict=True))
-        for i, (nu, q) in enumerate(layers):
-            rows = (columns["nu"] == nu) & (columns["w_R2_over_Estar_h3"] == q)
-            mu, force = columns["mu"][rows], columns["minus_P_over_pi_w_R"][rows]
-            short, color = float(columns["jkr_minus_P_over_pi_w_R"][rows][0]), COLORS[i % len(COLORS)]
-            axes.semilogx(mu, force, "-", color=color, label=f"ν = {nu:g}, w R²/(E* h³) = {q:g}")
-            above = force > max(short, 2)
-            axes.semilogx(mu[above], force[above], "o", color=color, ms=4)
-            axes.axhline(short, color=color, lw=0.8, ls="--")
-        axes.set_xlabel("σ (R / (E*² w))^(1/3)")
-        axes.set_ylabel("pull-off force / (π w R)")
-        axes.set_title(f"layer on a rigid base, {columns['base'][0]}; dashed: JKR, dotted: long range")
-        legend_below(figure, [axes], 3)
-        return figure
-
-
 def map_figure(columns: Mapping[str, Array]) -> Figure:
     """The pull-off map: -P_min/(pi w R) over w R^2/(E* h^3), one line per Poisson's ratio, with its limits."""
     with drawing(MIDDLE, 3.4) as figure:

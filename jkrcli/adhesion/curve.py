@@ -244,7 +244,7 @@ class EquilibriumCurve(ABC):
     """A curve of equilibria of adhesive contact along their place on it [m], which grows with the contact: the contact
     radius a, or what a subclass says. What is read off such a curve is the same whatever attracts the surfaces."""
 
-    complete: ClassVar[bool] = False  # whether it begins where the free bodies do, with nothing before its first point
+    ranged: ClassVar[bool] = False  # whether adhesion has a range, so that surfaces may attract without contact
     if TYPE_CHECKING:  # fields of some, properties of others
 
         @property
@@ -270,6 +270,11 @@ class EquilibriumCurve(ABC):
         @property
         def P(self) -> Array:
             """Load [N] at the points."""
+
+    @property
+    def complete(self) -> bool:
+        """Whether it begins where the free bodies do, with nothing before its first point."""
+        return False
 
     @property
     def onset(self) -> float:

@@ -24,7 +24,7 @@ from ..methods.integral.attraction import Attraction, Rims
 from ..methods.layered.contact import checked
 from ..series import Series, Solution
 from .critical import Errors
-from .curve import Equilibrium, EquilibriumCurve, Parts, composite_gauss
+from .curve import CriticalPoint, Equilibrium, EquilibriumCurve, Parts, composite_gauss
 from .device import CONTROLS
 from .law import Range
 from .slopes.choice import slopes
@@ -43,6 +43,8 @@ class FiniteRangeTuning:
     halved: float = 16.0  # theory: halving the spacing divides the error by 64, by a fourth of it where it is uneven
     touching: float = 1e-9  # choice: of c0, within which the rate at first touch is taken
     rounds: int = 3  # choice: of inserting points where they are too far apart
+    leap: float = 0.4  # choice: of the same, from point to point: a curve that leaps; five times the spacing
+    fewest: int = 12  # choice: points of a curve, where some of its beginning are left out
     safety: float = 4.0  # on the change of the second panels; choice: as for series of `layered`
     looked_at: int = 8  # contact radii at which separations are looked at; choice: for a warning
     samples: int = 4  # choice: per interval, where zeros are looked for
@@ -61,10 +63,10 @@ class FiniteRangeCurve(EquilibriumCurve):
     """The adhesive curve of a body for a ``law`` of finite range, along the radius c to which the surfaces attract.
 
     ``apart``: states without contact, from c = 0 on; ``touching``: those in contact from a = 0 on, both at increasing
-    c. ``parts``: columns of the w-free functions at the latter. Between the points: splines over
-    arcosh sqrt(c/c0), c0 at first touch, in which the curve is smooth on both sides of it and far from it; without
-    contact P = -pi sigma c^2, and delta(c) less the profile f(c) is a spline. ``half_widths``: the ``errors``;
-    ``doubts``: what speaks against the states, in sentences.
+    c. Where c falls as the contact grows, the curve begins beyond, and ``apart`` is empty. ``parts``: columns of the
+    w-free functions at the latter. Between the points: splines over arcosh sqrt(c/c0), c0 at first touch, in which the
+    curve is smooth on both sides of it and far from it; without contact P = -pi sigma c^2, and delta(c) less the
+    profile f(c) is a spline. ``half_widths``: the ``errors``; ``doubts``: what speaks against the states, in sentences.
     """
 
     law: Range
@@ -75,7 +77,11 @@ class FiniteRangeCurve(EquilibriumCurve):
     parts: Parts
     half_widths: Mapping[str, Array] = field(default_factory=dict)
     doubts: tuple[str, ...] = ()
-    complete: ClassVar[bool] = True
+    ranged: ClassVar[bool] = True
+
+    @property
+    def complete(self) -> bool:
+        return self.apart.c.size > 0
 
     @property
     def errors(self) -> Mapping[str, Array]:
@@ -134,6 +140,10 @@ class FiniteRangeCurve(EquilibriumCurve):
         """Contact radii of the points [m], 0 where nothing touches."""
         return np.concatenate([self.apart.a, self.touching.a])
 
+    def critical(self, stiffness: float) -> tuple[CriticalPoint, ...]:
+        """As of any curve, but for its begin, where the surfaces only come within the range."""
+        return tuple(point for point in super().critical(stiffness) if point.place > 0)
+
     def point(self, place: float) -> Equilibrium:
         delta, P = self.at(np.array(place))
         return Equilibrium(float(self.contact_radii(np.array(place))), float(delta), float(P), place)
@@ -141,7 +151,8 @@ class FiniteRangeCurve(EquilibriumCurve):
     def contact_radii(self, places: Array) -> Array:
         places = np.asarray(places, dtype=float)
         v = self._stretched(np.maximum(places, self._c0))
-        return np.where(places > self._c0, np.maximum(self._spline(v)[..., 0], 0.0), 0.0)
+        found = np.maximum(self._spline(v)[..., 0], 0.0)
+        return found if not self.complete else np.where(places > self._c0, found, 0.0)
 
     def place_of(self, a: float) -> float:
         """The place of the contact radius ``a`` [m]."""
@@ -186,19 +197,23 @@ class FiniteRangeCurve(EquilibriumCurve):
 
     def _at(self, places: Array) -> tuple[Array, Array]:
         c = np.minimum(places, self._c0)
-        free = self.problem.indenter.f(c) - self._pulled(c), -math.pi * self.law.stress * c**2
+        pulled: Array = self._pulled(c) if self.complete else np.zeros_like(c)
+        free = self.problem.indenter.f(c) - pulled, -math.pi * self.law.stress * c**2
         held = np.moveaxis(self._spline(self._stretched(places)), -1, 0)[1:]
-        return tuple(np.where(places > self._c0, b, a) for a, b in zip(free, held, strict=True))
+        delta, P = (np.where(places > self._c0, b, a) for a, b in zip(free, held, strict=True))
+        return delta, P
 
     def _rates(self, places: Array) -> tuple[Array, Array]:
         c = np.minimum(places, self._c0)
         safe = np.maximum(c, np.finfo(float).tiny)
-        free = self.problem.indenter.slope(safe) - self._pulled(c, 1), -2 * math.pi * self.law.stress * c
+        pulled: Array = self._pulled(c, 1) if self.complete else np.zeros_like(c)
+        free = self.problem.indenter.slope(safe) - pulled, -2 * math.pi * self.law.stress * c
         beyond = np.maximum(places / self._c0 - 1, TUNING.touching)
         by_c = 1 / (2 * self._c0 * np.sqrt((1 + beyond) * beyond))
         held = np.moveaxis(self._slope(self._stretched(places)), -1, 0)[1:] * by_c
         inside = places > self._c0 * (1 + TUNING.touching)
-        return tuple(np.where(inside, b, a) for a, b in zip(free, held, strict=True))
+        delta, P = (np.where(inside, b, a) for a, b in zip(free, held, strict=True))
+        return delta, P
 
     @cached_property
     def _samples(self) -> Array:
@@ -246,6 +261,12 @@ class FiniteRangeCurve(EquilibriumCurve):
 
     def _outside(self, stiffness: float, end: str, lowest: Equilibrium) -> str:
         quantity = next((name for name, value in CONTROLS.items() if value == stiffness), "device position")
+        if end == "smallest" and not self.complete:
+            return (
+                f"the {quantity} is lowest at the smallest radius of the curve, a = {show(lowest.a, 'length')}: below, "
+                "the radius to which the surfaces attract each other falls as the contact grows; give another stress "
+                "or range"
+            )
         if end == "smallest":
             return (
                 f"contact is not lost in a jump: the {quantity} falls until the surfaces no longer attract each other, "
@@ -304,13 +325,16 @@ class FiniteRangeBody:
         largest, s, gap = self._pulled(law)
         reach = self.body.reach(largest, s, gap)
         attraction = self.body.attraction(reach)
-        rims = self._touching(attraction, s, gap)
-        _refuse_folded(rims)
-        c = np.linspace(0, rims.c[0], TUNING.apart + 1)[1:-1]
-        apart = _with_begin(attraction.apart(c, s, gap), gap)
+        whole = self._touching(attraction, s, gap)
+        rims = _growing(whole)
+        if complete := rims.a[0] == 0:
+            apart = _with_begin(attraction.apart(np.linspace(0, rims.c[0], TUNING.apart + 1)[1:-1], s, gap), gap)
+        else:
+            apart = Rims(*(np.empty(0) for _ in STATES))
         parts = Parts(*attraction.discs(rims.a).nonadhesive, np.zeros(rims.a.size))
         found = FiniteRangeCurve(law, self.problem, self.series, apart, rims, parts)
-        return replace(found, half_widths=self._errors(found, reach, s), doubts=_doubts(attraction, rims, s, gap))
+        doubts = _doubts(attraction, rims, s, gap) if complete else (*_begins(rims), *_doubts(attraction, rims, s, gap))
+        return replace(found, half_widths=self._errors(found, reach, s), doubts=doubts)
 
     def _touching(self, attraction: Attraction, s: float, gap: float) -> Rims:
         """States in contact from a = 0 on: at the radii of the series, and at more of them where they are too far apart
@@ -377,16 +401,32 @@ def _increasing(v: Array, a: Array) -> tuple[Array, Array]:
     return v[rising], a[rising]
 
 
-def _refuse_folded(rims: Rims) -> None:
-    """Refusal where the attracted annulus does not grow with the contact: the curve has no place for its points."""
-    falls = np.flatnonzero(np.diff(rims.c) <= 0)
-    if falls.size:
+def _growing(rims: Rims) -> Rims:
+    """The states from where on the attracted annulus grows with the contact, all of them on most bodies: the curve has
+    no place for what lies below. Refusal where next to nothing is left."""
+    c = np.maximum.accumulate(rims.c)
+    v = np.arccosh(np.sqrt(c / c[0]))
+    wrong = (np.diff(rims.c) <= 0) | (np.diff(v) > TUNING.leap)
+    if not wrong.any():
+        return rims
+    first = int(np.flatnonzero(wrong)[-1]) + 1
+    if rims.a.size - first < TUNING.fewest:
         raise Refusal(
-            f"adhesion of finite range: beyond the contact radius {show(float(rims.a[falls[0]]), 'length')} the radius "
-            "to which the surfaces attract each other falls: a stiff coating, or a layer so soft that it leaps up to "
-            "the indenter, is not touched in a disc that grows; ask for a smaller radius, or give another stress or "
-            "range"
+            f"adhesion of finite range: up to the contact radius {show(float(rims.a[first]), 'length')} the radius to "
+            "which the surfaces attract each other falls as the contact grows: a stiff coating, or a layer so soft "
+            "that it leaps up to the indenter, is not touched in a disc that grows; load further, or give another "
+            "stress or range"
         )
+    return Rims(*(getattr(rims, name)[first:] for name in STATES))
+
+
+def _begins(rims: Rims) -> tuple[str, ...]:
+    """That the curve begins at its first state, and why."""
+    where = show(float(rims.a[0]), "length")
+    return (
+        f"finite range: at contact radii below {where} the radius to which the surfaces attract each other falls as "
+        "the contact grows: they leap together, and the curve begins there",
+    )
 
 
 KNOWN = ("closed-form", "layered", "hybrid")  # methods whose bodies have a kernel

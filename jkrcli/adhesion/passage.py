@@ -145,8 +145,12 @@ def _cut(stretches: tuple[Stretch, ...], a: float) -> tuple[Stretch, ...]:
 def _first_contact(curve: EquilibriumCurve, stiffness: float) -> float | Unknown:
     held = float(position(curve.onset, 0.0, stiffness))
     if not curve.complete and position(*curve.at(curve.places[:1]), stiffness)[0] > held:
+        smallest = float(curve.contact_radii(curve.places[:1])[0])
+        if curve.ranged:
+            return Unknown(f"the surfaces leap together to contact radii below {show(smallest, 'length')}, where the "
+                           "curve begins")  # fmt: skip
         return Unknown(
-            f"contact at delta = 0 settles below the smallest radius of the series, a = {curve.places[0]:.4g} m: "
+            f"contact at delta = 0 settles below the smallest radius of the series, a = {smallest:.4g} m: "
             "the series would have to begin at a smaller radius"
         )
     radii = curve.radii_at(held, stiffness)

@@ -33,7 +33,7 @@ def resolved(
     found: CriticalPoint | Unknown, curve: EquilibriumCurve, stiffness: float, z0: float
 ) -> CriticalPoint | Unknown:
     """A pull-off point under a device of ``stiffness`` [N/m], or Unknown where it lies at a radius below ``z0`` [m]."""
-    if curve.complete:  # its surfaces may attract each other without contact
+    if curve.ranged:  # its surfaces may attract each other without contact
         return found
     a = found.a if isinstance(found, CriticalPoint) else _smallest(curve, stiffness, z0)
     if a is None or a >= z0:

@@ -253,7 +253,7 @@ def trace(found: Cycle, points: int) -> dict[str, Array]:
         columns["device_m"] = position(columns["delta_m"], columns["P_N"], found.stiffness)
     sizes = [part.size for part in places]
     columns |= {"phase": np.repeat(words, sizes), "part": np.repeat(np.arange(len(words)) + 1, sizes)}
-    return columns | ({"c_m": where} if inwards.curve.complete else {})
+    return columns | ({"c_m": where} if inwards.curve.ranged else {})
 
 
 def _along(path: Passage, points: int) -> list[tuple[Array, Array, Array]]:

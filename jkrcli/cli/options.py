@@ -77,6 +77,7 @@ class QuantityType(ParamType):
 
     dimension = "number"
     least = -math.inf
+    allowed = ""  # in words, where that is not all from the least on
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
         if isinstance(value, float):
@@ -86,7 +87,7 @@ class QuantityType(ParamType):
         except ValueError as error:
             self.fail(str(error), param, ctx)
         if not (math.isfinite(number) and number >= self.least):
-            self.fail(f"must be finite and >= {self.least:g}, got {value}", param, ctx)
+            self.fail(f"must be {self.allowed or f'finite and >= {self.least:g}'}, got {value}", param, ctx)
         if number != 0 and not 1 / units.MOST <= abs(number) <= units.MOST:
             self.fail(f"must lie within {1 / units.MOST:g} and {units.MOST:g} in SI units, got {value}", param, ctx)
         return number
@@ -126,6 +127,7 @@ class PositiveType(QuantityType):
     """A number > 0."""
 
     least = 0.0
+    allowed = "> 0"
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
         found = super().convert(value, param, ctx)

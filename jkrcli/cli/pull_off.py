@@ -36,7 +36,7 @@ from .options import (
     slopes_option,
 )
 from .output import answer, json_option
-from .series import attracted, begin_curves, read_series, series_file, works_of
+from .series import attracted, begin_curves, read_series, series_file, without_range, works_of
 from .voice import say, warn
 
 if TYPE_CHECKING:
@@ -120,6 +120,9 @@ def pull_off(
         raise InputError("pull-off: --uncertain says how well a measured force and its body are known: give --load too")
     files = tuple(map(series_file, files))
     held = [read_series(path) for path in files]
+    if force is not None:
+        for solution in held:
+            without_range(solution.record, "pull-off: --load")
     wanted = [works or works_of(solution) if force is None else SEARCHED for solution in held]
     asked = [AskedRange.of(solution.record, stress, length) if force is None else AskedRange() for solution in held]
     begin_curves("pull-off", held, wanted, asked, limits)

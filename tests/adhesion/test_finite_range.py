@@ -102,6 +102,21 @@ def test_incompressible_layer_pulls_harder_than_either_limit() -> None:
     assert middle > max(short, long) + 0.02
 
 
+def test_curve_begins_where_the_attracted_annulus_grows_with_the_contact() -> None:
+    """On the ridge of thin incompressible layers the surfaces leap together: what the pull-off does not need is said to
+    be left out, and the force goes on from that of ranges beside it."""
+    forces = []
+    for mu in (3.4, 3.5, 3.6):
+        curve = curve_of(layer(0.499), 1000.0, 8.0, 1e-4, mu)
+        forces.append(force(curve, 1000.0))
+        if mu == 3.5:
+            assert not curve.complete
+            assert "and the curve begins there" in curve.doubts[0]
+            assert np.all(np.diff(curve.touching.c) > 0)
+            assert isinstance(behaviour(curve, DISPLACEMENT).jump_in, jkr.Unknown)
+    assert abs(forces[1] - (forces[0] + forces[2]) / 2) < 3e-4, forces
+
+
 BODIES = {"half-space": HALF_SPACE, "nu = 0.3": layer(0.3), "nu = 1/2": layer(0.5), "coating": COATING}
 
 

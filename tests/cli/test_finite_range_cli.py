@@ -103,6 +103,7 @@ def test_pull_off_and_cycle(tip: Path, capsys: pytest.CaptureFixture[str]) -> No
         (["transform", "tip.h5", "--stress", "1e8", "--range", "1e-9"], "give either --stress or --range, got both"),
         (["transform", "tip.h5", "--w", "0", "--range", "1e-9"], "w: must be > 0 J/m^2, got 0"),
         (["transform", "tip.h5", "--range", "0"], "invalid value for '--range': must be > 0, got 0; see jkr transform"),
+        (["transform", "tip.h5", "--stress", "-1"], "invalid value for '--stress': must be > 0, got -1; see jkr"),
         (["transform", "tip.h5", "--range", "1 nm", "--slopes", "loocv"], "slopes: loocv has no part in adhesion of"),
         (["pull-off", "tip.h5", "--range", "1 nm", "--load", "1 nN"], "pull-off: --load asks for the w of JKR"),
         (["cycle", "tip.h5", "--range", "1 nm", "--w-retract", "0.1"], "cycle: adhesion of finite range loses energy"),
@@ -139,6 +140,61 @@ def test_mistakes_in_case_files(tip: Path, capsys: pytest.CaptureFixture[str], l
     said = capsys.readouterr().err.splitlines()
     assert len(said) == 1
     assert message in said[0]
+
+
+WITHOUT_W = TIP.replace('w = "50 mJ/m^2"', "")
+RANGE, PLAIN = TIP + 'range = "0.5 nm"', TIP
+STICKING = TIP.replace("[loading]", '[specimen]\nsurface = "sticking"\n[loading]')
+RATE = ["--rate", "v0=1 um/s,n=0.6", "--speed", "1 um/s", "--no-plots"]
+SWEEP = 'base = "own.toml"\n[[axes]]\nkey = "indenter.radius"\nvalues = ["30 nm", "40 nm"]\n'
+CYLINDER = TIP.replace('[specimen.half_space]\nE = "100 GPa"\nnu = 0.25', '[specimen]\nradius = "20 nm"\nside = "free"')
+FOLLOWED = {  # case and words that are refused, what is said, and case and words that follow it
+    "pull-off of a load": (RANGE, "pull-off own.h5 --load 2nN", "pull-off: --load: knows no adhesion of finite range",
+                           PLAIN, "pull-off own.h5 --load 2nN"),
+    "explore": (RANGE, "explore own.h5", "leave adhesion.range, stress and capillary out", PLAIN, "explore own.h5"),
+    "fields": (RANGE, "fields own.h5 --a 4nm --no-plots", "leave adhesion.range, stress and capillary out",
+               PLAIN, "fields own.h5 --a 4nm --no-plots"),
+    "two works": (RANGE, "cycle own.h5 --w-retract 0.1 --no-plots", "give one work of adhesion",
+                  RANGE, "cycle own.h5 --no-plots"),
+    "speed": (RANGE, ["cycle", "own.h5", *RATE], "leave --range and the case's out", PLAIN, ["cycle", "own.h5", *RATE]),
+    "slopes": (RANGE, "transform own.h5 --slopes loocv --no-plots", "loocv has no part in adhesion of finite range",
+               RANGE, "transform own.h5 --slopes exact --no-plots"),
+    "sticking": (STICKING, "transform own.h5 --range 0.5nm --no-plots", 'specimen.surface = "sliding"',
+                 TIP, "transform own.h5 --range 0.5nm --no-plots"),
+    "finite elements": ('method = "fem"' + TIP, "transform own.h5 --range 0.5nm --no-plots",
+                        "solve the case with the method layered or hybrid",
+                        'method = "layered"' + TIP, "transform own.h5 --range 0.5nm --no-plots"),
+    "beyond the side": (CYLINDER, "transform own.h5 --range 30nm --no-plots", "give a larger stress (a shorter range)",
+                        CYLINDER, "transform own.h5 --range 0.5nm --no-plots"),
+    "a sweep": (RANGE, "sweep sweep.toml", "adhesion.range: sweep knows no adhesion of finite range: leave it out",
+                PLAIN, "sweep sweep.toml"),
+    "both": (PLAIN, "transform own.h5 --stress 1e8 --range 1nm", "give either --stress or --range, got both",
+             PLAIN, "transform own.h5 --stress 1e8 --no-plots"),
+    "no w": (WITHOUT_W, "transform own.h5 --range 1nm", "names no work of adhesion: give --w",
+             WITHOUT_W, "transform own.h5 --range 1nm --w 0.05 --no-plots"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", FOLLOWED)
+def test_who_follows_a_refusal_gets_an_answer(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], name: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    refused, words, says, mended, better = FOLLOWED[name]
+    Path("sweep.toml").write_text(SWEEP)
+    for case, line, fine in ((refused, words, False), (mended, better, True)):
+        Path("own.toml").write_text(case)
+        assert call(["run", "own.toml", "-q", "--force"]) == 0
+        capsys.readouterr()
+        assert (call(line.split() if isinstance(line, str) else line) == 0) == fine
+        said = [line for line in capsys.readouterr().err.splitlines() if "error:" in line]
+        assert len(said) == (not fine)
+        assert fine or says in said[0]
+
+
+def test_first_attraction_is_no_critical_point(tip: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert call(["pull-off", "tip.h5", "--range", "0.5 nm"]) == 0
+    assert "c = 0 m" not in capsys.readouterr().out
 
 
 def test_profile_carries_the_load_and_the_tension(tip: Path) -> None:

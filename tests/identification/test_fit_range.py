@@ -141,12 +141,16 @@ def test_the_nearly_equal_effect_of_w_and_range_is_told() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("lam", "noise"), [(0.1, 0.003), (0.3, 0.003), (1.0, 0.001), (3.0, 0.001)])
-def test_intervals_hold_the_truth(lam: float, noise: float) -> None:
-    """95 % intervals of 5 values each in 20 records."""
+@pytest.mark.parametrize(
+    ("lam", "noise", "confidence"), [(0.1, 0.003, "covariance"), (0.3, 0.003, "covariance"), (1.0, 0.003, "profile")]
+)
+def test_intervals_hold_the_truth(lam: float, noise: float, confidence: str) -> None:
+    """95 % intervals of what is fitted in 20 records. About lambda = 1, where contact is lost as a device loses the
+    surface, the effect of a range bends, so that covariances alone hold it in 80 % only."""
     body = tip()
-    found = [fit(body, record(lam, noise, points=150, seed=seed), settings_of(body, ["range"])) for seed in range(20)]
-    for name in ("E_star", "w", "range", "stress", "delta0"):
+    settings = settings_of(body, ["range"], confidence=confidence)
+    found = [fit(body, record(lam, noise, points=150, seed=seed), settings) for seed in range(20)]
+    for name in ("E_star", "w", "range", "delta0"):
         assert sum(name in missed(item, lam) for item in found) <= 4, name  # 1 expected; 5 once in 400
 
 

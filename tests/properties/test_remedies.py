@@ -250,7 +250,7 @@ REFUSALS = {"Refusal", "InaccurateError"}
 REASONS = {"refusal", "_unable", "_too_much", "_not_found", "unsmooth", "_formula", "_half_space", "_thin_layer"}
 PASSED_ON = {  # what such functions return, and refusals that another one holds
     "reason", "found", "error.fixed", "_not_found(problem, reach)", "_too_much(problem)",
-    "[*unreached.lines, *refusal.lines]", "self._too_far(a)",
+    "[*unreached.lines, *refusal.lines]", "self._too_far(a)", "self.no_range",
 }  # fmt: skip
 BEHIND = (  # never seen, as something else is told before, or seen as no refusal
     "mesh: {} x {} lines make too many quadrilaterals",  # their number is estimated first

@@ -33,6 +33,7 @@ class WarningThresholds:
 
 
 THRESHOLDS = WarningThresholds()
+PROFILE = "; --confidence profile follows how unevenly they trade, in ten times the time"
 
 
 def warnings_of(
@@ -67,7 +68,7 @@ def _told_apart(found: Fit, at_bound: Sequence[str]) -> Iterator[str]:
         if abs(matrix[i, j]) > THRESHOLDS.apart and told:
             yield (
                 f"the data can hardly tell {_word(one)} and {_word(two)} apart (correlation {matrix[i, j]:.4f}): "
-                "fix one, or measure up to pull-off and to larger loads"
+                f"fix one, or measure up to pull-off and to larger loads{PROFILE if pair & set(RANGES) else ''}"
             )
     for name in found.free:
         item = found.estimate(name)

@@ -26,7 +26,8 @@ HEADINGS = ("columns:", "units:")  # before the names and units themselves, in c
 OTHER_UNITS = ("", "-", "1", "V", "mV")
 WRONG_LINES_SHOWN = 5
 MOST_BYTES = 256 << 20  # choice: of a table of numbers, ten times as much in memory
-SAMPLE = 2000  # lines from which the dialect is found out
+FIRST = 2000  # choice: bytes from which the encoding is found out
+HEAD, SPREAD = 400, 200  # choice: first lines, and about as many of the rest, from which the dialect is found out
 _NUMBER = re.compile(r"[+-]?(\d+[.]?\d*|[.]\d+)([eEdD][+-]?\d+)?\Z|[+-]?(nan|inf|infinity)\Z", re.IGNORECASE)
 _THOUSANDS = {  # by the decimal mark: a number whose digits are grouped, always by the same mark
     ".": re.compile(r"[+-]?[1-9]\d{0,2}([,'’\u00a0\u202f])\d{3}(\1\d{3})*([.]\d*)?\Z"),
@@ -106,7 +107,7 @@ class TextTable:
 
 def decoded(content: bytes) -> str:
     """The text in ``content``: UTF-8 or UTF-16, with a mark or without one, else Windows-1252, else Latin-1."""
-    sample = content[:SAMPLE]
+    sample = content[:FIRST]
     if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
         return content.decode("utf-16", errors="replace")
     if len(sample) > 3 and not sample.startswith(codecs.BOM_UTF8):
@@ -138,8 +139,9 @@ def read_table(
     """
     whole = decoded(read_bytes(path, "table", MOST_BYTES) if content is None else content)
     lines_of_file = [(n, line) for n, line in enumerate(whole.splitlines(), start=1) if line.strip()]
-    dialect = _dialect(lines_of_file[:SAMPLE], separator, decimal, least, is_text)
-    if dialect is None and len(lines_of_file) > SAMPLE:
+    sample = lines_of_file[:HEAD] + lines_of_file[HEAD :: max(1, (len(lines_of_file) - HEAD) // SPREAD)]
+    dialect = _dialect(sample, separator, decimal, least, is_text)
+    if dialect is None and len(lines_of_file) > len(sample):
         dialect = _dialect(lines_of_file, separator, decimal, least, is_text)
     if dialect is None:
         raise InputError(

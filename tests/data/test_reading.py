@@ -226,6 +226,13 @@ def test_marks_of_thousands(tmp_path: Path, rows: tuple[str, ...], separator: st
     np.testing.assert_allclose(curve.P, np.array([999.5, 1234.5, 12345.25]) * 1e-9, rtol=1e-12)
 
 
+def test_a_mark_of_thousands_far_down_a_long_table(tmp_path: Path) -> None:
+    loads = np.linspace(0.5, 1500.5, 3001)
+    lines = [f"{i}\t{P:,.1f}" for i, P in enumerate(loads)]
+    curve = one(written(tmp_path, "\n".join(["delta_nm\tP_nN", *lines]) + "\n"))
+    np.testing.assert_allclose(curve.P, loads * 1e-9, rtol=1e-12)
+
+
 def test_three_decimals_are_no_thousands(tmp_path: Path) -> None:
     curve = one(written(tmp_path, "delta_nm;P_nN\n1,250;2,375\n2,500;3,125\n3,750;4,875\n"))
     np.testing.assert_allclose(curve.P, np.array([2.375, 3.125, 4.875]) * 1e-9, rtol=1e-12)

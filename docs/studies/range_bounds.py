@@ -129,10 +129,11 @@ def _columns(curve: FiniteRangeCurve, doubled: Attraction) -> list[tuple[str, fl
     """delta and P at every point, apart and in contact: name, worst ratio, stated relative error there."""
     s, gap = 2 * curve.law.stress / curve.problem.E_star, curve.law.length
     held = doubled.discs(curve.touching.a).equilibria(s, gap, doubled.reach, curve.touching.c)
-    free = doubled.apart(curve.apart.c[1:], s, gap)
+    free = doubled.apart(curve.apart.c[1:], s, gap) if curve.complete else None
     found = []
     for name in ("delta", "P"):
-        exact = np.concatenate([[getattr(curve.apart, name)[0]], getattr(free, name), getattr(held, name)])
+        begin = [] if free is None else [getattr(curve.apart, name)[:1], getattr(free, name)]
+        exact = np.concatenate([*begin, getattr(held, name)])
         off, stated = np.abs(getattr(curve, name) - exact), curve.errors[name]
         off = np.maximum(off - ROUNDING * np.abs(exact).max(), 0)
         ratio = np.divide(off, stated, out=np.zeros_like(off), where=off > 0)

@@ -192,6 +192,25 @@ def test_who_follows_a_refusal_gets_an_answer(
         assert fine or says in said[0]
 
 
+def test_imported_series_have_no_kernel(tip: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    series = read_curve(_written(tip))
+    rows = zip(*(series[name].tolist() for name in ("a_m", "delta_H_m", "P_H_N")), strict=True)
+    Path("data.csv").write_text("a_m,delta_m,P_N\n" + "".join(f"{a!r},{delta!r},{P!r}\n" for a, delta, P in rows))
+    assert call(["import", "data.csv", "--case", "tip.toml", "-o", "data.h5"]) == 0
+    capsys.readouterr()
+    assert call(["transform", "data.h5", "--range", "0.5 nm", "--no-plots"]) == 2
+    said = [line for line in capsys.readouterr().err.splitlines() if "error:" in line]
+    assert len(said) == 1
+    assert "which the method import does not have: solve the case with the method layered or hybrid" in said[0]
+    assert call(["transform", "tip.h5", "--range", "0.5 nm", "--no-plots", "-q"]) == 0
+
+
+def _written(series: Path) -> Path:
+    """The table of a series without a range."""
+    assert call(["transform", str(series), "--no-plots", "-q"]) == 0
+    return Path(f"{series.stem}-w0.05.csv")
+
+
 def test_first_attraction_is_no_critical_point(tip: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert call(["pull-off", "tip.h5", "--range", "0.5 nm"]) == 0
     assert "c = 0 m" not in capsys.readouterr().out

@@ -10,11 +10,13 @@ import numpy as np
 import pytest
 from maugis import Maugis
 
+from jkrcli.adhesion.finite_range import FiniteRangeBody
+from jkrcli.adhesion.law import Range
 from jkrcli.adhesion.slopes.choice import slopes
 from jkrcli.base.errors import InputError, Refusal
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.materials import Elastic
-from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Specimen
+from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.data.measured import Curve
 from jkrcli.identification.fit import Fit, FittedBody, fit
 from jkrcli.identification.fit.family import Member
@@ -124,6 +126,25 @@ def test_data_of_short_range_tell_none() -> None:
     assert item.high > truth(10.0)["range"]
     assert missed(found, 10.0) == []
     assert any("do not tell a range from none (it is at most" in line for line in found.warnings)
+
+
+def test_a_layer_on_which_surfaces_leap_together() -> None:
+    """Its curve begins beyond the leap, like that of the transform (``FiniteRangeCurve``)."""
+    layer = Specimen((Layer(Elastic(1 - 0.499**2, 0.499), 1.0),), Rigid())
+    problem = Problem(Paraboloid(1000.0), layer, Loading("radius", 8.0, 100))
+    solution = Layered(1e-9)(problem)
+    body = FittedBody.of(problem, solution.series, slopes(solution.series, "exact"), True)
+    w, law = 1e-4, Range.of(1e-4, stress=3.5 * (1e-4 / 1000) ** (1 / 3))
+    exact = FiniteRangeBody.of(solution).curve(law)
+    member = body.attracted.member({"modulus": 1.0, "w": w, "range": law.length})
+    c = exact.touching.c[exact.touching.a > 2.5]
+    found = member.along(np.log(c))[0]
+    for name, values in zip(("delta", "P"), found[1:], strict=True):
+        theirs = getattr(exact.touching, name)[exact.touching.a > 2.5]
+        assert np.max(np.abs(values - theirs)) < 1e-4 * np.max(np.abs(theirs))
+    low, high = member.ends(0, 0, None)
+    assert math.log(exact.touching.c[0]) == pytest.approx(low, abs=0.1)
+    assert high > math.log(c[-1])
 
 
 def test_a_known_range_is_fixed() -> None:

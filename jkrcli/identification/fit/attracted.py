@@ -99,22 +99,26 @@ class AttractedFamily:
         rims = discs.equilibria(s, gap, attraction.reach)
         held = np.isclose(rims.gap, gap, rtol=1e-6)
         count = int(np.argmin(held)) if not held.all() else held.size
-        count = min(count, 1 + int(np.argmin(np.append(np.diff(rims.c) > 0, False))))
-        if count < TUNING.least:
+        first = 1 + int(np.max(np.flatnonzero(np.diff(rims.c[:count]) <= 0), initial=-1))
+        if count - first < TUNING.least:
             raise SolveError(
                 f"adhesion of finite range: with a range of {show(gap, 'length')} the surfaces attract each other "
-                f"beyond {show(attraction.reach, 'length')}, where profile or side end: bound the range"
+                f"beyond {show(attraction.reach, 'length')}, where profile or side end, or leap together: bound the "
+                "range"
             )
-        c0 = float(rims.c[0])
-        v = np.arccosh(np.sqrt(rims.c[:count] / c0))
-        touching = make_interp_spline(v, np.stack([rims.a, rims.delta, rims.P], axis=1)[:count], TUNING.degree)
-        c = np.append(c0 * np.geomspace(TUNING.first, 1, TUNING.apart)[:-1], c0)
-        free = np.append(attraction.apart(c[:-1], s, gap).delta, rims.delta[0])
-        apart = make_interp_spline(
-            np.log(c), np.stack([free, free + gap - self.problem.indenter.f(c)], 1), TUNING.degree
-        )
-        own = c0, float(v[-1]), touching, apart, math.pi * self.problem.E_star * s / 2, gap
-        return States(*own, lambda: make_interp_spline(v, _rates(discs, rims, s)[:count], TUNING.degree))
+        kept, c0 = slice(first, count), float(rims.c[first])
+        v = np.arccosh(np.sqrt(rims.c[kept] / c0))
+        touching = make_interp_spline(v, np.stack([rims.a, rims.delta, rims.P], axis=1)[kept], TUNING.degree)
+        own = c0, float(v[-1]), touching, math.pi * self.problem.E_star * s / 2, gap
+        apart = self._apart(attraction, rims, s, gap) if first == 0 else None
+        return States(*own, apart, lambda: make_interp_spline(v, _rates(discs, rims, s)[kept], TUNING.degree))
+
+    def _apart(self, attraction: Attraction, rims: Rims, s: float, gap: float) -> BSpline:
+        """delta without contact, and its part by the tension, over log c."""
+        c = np.append(rims.c[0] * np.geomspace(TUNING.first, 1, TUNING.apart)[:-1], rims.c[0])
+        delta = np.append(attraction.apart(c[:-1], s, gap).delta, rims.delta[0])
+        pulled = delta + gap - self.problem.indenter.f(c)
+        return make_interp_spline(np.log(c), np.stack([delta, pulled], axis=1), TUNING.degree)
 
 
 def _rates(discs: Discs, rims: Rims, s: float) -> Array:
@@ -136,15 +140,15 @@ def _rates(discs: Discs, rims: Rims, s: float) -> Array:
 @dataclass(frozen=True, eq=False)
 class States:
     """One curve of the unscaled body: ``touching``: (a, delta, P) over v = arcosh sqrt(c/c0) up to ``end``; ``apart``:
-    delta, and its part by the tension, over log c, where P = -``pull`` c^2 [N/m^2]; ``gap``: the range [m];
-    ``make_rates``: the spline of the derivatives at equal radii over v."""
+    delta, and its part by the tension, over log c, where P = -``pull`` c^2 [N/m^2]; None where the surfaces leap
+    together to c0. ``gap``: the range [m]; ``make_rates``: the spline of the derivatives at equal radii over v."""
 
     c0: float
     end: float
     touching: BSpline
-    apart: BSpline
     pull: float
     gap: float
+    apart: BSpline | None
     make_rates: Callable[[], BSpline]
 
     @cached_property
@@ -155,15 +159,17 @@ class States:
         """Which u lie in contact; u up to the end, u without contact, and v."""
         start = math.log(self.c0)
         inside = np.minimum(u, start + 2 * math.log(math.cosh(self.end)))
-        v = np.arccosh(np.exp(np.maximum(inside - start, 0.0) / 2))
-        return inside > start, inside, np.clip(inside, start + math.log(TUNING.first), start), np.minimum(v, self.end)
+        inside = inside if self.apart is not None else np.maximum(inside, start)
+        v = np.minimum(np.arccosh(np.exp(np.maximum(inside - start, 0.0) / 2)), self.end)
+        held = (inside > start) | (self.apart is None)
+        return held, inside, np.clip(inside, start + math.log(TUNING.first), start), v
 
     def rates(self, u: Array) -> tuple[Array, Array]:
         """Derivatives of (a, delta, P) at equal u by the logs of tension and range, (3, n) each."""
         held, _, free, v = self._places(u)
         first = self.along(u)[1]
         columns = np.moveaxis(self._rates(v), -1, 0)
-        _, pulled = np.moveaxis(self.apart(free), -1, 0)
+        pulled = np.zeros_like(u) if self.apart is None else self.apart(free)[..., 1]
         zero, P = np.zeros_like(u), -self.pull * np.exp(2 * free)
         outside = np.stack([zero, pulled, P]), np.stack([zero, np.full_like(u, -self.gap), zero])
         inside = ((np.stack([zero, delta, load]) - first * log_c) for log_c, delta, load in (columns[:3], columns[3:]))
@@ -175,7 +181,7 @@ class States:
         touching, inside, free, v = self._places(u)
         parts = zip(self._free(free), self._held(np.maximum(v, TUNING.near_touch)), strict=True)
         value, first, second = (np.where(touching, b, a) for a, b in parts)
-        return value + first * (u - inside), first, np.where(u > inside, 0.0, second)
+        return value + first * (u - inside), first, np.where(u == inside, second, 0.0)
 
     def _held(self, v: Array) -> tuple[Array, Array, Array]:
         value, first, second = (np.moveaxis(self.touching(v, order), -1, 0) for order in range(3))
@@ -184,7 +190,7 @@ class States:
 
     def _free(self, u: Array) -> tuple[Array, Array, Array]:
         zero, P = np.zeros_like(u), -self.pull * np.exp(2 * u)
-        delta, first, second = (self.apart(u, order)[..., 0] for order in range(3))
+        delta, first, second = (zero if self.apart is None else self.apart(u, order)[..., 0] for order in range(3))
         return np.stack([zero, delta, P]), np.stack([zero, first, 2 * P]), np.stack([zero, second, 4 * P])
 
 
@@ -212,7 +218,8 @@ class AttractedMember:
 
     def ends(self, below_fold: float, beyond_last: float, least: float | None) -> tuple[float, float]:
         start = math.log(self.states.c0)
-        return start + math.log(TUNING.first), start + 2 * math.log(math.cosh(self.states.end))
+        first = start if self.states.apart is None else start + math.log(TUNING.first)
+        return first, start + 2 * math.log(math.cosh(self.states.end))
 
     def along(self, u: Array) -> tuple[Array, Array, Array]:
         value, first, second = (np.stack([a, delta, self.modulus * P]) for a, delta, P in self.states.along(u))

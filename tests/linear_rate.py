@@ -18,5 +18,5 @@ class LinearRate:
     def work(self, w0: Any, v: Any) -> Any:
         return w0 * (1 + v / self.v0)
 
-    def speed(self, w0: float, G: float) -> float:
-        return self.v0 * (G / w0 - 1)
+    def speed(self, w0: float, excess: float) -> float:
+        return self.v0 * excess / w0

@@ -76,7 +76,9 @@ def warnings_of(history: History, zone: Zone) -> list[str]:
     worst = max(value for name in ("P", "t", "lost") if (value := known(history.error[name])) is not None)
     found = [f"the integration errs by about {worst:.1g}"] if worst > ACCURATE else []
     if history.balance > BALANCED:
-        found.append(f"the energies balance to {history.balance:.1g} only: ask for more points of the series")
+        found.append(
+            f"the energies balance to {history.balance:.1g} only: the series' P_H, S and S' contradict each other"
+        )
     return [*found, *zone.warnings]
 
 

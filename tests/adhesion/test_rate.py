@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-import time
 from functools import cache
 from itertools import pairwise
 
 import numpy as np
 import pytest
 from scipy.integrate import quad, solve_ivp
+from stopwatch import takes_less_than
 
 from jkrcli.adhesion.curve import Nonadhesive
 from jkrcli.adhesion.rate.history import History, RateContact
@@ -93,6 +93,13 @@ def test_the_slow_excess_at_a_fold_is_delayed() -> None:
     assert math.log10(two / one) == pytest.approx(2 * 0.6 / 2.6, rel=0.05)
 
 
+@pytest.mark.parametrize(("n", "V", "stiffness"), [(1.0, 1e-6, RIGID), (1.0, 1e-6, 0.3), (0.6, 1e-10, RIGID)])
+def test_a_very_slow_edge_is_followed(n: float, V: float, stiffness: float) -> None:
+    """Its excess G/w0 - 1 of 1e-6 is the difference of large numbers."""
+    one, two = (force(speed, n, stiffness) - 1.5 for speed in (V, 100 * V))
+    assert math.log10(two / one) / 2 == pytest.approx(n, rel=0.002)
+
+
 def held(n: float, lasts: float) -> tuple[RateContact, History]:
     """A rigid device that stands where G began at 2 w0."""
     contact = RateContact(half_space(), PowerRate(1.0, n), 1.0, 1.0)
@@ -116,7 +123,7 @@ def test_a_held_displacement_agrees_with_the_quadrature_over_the_radius() -> Non
     radius = float(piece.at(np.array([3.0]))[0])
 
     def slowness(a: float) -> float:
-        return 1 / PowerRate(1.0, 0.6).speed(1.0, float(contact.edge.state(np.array(a), np.array(piece.ramp.x)).G))
+        return 1 / PowerRate(1.0, 0.6).speed(1.0, float(contact.edge.state(np.array(a), np.array(piece.ramp.x)).G) - 1)
 
     assert quad(slowness, radius, 2.0, epsrel=1e-12)[0] == pytest.approx(3.0, rel=1e-8)  # measured 2e-10
 
@@ -248,7 +255,7 @@ def test_the_time_of_loss_under_constant_load_and_its_error() -> None:
 
     def slowness(u: float) -> float:
         G = float(contact.edge.state(np.exp(u), np.array(-5.0)).G)
-        return math.exp(u) / PowerRate(1.0, 0.6).speed(1.0, G)
+        return math.exp(u) / PowerRate(1.0, 0.6).speed(1.0, G - 1)
 
     begin, end = math.log(piece.first[1]), math.log(piece.last[1])
     exact = sum(quad(slowness, *ends, epsrel=1e-12)[0] for ends in pairwise(np.linspace(end, begin, 20)))
@@ -284,7 +291,7 @@ def test_a_law_of_advance_delays_the_growth() -> None:
 @pytest.mark.parametrize("law", [PowerRate(2e-6, 0.3), LogRate(2e-6, 0.02)])
 def test_a_law_and_its_inverse(law: PowerRate | LogRate) -> None:
     for v in (1e-9, 1e-6, 1e-4):
-        assert law.speed(0.05, float(law.work(0.05, v))) == pytest.approx(v, rel=1e-7)
+        assert law.speed(0.05, float(law.work(0.05, v)) - 0.05) == pytest.approx(v, rel=1e-7)
     assert float(law.work(0.05, 0.0)) == 0.05
 
 
@@ -297,11 +304,9 @@ def test_the_second_law_is_used_like_the_first() -> None:
 
 def test_a_trace_of_ten_thousand_rows_is_quick() -> None:
     pulled(0.5, 0.6)
-    begin = time.process_time()
-    table = pulled(1.0, 0.6).table(10_000)
-    spent = time.process_time() - begin
+    with takes_less_than(0.3):  # measured 0.1
+        table = pulled(1.0, 0.6).table(10_000)
     assert table["t_s"].size == 10_000
-    assert spent < 0.3  # measured 0.1
 
 
 @pytest.mark.parametrize(

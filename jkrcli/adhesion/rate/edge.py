@@ -60,7 +60,7 @@ class Edge:
     def stored(self, first: tuple[float, float], last: tuple[float, float]) -> float:
         """Change of the elastic energy [J] of body and device from one state (a, x) to another.
 
-        U = int P_H d(delta_H) - P_H L + S L^2/2, as dU = P d(delta) - G d(pi a^2); the device's spring has P^2/(2 k).
+        U = int P_H d(delta_H) - P_H L + S L^2/2, as dU = P d(delta) + G d(pi a^2); the device's spring has P^2/(2 k).
         """
         curve = AdhesiveCurve(self.body, 0.0)
         return work_along(curve, first[0], last[0]) + self._beside(*last) - self._beside(*first)
@@ -93,17 +93,25 @@ class Pointwise:
         cubics = np.concatenate([columns.c, slopes.c], axis=2)  # (order, interval, function)
         return cls(slopes.x.tolist(), columns.x.tolist(), cubics.transpose(1, 2, 0), body.series.a0)
 
-    def __call__(self, u: float) -> tuple[float, float, float, float]:
-        """The four functions at log a = ``u``; the outer cubics go on beyond the ends."""
+    def __call__(self, u: float) -> tuple[float, float, float, float, float, float]:
+        """The four functions at log a = ``u``, and d(delta_H)/du [m] and d(log S')/du; the outer cubics go on beyond
+        the ends."""
         i = min(max(bisect_right(self.nodes, u) - 1, 0), len(self.cubics) - 1)
         if i not in self.known:
             self.known[i] = self.cubics[i].tolist()
-        y = u - self.nodes[i]
-        z = (math.log(math.exp(u) - self.a0) if self.a0 else u) - self.starts[i]
+        y, beyond = u - self.nodes[i], math.exp(u) - self.a0
+        z = (math.log(beyond) if self.a0 else u) - self.starts[i]
         delta, P, S, dS = self.known[i]
-        return _exp(delta, z), _exp(P, z), _exp(S, y), _exp(dS, y)
+        delta_H = _exp(delta, z)
+        rate = delta_H * _slope(delta, z) * (1 + self.a0 / beyond)
+        return delta_H, _exp(P, z), _exp(S, y), _exp(dS, y), rate, _slope(dS, y)
 
 
 def _exp(cubic: list[float], x: float) -> float:
     c3, c2, c1, c0 = cubic
     return math.exp(((c3 * x + c2) * x + c1) * x + c0)
+
+
+def _slope(cubic: list[float], x: float) -> float:
+    c3, c2, c1, _ = cubic
+    return (3 * c3 * x + 2 * c2) * x + c1

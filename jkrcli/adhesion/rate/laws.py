@@ -32,8 +32,9 @@ class RateLaw(Protocol):
     def work(self, w0: Any, v: Any) -> Any:
         """w [J/m^2] at the speeds ``v`` >= 0 [m/s], of any shape; ``w0`` at v = 0, growing without bound."""
 
-    def speed(self, w0: float, G: float) -> float:
-        """The speed [m/s] at which w is ``G`` > ``w0``: the inverse of ``work``. OverflowError beyond all numbers."""
+    def speed(self, w0: float, excess: float) -> float:
+        """The speed [m/s] at which w is ``excess`` >= 0 [J/m^2] beyond ``w0``: the inverse of ``work``. OverflowError
+        beyond all numbers."""
 
 
 @rate_law("power")
@@ -50,8 +51,8 @@ class PowerRate:
     def work(self, w0: Any, v: Any) -> Any:
         return w0 * (1 + (v / self.v0) ** self.n)
 
-    def speed(self, w0: float, G: float) -> float:
-        return self.v0 * (G / w0 - 1) ** (1 / self.n)
+    def speed(self, w0: float, excess: float) -> float:
+        return self.v0 * (excess / w0) ** (1 / self.n)
 
 
 @rate_law("log")
@@ -69,8 +70,8 @@ class LogRate:
     def work(self, w0: Any, v: Any) -> Any:
         return w0 + self.b * np.log1p(v / self.v0)
 
-    def speed(self, w0: float, G: float) -> float:
-        return self.v0 * math.expm1((G - w0) / self.b)
+    def speed(self, w0: float, excess: float) -> float:
+        return self.v0 * math.expm1(excess / self.b)
 
 
 def rate_law_of(values: Mapping[str, Any], where: str = "rate") -> RateLaw:

@@ -2,7 +2,9 @@
 
 Near rest the edge hardly moves for long, at the end it runs away within an instant. So not time but the length s of the
 path (t/T, log a) is the independent variable: ds^2 = (dt/T)^2 + (d log a)^2. LSODA changes between Adams' formulae and
-the stiff ones of Gear as it goes (Petzold, SIAM J. Sci. Stat. Comput. 4 (1983) 136).
+the stiff ones of Gear as it goes (Petzold, SIAM J. Sci. Stat. Comput. 4 (1983) 136). A slow edge is nearly in
+equilibrium, its speed that of a small excess G/w0 - 1 of large numbers: the excess is an unknown of its own, with the
+slope of G along the path, and drawn to what the state gives.
 """
 
 from __future__ import annotations
@@ -31,6 +33,8 @@ from .program import Ramp
 class MotionTuning:
     """Accuracy and bounds of the integration."""
 
+    # theory: of the excess, over which it is drawn to the state's: its round-off, 1e-16 over this, is an absolute step
+    drawn: float = 1e-4
     absolute: float = 1e-2  # choice: of the relative tolerance; the unknowns are scaled to 1
     fastest: float = 1e200  # theory: in radii per T: a speed beyond numbers, its square must not overflow
     longest: float = 1e15  # theory: of s; beyond it the round-off of a double is longer than a step
@@ -49,21 +53,22 @@ class Driven:
     w: float
     receding: bool
 
-    def speed(self, G: float) -> float:
-        """da/dt [m/s] at the energy release rate ``G``, 0 where it rests."""
+    def speed(self, excess: float) -> float:
+        """da/dt [m/s] where G is ``w (1 + excess)``, 0 where the edge rests."""
         if self.receding:
-            return -self.law.speed(self.w, G) if self.w < G else 0.0
-        if not G < self.w:
+            return -self.law.speed(self.w, self.w * excess) if excess > 0 else 0.0
+        if not excess < 0:
             return 0.0
-        return self.law.speed(self.w, self.w**2 / G) if G > 0 else math.inf
+        return self.law.speed(self.w, -self.w * excess / (1 + excess)) if excess > -1 else math.inf
 
 
 @dataclass(frozen=True, eq=False)
 class Motion:
     """The path of the edge from one state until it rests, leaves the series or the ramp ends.
 
-    ``path``: of s gives t/T from the ramp's begin on, log a, and the works [J] of device and edge over ``energy``;
-    ``nodes``: the s of the integrator's steps; ``ends``: "ramp", "rest", "first" or "last" radius of the series.
+    ``path``: of s gives t/T from the ramp's begin on, log a, the works [J] of device and edge over ``energy``, and the
+    excess G/w - 1; ``nodes``: the s of the integrator's steps; ``ends``: "ramp", "rest", "first" or "last" radius of
+    the series.
     """
 
     edge: Edge
@@ -81,7 +86,7 @@ class Motion:
 
     @cached_property
     def steps(self) -> Array:
-        """The unknowns at the nodes, shape (4, n)."""
+        """The unknowns at the nodes, shape (5, n)."""
         return self.path(self.nodes)
 
     @property
@@ -167,7 +172,7 @@ class Motion:
 
     def speeds(self, a: Array, G: Array) -> Array:
         """da/dt [m/s] at energy release rates ``G`` [J/m^2]."""
-        return np.array([_bounded(self.driven, value, TUNING.fastest) for value in G.tolist()])
+        return np.array([_bounded(self.driven, e, TUNING.fastest) for e in (G / self.driven.w - 1).tolist()])
 
     def _states(self, s: Array) -> tuple[Array, Array]:
         tau, u, *_ = self.path(s)
@@ -181,7 +186,8 @@ def move(edge: Edge, ramp: Ramp, driven: Driven, t: float, a: float, tolerance: 
     unit = _unit_of_time(edge, ramp, driven, t, a)
     energy = math.pi * a**2 * driven.w
     rates = _equations(edge, ramp, driven, unit, energy, most)
-    start = [(t - ramp.t) / unit, math.log(a), 0.0, 0.0]
+    excess = float(edge.state(np.array(a), np.array(ramp.x + ramp.rate * (t - ramp.t))).G) / driven.w - 1
+    start = [(t - ramp.t) / unit, math.log(a), 0.0, 0.0, excess]
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", "lsoda", UserWarning)  # it gives up, which is told below
         found = solve_ivp(
@@ -189,10 +195,17 @@ def move(edge: Edge, ramp: Ramp, driven: Driven, t: float, a: float, tolerance: 
             dense_output=True, events=_events(edge, ramp, driven, unit),
         )  # fmt: skip
     if found.status != 1:
-        raise SolveError(f"the edge's motion could not be integrated beyond a = {math.exp(found.y[1, -1]):.4g} m")
+        raise _unfollowed(math.exp(found.y[1, -1]))
     names = ("ramp", "first" if driven.receding else "last", "rest")
     ends = next(name for name, times in zip(names, found.t_events, strict=False) if len(times))
     return Motion(edge, ramp, driven, unit, energy, found.sol, found.t, ends)
+
+
+def _unfollowed(a: float) -> SolveError:
+    return SolveError(
+        f"the edge's motion could not be followed beyond a = {a:.4g} m: look at v0 and n; a device that is very slow "
+        "against v0 makes the cycle without --rate"
+    )
 
 
 def _unit_of_time(edge: Edge, ramp: Ramp, driven: Driven, t: float, a: float) -> float:
@@ -201,13 +214,13 @@ def _unit_of_time(edge: Edge, ramp: Ramp, driven: Driven, t: float, a: float) ->
         adhesive = edge.held_at(np.array(a), driven.w) - edge.held_at(np.array(a), 0.0)
         return float(abs(adhesive / ramp.rate))
     G = float(edge.state(np.array(a), np.array(ramp.x)).G)
-    return a / max(abs(_bounded(driven, G, TUNING.fastest)), a / TUNING.longest)
+    return a / max(abs(_bounded(driven, G / driven.w - 1, TUNING.fastest)), a / TUNING.longest)
 
 
-def _bounded(driven: Driven, G: float, most: float) -> float:
+def _bounded(driven: Driven, excess: float, most: float) -> float:
     """The speed of the edge within what numbers hold."""
     try:
-        return min(max(driven.speed(G), -most), most)
+        return min(max(driven.speed(excess), -most), most)
     except OverflowError:
         return -most if driven.receding else most
 
@@ -215,26 +228,34 @@ def _bounded(driven: Driven, G: float, most: float) -> float:
 def _equations(
     edge: Edge, ramp: Ramp, driven: Driven, unit: float, energy: float, most: int
 ) -> Callable[..., list[float]]:
-    """d/ds of t/T, log a, and the works of device and edge over ``energy``."""
+    """d/ds of t/T, log a, the works of device and edge over ``energy``, and the excess of a receding edge."""
     body, stiffness, rate, x0 = edge.pointwise, edge.stiffness, ramp.rate, ramp.x
     loaded, give = stiffness == LOAD_CONTROL, 0.0 if math.isinf(stiffness) or stiffness == 0 else 1 / stiffness
-    fastest = TUNING.fastest
+    fastest, w = TUNING.fastest, driven.w
 
     count = itertools.count(1)
 
     def rates(_: float, y: Any) -> list[float]:
         if next(count) > most:
-            raise SolveError(f"the edge's motion takes more than {most} evaluations of its speed")
-        tau, u, a = float(y[0]), float(y[1]), math.exp(y[1])
-        delta_H, P_H, S, dS = body(u)
+            raise _unfollowed(math.exp(float(y[1])))
+        tau, u, _, _, excess = y.tolist()
+        a = math.exp(u)
+        delta_H, P_H, S, dS, by_u, bend = body(u)
         x, c = x0 + rate * unit * tau, S if loaded else 1 + S * give
-        lag = ((P_H if loaded else delta_H + P_H * give) - x) / c
+        lag = max(((P_H if loaded else delta_H + P_H * give) - x) / c, 0.0)
         G = dS * lag * lag / (4 * math.pi * a)
-        v = _bounded(driven, G if lag > 0 else 0.0, fastest) * unit
+        e = excess if driven.receding else G / w - 1
+        v = _bounded(driven, e, fastest) * unit
         size = math.hypot(1.0, v / a)
         P = P_H - S * lag
         moved = (lag * v * dS + rate * unit) / S if loaded else rate * unit  # of delta, or of the device
-        return [1 / size, v / a / size, P * moved / size / energy, -2 * math.pi * a * G * v / size / energy]
+        flows = [1 / size, v / a / size, P * moved / size / energy, -2 * math.pi * a * G * v / size / energy]
+        if not driven.receding:
+            return [*flows, 0.0]
+        d_lag = (by_u - lag * a * dS * (1 if loaded else give) / c) * v / a - rate * unit / c
+        d_G = G * (bend - 1) * v / a + dS * lag / (2 * math.pi * a) * d_lag
+        d_excess = d_G / w / size + (G / w - 1 - excess) / max(abs(excess), TUNING.drawn)
+        return [*flows, d_excess]
 
     return rates
 

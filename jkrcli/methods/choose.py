@@ -126,8 +126,12 @@ def survey(problem: Problem, build: Callable[[str], Method], names: Sequence[str
     options = []
     for name in names or least_first():
         method = build(name)
-        refusal = method.refusal(problem)
-        options.append(Option(name, None if refusal else method.forecast(problem), refusal))
+        refusal, forecast = method.refusal(problem), None
+        try:
+            forecast = None if refusal else method.forecast(problem)
+        except Refusal as error:  # so much that it cannot even be counted
+            refusal = str(error)
+        options.append(Option(name, forecast, refusal))
     return options
 
 

@@ -14,6 +14,8 @@ from ...base.units import AnyLength
 from ..indenter import Indenter, shape
 from ..materials import Elastic
 
+MOST_POINTS = 5000  # choice: the cost grows with their square; so many take ten seconds
+AT_ONCE = 1_000_000  # choice: pairs of a radius and a knot in memory
 KINK = 1e-10  # choice: fraction of an interval over which a kink that the points force is rounded
 
 
@@ -78,24 +80,36 @@ class TableProfile(Indenter):
     def abel(self, x: Array) -> Array:
         """F(x): slope alpha + beta r on each piece gives x [alpha arcsin(r/x) - beta sqrt(x^2 - r^2)]."""
         x = np.asarray(x, dtype=float)
-        beta = np.diff(self.slopes) / np.diff(self.knots)
-        alpha = self.slopes[:-1] - beta * self.knots[:-1]
-        safe = np.where(x > 0, x, 1.0)
-        r, root = self._below(safe)
-        angle = np.arctan2(r, root)  # arcsin(r/x), also to rounding where x lies just beyond a knot
-        return x * np.sum(alpha * np.diff(angle, axis=-1) - beta * np.diff(root, axis=-1), axis=-1)
+        angles, roots = self._sums(np.where(x > 0, x, 1.0))
+        return x * (angles - roots)
 
     def abel_slope(self, x: Array) -> Array:
-        beta = np.diff(self.slopes) / np.diff(self.knots)
-        return self.abel(x) / x - np.sum(beta * np.diff(self._below(x)[1], axis=-1), axis=-1)
+        angles, roots = self._sums(np.asarray(x, dtype=float))
+        return angles - 2 * roots
 
-    def _below(self, x: Array) -> tuple[Array, Array]:
-        """Knots r below each x, and sqrt(x^2 - r^2), one row for every x."""
-        r = np.minimum(self.knots, x[..., None])
-        return r, np.sqrt((x[..., None] - r) * (x[..., None] + r))
+    def _sums(self, x: Array) -> tuple[Array, Array]:
+        """The sums over all pieces of alpha times the change of arcsin(r/x), and of beta times that of
+        sqrt(x^2 - r^2) [m], r no larger than x; some x at a time, in little memory."""
+        beta = np.diff(self.slopes) / np.diff(self.knots)
+        alpha = self.slopes[:-1] - beta * self.knots[:-1]
+        found = np.empty((2, x.size))
+        step = max(AT_ONCE // self.knots.size, 1)
+        for start in range(0, x.size, step):
+            some = x.ravel()[start : start + step, None]
+            r = np.minimum(self.knots[: np.searchsorted(self.knots, some.max()) + 1], some)
+            root = np.sqrt((some - r) * (some + r))
+            angle = np.arctan2(r, root)  # arcsin(r/x), also to rounding where x lies just beyond a knot
+            pieces = slice(0, r.shape[1] - 1)
+            found[:, start : start + step] = np.diff(angle) @ alpha[pieces], np.diff(root) @ beta[pieces]
+        return found[0].reshape(x.shape), found[1].reshape(x.shape)
 
 
 def _check_table(r: Array, f: Array) -> None:
+    if r.size > MOST_POINTS:
+        raise InputError(
+            f"profile table: has {r.size:,} points, at most {MOST_POINTS:,} are taken; leave out points that lie "
+            "nearly on the parabolas between their neighbours"
+        )
     if r.ndim != 1 or r.shape != f.shape or r.size < 3:
         raise InputError(f"profile table: needs at least 3 points (r, f), got {r.size} and {f.size}")
     if not (np.isfinite(r).all() and np.isfinite(f).all()):

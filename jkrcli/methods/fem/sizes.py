@@ -14,7 +14,7 @@ import numpy as np
 from numpy.lib.mixins import NDArrayOperatorsMixin
 
 from ...base.arrays import Array
-from ...base.errors import SolveError
+from ...base.errors import Refusal, SolveError
 
 
 @dataclass(frozen=True)
@@ -26,6 +26,7 @@ class CountTuning:
     least_near: int = 40  # of them, however many layers; choice: the count is then good to a fifth
     least_across: int = 2  # points towards either side of a layer; choice: likewise
     at_once: int = 500_000  # sizes computed at once; choice: 4 MB
+    most_points: int = 1_000_000  # on a line; choice: far more than any mesh that is made has
 
 
 TUNING = CountTuning()
@@ -157,6 +158,11 @@ def graded_points(start: float, stop: float, size: Callable[[Array], Array]) -> 
     counts = np.where(flat, step / h[:-1], np.log(h[1:] / h[:-1]) / safe)
     total = np.concatenate([[0.0], np.cumsum(counts)])
     n = max(1, round(total[-1]))
+    if n > TUNING.most_points:
+        raise Refusal(
+            f"mesh: {n:,} points between {start:g} and {stop:g} of the contact's size, at most {TUNING.most_points:,}: "
+            "take a larger mesh.spacing or mesh.smallest, or a smaller body"
+        )
     wanted = np.arange(1, n) * (total[-1] / n)
     i = np.clip(np.searchsorted(total, wanted, side="right") - 1, 0, step.size - 1)
     ahead = wanted - total[i]

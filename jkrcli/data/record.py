@@ -202,6 +202,8 @@ def _found(delta: Array) -> list[Segment]:
     last = turn + int(after[0]) - 1 if after.size else n - 1
     if last - first < TUNING.least_part * n:
         first = last = turn
+    if last == 0 and delta[0] == delta.max():  # retraction from the first row on
+        first = last = -1
     parts = [Segment(APPROACH, 0, first), Segment(PAUSE, first + 1, last), Segment(RETRACT, last + 1, n - 1)]
     return [part for part in parts if len(part) > TUNING.least_part * n]
 

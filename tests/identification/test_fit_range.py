@@ -109,6 +109,11 @@ def test_exact_readings_give_all_three_back(columns: tuple[str, ...]) -> None:
     assert any("JKR's nearest curve" in line and "times the misfit" in line for line in found.warnings)
 
 
+def test_a_fit_of_jkr_to_a_sharp_tip_says_what_to_do() -> None:
+    found = fit(tip(), record(0.3, 1e-3, points=80), settings_of(tip()))
+    assert any("Tabor number" in line and "fit with --free range" in line for line in found.warnings)
+
+
 def test_stress_in_place_of_range_is_the_same_fit() -> None:
     curve = record(0.3, 1e-3, points=120)
     by_range, by_stress = (fit(tip(), curve, settings_of(tip(), [name])) for name in ("range", "stress"))

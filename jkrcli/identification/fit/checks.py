@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...adhesion.validity import check, judge
+from ...adhesion.validity import REMEDY, check, judge
 from ...base.units import show
 from ...base.unknown import Unknown
 from .body import FittedBody
@@ -173,7 +173,7 @@ def _validity(found: Fit, body: FittedBody, family: Family) -> list[str]:
         R=problem.indenter.tip_radius, h=thickness, depth=thickness if depth == top else depth,
         L=problem.specimen.radius, z0=THRESHOLDS.z0 if found.jkr is None else None, end_is_cut=False,
     )  # fmt: skip
-    return check(judged)
+    return [line.replace(REMEDY, "fit with --free range (or stress)") for line in check(judged)]
 
 
 def _adhesion(found: Fit) -> bool:

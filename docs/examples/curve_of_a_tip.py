@@ -28,4 +28,6 @@ def main(path: str) -> None:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1])
+    target = sys.argv[1] if len(sys.argv) > 1 else "tip.csv"
+    main(target)
+    print(f"written {target}")

@@ -113,7 +113,7 @@ def log_ticks(axis: Axis) -> None:
 def _take_as_it_is(text: Text) -> None:
     """Foreign words do nothing: control characters, of which SVG may hold none, as escapes, and what is no formula in
     TeX's language as it stands."""
-    words = "\n".join(map(printable, text.get_text().split("\n")))
+    words = "\n".join([printable(line) for line in text.get_text().split("\n")])  # map is a module of this room
     text.set_text(words)
     if "$" in words:
         try:

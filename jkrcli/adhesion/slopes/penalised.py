@@ -58,6 +58,7 @@ class PenaltyTuning:
     correlations: tuple[float, ...] = (0.15, 0.3, 0.45, 0.6, 0.7, 0.78, 0.85, 0.9, 0.94, 0.97, 0.985)
     uncorrelated: float = 0.5  # probability of no correlation before data are seen; choice: as likely as any
     worth: float = 2.0  # log of a likelihood ratio that makes a correlation believed; choice: none is simpler
+    beyond: float = 4.0  # standard errors of the residuals' own correlation; choice: above, none is looked for
     unlikely: float = 12.0  # log of a likelihood ratio; choice: less likely correlations do not show in the mean
 
 
@@ -189,7 +190,7 @@ def posterior(fit: PenalisedFit, blocks: Sequence[slice], noise: bool, correlate
     The prior is even in the size of a block's coefficients, 1/sqrt(lambda) (Gelman 2006); that of ``inner``, in
     ``noise``, in the log of this size, for many bodies do not bend at all.
     """
-    rhos = np.array([0.0, *TUNING.correlations]) if correlated else np.zeros(1)
+    rhos = np.array(_possible(fit, TUNING.correlations)) if correlated else np.zeros(1)
     spread = TUNING.spread[1::2] if correlated else TUNING.spread
     priors = np.full(rhos.size, (1 - TUNING.uncorrelated) / max(rhos.size - 1, 1))
     priors[0] = TUNING.uncorrelated if correlated else 1.0
@@ -211,11 +212,21 @@ def posterior(fit: PenalisedFit, blocks: Sequence[slice], noise: bool, correlate
 
 
 def likeliest_correlation(fit: PenalisedFit, blocks: Sequence[slice]) -> float:
-    """The correlation of neighbours, among every other that is thought possible, with the greatest likelihood."""
-    rhos = (0.0, *TUNING.correlations[1::3])
+    """The correlation of neighbours, among every other up to 0.9, with the greatest likelihood: a fit that leaves more to
+    it follows what drifts."""
+    rhos = _possible(fit, TUNING.correlations[1:8:2])
     heights = [_at_best(fit, (fit.residuals, fit.jacobian), blocks, rho)[0] for rho in rhos]
     heights[0] += TUNING.worth
     return rhos[int(np.argmax(heights))]
+
+
+def _possible(fit: PenalisedFit, rhos: Sequence[float]) -> tuple[float, ...]:
+    """0 and those of ``rhos`` that the residuals' own correlation allows, and what the fit has taken from it: beyond,
+    a likelihood is that of a linearised fit far from where it holds."""
+    r, n = fit.residuals, fit.residuals.shape[1]
+    lag1 = float(np.sum(r[:, 1:] * r[:, :-1]) / max(np.sum(r**2), np.finfo(float).tiny))
+    limit = lag1 + TUNING.beyond / math.sqrt(n) + (1 + 3 * max(lag1, 0.0)) * fit.spent / n
+    return (0.0, *(rho for rho in rhos if rho <= limit))
 
 
 def _log_det(fit: PenalisedFit, rho: float) -> float:

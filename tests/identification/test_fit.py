@@ -185,8 +185,9 @@ def test_intervals_cover_the_truth(noise: float) -> None:
 )
 def test_other_intervals_agree_with_those_of_the_covariance(confidence: str, width: float) -> None:
     """At 1 % noise the problem is nearly linear; 60 bootstrap samples scatter."""
-    curve = sphere(noise=0.01, seed=4)
-    plain, other = fit(half_space(), curve, usual()), fit(half_space(), curve, usual(confidence=confidence, samples=60))
+    curve, told = sphere(noise=0.01, seed=4), {"noise": {"delta": 0.01 * DELTA_C, "P": 0.01 * P_C}}
+    plain = fit(half_space(), curve, usual(**told))
+    other = fit(half_space(), curve, usual(confidence=confidence, samples=60, **told))
     for name in ("E_star", "w", "delta0"):
         one, two = plain.estimate(name), other.estimate(name)
         assert two.high - two.low == pytest.approx(one.high - one.low, rel=width)

@@ -1,47 +1,70 @@
-"""Intervals of fits with measured radii: right at 95 % whatever the noise of the columns."""
+"""Intervals of fits: right at 95 % whatever is measured, and whatever the noise of the columns."""
 
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
-from fit_data import body_of, thin_layer, usual
+from fit_data import coating, half_space, thin_layer, usual
 
 from jkrcli.adhesion.curve import transform
 from jkrcli.adhesion.slopes.choice import slopes
-from jkrcli.bodies.problem import Loading
+from jkrcli.bodies.materials import Elastic
+from jkrcli.bodies.problem import HalfSpace, Loading, Specimen
 from jkrcli.data.measured import Curve
-from jkrcli.identification.fit import fit
-from jkrcli.identification.fit.statistics import covariance_of_uneven, uneven
+from jkrcli.identification.fit import FittedBody, fit
+from jkrcli.identification.fit.statistics import covariance_of_uneven
+from jkrcli.methods.closed_form.method import ClosedForm
 from jkrcli.methods.layered.layered import Layered
 
+GLASS = replace(half_space().problem, specimen=Specimen((), HalfSpace(Elastic(1.5e6, 0.5))))
+BODIES = {  # body and w; the moduli are those of the data
+    "half-space": (GLASS, 0.1),
+    "gel": (thin_layer(), 0.04),
+    "coating": (coating(), 0.05),
+}
+COLUMNS = {"delta, P": (1, 2), "a, P": (0, 2), "a, delta, P": (0, 1, 2)}
 
-def gel(points: int = 100) -> np.ndarray:
-    """a, delta, P (3, points) of the gel at w = 40 mJ/m^2, from pull-off to three times its force."""
-    fine = replace(thin_layer(), loading=Loading("radius", 1.4e-3, 400))
-    series = Layered(1e-10)(fine).series
-    curve = transform(series, slopes(series, "exact"), 0.04)
+
+@cache
+def body_and_curve(name: str) -> tuple[FittedBody, np.ndarray]:
+    """The body, and a, delta, P (3, 100) from pull-off to three times its force."""
+    problem, w = BODIES[name]
+    method = Layered(1e-10) if problem.specimen.layers else ClosedForm()
+    fine = method(replace(problem, loading=Loading("radius", problem.loading.maximum, 400))).series
+    curve = transform(fine, slopes(fine, "exact"), w)
     lost = curve.pull_off(float("inf"))
-    a = np.linspace(lost.a, curve.radii(P=3 * abs(lost.P))[-1], points)
-    return np.stack([a, *curve.at(a)])
+    a = np.linspace(lost.a, curve.radii(P=3 * abs(lost.P))[-1], 100)
+    series = method(problem).series
+    return FittedBody.of(problem, series, slopes(series, "exact")), np.stack([a, *curve.at(a)])
+
+
+def noise_of(exact: np.ndarray, kind: str) -> np.ndarray:
+    """Standard deviations: even along the curve, about 1 % of pull-off and of the radius; or 1 % of each reading."""
+    size = np.ptp(exact, axis=1, keepdims=True)
+    return 0.01 * (np.array([[1.0], [0.1], [0.1]]) * size if kind == "even" else np.abs(exact) + 1e-3 * size)
 
 
 @pytest.mark.parametrize(
-    ("seeds", "least"), [(40, 0.85), pytest.param(300, 0.9, marks=pytest.mark.slow)], ids=["40", "300"]
+    ("seeds", "least"), [(15, 0.6), pytest.param(300, 0.9, marks=pytest.mark.slow)], ids=["15", "300"]
 )
-@pytest.mark.parametrize("rows", [(0, 2), (0, 1, 2)], ids=["a, P", "a, delta, P"])
-def test_intervals_hold_with_measured_radii(rows: tuple[int, ...], seeds: int, least: float) -> None:
-    """E* used to lie in its interval in 73 to 80 of 100: the noise of a was not told from its curve."""
-    body, exact, size = body_of(thin_layer()), gel(), np.array([[1.0], [0.1], [0.1]])
-    names, held = ("a", "delta", "P"), []
-    for seed in range(seeds):
-        noise = np.random.default_rng(seed).standard_normal(exact.shape)
-        columns = exact + 0.01 * size * np.ptp(exact, axis=1, keepdims=True) * noise
-        found = fit(body, Curve("gel", **{names[i]: columns[i] for i in rows}), usual())
-        pairs = [(found.estimate("modulus"), 1.0), (found.estimate("w"), 0.04)]
-        held.append([item.low <= truth <= item.high for item, truth in pairs])
-    assert (np.mean(held, axis=0) >= least).all(), np.mean(held, axis=0)
+@pytest.mark.parametrize("kind", ["even", "relative"])
+@pytest.mark.parametrize("columns", COLUMNS)
+@pytest.mark.parametrize("name", BODIES)
+def test_intervals_hold(name: str, columns: str, kind: str, seeds: int, least: float) -> None:
+    """E* used to lie in its interval in 73 to 80 of 100 where a is measured: its noise was not told from the curve."""
+    (body, exact), truth, held = body_and_curve(name), BODIES[name][1], []
+    names, sigma = ("a", "delta", "P"), noise_of(exact, kind)
+    for seed in range(5000, 5000 + seeds):
+        readings = exact + sigma * np.random.default_rng(seed).standard_normal(exact.shape)
+        found = fit(body, Curve(name, **{names[i]: readings[i] for i in COLUMNS[columns]}), usual())
+        pairs = [(found.estimate("modulus"), 1.0), (found.estimate("w"), truth)]
+        held.append([item.low <= true <= item.high for item, true in pairs])
+    shares = np.mean(held, axis=0)
+    print(f"{name}; {columns}; {kind}: E* {shares[0]:.3f}, w {shares[1]:.3f}")
+    assert (shares >= least).all(), shares
 
 
 def test_covariance_of_uneven_noise_is_that_of_many_draws() -> None:
@@ -52,6 +75,3 @@ def test_covariance_of_uneven_noise_is_that_of_many_draws() -> None:
     solve = np.linalg.pinv(J)
     found = np.array([covariance_of_uneven(J, (row - J @ (solve @ row))[None]) for row in noise])
     np.testing.assert_allclose(found.mean(axis=0), np.cov(solve @ noise.T), rtol=0.1)  # HC3: 0.06 measured
-    order = np.arange(80)
-    assert np.mean([uneven(row[None], order) for row in noise[:200]]) > 0.9
-    assert np.mean([uneven(row[None], order) for row in random.standard_normal((1000, 80))]) < 0.03

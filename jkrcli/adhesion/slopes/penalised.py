@@ -212,8 +212,8 @@ def posterior(fit: PenalisedFit, blocks: Sequence[slice], noise: bool, correlate
 
 
 def likeliest_correlation(fit: PenalisedFit, blocks: Sequence[slice]) -> float:
-    """The correlation of neighbours, among every other up to 0.9, with the greatest likelihood: a fit that leaves more to
-    it follows what drifts."""
+    """The correlation of neighbours, among every other up to 0.9, with the greatest likelihood: a fit that leaves more
+    to it follows what drifts."""
     rhos = _possible(fit, TUNING.correlations[1:8:2])
     heights = [_at_best(fit, (fit.residuals, fit.jacobian), blocks, rho)[0] for rho in rhos]
     heights[0] += TUNING.worth

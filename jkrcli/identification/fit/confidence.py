@@ -18,8 +18,9 @@ from .model import Objective
 from .result import FittedValue, JKRBeside
 from .search import Minimum, minimise
 from .settings import RANGES, Parameter, Settings, dimension_of
-from .statistics import covariance, covariance_of_uneven, t_quantile, uneven, variance_factor
+from .statistics import covariance, covariance_of_uneven, larger, t_quantile, variance_factor
 
+FEW = 10  # choice: degrees of freedom, below which residuals do not tell how the noise changes along the curve
 DOUBLINGS = 6  # choice: of the step in which a profile must reach its limit, else it has none
 STEP = 1e-5  # theory: of the unknowns, for central differences: about the cube root of round-off
 
@@ -49,10 +50,10 @@ def confidence_of(minimum: Minimum, settings: Settings, jkr: JKRBeside | Unknown
     dof = max(residuals.shape[1] * (columns - 1) - free.size, 1)  # a foot point takes one number from every point
     factor = variance_factor(residuals, dof, settings.loss, minimum.width)
     jacobian = minimum.found.jacobian(free)
-    if settings.loss == "linear" and (columns > 2 or uneven(residuals, np.argsort(minimum.found.u))):
-        inner = covariance_of_uneven(jacobian, residuals)
-    else:
-        inner = covariance(jacobian, factor)
+    inner = covariance(jacobian, factor)
+    even = set(objective.points.columns) <= settings.noise.keys()  # else that is more than a record of a sensor tells
+    if settings.loss == "linear" and dof >= FEW and not even:
+        inner = larger(inner, covariance_of_uneven(jacobian, residuals))
     samples = _bootstrap(minimum, settings) if settings.confidence == "bootstrap" else None
     t = t_quantile(settings.level, dof)
     untold = isinstance(jkr, JKRBeside) and jkr.excess < 0.5 * t**2 * factor

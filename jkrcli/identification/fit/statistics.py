@@ -52,19 +52,6 @@ def covariance(jacobian: Array, factor: float) -> Array | None:
     return factor * (right.T / singular**2) @ right / np.outer(size, size)
 
 
-def uneven(residuals: Array, order: Array) -> bool:
-    """Whether the squares of ``residuals`` (k, n) change along the curve, or from component to component, by more than
-    chance brings (Breusch and Pagan, Econometrica 47 (1979) 1287, in Koenker's form); ``order``: of the points."""
-    n = order.size
-    place = np.empty(n)
-    place[order] = np.linspace(-1, 1, n)
-    squares = np.sum(residuals**2, axis=0)
-    design = np.stack([np.ones(n), place, place**2])
-    fitted = np.linalg.lstsq(design.T, squares, rcond=None)[0] @ design
-    explained = np.var(fitted) / max(np.var(squares), 1e-300)
-    return bool(special.chdtrc(2, n * explained) < 0.01)  # choice: once in a hundred by chance
-
-
 def covariance_of_uneven(jacobian: Array, residuals: Array) -> Array | None:
     """Covariance of the parameters where the noise of the points, residuals (k, n), is not known to be even.
 
@@ -80,6 +67,15 @@ def covariance_of_uneven(jacobian: Array, residuals: Array) -> Array | None:
     pulls = np.einsum("knp,kn->np", rows, residuals) / (1 - np.minimum(leverage, 0.5))[:, None]
     found: Array = inverse @ (pulls.T @ pulls) @ inverse
     return found
+
+
+def larger(one: Array | None, other: Array | None) -> Array | None:
+    """The covariance ``one`` with the standard deviations of ``other`` where these are larger; None where there is
+    none."""
+    if one is None or other is None:
+        return one
+    scale = np.sqrt(np.maximum(np.diag(other) / np.diag(one), 1.0))
+    return one * np.outer(scale, scale)
 
 
 def t_quantile(level: float, dof: int) -> float:

@@ -115,12 +115,14 @@ def test_a_fit_of_jkr_to_a_sharp_tip_says_what_to_do() -> None:
 
 
 def test_stress_in_place_of_range_is_the_same_fit() -> None:
+    """To a hundredth of the standard errors: the least sum of squares is found to 1e-9 of itself."""
     curve = record(0.3, 1e-3, points=120)
     by_range, by_stress = (fit(tip(), curve, settings_of(tip(), [name])) for name in ("range", "stress"))
-    for name in ("E_star", "w", "range", "stress"):
+    for name in ("E_star", "w", "range", "stress", "delta0"):
         ours, theirs = by_range.estimate(name), by_stress.estimate(name)
-        for part in ("value", "error", "low", "high"):
-            assert getattr(ours, part) == pytest.approx(getattr(theirs, part), rel=1e-3), (name, part)
+        assert ours.error == pytest.approx(theirs.error, rel=0.01), name  # measured: 2e-3
+        for part in ("value", "low", "high"):
+            assert abs(getattr(ours, part) - getattr(theirs, part)) < 0.01 * ours.error, (name, part)  # measured: 4e-3
 
 
 def test_data_of_short_range_tell_none() -> None:

@@ -117,6 +117,19 @@ def test_curve_begins_where_the_attracted_annulus_grows_with_the_contact() -> No
     assert abs(forces[1] - (forces[0] + forces[2]) / 2) < 3e-4, forces
 
 
+def test_several_radii_of_attraction_are_told() -> None:
+    """At first touch of a layer on the ridge three radii c belong to a = 0; further in there is one."""
+    law = Range.of(1e-4, stress=3.5 * (1e-4 / 1000) ** (1 / 3))
+    held = FiniteRangeBody.of(solved(layer(0.499), 1000.0, 8.0)).body
+    attraction, s = held.attraction(held.reach(8.0, 2 * law.stress, law.length)), 2 * law.stress
+    found = []
+    for a in (0.0, 4.0):
+        discs = attraction.discs(np.array([a]))
+        rims = discs.equilibria(s, law.length, attraction.reach)
+        found.append(discs.doubt(rims, s, law.length, attraction.reach))
+    assert found == ["there is more than one radius to which the surfaces may attract each other", None]
+
+
 BODIES = {"half-space": HALF_SPACE, "nu = 0.3": layer(0.3), "nu = 1/2": layer(0.5), "coating": COATING}
 
 

@@ -29,7 +29,7 @@ from .program import Program, Ramp
 class HistoryTuning:
     """Accuracy of the motions, and how it is told."""
 
-    tolerance: float = 1e-10  # choice: relative, of a step of the integrator; leaves 1e-9 of the pull-off force
+    tolerance: float = 3e-11  # choice: relative, of a step of the integrator; leaves 3e-9 of the energies
     evaluations: int = 100_000  # choice: guard, six times what the slowest pull in tests takes
     coarser: float = 4.0  # choice: factor of the tolerance of the second run, from whose distance the error is told
     floor: float = 0.5  # choice: of the tolerance, no smaller error is stated; true ones are 0.01 to 1.7 of it

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from ..base.errors import Refusal
 from ..base.unknown import Unknown
 from ..bodies.problem import HalfSpace, Loading, Problem, Specimen
+from ..methods.guards import duration
 from ..methods.layered.layered import Layered
 from .curve import CriticalPoint, transform
 from .device import LOAD_CONTROL
@@ -47,7 +48,7 @@ def expect(problem: Problem, works: tuple[float, ...], z0: float) -> Expectation
     unbounded = replace(problem, specimen=specimen, loading=replace(loading, points=max(loading.points, 100)))
     seconds = COARSE.forecast(unbounded).seconds
     if seconds > LONGEST:
-        raise Refusal(f"the coarse solution would take about {seconds:.0f} s")
+        raise Refusal(f"the coarse solution would take about {duration(seconds)}")
     series = COARSE(unbounded).series
     found = slopes(series, "exact")
     a, delta, P = (float(column[-1]) for column in (series.a, series.delta, series.P))

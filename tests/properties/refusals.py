@@ -153,6 +153,10 @@ KINDS = {
         "method fem: " + TOO_MANY + "take a larger mesh.spacing or mesh.smallest, or a larger mesh.growth",
         fem({"smallest": 1e-6, "spacing": 0.04}), {"mesh": {"smallest": 0.1}},
         jkrcli__methods__fem__layout__TUNING__most_cells=4000),
+    "fem: points": kind(
+        "mesh: {} points between {} and {} of the contact's size, at most {}: take a larger mesh.spacing or "
+        "mesh.smallest, or a smaller mesh.width or specimen",
+        fem({"width": "1 km"}, specimen=THIN), {"mesh": {"width": "50 um"}}),
     "fem: growth": kind(
         "method fem: " + TOO_MANY + "take a larger mesh.spacing or mesh.smallest, or a larger mesh.growth",
         fem({"growth": 1e-4}), {"mesh": {"growth": 0.15}}),

@@ -426,3 +426,13 @@ def test_a_profile_of_many_points_takes_little_memory(jkr: Callable) -> None:
     np.testing.assert_allclose(F, np.linspace(0, 2e-5, 100_000) ** 2 / 1e-3, rtol=1e-9, atol=1e-18)
     with pytest.raises(InputError, match="profile table: has 5,001 points, at most 5,000 are taken; leave out points"):
         TableProfile(tuple(range(5001)), tuple(range(5001)))
+
+
+def test_a_contact_beyond_all_sizes_of_the_body_is_refused(jkr: Callable) -> None:
+    """Polynomials that do not converge to rounding: a division by zero where they were counted."""
+    text = (CASES / "coating.toml").read_text(encoding="utf-8").replace('"8 um"', '"9e16 um"')
+    Path("x.toml").write_text(text, encoding="utf-8")
+    for verb in ("check", "run"):
+        done = jkr(verb, "x.toml")
+        assert done.code in (0, 2), done.err
+        assert done.err.count("\n") == (done.code == 2)

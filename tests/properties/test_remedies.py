@@ -257,7 +257,7 @@ BEHIND = (  # never seen, as something else is told before, or seen as no refusa
     "nu: 0.5 needs the mixed form",  # fem says so before it builds anything
     "needs a contact beyond the profile: load less, or give a larger profile",  # found on the wide body first
     "method {}: {}",  # of jkrcli.methods.choose: leads the reasons above
-    "the coarse solution would take about {} s",  # of jkr check, which goes on without
+    "the coarse solution would take about {}",  # of jkr check, which goes on without
 )
 
 BY_OTHER_VERBS = (  # refused to transform, or at sizes that take long: tests of finite range and of surfaces that stick

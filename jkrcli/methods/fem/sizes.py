@@ -161,7 +161,7 @@ def graded_points(start: float, stop: float, size: Callable[[Array], Array]) -> 
     if n > TUNING.most_points:
         raise Refusal(
             f"mesh: {n:,} points between {start:g} and {stop:g} of the contact's size, at most {TUNING.most_points:,}: "
-            "take a larger mesh.spacing or mesh.smallest, or a smaller body"
+            "take a larger mesh.spacing or mesh.smallest, or a smaller mesh.width or specimen"
         )
     wanted = np.arange(1, n) * (total[-1] / n)
     i = np.clip(np.searchsorted(total, wanted, side="right") - 1, 0, step.size - 1)

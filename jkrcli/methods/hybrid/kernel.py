@@ -80,9 +80,13 @@ def convergence(region: Region) -> float:
     return growth**2
 
 
+COUNTED = 1e6  # choice: more polynomials than any limit allows, for refusals
+
+
 def count_for(region: Region, error: float) -> int:
     """How many even polynomials leave about ``error``."""
-    return max(3, math.ceil(math.log(1 / error) / math.log(convergence(region))) + 1)
+    falls = math.log(convergence(region))  # 0 to rounding where the contact is beyond all sizes of the body
+    return max(3, math.ceil(min(math.log(1 / error) / max(falls, 1 / COUNTED), COUNTED)) + 1)
 
 
 @dataclass(frozen=True)

@@ -360,3 +360,14 @@ def test_little_address_space_ends_in_one_line(series: Path) -> None:
     done = subprocess.run([*words, "-o", "r.h5"], cwd=series.parent, capture_output=True, text=True, timeout=60)
     assert (done.returncode == 0) == (series.parent / "r.h5").exists()
     assert "Traceback" not in done.stderr
+
+
+# ---------------------------------------------------------------------- clusters
+def test_the_page_on_clusters_binds_dashboards_and_names_encryption() -> None:
+    """With ``--host 127.0.0.1`` alone Dask's dashboards listen on all addresses."""
+    page = (ROOT / "docs" / "many-cases.md").read_text(encoding="utf-8")
+    for command in ("dask scheduler", "dask worker"):
+        lines = [line for line in page.splitlines() if line.strip().startswith(f"{command} ") and "127.0.0.1" in line]
+        assert lines
+        assert all("--dashboard-address 127.0.0.1" in line for line in lines)
+    assert "--tls-" in page

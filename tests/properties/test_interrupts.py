@@ -60,6 +60,7 @@ VERBS = {
     "compare": ("compare", "s.h5", "s.h5"),
     "sweep": ("sweep", "many.toml", "-o", "r", "--workers", "2"),
     "study converge": ("study", "converge", "f.toml"),
+    "study adhesion-map": ("study", "adhesion-map", "-o", "map"),
     "study pull-off-map": ("study", "pull-off-map", "-o", "map"),
     "study rate-map": ("study", "rate-map", "-o", "map"),
     "study sticking-map": ("study", "sticking-map", "-o", "map"),
@@ -230,3 +231,7 @@ def test_an_interrupt_behind_the_last_word_is_one_line(
         130,
         "jkr: error: interrupted; nothing half-written was left\n",
     )
+
+
+def test_the_exit_code_is_told() -> None:
+    assert f"{interrupts.CODE} after Ctrl-C" in (ROOT / "README.md").read_text(encoding="utf-8")

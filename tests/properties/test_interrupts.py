@@ -112,16 +112,26 @@ def test_every_verb_is_among_them() -> None:
     assert {words[1] for words in VERBS.values() if words[0] == "study"} == set(study.list_commands(None))
 
 
+def check(folder: Path, verb: str, moment: float) -> None:
+    code, err = interrupted(folder, VERBS[verb], moment)
+    assert code in (0, interrupts.CODE), (moment, code, err)
+    assert "Traceback" not in err, (moment, err)
+    assert "KeyboardInterrupt" not in err, (moment, err)
+    assert code == 0 or err.endswith(LINE), (moment, err)
+
+
+@pytest.mark.parametrize("verb", ["show", "sweep"])
+@pytest.mark.parametrize("moment", [0.0, 0.4])
+def test_an_interrupt_is_one_line(folder: Path, verb: str, moment: float) -> None:
+    check(folder, verb, moment)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("verb", VERBS)
 def test_interrupts_at_forty_moments_are_one_line(folder: Path, verb: str) -> None:
     """From the moment jkrcli begins to be imported to 2 s later."""
     for moment in np.linspace(0, 2, 40).tolist():
-        code, err = interrupted(folder, (*VERBS[verb],), moment)
-        assert code in (0, interrupts.CODE), (moment, code, err)
-        assert "Traceback" not in err, (moment, err)
-        assert "KeyboardInterrupt" not in err, (moment, err)
-        assert code == 0 or err.endswith(LINE), (moment, err)
+        check(folder, verb, moment)
 
 
 def test_an_interrupt_within_an_import_waits_for_its_end() -> None:

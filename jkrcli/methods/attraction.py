@@ -11,6 +11,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,11 +19,13 @@ from ..base.arrays import Array
 from ..base.errors import Refusal
 from ..base.units import show
 from ..bodies.problem import HalfSpace, Problem, Specimen
-from .hybrid.contact import AdaptiveKernel, ErrorEstimates, KernelContact
 from .integral.attraction import Attraction
 from .layered.contact import LayeredContact
 from .layered.layered import GRADED, unbounded
 from .layered.spectrum import spectrum_seconds
+
+if TYPE_CHECKING:
+    from .hybrid.contact import AdaptiveKernel, ErrorEstimates, KernelContact  # finite elements: of cylinders alone
 
 
 @dataclass(frozen=True)
@@ -64,8 +67,11 @@ class AttractedBody:
 
     @cached_property
     def _cylinder(self) -> AdaptiveKernel | None:
-        specimen = self.problem.specimen
-        return None if specimen.radius is None else AdaptiveKernel(self.problem.indenter, specimen, TUNING.cylinder[0])
+        if self.problem.specimen.radius is None:
+            return None
+        from .hybrid.contact import AdaptiveKernel
+
+        return AdaptiveKernel(self.problem.indenter, self.problem.specimen, TUNING.cylinder[0])
 
     @property
     def limit(self) -> float:

@@ -1,11 +1,16 @@
 """``jkr``, and ``python -m jkrcli``: Ctrl-C is minded before anything large is imported."""
 
+import gc
+
 from .base.interrupts import leave_at_once
+
+RARELY = (100_000, 20, 100)  # containers made between two looks for cycles; choice: saves a twentieth, costs 1 MB
 
 
 def main() -> None:
     """Entry point of ``jkr``."""
     leave_at_once()
+    gc.set_threshold(*RARELY)
     from .cli import main as command
 
     command()

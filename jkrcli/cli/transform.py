@@ -36,7 +36,11 @@ if TYPE_CHECKING:
 @into_folder()
 @click.option("--dimensionless", type=click.Choice(["half-space", "thin-layer"]), help="Also in units of Eq. 15, 19.")
 @click.option(
-    "--scale", "own", multiple=True, type=ScaleType(), help='Own units: a="1 um", delta=..., P=..., all three.'
+    "--scale",
+    "own",
+    multiple=True,
+    type=ScaleType(),
+    help='Own units, one a --scale: a="1 um", delta=..., P=..., all three.',
 )
 @click.option("--together", is_flag=True, help="One picture of all w, <stem>-all-w.png and .svg, instead of one each.")
 @limits_options

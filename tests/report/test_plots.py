@@ -94,6 +94,7 @@ def troubles(figure: Figure, smallest: float = SMALLEST) -> list[str]:
             found.append(f"cut: {box} of {figure.bbox}")
         for axis in (axes.xaxis, axes.yaxis):
             found += [f"{axis.axis_name} labels overlap: {words}" for words in _overlapping(axis)]
+            found += [f"{axis.label.get_text()} is on {text}" for text in _under_the_label(axis)]
         if any(legend.get_window_extent(renderer).overlaps(_shrunk(box)) for legend in figure.legends):
             found.append(f"the legend covers {axes.get_xlabel()} or what is above")
         inner = axes.get_legend()
@@ -111,10 +112,21 @@ def _shrunk(box: Bbox) -> Bbox:
     return Bbox.from_extents(box.x0 + SLACK, box.y0 + SLACK, box.x1 - SLACK, box.y1 - SLACK)
 
 
-def _overlapping(axis: Axis) -> list[str]:
+def _shown(axis: Axis) -> list[Text]:
     low, high = sorted(axis.get_view_interval())
-    shown = [tick.label1 for tick in axis.get_major_ticks() if low <= tick.get_loc() <= high and tick.label1.get_text()]
-    shown = [label for label in shown if label.get_visible()]
+    labels = [tick.label1 for tick in axis.get_major_ticks() if low <= tick.get_loc() <= high]
+    return [label for label in labels if label.get_text() and label.get_visible()]
+
+
+def _under_the_label(axis: Axis) -> list[str]:
+    label = axis.label.get_window_extent()
+    return [
+        text.get_text() for text in _shown(axis) if axis.label.get_text() and text.get_window_extent().overlaps(label)
+    ]
+
+
+def _overlapping(axis: Axis) -> list[str]:
+    shown = _shown(axis)
     boxes = [label.get_window_extent() for label in shown]
     return [f"{one.get_text()}, {two.get_text()}" for (one, a), (two, b)
             in itertools.pairwise(zip(shown, boxes, strict=True)) if a.overlaps(_shrunk(b))]  # fmt: skip
@@ -220,6 +232,9 @@ def write_measured() -> None:
     [
         ("transform", "body.h5", "--dimensionless", "half-space"),
         ("transform", "body.h5", "--w", 0),
+        ("transform", "body.h5", "--scale", "a=1 m", "--scale", "P=70 N", "--scale", "delta=3 m"),
+        ("transform", "body.h5", "--scale", "a=1 nm", "--scale", "P=1 pN", "--scale", "delta=1 pm"),
+        ("transform", "body.h5", "--together", *[word for w in range(20, 35) for word in ("--w", f"{w} mJ/m^2")]),
         ("cycle", "body.h5"),
         ("cycle", "body.h5", "--stiffness", "1 N/m", "--w-retract", "150 mJ/m^2"),
         ("profile", "body.h5", "--load", 0),

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from matplotlib.ticker import MaxNLocator
 
 from ...adhesion.analysis import Analysis
 from ...adhesion.curve import CriticalPoint, EquilibriumCurve
@@ -16,7 +15,7 @@ from ...adhesion.stability import GRIPPED, STABLE, UNSTABLE, branch
 from ...base.arrays import Array
 from ...base.units import scale, show
 from ..scaling import Scales
-from . import BLACK, BLUE, COLORS, GREEN, ORANGE, WIDE, Axes, Figure, drawing, legend_below, pretty, scaled
+from . import BLACK, BLUE, GREEN, ORANGE, Axes, Figure, colors, few_ticks, legend_below, pair, pretty, scaled
 
 BRANCHES = {STABLE: ("o-", ""), GRIPPED: ("--", "stable under displacement control only"), UNSTABLE: (":", "unstable")}
 PHASES = {"approach": (BLUE, 2.4), "turn": (GREEN, 1.8), "retraction": (ORANGE, 1.1)}  # the last drawn the thinnest
@@ -60,8 +59,7 @@ def units_of(scales: Scales) -> Units:
 
 def curve_figure(result: Analysis, units: Units) -> Figure:
     """The paper's Fig. 5, nonadhesive and adhesive; insets show the tension where it is small against the loads."""
-    with drawing(WIDE, 3.4) as figure:
-        panels = figure.subplots(1, 2)
+    with pair() as (figure, panels):
         for axes, (x, y, empty) in zip(panels, PANELS, strict=True):
             _draw(axes, result, units, x, y)
             axes.set_xlabel(units.label(x))
@@ -77,14 +75,13 @@ def curves_figure(results: Sequence[Analysis], units: Units) -> Figure:
     times as much compression, where the loads of the series dwarf it."""
     tension = max(-float(np.min(result.curve.P)) for result in results)
     near = [np.abs(result.curve.P) <= 3 * tension for result in results]
-    with drawing(WIDE, 3.4) as figure:
-        panels = figure.subplots(1, 2)
+    with pair() as (figure, panels):
         for axes, (x, y, _) in zip(panels, PANELS, strict=True):
             axes.axhline(0, color="0.7", lw=0.6)
             axes.axvline(0, color="0.7", lw=0.6)
             series = results[0].curve.series
             axes.plot(_of(series, x, units), _of(series, y, units), color="0.6", lw=2.4, label="nonadhesive")
-            for result, color in zip(results, itertools.cycle(COLORS), strict=False):
+            for result, color in zip(results, colors(len(results)), strict=False):
                 label = f"w = {pretty(show(result.w, 'work'))}"
                 axes.plot(_of(result.curve, x, units), _of(result.curve, y, units), color=color, lw=1.2, label=label)
                 point = result.pull_off["load"]
@@ -169,8 +166,7 @@ def _enlarge(axes: Axes, result: Analysis, units: Units, x: str, y: str, place: 
         low, high = float(np.min(values)), float(np.max(values))
         limit(low - 0.1 * (high - low), high + 0.1 * (high - low))
     inset.tick_params(labelsize=7, pad=1.5, length=2)
-    for axis in (inset.xaxis, inset.yaxis):
-        axis.set_major_locator(MaxNLocator(3))
+    few_ticks(inset, 3)
 
 
 def cycle_figure(columns: Mapping[str, Array], title: str) -> Figure:
@@ -181,8 +177,7 @@ def cycle_figure(columns: Mapping[str, Array], title: str) -> Figure:
     over = "device_m" if "device_m" in columns else "delta_m"
     soft = not np.array_equal(columns[over], columns["delta_m"])
     name = "device position δ + P/k" if soft else "displacement δ"
-    with drawing(WIDE, 3.4) as figure:
-        panels = figure.subplots(1, 2)
+    with pair(title) as (figure, panels):
         x, x_unit = scaled(columns[over], "length")
         for axes, column, dimension, label in (
             (panels[0], "P_N", "load", "load P"),
@@ -196,7 +191,6 @@ def cycle_figure(columns: Mapping[str, Array], title: str) -> Figure:
             if column == "P_N" and -y.min() < 0.2 * np.ptp(y):
                 _enlarge_loop(axes, x, y, columns)
         legend_below(figure, panels, 4)
-        figure.suptitle(title)
         return figure
 
 
@@ -215,8 +209,7 @@ def _enlarge_loop(axes: Axes, x: Array, y: Array, columns: Mapping[str, Array]) 
     for values, limit in ((x[near], inset.set_xlim), (y[near], inset.set_ylim)):
         limit(values.min() - 0.08 * np.ptp(values), values.max() + 0.08 * np.ptp(values))
     inset.tick_params(labelsize=7, pad=1.5, length=2)
-    for axis in (inset.xaxis, inset.yaxis):
-        axis.set_major_locator(MaxNLocator(3))
+    few_ticks(inset, 3)
 
 
 def _phases(axes: Axes, x: Array, y: Array, columns: Mapping[str, Array]) -> None:

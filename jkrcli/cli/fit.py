@@ -60,7 +60,8 @@ class NamesType(ParamType):
     "--fix", multiple=True, type=NamedType(), help='Known: w="50 mJ/m^2", delta0=0, modulus=1, E_star="1 MPa".'
 )
 @click.option("--start", multiple=True, type=NamedType(), help="Starting value, beside those found in the data.")
-@click.option("--bound", multiple=True, type=NamedType(), help='Bounds, w="10 mJ/m^2..1 J/m^2"; one may be left out.')
+@click.option("--bound", multiple=True, type=NamedType(), help='Bounds, w="10 mJ/m^2..1 J/m^2"; one may be left out. '
+              'Of a range that is not fitted what is known: range="..10 nm".')  # fmt: skip
 @click.option(
     "--law",
     type=click.Choice(list(RATE_LAWS)),

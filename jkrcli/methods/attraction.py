@@ -52,9 +52,11 @@ TUNING = AttractedTuning()
 
 @dataclass(frozen=True, eq=False)
 class AttractedBody:
-    """The bodies of a ``problem`` for adhesion of finite range, as far as it reaches."""
+    """The bodies of a ``problem`` for adhesion of finite range, as far as it reaches; ``tolerance``: of K by its
+    polynomials."""
 
     problem: Problem
+    tolerance: float = TUNING.tolerance
 
     @cached_property
     def _wide(self) -> LayeredContact:
@@ -85,7 +87,11 @@ class AttractedBody:
         return self._wide.scale
 
     @cached_property
-    def _kernels(self) -> dict[float, tuple[Attraction, Attraction, ErrorEstimates | None]]:
+    def _kernels(self) -> dict[float, tuple[Attraction, KernelContact | None, ErrorEstimates | None]]:
+        return {}
+
+    @cached_property
+    def _checks(self) -> dict[float, Attraction]:
         return {}
 
     def attraction(self, reach: float) -> Attraction:
@@ -94,7 +100,15 @@ class AttractedBody:
 
     def check(self, reach: float) -> Attraction:
         """The same on other panels, for an estimate of the error that they leave."""
-        return self._kernel(reach)[1]
+        if reach not in self._checks:
+            self._checks.clear()
+            cylinder, finer = self._kernel(reach)[1], self.tolerance * TUNING.checked
+            self._checks[reach] = (
+                self._wide.attraction(reach, finer, TUNING.other_order)
+                if cylinder is None
+                else cylinder.attraction(reach, finer)
+            )
+        return self._checks[reach]
 
     def kernel_error(self, reach: float, radii: Array) -> Array:
         """Relative error that the kernel itself leaves in delta, P and S up to ``radii`` [m]."""
@@ -103,18 +117,14 @@ class AttractedBody:
             return np.full(radii.size, GRADED if self.problem.specimen.is_graded else 0.0)
         return estimates.at(np.asarray(radii)).max(axis=0)
 
-    def _kernel(self, reach: float) -> tuple[Attraction, Attraction, ErrorEstimates | None]:
+    def _kernel(self, reach: float) -> tuple[Attraction, KernelContact | None, ErrorEstimates | None]:
         if reach not in self._kernels:
             self._kernels.clear()
-            finer, other = TUNING.tolerance * TUNING.checked, TUNING.other_order
-            found: tuple[Attraction, Attraction, ErrorEstimates | None]
             if self._cylinder is None:
-                wide = self._wide
-                found = wide.attraction(reach, TUNING.tolerance), wide.attraction(reach, finer, other), None
+                self._kernels[reach] = self._wide.attraction(reach, self.tolerance), None, None
             else:
                 contact, errors = _met(self._cylinder, reach)
-                found = contact.attraction(reach, TUNING.tolerance), contact.attraction(reach, finer), errors
-            self._kernels[reach] = found
+                self._kernels[reach] = contact.attraction(reach, self.tolerance), contact, errors
         return self._kernels[reach]
 
     def seconds(self, a: float, s: float, gap: float) -> float:

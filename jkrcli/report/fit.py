@@ -13,6 +13,7 @@ from ..base.arrays import Array
 from ..base.units import SI, show
 from ..identification.fit.fitting import Failure
 from ..identification.fit.result import Fit, FittedValue, JKRBeside
+from ..identification.fit.rivals import RANGE
 from . import archive
 from .map import images_of, map_of
 
@@ -111,6 +112,7 @@ def _summary(item: Fit | Failure) -> dict[str, Any]:
             "runs_expected": structure.expected,
             "probability": structure.probability,
         },
+        **({} if item.range_left is None else {"range_left_m": item.range_left}),
         **_beside(item),
         **({} if item.quality is None else {"quality": dict(item.quality), "flags": list(item.flags)}),
         "warnings": list(item.warnings),
@@ -152,6 +154,7 @@ def words(item: Fit) -> list[str]:
             lines.append(
                 f"  {SYMBOLS.get(estimate.name, estimate.name):<12} {estimate_words(estimate, item.settings.level)}"
             )
+    lines += _range_words(item)
     told = item.correlated("modulus", "w")
     more = [] if told is None else [f"correlation of E* and w {told:.2f}"]
     lines.append(f"  {'scatter':<12} {', '.join([*_scatter(item), *more])}")
@@ -159,6 +162,16 @@ def words(item: Fit) -> list[str]:
         parts = ", ".join(f"{name} {value:.2f}" for name, value in item.quality.items() if name != "quality")
         lines.append(f"  {'quality':<12} {item.quality['quality']:.2f} ({parts})")
     return lines
+
+
+def _range_words(item: Fit) -> list[str]:
+    """A line on the longest range that the rows leave, where w rests on it more than on the noise."""
+    w, left = item.estimate("w"), item.range_left
+    part = (w.model or {}).get(RANGE, 0.0)
+    if left is None or w.low is None or w.high is None or part < w.high - w.low:
+        return []
+    moved = f"up to {show(left, 'length', 2)} not excluded by these rows, with it w moves by {show(part, 'work', 2)}"
+    return [f"  {'range':<12} {moved}; if it is known to be shorter: --bound range=..LENGTH"]
 
 
 def estimate_words(estimate: FittedValue, level: float) -> str:

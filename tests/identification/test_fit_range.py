@@ -73,6 +73,15 @@ def curve_of(body: FittedBody, lam: float, **changes: float) -> Member:
     return body.attracted.member({"modulus": factor, "w": W, "range": truth(lam)["range"]} | changes)
 
 
+@pytest.mark.parametrize("lam", [0.3, 3.0])
+def test_coarse_curves_are_near_the_fine_ones(lam: float) -> None:
+    body = tip()
+    fine, coarse = (curve_of(one, lam) for one in (body, body.coarse))
+    u = np.linspace(*fine.ends(0, 0, None), 300)[:-20]
+    for exact, near in zip(fine.along(u)[0][1:], coarse.along(u)[0][1:], strict=True):
+        assert np.abs(near - exact).max() < 1e-4 * abs(exact.min())  # 4e-5 measured
+
+
 @pytest.mark.parametrize("lam", [0.05, 1.0, 30.0])
 def test_curves_are_those_of_maugis(lam: float) -> None:
     exact, body = states(lam), tip()

@@ -14,6 +14,7 @@ from fit_data import (
     DELTA_C,
     E_STAR,
     P_C,
+    R,
     W,
     adhesive,
     body_of,
@@ -24,17 +25,19 @@ from fit_data import (
     thin_layer,
     usual,
 )  # fmt: skip
+from maugis import Maugis
 
 from jkrcli.adhesion.slopes.choice import slopes
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Specimen
 from jkrcli.data.measured import Curve
-from jkrcli.identification.fit import FittedBody, fit
+from jkrcli.identification.fit import FittedBody, Parameter, fit
 from jkrcli.identification.fit.model import Drift, Readings
 from jkrcli.identification.fit.result import Fit
+from jkrcli.identification.fit.rivals import RANGE
 from jkrcli.methods.closed_form.method import ClosedForm
 
-SEEDS = [12, pytest.param(100, marks=pytest.mark.slow)]
+SEEDS = [8, pytest.param(100, marks=pytest.mark.slow)]
 
 
 def noisy(exact: Curve, size: float, seed: int) -> Curve:
@@ -50,6 +53,17 @@ def with_rising_w(rise: float) -> Curve:
     a = np.linspace(A_C, A_END, 200)
     delta, P = adhesive(a, E_STAR, W * (1 + rise * (A_END - a) / (A_END - A_C)))
     return Curve("rising", delta=delta, P=P)
+
+
+def of_range(tabor: float, end: str, points: int = 200) -> Curve:
+    """The sphere of ``fit_data`` with adhesion of finite range by Maugis' closed form, from where a load or a
+    displacement ("P", "delta") loses contact to three times the pull-off force."""
+    lam = 2 * (9 / (16 * math.pi)) ** (1 / 3) * tabor  # of the tension w/range, K = 4 E*/3
+    exact = Maugis(R, E_STAR, W, lam, 1 + np.geomspace(1e3, 1e-5, 4000))
+    a, first = exact.a, int(np.argmin(getattr(exact, end)))
+    last = int(np.argmax(exact.P > 3 * abs(exact.P.min())))
+    places = np.linspace(a[first], a[last], points)
+    return Curve("ranged", delta=np.interp(places, a, exact.delta), P=np.interp(places, a, exact.P))
 
 
 def coating_as_half_space() -> FittedBody:
@@ -69,24 +83,51 @@ def held(found: Fit, name: str, truth: float) -> bool:
     return item.low - model <= truth <= item.high + model
 
 
-MISFITS: dict[str, tuple[Callable[[], FittedBody], Callable[[], Curve], float]] = {
-    "w rises by 10 %": (half_space, lambda: with_rising_w(0.1), 1.1 * W),
-    "w rises by 30 %": (half_space, lambda: with_rising_w(0.3), 1.3 * W),
-    "w rises by 100 %": (half_space, lambda: with_rising_w(1.0), 2.0 * W),
-    "a coating as a half-space": (coating_as_half_space, lambda: measured(coating(), 0.05), 0.05),
+def sphere_of_more() -> FittedBody:
+    return half_space(reach=3 * A_END)
+
+
+# The body that is fitted, the data, and w and E* that they were made with (a coating has no one E*)
+MISFITS: dict[str, tuple[Callable[[], FittedBody], Callable[[], Curve], float, float | None]] = {
+    "w rises by 10 %": (half_space, lambda: with_rising_w(0.1), 1.1 * W, E_STAR),
+    "w rises by 30 %": (half_space, lambda: with_rising_w(0.3), 1.3 * W, E_STAR),
+    "w rises by 100 %": (half_space, lambda: with_rising_w(1.0), 2.0 * W, E_STAR),
+    "a coating as a half-space": (coating_as_half_space, lambda: measured(coating(), 0.05), 0.05, None),
+    "Tabor number 0.3, load": (sphere_of_more, lambda: of_range(0.3, "P"), W, E_STAR),
+    "Tabor number 1, load": (sphere_of_more, lambda: of_range(1.0, "P"), W, E_STAR),
+    "Tabor number 0.3, displacement": (sphere_of_more, lambda: of_range(0.3, "delta"), W, E_STAR),
+    "Tabor number 1, displacement": (sphere_of_more, lambda: of_range(1.0, "delta"), W, E_STAR),
 }
 
 
 @pytest.mark.parametrize("seeds", SEEDS)
 @pytest.mark.parametrize("name", MISFITS)
 def test_a_misfit_is_warned_of_or_held(name: str, seeds: int) -> None:
-    """w is that where contact is lost; without the second part it used to be off by up to 40 half-widths, unsaid."""
-    make, data, truth = MISFITS[name]
+    """w is that where contact is lost; without the second part it used to be off by up to 80 half-widths, unsaid."""
+    make, data, *truth = MISFITS[name]
     body, exact = make(), data()
     found = [fit(body, noisy(exact, 0.01, seed), usual()) for seed in range(seeds)]
-    assert np.mean([warned(one) or held(one, "w", truth) for one in found]) >= 0.95
+    for what, true in zip(("w", "E_star"), truth, strict=True):
+        if true is not None:
+            assert np.mean([warned(one) or held(one, what, true) for one in found]) >= (0.95 if seeds >= 100 else 0.8)
     if name != "w rises by 10 %":  # there w at pull-off is what is found
-        assert np.mean([held(replace(one, estimates=_without_model(one)), "w", truth) for one in found]) < 0.95
+        assert np.mean([held(replace(one, estimates=_without_model(one)), "w", truth[0]) for one in found]) < 0.95
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("size", [1e-3, 1e-4])
+@pytest.mark.parametrize("points", [60, 200])
+@pytest.mark.parametrize("end", ["P", "delta"])
+@pytest.mark.parametrize("tabor", [0.3, 1.0])
+def test_a_range_is_warned_of_or_held_at_any_noise(tabor: float, end: str, points: int, size: float) -> None:
+    body, exact = sphere_of_more(), of_range(tabor, end, points)
+    found = [fit(body, noisy(exact, size, seed), usual()) for seed in range(100)]
+    for what, true in (("w", W), ("E_star", E_STAR)):
+        shares = [warned(one) or held(one, what, true) for one in found]
+        print(
+            f"{tabor}, {end}, {points}, {size}: {what} {np.mean(shares):.2f}, warned {np.mean([*map(warned, found)])}"
+        )
+        assert np.mean(shares) >= 0.95
 
 
 def _without_model(found: Fit) -> tuple:
@@ -112,7 +153,7 @@ def test_the_second_part_falls_with_the_noise() -> None:
     for size in (1e-2, 1e-4):
         found = fit(half_space(), sphere(200, size, 3), usual()).estimate("w")
         parts.append(math.hypot(*found.model.values()) / found.value)
-    assert parts[1] < 0.1 * parts[0] < 0.02
+    assert parts[1] < 0.1 * parts[0] < 0.03
 
 
 @pytest.mark.parametrize("name", ["w", "modulus"])
@@ -127,3 +168,31 @@ def test_derivatives_of_a_drifting_curve(name: str) -> None:
     above, below = readings.along(u + step), readings.along(u - step)
     assert first == pytest.approx((above[0] - below[0]) / (2 * step), rel=1e-5)
     assert second == pytest.approx((above[1] - below[1]) / (2 * step), rel=1e-3, abs=1e-3)
+
+
+def test_parts_of_what_follows_are_those_of_the_moduli() -> None:
+    """E* used to get its part times the factor of the case's moduli."""
+    found = fit(half_space(), sphere(200, 0.01, 3), usual())  # whose moduli are twice those of the data
+    factor, E_star = found.estimate("modulus"), found.estimate("E_star")
+    assert factor.value == pytest.approx(0.5, rel=0.02)
+    for name, part in factor.model.items():
+        assert E_star.model[name] / E_star.value == pytest.approx(part / factor.value, rel=1e-12)
+
+
+def test_a_range_known_to_be_short_leaves_less_open() -> None:
+    curve = sphere(200, 0.01, 3)
+    open_, known = (fit(half_space(), curve, usual(range_at_most=most)) for most in (math.inf, 10e-9))
+    assert open_.range_left > 1e-6
+    assert known.range_left == 10e-9
+    assert open_.estimate("w").model[RANGE] > 0.1 * W
+    assert known.estimate("w").model[RANGE] < 1e-4 * W  # Tabor number 46
+
+
+def test_rungs_are_near_the_fits_with_their_range() -> None:
+    """Moves of w by two Gauss-Newton steps on coarse, rounded curves against fits with that range fixed."""
+    curve = noisy(of_range(1.0, "P"), 0.01, 1)
+    found = fit(sphere_of_more(), curve, usual(range_at_most=2e-7))
+    settings = replace(usual(), parameters=(*usual().parameters, Parameter("range", False, 2e-7)))
+    there = fit(sphere_of_more(), curve, settings)
+    move = found.value("w") - there.value("w")
+    assert found.estimate("w").model[RANGE] == pytest.approx(move, rel=0.05)  # 0.01 measured

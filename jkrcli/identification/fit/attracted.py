@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 from scipy.interpolate import BSpline, make_interp_spline
@@ -27,8 +27,6 @@ from .family import Drift, Family
 class AttractedFamilyTuning:
     """Points of the curves, and how their derivatives by tension and range are found."""
 
-    radii: int = 90  # choice: of contact, besides 0; splines through them are good to 1e-6 of the curve
-    smallest: float = 3e-4  # choice: of them over the largest
     beyond: float = 1.4  # choice: of the largest over the end of the series, on the way to a solution
     below_limit: float = 0.9  # choice: of the largest over the end of profile or cylinder
     reach: float = 1.5  # choice: of the radius to which the kernel is known over the largest of contact; its growth
@@ -40,9 +38,24 @@ class AttractedFamilyTuning:
     step: float = 1e-5  # theory: of logs, for central differences: the cube root of round-off
     close: float = 1e-6  # choice: relative, how far a foot point may lie beyond
     least: int = 12  # choice: guard, radii in contact that a curve needs
+    remembered: int = 64  # choice: curves kept; more only saves time
 
 
 TUNING = AttractedFamilyTuning()
+
+
+@dataclass(frozen=True)
+class Resolution:
+    """How finely the curves are resolved: the number of contact ``radii`` besides 0, the ``smallest`` of them over the
+    largest, and the ``tolerance`` of the kernel."""
+
+    radii: int
+    smallest: float
+    tolerance: float
+
+
+FINE = Resolution(90, 3e-4, 1e-10)  # choice: splines through them are good to 1e-6 of the curve
+COARSE = Resolution(45, 3e-3, 1e-6)  # choice: good to a thousandth of what a range changes, at a third of the cost
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,10 +65,11 @@ class AttractedFamily:
     problem: Problem
     plain: Family
     body: AttractedBody
+    resolution: Resolution = FINE
 
     @classmethod
-    def of(cls, problem: Problem, plain: Family) -> AttractedFamily:
-        return cls(problem, plain, AttractedBody(problem))
+    def of(cls, problem: Problem, plain: Family, resolution: Resolution = FINE) -> AttractedFamily:
+        return cls(problem, plain, AttractedBody(problem, resolution.tolerance), resolution)
 
     def member(self, values: Mapping[str, float], drift: Drift | None = None) -> AttractedMember:
         modulus, w = values["modulus"], values["w"]
@@ -69,7 +83,7 @@ class AttractedFamily:
         """Contact radii of all curves [m], from 0 on."""
         end = math.exp(self.plain.high)
         most = max(end, min(TUNING.beyond * end, TUNING.below_limit * self.body.limit))
-        return np.append(0.0, np.geomspace(TUNING.smallest * most, most, TUNING.radii))
+        return np.append(0.0, np.geomspace(self.resolution.smallest * most, most, self.resolution.radii))
 
     @cached_property
     def _ready(self) -> dict[float, tuple[Attraction, Discs]]:
@@ -93,8 +107,21 @@ class AttractedFamily:
             reach *= TUNING.reach
         return attraction, discs
 
+    @cached_property
+    def _curves(self) -> dict[tuple[str, str], States]:
+        return {}
+
     def states(self, s: float, gap: float) -> States:
-        """The curve for the tension s = 2 sigma/E* up to the separation ``gap`` [m]."""
+        """The curve for the tension s = 2 sigma/E* up to the separation ``gap`` [m]; solved once for many fits that ask
+        for the same."""
+        key = f"{s:.12g}", f"{gap:.12g}"
+        if key not in self._curves:
+            if len(self._curves) >= TUNING.remembered:
+                self._curves.clear()
+            self._curves[key] = self._solved(s, gap)
+        return self._curves[key]
+
+    def _solved(self, s: float, gap: float) -> States:
         attraction, discs = self._reaching(s, gap)
         rims = discs.equilibria(s, gap, attraction.reach)
         held = np.isclose(rims.gap, gap, rtol=1e-6)
@@ -111,7 +138,7 @@ class AttractedFamily:
         touching = make_interp_spline(v, np.stack([rims.a, rims.delta, rims.P], axis=1)[kept], TUNING.degree)
         own = c0, float(v[-1]), touching, math.pi * self.problem.E_star * s / 2, gap
         apart = self._apart(attraction, rims, s, gap) if first == 0 else None
-        return States(*own, apart, lambda: make_interp_spline(v, _rates(discs, rims, s)[kept], TUNING.degree))
+        return States(*own, apart, partial(_rate_spline, discs, rims, s, v, kept))
 
     def _apart(self, attraction: Attraction, rims: Rims, s: float, gap: float) -> BSpline:
         """delta without contact, and its part by the tension, over log c."""
@@ -119,6 +146,10 @@ class AttractedFamily:
         delta = np.append(attraction.apart(c[:-1], s, gap).delta, rims.delta[0])
         pulled = delta + gap - self.problem.indenter.f(c)
         return make_interp_spline(np.log(c), np.stack([delta, pulled], axis=1), TUNING.degree)
+
+
+def _rate_spline(discs: Discs, rims: Rims, s: float, v: Array, kept: slice) -> BSpline:
+    return make_interp_spline(v, _rates(discs, rims, s)[kept], TUNING.degree)
 
 
 def _rates(discs: Discs, rims: Rims, s: float) -> Array:

@@ -25,7 +25,7 @@ from ...case.solving import solve
 from ...methods.guards import Limits
 from ...methods.layered.layered import Layered, unbounded
 from ...series import Series, Solution
-from .attracted import AttractedFamily
+from .attracted import COARSE, FINE, AttractedFamily, Resolution
 from .family import Family, Members
 
 REMEMBERED = 256  # choice: families kept; more only saves solves
@@ -67,6 +67,7 @@ class FittedBody:
     tolerance: float = TUNING.tolerance
     asked: AskedRange = JKR
     no_range: str = ""
+    resolution: Resolution = FINE
 
     @classmethod
     def of(cls, problem: Problem, series: Series, found: Slopes, extensible: bool = False) -> FittedBody:
@@ -86,7 +87,12 @@ class FittedBody:
             )
         if self.no_range:
             raise Refusal(self.no_range)
-        return AttractedFamily.of(self.problem, self.family)
+        return AttractedFamily.of(self.problem, self.family, self.resolution)
+
+    @cached_property
+    def coarse(self) -> FittedBody:
+        """The same body with coarse curves of finite range."""
+        return replace(self, resolution=COARSE)
 
     @property
     def layer_names(self) -> tuple[str, ...]:

@@ -23,7 +23,7 @@ class WarningThresholds:
 
     apart: float = 0.99  # choice: correlation beyond which two parameters can hardly be told apart
     vague: float = 0.3  # choice: relative standard error beyond which a value is little more than its order
-    resolved: float = 1e-5  # choice: residuals below this part of the curve are those of the series' interpolation
+    resolved: float = 1e-6  # choice: residuals below this part of the curve are those of the series' interpolation
     least_scatter: float = 0.5  # choice: of the residuals in units of the user's noise
     most_scatter: float = 2.0  # choice: the same
     reached: float = 1.1  # choice: in contact radius, how near to pull-off the data must come

@@ -24,7 +24,7 @@ from .result import Fit
 from .rivals import Rivals, rivals_of
 from .search import robust, search
 from .settings import Parameter, Settings
-from .statistics import structure, t_quantile
+from .statistics import structure
 
 CHUNK = 20  # choice: curves per task
 
@@ -115,7 +115,7 @@ def _fit(body: FittedBody, curve: Curve, settings: Settings) -> Fit:
     confidence = confidence_of(minimum, settings, sharp)
     rivals = Rivals((), 1.0)
     if settings.range is None:
-        rivals = rivals_of(minimum, confidence.scatter**2, t_quantile(settings.level, confidence.dof))
+        rivals = rivals_of(minimum, confidence.scatter**2, confidence.dof, settings)
     flags: Mapping[str, str] = {} if curve.stiffness is None else flags_of(curve)
     distances = minimum.found
     readings, a = distances.readings, distances.a
@@ -147,6 +147,7 @@ def _fit(body: FittedBody, curve: Curve, settings: Settings) -> Fit:
         warnings=(),
         flags=tuple(flags),
         jkr=sharp,
+        range_left=None if rivals.range is None else rivals.range.most,
     )
     said = warnings_of(found, minimum.objective.body, readings.members.plain, minimum.at_bound, rivals)
     return replace(found, warnings=(*_on_record(flags, zero), *words, *said))

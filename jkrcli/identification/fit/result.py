@@ -58,7 +58,8 @@ class Fit:
     fitted curve, readings by column and "a". ``warnings``: sentences with numbers. ``flags``: what is wrong with a
     raw record, in a word or two each; ``surface``: what the surfaces were taken to do; ``quality``: of a raw
     record, between 0 and 1, with its parts, None where readings were prepared; ``adhesion``: its largest tension on
-    retraction [N], None where none is told. ``pixel``: in a map. ``jkr``: of a fit with a range, JKR beside it.
+    retraction [N], None where none is told. ``pixel``: in a map. ``jkr``: of a fit with a range, JKR beside it;
+    ``range_left``: of a fit of JKR, the longest range [m] that the rows leave, None where none was tried.
     """
 
     name: str
@@ -87,6 +88,7 @@ class Fit:
     adhesion: float | None = None
     pixel: Pixel | None = None
     jkr: JKRBeside | Unknown | None = None
+    range_left: float | None = None
 
     @property
     def correlation(self) -> Array | None:

@@ -1,9 +1,10 @@
 """How far what was fitted rests on its model: the nearest other models, told apart by the data or not.
 
-Two rivals are looked at: a work of adhesion that changes along the record, and moduli that do, as those of a layer or a
-base seem to. Each adds one direction to the residuals, that of w or of the moduli times a straight line in the contact
-radius. Where the data tell a rival from the model to first order, this is a warning. What they leave of it is fitted
-again at both of its ends: it moves the parameters, a second part of their uncertainty beside the statistical one.
+Three rivals are looked at: a work of adhesion that changes along the record, moduli that do, as those of a layer or a
+base seem to, and adhesion that has a range (``range_rival``). The first two add one direction each to the residuals,
+that of w or of the moduli times a straight line in the contact radius. Where the data tell a rival from the model to
+first order, this is a warning. What they leave of it is fitted again at both of its ends: it moves the parameters, a
+second part of their uncertainty beside the statistical one.
 """
 
 from __future__ import annotations
@@ -17,8 +18,11 @@ from scipy.special import fdtrc
 
 from ...base.arrays import Array
 from .family import Drift
+from .range_rival import RangeRival, range_rival_of
 from .result import FittedValue
 from .search import Minimum
+from .settings import Settings
+from .statistics import rise, t_quantile
 
 
 @dataclass(frozen=True)
@@ -30,7 +34,8 @@ class RivalTuning:
     least: float = -0.7  # choice: guard, a change along the record; w and moduli stay above 0
     most: float = 1.2  # choice: guard, the same
     reach: float = 7.0  # choice: guard, how far logs may move, as in the search
-    steps: int = 2  # choice: of Gauss and Newton; two more change the parts by a twentieth
+    steps: int = 4  # choice: guard, of Gauss and Newton
+    close: float = 0.5  # choice: the last step, in standard errors; what remains is its square
     fewest: int = 6  # choice: degrees of freedom; two of them go to the rivals
 
 
@@ -38,6 +43,7 @@ TUNING = RivalTuning()
 # What changes along the record, how it is called, and where on the record the fitted value is meant to hold: 0 at the
 # smallest contact radius (w there decides pull-off), 1/2 in the middle.
 RIVALS = {"w": ("a change of w along the record", 0.0), "modulus": ("a change of E* along the record", 0.5)}
+RANGE = "a range of adhesion"
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,10 +58,12 @@ class Rival:
 
 @dataclass(frozen=True, eq=False)
 class Rivals:
-    """The rivals of a fit; ``chance``: that data of the model itself speak as much for them."""
+    """The rivals of a fit; ``chance``: that data of the model itself speak as much for those ``found``; ``range``: of
+    adhesion, None where none was tried."""
 
     found: tuple[Rival, ...]
     chance: float
+    range: RangeRival | None = None
 
     @property
     def told(self) -> bool:
@@ -70,48 +78,54 @@ class Rivals:
                 "radius: other bodies (a layer, a base), or adhesion that depends on speed or has a range; the "
                 "statistical intervals do not hold it"
             )
+        if self.range is not None:
+            yield from self.range.warnings()
 
     def with_parts(self, estimates: Sequence[FittedValue]) -> tuple[FittedValue, ...]:
         """The ``estimates`` with what the rivals may move each by; what follows from the moduli's factor with it."""
+        moves = {RIVALS[rival.name][0]: rival.moves for rival in self.found}
+        moves |= {} if self.range is None else {RANGE: self.range.moves}
+        modulus = next((item.value for item in estimates if item.name == "modulus"), 1.0)
         found = []
         for item in estimates:
             parts = {}
-            for rival in self.found if item.error is not None else ():
-                move = rival.moves.get(item.name)
+            for name, by in moves.items() if item.error is not None else ():
+                move = by.get(item.name)
                 if move is None and item.dimension == "modulus":
-                    move = item.value * rival.moves.get("modulus", 0.0)
+                    move = item.value * by.get("modulus", 0.0) / modulus
                 if move:
-                    parts[RIVALS[rival.name][0]] = move
+                    parts[name] = move
             found.append(replace(item, model=parts or None))
         return tuple(found)
 
 
-def rivals_of(minimum: Minimum, variance: float, t: float) -> Rivals:
-    """The rivals of what was found; ``variance`` of the residuals, ``t``: half-width of the intervals in standard
-    errors. None of few points, and of parameters that are 0."""
+def rivals_of(minimum: Minimum, variance: float, dof: int, settings: Settings) -> Rivals:
+    """The rivals of what was found; ``variance`` of the residuals and its degrees of freedom. None of few points, and
+    of parameters that are 0."""
     objective, residuals = minimum.objective, minimum.found.residuals.ravel()
     values = objective.values(minimum.x)
-    dof = residuals.size - objective.free.size
     wanted = [name for name in RIVALS if values.get(name, 0.0) > 0]
     if dof < TUNING.fewest or not wanted or not variance > 0:
         return Rivals((), 1.0)
+    t, both = t_quantile(settings.level, dof), dof * rise(settings.level, dof, 2)  # w and the range together
+    ranged = range_rival_of(minimum, variance, both, settings) if "w" in wanted else None
     jacobian = minimum.found.jacobian(objective.free)
     directions = np.stack([_direction(minimum, name) for name in wanted], axis=1)
     alone = directions - jacobian @ np.linalg.lstsq(jacobian, directions, rcond=None)[0]
-    found = []
+    found, close = [], TUNING.close * math.sqrt(variance)
     for name, direction in zip(wanted, alone.T, strict=True):
         precision = float(direction @ direction) / variance
         if precision > 0:
             change = -float(direction @ residuals) / variance / precision
             spread = t / math.sqrt(precision + 1 / TUNING.likely**2)
             centre = change * (spread / t) ** 2 * precision
-            found.append(Rival(name, change, _moves(minimum, name, (centre - spread, centre, centre + spread))))
-    return Rivals(tuple(found), _chance(alone, residuals, variance, dof))
+            found.append(Rival(name, change, _moves(minimum, name, (centre - spread, centre + spread), close)))
+    return Rivals(tuple(found), _chance(alone, residuals, variance, dof), ranged)
 
 
-def _moves(minimum: Minimum, name: str, changes: tuple[float, ...]) -> dict[str, float]:
+def _moves(minimum: Minimum, name: str, changes: tuple[float, ...], close: float) -> dict[str, float]:
     """How far the values of the free parameters move, at most, where ``name`` changes along the record by any of
-    ``changes``."""
+    ``changes``; ``close``: as in ``_followed``."""
     objective, before = minimum.objective, minimum.objective.values(minimum.x)
     free = [objective.parameters[i].name for i in objective.free]
     moves = dict.fromkeys(free, 0.0)
@@ -120,25 +134,28 @@ def _moves(minimum: Minimum, name: str, changes: tuple[float, ...]) -> dict[str,
         drift = Drift(
             name, min(max(change, TUNING.least), TUNING.most), RIVALS[name][1], float(a.min()), float(a.max())
         )
-        after = _followed(minimum, drift)
+        after = _followed(minimum, drift, close)
         moves = {key: max(move, abs(after[key] - before[key])) for key, move in moves.items()}
     return moves
 
 
-def _followed(minimum: Minimum, drift: Drift) -> dict[str, float]:
+def _followed(minimum: Minimum, drift: Drift, close: float) -> dict[str, float]:
     """The values of the parameters with a ``drift`` that leave the residuals as they are, as nearly as possible: what
-    noise and outliers there are stays. Gauss-Newton."""
+    noise and outliers there are stays. Gauss-Newton, until a step changes the residuals by less than ``close``."""
     objective, x = replace(minimum.objective, drift=drift), minimum.x.copy()
     free, kept = objective.free, minimum.found.residuals.ravel()
     logs = np.array([parameter.kind == "log" for parameter in objective.parameters])
     low, high = x - np.where(logs, TUNING.reach, np.inf), x + np.where(logs, TUNING.reach, np.inf)
     for _ in range(TUNING.steps):
         there = objective.distances(x)
-        x[free] -= np.linalg.lstsq(there.jacobian(free), there.residuals.ravel() - kept, rcond=None)[0]
+        jacobian = there.jacobian(free)
+        step = np.linalg.lstsq(jacobian, there.residuals.ravel() - kept, rcond=None)[0]
+        x[free] -= step
         x = np.clip(x, low, high)
+        if np.linalg.norm(jacobian @ step) < close:
+            break
     values = objective.values(x)
-    u = objective.distances(x, rated=False).u
-    radii = np.exp(np.array([u.min(), u.max()]))  # the model's own, not those of before
+    radii = np.exp(np.array([there.u.min(), there.u.max()]))  # the model's own, not those of before
     values[drift.name] *= float(drift.factor(radii) @ (1 - drift.centre, drift.centre))
     return values
 

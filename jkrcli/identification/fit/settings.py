@@ -113,7 +113,8 @@ class Settings:
     "h:film", SI), carried through. ``samples, seed``: of the bootstrap.
     ``contact``: "fitted": base line and contact point are fitted with the rest (``record``), "auto": where the curve is
     a raw record, else readings as they are. ``base_line`` of a raw record: "sine": with a wave by interference.
-    ``given``: names of the parameters that are not left out.
+    ``given``: names of the parameters that are not left out. ``range_at_most`` [m]: what is known of the range of
+    adhesion where JKR is fitted.
     """
 
     parameters: tuple[Parameter, ...]
@@ -129,6 +130,7 @@ class Settings:
     contact: ContactName = "auto"
     base_line: BaseLineName = "straight"
     given: frozenset[str] = frozenset()
+    range_at_most: float = math.inf
 
     def __post_init__(self) -> None:
         given = self.given or frozenset(parameter.name for parameter in self.parameters)
@@ -144,6 +146,8 @@ class Settings:
                 raise InputError(f"fit: the noise of {name} must be > 0, got {value:g}")
         if not self.free:
             raise InputError("fit: no parameter is free")
+        if not self.range_at_most > 0:
+            raise InputError(f"fit: the largest range of adhesion must be > 0, got {self.range_at_most:g} m")
         if self.range is not None:
             self._check_range(given)
 
@@ -196,6 +200,9 @@ def settings_of(
     if both := sorted(set(wanted) & set(fixed)):
         raise InputError(f"fit: {both[0]} is both free and fixed")
     names = [name for name in names if name not in fixed]
+    ranged = set(RANGES) & {*names, *fixed} or body.asked.stress is not None or body.asked.length is not None
+    if "range" in bounds and not ranged:
+        _, options["range_at_most"] = _ends(body, "range", bounds.pop("range"))
     if idle := sorted({*starts, *bounds} - set(names)):
         raise InputError(f"fit: {idle[0]} is not free: a start or a bound has no meaning (free: {', '.join(names)})")
     found = []

@@ -1,0 +1,201 @@
+"""The range of adhesion as a rival of JKR: how far ranges that the data do not exclude move what was fitted.
+
+The curves are those of a constant tension up to the range (Maugis) on the body itself. A sphere's pull-off hardly
+changes its shape with the range, but w and the zero of the displacement do: from displacement and load alone w of
+JKR may be a fifth too large where the surfaces attract each other over as far as adhesion deforms them.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.special import fdtrc
+
+from ...base.arrays import Array
+from ...base.errors import JkrError, SolveError
+from ...base.units import show
+from ...methods.layered.spectrum import spectrum_seconds
+from .model import Objective
+from .search import Minimum
+from .settings import Loss, Parameter, Settings
+from .statistics import influence
+
+
+@dataclass(frozen=True)
+class RangeRivalTuning:
+    """Which ranges are tried, and when they are told."""
+
+    # Over the displacement that adhesion adds at JKR's pull-off; Tabor numbers of a sphere 3 to 0.03:
+    ranges: tuple[float, ...] = (0.1, 0.3, 1.0, 3.0, 10.0)  # choice: what lies between is interpolated
+    first: int = 2  # choice: of them; the next longer ones are tried while they are possible, else the next shorter
+    steps: int = 3  # choice: guard, of Gauss and Newton with JKR's derivatives
+    halvings: int = 2  # choice: of the log between the longest possible range and the next
+    short: float = 0.1  # choice: relative change of w by a step, after which the parts are good to a hundredth
+    hopeless: float = 30.0  # choice: excess over what is possible, from which on there are no more steps
+    rounded: float = 0.05  # choice: of logs of range and w with which curves are solved, so that fits share them
+    chance: float = 2e-3  # choice: at which data of JKR itself show a range
+    least_work: float = 1e-3  # choice: of the natural one; with less there is nothing whose range could matter
+    slow: float = 0.1  # choice: CPU seconds of a body's spectrum, above which no range is tried
+
+
+TUNING = RangeRivalTuning()
+
+
+@dataclass(frozen=True, eq=False)
+class RangeRival:
+    """The ranges [m] that the data leave: the ``best`` of those tried, 0 for JKR, and the ``most``; ``moves``: how far
+    they move each parameter. ``chance``: that data of JKR itself speak as much for one."""
+
+    best: float
+    most: float
+    moves: Mapping[str, float]
+    chance: float
+
+    @property
+    def told(self) -> bool:
+        return self.best > 0 and self.chance < TUNING.chance
+
+    def warnings(self) -> Iterator[str]:
+        """A sentence where the data tell a range from none."""
+        if self.told:
+            yield (
+                f"the data speak against this model (by chance: {self.chance:.1g}) and for adhesion with a range of "
+                f"about {show(self.best, 'length', 2)}: fit with --free range"
+            )
+
+
+@dataclass(frozen=True, eq=False)
+class _Rung:
+    """A range [m], the sum of squares with it less JKR's, over the variance, and by how much it moves each value."""
+
+    length: float
+    excess: float
+    moves: Mapping[str, float]
+
+
+def range_rival_of(minimum: Minimum, variance: float, limit: float, settings: Settings) -> RangeRival | None:
+    """The ranges that the data leave; None where none can be tried: bodies without such curves, layers that are
+    fitted, cylinders and gradients, whose kernels would take longer than the fit.
+
+    ``variance`` of the residuals; ``limit``: rise of the sum of squares over it, up to which a range is possible. None
+    is tried that is longer than the ``settings`` tell.
+    """
+    body = minimum.objective.body
+    problem = body.problem
+    own, values = any(p.of_body for p in minimum.objective.parameters), minimum.objective.values(minimum.x)
+    if own or problem.specimen.radius is not None or spectrum_seconds(problem.specimen) > TUNING.slow:
+        return None
+    if values["w"] < TUNING.least_work * values["modulus"] * body.family.natural_work:
+        return None
+    neck = math.log(body.family.neck(values["modulus"], values["w"]))
+    neck = math.exp(TUNING.rounded * round(neck / TUNING.rounded))
+    lengths = [part * neck for part in TUNING.ranges if part * neck < settings.range_at_most]
+    lengths += [settings.range_at_most] * (len(lengths) < len(TUNING.ranges))
+    rungs, best = {-1: _Rung(0.0, 0.0, dict.fromkeys(values, 0.0))}, 0.0
+    try:
+        body.coarse.attracted  # noqa: B018  a Refusal where there is none
+    except JkrError:
+        return None
+    k, step = min(TUNING.first, len(lengths) - 1), 0
+    while 0 <= k < len(lengths):
+        try:
+            rungs[k] = _rung(minimum, lengths[k], variance, limit, settings.loss)
+        except JkrError:  # attraction reaches beyond the body, or the step led nowhere
+            if step > 0:
+                break
+            step = -1
+        else:
+            best = min(best, rungs[k].excess)
+            possible = rungs[k].excess - best <= limit
+            if (step == -1 and possible) or (step == 1 and not possible):
+                break
+            step = 1 if possible else -1
+        k += step
+    found = [rungs[k] for k in sorted(rungs)]
+    with contextlib.suppress(JkrError):
+        for _ in range(TUNING.halvings):
+            if (length := _between(found, limit)) is not None:
+                found.append(_rung(minimum, length, variance, limit, settings.loss))
+                found.sort(key=lambda rung: rung.length)
+    return _judged(found, minimum, limit)
+
+
+def _last_possible(rungs: Sequence[_Rung], limit: float) -> int:
+    """The index of the longest of the ``rungs``, by increasing length, that is within the ``limit`` of the best."""
+    best = min(rung.excess for rung in rungs)
+    return max(i for i, rung in enumerate(rungs) if rung.excess - best <= limit)
+
+
+def _between(rungs: Sequence[_Rung], limit: float) -> float | None:
+    """A range [m] between the longest possible one and the next, where a straight line between
+    them would not do; None where it does."""
+    i = _last_possible(rungs, limit)
+    if i == 0 or i + 1 == len(rungs) or rungs[i + 1].excess > TUNING.hopeless * limit:
+        return None
+    return math.sqrt(rungs[i].length * rungs[i + 1].length)
+
+
+def _rung(minimum: Minimum, length: float, variance: float, limit: float, loss: Loss) -> _Rung:
+    """The parameters with a range of ``length`` [m], by Gauss-Newton steps from JKR's minimum."""
+    plain = minimum.objective
+    ranged = (*plain.parameters, Parameter("range", False, length))
+    objective = replace(plain, body=plain.body.coarse, parameters=ranged)
+    free, before = plain.free, minimum.found.residuals.ravel()
+    jacobian, weights = minimum.found.jacobian(free), _weights(minimum, loss)
+    least, x = float(np.sum(weights * before**2)), minimum.x.copy()
+    for _ in range(TUNING.steps):
+        if (w := plain.values(x)["w"]) <= 0:
+            raise SolveError(f"a range of {show(length, 'length')} leaves no work of adhesion")
+        x = _rounded(plain, x)
+        there = objective.distances(np.append(x, math.log(length)), rated=False).residuals.ravel()
+        step = np.linalg.lstsq(jacobian, there - before, rcond=None)[0]
+        x[free] -= step
+        excess = (float(np.sum(weights * (there - jacobian @ step) ** 2)) - least) / variance
+        moved = abs(plain.values(x)["w"] / w - 1)
+        if not (math.isfinite(excess) and excess < TUNING.hopeless * limit) or moved < TUNING.short:
+            break
+    return _Rung(length, excess if math.isfinite(excess) else math.inf, _moves(plain, minimum.x, x))
+
+
+def _rounded(objective: Objective, x: Array) -> Array:
+    """The unknowns with w at a rounded ratio to the moduli, where it is free."""
+    names = [parameter.name for parameter in objective.parameters]
+    i, values, near = names.index("w"), objective.values(x), x.copy()
+    if objective.parameters[i].free:
+        ratio = round(math.log(values["w"] / values["modulus"]) / TUNING.rounded)
+        near[i] = objective.parameters[i].inner(values["modulus"] * math.exp(TUNING.rounded * ratio))
+    return near
+
+
+def _weights(minimum: Minimum, loss: Loss) -> Array:
+    """What each residual counts for in the loss, 1 in least squares."""
+    z = minimum.found.residuals.ravel() / minimum.width
+    psi, _ = influence(z, loss)
+    return np.divide(psi, z, out=np.ones_like(z), where=z != 0)
+
+
+def _moves(objective: Objective, before: Array, after: Array) -> dict[str, float]:
+    one, other = objective.values(before), objective.values(after)
+    return {name: other[name] - value for name, value in one.items()}
+
+
+def _judged(rungs: Sequence[_Rung], minimum: Minimum, limit: float) -> RangeRival:
+    """The rival by its ``rungs``, by increasing length: those within the ``limit`` of the best are possible, and
+    between the longest of them and the next the root of the excess is a straight line."""
+    best, i = min(rungs, key=lambda rung: rung.excess), _last_possible(rungs, limit)
+    last, possible = rungs[i], [rung for rung in rungs if rung.excess - best.excess <= limit]
+    most, moves = last.length, {key: max(abs(rung.moves[key]) for rung in possible) for key in last.moves}
+    if i + 1 < len(rungs):
+        beyond = rungs[i + 1]
+        low, high = (math.sqrt(rung.excess - best.excess) for rung in (last, beyond))
+        part = (math.sqrt(limit) - low) / (high - low) if math.isfinite(high) else 0.0
+        # A short range counts by its square, as the work within the annulus does.
+        most = math.sqrt(last.length**2 + part * (beyond.length**2 - last.length**2))
+        ends = {key: abs(move + part * (beyond.moves[key] - move)) for key, move in last.moves.items()}
+        moves = {key: max(move, ends[key]) for key, move in moves.items()}
+    n = minimum.found.residuals.size - minimum.objective.free.size
+    return RangeRival(best.length, most, moves, float(fdtrc(1, max(n - 1, 1), max(-best.excess, 0.0))))

@@ -354,10 +354,18 @@ class EquilibriumCurve(ABC):
 
         ``stiffness`` [N/m] of the device: 0 is load control, infinity displacement control.
         """
-        points = []
-        for place, rising in self.zeros(lambda places: position(*self._rates(places), stiffness)):
-            points.append(CriticalPoint(**vars(self.point(place)), kind="minimum" if rising else "maximum"))
-        return tuple(points)
+        if stiffness not in self._critical:
+            zeros = self.zeros(lambda places: position(*self._rates(places), stiffness))
+            self._critical[stiffness] = tuple(
+                CriticalPoint(**vars(self.point(place)), kind="minimum" if rising else "maximum")
+                for place, rising in zeros
+            )
+        return self._critical[stiffness]
+
+    @cached_property
+    def _critical(self) -> dict[float, tuple[CriticalPoint, ...]]:
+        """The critical points by the stiffnesses that were asked for."""
+        return {}
 
     def radii(self, *, P: float | None = None, delta: float | None = None) -> tuple[float, ...]:
         """All places [m] on the curve at which the load is ``P`` [N], or the displacement ``delta`` [m]."""

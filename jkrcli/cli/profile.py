@@ -102,25 +102,27 @@ def _attracted(solution: Solution, a: float, law: Range) -> dict[str, np.ndarray
 
 
 def _stuck(solution: Solution, a: float, w: float) -> dict[str, np.ndarray]:
-    """Pressure and shear at the nodes inside, displacement and gap at the vertices out to 3 a; outwards positive."""
+    """Pressure and shear at the nodes inside, displacement and gap at the vertices from the edge out to 3 a; outwards
+    positive."""
     from ..case.numerics import fem_of
     from ..methods.fem.state import contact_state
 
     curve = analyse(solution, [w])[0].curve
     delta, _ = (float(value) for value in curve.at(np.array(a)))
     state = contact_state(fem_of(cast(Case, solution.record.case).model), solution.problem, a, delta)
-    points, u = state.grid.points, -state.displacement[:, 1]
-    top = np.flatnonzero((np.abs(points[:, 1]) <= 1e-12 * a) & (points[:, 0] <= 3 * a))
-    top = top[np.argsort(points[top, 0], kind="stable")]
-    r, inside = points[top, 0], points[top, 0] < a * (1 - 1e-9)
-    line = state.lines["surface"]
-    pressure, shear = (np.interp(r, line.r, traction) for traction in (-line.zz, line.rz))
+    points, line = state.grid.points, state.lines["surface"]
+    beyond = np.flatnonzero((np.abs(points[:, 1]) <= 1e-12 * a) & (a <= points[:, 0]) & (points[:, 0] <= 3 * a))
+    beyond = beyond[np.argsort(points[beyond, 0], kind="stable")]
+    inside = line.r < a * (1 - 1e-9)
+    r, none = np.concatenate([line.r[inside], points[beyond, 0]]), np.zeros(beyond.size)
+    f, lower = solution.problem.indenter.f(r), -state.displacement[beyond, 1]
+    displacement = np.concatenate([(delta - f)[: -none.size], lower])
     return {
         "r_m": r,
-        "pressure_Pa": np.where(inside, pressure, 0.0),
-        "shear_Pa": np.where(inside, shear, 0.0),
-        "displacement_m": u[top],
-        "gap_m": np.where(inside, 0.0, solution.problem.indenter.f(r) - delta + u[top]),
+        "pressure_Pa": np.concatenate([-line.zz[inside], none]),
+        "shear_Pa": np.concatenate([line.rz[inside], none]),
+        "displacement_m": displacement,
+        "gap_m": np.where(r < a, 0.0, f - delta + displacement),
     }
 
 

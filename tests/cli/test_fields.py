@@ -12,6 +12,7 @@ from pathlib import Path
 import meshio
 import numpy as np
 import pytest
+import stack_fields
 
 from jkrcli.base.errors import InputError, Refusal
 from jkrcli.base.files import is_ours
@@ -85,19 +86,18 @@ def test_field_of_the_half_space() -> None:
     seen = (np.hypot(r, z) < 3 * A) & (np.hypot(r - A, z) > A / 20) & (z > A / 50)
     expected = exact(r[seen], z[seen])
     for name, ours in (("r", state.displacement[seen, 0]), ("z", state.displacement[seen, 1])):
-        # of a^2/R; measured 1e-4 at worst, the median 2e-6
-        assert np.abs(ours - expected[name]).max() < 3e-4 * A**2 / R, name
+        # of a^2/R; measured 4e-6 at worst, the median 5e-7
+        assert np.abs(ours - expected[name]).max() < 1.2e-5 * A**2 / R, name
     for name, row in (("rr", 0), ("zz", 2), ("rz", 3)):
         wrong = np.abs(state.stress[row, seen] - expected[name]) / P0
-        # of Hertz' p0; measured 1.1e-3 on the axis, where patches are one-sided; the median 2e-5
-        assert wrong.max() < 3e-3, name
-        assert np.median(wrong) < 6e-5, name
+        # of Hertz' p0; measured 8e-5 next to the edge; the median 6e-6
+        assert wrong.max() < 3e-4, name
+        assert np.median(wrong) < 2e-5, name
 
 
 def test_load_of_the_half_space() -> None:
-    # elements at the edge of 1e-4 a times 0.08 move the edge by a part of that; measured 2e-5 of a load that is the
-    # small difference of two twice its size
-    assert half_space().P == pytest.approx(LOAD, rel=6e-5, abs=0)
+    # elements at the edge of 1e-5 a times 0.2 move the edge by a part of that; measured 1.6e-7
+    assert half_space().P == pytest.approx(LOAD, rel=5e-7, abs=0)
 
 
 def test_tractions_of_the_half_space_and_their_errors() -> None:
@@ -106,10 +106,10 @@ def test_tractions_of_the_half_space_and_their_errors() -> None:
     root = np.sqrt(1 - (line.r[inside] / A) ** 2)
     expected = -P0 * root + E_STAR * T / (math.pi * A * root)
     wrong = np.abs(line.zz[inside] - expected)
-    assert wrong.max() < 2e-2 * P0  # where they exceed p0 a hundredfold; measured 9e-3
+    assert wrong.max() < 1.2e-3 * P0  # where they exceed p0 a hundredfold; measured 4e-4
     estimated, true = (line.area[inside] @ values for values in (line.zz_error[inside], wrong))
     assert true < estimated < 10 * true
-    np.testing.assert_allclose(line.rz, 0, atol=1e-9 * P0)  # frictionless
+    np.testing.assert_allclose(line.rz, 0, atol=1e-11 * np.abs(line.zz).max())  # frictionless
 
 
 def test_the_edge_has_the_energy_release_rate_w() -> None:
@@ -118,7 +118,7 @@ def test_the_edge_has_the_energy_release_rate_w() -> None:
     near = (A - line.r > 1e-3 * A) & (A - line.r < 1e-2 * A)
     K = line.zz[near] * np.sqrt(2 * math.pi * (A - line.r[near]))
     limit = np.polyfit(A - line.r[near], K, 1)[1]  # the next term is of order (a - r)
-    assert limit**2 / (2 * E_STAR) == pytest.approx(W, rel=5e-3, abs=0)
+    assert limit**2 / (2 * E_STAR) == pytest.approx(W, rel=2e-4, abs=0)  # measured 7e-5
 
 
 def test_the_surface_touches_the_indenter_and_leaves_it() -> None:
@@ -129,7 +129,7 @@ def test_the_surface_touches_the_indenter_and_leaves_it() -> None:
     np.testing.assert_allclose(u[inside], DELTA - r[inside] ** 2 / (2 * R), rtol=0, atol=1e-12 * A**2 / R)
     outside = (r > 1.01 * A) & (r < 3 * A)
     expected = profile(problem(HALF_SPACE), A, W, None, r[outside]).displacement
-    assert np.abs(u[outside] - expected).max() < 2e-5 * A**2 / R  # measured 3e-6
+    assert np.abs(u[outside] - expected).max() < 1e-6 * A**2 / R  # measured 3e-7
 
 
 def test_a_coating_against_layered() -> None:
@@ -139,10 +139,10 @@ def test_a_coating_against_layered() -> None:
     top = np.flatnonzero((state.grid.points[:, 1] == 0) & (state.grid.points[:, 0] < 3 * A))
     top = top[np.argsort(state.grid.points[top, 0])][::20]
     found = profile(film, A, W, inside, state.grid.points[top, 0])
-    assert state.P == pytest.approx(found.P, rel=2e-4, abs=0)
+    assert state.P == pytest.approx(found.P, rel=5e-5, abs=0)  # measured 1.5e-5
     wrong = np.abs(np.interp(inside, line.r, line.zz) + found.pressure)
-    assert wrong.max() < 1e-2 * np.abs(found.pressure).max()
-    assert np.abs(state.displacement[top, 1] + found.displacement).max() < 1e-3 * np.abs(found.displacement).max()
+    assert wrong.max() < 1e-4 * np.abs(found.pressure).max()  # measured 2e-5
+    assert np.abs(state.displacement[top, 1] + found.displacement).max() < 1e-5 * np.abs(found.displacement).max()
 
 
 @pytest.mark.parametrize("name", ["surface", "interface 1"])
@@ -159,10 +159,7 @@ def test_both_sides_of_an_interface_agree_on_its_tractions() -> None:
     assert (count == 2).all()  # once for the film, once for the substrate
     for row, tractions in ((2, line.zz), (3, line.rz)):
         expected = np.interp(points[on_line, 0], line.r, tractions)
-        apart = np.abs(state.stress[row, on_line] - expected) / np.abs(tractions).max()
-        # below the edge of the contact the film's own shear is 6 % off: small beside its bending stress
-        assert apart.max() < 0.1
-        assert np.median(apart) < 2e-3
+        np.testing.assert_allclose(state.stress[row, on_line], expected, rtol=0, atol=1e-12 * np.abs(tractions).max())
     across = [state.stress[0, on_line][np.argsort(points[on_line, 0], kind="stable")][k::2] for k in (0, 1)]
     assert np.abs(across[0] - across[1]).max() > 5 * np.abs(line.zz).max()  # sigma_rr jumps, and is not averaged
 
@@ -174,9 +171,50 @@ def test_two_equal_layers_are_one_body() -> None:
     expected = exact(line.r[near], np.full(near.sum(), A / 2))
     for name in ("zz", "rz"):
         wrong = np.abs(getattr(line, name)[near] - expected[name])
-        assert wrong.max() < 2e-3 * P0, name  # measured 4e-4
+        assert wrong.max() < 1e-4 * P0, name  # measured 2e-5
         estimated, true = (line.area[near] @ values for values in (getattr(line, f"{name}_error")[near], wrong))
-        assert true < estimated < 20 * true
+        assert true < estimated < 10 * true
+
+
+SOFT, STIFF = Elastic(E, 0.3), Elastic(20 * E, 0.4)
+AT_THE_RADIUS = {  # interfaces as deep as the contact is wide, and other depths
+    "stiff film": (Specimen((Layer(STIFF, A),), HalfSpace(SOFT)), 0.5),
+    "soft film": (Specimen((Layer(SOFT, A),), HalfSpace(STIFF)), 0.5),
+    "two layers": (Specimen((Layer(SOFT, A / 2), Layer(STIFF, A / 2)), HalfSpace(Elastic(E, 0.45))), 0.5),
+    "very stiff film": (Specimen((Layer(Elastic(1000 * E, 0.3), A),), HalfSpace(SOFT)), 1.0),
+    "incompressible layer": (Specimen((Layer(Elastic(E, 0.5), A),), Rigid()), 0.5),
+    "thin layer": (Specimen((Layer(Elastic(E, 0.499), A / 5),), HalfSpace(Elastic(100 * E, 0.3))), 0.5),
+}
+SLOW = AT_THE_RADIUS.keys() - {"stiff film", "soft film"}
+
+
+@pytest.mark.parametrize("name", [pytest.param(n, marks=[pytest.mark.slow] * (n in SLOW)) for n in AT_THE_RADIUS])
+def test_interfaces_against_a_quadrature_over_hankel_space(name: str) -> None:
+    """Stresses and displacements at every interface within 1e-3 of their peak there (sigma_rz was 4e-2 off), and stated
+    errors of tractions that hold and are near; ``adhesive``: delta over that without adhesion."""
+    specimen, adhesive = AT_THE_RADIUS[name]
+    body = problem(specimen)
+    delta = adhesive * profile(body, A, 0.0).delta
+    state = contact_state(FEM(), body, A, delta)
+    points, lines = state.grid.points, list(state.lines.values())[1:]
+    for n, line in enumerate(lines):
+        near = line.r < 3 * A
+        truth = stack_fields.fields(body, A, delta, line.r[near], line.depth, n)
+        for key in ("zz", "rz"):
+            wrong = np.abs(getattr(line, key)[near] - truth[key])
+            assert wrong.max() < 1e-3 * np.abs(truth[key]).max(), key  # measured 8e-4 at worst, below the second layer
+            estimated, true = (line.area[near] @ e for e in (getattr(line, f"{key}_error")[near], wrong))
+            assert 0.8 * true < estimated < 10 * true, key
+        on = (points[:, 1] == -line.depth) & (points[:, 0] < 3 * A)
+        for layer in range(n, min(n + 2, len(specimen.materials))):
+            cells = state.grid.cells[state.grid.materials == layer]
+            own = np.intersect1d(np.flatnonzero(on), cells)
+            truth = stack_fields.fields(body, A, delta, points[own, 0], line.depth, layer)
+            found = dict(zip(("rr", "zz", "rz"), state.stress[[0, 2, 3]][:, own], strict=True))
+            if n + 1 < len(specimen.materials):  # at a rigid base there is no displacement
+                found |= {"r": state.displacement[own, 0], "z": -state.displacement[own, 1]}
+            for key, values in found.items():
+                assert np.abs(values - truth[key]).max() < 1e-3 * np.abs(truth[key]).max(), key
 
 
 def test_an_elastic_indenter_leaves_the_specimen_less() -> None:
@@ -246,7 +284,7 @@ def test_displacements_are_drawn_as_large_as_can_be_seen() -> None:
     assert magnification(state) == 5
     figure = contact_zone_figure(state, Paraboloid(R), W, "zz")
     title = figure.axes[0].get_title()
-    assert title == "a = 10 µm, w = 20 mJ/m², P = −8.851 µN, displacements × 5"
+    assert title == "a = 10 µm, w = 20 mJ/m², P = −8.85 µN, displacements × 5"
 
 
 CASE = (
@@ -293,7 +331,7 @@ def test_a_load_finds_its_radius(jkr: Callable, solved: Path) -> None:
     assert (outcome.code, outcome.err) == (0, "")
     lines = outcome.out.splitlines()
     assert re.fullmatch(
-        r"  load         -2 uN, of the series -2 uN: \de-0[56] of the forces in the contact apart; \d+ elements",
+        r"  load         -2 uN, of the series -2 uN: \de-0[678] of the forces in the contact apart; \d+ elements",
         lines[1],
     )
     assert lines[-1] == "  written      gel-fields{.vtu,.csv}"

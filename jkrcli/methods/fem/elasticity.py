@@ -27,8 +27,8 @@ from ...bodies.materials import Elastic, Graded, Material, TransverselyIsotropic
 from .grid import Grid, sides
 
 Side = Literal["free", "roller", "clamped"]
-ELEMENTS = {  # of first and second order
-    "triangle": (skfem.ElementTriP1, skfem.ElementTriP2),
+ELEMENTS = {  # of first order, second, ...
+    "triangle": (skfem.ElementTriP1, skfem.ElementTriP2, skfem.ElementTriP3, skfem.ElementTriP4),
     "quadrilateral": (skfem.ElementQuad1, skfem.ElementQuad2),
 }
 GRADED_DEGREE = 2  # theory: what moduli that vary over an element add to the degree of the integrands
@@ -198,24 +198,37 @@ class ElasticSystem:
         """The basis on facets, or on a named side; quadrature exact for polynomials of ``degree``."""
         return skfem.FacetBasis(self.basis.mesh, self.basis.elem, facets=facets, intorder=degree)
 
+    @property
+    def order(self) -> int:
+        """Degree of the polynomials along a side of a cell."""
+        return ELEMENTS[self.grid.element].index(type(self.basis.elem)) + 1
+
     def in_layer(self, layer: int, degree: int | None = None) -> skfem.Basis:
         """The basis on the cells of a layer, with the quadrature of the stiffness or one of its own ``degree``."""
         return _restricted(self.basis, self.grid, layer, self.basis.elem, degree)
 
+    def at_corners(self, layer: int) -> skfem.Basis:
+        """The basis on the cells of a layer at their vertices (cells, 3 or 4)."""
+        corners = self.basis.mesh.elem.refdom.p
+        points = (corners, np.full(corners.shape[1], 1.0))  # the weights are not used
+        numbers = np.flatnonzero(self.grid.materials == layer)
+        return skfem.Basis(self.basis.mesh, self.basis.elem, elements=numbers, quadrature=points)
+
     def side_load(self, traction: Callable[[Array, Array], Array]) -> Array:
         """Consistent nodal loads [N], shape (nodes,), of one component of a ``traction(r, z)`` [Pa] on the side."""
-        return skfem.LinearForm(ring(lambda v, w: traction(*w.x) * v)).assemble(self.on_facets("side", 4))
+        return skfem.LinearForm(ring(lambda v, w: traction(*w.x) * v)).assemble(self.on_facets("side", 2 * self.order))
 
     def pressure(self, solution: Array, layer: int, basis: skfem.Basis) -> Array | float:
         """The pressure unknown [Pa] of a layer at the points of ``basis``; 0 where it has none."""
         if layer not in self.mixed:
             return 0.0
-        used = [np.unique(self.grid.cells[self.grid.materials == i]) for i in self.mixed]
+        lower = basis.with_element(_of_pressure(self.basis, self.grid))
+        used = [np.unique(lower.dofs.element_dofs[:, self.grid.materials == i]) for i in self.mixed]
         k = self.mixed.index(layer)
-        first = 2 * len(self.nodes) + sum(vertices.size for vertices in used[:k])
-        values = np.zeros(len(self.grid.points))
+        first = 2 * len(self.nodes) + sum(own.size for own in used[:k])
+        values = np.zeros(lower.N)
         values[used[k]] = solution[first : first + used[k].size]
-        return np.asarray(basis.with_element(_linear(self.grid)).interpolate(values))
+        return np.asarray(lower.interpolate(values))
 
 
 def assemble(
@@ -259,9 +272,10 @@ def _basis(grid: Grid, order: int, degree: int) -> skfem.Basis:
     return skfem.Basis(mesh, ELEMENTS[grid.element][order - 1](), intorder=degree)
 
 
-def _linear(grid: Grid) -> Any:
-    """Element of the pressure."""
-    return ELEMENTS[grid.element][0]()
+def _of_pressure(basis: skfem.Basis, grid: Grid) -> Any:
+    """Element of the pressure, one order below that of the displacements."""
+    kinds = ELEMENTS[grid.element]
+    return kinds[kinds.index(type(basis.elem)) - 1]()
 
 
 def _restricted(basis: skfem.Basis, grid: Grid, layer: int, element: Any, degree: int | None = None) -> skfem.Basis:
@@ -284,15 +298,19 @@ def _stiffness(
 
 
 def _pressure_blocks(basis: skfem.Basis, grid: Grid, layer: int, material: Material) -> tuple[Any, Any, Any, Array]:
-    """Divergence blocks, compressibility and nodes of a linear pressure in one layer: it may jump at interfaces."""
+    """Divergence blocks, compressibility and nodes of the pressure in one layer: it may jump at interfaces."""
     assert not isinstance(material, TransverselyIsotropic)  # always compressible
-    displacement, linear = (_restricted(basis, grid, layer, element) for element in (basis.elem, _linear(grid)))
-    used = np.unique(linear.element_dofs)
-    B_r, B_z = (form.assemble(displacement, linear)[used] for form in (pressure_r, pressure_z))
+    displacement, lower = (_restricted(basis, grid, layer, e) for e in (basis.elem, _of_pressure(basis, grid)))
+    used = np.unique(lower.element_dofs)
+    B_r, B_z = (form.assemble(displacement, lower)[used] for form in (pressure_r, pressure_z))
     moduli = material.at(_depths(basis, grid, layer, material))
     compressibility = 1 / (Elastic(1.0, material.nu).lame * moduli)  # zero at nu = 1/2
-    M = pressure_mass.assemble(linear, compressibility=compressibility)[used][:, used]
-    return B_r, B_z, M, basis.nodal_dofs[0][used]
+    M = pressure_mass.assemble(lower, compressibility=compressibility)[used][:, used]
+    nodes = np.empty(lower.N, dtype=int)  # of the same vertex, side or cell
+    for name in ("nodal_dofs", "facet_dofs", "interior_dofs"):
+        if (own := getattr(lower, name)).size:
+            nodes[own] = getattr(basis, name)[:1]
+    return B_r, B_z, M, nodes[used]
 
 
 def _constants(basis: skfem.Basis, grid: Grid, materials: Sequence[Material], mixed: tuple[int, ...]) -> Array:

@@ -30,10 +30,11 @@ from .stress import Stress, TractionLine
 class StateTuning:
     """The mesh for the field at one contact radius."""
 
-    spacing: float = 0.08  # element size over the distance from the edge; tuned on gel and coating, by `make tuning`
-    stuck: float = 0.03  # the same of surfaces that stick, which must be grown on it; choice: as exact there
-    growth: float = 0.1  # beyond the contact; tuned on the bodies of `make tuning`, by `make tuning`
-    finest: float = 1e-4  # radii from the edge with elements of one size; tuned on gel and coating, by `make tuning`
+    order: int = 4  # of the elements; tuned on gel and coating, by `make tuning`
+    spacing: float = 0.2  # element size over the distance from the edge; tuned on gel and coating, by `make tuning`
+    stuck: float = 0.1  # the same of surfaces that stick, which must be grown on it; choice: as exact there
+    growth: float = 0.2  # beyond the contact; tuned on the bodies of `make tuning`, by `make tuning`
+    finest: float = 1e-5  # radii from the edge with elements of one size; tuned on gel and coating, by `make tuning`
     near: float = 3.0  # radii within which tractions are judged; choice: what the error stands for
 
 
@@ -92,7 +93,7 @@ def contact_state(method: FEM, problem: Problem, a: float, delta: float) -> Cont
     spacing = TUNING.stuck if problem.sticks else TUNING.spacing
     layout = scaled_layout(body, "triangle", a, a, TUNING.finest * a, spacing, TUNING.growth)
     mixed = pressure_layers(body.materials)
-    model = Discretisation(layout, 2, mixed, a, method.solver, problem.sticks).build(StageClock())
+    model = Discretisation(layout, TUNING.order, mixed, a, method.solver, problem.sticks).build(StageClock())
     contact = model.contact(problem.indenter)
     if problem.sticks:
         last = np.array([contact.f.size - 1])
@@ -106,7 +107,7 @@ def contact_state(method: FEM, problem: Problem, a: float, delta: float) -> Cont
 def _state(model: Model, a: float, delta: float, p: Array, share: float) -> ContactState:
     system, body, P = model.system, model.body, float(p[model.surface.normal].sum())
     solution = model.field(p)
-    stress, vertices = Stress(system, solution), system.basis.nodal_dofs[0]
+    stress, vertices = Stress(system, solution, _cut(model)), system.basis.nodal_dofs[0]
     u = np.column_stack([part[vertices] for part in system.components(solution)])
     u[:, 1] -= model.missing * P if body.completed else 0.0
     layers = range(len(body.materials))
@@ -114,8 +115,25 @@ def _state(model: Model, a: float, delta: float, p: Array, share: float) -> Cont
     lines = {"surface": stress.surface(a)} | {f"interface {i + 1}": stress.interface(i) for i in layers[:-1]}
     if not body.cut_below:
         lines["base"] = stress.base()
-    u = share * u[np.concatenate(used)]
-    return ContactState(a, delta, P, _split(system.grid, used), u, np.concatenate(values, axis=1), lines)
+    grid, found = _split(system.grid, used), np.concatenate(values, axis=1)
+    for line in lines.values():  # tractions are the same on both sides
+        on = np.isclose(grid.points[:, 1], -line.depth, rtol=1e-9, atol=0) & (grid.points[:, 0] <= line.r[-1])
+        found[2:, on] = [np.interp(grid.points[on, 0], line.r, traction) for traction in (line.zz, line.rz)]
+    return ContactState(a, delta, P, grid, share * u[np.concatenate(used)], found, lines)
+
+
+def _cut(model: Model) -> float:
+    """Relative error of the field from where an unbounded body is cut, about: what a half-space lacks there, times how
+    far its layers reach, as membranes, on the way to the cut."""
+    body = model.body
+    if not body.cut_below:
+        return 0.0
+    C, normal = model.surface.C, model.surface.normal
+    S = float(np.linalg.solve(C[np.ix_(normal, normal)], np.ones(normal.size)).sum())
+    base = body.materials[-1].surface.E
+    layers = zip(body.thicknesses[:-1], body.materials[:-1], strict=True)
+    reach = sum(h * max(material.surface.E / base, 1.0) for h, material in layers)
+    return abs(model.missing) * S * reach / body.width
 
 
 def _split(grid: Grid, used: tuple[Array, ...]) -> Grid:

@@ -34,6 +34,7 @@ class WorkTuning:
     steps: int = 60  # theory: halvings of any bracket down to round-off
     converged: float = 1e-13  # theory: relative step, a thousand times round-off
     least_window: int = 5  # theory: rows, a parabola and two more for its error
+    told: float = 0.995  # choice: chance with which a cubic is not taken where a parabola does
 
 
 TUNING = WorkTuning()
@@ -299,23 +300,35 @@ def check_window(window: int) -> None:
 
 
 def rate(t: Array, y: Array, window: int) -> tuple[Array, Array]:
-    """dy/dt and its 90 % half-width at each row, from the parabola through the ``window`` rows around it.
+    """dy/dt and its 90 % half-width at each row, from the parabola through the ``window`` rows around it, or from the
+    cubic where that differs by more than the scatter lets it.
 
     ``t`` strictly increasing, of at least ``window`` (odd) rows, spaced as they are; near the ends the first or last
-    window is evaluated off its middle. The half-width is of the scatter about the parabolas: what these smooth away is
-    not in it. (Savitzky and Golay's first derivative, Anal. Chem. 36 (1964) 1627, for any spacing.)
+    window is evaluated off its middle. The half-width is of the scatter about the curve, and where the cubic is taken
+    of what it changed, as what it leaves is less. (Savitzky and Golay's first derivative, Anal. Chem. 36 (1964) 1627,
+    for any spacing.)
     """
     starts = np.clip(np.arange(t.size) - window // 2, 0, t.size - window)
     times, values = (np.lib.stride_tricks.sliding_window_view(column, window)[starts] for column in (t, y))
     half = (times[:, -1] - times[:, 0]) / 2
-    x = (times - t[:, None]) / half[:, None]
-    powers = np.stack([np.ones_like(x), x, x**2], axis=2)
+    x, off = (times - t[:, None]) / half[:, None], values - values[:, window // 2, None]
+    (slope, variance, by), (bent, least, by_bent) = (_slope(x, off, degree) for degree in (2, 3))
+    added, change = np.maximum(by_bent - by, 0.0), np.abs(bent - slope)
+    told = change > stdtrit(window - 4, TUNING.told) * np.sqrt(least * added)
+    spread = stdtrit(window - 3, 0.95) * np.sqrt(variance * by)
+    left = np.hypot(stdtrit(window - 4, 0.95) * np.sqrt(least * by_bent), change)
+    return np.where(told, bent, slope) / half, np.where(told, left, spread) / half
+
+
+def _slope(x: Array, y: Array, degree: int) -> tuple[Array, Array, Array]:
+    """Slopes at 0 of the polynomials of a ``degree`` through the windows (n, rows), the variance about them, and that
+    of the slopes in units of it."""
+    powers = x[:, :, None] ** np.arange(degree + 1)
     normal = np.einsum("nik,nil->nkl", powers, powers)
-    middle = values[:, window // 2, None]
-    coefficients = np.linalg.solve(normal, np.einsum("nik,ni->nk", powers, values - middle)[..., None])
-    residuals = values - middle - (powers @ coefficients)[..., 0]
-    variance = np.sum(residuals**2, axis=1) / (window - 3) * np.linalg.inv(normal)[:, 1, 1]
-    return coefficients[:, 1, 0] / half, stdtrit(window - 3, 0.95) * np.sqrt(variance) / half
+    coefficients = np.linalg.solve(normal, np.einsum("nik,ni->nk", powers, y)[..., None])
+    residuals = y - (powers @ coefficients)[..., 0]
+    variance = np.sum(residuals**2, axis=1) / (x.shape[1] - degree - 1)
+    return coefficients[:, 1, 0], variance, np.linalg.inv(normal)[:, 1, 1]
 
 
 def runs(whole: Array) -> list[slice]:

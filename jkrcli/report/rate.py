@@ -136,7 +136,8 @@ def through_words(found: LawThrough | Unknown) -> str:
     if isinstance(found, Unknown):
         return f"no law over speed: {found.reason}"
     told = {
-        name: "not told" if error is None or error > VAGUE else f"± {error:.0%}" for name, error in found.errors.items()
+        name: "not told" if error is None or error > VAGUE else f"± {100 * error:.2g} %"
+        for name, error in found.errors.items()
     }
     errors = ", ".join(f"{name} {word}" for name, word in told.items())
     low, high = (show(v, "speed", 3) for v in found.speeds)

@@ -374,7 +374,7 @@ class _Problem:
         if refused := [item for item in along if isinstance(item, InputError)]:
             raise refused[0]
         found = [item for item in along if isinstance(item, WorkAlong)]
-        v, w, _ = receding(found)
+        v, w, *_ = receding(found)
         some = slice(None, None, 1 + v.size // (TUNING.rows * len(found)))
         through = law_through(self.settings.law, v[some], w[some], 1)
         guesses = [] if isinstance(through, Unknown) or through.narrow else [through.values]

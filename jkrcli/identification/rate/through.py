@@ -10,9 +10,10 @@ import numpy as np
 from scipy.optimize import OptimizeResult, least_squares
 
 from ...adhesion.rate.laws import RATE_LAWS, RateLaw, rate_parameters
+from ...adhesion.slopes.result import TWO_SIDED_90
 from ...base.arrays import Array
 from ...base.unknown import Unknown
-from ..fit.statistics import covariance, t_quantile
+from ..fit.statistics import NORMAL_MEDIAN, covariance, larger, t_quantile
 from ..work import WorkAlong
 
 
@@ -25,6 +26,10 @@ class ThroughTuning:
     exponents: tuple[float, ...] = (0.25, 0.5, 1.0)  # choice: starts of n
     laws: tuple[float, float] = (0.1, 3.0)  # choice: exponents that are sought; measured ones are 0.1 to 1
     reach: float = 40.0  # choice: guard, how far logs move
+    sure: float = 0.3  # choice: relative half-width of a speed, beyond which its point tells nothing of a law
+    rounds: int = 3  # choice: of weights by the errors of the speeds, which ask for the law
+    blocks: int = 8  # choice: of neighbouring points that are left out in turn
+    even: float = 0.01  # choice: guard, least weight of a point's error over the median
     turn: float = 1.5  # choice: standard deviations beyond which a point pulls less, as outliers are usual
 
 
@@ -88,38 +93,70 @@ def log_rates(law: RateLaw, w0: float, v: Array) -> Array:
     return np.stack(found) / (2 * step)
 
 
-def law_through(name: str, v: Array, w: Array, together: int = 1) -> LawThrough | Unknown:
+def law_through(name: str, v: Array, w: Array, together: int = 1, v_err: Array | None = None) -> LawThrough | Unknown:
     """The law called ``name`` nearest to works ``w`` [J/m^2] at speeds ``v`` > 0 [m/s], by their logs, robustly.
 
-    ``together``: how many neighbouring points share their noise. Unknown where there are too few points.
+    ``together``: how many neighbouring points share their noise; ``v_err``: half-widths of the speeds [m/s]. Unknown
+    where there are too few points.
     """
     rows = (v > 0) & (w > 0)
+    if v_err is not None:
+        rows &= v_err < TUNING.sure * v
     v, w = v[rows], w[rows]
     if v.size < TUNING.least * max(1, together // 4):
         return Unknown(f"{v.size} points with a receding edge are too few for a law")
-    names = ("w0", *rate_parameters(name))
-    best = min((_nearest(name, v, w, start) for start in _starts(name, v, w)), key=lambda found: found.cost)
-    law, w0 = law_of(name, best.x)
+    names, sigma = ("w0", *rate_parameters(name)), np.ones(v.size)
+    starts = _starts(name, v, w)
+    for _ in range(1 if v_err is None else TUNING.rounds):
+        best = min((_nearest(name, v, w, sigma, start) for start in starts), key=lambda found: found.cost)
+        law, w0 = law_of(name, best.x)
+        residuals, starts = np.log(law.work(w0, v) / w), [best.x]
+        if v_err is not None:
+            sigma = _uneven(law, w0, v, v_err[rows], residuals)
     dof = max(v.size // together - len(names), 1)
-    residuals = np.log(law.work(w0, v) / w)
-    factor = float(np.median(np.abs(residuals)) / 0.6745) ** 2 * together
+    factor = float(np.median(np.abs(residuals / sigma)) / NORMAL_MEDIAN) ** 2 * together
     ends = np.quantile(v, (0.05, 0.95))
-    inner = covariance(log_rates(law, w0, v).T, factor)
+    inner = covariance((log_rates(law, w0, v) / sigma).T, factor)
+    if v_err is not None:
+        inner = larger(inner, _of_blocks(name, v, w, sigma, best.x))
     return LawThrough(law, w0, names, inner, (float(ends[0]), float(ends[1])), dof)
 
 
-def receding(found: Sequence[WorkAlong]) -> tuple[Array, Array, int]:
+def _uneven(law: RateLaw, w0: float, v: Array, v_err: Array, residuals: Array) -> Array:
+    """How uneven the points are: standard deviations of log w by the half-widths of the speeds and by the scatter
+    of the half of the points whose speeds are surest, over their median."""
+    step = 1e-4
+    by_v = np.log(law.work(w0, v * (1 + step)) / law.work(w0, v * (1 - step))) / (2 * step)
+    known = by_v * v_err / (TWO_SIDED_90 * v)
+    surest = known <= np.median(known)
+    sigma = np.hypot(known, np.median(np.abs(residuals[surest])) / NORMAL_MEDIAN)
+    return np.ones_like(v) if not (middle := float(np.median(sigma))) > 0 else np.maximum(sigma / middle, TUNING.even)
+
+
+def _of_blocks(name: str, v: Array, w: Array, sigma: Array, logs: Array) -> Array:
+    """Covariance of the logs of (w0, parameters) by leaving out blocks of neighbouring points in turn: what smoothing
+    has done to the speeds of neighbours is no noise that averages out (delete-block jackknife, Kuensch, Ann. Statist.
+    17 (1989) 1217)."""
+    blocks = np.array_split(np.arange(v.size), TUNING.blocks)
+    kept = [np.setdiff1d(np.arange(v.size), block) for block in blocks]
+    found = np.array([_nearest(name, v[rows], w[rows], sigma[rows], logs).x for rows in kept])
+    apart = found - found.mean(axis=0)
+    return (TUNING.blocks - 1) / TUNING.blocks * apart.T @ apart
+
+
+def receding(found: Sequence[WorkAlong]) -> tuple[Array, Array, int, Array]:
     """Speeds [m/s] > 0 of receding edges that stand out of their error and w [J/m^2] there, of all curves that were
-    timed; rows of their window."""
-    speeds, works, window = [np.empty(0)], [np.empty(0)], 1
+    timed; rows of their window, and half-widths of the speeds."""
+    speeds, works, errors, window = [np.empty(0)], [np.empty(0)], [np.empty(0)], 1
     for item in found:
         if item.timed is None or item.speed is None or item.speed_err is None:
             continue
         rows = item.timed & (item.speed < -item.speed_err)
         speeds.append(-item.speed[rows])
         works.append(item.w[rows])
+        errors.append(item.speed_err[rows])
         window = max(window, item.window)
-    return np.concatenate(speeds), np.concatenate(works), window
+    return np.concatenate(speeds), np.concatenate(works), window, np.concatenate(errors)
 
 
 def law_along(found: Sequence[WorkAlong], name: str = "power") -> LawThrough | Unknown | None:
@@ -139,13 +176,13 @@ def _starts(name: str, v: Array, w: Array) -> list[Array]:
     return starts
 
 
-def _nearest(name: str, v: Array, w: Array, start: Array) -> OptimizeResult:
+def _nearest(name: str, v: Array, w: Array, sigma: Array, start: Array) -> OptimizeResult:
     def residuals(logs: Array) -> Array:
         law, w0 = law_of(name, logs)
-        return np.log(law.work(w0, v) / w)
+        return np.log(law.work(w0, v) / w) / sigma
 
     def rates(logs: Array) -> Array:
-        return log_rates(*law_of(name, logs), v).T
+        return (log_rates(*law_of(name, logs), v) / sigma).T
 
     scale = max(float(np.median(np.abs(residuals(start)))), 1e-3)
     bounds = start - TUNING.reach, start + TUNING.reach

@@ -24,6 +24,9 @@ class BudgetTuning:
     # errors in what doubling the sizes changes: first order leaves 1, and meshes differ by luck
     loads: float = 1.4  # tuned on the bodies of `make failures`, by `make failures`
     radii: float = 2.0  # tuned on the bodies of `make failures`, by `make failures`
+    # Of what doubling changed before over what it changes, at most; where that falls by more, the meshes agree by
+    # accident:
+    plausible: float = 12.0  # tuned on random bodies, by `make bounds`
     round_off: float = 1e-12  # of radii; theory: 1e4 eps, as they come from a search
 
 
@@ -41,9 +44,12 @@ class Assessment:
     errors: Mapping[str, Array] = field(default_factory=dict)
 
 
-def assessed(run: Run, coarse: MeshLevel, ratio: float, truncation: Estimate) -> Assessment:
+def assessed(
+    run: Run, coarse: MeshLevel, ratio: float, truncation: Estimate, coarsest: MeshLevel | None = None
+) -> Assessment:
     """Relative errors of P at equal depth (discretisation) and of a (radius), by comparison with a level whose elements
-    are ``ratio`` times as large; ``truncation``: as found by ``truncation_of``."""
+    are ``ratio`` times as large, and of that with one of elements as much larger once more, the ``coarsest``;
+    ``truncation``: as found by ``truncation_of``."""
     fine, (a, delta, P) = run.level, run.columns
     if coarse.touches.a.size < 4 or fine.touches.a.size < 4:
         return Assessment(ErrorBudget(TOO_FEW, truncation, TOO_FEW))
@@ -51,6 +57,8 @@ def assessed(run: Run, coarse: MeshLevel, ratio: float, truncation: Estimate) ->
     loads, radii = TUNING.loads / (ratio - 1), TUNING.radii / (ratio - 1)
     there, radius = _on_coarse(run, coarse, radii)
     change = loads * np.abs(there / P - 1)
+    if coarsest is not None and coarsest.touches.a.size >= 4 and coarsest.touches.valid and coarse.touches.valid:
+        change = np.maximum(change, loads * np.abs(_load_on(coarsest, run) / there - 1) / TUNING.plausible)
     load = _envelope(_at_least_decaying(change, a - fine.indenter.a0), delta)
     budget = ErrorBudget(
         discretisation=float(load[judged].max()),
@@ -60,7 +68,7 @@ def assessed(run: Run, coarse: MeshLevel, ratio: float, truncation: Estimate) ->
     judged_from = float(delta[judged][0])
     if isinstance(radius, Unknown) or isinstance(truncation, Unknown):
         return Assessment(budget, judged_from)
-    errors = {"P": load + truncation, "a": radius} | _slopes(run, coarse, loads)
+    errors = {"P": load + truncation, "a": radius} | _slopes(run, coarse, radii)
     return Assessment(budget, judged_from, errors)
 
 
@@ -69,12 +77,17 @@ def _on_coarse(run: Run, coarse: MeshLevel, caution: float) -> tuple[Array, Arra
     fine, (a, delta, _) = run.level, run.columns
     if not (fine.touches.valid and coarse.touches.valid):
         return _without_disc(coarse, fine, a, delta, caution)
-    there = load_at(coarse.contact, delta)
-    if run.raw is None:  # a series of touches interpolates between them
-        touches = coarse.touches
-        between = power_interpolated(touches.delta, touches.P, delta)
-        there = np.where(delta < touches.delta[0], there, between)
-    return there, _radius(coarse.events, fine.events, a, delta, caution)
+    return _load_on(coarse, run), _radius(coarse.events, fine.events, a, delta, caution)
+
+
+def _load_on(level: MeshLevel, run: Run) -> Array:
+    """P [N] of a coarser ``level`` at the depths of the series, where its contact is a disc that only grows."""
+    delta, touches = run.columns[1], level.touches
+    there = load_at(level.contact, delta)
+    if run.raw is not None:
+        return there
+    # a series of touches interpolates between them
+    return np.where(delta < touches.delta[0], there, power_interpolated(touches.delta, touches.P, delta))
 
 
 def _at_least_decaying(errors: Array, width: Array) -> Array:
@@ -130,7 +143,8 @@ def _radius_at(events: Events, delta: Array) -> Array:
 
 
 def _slopes(run: Run, coarse: MeshLevel, caution: float) -> dict[str, Array]:
-    """Relative errors of S and dS: what larger elements change at equal radius; empty where either level has none."""
+    """Relative errors of S and dS: what larger elements change at equal radius, which is most that of the radius; empty
+    where either level has none."""
     a, delta, _ = run.columns
     ours, theirs = run.level.slopes(a), coarse.slopes(a)
     if ours is None or theirs is None:

@@ -122,8 +122,8 @@ class FEM(FEMOptions):
             reason = Unknown("not estimated: estimate_error is off")
             return Assessment(ErrorBudget(reason, reason, reason))
         with clock("error estimate"):
-            coarse = found.companion(DOUBLED)
-            return assessed(found, coarse, DOUBLED, truncation_of(found, coarse))
+            coarse, coarsest = (found.companion(ratio) for ratio in (DOUBLED, DOUBLED**2))
+            return assessed(found, coarse, DOUBLED, truncation_of(found, coarse), coarsest)
 
 
 # ---------------------------------------------------------------------- what a solve costs

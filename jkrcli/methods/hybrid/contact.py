@@ -39,7 +39,8 @@ class HybridTuning:
     no_claim: float = 0.025  # smaller errors are not told apart; tuned on random bodies, by `make bounds`
     finest: float = 1e-7  # accuracy of K where the modulus changes from the contact on; choice: below ``GRADED``
     # Errors from what a step changes, at some radii:
-    samples: int = 6  # radii; tuned on random bodies, by `make failures`
+    samples: int = 10  # radii; tuned on random bodies, by `make bounds`
+    smallest: float = 0.08  # of the largest, the first of them; tuned on random bodies, by `make bounds`
     # On the error that the last step of the degree leaves:
     safety: float = 2.5  # tuned on random bodies, by `make failures`
     slowest: float = 3.0  # what a step divides it by, at least; tuned on random bodies, by `make failures`
@@ -313,7 +314,7 @@ class AdaptiveKernel:
     def _judge(self, contact: KernelContact, levels: KernelLevels, degree: int) -> ErrorEstimates:
         """Errors at some radii, from what lower levels, one polynomial less and the cut change."""
         a0, end = self.indenter.a0, levels.region.unit
-        radii = a0 + (end - a0) * np.arange(1, TUNING.samples + 1) / TUNING.samples
+        radii = a0 + (end - a0) * np.geomspace(TUNING.smallest, 1, TUNING.samples)
         precise = TUNING.quadrature * self.tolerance
         best = contact.columns(radii, precise)
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from jkrcli.base.errors import Refusal
-from jkrcli.bodies.indenters import Paraboloid, PowerLaw
+from jkrcli.bodies.indenters import Paraboloid, PowerLaw, Sphere
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.methods.hybrid.method import Hybrid
@@ -26,9 +26,16 @@ SUBSTRATE_AT_A_HALF = Specimen(
     (Layer(Elastic(1911.0, 0.4738), 0.24597), Layer(Elastic(1171.0, 0.3267), 0.027916)),
     HalfSpace(Elastic(989.3, 0.499964)),
 )
+SOFT_ON_STIFF = Specimen(
+    (Layer(Elastic(1768684.295, 0.45203966), 0.283013057),), HalfSpace(Elastic(14104746.447, -0.0495905455))
+)
 BODIES = {
     # 7e-5 and 9e-5 off in S and S' where 1.7e-6 and 3.4e-6 were stated: degrees 4 and 6 err alike
     "three layers": Problem(Paraboloid(10.0), STACK, Loading.given("radius", (0.36, 0.72))),
+    # P 5.8e-7 off where 3.3e-7 was stated, below the least radius that was looked at
+    "small radii": Problem(
+        Sphere(13.7145431), SOFT_ON_STIFF, Loading.given("radius", tuple(np.linspace(0.1, 1.0, 37)))
+    ),
     # 2.9e-6 off in S' where 1.4e-6 was stated: the order that extrapolation takes for granted is none here
     "half-space at 1/2": Problem(PowerLaw(0.05, 2.0), SUBSTRATE_AT_A_HALF, Loading.given("radius", (0.3, 1.0))),
 }

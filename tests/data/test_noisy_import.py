@@ -70,6 +70,13 @@ def test_errors_of_neighbours_that_go_together_are_said_and_few_rows_cannot_tell
     assert few.curve.slopes.reason.endswith("is not known from so few points")
 
 
+def test_the_band_of_large_noise_that_goes_together_is_no_wider_than_it_need_be(tmp_path: Path) -> None:
+    """It was 0.3 to 0.6: a correlation of 0.98 was believed by the residuals of a linearised fit six times as large."""
+    solution = read(tmp_path / "t.csv", disturbed(HERTZ.series(500), "AR(1) 0.9", 3e-2, 3000))
+    (found,) = analyse(solution, [50.0])
+    assert 0.01 < found.pull_off_errors["load"]["P"] / abs(found.pull_off["load"].P) < 0.1  # 0.04 measured
+
+
 def test_what_no_noise_does_is_refused_as_before(tmp_path: Path) -> None:
     columns = disturbed(HERTZ.series(60), "independent", 1e-3, 0)
     unloading = np.concatenate([exact_columns(), exact_columns()[:, 50:30:-1]], axis=1)

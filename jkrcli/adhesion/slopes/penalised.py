@@ -59,6 +59,7 @@ class PenaltyTuning:
     uncorrelated: float = 0.5  # probability of no correlation before data are seen; choice: as likely as any
     worth: float = 2.0  # log of a likelihood ratio that makes a correlation believed; choice: none is simpler
     beyond: float = 4.0  # standard errors of the residuals' own correlation; choice: above, none is looked for
+    linear: float = 2.0  # choice: residuals over those of the fit, beyond which a correlation's are not believed
     unlikely: float = 12.0  # log of a likelihood ratio; choice: less likely correlations do not show in the mean
 
 
@@ -236,7 +237,10 @@ def _log_det(fit: PenalisedFit, rho: float) -> float:
 
 
 def _at_best(fit: PenalisedFit, seen: Linearised, blocks: Sequence[slice], rho: float) -> tuple[float, Array]:
-    """Log of the restricted likelihood of ``rho`` at its best lambdas, and these times the scales of their blocks."""
+    """Log of the restricted likelihood of ``rho`` at its best lambdas, and these times the scales of their blocks.
+
+    Minus infinity where it is that of a step so long that the linearised problem says nothing of it.
+    """
     now = _flat(seen, rho)
     if rho == fit.rho:
         lambdas = fit.lambdas
@@ -245,7 +249,9 @@ def _at_best(fit: PenalisedFit, seen: Linearised, blocks: Sequence[slice], rho: 
     diagonal = np.einsum("mp,mp->p", now[1], now[1])
     best = np.array([lam * diagonal[block].mean() for lam, block in zip(lambdas, blocks, strict=True)])
     (guess,) = _guesses(fit, now, blocks, best, _log_det(fit, rho), (1.0,))
-    return guess.height, best
+    r, J = seen
+    there = np.sum((r + J @ guess.step) ** 2)
+    return guess.height if there <= TUNING.linear**2 * np.sum(r**2) else -math.inf, best
 
 
 def _guesses(

@@ -37,6 +37,7 @@ UNITS: dict[str, dict[str, int]] = {
     "speed": _family("m/s", "pnum"),
     "time": _family("s", "num"),
     "load rate": _family("N/s", "pnum"),
+    "sensitivity": _family("m/V", "pnum"),
 }
 WORDS = {
     "length": "a length",
@@ -47,11 +48,12 @@ WORDS = {
     "speed": "a speed",
     "time": "a time",
     "load rate": "a rate of loading",
+    "sensitivity": "a deflection per volt",
     "angle": "an angle",
     "number": "a plain number",
 }
 SI = {"length": "m", "modulus": "Pa", "load": "N", "work": "J/m^2", "stiffness": "N/m", "angle": "rad", "number": ""}
-SI |= {"speed": "m/s", "time": "s", "load rate": "N/s"}
+SI |= {"speed": "m/s", "time": "s", "load rate": "N/s", "sensitivity": "m/V"}
 MOST = 1e30  # of a quantity in SI, its inverse the least: beyond what exists, and products of a few stay finite
 LARGE_WORK = 1.0  # choice: J/m^2, above what gels, polymers and contaminated metals have; remarked, never refused
 LONGEST = 100  # characters of a quantity
@@ -199,7 +201,7 @@ def _normalise(unit: str) -> str:
 
 def _example(dimension: str) -> str:
     examples = {"length": "100 um", "modulus": "5 GPa", "load": "12 uN", "work": "50 mJ/m^2", "stiffness": "0.2 N/m"}
-    examples |= {"speed": "10 um/s", "time": "20 ms", "load rate": "1 mN/s"}
+    examples |= {"speed": "10 um/s", "time": "20 ms", "load rate": "1 mN/s", "sensitivity": "45 nm/V"}
     return examples.get(dimension, "70 deg" if dimension == "angle" else "0.3")
 
 

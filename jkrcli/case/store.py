@@ -143,7 +143,8 @@ def read(path: str | Path, problem: Problem | None = None, with_pressure: bool =
     path = Path(path)
     content = read_bytes(path, "series file")
     if not content.startswith(hdf5.SIGNATURE):
-        remedy = ", jkr run makes one from a case" if path.suffix == ".toml" else ""
+        of_case, of_table = ", jkr run makes one from a case", "; a table of measurements is for jkr look and jkr fit"
+        remedy = {".toml": of_case, ".h5": ""}.get(path.suffix, of_table)
         raise InputError(f"{path}: is not an HDF5 file{remedy}")
     root = hdf5.parse(path, content, () if with_pressure else ("contact",))
     try:

@@ -9,7 +9,7 @@ import click
 from ..data.measured import Reading
 from ..data.measured.text import NAMES
 from ..data.text_table import SEPARATORS
-from .options import KeyNumberType, KeyValueType, ScaleType, StiffnessType
+from .options import KeyNumberType, KeyValueType, ScaleType, SensitivityType, StiffnessType
 from .output import Command
 
 KEYS = tuple(NAMES.quantities)
@@ -45,8 +45,8 @@ OPTIONS = (
     click.option("--stiffness", type=StiffnessType(),
                  help="The displacement is that of a device (piezo) of this stiffness: P/stiffness is subtracted; it "
                  "makes a force of a deflection."),
-    click.option("--sensitivity", type=float,
-                 help="Of a force microscope [m/V], where its file lacks it: makes a deflection of volts."),
+    click.option("--sensitivity", type=SensitivityType(),
+                 help='Of a force microscope, "45 nm/V", where its file lacks it: makes a deflection of volts.'),
     click.option("--format", type=click.Choice(["auto", "text", "afm"]), default="auto", show_default=True,
                  help="auto: by the file's ending; afm: .csv and .txt of microscopes (needs afmformats)."),
     click.option("--separator", type=click.Choice(list(SEPARATORS)), help="Between the columns [default: found out]."),

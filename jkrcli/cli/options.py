@@ -155,6 +155,11 @@ class StiffnessType(PositiveType):
     dimension = "stiffness"
 
 
+class SensitivityType(PositiveType):
+    name = "SENSITIVITY"
+    dimension = "sensitivity"
+
+
 modulus_factor_option = click.option(
     "--modulus-factor",
     type=FactorType(),

@@ -159,6 +159,7 @@ def examine(curve: Curve) -> ForceCurve:
     if curve.delta is None or curve.P is None:
         raise InputError(
             f"{curve.where}: a force curve needs displacement and load, it holds {', '.join(curve.measured)}"
+            + ("; jkr fit reads contact radius and load as they are" if curve.a is not None else "")
         )
     if len(curve) < TUNING.least_rows:
         raise InputError(f"{curve.where}: holds {len(curve)} rows, at least {TUNING.least_rows} are needed to look at")

@@ -24,6 +24,7 @@ TIMES = {"s": 0, "ms": -3, "us": -6, "ns": -9}
 COMMENTS = ("#", "%", "//", "**", "!")
 HEADINGS = ("columns:", "units:")  # before the names and units themselves, in comment heads
 OTHER_UNITS = ("", "-", "1", "V", "mV")
+SHEETS = (".xls", ".xlsx", ".ods")  # choice: endings of spreadsheets, which are no text
 WRONG_LINES_SHOWN = 5
 MOST_BYTES = 256 << 20  # choice: of a table of numbers, ten times as much in memory
 FIRST = 2000  # choice: bytes from which the encoding is found out
@@ -144,10 +145,9 @@ def read_table(
     if dialect is None and len(lines_of_file) > len(sample):
         dialect = _dialect(lines_of_file, separator, decimal, least, is_text)
     if dialect is None:
-        raise InputError(
-            f"{path}: holds no row of at least {least} numbers; "
-            "give the separator and the decimal mark if they are unusual"
-        )
+        sheet = path.suffix.lower() in SHEETS
+        remedy = "save the sheet as CSV" if sheet else "give the separator and the decimal mark if they are unusual"
+        raise InputError(f"{path}: holds no row of at least {least} numbers; {remedy}")
     lines, values = _rows(lines_of_file, dialect, least)
     dialect = replace(dialect, text=frozenset(i for i in dialect.text if i < values.shape[1]))
     _check_rows(path, lines_of_file, dialect, lines, values, finite)

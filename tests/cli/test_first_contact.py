@@ -6,6 +6,7 @@ import json
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 from conftest import CASES
 
@@ -167,3 +168,52 @@ def test_several_w_in_one_picture(jkr: Callable) -> None:
     tables = [f"gel-w{w}.{end}" for w in ("0.035", "0.04", "0.045") for end in ("csv", "json")]
     assert sorted(path.name for path in Path().glob("gel-*")) == sorted(["gel-all-w.png", "gel-all-w.svg", *tables])
     assert "give --scale instead" in jkr("transform", GEL, "--together", "--dimensionless", "thin-layer").err
+
+
+def measured(name: str, head: str, scales: tuple[float, float], R: float = 5e-6) -> Path:
+    """Retraction of a sphere from a half-space of 1 MPa, w = 50 mJ/m^2: displacement and load times ``scales``."""
+    a = np.linspace(0.5, 0.25, 60) * R
+    P = 4e6 * a**3 / (3 * R) - np.sqrt(8e6 * np.pi * 0.05 * a**3)
+    delta = a**2 / R - np.sqrt(2e-6 * np.pi * 0.05 * a)
+    rows = [f"{x:.8g},{y:.8g}" for x, y in zip(scales[0] * delta, scales[1] * P, strict=True)]
+    Path(name).write_text("\n".join([head, *rows]) + "\n")
+    return Path(name)
+
+
+BY_FLAGS = ("--radius", "5 um", "--nu", "0.5", "--no-plots")
+
+
+def test_wrong_units_of_a_measurement_are_asked_about(jkr: Callable) -> None:
+    long = jkr("fit", measured("long.csv", "displacement (mm),force (nN)", (1e6, 1e9)), *BY_FLAGS)
+    assert (long.code, long.out) == (2, "")
+    assert "the data ask for a contact radius of" in long.err
+    assert "beyond the indenter, which ends at 5 um: check the units of displacement and load" in long.err
+    strong = jkr("fit", measured("strong.csv", "displacement (um),force (mN)", (1e6, 1e9)), *BY_FLAGS)
+    assert strong.code == 0
+    assert "is more than surfaces have, a few mJ/m^2 to 1 J/m^2: check the units of the data" in strong.err
+    right = jkr("fit", measured("right.csv", "displacement (um),force (nN)", (1e6, 1e9)), *BY_FLAGS)
+    assert "more than surfaces have" not in right.err
+
+
+def test_the_position_of_a_device_without_its_stiffness_is_no_depth(jkr: Callable) -> None:
+    table = measured("z.csv", "Piezo (nm),Force (nN)", (1e9, 1e9))
+    said = "E* is that of contact and device in series: the deflection of the device is not subtracted"
+    assert said in jkr("fit", table, *BY_FLAGS).err
+    assert said not in jkr("fit", table, *BY_FLAGS, "--stiffness", "1 kN/m", "--force").err
+
+
+def test_files_of_another_kind_are_answered_with_where_they_belong(jkr: Callable) -> None:
+    table = Path("probe.csv")
+    table.write_text("load (mN),contact radius (um)\n" + "".join(f"{i},{10 * i}\n" for i in range(1, 30)))
+    assert "; jkr fit reads contact radius and load as they are" in jkr("look", table).err
+    assert "; a table of measurements is for jkr look and jkr fit" in jkr("pull-off", table).err
+    Path("probe.xlsx").write_bytes(b"PK\x03\x04 no text")
+    assert "; save the sheet as CSV" in jkr("fit", "probe.xlsx", *BY_FLAGS).err
+
+
+def test_sensitivity_carries_a_unit(jkr: Callable) -> None:
+    table = measured("volts.csv", "displacement (nm),Deflection (V)", (1e9, 1e9))
+    done = jkr("fit", table, *BY_FLAGS, "--stiffness", "1 kN/m", "--sensitivity", "1 pm/V", "--json")
+    assert json.loads(done.out)["curves"][0]["estimates"]["w"]["value"] == pytest.approx(0.05, rel=0.1)
+    wrong = jkr("fit", table, *BY_FLAGS, "--stiffness", "0.1 N/m", "--sensitivity", "10 nm")
+    assert "must be a deflection per volt" in wrong.err

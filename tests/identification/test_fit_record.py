@@ -170,6 +170,8 @@ def test_both_directions_share_modulus_and_zero_and_have_their_own_works() -> No
     found = fit(BODY, curve, usual(segment="both"))
     for name, true in (("E_star", E_star), ("w_approach", w_in), ("w", w_out)):
         assert found.value(name) == pytest.approx(true, rel=0.02)
+    drawn = found.line["delta"]
+    assert np.abs(np.diff(drawn)).max() < 0.1 * np.ptp(drawn)  # in and out in one stroke: the line crosses no picture
 
 
 def test_an_approach_without_a_jump_has_no_adhesion_to_tell() -> None:

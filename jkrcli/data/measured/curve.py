@@ -27,6 +27,9 @@ class Pixel:
     y: float
 
 
+NOT_SUBTRACTED = "the deflection of the device is not subtracted: give --stiffness"  # a flag of a curve
+
+
 @dataclass(frozen=True, eq=False)
 class Curve:
     """One measured curve: contact radius ``a`` [m], displacement ``delta`` [m], load ``P`` [N], time ``t`` [s].

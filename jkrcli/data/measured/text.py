@@ -15,7 +15,7 @@ from ...base.errors import InputError
 from ..columns import CONTACT, Quantity, Vocabulary, asked, check_chosen, choice, split_name, words
 from ..text_table import TextTable, read_table, unit_power
 from . import archive
-from .curve import APPROACH, LEAST_ROWS, QUANTITIES, RETRACT, Curve, Reading, place
+from .curve import APPROACH, LEAST_ROWS, NOT_SUBTRACTED, QUANTITIES, RETRACT, Curve, Reading, place
 from .instruments import (
     DEFLECTIONS,
     VOLTS,
@@ -233,7 +233,7 @@ def _on_stiffness(reading: Reading, held: Mapping[str, float], load: bool) -> li
             [f"stiffness {reading.stiffness:g} N/m as told, the head of the file says {found:g} N/m"]  # fmt: skip
     if "stiffness" in held:
         return [f"stiffness {held['stiffness']:g} N/m from the head of the file, its deflection is subtracted"]
-    return ["the deflection of the device is not subtracted: give --stiffness"] if load else []
+    return [NOT_SUBTRACTED] if load else []
 
 
 def _curve(

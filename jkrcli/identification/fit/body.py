@@ -18,6 +18,7 @@ from ...adhesion.law import AskedRange
 from ...adhesion.slopes.choice import slopes
 from ...adhesion.slopes.result import Slopes
 from ...base.errors import InputError, JkrError, Refusal, SolveError
+from ...base.units import show
 from ...bodies.parts import changed, checked_names, layer_names, nominal
 from ...bodies.problem import Loading, Problem
 from ...case import Case, load_case, store
@@ -147,7 +148,13 @@ class FittedBody:
     def to_radius(self, a: float) -> FittedBody:
         """The same problem solved by ``layered`` up to contact radius ``a`` [m] or little more, with as many points."""
         points = max(len(self.series), TUNING.points)
-        a = 10 ** (math.ceil(math.log10(a) * TUNING.per_decade) / TUNING.per_decade)
+        if a >= (end := self.problem.indenter.r_max):
+            raise InputError(
+                f"the data ask for a contact radius of {show(a, 'length')}, beyond the indenter, which ends at "
+                f"{show(end, 'length')}: check the units of displacement and load, and the size of the indenter"
+            )
+        rounded = 10 ** (math.ceil(math.log10(a) * TUNING.per_decade) / TUNING.per_decade)
+        a = rounded if rounded < end else a
         problem = replace(unbounded(self.problem), loading=Loading("radius", a, points, "radius"))
         return self._like(_reaching(problem, self.tolerance))
 

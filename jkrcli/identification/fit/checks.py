@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...adhesion.validity import REMEDY, check, judge
-from ...base.units import show
+from ...base.units import LARGE_WORK, show
 from ...base.unknown import Unknown
 from .body import FittedBody
 from .family import Family
@@ -48,6 +48,7 @@ def warnings_of(
         *(rivals.warnings() if rivals is not None and _relative_residual(found) > THRESHOLDS.resolved else ()),
         *_scatter(found),
         *_far_from_case(found, body),
+        *_doubtful_work(found),
         *_bounds(found, at_bound),
         *_pull_off(found),
         *_elastic_indenter(found, body),
@@ -105,6 +106,14 @@ def _far_from_case(found: Fit, body: FittedBody) -> Iterator[str]:
     factor = found.value("modulus")
     if body.told and "modulus" in found.free and not 1 / THRESHOLDS.far_from_case <= factor <= THRESHOLDS.far_from_case:
         yield f"the moduli are {factor:.3g} times those of the case: check the units of the data and of the case"
+
+
+def _doubtful_work(found: Fit) -> Iterator[str]:
+    if "w" in found.free and (w := found.value("w")) > LARGE_WORK:
+        yield (
+            f"w = {show(w, 'work')} is more than surfaces have, a few mJ/m^2 to {show(LARGE_WORK, 'work')}: check the "
+            "units of the data and the radius of the indenter"
+        )
 
 
 def _word(name: str) -> str:

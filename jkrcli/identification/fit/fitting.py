@@ -11,7 +11,7 @@ import numpy as np
 from ...base.errors import InputError, JkrError, SolveError
 from ...base.executors import Pool, completed
 from ...data.measured import Curve
-from ...data.measured.curve import APPROACH, RETRACT, Pixel
+from ...data.measured.curve import APPROACH, NOT_SUBTRACTED, RETRACT, Pixel
 from ...data.record import examine
 from .body import FittedBody, check_parameters
 from .checks import warnings_of
@@ -94,7 +94,10 @@ def fit(body: FittedBody, curve: Curve, settings: Settings) -> Fit:
     Raises InputError where the data do not allow it, SolveError where it does not converge; both name the curve.
     """
     try:
-        return replace(_fit(body, curve, settings), pixel=curve.pixel, surface=body.problem.surface)
+        found = _fit(body, curve, settings)
+        kept = ["E* is that of contact and device in series: " + flag for flag in curve.flags if flag == NOT_SUBTRACTED]
+        warnings = (*kept, *found.warnings)
+        return replace(found, warnings=warnings, pixel=curve.pixel, surface=body.problem.surface)
     except InputError as error:
         lines = [line if line.startswith(curve.where) else f"{curve.where}: {line}" for line in error.lines]
         raise InputError(lines) from None

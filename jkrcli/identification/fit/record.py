@@ -122,7 +122,7 @@ def fit_record(body: FittedBody, record: ForceCurve, settings: Settings) -> Fit:
         body = body.to_radius(TUNING.room * float(reach))
     assert found is not None
     if np.count_nonzero(_contact_radii(found)) <= len(found.names):
-        raise SolveError("the curve that fits best has next to no row in contact")
+        raise SolveError("the curve that fits best has next to no row in contact; --flip P, if compression is negative")
     return _result(body, record, curve, settings, found)
 
 
@@ -323,10 +323,14 @@ def _estimate(name: str, value: float, error: float, t: float) -> FittedValue:
 
 
 def _line(found: ForceCurveFit) -> dict[str, Array]:
-    """The fitted readings along each direction, from the far end inwards: a, delta and P."""
+    """The fitted readings in one stroke, in by the first direction and out by the second: a, delta and P."""
     model = np.concatenate([part.P for part in found.model.stretches]) + found.off
     z = np.concatenate([part.z for part in found.model.stretches])
-    return {"a": _contact_radii(found), "delta": z - model / found.model.k, "P": model}
+    rows = np.arange(z.size)
+    first = found.model.stretches[0].z.size  # each direction is held from its far end inwards
+    order = np.concatenate([rows[:first], rows[first:][::-1]])
+    columns = {"a": _contact_radii(found), "delta": z - model / found.model.k, "P": model}
+    return {name: values[order] for name, values in columns.items()}
 
 
 def _left_out(record: ForceCurve, used: int) -> tuple[str, ...]:

@@ -75,6 +75,7 @@ def test_the_work_behind_a_pull_off_force_names_what_it_assumes(jkr, folder):
     assert "it is assumed that the surfaces slide without friction: against sliding, sticking makes" in done.err
 
 
+@pytest.mark.slow
 def test_a_profile_shows_the_shear(jkr, folder):
     jkr("run", folder / "sticking.toml", "-o", folder / "s.h5")
     jkr("profile", folder / "s.h5", "--a", "0.6 mm", "--w", "0")

@@ -17,12 +17,14 @@ from ...base.unknown import Estimate, Unknown
 from ...bodies.indenters import Indenter
 from ...bodies.problem import Problem
 from ...series import Solution
+from .body import at_surface
 from .budget import TUNING as BUDGET
 from .budget import assessed, truncation_of
 from .options import FEMOptions
 from .report import finished
 from .run import Run
 from .solve import expected_reach, run
+from .stuck_edge import finest_spacing
 
 
 @dataclass(frozen=True)
@@ -62,7 +64,7 @@ def adapted(options: FEMOptions, problem: Problem, clock: StageClock) -> Solutio
         if isinstance(reached, float) and reached <= tolerance:
             return finished(sized(options, spacing), found, judged, clock)
         finer = spacing * _shrinkage(tolerance, reached, truncation)
-        if finer < TUNING.finest or (isinstance(truncation, float) and truncation >= tolerance):
+        if finer < _finest(problem) or (isinstance(truncation, float) and truncation >= tolerance):
             break
         coarse, ratio, spacing = found.level, spacing / finer, finer
         found = _finer(sized(options, spacing), problem, clock, found, _unreached(tolerance, reached, found))
@@ -74,9 +76,15 @@ def first(options: FEMOptions, problem: Problem) -> FEMOptions:
     if options.tolerance is None:
         return options
     guess = TUNING.usual_spacing * (TUNING.aim * options.tolerance / TUNING.usual) ** (1 / TUNING.order)
-    spacing = max(min(TUNING.coarsest, guess), TUNING.finest)
+    spacing = max(min(TUNING.coarsest, guess), _finest(problem))
     smallest = _smallest(options, problem.indenter, expected_reach(options, problem))
     return sized(replace(options, smallest=smallest), spacing)
+
+
+def _finest(problem: Problem) -> float:
+    """Least spacing that the problem is solved with."""
+    follows = finest_spacing(at_surface(problem.specimen.materials[0])) if problem.sticks else 0.0
+    return max(TUNING.finest, follows)
 
 
 def _smallest(options: FEMOptions, indenter: Indenter, reach: float) -> float:

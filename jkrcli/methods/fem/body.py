@@ -19,6 +19,7 @@ class CutTuning:
     half_space: float = 500.0  # size of the cut-out; tuned on the bodies of `make tuning`, by `make tuning`
     bonded: float = 40.0  # width beyond the contact on a bonded base; tuned on the same, by `make tuning`
     sliding: float = 1000.0  # width beyond the contact on a sliding base; tuned on the same, by `make tuning`
+    calibration: float = 100.0  # candidate radii to its half-space's end; theory: the rest of what it lacks ~ its ^-3
 
 
 TUNING = CutTuning()
@@ -87,11 +88,15 @@ def cut_out(problem: Problem, reach: float, depth: float | None, width: float | 
     )
 
 
-def half_space_like(body: MeshedBody, size: float) -> MeshedBody:
-    """A homogeneous half-space of the uppermost material at the surface, cut at depth and width ``size`` [m]."""
-    top = body.materials[0]
-    material = top if isinstance(top, TransverselyIsotropic) else top.surface
-    return MeshedBody((size,), (material,), size, True, "free", True, True, completed=True)
+def half_space_like(body: MeshedBody, reach: float) -> MeshedBody:
+    """A homogeneous half-space of the uppermost material at the surface, for contact radii up to ``reach`` [m]."""
+    size = TUNING.calibration * reach
+    return MeshedBody((size,), (at_surface(body.materials[0]),), size, True, "free", True, True, completed=True)
+
+
+def at_surface(material: Material) -> Material:
+    """The homogeneous material that the first touch of ``material`` feels."""
+    return material if isinstance(material, TransverselyIsotropic) else material.surface
 
 
 def _cut_below(layers: float, reach: float, depth: float) -> float:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -165,7 +165,8 @@ def truncation_of(run: Run, coarse: MeshLevel) -> Estimate:
         return lacking**2 if body.completed else lacking
     if not body.cut_beside:
         return 0.0
-    roller, free = coarse.model.with_roller().contact(coarse.indenter), coarse.contact
+    free = coarse.contact
+    roller = replace(free, surface=coarse.model.with_roller().surface)
     depth = np.array([run.deepest])
     if events.valid:
         return float(abs(load_at(roller, depth)[0] / load_at(free, depth)[0] - 1))

@@ -7,6 +7,7 @@ profile at the nodes and C the surface compliance.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -16,6 +17,7 @@ from scipy.linalg import cholesky, solve_triangular
 
 from ...base.arrays import Array
 from ...base.errors import SolveError
+from .stuck_edge import EdgeRows
 from .surface import Surface
 
 
@@ -78,9 +80,9 @@ class SurfaceContact:
         """Load at that depth [N]."""
         return self.S * self.delta - self.T
 
-    def pressed(self, k: Array, depth: Array) -> tuple[Array, Array]:
-        """Halves L^T p and forces p (m, sets) [N] of the contact sets {0..k} pressed to ``depth`` [m]."""
-        inside = np.arange(len(self.surface.C))[:, None] <= self.surface.last[k]
+    def pressed(self, last: Array, depth: Array) -> tuple[Array, Array]:
+        """Halves L^T p and forces p (m, sets) [N] of the rows {0..last} pressed to ``depth`` [m]."""
+        inside = np.arange(len(self.surface.C))[:, None] <= last
         halves = np.where(inside, depth * self.y[:, None] - self.z[:, None], 0.0)
         return halves, solve_triangular(self.L, halves, lower=True, trans="T")
 
@@ -95,20 +97,53 @@ class StuckContact(SurfaceContact):
     """The contact problem on a ``surface`` whose points keep the radial displacement with which they were touched.
 
     As for sliding surfaces, with two rows of L for each node: y = L^-1 e, e of a unit displacement downwards, and z =
-    L^-1 (f, -g) in turn, g the outward displacements. A node is touched where neither of its forces acts yet, which
-    gives delta_k = z_k/y_k from its first row, and from its second z = delta_k y instead of g. The disc that grows node
-    by node while stuck discs are pressed down is this very recursion: P = int S d(delta).
+    L^-1 (f, -g) in turn, g the outward displacements. A node is touched where its normal force does not act yet, which
+    gives delta_k = z_k/y_k from its first row. Would it stick at that very moment, its second row were z = delta_k y
+    instead of g: the disc that grows node by node while stuck discs are pressed down, P = int S d(delta). But then the
+    edge of the shear would not be that of the pressure. Both are where the ``rows`` tell them to be (``EdgeRows``), and
+    z makes up for it to the second order of the spacing. ``flat``: radius of the flat end [m].
     """
 
+    rows: EdgeRows
+    flat: float = 0.0
+
     @cached_property
-    def _solved(self) -> Array:
+    def y(self) -> Array:
         e = np.zeros(len(self.surface.C))
         e[self.surface.normal] = 1.0
-        y, z = solve_triangular(self.L, e, lower=True), np.zeros_like(e)
-        for height, row, last in zip(self.f, self.surface.normal, self.surface.last, strict=True):
-            z[row] = (height - self.L[row, :row] @ z[:row]) / self.L[row, row]
-            z[last] = z[row] / y[row] * y[last]
-        return np.array([y, z])
+        return solve_triangular(self.L, e, lower=True)
+
+    @cached_property
+    def _ramps(self) -> Array:
+        """What the rows of each node read of a field that begins to act there (n, 2) [m times y]."""
+        return self.rows.ramps(self.y[np.column_stack([self.surface.normal, self.surface.last])])
+
+    @cached_property
+    def edges(self) -> Array:
+        """Radius of the edge of the contact when each node touches (n,) [m]."""
+        return self.surface.radii + self._ramps[:, 0] / self.y[self.surface.normal]
+
+    @cached_property
+    def z(self) -> Array:
+        y, z, delta = self.y, np.zeros_like(self.y), np.zeros_like(self.f)
+        lag = self._ramps[:, 1] - self._ramps[:, 0] * y[self.surface.last] / y[self.surface.normal]
+        for k, (row, last) in enumerate(zip(self.surface.normal, self.surface.last, strict=True)):
+            z[row] = (self.f[k] - self.L[row, :row] @ z[:row]) / self.L[row, row]
+            delta[k] = z[row] / y[row]
+            if last > row:
+                z[last] = delta[k] * y[last] + self._slope(delta, k) * lag[k]
+        return z
+
+    def _slope(self, delta: Array, k: int) -> float:
+        """d(delta)/da at node k, by a power law through it and the last node of its kind; first a parabola."""
+        j = k - int(np.flatnonzero(self.surface.is_vertex)[1])
+        width, before = self.surface.radii[[k, j]] - self.flat
+        if not delta[k] > 0 < width:
+            return 0.0
+        power = 2.0
+        if j > 0 and before > 0 < delta[j]:
+            power = math.log(delta[k] / delta[j]) / math.log(width / before)
+        return float(power * delta[k] / width)
 
     @cached_property
     def S(self) -> Array:
@@ -121,6 +156,11 @@ class StuckContact(SurfaceContact):
     @cached_property
     def delta(self) -> Array:
         return (self.z / self.y)[self.surface.normal]
+
+    @cached_property
+    def P(self) -> Array:
+        touching = self.surface.normal
+        return np.cumsum(self.y**2)[touching] * self.delta - np.cumsum(self.y * self.z)[touching]
 
 
 @dataclass(frozen=True, eq=False)
@@ -179,8 +219,9 @@ def _conditions(contact: SurfaceContact, k: Array) -> tuple[Array, Array]:
     """Forces on the surface (events, m) [N] when the nodes ``k`` touch, and the largest negative force or gap of each
     event, relative to the largest force or the depth."""
     depth, surface = contact.delta[k], contact.surface
-    inside = np.arange(len(surface.C))[:, None] <= surface.last[k]
-    w, forces = contact.pressed(k, depth)
+    touching = surface.normal[k]
+    inside = np.arange(len(surface.C))[:, None] <= touching
+    w, forces = contact.pressed(touching, depth)
     p = forces[surface.normal]
     gap = contact.f[:, None] - depth + (contact.L @ w)[surface.normal]
     pull = np.max(-p[surface.exempt :] / np.abs(p).max(axis=0, initial=0.0), axis=0, initial=0.0)

@@ -10,25 +10,17 @@ from __future__ import annotations
 import numpy as np
 
 from ...base.arrays import Array
-from ...base.clock import StageClock
 from ...bodies.indenters import Indenter, Paraboloid
-from .body import half_space_like
 from .contact import SurfaceContact, nested_events
 from .model import Model
 
-CUT = 100.0  # candidate radii to the half-space's end; theory: what it lacks is added, the rest falls like CUT^-3
-
 
 def edge_correction(model: Model, indenter: Indenter) -> Array:
-    """Edge correction: contact radius over vertex radius for the candidate vertices beyond the flat radius, by
-    increasing radius."""
+    """Edge correction of surfaces that slide: contact radius over vertex radius for the candidate vertices beyond the
+    flat radius, by increasing radius."""
     reach = model.discretisation.reach
     profile: Indenter = indenter if indenter.a0 > 0 else Paraboloid(reach)
-    half_space = model
-    if model.surface.sticks or not (model.body.cut_below and len(model.body.materials) == 1):
-        body = half_space_like(model.body, CUT * reach)
-        half_space = model.discretisation.on_half_space(body).build(StageClock())
-    surface = half_space.completed()
+    surface = model.half_space
     events = nested_events(SurfaceContact(surface, profile.f(surface.radii)), profile.a0, "radius", np.inf)
     return _edges(profile, events.delta, events.a) / events.a
 

@@ -62,7 +62,7 @@ def _refuse_unresolved(loading: Loading, first: float) -> None:
 def nodal_forces(contact: SurfaceContact, events: Events, delta: Array) -> Array:
     """Forces on the surface [N] at depths ``delta`` [m]: the events', and solved for where a depth is no event's."""
     if contact.surface.sticks:
-        return contact.pressed(contact.set_at(delta), delta)[1].T
+        return contact.pressed(contact.surface.last[contact.set_at(delta)], delta)[1].T
     near = np.clip(np.searchsorted(events.delta, delta * (1 - 1e-12)), 0, events.delta.size - 1)
     p = events.p[near]
     other = np.flatnonzero(np.abs(events.delta[near] / delta - 1) > 1e-12)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 from ...base.clock import StageClock
@@ -12,15 +13,15 @@ from ...bodies.problem import HalfSpace, Problem
 from ...series import ErrorBudget, Solution
 from .. import Forecast
 from .adapt import adapted, first
-from .body import half_space_like
+from .body import at_surface, half_space_like
 from .budget import Assessment, assessed, truncation_of
-from .edge import CUT
 from .grid import Grid
 from .layout import Layout, layout_for
 from .options import FEMOptions
 from .report import finished
 from .run import Run
 from .solve import expected_reach, mixed_layers, run
+from .stuck_edge import finest_spacing
 
 DOUBLED = 2.0  # element sizes of the mesh for the error estimate; theory: estimates are of what doubling changes
 
@@ -30,7 +31,7 @@ class FEM(FEMOptions):
     """Finite elements for any stack of isotropic layers on a rigid base or a half-space, wide or of finite radius.
 
     Geometrically linear; any convex indenter, rigid (or elastic on a homogeneous half-space that slides). Surfaces that
-    stick: of first order in the spacing where they are confined and nearly incompressible, by "nested" only.
+    stick by "nested" only.
     The default solves a paraboloid on a half-space to about 1e-4 in P(delta). Contact radii are those of vertices,
     corrected to the edge of the contact (``edge_correction``): exact for a paraboloid on a half-space, else about 1e-3
     off. Increments, and "nested" without the correction, keep the vertex's radius, up to half a spacing too large.
@@ -77,6 +78,13 @@ class FEM(FEMOptions):
             return f"an elastic indenter that sticks is not represented by a rigid profile: use {other}"
         if self.contact == "incremental":
             return 'increments do not remember where points stuck: set contact.algorithm = "nested"'
+        least = finest_spacing(at_surface(problem.specimen.materials[0]))
+        if self.layout == "scaled" and self.tolerance is None and self.spacing < least:
+            other = " or use method layered" if problem.specimen.radius is None else ""
+            return (
+                f"nodes {self.spacing:g} of the radius apart cannot follow how the edge of a contact that sticks "
+                f"oscillates: give mesh.spacing = {math.ceil(100 * least) / 100:g} or more{other}"
+            )
         return None
 
     def _refuse(self, problem: Problem) -> None:
@@ -152,7 +160,7 @@ def _forecast(options: FEMOptions, problem: Problem, layout: Layout) -> Forecast
     seconds = _seconds(options, cells * per_cell)
     elsewhere = options.edge_correction and options.contact == "nested" and not problem.specimen.is_half_space
     if elsewhere:  # the edge correction needs a mesh of its own
-        half_space = half_space_like(layout.body, CUT * layout.law.reach * layout.unit)
+        half_space = half_space_like(layout.body, layout.law.reach * layout.unit)
         seconds += _seconds(options, layout.on(half_space).expected_cells() * per_cell)
     memory = TUNING.mib + cells * per_cell * TUNING.mib_per_unknown
     note = f"about {float(f'{cells:.2g}'):.0f} elements"

@@ -11,19 +11,33 @@ from ...base.arrays import Array
 from ...base.clock import StageClock
 from ...bodies.indenters import Indenter
 from ...bodies.materials import Graded, Material
-from .body import MeshedBody
+from .body import MeshedBody, at_surface, half_space_like
 from .contact import StuckContact, SurfaceContact
 from .elasticity import ElasticSystem, assemble
 from .far_field import missing_displacement
 from .layout import Layout
 from .options import Solver
+from .stuck_edge import EdgeRows
 from .surface import StiffnessFactor, Surface, condense, factorise
 
-NEARLY_INCOMPRESSIBLE = 0.49  # tuned on the gel of Sec. 4.3 and its like, by `make tuning`: displacements lock beyond
+
+@dataclass(frozen=True)
+class LockingTuning:
+    """Poisson's ratios beyond which displacements alone lock."""
+
+    sliding: float = 0.49  # tuned on the gel of Sec. 4.3 and its like, by `make tuning`
+    # choice: the edge of the shear locks before the layer does; at 0.45 and a/h = 10/3 radii err by 3e-4, mixed by 5e-5
+    sticking: float = 0.4
 
 
-def pressure_layers(materials: Sequence[Material], above: float = NEARLY_INCOMPRESSIBLE) -> tuple[int, ...]:
-    """Layers that get a pressure unknown: those of a Poisson's ratio ``above`` this one."""
+TUNING = LockingTuning()
+
+
+def pressure_layers(materials: Sequence[Material], sticks: bool, above: float | None = None) -> tuple[int, ...]:
+    """Layers that get a pressure unknown: those of a Poisson's ratio ``above`` this one (None: where displacements of
+    surfaces that slide, or stick, lock)."""
+    if above is None:
+        above = TUNING.sticking if sticks else TUNING.sliding
     return tuple(i for i, material in enumerate(materials) if material.surface.nu > above)
 
 
@@ -48,9 +62,9 @@ class Discretisation:
         return replace(self, layout=self.layout.coarser(factor))
 
     def on_half_space(self, body: MeshedBody) -> Discretisation:
-        """The same surface vertices on a homogeneous ``body`` whose surface slides."""
+        """The same surface vertices on a homogeneous ``body``."""
         mixed = tuple(i for i in self.mixed if i == 0)
-        return replace(self, layout=self.layout.on(body), mixed=mixed, sticks=False)
+        return replace(self, layout=self.layout.on(body), mixed=mixed)
 
     def build(self, clock: StageClock) -> Model:
         """Mesh, assemble, factorise and condense."""
@@ -101,14 +115,25 @@ class Model:
 
     def contact(self, indenter: Indenter) -> SurfaceContact:
         """The contact problem with ``indenter``."""
-        kind = StuckContact if self.surface.sticks else SurfaceContact
-        return kind(self.surface, indenter.f(self.surface.radii))
+        heights = indenter.f(self.surface.radii)
+        if not self.surface.sticks:
+            return SurfaceContact(self.surface, heights)
+        rows = EdgeRows.of(self.half_space, at_surface(self.body.materials[0]))
+        return StuckContact(self.surface, heights, rows, indenter.a0)
 
     def with_roller(self) -> Model:
         """The same body with its side held in radial direction; the mesh and the stiffness stay."""
         rim = self.system.basis.get_dofs("side").all()
         system = replace(self.system, free=np.setdiff1d(self.system.free, rim))
         return self.discretisation.condensed(system, StageClock())
+
+    @property
+    def half_space(self) -> Surface:
+        """Surface of a half-space of the uppermost material with the same vertices: this one where it is one."""
+        if self.body.cut_below and len(self.body.materials) == 1:
+            return self.completed()
+        body = half_space_like(self.body, self.discretisation.reach)
+        return self.discretisation.on_half_space(body).build(StageClock()).completed()
 
     def completed(self) -> Surface:
         """The surface of the whole half-space, whether or not the model is completed itself."""

@@ -12,7 +12,7 @@ from ...base.clock import StageClock
 from ...bodies.indenters import Indenter
 from ...bodies.problem import Problem
 from ...series import RawSeries, filter_plateaus
-from .contact import Events, Increment, SurfaceContact, nested_events
+from .contact import Events, Increment, StuckContact, SurfaceContact, nested_events
 from .edge import edge_correction
 from .loading import Columns, power_interpolated, raw_series
 from .model import Discretisation, Model
@@ -48,6 +48,9 @@ class MeshLevel:
         """The touches with the radii of the contact."""
         if not self.correct:
             return self.touches
+        if isinstance(self.contact, StuckContact):
+            edges = self.contact.edges[np.searchsorted(self.model.surface.radii, self.touches.a)]
+            return replace(self.touches, a=edges)
         factors = edge_correction(self.model, self.indenter)
         return replace(self.touches, a=self.touches.a * factors[: self.touches.a.size])
 

@@ -35,7 +35,7 @@ def mixed_layers(options: FEMOptions, problem: Problem) -> tuple[int, ...]:
     if options.order == 1 or options.formulation == "displacement":
         return ()
     materials = problem.specimen.materials
-    return pressure_layers(materials) if options.formulation == "auto" else pressure_layers(materials, above=0.0)
+    return pressure_layers(materials, problem.sticks, None if options.formulation == "auto" else 0.0)
 
 
 def run(options: FEMOptions, problem: Problem, clock: StageClock, reach: float | None = None) -> Run:
@@ -47,7 +47,7 @@ def run(options: FEMOptions, problem: Problem, clock: StageClock, reach: float |
     if by_increments and problem.sticks:
         raise Refusal(
             f"the contact is not a growing disc of nodes (violation {touches.violation:.1e}), so that it is not known "
-            'where points stuck: load less, or set specimen.surface = "sliding"'
+            'where points stuck: load less, give a larger mesh.spacing, or set specimen.surface = "sliding"'
         )
     if by_increments:
         with clock("contact"):

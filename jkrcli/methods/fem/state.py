@@ -18,12 +18,13 @@ from ...base.arrays import Array
 from ...base.clock import StageClock
 from ...base.errors import InputError, Refusal
 from ...bodies.problem import Problem
-from .body import cut_out
+from .body import at_surface, cut_out
 from .grid import Grid
 from .layout import scaled_layout
 from .method import FEM
 from .model import Discretisation, Model, pressure_layers
 from .stress import Stress, TractionLine
+from .stuck_edge import finest_spacing
 
 
 @dataclass(frozen=True)
@@ -90,14 +91,16 @@ def contact_state(method: FEM, problem: Problem, a: float, delta: float) -> Cont
     if edge is not None and a >= edge:
         raise InputError(f"fields: contact radius {a:g} m reaches the edge of the body, {edge:g} m")
     body = cut_out(problem, a, method.depth, method.width)
-    spacing = TUNING.stuck if problem.sticks else TUNING.spacing
-    layout = scaled_layout(body, "triangle", a, a, TUNING.finest * a, spacing, TUNING.growth)
-    mixed = pressure_layers(body.materials)
+    spacing, finest = TUNING.spacing, TUNING.finest
+    if problem.sticks:
+        spacing = TUNING.stuck
+        finest = max(finest, finest_spacing(at_surface(body.materials[0])) * TUNING.order / (2 * spacing))
+    layout = scaled_layout(body, "triangle", a, a, finest * a, spacing, TUNING.growth)
+    mixed = pressure_layers(body.materials, problem.sticks)
     model = Discretisation(layout, TUNING.order, mixed, a, method.solver, problem.sticks).build(StageClock())
     contact = model.contact(problem.indenter)
     if problem.sticks:
-        last = np.array([contact.f.size - 1])
-        p = contact.pressed(last, np.array([delta]))[1][:, 0]
+        p = contact.pressed(contact.surface.last[-1:], np.array([delta]))[1][:, 0]
     else:
         p = cho_solve((contact.L, True), delta - contact.f)
     # An elastic indenter is part of the body's modulus; the body's own displacements are smaller by that much.

@@ -39,7 +39,7 @@ def coulomb_waves(eta: float, rho: Array) -> tuple[Array, Array]:
         return np.sin(rho), np.cos(rho)
     F, slope = np.empty_like(rho), np.empty_like(rho)
     near = rho < TUNING.first
-    series = _series(eta)
+    series = coulomb_series(eta)
     F[near] = polynomial.polyval(rho[near], series)
     slope[near] = polynomial.polyval(rho[near], polynomial.polyder(series))
     if not near.all():
@@ -59,7 +59,7 @@ def _horner(table: Array, row: Array, ahead: Array) -> Array:
     return total
 
 
-def _series(eta: float) -> Array:
+def coulomb_series(eta: float) -> Array:
     """Coefficients of F at the origin."""
     c = [0.0, amplitude(eta)]
     for m in range(2, TUNING.first_terms):

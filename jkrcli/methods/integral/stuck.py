@@ -25,6 +25,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TypeAlias
 
 import numpy as np
 
@@ -32,6 +33,8 @@ from ...base.arrays import Array
 from .coulomb import coulomb_waves
 from .equation import forward_substitution, nested_factor, rounding_error
 from .quadrature import Panels
+
+Pair: TypeAlias = tuple[Array, Array]
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,14 +73,19 @@ class StuckKernel:
                     K[i, j] = left[0] @ C[j].T + left[1] @ Q[j].T
         return K.transpose(2, 0, 3, 1).reshape(2 * n, 2 * n)
 
-    def _waves(self, x: Array) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
+    def _waves(self, x: Array) -> tuple[Pair, Pair]:
         """C and Q of either density, at the nodes and wave numbers."""
         rho = np.outer(x, self.k)
-        (Fp, sp), (Fm, sm) = (coulomb_waves(sign * self.eta, rho) for sign in (-1.0, 1.0))
-        plus, minus = 0.5 / math.sqrt(1 + self.beta), 0.5 / math.sqrt(1 - self.beta)
-        C = plus * sp + minus * sm, plus * Fp - minus * Fm
-        Q = plus * sp - minus * sm, plus * Fp + minus * Fm
-        return C, Q
+        return ring_transforms(self.beta, coulomb_waves(-self.eta, rho), coulomb_waves(self.eta, rho))
+
+
+def ring_transforms(beta: float, minus: Pair, plus: Pair) -> tuple[Pair, Pair]:
+    """C and Q of either density from F and F' of -eta and of +eta."""
+    (Fm, sm), (Fp, sp) = minus, plus
+    first, second = 0.5 / math.sqrt(1 + beta), 0.5 / math.sqrt(1 - beta)
+    C = first * sm + second * sp, first * Fm - second * Fp
+    Q = first * sm - second * sp, first * Fm + second * Fp
+    return C, Q
 
 
 @dataclass(frozen=True, eq=False)

@@ -90,7 +90,7 @@ class StuckSpectrum(LayeredSpectrum):
     @cached_property
     def _half_spaces(self) -> tuple[float, float, float]:
         """Compliances F_zz, F_zr, F_rr of the half-spaces of both materials that touch [1/Pa]."""
-        zz, zr, rr = _half_space(self.specimen.materials[0])
+        zz, zr, rr = half_space_compliances(self.specimen.materials[0])
         if self.indenter is not None:
             own = 1 / self.indenter.G
             rr, zz = rr + own * (1 - self.indenter.nu), zz + own * (1 - self.indenter.nu)
@@ -105,7 +105,9 @@ class StuckSpectrum(LayeredSpectrum):
         m = minors_of(self.specimen, np.maximum(k, 1e-30 / self.specimen.top_thickness))
         stack = m[[2, 3, 1]] / m[0] / shear_moduli(layer)[0]
         zz, _, rr = self._half_spaces
-        return (stack - np.array(_half_space(layer.material))[:, None]) / np.array([[zz], [math.sqrt(zz * rr)], [rr]])
+        return (stack - np.array(half_space_compliances(layer.material))[:, None]) / np.array(
+            [[zz], [math.sqrt(zz * rr)], [rr]]
+        )
 
     @cached_property
     def edges(self) -> tuple[Array, Array, Array]:
@@ -137,7 +139,7 @@ class StuckSpectrum(LayeredSpectrum):
         return StuckKernel(k, w * self.deviations(k), self.beta)
 
 
-def _half_space(material: Material) -> tuple[float, float, float]:
+def half_space_compliances(material: Material) -> tuple[float, float, float]:
     """Compliances F_zz, F_zr, F_rr of a half-space [1/Pa]."""
     if isinstance(material, TransverselyIsotropic):
         medium, G = Medium.transverse(material), material.G_z

@@ -15,6 +15,9 @@ from jkrcli.methods.fem.body import MeshedBody
 from jkrcli.methods.fem.layout import scaled_layout
 from jkrcli.methods.fem.method import FEM
 from jkrcli.methods.fem.model import Discretisation
+from jkrcli.methods.fem.state import contact_state
+from jkrcli.methods.fem.stuck_edge import EdgeRows
+from jkrcli.methods.layered.layered import Layered
 
 PARABOLOID = Paraboloid(1000.0)
 
@@ -30,6 +33,12 @@ def contact(request):
     layout = scaled_layout(body, "triangle", 2.0, 0.0, 0.2, 0.2, 0.2)
     model = Discretisation(layout, 2, mixed, 2.0, sticks=True).build(StageClock())
     return model.contact(PARABOLOID)
+
+
+@pytest.fixture(scope="module")
+def at_touch(contact):
+    """The same contact, each node of which sticks at the moment of its touch."""
+    return replace(contact, rows=EdgeRows(np.zeros_like(contact.rows.reading)))
 
 
 def incremental(contact):
@@ -52,27 +61,34 @@ def incremental(contact):
     return np.array(delta), np.array(P), frozen
 
 
-def test_one_pass_through_the_factor_is_the_disc_grown_ring_by_ring(contact):
-    delta, P, _ = incremental(contact)
-    np.testing.assert_allclose(contact.delta, delta, rtol=1e-8, atol=1e-12 * delta[-1])
-    np.testing.assert_allclose(contact.P, P, rtol=1e-8, atol=1e-12 * P[-1])
+def test_one_pass_through_the_factor_is_the_disc_grown_ring_by_ring(at_touch):
+    delta, P, _ = incremental(at_touch)
+    np.testing.assert_allclose(at_touch.delta, delta, rtol=1e-8, atol=1e-12 * delta[-1])
+    np.testing.assert_allclose(at_touch.P, P, rtol=1e-8, atol=1e-12 * P[-1])
 
 
-def test_energy_let_go_by_the_outer_ring_is_that_of_both_modes(contact):
+def test_energy_let_go_by_the_outer_ring_is_that_of_both_modes(at_touch):
     """At a fixed depth below that of touch: (delta_k - delta)^2 dS/2, which makes Eq. 13 hold for stuck surfaces."""
-    delta, _, frozen = incremental(contact)
-    C, normal, last = contact.surface.C, contact.surface.normal, contact.surface.last
+    delta, _, frozen = incremental(at_touch)
+    C, normal, last = at_touch.surface.C, at_touch.surface.normal, at_touch.surface.last
     k, depth = delta.size - 5, 0.6 * delta[-5]
 
     def energy(set_end):
         inside = np.arange(last[set_end] + 1)
         u = frozen[inside].copy()
-        u[normal[: set_end + 1]] = depth - contact.f[: set_end + 1]
+        u[normal[: set_end + 1]] = depth - at_touch.f[: set_end + 1]
         return u @ np.linalg.solve(C[np.ix_(inside, inside)], u) / 2
 
     released = energy(k) - energy(k - 1)
-    dS = contact.S[k] - contact.S[k - 1]
+    dS = at_touch.S[k] - at_touch.S[k - 1]
     assert released == pytest.approx((delta[k] - depth) ** 2 * dS / 2, rel=1e-6)
+
+
+def test_frozen_displacements_are_those_of_discs_grown_ring_by_ring(at_touch):
+    _, _, frozen = incremental(at_touch)
+    outward = np.setdiff1d(np.arange(frozen.size), at_touch.surface.normal)
+    ours = -(at_touch.L @ at_touch.z)[outward]
+    np.testing.assert_allclose(ours, frozen[outward], atol=1e-9 * np.abs(frozen).max())
 
 
 @pytest.mark.parametrize("nu", [0.0, 0.3])
@@ -81,7 +97,7 @@ def test_the_half_space_has_mossakovskis_factor(nu):
     series = FEM()(problem).series
     factor = series.S / (2 / (1 - nu**2) * series.a)
     exact = (1 - nu) * math.log(3 - 4 * nu) / (1 - 2 * nu)
-    np.testing.assert_allclose(factor[-10:], exact, atol=1.5e-3)  # measured 1.0e-3; spacing 0.02: 3e-4
+    np.testing.assert_allclose(factor[-10:], exact, atol=2e-4)  # measured 6e-5
 
 
 def test_an_incompressible_half_space_does_not_notice():
@@ -89,19 +105,40 @@ def test_an_incompressible_half_space_does_not_notice():
     sliding, sticking = FEM()(problem), FEM()(replace(problem, sticks=True))
     depth = sticking.series.delta[-1]
     there = np.interp(depth, sliding.series.delta, sliding.series.P)
-    assert sticking.series.P[-1] == pytest.approx(there, rel=2e-3)
+    assert sticking.series.P[-1] == pytest.approx(there, rel=5e-4)
+
+
+@pytest.mark.parametrize(
+    ("nu", "options"),
+    [
+        (0.499, {}),
+        (0.3, {"order": 1}),
+        (0.5, {"layout": "zones"}),
+        pytest.param(0.45, {}, marks=pytest.mark.slow),
+        pytest.param(0.499, {"element": "quadrilateral"}, marks=pytest.mark.slow),
+    ],
+)
+def test_a_confined_layer_that_sticks_is_as_accurate_as_one_that_slides(nu, options):
+    problem = Problem(PARABOLOID, bonded(nu), Loading("radius", 2.0), True)
+    fem = FEM(**options)(problem)
+    exact = Layered()(replace(problem, loading=Loading.given("depth", fem.series.delta[-3:]))).series
+    assert np.abs(fem.series.P[-3:] / exact.P - 1).max() < 2e-4  # measured 8e-5 to 1.4e-4; 4e-3 with edges at touch
+    assert np.abs(fem.series.a[-3:] / exact.a - 1).max() < 4e-4
 
 
 @pytest.mark.slow
-def test_errors_fall_with_the_spacing_on_a_confined_layer():
-    """First order, since the modes I and II of a ring end at different places; 0.4970882 by the integral equation."""
-    errors = []
-    for spacing in (0.04, 0.02):
-        fem = FEM(spacing=spacing)(Problem(PARABOLOID, bonded(0.499), Loading("depth", 4.304897e-3), True))
-        errors.append(abs(fem.series.P[-1] / 0.4970882 - 1))
+@pytest.mark.parametrize("nu", [0.5, 0.499])
+def test_errors_fall_with_the_spacing_on_a_confined_layer(nu):
+    depth, errors = 4.304897e-3, []
+    exact = Layered()(Problem(PARABOLOID, bonded(nu), Loading.given("depth", [depth]), True)).series.P[-1]
+    for spacing in (0.08, 0.04, 0.02):
+        fem = FEM(spacing=spacing, growth=3.75 * spacing)(
+            Problem(PARABOLOID, bonded(nu), Loading("depth", depth), True)
+        )
+        errors.append(abs(fem.series.P[-1] / exact - 1))
         assert errors[-1] <= fem.budget.discretisation
-    assert errors[0] < 4e-3
-    assert errors[1] < 0.6 * errors[0]
+    assert errors[1] < 1.5e-4  # measured 9.4e-5
+    assert errors[2] < errors[0] / 16  # second order; measured 1/33
 
 
 @pytest.mark.slow
@@ -124,3 +161,25 @@ def test_cylinders_and_flat_ends_stick_too():
 def test_what_is_not_represented_is_refused(method, indenter, words):
     with pytest.raises(Refusal, match=words):
         method(Problem(indenter, bonded(0.3), Loading("radius", 1.0), True))
+
+
+def test_auxetic_bodies_take_a_mesh_that_follows_the_edge():
+    problem = Problem(PARABOLOID, bonded(-0.5), Loading("radius", 1.0), True)
+    with pytest.raises(Refusal, match=r"oscillates: give mesh.spacing = 0.06 or more or use method layered"):
+        FEM()(problem)
+    fem = FEM(spacing=0.06)(problem)
+    exact = Layered()(replace(problem, loading=Loading.given("depth", fem.series.delta[-3:]))).series
+    np.testing.assert_allclose(fem.series.P[-3:], exact.P, rtol=fem.budget.discretisation)  # 3e-4; measured 1e-4
+    with pytest.raises(Refusal, match=r"mesh.tolerance: 1e-05 is not reached"):
+        FEM(tolerance=1e-5)(problem)
+
+
+# measured 5e-6, 3e-5
+@pytest.mark.parametrize(("nu", "off"), [(0.0, 1e-5), pytest.param(0.499, 1e-4, marks=pytest.mark.slow)])
+def test_the_field_of_a_stuck_contact_carries_its_load(nu, off):
+    """At nu = 0 the edge oscillates far from it: elements are not as small there as those of other bodies."""
+    problem = Problem(PARABOLOID, bonded(nu), Loading.given("radius", [1.5]), True)
+    exact = Layered()(problem).series
+    state = contact_state(FEM(), problem, 1.5, float(exact.delta[0]))
+    assert state.P == pytest.approx(exact.P[0], rel=off)
+    assert state.lines["surface"].load == pytest.approx(state.P, rel=1e-9)

@@ -47,7 +47,10 @@ class Row:
     def line(self) -> str:
         least = min(ROUND_OFF, self.tolerance)
         off = f"{self.difference:.0e}" if self.difference > least else f"< {least:.0e}"
-        return f"| {self.what} | {self.computed:.8g} | {self.reference:.8g} | {off} | {self.tolerance:.0e} | {self.source} |"
+        return (
+            f"| {self.what} | {self.computed:.8g} | {self.reference:.8g} | {off} "
+            f"| {self.tolerance:.0e} | {self.source} |"
+        )
 
 
 # ---------------------------------------------------------------------- independent solution

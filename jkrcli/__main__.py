@@ -1,8 +1,13 @@
 """``jkr``, and ``python -m jkrcli``: Ctrl-C is minded before anything large is imported."""
 
 import gc
+import os
 
-from .base.interrupts import leave_at_once
+try:
+    from .base.interrupts import leave_at_once
+except KeyboardInterrupt:  # these milliseconds too
+    os.write(2, b"jkr: error: interrupted; nothing half-written was left\n")  # as base.interrupts says
+    os._exit(130)
 
 RARELY = (100_000, 20, 100)  # containers made between two looks for cycles; choice: saves a twentieth, costs 1 MB
 

@@ -175,7 +175,8 @@ class CostTuning:
     mib: float = 110.0  # memory of any; tuned on series of 100 rows, by `make bench`
     mib_per_row: float = 3e-3  # of curves; tuned on series of 1e6 rows, by `make bench`
     table_mib_per_row: float = 6e-3  # and of their tables; tuned on series of 1e6 rows, by `make bench`
-    fit: float = 2e-4  # CPU seconds per row of slopes that are fitted; tuned on series of 1e5 rows, by `make bench`
+    fit: float = 0.2  # CPU seconds of slopes that are fitted; tuned on noisy series of 100 rows, by `make guards`
+    fit_per_row: float = 2e-5  # and per row; tuned on noisy series of 1e5 rows, by `make guards`
     curve: float = 0.03  # CPU seconds of a curve; tuned on series of 100 rows, by `make bench`
     per_row: float = 4e-5  # and per row; tuned on series of 1e5 rows, by `make bench`
     table_per_row: float = 3e-5  # and of its table; tuned on series of 1e5 rows, by `make bench`
@@ -191,7 +192,7 @@ def forecast(
     """What the curves of a solution for ``works`` of adhesion [J/m^2] cost, with their tables and pictures or without;
     ``asked``: of finite range."""
     rows = solution.increments.a.size
-    fitted = COST.fit * rows if solution.series.S is None else 0.0
+    fitted = COST.fit + COST.fit_per_row * rows if solution.series.S is None else 0.0
     per_row, mib = COST.per_row + tables * COST.table_per_row, COST.mib_per_row + tables * COST.table_mib_per_row
     each = COST.curve + per_row * rows + figures * COST.figure
     each += _ranged(solution, works, asked) if asked else seconds_of_points(solution)

@@ -22,6 +22,8 @@ from .voice import level_options
 begin_with_one()  # the same numbers everywhere, and faster at these sizes
 os.environ["PYDANTIC_DISABLE_PLUGINS"] = "__all__"  # nothing foreign reads along, and no search for it
 
+MOST_WORDS = 100_000  # choice: of a command line; more take seconds to take apart
+
 # What numpy warns of where a result would be no number: an error here, because nothing good can follow.
 ARITHMETIC = "(overflow|divide by zero|invalid value) encountered"
 
@@ -128,6 +130,8 @@ def call(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and return its exit code."""
     try:
         words = list(sys.argv[1:] if arguments is None else arguments)
+        if len(words) > MOST_WORDS:
+            raise InputError(f"the command line holds {len(words):,} words, at most {MOST_WORDS:,} are read")
         with warnings.catch_warnings(), _interrupts_first():
             warnings.filterwarnings("error", ARITHMETIC, RuntimeWarning)
             code = jkr.main(args=words, prog_name="jkr", standalone_mode=False, obj=["jkr", *words])

@@ -15,7 +15,7 @@ from ..data import measured
 from ..methods.guards import Limits
 from ..report.explorer import page, payload, start_work
 from ..report.output import Output
-from .measured import reading_of, reading_options
+from .measured import begin_reading, reading_of, reading_options
 from .options import WorkType, limits_options, slopes_option
 from .output import ONE_FILE, answer, into_file, output_options
 from .series import begin_curves, read_series, series_file, without_range
@@ -56,6 +56,7 @@ def explore(
     target = output.file(file.parent / f"{file.stem}-explore.html", [file, *data])
     solution = read_series(file)
     without_range(solution.record, "explore")
+    begin_reading("explore", data, 0.0, limits)
     curves = [curve for path in data for curve in measured.read(path, reading_of(dict(reading)))]
     works = (work,) if work is not None else tuple(w for w in solution.record.w if w > 0)[:1]
     begin_curves("explore", [solution], [works or (1.0,)], [AskedRange()], limits)

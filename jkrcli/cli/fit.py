@@ -16,7 +16,7 @@ from ..methods.guards import Limits
 from ..report.output import PICTURES, Files, Output
 from .body import FLAGS, body_options, given_flags, tables_of
 from .fit_law import fit_law, refuse_unused
-from .measured import reading_of, reading_options
+from .measured import TUNING, begin_reading, reading_of, reading_options
 from .options import NamedType, ParamType, ScaleType, limits_options, parallel_options, slopes_option
 from .output import answer, into_folder, output_options
 from .voice import note, progress, say, warn
@@ -137,6 +137,7 @@ def fit(
         refuse_unused({**options, "bound": bound, "uncertain": uncertain})
     endings = (".csv", ".json", ".h5") if law is None else (".csv", ".json", *PICTURES)
     targets = output.files(output.folder(body_file.parent) / f"{body_file.stem}-fit", endings, inputs)
+    begin_reading("fit", paths, TUNING.fit_per_row * len(SURFACES.get(surface or "", ("",))), limits)
     reading = reading_of(options)
     options["noise"], options["contact"] = dict(options["noise"]), reading.contact
     body = _body(source, slopes, limits)

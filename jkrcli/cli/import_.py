@@ -21,6 +21,7 @@ from ..data.text_table import SEPARATORS
 from ..report.output import Output
 from ..series import Solution
 from .body import FLAGS, body_options, flag, tables_of
+from .measured import begin_reading
 from .options import KeyNumberType, KeyValueType, LengthType, ScaleType
 from .output import ONE_FILE, answer, into_file, output_options
 from .series import end_of, reached
@@ -86,6 +87,7 @@ def import_(
     target = output.series(Path(f"{table.stem}.h5"), [table, *([case] if case else [])])
     held = _case(case, body)
     reading = SeriesReading(dict(columns), dict(units), dict(factors), dict(zero), **options)
+    begin_reading("import", [table])
     solution = read_series(table, held.model.problem(), reading)
     loaded = _with_loading(held, solution)
     solution = replace(solution, record=store.record_of(loaded))

@@ -10,7 +10,7 @@ import click
 
 from ..base.errors import InputError
 from ..report.output import PICTURES, Output
-from .measured import reading_of, reading_options
+from .measured import begin_reading, reading_of, reading_options
 from .output import answer, into_folder, output_options, refuse_doubles
 from .voice import say, warn
 
@@ -45,6 +45,7 @@ def look(files: tuple[Path, ...], output: Output, **options: Any) -> None:
     refuse_doubles(stems, "give each its own -o")
     output.folder(Path())
     targets = [output.files(stem, PICTURES, files) for stem in stems]
+    begin_reading("look", files)
     told, failures = [], []
     for path, target in zip(files, targets, strict=True):
         records, unusable = _records(path, reading)

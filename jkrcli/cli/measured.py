@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import click
@@ -9,9 +13,25 @@ import click
 from ..data.measured import Reading
 from ..data.measured.text import NAMES
 from ..data.text_table import SEPARATORS
+from ..methods import Forecast
+from ..methods.guards import Limits, admit, duration
 from .options import KeyNumberType, KeyValueType, ScaleType, SensitivityType, StiffnessType
 from .output import Command
+from .voice import note
 
+
+@dataclass(frozen=True)
+class TableTuning:
+    """What tables cost, with decimal points or commas, and what verbs do with their rows."""
+
+    per_row: float = 3.5e-6  # CPU seconds to read; tuned on tables of 1e5 and 1e6 rows, by `make guards`
+    mib_per_row: float = 7e-4  # of memory; tuned on the same, by `make guards`
+    fit_per_row: float = 5e-5  # CPU seconds to fit; tuned on the same, by `make guards`
+    silence: float = 2.0  # choice: CPU seconds without a word
+
+
+TUNING = TableTuning()
+ANY = Limits(math.inf, math.inf)  # of verbs that have none
 KEYS = tuple(NAMES.quantities)
 FIELDS = (
     "columns",
@@ -67,3 +87,16 @@ def reading_of(values: dict[str, Any]) -> Reading:
     for name in ("columns", "units", "factors", "zero"):
         told[name] = dict(told[name])
     return Reading(**told | {"flip": frozenset(told["flip"])})
+
+
+def begin_reading(verb: str, paths: Sequence[Path], per_row: float = 0.0, limits: Limits = ANY) -> None:
+    """Say what it takes to read measured files, and to do what a ``verb`` does with each row, where that is much;
+    Refusal beyond the ``limits``."""
+    from ..data.measured.amount import rows_expected
+
+    rows = sum(map(rows_expected, paths))
+    cost = Forecast((TUNING.per_row + per_row) * rows, TUNING.mib_per_row * rows, 0.0)
+    what = f"{verb} of about {float(f'{rows:.1g}'):,.0f} rows"
+    said = admit(what, cost, limits, "fewer rows")
+    if cost.seconds > TUNING.silence:
+        note(said or f"{what} takes about {duration(cost.seconds)} of CPU time")

@@ -9,7 +9,7 @@ import click
 
 from ..base.errors import InputError
 from ..report.output import PICTURES, Files, Output
-from .measured import reading_of, reading_options
+from .measured import begin_reading, reading_of, reading_options
 from .options import WORKERS, ScaleType, modulus_factor_option, slopes_option
 from .output import answer, into_folder, output_options, refuse_doubles
 from .voice import progress, say, warn
@@ -74,6 +74,7 @@ def work(
     output.folder(Path())
     series = series_file(series)
     targets = [output.files(stem, (".csv", ".json", *PICTURES), (series, *measured)) for stem in stems]
+    begin_reading("work", measured)
     solution = read_series(series)
     without_range(solution.record, "work")
     unit = nonadhesive(solution, slopes)

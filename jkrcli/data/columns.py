@@ -13,6 +13,7 @@ from ..base.errors import InputError, did_you_mean
 from ..base.units import MOST
 from .text_table import TextTable, unit_power
 
+LONGEST = 200  # choice: characters of a header cell that is a name; longer ones take long to look through
 EXAMPLES = {"length": "um", "area": "um^2", "load": "mN", "time": "s"}
 
 
@@ -135,6 +136,8 @@ def words(table: TextTable, chosen: Mapping[str, int]) -> str:
 def split_name(title: str) -> tuple[str, str]:
     """Name and unit of a header cell: "P (mN)", "P [mN]", "P / mN", "P, mN", "P_mN"; "" where no unit is."""
     title = title.strip()
+    if len(title) > LONGEST:
+        return title, ""
     if match := re.match(r"(.*?)\s*(?:\[([^\]]*)\]|\(([^)]*)\))\Z", title):
         return match[1], (match[2] or match[3] or "").strip()
     if (match := re.match(r"(.+?)\s*[/,_]\s*([^/,_]+)\Z", title)) and unit_power(match[2]):

@@ -21,6 +21,7 @@ from .noisy_rows import is_noise
 from .text_table import TextTable, read_table, some
 
 LEAST_ROWS = 5  # choice: of a series
+MOST_ROWS = 100_000  # choice: as many points as a case may ask for
 UNKNOWN = Unknown("unknown: made by another program")
 NAMES = Vocabulary({  # those of Abaqus histories and CalculiX results among them
     "a": CONTACT["a"].also("a_h"),
@@ -64,6 +65,8 @@ def read_series(path: Path, problem: Problem, reading: SeriesReading) -> Solutio
     chosen = _columns(table, reading)
     values = {key: _values(table, key, index, reading) for key, index in chosen.items()}
     lines = table.lines
+    if lines.size > MOST_ROWS:
+        raise InputError(f"{path}: holds {lines.size:,} rows, at most {MOST_ROWS:,} are imported: leave some out")
     if reading.sort:
         order = np.argsort(values["delta"], kind="stable")
         values, lines = {key: column[order] for key, column in values.items()}, lines[order]

@@ -29,11 +29,12 @@ WRONG_LINES_SHOWN = 5
 MOST_BYTES = 256 << 20  # choice: of a table of numbers, ten times as much in memory
 FIRST = 2000  # choice: bytes from which the encoding is found out
 HEAD, SPREAD = 400, 200  # choice: first lines, and about as many of the rest, from which the dialect is found out
-_NUMBER = re.compile(r"[+-]?(\d+[.]?\d*|[.]\d+)([eEdD][+-]?\d+)?\Z|[+-]?(nan|inf|infinity)\Z", re.IGNORECASE)
+_NUMBER = re.compile(r"[+-]?(\d+(?:[.]\d*)?|[.]\d+)([eEdD][+-]?\d+)?\Z|[+-]?(nan|inf|infinity)\Z", re.IGNORECASE)
 _THOUSANDS = {  # by the decimal mark: a number whose digits are grouped, always by the same mark
     ".": re.compile(r"[+-]?[1-9]\d{0,2}([,'’\u00a0\u202f])\d{3}(\1\d{3})*([.]\d*)?\Z"),
     ",": re.compile(r"[+-]?[1-9]\d{0,2}([.'’\u00a0\u202f])\d{3}(\1\d{3})*(,\d*)?\Z"),
 }
+_GROUPED = re.compile(r"[1-9]\d{0,2},\d{3}\Z")
 _WORD = re.compile(r"[^\W\d]")
 
 
@@ -149,6 +150,8 @@ def read_table(
         remedy = "save the sheet as CSV" if sheet else "give the separator and the decimal mark if they are unusual"
         raise InputError(f"{path}: holds no row of at least {least} numbers; {remedy}")
     lines, values = _rows(lines_of_file, dialect, least)
+    if decimal is None:
+        _refuse_doubtful(path, [(n, line) for n, line in sample if n >= lines[0]], dialect)
     dialect = replace(dialect, text=frozenset(i for i in dialect.text if i < values.shape[1]))
     _check_rows(path, lines_of_file, dialect, lines, values, finite)
     header = [line for n, line in lines_of_file if n < lines[0]]
@@ -156,6 +159,24 @@ def read_table(
     text = _texts(lines_of_file, dialect, set(lines.tolist()))
     notes = {n: line for n, line in lines_of_file if n > lines[0] and _is_comment(line)}
     return TextTable(path, names, values, lines, dialect, text, tuple(header), notes)
+
+
+def _refuse_doubtful(path: Path, content: list[tuple[int, str]], dialect: Dialect) -> None:
+    """Refuse columns that hold both 950 and 1,000, never 1,02: the mark groups thousands, or three decimals follow."""
+    mark = dialect.decimal
+    rows = [] if dialect.thousands else [(n, dialect.cells(line)) for n, line in content if not _is_comment(line)]
+    for i in range(max((len(cells) for _, cells in rows), default=0)):
+        column = [(n, cells[i].lstrip("+-")) for n, cells in rows if len(cells) > i]
+        marked = [(n, cell) for n, cell in column if mark in cell]
+        whole = [cell for _, cell in column if mark not in cell]
+        if marked and any(len(cell) == 3 and cell.isdigit() for cell in whole) and all(
+            _GROUPED.match(cell.replace(mark, ",")) for _, cell in marked
+        ):  # fmt: skip
+            n, cell = marked[0]
+            raise InputError(
+                f'{path}: line {n}: "{cell}" stands beside "{next(c for c in whole if len(c) == 3)}": say by --decimal '
+                f"whether {mark} is the decimal mark, or the other one is and {mark} groups thousands"
+            )
 
 
 def _rows(content: list[tuple[int, str]], dialect: Dialect, least: int) -> tuple[Array, Array]:

@@ -134,6 +134,21 @@ def test_interrupts_at_forty_moments_are_one_line(folder: Path, verb: str) -> No
         check(folder, verb, moment)
 
 
+def test_an_interrupt_before_it_is_minded_is_one_line() -> None:
+    """While the module that minds it is imported itself; what comes before is Python's own start."""
+    code = """
+import importlib.abc, signal, sys
+class Interrupted(importlib.abc.MetaPathFinder):
+    def find_spec(self, name, path, target=None):
+        if name == "jkrcli.base.interrupts":
+            signal.raise_signal(signal.SIGINT)
+sys.meta_path.insert(0, Interrupted())
+import jkrcli.__main__
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (interrupts.CODE, LINE)
+
+
 def test_an_interrupt_within_an_import_waits_for_its_end() -> None:
     """A compiled module makes an ImportError of it: half a library would be missing, and a traceback printed."""
     code = """

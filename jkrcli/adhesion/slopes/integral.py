@@ -36,6 +36,7 @@ class IntegralTuning:
     """The rounds of the rule "integral"."""
 
     fewest: int = 5  # points; theory: two power laws have four parameters
+    decades: float = 12.0  # of a - a0; choice: the grid grows with them, a series over more has a radius out of place
     intervals: int = 24  # of the splines, twice as many if need be; tuned on noisy series, by `make tuning`
     most_bins: int = 400  # of points; choice: more points are fitted no better
     stiff: float = 1e-2  # penalty of the first fit over what the data weigh; tuned on the same, by `make tuning`
@@ -184,7 +185,19 @@ def _prepare(a: Array, delta: Array, P: Array, errors: Mapping[str, Array], a0: 
         columns = (("a", a), ("delta", delta), ("P", P))
         given = np.stack([(np.asarray(errors.get(name, 0 * v)) / v / TWO_SIDED_90) ** 2 for name, v in columns])
     y = a - a0
+    _refuse_span(a, y)
     return _Data(np.log(y / np.max(y)), a / y, np.log(delta / np.max(delta)), np.log(P / np.max(P)), given)
+
+
+def _refuse_span(a: Array, y: Array) -> None:
+    """Refuse radii over more decades than a series has, by the one that lies farthest off."""
+    logs = np.log10(y)
+    if np.ptp(logs) > TUNING.decades:
+        i = int(np.argmax(np.abs(logs - np.median(logs))))
+        raise InputError(
+            f"slopes 'integral': point {i + 1} has a = {a[i]:g} m, radii beyond the flat end differ by "
+            f"{np.ptp(logs):.0f} decades, at most {TUNING.decades:g} are fitted: drop it"
+        )
 
 
 class _Task:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import zipfile
 import zlib
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
@@ -32,13 +33,13 @@ class Tables:
     def __iter__(self) -> Iterator[tuple[str, bytes]]:
         stems = [PurePosixPath(name).stem for name in self.names]
         unique = len(set(stems)) == len(stems)
-        for member, stem in zip(self.names, stems, strict=True):
-            try:
-                with zipfile.ZipFile(self.path) as file:
+        with zipfile.ZipFile(self.path) as file:
+            for member, stem in zip(self.names, stems, strict=True):
+                try:
                     content = file.read(member)
-            except (OSError, RuntimeError, NotImplementedError, EOFError, zipfile.BadZipFile, zlib.error) as error:
-                raise InputError(f"{self.path}: {member} cannot be unpacked ({first_line(error)})") from None
-            yield stem if unique else str(PurePosixPath(member).with_suffix("")), content
+                except (OSError, RuntimeError, NotImplementedError, EOFError, zipfile.BadZipFile, zlib.error) as error:
+                    raise InputError(f"{self.path}: {member} cannot be unpacked ({first_line(error)})") from None
+                yield stem if unique else str(PurePosixPath(member).with_suffix("")), content
 
 
 def tables(path: Path) -> Tables:
@@ -54,7 +55,11 @@ def tables(path: Path) -> Tables:
     size = sum(item.file_size for item in members)
     if size > MOST:
         raise InputError(f"{path}: its tables unpack to {size >> 20} MiB, at most {MOST >> 20} MiB are read")
-    return Tables(path, [item.filename for item in members])
+    names = [item.filename for item in members]
+    name, times = Counter(names).most_common(1)[0]
+    if times > 1:
+        raise InputError(f"{path}: holds {name} {times} times")
+    return Tables(path, names)
 
 
 def _is_table(name: str) -> bool:

@@ -19,6 +19,7 @@ DIRECTIONS = {
     **dict.fromkeys(("extend", "extension", "approach", "trace", "forward", "advance", "ex", "ext"), APPROACH),
     **dict.fromkeys(("retract", "retraction", "withdraw", "retrace", "backward", "rt", "ret"), RETRACT),
 }
+LONGEST = 200  # choice: characters of a line that names a constant; longer ones take long to look through
 SPRING = ("k", "spring constant", "force constant", "cantilever stiffness", "springconstant", "federkonstante")
 SENSITIVITY = ("sensitivity", "deflection sensitivity", "invols", "defl sens")
 
@@ -125,7 +126,10 @@ def _direction(title: str) -> tuple[str | None, str]:
 def constants(head: tuple[str, ...]) -> Mapping[str, float]:
     """Spring constant "stiffness" [N/m] and "sensitivity" [m/V] that the head of a file names; 1 stands for unknown."""
     found: dict[str, float] = {}
-    for line in head:
+    for whole in head:
+        line = re.sub(r"\s+", lambda blank: "\t" if "\t" in blank[0] else " ", whole)
+        if len(line) > LONGEST:
+            continue
         if match := re.match(r"\W*(springConstant|sensitivity)\s*:\s*([-+.\deE]+)\s*\Z", line):  # of JPK, always SI
             line = f"{match[1]}: {match[2]} {'N/m' if match[1] == 'springConstant' else 'm/V'}"
         match = re.match(r'[\W_]*(.*?)\s*[,:=\t;]?\s*[\[(]?([a-zµμ]*[NmV]/[a-zµμ]*[mV])[\])]?[\s:=;,"]+(\S+)', line)

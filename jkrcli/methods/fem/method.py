@@ -142,6 +142,8 @@ class ForecastTuning:
     start: float = 0.03  # CPU seconds of any model; tuned on the cases of `make bench`, by `make bench`
     per_unknown: float = 2.5e-5  # and per unknown of a small one; tuned on the same, by `make bench`
     large: float = 1e5  # unknowns, from which they grow like the power 3/2; tuned on the same, by `make bench`
+    per_row: float = 1.5e-4  # and per depth, load or radius that is asked for; tuned on lists of 1e5, by `make guards`
+    mib_per_row: float = 8e-3  # memory of one; tuned on the same, by `make guards`
     mib: float = 100.0  # memory of any model; tuned on the same, by `make bench`
     mib_per_unknown: float = 5e-3  # tuned on the same, by `make bench`
     load: float = 3e-4  # error of the default spacing, second order; tuned on the bodies of `make chart`, by it
@@ -162,7 +164,9 @@ def _forecast(options: FEMOptions, problem: Problem, layout: Layout) -> Forecast
     if elsewhere:  # the edge correction needs a mesh of its own
         half_space = half_space_like(layout.body, layout.law.reach * layout.unit)
         seconds += _seconds(options, layout.on(half_space).expected_cells() * per_cell)
-    memory = TUNING.mib + cells * per_cell * TUNING.mib_per_unknown
+    rows = len(problem.loading.values)
+    seconds += TUNING.per_row * rows
+    memory = TUNING.mib + cells * per_cell * TUNING.mib_per_unknown + TUNING.mib_per_row * rows
     note = f"about {float(f'{cells:.2g}'):.0f} elements"
     return Forecast(seconds, memory, _error(options, layout, elsewhere), note)
 

@@ -1,0 +1,27 @@
+"""How much measured files hold, told from their size and first lines before they are read."""
+
+from __future__ import annotations
+
+import zipfile
+from pathlib import Path
+
+from ...base.errors import InputError
+from .archive import tables
+
+FIRST = 1 << 16  # choice: bytes from which the length of a row is told
+EACH = 400  # choice: rows that a table of an archive costs beside its own
+USUAL = 40.0  # choice: bytes of a row where its length is not told so: of archives and files of microscopes
+
+
+def rows_expected(path: Path) -> float:
+    """About how many rows the file at ``path`` holds; 0 where it cannot be read, which its reader says."""
+    try:
+        if path.suffix.lower() == ".zip":
+            inside = tables(path)
+            with zipfile.ZipFile(path) as file:
+                return sum(file.getinfo(name).file_size / USUAL + EACH for name in inside.names)
+        with path.open("rb") as file:
+            first = file.read(FIRST)
+        return path.stat().st_size * (first.count(b"\n") / max(len(first), 1) or 1 / USUAL)
+    except (InputError, OSError, ValueError, zipfile.BadZipFile):
+        return 0.0

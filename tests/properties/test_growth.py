@@ -1,0 +1,177 @@
+"""What grows with an input that others wrote: announced or refused before it is begun, and read in linear time."""
+
+from __future__ import annotations
+
+import re
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+from stopwatch import takes_less_than
+
+from jkrcli.adhesion.slopes.choice import smoothed
+from jkrcli.base.errors import InputError
+from jkrcli.case import parse_case
+from jkrcli.cli import MOST_WORDS
+from jkrcli.cli.measured import TUNING
+from jkrcli.data import foreign, measured
+from jkrcli.data.measured.amount import rows_expected
+from jkrcli.methods.fem.method import FEM
+from jkrcli.series import RawSeries
+
+ROWS = "".join(f"{i}e-6\t{i * i}e-6\n" for i in range(1, 31))
+HALF_SPACE = """
+method = "{method}"
+indenter = {{ shape = "paraboloid", radius = "1 mm" }}
+specimen.half_space = {{ E = "1 MPa", nu = 0.3 }}
+loading = {{ {loading} }}
+adhesion.w = 0.05
+"""
+
+
+def problem(loading: str, method: str = "closed-form"):
+    return parse_case(HALF_SPACE.format(method=method, loading=loading).encode(), "x").model.problem()
+
+
+# ---------------------------------------------------------------------- announced or refused
+def test_a_long_command_line_is_refused_before_it_is_taken_apart(jkr) -> None:
+    with takes_less_than(1):
+        done = jkr("transform", "s.h5", *["--w", "1"] * (MOST_WORDS // 2))
+    assert done.code == 2
+    assert done.err == "jkr: error: the command line holds 100,002 words, at most 100,000 are read\n"
+
+
+@pytest.mark.parametrize(("verb", "seconds"), [(("look",), "3.5 s"), (("fit", "s.toml"), "53 s")], ids=str)
+def test_long_tables_are_announced_before_they_are_read(
+    jkr, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, verb: tuple[str, ...], seconds: str
+) -> None:
+    def reading(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("jkrcli.data.measured.each", reading)
+    monkeypatch.setattr("jkrcli.cli.fit._body", reading)
+    Path("s.toml").write_text(HALF_SPACE.format(method="closed-form", loading='radius = "0.1 mm"'))
+    Path("long.csv").write_text("delta_m,P_N\n" + "1e-6,12345e-6\n" * 1_000_000)
+    done = jkr(*verb, "long.csv")
+    assert done.code == 130
+    assert done.err.startswith(f"jkr: {verb[0]} of about 1,000,000 rows ")
+    assert f" {seconds} of CPU time\n" in done.err
+
+
+def test_a_fit_beyond_its_time_is_refused_before_its_tables_are_read(jkr, tmp_path: Path) -> None:
+    Path("s.toml").write_text(HALF_SPACE.format(method="closed-form", loading='radius = "0.1 mm"'))
+    Path("long.csv").write_text("delta_m,P_N\n" + "1e-6,12345e-6\n" * 1_000_000)
+    done = jkr("fit", "s.toml", "long.csv", "--limit-time", "0.01")
+    assert done.code == 2
+    assert "the limit is 0.01 h: ask for fewer rows, or raise the limit by --limit-time 0.019" in done.err
+
+
+def test_rows_are_told_from_size_and_first_lines(tmp_path: Path) -> None:
+    (tmp_path / "x.csv").write_text("delta_m,P_N\n" + "1e-6,12345e-6\n" * 10_000)
+    assert rows_expected(tmp_path / "x.csv") == pytest.approx(10_000, rel=1e-3)
+    (tmp_path / "utf16.csv").write_text("delta_m,P_N\n" + "1e-6,12345e-6\n" * 10_000, encoding="utf-16")
+    assert rows_expected(tmp_path / "utf16.csv") == pytest.approx(10_000, rel=1e-3)
+    with zipfile.ZipFile(tmp_path / "x.zip", "w", zipfile.ZIP_DEFLATED) as file:
+        file.write(tmp_path / "x.csv", "x.csv")
+    assert 1 / 3 < rows_expected(tmp_path / "x.zip") / 10_000 < 3
+    assert rows_expected(tmp_path / "none.csv") == 0
+    assert TUNING.per_row * 10_000 < TUNING.silence
+
+
+def test_lists_of_loads_count_in_the_forecast_of_elements() -> None:
+    """1e5 of them took 17 s and were forecast as 0.7."""
+    some, many = (
+        FEM().forecast(problem(f"radius = {np.linspace(1e-6, 1e-4, count).tolist()}", "fem")).seconds
+        for count in (10, 10_000)
+    )
+    assert 0.8 < many - some < 3
+
+
+def test_an_import_of_more_rows_than_a_case_can_name_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It ended in a traceback."""
+    with pytest.raises(InputError):
+        problem(f'radius = "0.1 mm", points = {foreign.MOST_ROWS + 1}')
+    monkeypatch.setattr(foreign, "MOST_ROWS", 100)
+    a = np.linspace(1e-5, 9e-5, 101)
+    table = np.column_stack([a, a**2 / 1e-3, a**3])
+    np.savetxt(tmp_path / "h.csv", table, delimiter=",", header="a_m,delta_m,P_N", comments="")
+    with pytest.raises(InputError, match=r"holds 101 rows, at most 100 are imported: leave some out"):
+        foreign.read_series(tmp_path / "h.csv", problem('radius = "0.1 mm"'), foreign.SeriesReading())
+
+
+@pytest.mark.parametrize("wrong", [1e-30, 1e30])
+def test_a_radius_out_of_all_range_is_named_rather_than_fitted(wrong: float) -> None:
+    """The grid of the fit grows with the decades between radii: it took 10 s."""
+    a = np.linspace(1e-6, 2e-5, 20)
+    delta, P = a**2, a**3
+    a[8] = wrong
+    with pytest.raises(InputError, match=rf"point 9 has a = {re.escape(f'{wrong:g}')} m, radii .* decades, at most 12"):
+        smoothed(RawSeries(a, delta, P, np.arange(1, 21)))
+
+
+# ---------------------------------------------------------------------- read in linear time
+@pytest.mark.parametrize("line", [
+    "k" + " " * 30_000 + "x", "-" * 30_000, "(" * 30_000 + "N/m", "a" + "\t" * 30_000 + "b", "m" * 30_000,
+    "_" * 30_000, ":" * 30_000, "N/" * 15_000, "1" * 30_000 + "x",
+], ids=["blanks", "dashes", "brackets", "tabs", "letters", "underscores", "colons", "units", "digits"])  # fmt: skip
+def test_long_lines_before_the_numbers_are_read_at_once(tmp_path: Path, line: str) -> None:
+    """Patterns that backtrack took minutes of each of them."""
+    (tmp_path / "head.txt").write_text(f"{line}\ndelta_m\tP_N\n{ROWS}")
+    (tmp_path / "title.txt").write_text(f"delta_m\tP_N\t{line.strip()}\n" + ROWS.replace("\n", "\t1\n"))
+    with takes_less_than(1):
+        assert len(measured.read(tmp_path / "head.txt")[0]) == 30
+        if "\t" not in line:
+            assert len(measured.read(tmp_path / "title.txt")[0]) == 30
+
+
+def test_archives_of_many_tables_are_opened_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Their list of members was read again for each of them: hours for 20,000."""
+    with zipfile.ZipFile(tmp_path / "many.zip", "w") as file:
+        for i in range(20):
+            file.writestr(f"{i}.csv", f"delta_m\tP_N\n{ROWS}")
+    opened = []
+    whole = zipfile.ZipFile.__init__
+
+    def counted(self: zipfile.ZipFile, *words: object, **options: object) -> None:
+        opened.append(words)
+        whole(self, *words, **options)
+
+    monkeypatch.setattr(zipfile.ZipFile, "__init__", counted)
+    assert len(measured.read(tmp_path / "many.zip")) == 20
+    assert len(opened) == 2
+
+
+def test_an_archive_with_a_name_twice_is_refused(tmp_path: Path) -> None:
+    """The last of them was read as both."""
+    with zipfile.ZipFile(tmp_path / "x.zip", "w") as file:
+        file.writestr("a.csv", f"delta_m\tP_N\n{ROWS}")
+        with pytest.warns(UserWarning, match="Duplicate name"):
+            file.writestr("a.csv", f"delta_m\tP_N\n{ROWS}".replace("e-6", "e-7"))
+    with pytest.raises(InputError, match=r"x\.zip: holds a\.csv 2 times"):
+        measured.read(tmp_path / "x.zip")
+
+
+# ---------------------------------------------------------------------- a mark that may be two things
+@pytest.mark.parametrize(("mark", "other"), [(",", "."), (".", ",")])
+def test_a_column_that_passes_a_thousand_is_not_read_as_falling_to_one(tmp_path: Path, mark: str, other: str) -> None:
+    """990, 1,000: a thousandth of the size without a word."""
+    rows = [f"{i:,}\t{2 * i:,}" for i in range(900, 1400, 10)]
+    path = tmp_path / "x.txt"
+    path.write_text("\n".join(["delta [nm]\tP [nN]", *rows]).replace(",", mark) + "\n")
+    with pytest.raises(InputError, match=rf'line 12: "1\{mark}000" stands beside "900": say by --decimal whether'):
+        measured.read(path)
+    grouped, plain = (measured.read(path, measured.Reading(decimal=one))[0].delta for one in (other, mark))
+    assert grouped is not None
+    assert plain is not None
+    assert grouped[[0, -1]] == pytest.approx([900e-9, 1390e-9])
+    assert plain[[0, -1]] == pytest.approx([900e-9, 1.39e-9])
+
+
+@pytest.mark.parametrize("cells", [("900", "1.02"), ("0", "1.125"), ("900.5", "1.125")])
+def test_other_whole_and_broken_numbers_are_read_as_they_stand(tmp_path: Path, cells: tuple[str, str]) -> None:
+    path = tmp_path / "x.txt"
+    path.write_text("delta [nm]\tP [nN]\n" + "\n".join(f"{cell}\t{i}" for i in range(10) for cell in cells) + "\n")
+    assert measured.read(path)[0].delta[:2] == pytest.approx([float(cell) * 1e-9 for cell in cells])

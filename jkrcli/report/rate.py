@@ -132,14 +132,14 @@ def through_summary(found: LawThrough | Unknown | None) -> dict[str, Any] | None
 
 
 def through_words(found: LawThrough | Unknown) -> str:
-    """The same in a line."""
+    """The same in a line; a law of which nothing is told is none."""
     if isinstance(found, Unknown):
         return f"no law over speed: {found.reason}"
-    told = {
-        name: "not told" if error is None or error > VAGUE else f"± {100 * error:.2g} %"
-        for name, error in found.errors.items()
-    }
-    errors = ", ".join(f"{name} {word}" for name, word in told.items())
     low, high = (show(v, "speed", 3) for v in found.speeds)
+    known = {name: error for name, error in found.errors.items() if error is not None and error <= VAGUE}
+    if not known:
+        return f"no law over speed: {low} to {high} tell none of {', '.join(found.names)}"
+    told = {name: f"± {100 * known[name]:.2g} %" if name in known else "not told" for name in found.names}
+    errors = ", ".join(f"{name} {word}" for name, word in told.items())
     doubt = "; less than a decade of speeds, or none of its exponents, tells v0 and n apart" if found.narrow else ""
     return f"w0 = {show(found.w0, 'work')}, {law_words(found.law)} ({errors}) between {low} and {high}{doubt}"

@@ -34,7 +34,7 @@ from jkrcli.data.measured import Curve
 from jkrcli.identification.fit import FittedBody, Parameter, fit
 from jkrcli.identification.fit.model import Drift, Readings
 from jkrcli.identification.fit.result import Fit
-from jkrcli.identification.fit.rivals import RANGE
+from jkrcli.identification.fit.rivals import RANGE, Rival
 from jkrcli.methods.closed_form.method import ClosedForm
 
 SEEDS = [8, pytest.param(100, marks=pytest.mark.slow)]
@@ -196,3 +196,9 @@ def test_rungs_are_near_the_fits_with_their_range() -> None:
     there = fit(sphere_of_more(), curve, settings)
     move = found.value("w") - there.value("w")
     assert found.estimate("w").model[RANGE] == pytest.approx(move, rel=0.05)  # 0.01 measured
+
+
+def test_a_change_that_the_first_order_does_not_know_is_no_number() -> None:
+    assert Rival("w", 0.3, {}).words == "a change of w along the record by +30%"
+    assert Rival("w", -53.5, {}).words == "a change of w along the record by more than -70%"
+    assert Rival("modulus", 9.0, {}).words == "a change of E* along the record by more than +120%"

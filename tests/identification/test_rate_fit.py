@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -26,6 +27,7 @@ from jkrcli.identification.rate.record import rate_record
 from jkrcli.identification.rate.through import LawThrough, law_along, law_through
 from jkrcli.identification.work import work_along
 from jkrcli.methods.layered.layered import Layered
+from jkrcli.report.rate import through_words
 
 RIGID = math.inf
 SPEEDS = (1e-6, 3e-6, 1e-5, 3e-5)
@@ -255,3 +257,10 @@ def test_without_a_time_there_is_no_law() -> None:
     _, _, P, a, _ = clean("gel", 1e-5, 400)
     rows = a > 1e-4
     assert law_along([work_along(Nonadhesive(held.series, held.slopes), Curve("r", a=a[rows], P=P[rows]))]) is None
+
+
+def test_a_law_of_which_nothing_is_told_is_none() -> None:
+    law = LawThrough(PowerRate(4e-12, 0.1), 0.007, ("w0", "v0", "n"), np.diag([9.0, 16.0, 4.0]), (1.8e-5, 2e-5), 9)
+    assert through_words(law) == "no law over speed: 18 um/s to 20 um/s tell none of w0, v0, n"
+    known = replace(law, inner=np.diag([0.01, 16.0, 4.0]))
+    assert "(w0 ± 10 %, v0 not told, n not told)" in through_words(known)

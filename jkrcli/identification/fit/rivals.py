@@ -55,6 +55,12 @@ class Rival:
     change: float
     moves: Mapping[str, float]
 
+    @property
+    def words(self) -> str:
+        """The change with its size, which is of first order and no number where it is beyond ``TUNING``'s guards."""
+        held = min(max(self.change, TUNING.least), TUNING.most)
+        return f"{RIVALS[self.name][0]} by {'' if held == self.change else 'more than '}{held:+.0%}"
+
 
 @dataclass(frozen=True, eq=False)
 class Rivals:
@@ -72,7 +78,7 @@ class Rivals:
     def warnings(self) -> Iterator[str]:
         """A sentence where the data tell a rival from the model."""
         if self.told:
-            parts = " or ".join(f"{RIVALS[rival.name][0]} by {rival.change:+.0%}" for rival in self.found)
+            parts = " or ".join(rival.words for rival in self.found)
             yield (
                 f"the data speak against this model (by chance: {self.chance:.1g}) and for {parts} with the contact "
                 "radius: other bodies (a layer, a base), or adhesion that depends on speed or has a range; the "

@@ -36,7 +36,7 @@ GROUPS = {
         "mesh": "Write and draw the finite-element mesh of a case.",
     },
     "An adhesive curve": {
-        "transform": "Turn series files into adhesive (JKR) curves: CSV, JSON, plots.",
+        "transform": "Turn cases or series files into adhesive (JKR) curves: CSV, JSON, plots.",
         "pull-off": "Where contact is lost, by load, displacement or a spring; w from a measured pull-off.",
         "cycle": "The approach-retract trace that a device of given stiffness records.",
         "profile": "Contact pressure, surface shape and gap at one state.",
@@ -102,12 +102,14 @@ class Verbs(click.Group):
 @click.group(cls=Verbs, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
 @click.version_option(__version__, prog_name="jkr")
 def jkr() -> None:
-    """Adhesive (JKR) contact of axisymmetric bodies: from a case file to the adhesive curve.
+    """Adhesive (JKR) contact of axisymmetric bodies: from a case file to the adhesive curve, from a measured curve to
+    E* and w.
 
     \b
-    jkr new my.toml                 a commented case file to edit
-    jkr run my.toml                 solve it: my.h5
-    jkr transform my.h5 --w 0.05    adhesive curve for w = 0.05 J/m^2: CSV, JSON, plots
+    jkr new my.toml                               a commented case file to edit
+    jkr transform my.toml --w "50 mJ/m^2"         its adhesive curve: CSV, JSON, plots
+    jkr pull-off my.toml --load "12 uN"           the work of adhesion that a pull-off force means
+    jkr fit curve.csv --radius "5 um" --nu 0.5    E* and w of a measured force curve
 
     Exit codes: 0 done, 2 bad input, 130 interrupted (Ctrl-C), 1 anything else.
     """

@@ -60,7 +60,8 @@ def cycle(
     limits: Limits,
     output: Output,
 ) -> None:
-    """Trace what a device records that presses the bodies of a series FILE together and pulls them apart again.
+    """Trace what a device records that presses the bodies of FILE, a case or a series, together and pulls them apart
+    again.
 
     JKR forces have no range: contact jumps in where the undeformed gap closes (delta = 0) and out where
     d(delta + P/stiffness)/da = 0. A rigid device is displacement control. With --rate over time: the edge recedes as

@@ -40,7 +40,8 @@ def explore(
     output: Output,
     **reading: Any,
 ) -> None:
-    """Make one self-contained page with sliders from a series FILE, with measured DATA (CSV) drawn over the curve.
+    """Make one self-contained page with sliders from FILE, a case or a series, with measured DATA (CSV) drawn over the
+    curve.
 
     It works from disk without a network: sliders and number fields for the work of adhesion, a factor to all moduli,
     the machine's stiffness and the data's zero point; stable and unstable branches, pull-off, the commands that give

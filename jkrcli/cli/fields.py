@@ -42,7 +42,8 @@ def fields(
     component: str,
     output: Output,
 ) -> None:
-    """Displacement and stress in the body of a series FILE at one state of adhesive contact, by finite elements.
+    """Displacement and stress in the body of FILE, a case or a series, at one state of adhesive contact, by finite
+    elements.
 
     The field of the nonadhesive contact and of the flat punch of the same radius, superposed, on a mesh graded towards
     the contact's edge, whatever method wrote the series. Writes <stem>-fields.vtu (ParaView), .csv (tractions on the

@@ -21,10 +21,10 @@ def new(file: Path, force: bool) -> None:
     """Write a commented case to FILE, ready to edit and run.
 
     \b
-    jkr new my.toml && jkr run my.toml && jkr transform my.h5
+    jkr new my.toml && jkr check my.toml && jkr transform my.toml
     """
     if file.exists() and not force:
         raise InputError(f"{file}: exists; give --force to replace it, or another name")
     check_target(file, force=True)
     write_text(file, TEMPLATE)
-    say(f"written {file}; next: jkr run {file}")
+    say(f"written {file}; next: edit it, jkr check {file}")

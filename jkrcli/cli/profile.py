@@ -46,7 +46,8 @@ def profile(
     limits: Limits,
     output: Output,
 ) -> None:
-    """Pressure p(r) inside and surface displacement and gap around the contact of a series FILE, at one state.
+    """Pressure p(r) inside and surface displacement and gap around the contact of FILE, a case or a series, at one
+    state.
 
     The state is solved exactly on the laterally unbounded body of the file's case, whatever method wrote the series.
     Of surfaces that stick it is solved by finite elements, with a column for the shear. With --stress or --range the

@@ -100,7 +100,8 @@ def pull_off(
     limits: Limits,
     as_json: bool,
 ) -> None:
-    """Say where each series FILE's contact is lost: under load control, displacement control, devices of a stiffness.
+    """Say where contact is lost in each FILE, a case or a series: under load control, displacement control, devices of
+    a stiffness.
 
     For each work of adhesion and control: pull-off, jump-in at first touch, every other critical point, energy lost
     per approach-retract cycle and work of separation. With --load the other way round: the work of adhesion that a

@@ -58,7 +58,7 @@ def transform(
     limits: Limits,
     output: Output,
 ) -> None:
-    """Apply the explicit JKR transformation (Eq. 13) to each FILE for each work of adhesion.
+    """Apply the explicit JKR transformation (Eq. 13) to each FILE, a case or a series, for each work of adhesion.
 
     With --stress or --range adhesion of finite range is solved for in its place (a constant tension up to a separation,
     Maugis 1992), on any body but those of finite elements. Writes <stem>-w<J/m^2>.csv, .json, .png and .svg;

@@ -70,6 +70,8 @@ def _draw(axes: Axes, panel: Panel, letter: str) -> None:
         axes.minorticks_off()
     if "y" in panel.logs:
         axes.set_yscale("log")
+    else:
+        axes.ticklabel_format(axis="y", useOffset=False)  # 1.1998, not -2e-4 + 1.2
     if not panel.logs:
         axes.axvline(0, color="0.7", lw=0.6)
         axes.axhline(0, color="0.7", lw=0.6)

@@ -117,7 +117,10 @@ def test_what_is_wrong_is_named() -> None:
 def test_what_is_no_force_curve_is_refused_in_one_line() -> None:
     with pytest.raises(InputError) as caught:
         examine(Curve("c", a=np.arange(30.0), P=np.arange(30.0)))
-    assert str(caught.value) == "c: a force curve needs displacement and load, it holds a, P"
+    told = (
+        "c: a force curve needs displacement and load, it holds a, P; jkr fit reads contact radius and load as they are"
+    )
+    assert str(caught.value) == told
     with pytest.raises(InputError) as caught:
         examine(Curve("c", delta=np.arange(5.0), P=np.arange(5.0)))
     assert str(caught.value) == "c: holds 5 rows, at least 20 are needed to look at"

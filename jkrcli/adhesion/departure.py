@@ -3,7 +3,8 @@
 Whatever is smooth passes for a body: a drift of the load by a few per cent changes S and S' smoothly. Only the bodies
 themselves tell. The logs of delta and P over those of their own solution at the same radii, the modulus left free, are
 compared with a parabola in the order of recording: generalised least squares with the scatter of a, delta and P as the
-residuals have it (``slopes/scatter.py``), AR(1) along the rows, and an F test of what the parabola adds.
+residuals have it (``slopes/scatter.py``), AR(1) along the rows, and an F test of what the parabola adds. A second one
+asks for a straight line in the load alone, the likeliest drift, which one number tells from noise earlier than five.
 """
 
 from __future__ import annotations
@@ -30,6 +31,7 @@ class DepartureTuning:
     fewest: int = 8  # choice: points; the parabolas take six numbers
     radii: int = 60  # choice: of the bodies' own solution, in equal steps of log a
     chance: float = 2e-3  # probability that independent noise shows as much; choice: rare
+    of_line: float = 2e-2  # that it shows as straight a line in the load; tuned on drifts, by `make noise-study`
     least: float = 5e-3  # choice: of delta or P; meshes of finite elements leave as much
     floor: float = 1e-14  # theory: variance below which nothing can be told of the scatter
     longest: float = 0.99  # choice: correlation of neighbours; more is drift itself
@@ -82,17 +84,25 @@ def _judged(gap: Array, rates: Array, x: Array) -> tuple[str, ...]:
     white, basis = (np.einsum("ijn,...jn->...in", whiten, values) for values in (gap, columns))
     rho = _correlation(np.einsum("ijn,jn->in", whiten, gap - smooth))
     target, design = _independent(white, rho).ravel(), _independent(basis, rho).reshape(6, -1)
-    full, few = _least(design, target), _least(design[3:4], target)
+    full, line, few = (_least(design[rows], target) for rows in (slice(0, 6), slice(3, 5), slice(3, 4)))
     free = target.size - 6
-    chance = float(fdtrc(5, free, (few - full) / 5 / max(full / free, 1e-300)))
-    coefficients = np.linalg.lstsq(design.T, target, rcond=None)[0]
-    departs = {"displacement": coefficients[:3] @ powers, "load": coefficients[3:] @ powers}
+    chance, of_line = (
+        float(fdtrc(more, free, (few - left) / more / max(full / free, 1e-300)))
+        for more, left in ((5, full), (1, line))
+    )
+    if chance <= TUNING.chance:
+        coefficients = np.linalg.lstsq(design.T, target, rcond=None)[0]
+        displacement, load = coefficients[:3] @ powers, coefficients[3:] @ powers
+    elif of_line <= TUNING.of_line:
+        displacement, load = np.zeros(n), np.linalg.lstsq(design[3:5].T, target, rcond=None)[0] @ powers[:2]
+    else:
+        return ()
     spans = {
-        "displacement": float(departs["displacement"][np.argmax(np.abs(departs["displacement"]))]),
-        "load": float(np.ptp(departs["load"]) * np.sign(departs["load"][-1] - departs["load"][0])),
+        "displacement": float(displacement[np.argmax(np.abs(displacement))]),
+        "load": float(np.ptp(load) * np.sign(load[-1] - load[0])),
     }
     name = max(spans, key=lambda key: abs(spans[key]))
-    if chance > TUNING.chance or abs(spans[name]) < TUNING.least:
+    if abs(spans[name]) < TUNING.least:
         return ()
     how = "drifts from" if name == "load" else "departs from"
     return (

@@ -55,10 +55,13 @@ GOOD = {  # values of options, by the name of their type
     "LOAD": ("-50 uN", "0.1 mN", "1 N"), "FACTOR": ("2", "1e-3"), "KEY=NAME": ("P=2", "a=a_m", "t=4"),
     "KEY=UNIT": ("P=mN", "a=um", "t=ms"), "KEY=NUMBER": ("P=180", "delta=-1"),
     "KEY=VALUE": ('a="1 um"', "delta=1 um", "P=1 uN", "delta=1 nm"),
-    "NAME=VALUE": ("w=50 mJ/m^2", "load=5%", "R=1%", "w=1 mJ/m^2..1 J/m^2", "range=1 nm..1 um", "delta0=0", "E:skin=5%", "nu=0.01"),
+    "NAME=VALUE": ("w=50 mJ/m^2", "load=5%", "R=1%", "w=1 mJ/m^2..1 J/m^2", "range=1 nm..1 um", "delta0=0",
+    "E:skin=5%", "nu=0.01"),
     "KEY=VALUE,...": ("v0=1 um/s,n=0.6", "law=log,v0=1 um/s,b=5 mJ/m^2", "n=0.6", "v0=1 um/s,n=-1"),
-    "NAME,...": ("w", "P0,compliance", "E:skin", "w0,v0,n", "range", "stress"), "text": ("1 mm", "10 um/s", "2 s", "0.3", "retract"),
-    "SENSITIVITY": ("50 nm/V",), "float": ("0.3", "0.5", "1"), "float range": ("0.3", "0.01"), "integer": ("3", "11"), "integer range": ("2", "30"),
+    "NAME,...": ("w", "P0,compliance", "E:skin", "w0,v0,n", "range", "stress"), "text": ("1 mm", "10 um/s", "2 s",
+    "0.3", "retract"),
+    "SENSITIVITY": ("50 nm/V",), "float": ("0.3", "0.5", "1"), "float range": ("0.3", "0.01"), "integer": ("3", "11"),
+    "integer range": ("2", "30"),
     "path": ("made.h5", "made.png", "p.csv"), "directory": ("made", ".", "no/where"),
 }  # fmt: skip
 TEXTS = [word for word in NASTY if isinstance(word, str)]

@@ -43,7 +43,9 @@ def _verdict(sliding: Fit, sticking: Fit) -> str:
     """What residuals of the same rows say; where those of the better fit follow their neighbours they count as
     fewer."""
     first, second = (_spread(item) for item in (sliding, sticking))
-    told = f"scatter {sliding.scatter:.3g} and {sticking.scatter:.3g}"
+    name = list(sliding.scales)[-1]
+    spreads = (show(spread, "load" if name == "P" else "length", 3) for spread in (first, second))
+    told = f"scatter {' and '.join(spreads)} in {name}"
     if sliding.rows.size != sticking.rows.size or not (first > 0 and second > 0):
         return f"the data do not compare them ({told})"
     better = sliding if first < second else sticking

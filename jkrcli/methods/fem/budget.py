@@ -68,7 +68,7 @@ def assessed(
     judged_from = float(delta[judged][0])
     if isinstance(radius, Unknown) or isinstance(truncation, Unknown):
         return Assessment(budget, judged_from)
-    errors = {"P": load + truncation, "a": radius} | _slopes(run, coarse, radii)
+    errors = {"P": load + truncation, "a": radius} | _slopes(run, coarse, radii, radius)
     return Assessment(budget, judged_from, errors)
 
 
@@ -142,15 +142,16 @@ def _radius_at(events: Events, delta: Array) -> Array:
     return power_interpolated(events.delta, events.a, delta)
 
 
-def _slopes(run: Run, coarse: MeshLevel, caution: float) -> dict[str, Array]:
-    """Relative errors of S and dS: what larger elements change at equal radius, which is most that of the radius; empty
-    where either level has none."""
+def _slopes(run: Run, coarse: MeshLevel, caution: float, radius: Array) -> dict[str, Array]:
+    """Relative errors of S and dS: what larger elements change at equal radius, which is most that of the radius, and
+    of S what the error of the ``radius`` makes of it, as meshes agree by accident; empty where either level has none.
+    """
     a, delta, _ = run.columns
     ours, theirs = run.level.slopes(a), coarse.slopes(a)
     if ours is None or theirs is None:
         return {}
-    changes = (caution * np.abs(other / own - 1) for own, other in zip(ours, theirs, strict=True))
-    return {name: _envelope(change, delta) for name, change in zip(("S", "dS"), changes, strict=True)}
+    S, dS = (_envelope(caution * np.abs(other / own - 1), delta) for own, other in zip(ours, theirs, strict=True))
+    return {"S": np.maximum(S, a * ours[1] / ours[0] * radius), "dS": dS}
 
 
 def truncation_of(run: Run, coarse: MeshLevel) -> Estimate:

@@ -189,7 +189,7 @@ class StuckLayeredContact(IndenterOnLayers):
             raise Refusal(
                 f"layered: a = {radii[-1]:g} m is {radii[-1] / self.scale:.4g} times the length over which the layers "
                 f"act and needs {plan.nodes} rows where the surfaces stick (limit {REFINING.most_nodes}); ask for a "
-                "smaller contact"
+                f"smaller contact{' or use method fem' if self.indenter.material is None else ''}"
             )
         a0, factor = self.indenter.a0, 2 * self.E_star
         beyond = radii > a0 * (1 + 1e-12)

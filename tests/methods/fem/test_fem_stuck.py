@@ -8,8 +8,9 @@ import pytest
 
 from jkrcli.base.clock import StageClock
 from jkrcli.base.errors import Refusal
+from jkrcli.bodies.grading import Exponential
 from jkrcli.bodies.indenters import Paraboloid, RoundedFlat
-from jkrcli.bodies.materials import Elastic
+from jkrcli.bodies.materials import Elastic, Graded
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.methods.fem.body import MeshedBody
 from jkrcli.methods.fem.layout import scaled_layout
@@ -183,3 +184,31 @@ def test_the_field_of_a_stuck_contact_carries_its_load(nu, off):
     state = contact_state(FEM(), problem, 1.5, float(exact.delta[0]))
     assert state.P == pytest.approx(exact.P[0], rel=off)
     assert state.lines["surface"].load == pytest.approx(state.P, rel=1e-9)
+
+
+# S/(2 E* a) of flat ends, by tied finite elements of other make and an integral equation
+@pytest.mark.parametrize(("a", "exact"), [(1.0, 3.929038), pytest.param(5.0, 106.5713, marks=pytest.mark.slow)])
+def test_flat_ends_within_their_stated_error(a, exact):
+    fem = FEM()(Problem(RoundedFlat(a, 1000.0), bonded(0.5), Loading("radius", 1.05 * a), True))
+    error = abs(fem.series.S0 / (2 / 0.75 * a) / exact - 1)
+    assert error <= fem.budget.discretisation  # 4e-4
+    assert error < 1e-4  # measured 4e-5, 5e-5
+
+
+def test_a_cylinder_that_is_wide_is_the_layer():
+    problem = Problem(PARABOLOID, bonded(0.3), Loading.given("depth", [2e-3]), True)
+    fem = FEM()(replace(problem, specimen=bonded(0.3, 20.0, "free")))
+    exact = Layered()(problem).series
+    assert abs(fem.series.P[0] / exact.P[0] - 1) <= fem.budget.discretisation  # 1.5e-4; measured 6e-5
+    assert abs(fem.series.a[0] / exact.a[0] - 1) <= fem.budget.radius  # 3e-4; measured 1.3e-4
+
+
+@pytest.mark.slow
+def test_graded_layers_stick_like_stacks_of_thin_ones():
+    law = Exponential(1.0, 3.0, 1.0)
+    slices = tuple(Layer(Elastic(float(law.at(np.array([(i + 0.5) / 16]))[0]), 0.4), 1 / 16) for i in range(16))
+    exact = Layered()(Problem(PARABOLOID, Specimen(slices, Rigid()), Loading.given("radius", [1.5]), True)).series
+    graded = Specimen((Layer(Graded(law, 0.4), 1.0),), Rigid())
+    fem = FEM()(Problem(PARABOLOID, graded, Loading.given("depth", exact.delta), True))
+    assert abs(fem.series.P[0] / exact.P[0] - 1) <= fem.budget.discretisation  # 3e-4; measured 1.2e-4
+    assert abs(fem.series.a[0] / 1.5 - 1) <= fem.budget.radius

@@ -141,7 +141,11 @@ def test_a_transversely_isotropic_layer_with_isotropic_constants_is_that_layer()
         (bonded(0.5), PowerLaw(1e-2, 1.5)),
         (bonded(0.3), PowerLaw(1e-2, 1.5)),
         (bonded(0.3), PARABOLOID),
-        (Specimen((Layer(Elastic(13.0, 0.45), 0.2),), HalfSpace(Elastic(1.0, 0.49))), PARABOLOID),  # 17 pieces
+        pytest.param(  # 17 pieces
+            Specimen((Layer(Elastic(13.0, 0.45), 0.2),), HalfSpace(Elastic(1.0, 0.49))),
+            PARABOLOID,
+            marks=pytest.mark.slow,
+        ),
     ],
 )
 def test_stated_errors_hold(specimen, indenter):
@@ -159,6 +163,20 @@ def test_what_is_not_represented_is_refused_with_a_method_that_can():
         Layered()(stuck(bonded(0.3), "radius", 1.0, indenter=RoundedFlat(0.4, 50.0)))
     with pytest.raises(Refusal, match="use the method fem, or leave the radius out"):
         Layered()(stuck(replace(bonded(0.3), radius=5.0, side="free"), "radius", 1.0))
+    film = Specimen((Layer(Elastic(13.0, 0.45), 0.2),), HalfSpace(Elastic(1.0, 0.49)))
+    with pytest.raises(Refusal, match="ask for a smaller contact or use method fem"):
+        Layered()(stuck(film, "radius", 30.0))
+
+
+def test_the_list_of_radii_changes_nothing():
+    """The growth has its own radii: neither how many are asked for, nor the first, nor the next counts."""
+    exact = solved(bonded(0.5), 2.0, tolerance=1e-9)
+    for radii in (np.linspace(0.1, 2.0, 20), np.linspace(0.004, 2.0, 500), [1.99, 2.0], [2.0, 5.0]):
+        series = Layered()(stuck(bonded(0.5), "radius", *radii)).series
+        at = int(np.argmin(np.abs(series.a - 2.0)))
+        for name in ("delta", "P", "S", "dS"):
+            error = abs(getattr(series, name)[at] - getattr(exact, name)[0])
+            assert error <= series.errors[name][at] + exact.errors[name][0]
 
 
 MORE_BODIES = [

@@ -22,9 +22,9 @@ from .voice import note
 
 @dataclass(frozen=True)
 class TableTuning:
-    """What tables cost, with decimal points or commas, and what verbs do with their rows."""
+    """What tables cost, and what verbs do with their rows."""
 
-    per_row: float = 3.5e-6  # CPU seconds to read; tuned on tables of 1e5 and 1e6 rows, by `make guards`
+    per_row: float = 3e-6  # CPU seconds to read; tuned on tables of 1e5 and 1e6 rows, by `make guards`
     mib_per_row: float = 7e-4  # of memory; tuned on the same, by `make guards`
     fit_per_row: float = 5e-5  # CPU seconds to fit; tuned on the same, by `make guards`
     silence: float = 2.0  # choice: CPU seconds without a word

@@ -193,17 +193,18 @@ def _rows(content: list[tuple[int, str]], dialect: Dialect, least: int) -> tuple
 def _regular(body: list[tuple[int, str]], dialect: Dialect, width: int) -> Array | None:
     """The values by numpy's reader, ten times as fast; None where any line needs a closer look."""
     mark = SEPARATORS[dialect.separator]
-    if (
-        dialect.decimal != "."
-        or dialect.thousands
-        or any(len(line.split(mark)) != width or '"' in line for _, line in body)
-    ):
+    other = "." if dialect.decimal == "," else '"'  # beside a decimal comma a point is no part of a number
+    if dialect.thousands or any(len(line.split(mark)) != width or '"' in line or other in line for _, line in body):
         return None
     numbers = [i for i in range(width) if i not in dialect.text]
     values = np.zeros((len(body), width))
     try:
         values[:, numbers] = np.loadtxt(
-            (line for _, line in body), delimiter=mark, comments=None, usecols=numbers, ndmin=2
+            (line.replace(dialect.decimal, ".") for _, line in body),
+            delimiter=mark,
+            comments=None,
+            usecols=numbers,
+            ndmin=2,
         )
     except ValueError:
         return None

@@ -176,10 +176,14 @@ class Nonadhesive:
 
     @cached_property
     def knots(self) -> Nonadhesive:
-        """The functions with all radii at which they are known as those of the series, without errors."""
+        """The functions with all radii at which they are known as those of the series, without errors.
+
+        A row closer to a further radius than the root of their errors e gives way to it: the slope e/x that the two
+        would make over their distance x is more than x leaves of any other.
+        """
         if self.further is None:
             return self
-        parts = (self, self.further)
+        parts = (self.at_rows(np.flatnonzero(self._apart(self.further))), self.further)
         a, order = np.unique(np.concatenate([part.a for part in parts]), return_index=True)
         columns = np.concatenate([np.array(part.points[:4]) for part in parts], axis=1)[:, order]
         rates = np.concatenate([part._known_rates for part in parts])[order]
@@ -187,6 +191,13 @@ class Nonadhesive:
         series = replace(self.series, a=a, delta=delta, P=P, S=S, dS=dS, errors={})
         slopes = replace(self.slopes, S=S, dS=dS, delta=None, P=None, covariance=None, joint=None)
         return Nonadhesive(series, slopes, rates)
+
+    def _apart(self, further: Nonadhesive) -> Array:
+        """Which rows are not too close to a ``further`` radius."""
+        series, columns = further.series, ("delta", "dS")
+        wrong = [np.max(series.errors[name] / getattr(series, name), initial=0.0) for name in columns]
+        distance = np.abs(np.subtract.outer(self.a, further.a)).min(axis=1)
+        return distance > math.sqrt(max(wrong)) * (self.a - series.a0)
 
     @property
     def _known_rates(self) -> Array:

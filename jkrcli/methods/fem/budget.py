@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -26,7 +26,8 @@ class BudgetTuning:
     radii: float = 2.0  # tuned on the bodies of `make failures`, by `make failures`
     # Of what doubling changed before over what it changes, at most; where that falls by more, the meshes agree by
     # accident:
-    plausible: float = 12.0  # tuned on random bodies, by `make bounds`
+    plausible: float = 12.0  # of loads; tuned on random bodies, by `make bounds`
+    plausible_radii: float = 4.0  # of radii; tuned on random bodies, by `make bounds`
     round_off: float = 1e-12  # of radii; theory: 1e4 eps, as they come from a search
 
 
@@ -55,10 +56,11 @@ def assessed(
         return Assessment(ErrorBudget(TOO_FEW, truncation, TOO_FEW))
     judged = delta >= TUNING.judged_depth * delta[-1]
     loads, radii = TUNING.loads / (ratio - 1), TUNING.radii / (ratio - 1)
-    there, radius = _on_coarse(run, coarse, radii)
-    change = loads * np.abs(there / P - 1)
-    if coarsest is not None and coarsest.touches.a.size >= 4 and coarsest.touches.valid and coarse.touches.valid:
-        change = np.maximum(change, loads * np.abs(_load_on(coarsest, run) / there - 1) / TUNING.plausible)
+    if coarsest is not None and (coarsest.touches.a.size < 4 or not (coarsest.touches.valid and coarse.touches.valid)):
+        coarsest = None
+    there, radius = _on_coarse(run, coarse, radii, coarsest)
+    before = None if coarsest is None else _load_on(coarsest, run)
+    change = loads * _change(P, there, before, TUNING.plausible)
     load = _envelope(_at_least_decaying(change, a - fine.indenter.a0), delta)
     budget = ErrorBudget(
         discretisation=float(load[judged].max()),
@@ -72,12 +74,21 @@ def assessed(
     return Assessment(budget, judged_from, errors)
 
 
-def _on_coarse(run: Run, coarse: MeshLevel, caution: float) -> tuple[Array, Array | Unknown]:
+def _change(fine: Array, coarse: Array, coarsest: Array | None, plausible: float) -> Array:
+    """What larger elements change, relatively, and at least a ``plausible`` part of what still larger ones do."""
+    change = np.abs(coarse / fine - 1)
+    return change if coarsest is None else np.maximum(change, np.abs(coarsest / coarse - 1) / plausible)
+
+
+def _on_coarse(
+    run: Run, coarse: MeshLevel, caution: float, coarsest: MeshLevel | None
+) -> tuple[Array, Array | Unknown]:
     """P [N] of the coarser mesh at the depths of the series, and the relative error of the radius."""
     fine, (a, delta, _) = run.level, run.columns
     if not (fine.touches.valid and coarse.touches.valid):
         return _without_disc(coarse, fine, a, delta, caution)
-    return _load_on(coarse, run), _radius(coarse.events, fine.events, a, delta, caution)
+    levels = [level.events for level in (fine, coarse, coarsest) if level is not None]
+    return _load_on(coarse, run), _radius(levels, a, delta, caution)
 
 
 def _load_on(level: MeshLevel, run: Run) -> Array:
@@ -120,18 +131,20 @@ def load_at(contact: SurfaceContact, delta: Array) -> Array:
     return contact.S[k] * delta - contact.T[k]
 
 
-def _radius(coarse: Events, events: Events, a: Array, delta: Array, caution: float) -> Array | Unknown:
+def _radius(levels: Sequence[Events], a: Array, delta: Array, caution: float) -> Array | Unknown:
     """Relative error of the radius: what larger elements change at equal depth (a vertex radius is off by a fraction of
-    the spacing), plus where the series' radii differ from the events' (increments).
+    the spacing), plus where the series' radii differ from the events' (increments); ``levels``: from the finest on.
 
     Below the meshes' first events, where the spacing is uniform, the change grows like the inverse radius.
     """
+    events, coarse = levels[:2]
     first, last = max(coarse.delta[0], events.delta[0]), min(coarse.delta[-1], events.delta[-1])
     if first >= last or delta[-1] < first:
         return Unknown("no radius common to the mesh and its coarser companion")
     fine = _radius_at(events, delta)
     samples = np.unique(np.clip(np.concatenate([delta, coarse.delta, events.delta]), first, last))
-    changes = np.abs(_radius_at(coarse, samples) / _radius_at(events, samples) - 1)
+    radii = [_radius_at(level, samples) for level in levels]
+    changes = _change(radii[0], radii[1], radii[2] if len(radii) > 2 else None, TUNING.plausible_radii)
     changes = _envelope(np.maximum(caution * changes, TUNING.round_off), samples)
     change = np.interp(delta, samples, changes) * np.maximum(_radius_at(events, np.array([first])) / fine, 1.0)
     return _envelope(change + np.abs(a / fine - 1), delta)

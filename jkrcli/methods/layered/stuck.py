@@ -33,9 +33,9 @@ from .spectrum import LayeredSpectrum, resolved
 class StuckTuning:
     """How the growing contact is discretised for an accuracy."""
 
-    piece: float = 0.7  # widest, over the kernel's scale; choice: a third of the distance to the kernel's poles
+    piece: float = 1.4  # widest, over the kernel's scale; choice: with half of it the same accuracy takes twice as long
     # Points on each piece: at the accuracy 1, and more for each decade:
-    points: int = 2  # choice: with ``per_decade`` paraboloids on bonded layers err by less than a tenth of the accuracy
+    points: int = 4  # choice: with ``per_decade`` paraboloids on bonded layers err by less than a tenth of the accuracy
     per_decade: float = 1.0  # choice: with half as many they err by ten times the accuracy 1e-6
     most_points: int = 16  # choice: beyond, narrower pieces are as cheap
     inner: int = 12  # nodes of integrals over dF; choice: exact for powers

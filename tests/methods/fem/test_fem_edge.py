@@ -9,7 +9,7 @@ import pytest
 
 from jkrcli.adhesion.curve import transform
 from jkrcli.adhesion.slopes.choice import slopes
-from jkrcli.bodies.indenters import Paraboloid, RoundedFlat
+from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.many.study.converge import converge
@@ -24,7 +24,6 @@ UNIT = Problem(Paraboloid(10.0), Specimen((), HalfSpace(Elastic(1.0, 0.3))), Loa
 BONDED = Specimen((Layer(Elastic(1.0, 0.4), 1.0),), Rigid())
 LAYER = Problem(Paraboloid(1000.0), BONDED, Loading("radius", 5.0))
 COATING = replace(UNIT, specimen=Specimen((Layer(Elastic(10.0, 0.3), 0.3),), HalfSpace(Elastic(1.0, 0.4))))
-NARROW = Problem(Paraboloid(1000.0), BONDED, Loading("radius", 0.08))  # meshes agree on S more than they are right
 FLAT = replace(UNIT, indenter=RoundedFlat(0.5, 20.0), specimen=Specimen((Layer(Elastic(1.0, 0.3), 1.0),), Rigid()))
 
 
@@ -69,9 +68,7 @@ def test_a_calibration_of_fine_thin_layers_stays_small():
     assert other.expected_cells() < layout.expected_cells()  # 61,000 of 73,000; millions with the body's own law
 
 
-@pytest.mark.parametrize(
-    "problem", [UNIT, COATING, LAYER, NARROW], ids=["half-space", "coating", "layer", "thick layer"]
-)
+@pytest.mark.parametrize("problem", [UNIT, COATING, LAYER], ids=["half-space", "coating", "layer"])
 def test_slopes_are_as_accurate_as_stated(problem):
     solution = FEM()(problem)
     series = solution.series
@@ -82,6 +79,13 @@ def test_slopes_are_as_accurate_as_stated(problem):
     assert np.abs(dS).max() < 2e-3  # measured 2e-4 to 1e-3
     assert np.mean(np.abs(S) <= series.errors["S"][use] / series.S[use]) > 0.9
     assert np.mean(np.abs(dS) <= series.errors["dS"][use] / series.dS[use]) > 0.9
+
+
+def test_the_error_of_the_stiffness_holds_that_of_the_radius():
+    """Two meshes agree on S under a cone, which is wrong by four times what they differ by; their radii tell."""
+    problem = Problem(PowerLaw(1e-2, 1.0), BONDED, Loading("radius", 0.08))
+    series = FEM()(problem).series
+    assert (np.abs(series.S - exactly(problem, series.a).S) <= series.errors["S"]).all()  # measured 0.75 of it
 
 
 def test_auto_smooths_what_a_fit_can_and_keeps_the_slopes_at_a_flat_end():

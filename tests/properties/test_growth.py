@@ -176,6 +176,15 @@ def test_an_archive_with_a_name_twice_is_refused(tmp_path: Path) -> None:
         measured.read(tmp_path / "x.zip")
 
 
+@pytest.mark.parametrize("title", ["curve", "segment"])
+def test_a_title_of_words_below_numbers_is_refused(tmp_path: Path, title: str) -> None:
+    """What fuzzing by coverage found: a second head, after a row that ends the first, was a KeyError."""
+    numbers = "1e-5;1e-8;1e-6\n"
+    (tmp_path / "x.csv").write_text(f"1;2;x\n{title} (m);delta (m);P (N)\n{numbers * 20}")
+    with pytest.raises(InputError, match=rf'column 1 "{title} \(m\)" would hold words, but numbers stand above'):
+        measured.read(tmp_path / "x.csv")
+
+
 # ---------------------------------------------------------------------- a mark that may be two things
 @pytest.mark.parametrize(("mark", "other"), [(",", "."), (".", ",")])
 def test_a_column_that_passes_a_thousand_is_not_read_as_falling_to_one(tmp_path: Path, mark: str, other: str) -> None:

@@ -275,6 +275,10 @@ def _columns(table: TextTable, reading: Reading, stiffness: float | None) -> tup
     if "P" not in chosen and bent is not None and bent not in chosen.values():
         chosen["P"] = bent
     check_chosen(table, chosen)
+    for key in chosen.keys() - set(NAMES.numbers):
+        if chosen[key] not in table.text:
+            raise InputError(f"{table.path}: {_column(table, chosen[key])} would hold words, but numbers stand above "
+                             "its title: remove what comes before")  # fmt: skip
     if len(chosen.keys() & {"a", "area", "delta", "P"}) < 2:
         recognised = words(table, chosen) or "none"
         raise UnknownColumnsError(

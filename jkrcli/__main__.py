@@ -9,13 +9,14 @@ except KeyboardInterrupt:  # these milliseconds too
     os.write(2, b"jkr: error: interrupted; nothing half-written was left\n")  # as base.interrupts says
     os._exit(130)
 
-RARELY = (100_000, 20, 100)  # containers made between two looks for cycles; choice: saves a twentieth, costs 1 MB
+RARELY = (1_000_000, 10, 10)  # containers made between two looks for cycles; choice: saves a tenth, costs 10 MB
 
 
 def main() -> None:
     """Entry point of ``jkr``."""
     leave_at_once()
     gc.set_threshold(*RARELY)
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # no other package has a say in how cases are read
     from .cli import main as command
 
     command()

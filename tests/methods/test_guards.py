@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 import os
 import resource
@@ -108,18 +109,15 @@ def test_duration(seconds: float, words: str) -> None:
     [
         ("fem", 100, 2e-4, ("run", "x.toml")),
         ("fem", 100, 2e-4, ("mesh", "x.toml")),
-        ("layered", 100_000, 0.1, ("run", "x.toml")),
         ("hybrid", 100_000, 0.1, ("run", "x.toml")),
         ("auto", 100_000, 0.1, ("run", "x.toml")),
-        ("layered", 100_000, 0.1, ("fit", "x.toml", "m.csv")),
     ],
 )
 def test_command_line_refuses_what_is_too_large(
     jkr: Callable, method: str, points: int, spacing: float, words: tuple[str, ...]
 ) -> None:
     Path("x.toml").write_text(CASE.format(method=method, points=points, spacing=spacing), encoding="utf-8")
-    Path("m.csv").write_text("delta_m,P_N\n" + "1e-6,1e-6\n" * 9, encoding="utf-8")
-    done = jkr(*words, *(() if words[0] == "fit" else ("--limit-memory", "4")))
+    done = jkr(*words, "--limit-memory", "4")
     assert done.code == 2, done.err
     assert done.err.startswith("jkr: error: method ")
     assert done.err.count("\n") == 1
@@ -153,3 +151,34 @@ def test_systems_without_limits_and_affinity(jkr, monkeypatch: pytest.MonkeyPatc
     Path("x.toml").write_text(CASE.format(method="layered", points=20, spacing=0.1))
     assert jkr("run", "x.toml").code == 0
     assert jkr("transform", "x.h5", "--w", "0.1", "--no-plots").code == 0
+
+
+@pytest.mark.parametrize("words", [("run", "x.toml"), ("fit", "x.toml", "m.csv")])
+def test_layered_refuses_more_nodes_than_it_takes_before_it_begins(jkr: Callable, words: tuple[str, ...]) -> None:
+    Path("x.toml").write_text(CASE.format(method="layered", points=100_000, spacing=0.1), encoding="utf-8")
+    Path("m.csv").write_text("delta_m,P_N\n" + "1e-6,1e-6\n" * 9, encoding="utf-8")
+    done = jkr(*words)
+    assert done.code == 2, done.err
+    assert done.err.endswith("nodes for 100000 radii (limit 4000); ask for a smaller contact, or fewer points\n")
+    assert done.err.count("\n") == 1
+
+
+def test_auto_names_no_method_that_the_solve_refuses(jkr: Callable, tmp_path: Path) -> None:
+    """layered was said to take 8,100 nodes and a quarter of an hour, and refused more than 4,000 when it was begun."""
+    (tmp_path / "thin.toml").write_text("""
+[indenter]
+shape = "paraboloid"
+radius = "1 mm"
+[specimen]
+base = "bonded"
+layers = [{ thickness = "27.9 nm", E = "1 MPa", nu = 0.3 }]
+[loading]
+radius = "50 um"
+[adhesion]
+w = "50 mJ/m^2"
+""")
+    told = json.loads(jkr("check", "thin.toml", "--json").out)
+    options = {option["name"]: option for option in told["options"]}
+    assert "needs 9000 nodes for 100 radii (limit 4000)" in options["layered"]["refusal"]
+    assert told["method"] == "fem"
+    assert options["closed-form"]["forecast"]["error"] < 0.03  # of a smaller contact: it falls as h/a

@@ -171,16 +171,31 @@ def _leading_order(R: float, layer: Layer, base: Rigid) -> Formula:
     return Formula("thin compressible layer, leading order (Eq. 20)", winkler)
 
 
+def _at(problem: Problem, a: float) -> Problem:
+    return replace(unbounded(problem), loading=Loading.given("radius", (a,)))
+
+
+def _long(layered: Layered, problem: Problem) -> str | None:
+    """Why the exact solution is no quick matter, None where it is."""
+    try:
+        seconds = layered.forecast(problem).seconds
+    except Refusal as error:
+        return f"is refused ({error})"
+    return f"would take about {seconds:.2g} s" if seconds > TUNING.seconds else None
+
+
 def _leading_order_error(problem: Problem, formula: Formula, radii: Array) -> float:
-    """Largest relative difference of delta, P, S and S' to the exact layer solution at the increasing ``radii``; where
-    that is no quick matter, of those below, if it is too large there; else SolveError."""
+    """Largest relative difference of delta, P, S and S' to the exact layer solution at the increasing ``radii``, where
+    that is no quick matter at the largest one below; SolveError where there is none."""
     layered, worst = Layered(TUNING.checked), 0.0
-    for a in radii:
-        exactly = replace(unbounded(problem), loading=Loading.given("radius", (float(a),)))
-        if (seconds := layered.forecast(exactly).seconds) > TUNING.seconds:
+    for wanted in radii:
+        a = float(wanted)
+        while (reason := _long(layered, exactly := _at(problem, a))) is not None and a > 2 * radii[0]:
+            a /= 2  # beyond, the error is smaller: it falls as h/a
+        if reason is not None:
             if worst > TUNING.worst:
                 break
-            raise SolveError(f"the exact layer at a = {show(float(a), 'length')} would take about {seconds:.2g} s")
+            raise SolveError(f"the exact layer at a = {show(a, 'length')} {reason}")
         exact = layered(exactly).series
         pairs = zip(formula.columns(np.array([a])), (exact.delta, exact.P, exact.S, exact.dS), strict=True)
         worst = max(worst, *(float(np.abs(ours / theirs - 1)[0]) for ours, theirs in pairs if theirs is not None))

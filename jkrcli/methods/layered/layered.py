@@ -53,10 +53,14 @@ class Layered(LayeredOptions):
         return max(self.tolerance, GRADED) if specimen.is_graded else self.tolerance
 
     def forecast(self, problem: Problem) -> Forecast:
-        """Seconds and memory of the solve, from its node counts; finding the largest radius is part of the forecast."""
+        """Seconds and memory of the solve, from its node counts; finding the largest radius is part of the forecast.
+
+        Refusal of what takes more nodes than the solve accepts.
+        """
         contact = _contact(problem)
         radii = np.linspace(problem.indenter.a0, largest_radius(problem), max(problem.loading.points, 1) + 1)[1:]
         plan: Any = contact.plan(radii, self.attainable(problem.specimen) / TUNING.margin)
+        contact.guard(radii, plan)
         seconds = spectrum_seconds(problem.specimen) + self._operations(contact, problem, radii) / FLOPS_PER_SECOND
         memory = 8 * 6 * (plan.nodes + radii.size) ** 2 / 2**20
         return Forecast(seconds, 5 + memory, self.attainable(problem.specimen), f"{plan.nodes} nodes, no mesh")

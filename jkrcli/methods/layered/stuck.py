@@ -183,14 +183,18 @@ class StuckLayeredContact(IndenterOnLayers):
         waves *= 1 if self.spectrum.beta == 0 else 4
         return float(rows**2 * waves + rows**3)
 
-    def solved(self, radii: Array, plan: StuckPlan) -> ContactResult:
-        """Contact at the increasing ``radii`` [m]."""
+    def guard(self, radii: Array, plan: StuckPlan) -> None:
+        """Refuse what would take minutes or gigabytes."""
         if plan.nodes > REFINING.most_nodes or self.flops(radii, plan) > REFINING.most_flops:
             raise Refusal(
                 f"layered: a = {radii[-1]:g} m is {radii[-1] / self.scale:.4g} times the length over which the layers "
                 f"act and needs {plan.nodes} rows where the surfaces stick (limit {REFINING.most_nodes}); ask for a "
                 f"smaller contact{' or use method fem' if self.indenter.material is None else ''}"
             )
+
+    def solved(self, radii: Array, plan: StuckPlan) -> ContactResult:
+        """Contact at the increasing ``radii`` [m]."""
+        self.guard(radii, plan)
         a0, factor = self.indenter.a0, 2 * self.E_star
         beyond = radii > a0 * (1 + 1e-12)
         pieces = self._pieces(float(radii[-1]), plan.widest, plan.points) if beyond.all() else None

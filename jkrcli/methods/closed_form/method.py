@@ -190,11 +190,13 @@ def _leading_order_error(problem: Problem, formula: Formula, radii: Array) -> fl
     layered, worst = Layered(TUNING.checked), 0.0
     for wanted in radii:
         a = float(wanted)
-        while (reason := _long(layered, exactly := _at(problem, a))) is not None and a > 2 * radii[0]:
+        while (reason := _long(layered, exactly := _at(problem, a))) is not None:
+            if worst > TUNING.worst:
+                return worst
+            if a <= 2 * radii[0]:
+                break
             a /= 2  # beyond, the error is smaller: it falls as h/a
         if reason is not None:
-            if worst > TUNING.worst:
-                break
             raise SolveError(f"the exact layer at a = {show(a, 'length')} {reason}")
         exact = layered(exactly).series
         pairs = zip(formula.columns(np.array([a])), (exact.delta, exact.P, exact.S, exact.dS), strict=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from pathlib import Path
 
 import numpy as np
@@ -317,6 +318,11 @@ def test_compare_wants_a_common_range_and_a_picture_it_can_draw(jkr, tmp_path: P
 
 def test_a_pipe_or_device_is_not_read(jkr) -> None:
     assert jkr("run", "/dev/zero").err == "jkr: error: /dev/zero: is a device or a pipe, not a case file\n"
+    os.mkfifo("record.csv")
+    for verb in ("look", "fit"):  # their forecast read it, and waited for a writer that never came
+        flags = ("--radius", "5 um", "--nu", "0.5") if verb == "fit" else ()
+        done = jkr(verb, *flags, "record.csv")
+        assert (done.code, done.err) == (2, "jkr: error: record.csv: is a device or a pipe, not a table\n")
 
 
 def test_auto_goes_on_to_the_next_method_when_one_fails(jkr, tmp_path: Path) -> None:

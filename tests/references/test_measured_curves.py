@@ -40,3 +40,15 @@ def test_a_measured_curve_is_told_without_complaint(jkr: Callable[..., Outcome],
     assert curve["flags"] == {}
     assert curve["approach"]["touch_m"] is not None
     assert curve["retract"]["largest_load_N"] > 0
+
+
+def test_a_record_that_tells_nothing_is_fitted_without_numbers(jkr: Callable[..., Outcome]) -> None:
+    """A retraction with its base line, read as rows in contact: E* and w go together, and steps of the rival and ends
+    of intervals, logs of hundreds, overflowed."""
+    body = ("--radius", "5 um", "--nu", "0.5", "--contact", "estimate", "--segment", "retract")
+    done = jkr("fit", *body, str(TABLES / "spot.csv"), "--json", "--no-plots", "-o", "found")
+    assert done.code == 0
+    (curve,) = json.loads(done.out)["curves"]
+    modulus = curve["estimates"]["E_star"]
+    assert (modulus["low"], modulus["high"]) == (None, None)
+    assert modulus["standard_error"] > 10 * modulus["value"]

@@ -14,7 +14,10 @@ USUAL = 40.0  # choice: bytes of a row where its length is not told so: of archi
 
 
 def rows_expected(path: Path) -> float:
-    """About how many rows the file at ``path`` holds; 0 where it cannot be read, which its reader says."""
+    """About how many rows the file at ``path`` holds; 0 where it cannot be read, which its reader says, and of pipes,
+    which would be waited for."""
+    if not path.is_file():
+        return 0.0
     try:
         if path.suffix.lower() == ".zip":
             inside = tables(path)

@@ -22,6 +22,7 @@ from .statistics import covariance, covariance_of_uneven, larger, t_quantile, va
 
 FEW = 10  # choice: degrees of freedom, below which residuals do not tell how the noise changes along the curve
 DOUBLINGS = 6  # choice: of the step in which a profile must reach its limit, else it has none
+WIDEST = 100.0  # choice: half-width of a log, from which on nothing is told of a value (and its ends overflow)
 STEP = 1e-5  # theory: of the unknowns, for central differences: about the cube root of round-off
 
 Interval = tuple[float | None, float | None]
@@ -133,7 +134,9 @@ class _Spread:
             return float(low), float(high)
         if self.settings.confidence == "profile":
             return self._profile(i, -1), self._profile(i, 1)
-        return (None, None) if sigma is None else (x - self.t * sigma, x + self.t * sigma)
+        if sigma is None or (self.parameters[i].kind == "log" and self.t * sigma > WIDEST):
+            return None, None
+        return x - self.t * sigma, x + self.t * sigma
 
     def _profile(self, i: int, side: int) -> float | None:
         """The end of the interval, where the least cost with parameter ``i`` held is t^2/2 times the variance higher;
@@ -207,6 +210,8 @@ class _Spread:
         if matrix is None:
             return None, None, None
         sigma = float(np.sqrt(gradient[free] @ np.atleast_2d(matrix) @ gradient[free]))
+        if self.t * sigma > WIDEST:
+            return value * sigma, None, None
         return value * sigma, value * math.exp(-self.t * sigma), value * math.exp(self.t * sigma)
 
 

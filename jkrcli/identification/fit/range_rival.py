@@ -39,6 +39,7 @@ class RangeRivalTuning:
     rounded: float = 0.05  # choice: of logs of range and w with which curves are solved, so that fits share them
     chance: float = 2e-3  # choice: at which data of JKR itself show a range
     least_work: float = 1e-3  # choice: of the natural one; with less there is nothing whose range could matter
+    reach: float = 7.0  # choice: guard, how far logs may move, as in the search
     slow: float = 0.1  # choice: CPU seconds of a body's spectrum, above which no range is tried
 
 
@@ -154,11 +155,19 @@ def _rung(minimum: Minimum, length: float, variance: float, limit: float, loss: 
         there = objective.distances(np.append(x, math.log(length)), rated=False).residuals.ravel()
         step = np.linalg.lstsq(jacobian, there - before, rcond=None)[0]
         x[free] -= step
+        if not _near(plain, x, minimum.x):
+            raise SolveError(f"a step with a range of {show(length, 'length')} led nowhere")
         excess = (float(np.sum(weights * (there - jacobian @ step) ** 2)) - least) / variance
         moved = abs(plain.values(x)["w"] / w - 1)
         if not (math.isfinite(excess) and excess < TUNING.hopeless * limit) or moved < TUNING.short:
             break
     return _Rung(length, excess if math.isfinite(excess) else math.inf, _moves(plain, minimum.x, x))
+
+
+def _near(objective: Objective, x: Array, start: Array) -> bool:
+    """Whether all unknowns are numbers and their logs are within reach of where they started."""
+    logs = [i for i, parameter in enumerate(objective.parameters) if parameter.kind == "log"]
+    return bool(np.isfinite(x).all() and (np.abs(x - start)[logs] <= TUNING.reach).all())
 
 
 def _rounded(objective: Objective, x: Array) -> Array:

@@ -17,7 +17,7 @@ from ..bodies.indenters import Indenter, Sphere
 from ..bodies.problem import Loading, Problem
 from ..series import ErrorBudget, RawSeries, Series, Solution, filter_plateaus
 from .columns import CONTACT, Vocabulary, asked, check_chosen, words
-from .noisy_rows import is_noise
+from .noisy_rows import is_noise, near_first_touch
 from .text_table import TextTable, read_table, some
 
 LEAST_ROWS = 5  # choice: of a series
@@ -105,18 +105,23 @@ def _first_slope(indenter: Indenter) -> float | None:
 def _by_fit(path: Path, raw: RawSeries, indenter: Indenter) -> tuple[RawSeries, Series, tuple[str, ...]]:
     """Rows in contact that are noisy, their fitted series, and what is wrong with them.
 
-    Rows up to the last at which noise hides the contact (delta or P <= 0) are left out.
+    Rows near first touch at which noise hides the contact (delta or P <= 0) are left out, and so are outliers beyond.
     """
     from ..adhesion.slopes.choice import smoothed
 
     assert raw.rows is not None
-    hidden = np.flatnonzero((raw.a <= indenter.a0) | (raw.delta <= 0) | (raw.P <= 0))
-    first = 0 if hidden.size == 0 else int(hidden[-1]) + 1
-    kept = RawSeries(raw.a[first:], raw.delta[first:], raw.P[first:], raw.rows[first:])
-    _check_kept(path, kept, first, indenter)
+    hidden = (raw.a <= indenter.a0) | (raw.delta <= 0) | (raw.P <= 0)
+    touched = int(np.argmax(raw.a > indenter.a0))
+    first = touched + near_first_touch(hidden[touched:])
+    used = ~hidden & (np.arange(hidden.size) >= first)
+    kept = RawSeries(raw.a[used], raw.delta[used], raw.P[used], raw.rows[used])
+    _check_kept(path, kept, int(np.sum(~used)), indenter)
     series, slopes = smoothed(kept, indenter.a0, _first_slope(indenter))
     lost = int(np.sum(raw.a[:first] > indenter.a0))
-    words = (f"{lost} rows near first touch, where noise hides the contact, are left out",) if lost else ()
+    words = [f"{lost} rows near first touch, where noise hides the contact, are left out"] if lost else []
+    if alone := [str(row) for row in raw.rows[first:][hidden[first:]]]:
+        what = f"{len(alone)} of {raw.a.size} rows left out, whose radius, displacement or load is not positive"
+        words.append(f"{what}: {', '.join(some(alone))}")
     return kept, series, (*words, *slopes.flags)
 
 

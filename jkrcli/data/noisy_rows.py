@@ -1,4 +1,8 @@
-"""Rows of a growing contact whose columns fall here and there: by noise, or because they are in another order."""
+"""Rows of a growing contact whose columns fall here and there: by noise, or because they are in another order.
+
+A radius, displacement or load that is not positive holds no contact: noise does that to the rows near first touch, and
+an outlier to a row by itself.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +19,8 @@ class NoisyRowsTuning:
 
     fewest: int = 8  # choice: rows; of fewer none can be spared
     ordered: float = 0.85  # rank correlation of a column with the rows; choice: 10 % noise on 15 rows leaves more
-    hidden: float = 0.1  # choice: of the rows, at the beginning, whose displacement or load noise may hide
+    hidden: float = 0.1  # choice: of the rows, those near first touch that noise may hide, and those of outliers
+    dense: float = 0.2  # choice: share of hidden rows near first touch; noise of the load alone leaves 0.3
 
 
 TUNING = NoisyRowsTuning()
@@ -28,16 +33,27 @@ def is_noise(size: Array, delta: Array, P: Array) -> bool:
     """
     if size.size < TUNING.fewest or not all(_rises(column) for column in (size, delta, P)):
         return False
-    hidden = np.flatnonzero((delta <= 0) | (P <= 0))
-    if hidden.size and hidden[-1] >= TUNING.hidden * size.size:
+    hidden = (delta <= 0) | (P <= 0)
+    first = near_first_touch(hidden)
+    if max(first, hidden[first:].sum()) - 1 >= TUNING.hidden * size.size:
         return False
     falls = np.stack([np.diff(column) < 0 for column in (size, delta, P)])
     return bool(falls.any()) and not _unloads(falls)
 
 
+def near_first_touch(hidden: Array) -> int:
+    """Number of rows in contact that lie near first touch: up to the last ``hidden`` one, (n,), that stands among
+    enough others."""
+    share = np.cumsum(hidden) / np.arange(1, hidden.size + 1)
+    return int(np.max(np.flatnonzero(hidden & (share >= TUNING.dense)), initial=-1)) + 1
+
+
 def _rises(column: Array) -> bool:
-    ranks = np.argsort(np.argsort(column, kind="stable"), kind="stable")
-    return float(np.corrcoef(np.arange(column.size), ranks)[0, 1]) > TUNING.ordered
+    """Whether the ranks of a column (n,) follow its rows, but for the few that lie farthest off: those of outliers."""
+    ranks, rows = np.argsort(np.argsort(column, kind="stable"), kind="stable"), np.arange(column.size)
+    most = column.size - int(TUNING.hidden * column.size)
+    followed = np.argsort(np.abs(ranks - rows), kind="stable")[:most]
+    return float(np.corrcoef(rows[followed], ranks[followed])[0, 1]) > TUNING.ordered
 
 
 def _unloads(falls: Array) -> bool:

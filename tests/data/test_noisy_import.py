@@ -103,6 +103,28 @@ def test_readings_below_zero_at_first_touch_are_left_out(tmp_path: Path) -> None
     assert len(solution.series) == 57
 
 
+def test_an_outlier_below_zero_costs_its_row_only(tmp_path: Path) -> None:
+    """Beyond the first tenth of the rows it used to refuse the table, before that to cost all rows up to it."""
+    columns = disturbed(HERTZ.series(60), "independent", 1e-2, 0)
+    clean = analyse(read(tmp_path / "t.csv", columns), [50.0])[0]
+    columns[2, 40] *= -0.1
+    columns[0, 50] *= -1
+    solution = read(tmp_path / "t.csv", columns)
+    (words,) = solution.warnings
+    assert words == "2 of 60 rows left out, whose radius, displacement or load is not positive: 42, 52"
+    assert len(solution.series) == 58
+    found = analyse(solution, [50.0])[0].pull_off["load"].P
+    assert abs(found / clean.pull_off["load"].P - 1) < 4e-3  # 2.1e-3 measured; the band is 8e-3
+
+
+def test_an_outlier_at_the_end_of_few_rows_is_no_other_order(tmp_path: Path) -> None:
+    """The last radius of 15 in the place of the fifth: the table used to be refused as in another order."""
+    columns = disturbed(HERTZ.series(15), "independent", 1e-2, 0)
+    columns[0, 14] = columns[0, 4]
+    (words,) = read(tmp_path / "t.csv", columns).warnings
+    assert words == "1 of 15 rows lie far off the others and count little: 16"
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("body", BODIES[:3:2], ids=lambda body: body.name)
 @pytest.mark.parametrize("kind", ["independent", "AR(1) 0.5", "AR(1) 0.9", "outliers", "drift"])

@@ -289,3 +289,14 @@ def test_a_chart_of_alike_costs_has_readable_ticks() -> None:
     assert high / low >= 10
     assert "1" in [label.get_text() for label in figure.axes[0].get_xticklabels()]
     assert figure.get_suptitle() == "sphere R = 100 µm"
+
+
+@pytest.mark.parametrize("begun", [True, False], ids=["program", "library"])
+def test_matplotlib_keeps_its_own_words_but_in_the_program(begun: bool) -> None:
+    code = (
+        f"from jkrcli.base import program\nif {begun}: program.begin()\nimport jkrcli.report.plots\n"
+        "from matplotlib import artist, lines\nprint('drawstyle' in lines.Line2D.set.__doc__)\n"
+        "print('drawstyle' in artist.kwdoc(lines.Line2D))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == [str(not begun), "True"]

@@ -6,6 +6,7 @@ import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,13 +15,15 @@ from ...base.errors import Refusal, SolveError
 from ...bodies.indenters import Indenter
 from ...bodies.materials import Elastic, contact_modulus
 from ...bodies.problem import Specimen
-from ..integral.attraction import Attraction, panels_for
 from ..integral.contact import InaccurateError, tolerance_remedy
 from ..integral.equation import DiscreteEquation, EquationResult, solve
 from ..integral.kernel import FredholmKernel, SumKernel
 from ..integral.quadrature import Panels, Quadrature
 from .product import product_matrix
 from .spectrum import LayeredSpectrum
+
+if TYPE_CHECKING:
+    from ..integral.attraction import Attraction
 
 
 @dataclass(frozen=True)
@@ -126,11 +129,15 @@ class LayeredContact(IndenterOnLayers):
     def attraction(self, reach: float, tolerance: float, order: int = 24) -> Attraction:
         """The pair of bodies ready for adhesion of finite range up to ``reach`` [m], K to the relative ``tolerance``;
         ``order`` as in ``matrix``."""
+        from ..integral.attraction import Attraction
+
         panels = self.attraction_panels(reach, tolerance)
         return Attraction.of(self.indenter, self.E_star, panels, self.matrix(panels, order))
 
     def attraction_panels(self, reach: float, tolerance: float) -> Panels:
         """The panels of ``attraction``; Refusal where they are too many."""
+        from ..integral.attraction import panels_for
+
         crowding = 1.0 if self.spectrum.tail is None else TUNING.narrower * self.scale / self.spectrum.tail.finest
         return panels_for(reach, self.indenter.a0, self.scale, tolerance, crowding)
 

@@ -1,0 +1,22 @@
+"""matplotlib's import without the tables of properties that it writes into its own docstrings, a third of its time."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Iterator
+
+from matplotlib import artist
+
+from ...base import program
+
+
+@contextlib.contextmanager
+def without_tables() -> Iterator[None]:
+    """What is imported here has none in the program ``jkr``, which shows none; elsewhere nothing is changed."""
+    tables = artist.kwdoc
+    if program.runs():
+        artist.kwdoc = lambda artist: ""
+    try:
+        yield
+    finally:
+        artist.kwdoc = tables

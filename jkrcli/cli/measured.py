@@ -63,8 +63,8 @@ OPTIONS = (
                  show_default=True, help="Zero points: fitted together with the rest (base line, tilt, contact point; "
                  "auto: of raw records), as-is, or estimated before from the free part of the approach."),
     click.option("--stiffness", type=StiffnessType(),
-                 help="The displacement is that of a device (piezo) of this stiffness: P/stiffness is subtracted; it "
-                 "makes a force of a deflection."),
+                 help='The displacement is that of a device (piezo) of this stiffness: P/stiffness is subtracted; it '
+                 'makes a force of a deflection. "rigid": nothing is to be subtracted.'),
     click.option("--sensitivity", type=SensitivityType(),
                  help='Of a force microscope, "45 nm/V", where its file lacks it: makes a deflection of volts.'),
     click.option("--format", type=click.Choice(["auto", "text", "afm"]), default="auto", show_default=True,

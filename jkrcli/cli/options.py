@@ -151,8 +151,13 @@ class FactorType(PositiveType):
 
 
 class StiffnessType(PositiveType):
+    """Of a device, or "rigid"."""
+
     name = "STIFFNESS"
     dimension = "stiffness"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        return math.inf if value == "rigid" else super().convert(value, param, ctx)
 
 
 class SensitivityType(PositiveType):

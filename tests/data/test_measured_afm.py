@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -93,6 +94,10 @@ WRONG: dict[str, tuple[Callable[[Path], Path], Reading, str]] = {
     "another spring constant than the file's": (
         lambda path: written(path / "m.h5", data(spring_constant=K)), Reading(stiffness=0.05),
         "{path}: names a spring constant of 0.04 N/m, with which its loads were computed: leave out --stiffness 0.05",
+    ),
+    "a lever that does not bend": (
+        lambda path: written(path / "m.h5", data()), Reading(stiffness=math.inf),
+        "{path}: is of a force microscope, whose lever bends: give its stiffness, not rigid",
     ),
     "columns of a file that knows its own": (
         lambda path: written(path / "m.h5", data(spring_constant=K)), Reading(columns={"P": "force"}),

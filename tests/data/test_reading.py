@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
@@ -58,6 +59,20 @@ def test_the_same_table_in_every_encoding(tmp_path: Path, encoding: str) -> None
         'displacement from column 1 "Weg [µm]", its sign as it is',
         "the deflection of the device is not subtracted: give --stiffness",
     )
+
+
+def test_nothing_is_subtracted_where_the_device_is_rigid(tmp_path: Path) -> None:
+    head = "Federkonstante: 0,3 N/m\n"
+    told, found = (
+        one(written(tmp_path, head + table(("Weg [m]", Z), ("Kraft [N]", LOAD))), reading)
+        for reading in (Reading(stiffness=math.inf), None)
+    )
+    np.testing.assert_array_equal(told.delta, Z)
+    np.testing.assert_allclose(found.delta, Z - LOAD / 0.3, rtol=1e-12)
+    assert told.flags[1] == "stiffness rigid as told, the head of the file says 0.3 N/m"
+    bent = written(tmp_path, table(("Height (um)", Z), ("Deflection_nm", LOAD)))
+    with pytest.raises(InputError, match=r"is a deflection in nm, and a rigid device has none: give its stiffness$"):
+        measured.read(bent, Reading(stiffness=math.inf))
 
 
 def test_letters_beyond_ascii_come_out_right() -> None:

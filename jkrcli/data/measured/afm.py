@@ -62,6 +62,8 @@ def load(path: Path, reading: Reading) -> tuple[list[Any], str]:
     logger = logging.getLogger("afmformats")
     if not logger.handlers:
         logger.addHandler(logging.NullHandler())  # its tracebacks are told here in one line
+    if reading.stiffness == math.inf:
+        raise InputError(f"{path}: is of a force microscope, whose lever bends: give its stiffness, not rigid")
     told = {"spring constant": reading.stiffness, "sensitivity": reading.sensitivity}
     override, lacks = {key: value for key, value in told.items() if value is not None}, ""
     try:

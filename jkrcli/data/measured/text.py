@@ -204,6 +204,8 @@ def _load_of_deflection(
     options = " and ".join(f"--{name}" for name in missing)
     if missing and not reading.incomplete:
         raise InputError(f"{table.path}: {title} is {kind}, no force: give {options}")
+    if known["stiffness"] == math.inf:
+        raise InputError(f"{table.path}: {title} is {kind}, and a rigid device has none: give its stiffness")
     factor = math.prod(1.0 if value is None else value for value in known.values())
     load = table.values[:, index] * 10.0 ** unit[1] * factor
     if missing:
@@ -230,10 +232,14 @@ def _on_stiffness(reading: Reading, held: Mapping[str, float], load: bool) -> li
     if reading.stiffness is not None:
         found = held.get("stiffness", reading.stiffness)
         return [] if math.isclose(found, reading.stiffness, rel_tol=1e-6) else \
-            [f"stiffness {reading.stiffness:g} N/m as told, the head of the file says {found:g} N/m"]  # fmt: skip
+            [f"stiffness {_words(reading.stiffness)} as told, the head of the file says {found:g} N/m"]  # fmt: skip
     if "stiffness" in held:
         return [f"stiffness {held['stiffness']:g} N/m from the head of the file, its deflection is subtracted"]
     return [NOT_SUBTRACTED] if load else []
+
+
+def _words(stiffness: float) -> str:
+    return "rigid" if stiffness == math.inf else f"{stiffness:g} N/m"
 
 
 def _curve(

@@ -73,7 +73,7 @@ def _panel(axes: Axes, rows: Mapping[str, Array], levels: Array) -> ContourSet:
     short, long = (np.abs(np.nan_to_num(force / limit - 1)) for limit in (sharp, 2))
     short = np.maximum.accumulate(short[:, ::-1], axis=1)[:, ::-1]  # from there on, as the force crosses limits
     long = np.maximum.accumulate(long, axis=1)
-    for values, style, words in ((short, "--", "JKR to 1 %"), (long, ":", "long range to 1 %")):
+    for values, style, words in ((short, "--", "JKR to 1 % (white)"), (long, ":", "long range to 1 % (white)")):
         axes.contour(mu, q, values, levels=[NEAR], colors="white", linestyles=style, linewidths=1.2)
         axes.plot([], [], style, color="0.5", label=words)
     excess = np.nan_to_num(force / np.maximum(sharp, 2) - 1)

@@ -47,14 +47,15 @@ SERIES_ENDINGS = (".h5", ".hdf5")
 
 def read_bytes(path: Path, what: str, limit: int = 1 << 30) -> bytes:
     """The content of ``path``; InputError where it is missing, a folder, unreadable or beyond ``limit`` bytes."""
-    with _opened(path, what) as file:
+    with opened(path, what) as file:
         if os.fstat(file.fileno()).st_size > limit:
             raise InputError(f"{path}: {what} is larger than {limit >> 20} MiB")
         return file.read()
 
 
 @contextlib.contextmanager
-def _opened(path: Path, what: str) -> Iterator[BinaryIO]:
+def opened(path: Path, what: str) -> Iterator[BinaryIO]:
+    """The file at ``path`` to read; InputError where it is missing, a folder, a device, a pipe or unreadable."""
     try:
         if path.exists() and not (path.is_file() or path.is_dir()):
             raise InputError(f"{path}: is a device or a pipe, not a {what}")
@@ -106,6 +107,8 @@ def check_target(path: Path, force: bool = False, inputs: Iterable[Path] = ()) -
     """Refuse, before any work, to write where it cannot be done, over an input, or over what is not ours."""
     if path.is_dir():
         raise InputError(f"{path}: is a folder, cannot be written as a file")
+    if path.exists() and not path.is_file():
+        raise InputError(f"{path}: is a device or a pipe, cannot be written as a file")
     if not path.parent.is_dir():
         raise InputError(f"{path}: the folder {path.parent} does not exist")
     if not os.access(path.parent, os.W_OK):

@@ -323,6 +323,20 @@ def test_a_pipe_or_device_is_not_read(jkr) -> None:
         flags = ("--radius", "5 um", "--nu", "0.5") if verb == "fit" else ()
         done = jkr(verb, *flags, "record.csv")
         assert (done.code, done.err) == (2, "jkr: error: record.csv: is a device or a pipe, not a table\n")
+    os.mkfifo("records.zip")
+    assert jkr("look", "records.zip").err == "jkr: error: records.zip: is a device or a pipe, not a zip archive\n"
+
+
+def test_a_pipe_or_device_is_not_replaced(jkr) -> None:
+    """Whether it is ours would be read, and waited for; by force a device of the system would become a file."""
+    for name in ("r.h5", "c.toml"):
+        os.mkfifo(name)
+    jkr("new", "my.toml")
+    run = ("run", "my.toml", "-o", "r.h5")
+    for name, words in (("r.h5", run), ("r.h5", (*run, "--force")), ("c.toml", ("new", "c.toml", "--force"))):
+        done = jkr(*words)
+        assert (done.code, done.err) == (2, f"jkr: error: {name}: is a device or a pipe, cannot be written as a file\n")
+        assert Path(name).is_fifo()
 
 
 def test_auto_goes_on_to_the_next_method_when_one_fails(jkr, tmp_path: Path) -> None:

@@ -10,10 +10,12 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
 from ...base.errors import InputError, first_line
-from ...base.files import read_bytes
+from ...base.files import opened
 
 ENDINGS = (".txt", ".csv", ".tsv", ".dat", ".asc", ".tab")
 MOST = 1 << 28  # choice: bytes of all tables of an archive together, before anything is unpacked
+PIECE = 1 << 16  # choice: bytes unpacked at a time
+PACKED = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)  # the others unpack without a limit, bzip2 a million times as much
 
 
 class NoTablesError(InputError):
@@ -33,10 +35,10 @@ class Tables:
     def __iter__(self) -> Iterator[tuple[str, bytes]]:
         stems = [PurePosixPath(name).stem for name in self.names]
         unique = len(set(stems)) == len(stems)
-        with zipfile.ZipFile(self.path) as file:
+        with opened(self.path, "zip archive") as whole, zipfile.ZipFile(whole) as file:
             for member, stem in zip(self.names, stems, strict=True):
                 try:
-                    content = file.read(member)
+                    content = _unpacked(file, member)
                 except (OSError, RuntimeError, NotImplementedError, EOFError, zipfile.BadZipFile, zlib.error) as error:
                     raise InputError(f"{self.path}: {member} cannot be unpacked ({first_line(error)})") from None
                 yield stem if unique else str(PurePosixPath(member).with_suffix("")), content
@@ -45,10 +47,9 @@ class Tables:
 def tables(path: Path) -> Tables:
     """The text tables of an archive; InputError where it is damaged, holds none, or would unpack to too much."""
     try:
-        with zipfile.ZipFile(path) as file:
+        with opened(path, "zip archive") as whole, zipfile.ZipFile(whole) as file:
             members = [item for item in file.infolist() if _is_table(item.filename)]
-    except (OSError, NotImplementedError, zipfile.BadZipFile) as error:
-        read_bytes(path, "archive")  # says what is wrong with it, where it is not there
+    except (NotImplementedError, zipfile.BadZipFile) as error:
         raise InputError(f"{path}: cannot be read as a zip archive ({first_line(error)})") from None
     if not members:
         raise NoTablesError(f"{path}: holds no text table ({', '.join(ENDINGS)})")
@@ -60,6 +61,15 @@ def tables(path: Path) -> Tables:
     if times > 1:
         raise InputError(f"{path}: holds {name} {times} times")
     return Tables(path, names)
+
+
+def _unpacked(file: zipfile.ZipFile, member: str) -> bytes:
+    """The content of a member, no more than the size that it is said to have: read in pieces, else all that it unpacks
+    to would come before the cut."""
+    if file.getinfo(member).compress_type not in PACKED:
+        raise NotImplementedError("neither stored nor deflated: pack it anew")
+    with file.open(member) as packed:
+        return b"".join(iter(lambda: packed.read(PIECE), b""))
 
 
 def _is_table(name: str) -> bool:

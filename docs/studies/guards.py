@@ -179,6 +179,15 @@ def rows_of_table_with_commas(rows: int) -> Pair:
     return rows_of_table(rows, ",")
 
 
+def columns_of_table(count: int) -> Pair:
+    """Of tables of as many cells, all of 8 bytes."""
+    names = ",".join(["delta_m", "P_N", *(f"c{i}" for i in range(count - 2))])
+    rows = (",".join([f"{i % 97:07d}"] * count) for i in range(4_000_000 // count))
+    path = Path(f"wide{count}.csv")
+    path.write_text("\n".join([names, *rows]))
+    return TABLES.per_row * rows_expected(path), lambda: list(each(path))
+
+
 def rows_of_fit(rows: int) -> Pair:
     Path("s.toml").write_text(text("closed-form", HALF_SPACE))
     path = table(rows)
@@ -199,6 +208,7 @@ FORECASTS: dict[Callable[[int], Pair], tuple[int, ...]] = {
     cases: (100, 1_000, 3_000),
     rows_of_table: (100_000, 1_000_000),
     rows_of_table_with_commas: (100_000, 1_000_000),
+    columns_of_table: (12, 100, 1_000),
     rows_of_fit: (10_000, 100_000, 1_000_000),
 }
 

@@ -14,6 +14,7 @@ from ..base.units import MOST
 from .text_table import TextTable, unit_power
 
 LONGEST = 200  # choice: characters of a header cell that is a name; longer ones take long to look through
+SHOWN = 20  # choice: columns that a message lists
 EXAMPLES = {"length": "um", "area": "um^2", "load": "mN", "time": "s"}
 
 
@@ -122,9 +123,10 @@ def check_chosen(table: TextTable, chosen: Mapping[str, int]) -> None:
 
 
 def choice(table: TextTable) -> str:
-    """All columns by number and name, for messages."""
-    listed = ", ".join(f'{i} "{name}"' if name else str(i) for i, name in enumerate(table.names, start=1))
-    return f"columns: {listed}"
+    """The columns by number and name, for messages."""
+    listed = [f'{i} "{name}"' if name else str(i) for i, name in enumerate(table.names[:SHOWN], start=1)]
+    more = len(table.names) - len(listed)
+    return f"columns: {', '.join(listed)}" + (f" and {more:,} more" if more else "")
 
 
 def words(table: TextTable, chosen: Mapping[str, int]) -> str:

@@ -27,6 +27,8 @@ OTHER_UNITS = ("", "-", "1", "V", "mV")
 SHEETS = (".xls", ".xlsx", ".ods")  # choice: endings of spreadsheets, which are no text
 WRONG_LINES_SHOWN = 5
 MOST_BYTES = 256 << 20  # choice: of a table of numbers, ten times as much in memory
+MOST_COLUMNS = 2000  # choice: a record of a thousand sensors and more
+LONGEST_COMMENT = 100_000  # choice: characters; one that is longer is passed over: it names no columns
 FIRST = 2000  # choice: bytes from which the encoding is found out
 HEAD, SPREAD = 400, 200  # choice: first lines, and about as many of the rest, from which the dialect is found out
 _NUMBER = re.compile(r"[+-]?(\d+(?:[.]\d*)?|[.]\d+)([eEdD][+-]?\d+)?\Z|[+-]?(nan|inf|infinity)\Z", re.IGNORECASE)
@@ -140,7 +142,7 @@ def read_table(
     Raises InputError, a line per mistake, where there is no table or a row differs in its number of cells.
     """
     whole = decoded(read_bytes(path, "table", MOST_BYTES) if content is None else content)
-    lines_of_file = [(n, line) for n, line in enumerate(whole.splitlines(), start=1) if line.strip()]
+    lines_of_file = _lines(path, whole)
     sample = lines_of_file[:HEAD] + lines_of_file[HEAD :: max(1, (len(lines_of_file) - HEAD) // SPREAD)]
     dialect = _dialect(sample, separator, decimal, least, is_text)
     if dialect is None and len(lines_of_file) > len(sample):
@@ -159,6 +161,26 @@ def read_table(
     text = _texts(lines_of_file, dialect, set(lines.tolist()))
     notes = {n: line for n, line in lines_of_file if n > lines[0] and _is_comment(line)}
     return TextTable(path, names, values, lines, dialect, text, tuple(header), notes)
+
+
+def _lines(path: Path, text: str) -> list[tuple[int, str]]:
+    """The lines that are not empty, by their numbers; InputError where one holds more cells than any table has."""
+    found = []
+    for n, line in enumerate(text.splitlines(), start=1):
+        if len(line) > 2 * MOST_COLUMNS:  # shorter ones hold no more
+            if _is_comment(line):
+                line = line if len(line) <= LONGEST_COMMENT else ""
+            elif _is_wide(line):
+                raise InputError(f"{path}: line {n} holds more than {MOST_COLUMNS:,} cells, the most that are read")
+        if line.strip():
+            found.append((n, line))
+    return found
+
+
+def _is_wide(line: str) -> bool:
+    """Whether a line holds more than ``MOST_COLUMNS`` cells; decimal commas are fewer, and runs of blanks part two."""
+    marks = line.count(";") or line.count(",")
+    return marks >= MOST_COLUMNS or len(line.split(None, MOST_COLUMNS)) > MOST_COLUMNS
 
 
 def _refuse_doubtful(path: Path, content: list[tuple[int, str]], dialect: Dialect) -> None:
@@ -212,11 +234,11 @@ def _regular(body: list[tuple[int, str]], dialect: Dialect, width: int) -> Array
 
 
 def _texts(content: list[tuple[int, str]], dialect: Dialect, lines: set[int]) -> dict[int, tuple[str, ...]]:
-    """The cells of the columns of text, at the lines that hold rows."""
+    """The cells of the columns of text, at the lines that hold rows; "" for an empty one at the end of a line."""
     if not dialect.text:
         return {}
     rows = [dialect.cells(line) for n, line in content if n in lines]
-    return {index: tuple(row[index] for row in rows) for index in dialect.text}
+    return {index: tuple(row[index] if index < len(row) else "" for row in rows) for index in dialect.text}
 
 
 def _with_text(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import tracemalloc
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
@@ -276,8 +277,8 @@ def test_unit_and_factor_overrule_the_header(tmp_path: Path) -> None:
 
 
 # ---------------------------------------------------------------------- archives
-def archive(path: Path, members: dict[str, bytes]) -> Path:
-    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as file:
+def archive(path: Path, members: dict[str, bytes], packed: int = zipfile.ZIP_DEFLATED) -> Path:
+    with zipfile.ZipFile(path, "w", packed) as file:
         for name, content in members.items():
             file.writestr(name, content)
     return path
@@ -299,6 +300,36 @@ def test_an_archive_holds_a_curve_per_table(tmp_path: Path) -> None:
     assert one(archive(tmp_path / "s.zip", {"s.txt": ENCODINGS["utf-8"]})).where == str(tmp_path / "s.zip")
 
 
+def test_no_more_is_unpacked_than_an_archive_says(tmp_path: Path) -> None:
+    """A member of 64 MiB that says it were 1000 bytes."""
+    path = archive(tmp_path / "m.zip", {"a.txt": bytes(64 << 20)})
+    content = path.read_bytes()
+    told, size = (64 << 20).to_bytes(4, "little"), (1000).to_bytes(4, "little")
+    assert content.count(told) == 2
+    path.write_bytes(content.replace(told, size))
+    tracemalloc.start()
+    with pytest.raises(InputError, match=r"m.zip: a.txt cannot be unpacked \(Bad CRC-32"):
+        measured.read(path)
+    most = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert most < 4 << 20
+
+
+def test_a_word_may_be_missing_at_the_end_of_a_line(tmp_path: Path) -> None:
+    """The cell of the segment, which no separator ends."""
+    rows = [
+        f"{z!r},{P!r},{'' if i else 'approach'}" for i, (z, P) in enumerate(zip(Z.tolist(), LOAD.tolist(), strict=True))
+    ]
+    curve = one(written(tmp_path, "\n".join(["delta_m,P_N,segment", *rows]).encode()))
+    assert curve.segment is not None
+    assert curve.segment.tolist() == ["approach", *[""] * (len(curve) - 1)]
+
+
+def test_a_long_comment_is_passed_over(tmp_path: Path) -> None:
+    path = written(tmp_path, table(("delta_m", Z), ("P_N", LOAD), head=f"# {'1 ' * 60_000}\n"))
+    np.testing.assert_allclose(one(path).P, LOAD, rtol=1e-12)
+
+
 WRONG: dict[str, tuple[Callable[[Path], Path], str]] = {
     "volts without a sensitivity": (
         lambda path: written(path, table(("Height (um)", Z), ("T-B(V)", LOAD))),
@@ -316,7 +347,20 @@ WRONG: dict[str, tuple[Callable[[Path], Path], str]] = {
         lambda path: archive(path / "m.zip", {"a.txt": bytes(3000)}),
         "{path}: its tables unpack to 0 MiB, at most 0 MiB are read",
     ),
-    "no archive there": (lambda path: path / "none.zip", "{path}: archive not found"),
+    "no archive there": (lambda path: path / "none.zip", "{path}: zip archive not found"),
+    "an archive packed otherwise": (
+        lambda path: archive(path / "m.zip", {"a.txt": b"0" * 2000}, zipfile.ZIP_BZIP2),
+        "{path}: a.txt cannot be unpacked (neither stored nor deflated: pack it anew)",
+    ),
+    "a line of more cells than a table has": (
+        lambda path: written(path, b"delta_m,P_N\n" + b"1," * 2000 + b"1\n"),
+        "{path}: line 2 holds more than 2,000 cells, the most that are read",
+    ),
+    "more columns than can be listed": (
+        lambda path: written(path, (",".join(map(str, range(1500))) + "\n").encode() * 3),
+        "{path}: at least two of contact radius (or area), displacement and load are needed, recognised: none; say "
+        f"which columns they are, --column P=NAME (columns: {', '.join(map(str, range(1, 21)))} and 1,480 more)",
+    ),
 }  # fmt: skip
 
 

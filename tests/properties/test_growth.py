@@ -76,6 +76,8 @@ def test_rows_are_told_from_size_and_first_lines(tmp_path: Path) -> None:
     with zipfile.ZipFile(tmp_path / "x.zip", "w", zipfile.ZIP_DEFLATED) as file:
         file.write(tmp_path / "x.csv", "x.csv")
     assert 1 / 3 < rows_expected(tmp_path / "x.zip") / 10_000 < 3
+    (tmp_path / "wide.csv").write_text(("1," * 999 + "1\n") * 100)
+    assert 1000 < rows_expected(tmp_path / "wide.csv") < 2000  # as many take as long
     assert rows_expected(tmp_path / "none.csv") == 0
     assert TUNING.per_row * 10_000 < TUNING.silence
 

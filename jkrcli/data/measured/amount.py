@@ -10,21 +10,25 @@ from .archive import tables
 
 FIRST = 1 << 16  # choice: bytes from which the length of a row is told
 EACH = 400  # choice: rows that a table of an archive costs beside its own
+WIDE = 160.0  # bytes, from which on a row costs by its length; tuned on tables of 12 to 1000 columns, by `make guards`
 USUAL = 40.0  # choice: bytes of a row where its length is not told so: of archives and files of microscopes
 
 
 def rows_expected(path: Path) -> float:
-    """About how many rows the file at ``path`` holds; 0 where it cannot be read, which its reader says, and of pipes,
-    which would be waited for."""
-    if not path.is_file():
-        return 0.0
+    """About how many rows the file at ``path`` holds, more of wide ones, which take as long.
+
+    0 where it cannot be read, which its reader says, and of pipes, which would be waited for.
+    """
     try:
+        if not path.is_file():
+            return 0.0
         if path.suffix.lower() == ".zip":
             inside = tables(path)
             with zipfile.ZipFile(path) as file:
                 return sum(file.getinfo(name).file_size / USUAL + EACH for name in inside.names)
         with path.open("rb") as file:
             first = file.read(FIRST)
-        return path.stat().st_size * (first.count(b"\n") / max(len(first), 1) or 1 / USUAL)
+        rows = first.count(b"\n") / max(len(first), 1)  # per byte
+        return path.stat().st_size * (max(rows, 1 / WIDE) if rows else 1 / USUAL)
     except (InputError, OSError, ValueError, zipfile.BadZipFile):
         return 0.0

@@ -20,6 +20,7 @@ DIRECTIONS = {
     **dict.fromkeys(("retract", "retraction", "withdraw", "retrace", "backward", "rt", "ret"), RETRACT),
 }
 LONGEST = 200  # choice: characters of a line that names a constant; longer ones take long to look through
+DEEPEST = 10_000  # choice: lines of a head that are looked through
 SPRING = ("k", "spring constant", "force constant", "cantilever stiffness", "springconstant", "federkonstante")
 SENSITIVITY = ("sensitivity", "deflection sensitivity", "invols", "defl sens")
 
@@ -126,7 +127,7 @@ def _direction(title: str) -> tuple[str | None, str]:
 def constants(head: tuple[str, ...]) -> Mapping[str, float]:
     """Spring constant "stiffness" [N/m] and "sensitivity" [m/V] that the head of a file names; 1 stands for unknown."""
     found: dict[str, float] = {}
-    for whole in head:
+    for whole in head[:DEEPEST]:
         line = re.sub(r"\s+", lambda blank: "\t" if "\t" in blank[0] else " ", whole)
         if len(line) > LONGEST:
             continue

@@ -15,7 +15,7 @@ from ..base.errors import InputError
 from ..base.unknown import Unknown
 from ..bodies.indenters import Indenter, Sphere
 from ..bodies.problem import Loading, Problem
-from ..series import ErrorBudget, RawSeries, Series, Solution, filter_plateaus
+from ..series import ErrorBudget, RawSeries, Series, Solution, filter_plateaus, is_series
 from .columns import CONTACT, Vocabulary, asked, check_chosen, words
 from .noisy_rows import is_noise, near_first_touch
 from .text_table import TextTable, read_table, some
@@ -117,6 +117,8 @@ def _by_fit(path: Path, raw: RawSeries, indenter: Indenter) -> tuple[RawSeries, 
     kept = RawSeries(raw.a[used], raw.delta[used], raw.P[used], raw.rows[used])
     _check_kept(path, kept, int(np.sum(~used)), indenter)
     series, slopes = smoothed(kept, indenter.a0, _first_slope(indenter))
+    if is_series(kept):  # their scatter is read off the rows themselves, not off what was fitted to them
+        series = Series(kept.a, kept.delta, kept.P, a0=indenter.a0, S0=_first_slope(indenter))
     lost = int(np.sum(raw.a[:first] > indenter.a0))
     words = [f"{lost} rows near first touch, where noise hides the contact, are left out"] if lost else []
     if alone := [str(row) for row in raw.rows[first:][hidden[first:]]]:

@@ -163,6 +163,17 @@ def test_correlation_length_of_residuals() -> None:
     assert correlation_length(alternating) == 1  # negative correlations do not narrow the band
 
 
+def test_few_points_count_as_many_as_the_columns_that_scatter() -> None:
+    """Student's quantile for 26 values in two columns is 1.71, for the 13 in one, or of a radius alone, 1.77: every
+    series used to be given that."""
+    exact, raw = half_space(15), noisy(half_space(15), 1e-2, 0)
+    in_all = smoothed(raw)[1].quantile
+    of_radius = smoothed(RawSeries(raw.a, exact.delta, exact.P))[1].quantile
+    of_load = smoothed(RawSeries(exact.a, exact.delta, raw.P))[1].quantile
+    assert in_all == pytest.approx(1.71, abs=0.01)
+    assert (of_radius, of_load) == pytest.approx((1.77, 1.77), abs=0.01)
+
+
 @pytest.mark.slow
 def test_band_agrees_with_a_bootstrap() -> None:
     series = half_space(60)

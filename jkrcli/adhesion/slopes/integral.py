@@ -66,7 +66,9 @@ class _Data:
 
 def integral(series: Series) -> Slopes:
     """S, S', and the smoothed delta_H and P_H, at the radii of ``series``; refused below 5 points."""
-    return _slopes(RawSeries(series.a, series.delta, series.P), series.errors, series.a0, series.S0, series.a)
+    raw = RawSeries(series.a, series.delta, series.P)
+    settled = _settle(raw, series.errors, series.a0, series.S0)
+    return _slopes(settled, raw, series.errors, series.a0, series.S0, series.a)
 
 
 def smoothed(
@@ -75,25 +77,33 @@ def smoothed(
     """A series and its slopes from increments, also where they are too noisy to be a series (columns out of order).
 
     Where radii repeat, as node-based ones do, the moments at which the next node is reached are found first
-    (``events.py``). The series holds the fitted columns at the data's radii, sorted and without repeats.
+    (``events.py``). The series holds the fitted columns at the data's radii, sorted and without repeats, but for those
+    of outliers beyond all others.
     """
     if errors is None and has_plateaus(raw):
         raw, errors = touch_events(raw)
-    a = np.unique(raw.a[raw.a > a0])
-    found = _slopes(raw, errors or {}, a0, S0, a)
+    settled = _settle(raw, errors or {}, a0, S0)
+    kept = np.delete(raw.a, settled.outliers)
+    a = np.unique(raw.a[(raw.a >= kept.min()) & (raw.a <= kept.max())])
+    found = _slopes(settled, raw, errors or {}, a0, S0, a)
     assert found.delta is not None
     assert found.P is not None
     return Series(a, found.delta, found.P, a0=a0, S0=S0), found
 
 
-def _slopes(raw: RawSeries, errors: Mapping[str, Array], a0: float, S0: float | None, wanted: Array) -> Slopes:
-    """The slopes at the radii ``wanted`` (m,), from a fit of the columns (n,)."""
-    a, delta, P = raw.a, raw.delta, raw.P
-    data = _prepare(a, delta, P, errors, a0)
-    y_scale, delta_scale, P_scale = float(np.max(a) - a0), float(np.max(delta)), float(np.max(P))
+def _settle(raw: RawSeries, errors: Mapping[str, Array], a0: float, S0: float | None) -> _Settled:
+    """The fit of the columns (n,), in units of their largest values."""
+    data = _prepare(raw.a, raw.delta, raw.P, errors, a0)
+    return _fine_enough(data, None if S0 is None else S0 * float(np.max(raw.delta)) / float(np.max(raw.P)))
+
+
+def _slopes(
+    settled: _Settled, raw: RawSeries, errors: Mapping[str, Array], a0: float, S0: float | None, wanted: Array
+) -> Slopes:
+    """The slopes at the radii ``wanted`` (m,) from the ``settled`` fit of the columns (n,)."""
+    a, fit = raw.a, settled.fit
+    y_scale, delta_scale, P_scale = float(np.max(a) - a0), float(np.max(raw.delta)), float(np.max(raw.P))
     S_scale = P_scale / delta_scale
-    settled = _fine_enough(data, None if S0 is None else S0 / S_scale)
-    fit = settled.fit
     x = np.log((wanted - a0) / y_scale)
     scales = np.array([delta_scale, P_scale, S_scale, S_scale / y_scale, delta_scale / y_scale, S_scale / y_scale**2])
     values, covariance, joint = _evaluate(settled, x, scales)
@@ -106,8 +116,7 @@ def _slopes(raw: RawSeries, errors: Mapping[str, Array], a0: float, S0: float | 
         shared = max(0.0, 1 - fit.phi) * given  # what the scatter does not show is shared by all points
         joint[:, :4, :4] += shared
         covariance += shared
-    # an error of a radius is in both columns' residuals: only half of them are independent
-    quantile = float(stdtrit(max((fit.residuals.size - fit.spent) / 2, 1.0), 0.95))
+    quantile = float(stdtrit(_freedom(fit), 0.95))
     known = not settled.hidden
     return Slopes(
         S,
@@ -125,6 +134,15 @@ def _slopes(raw: RawSeries, errors: Mapping[str, Array], a0: float, S0: float | 
     )
 
 
+def _freedom(fit: PenalisedFit) -> float:
+    """Degrees of freedom of the scatter (Satterthwaite, Biometrics Bull. 2 (1946) 110): those of all residuals where
+    both columns carry as much of it, of half of them where one does, or where an error of the radius is in both."""
+    rows = fit.independent
+    carried = np.linalg.eigvalsh(rows @ rows.T)
+    share = float(np.sum(carried) ** 2 / max(carried.size * np.sum(carried**2), np.finfo(float).tiny))
+    return max((rows.size - fit.spent) * max(share, 1 / carried.size), 1.0)
+
+
 def _flags(settled: _Settled, raw: RawSeries) -> Iterator[str]:
     """Sentences on what is wrong with the data."""
     if not settled.fit.settled:
@@ -137,7 +155,7 @@ def _flags(settled: _Settled, raw: RawSeries) -> Iterator[str]:
     if settled.hidden:
         yield f"errors of neighbouring rows seem to go together; {TOO_FEW} ({raw.a.size})"
     rho = settled.correlation
-    if isinstance(rho, float) and settled.evidence > TUNING.evidence:
+    if isinstance(rho, float) and rho > 0 and settled.evidence > TUNING.evidence:
         bins = settled.fit.residuals.size / 2
         worth = bins * (1 - rho) / (1 + rho)
         yield (

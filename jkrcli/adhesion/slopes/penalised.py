@@ -41,7 +41,7 @@ class PenaltyTuning:
     most: float = 100.0  # and the largest; choice: it leaves none of the block
     most_prior: float = 10.0  # variance of a coefficient before data are seen; choice: bodies do not bend more
     spread: tuple[float, ...] = tuple(4.0**n for n in range(-7, 3))  # about a lambda; choice: beyond, weights vanish
-    bias: float = 0.6  # of the allowance for smoothing bias, in noise; tuned on noisy series, by `make noise-study`
+    bias: float = 0.2  # of the allowance for smoothing bias, in noise; tuned on noisy series, by `make noise-study`
     negligible: float = 1e-4  # weight of a lambda; choice: below, it does not show
     updates: int = 40  # of the lambdas in a step; choice: they settle long before
     factor: float = 100.0  # most that an update changes a lambda by; tuned on noisy series, by `make tuning`

@@ -36,15 +36,18 @@ NOISE = (1e-3, 1e-2, 3e-2)
 
 @dataclass(frozen=True)
 class DisturbedCell:
-    """Figures of one cell, shares of its seeds: ``refused``; ``warned`` of what is wrong with the data; ``unknown``: no
-    error is stated; ``held``: the exact pull-off force lies in its 90 % band, of all that state one, and
-    ``unwarned_held``, of those without a warning; ``median``: of the error of the force, ``half_width``: of that
-    stated."""
+    """Figures of one cell of that many ``seeds``, shares of them.
+
+    ``refused``; ``warned`` of what is wrong with the data; ``unknown``: no error is stated; ``held``: the exact
+    pull-off force lies in its 90 % band, of all that state one, and ``unwarned_held``, of those without a warning;
+    ``median``: of the error of the force, ``half_width``: of that stated.
+    """
 
     body: str
     points: int
     kind: str
     noise: float
+    seeds: int
     refused: float
     warned: float
     unknown: float
@@ -103,6 +106,7 @@ def cell(body: Body, points: int, kind: str, noise: float, seeds: Iterable[int])
         points,
         kind,
         noise,
+        len(runs),
         1 - len(good) / len(runs),
         _share([run.warned for run in good]),
         1 - len(told) / max(len(good), 1),
@@ -162,17 +166,17 @@ def cells(bodies: Sequence[Body], seeds: int, points: Sequence[int] = (15, 60, 5
 
 
 def main(words: Sequence[str] | None = None) -> int:
-    """Print the table of all cells; 500 seeds take some hours on one core."""
+    """Print the table of all cells; 500 seeds take an hour and a half on one core."""
     parser = argparse.ArgumentParser(description=str(main.__doc__))
     parser.add_argument("--seeds", type=int, default=500)
     parser.add_argument("--body", action="append", choices=[body.name for body in BODIES])
     parser.add_argument("--points", action="append", type=int)
     given = parser.parse_args(words)
     chosen = [body for body in BODIES if body.name in (given.body or ("hertz", "layer-0.499"))]
-    print(f"{'body':<14}{'points':>7} {'kind':<12}{'noise':>7}{'refused':>9}{'warned':>8}{'unknown':>9}{'held':>7}"
-          f"{'quiet':>7}{'median':>10}{'stated':>10}")  # fmt: skip
+    print(f"{'body':<14}{'points':>7} {'kind':<12}{'noise':>7}{'seeds':>7}{'refused':>9}{'warned':>8}{'unknown':>9}"
+          f"{'held':>7}{'quiet':>7}{'median':>10}{'stated':>10}")  # fmt: skip
     for it in cells(chosen, given.seeds, given.points or (15, 60, 500)):
-        print(f"{it.body:<14}{it.points:>7} {it.kind:<12}{it.noise:>7g}{it.refused:>9.1%}{it.warned:>8.1%}"
+        print(f"{it.body:<14}{it.points:>7} {it.kind:<12}{it.noise:>7g}{it.seeds:>7}{it.refused:>9.1%}{it.warned:>8.1%}"
               f"{it.unknown:>9.1%}{it.held:>7.1%}{it.unwarned_held:>7.1%}{it.median:>10.2e}{it.half_width:>10.2e}",
               flush=True)  # fmt: skip
     return 0

@@ -299,8 +299,8 @@ def _mean_covariance(guesses: Sequence[_Guess], phi: float, prior: float, bias: 
 def _factor(normal: Array, added: Array) -> Array:
     """Upper Cholesky factor of ``normal`` with ``added`` on its diagonal."""
     system = normal.copy()
-    system[np.diag_indices_from(system)] += added
-    factor, wrong = lapack.dpotrf(system)
+    system.flat[:: added.size + 1] += added
+    factor, wrong = lapack.dpotrf(system.T, overwrite_a=True)  # in place: LAPACK's order is by columns
     if wrong:
         raise np.linalg.LinAlgError("the penalised normal matrix is not positive definite")
     return np.asarray(factor)
@@ -311,8 +311,10 @@ def _solve(factor: Array, right: Array) -> Array:
 
 
 def _inverse(factor: Array) -> Array:
-    upper = np.triu(lapack.dpotri(factor)[0])
-    return upper + np.triu(upper, 1).T
+    upper = lapack.dpotri(factor)[0]  # zero below the diagonal, as its factor is
+    full: Array = upper + upper.T
+    full.flat[:: upper.shape[0] + 1] /= 2
+    return full
 
 
 def _linear(

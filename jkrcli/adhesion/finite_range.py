@@ -20,7 +20,7 @@ from ..base.units import show
 from ..base.unknown import Estimate
 from ..bodies.problem import Problem
 from ..methods.attraction import AttractedBody
-from ..methods.integral.attraction import Attraction, Rims
+from ..methods.integral.attraction import Attraction, Rims, refuse_narrow
 from ..methods.layered.contact import checked
 from ..series import Series, Solution
 from .critical import Errors
@@ -326,6 +326,7 @@ class FiniteRangeBody:
         reach = self.body.reach(largest, s, gap)
         attraction = self.body.attraction(reach)
         whole = self._touching(attraction, s, gap)
+        refuse_narrow(whole)
         rims = _growing(whole)
         if complete := rims.a[0] == 0:
             apart = _with_begin(attraction.apart(np.linspace(0, rims.c[0], TUNING.apart + 1)[1:-1], s, gap), gap)

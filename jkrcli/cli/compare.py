@@ -11,6 +11,7 @@ from ..base.errors import InputError
 from ..report import tables
 from ..report.output import PICTURES, Output
 from ..series.differences import Difference, curve_differences, series_differences
+from .options import NumberRange
 from .output import answer, output_options
 from .series import read_series, series_file
 from .voice import say
@@ -21,11 +22,9 @@ COLUMNS = ("P", "a", "S", "dS")
 @click.command()
 @click.argument("first", type=click.Path(path_type=Path))
 @click.argument("second", type=click.Path(path_type=Path))
-@click.option(
-    "--rtol", type=click.FloatRange(min=0), default=1e-3, show_default=True, help="Largest relative difference."
-)
+@click.option("--rtol", type=NumberRange(min=0), default=1e-3, show_default=True, help="Largest relative difference.")
 @click.option("--column", "columns", multiple=True, type=click.Choice(COLUMNS), help="What counts [default: P].")
-@click.option("--overlap", type=click.FloatRange(0, 1), default=0.9, show_default=True, help="Least common range.")
+@click.option("--overlap", type=NumberRange(0, 1), default=0.9, show_default=True, help="Least common range.")
 @click.option("--plot", type=click.Path(path_type=Path), help="Draw the differences (.png or .svg).")
 @output_options(force="Replace an existing plot that jkr did not write.", json="Print as JSON.")
 @click.pass_context

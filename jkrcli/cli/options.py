@@ -22,7 +22,19 @@ else:
     ParamType = click.ParamType  # not generic in every version of click
 
 WORKERS = click.IntRange(1, 1024)
-POSITIVE = click.FloatRange(min=0, min_open=True)
+
+
+class NumberRange(click.FloatRange):
+    """A number of a range; "nan", which every comparison lets pass, is of none."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        number = super().convert(value, param, ctx)
+        if math.isnan(number):
+            self.fail(f"{value} is not in the range {self._describe_range()}.", param, ctx)
+        return number
+
+
+POSITIVE = NumberRange(min=0, min_open=True)
 
 
 def limits_options(command: Callable[..., Any]) -> Callable[..., Any]:

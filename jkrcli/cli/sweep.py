@@ -14,7 +14,7 @@ from ..many.sweep.running import sweep as carry_out
 from ..many.sweep.solving import FAILED
 from ..many.sweep.table import SweepTable
 from ..report import tables
-from .options import parallel_options
+from .options import NumberRange, parallel_options
 from .voice import note, progress, say, warn
 
 
@@ -24,9 +24,7 @@ from .voice import note, progress, say, warn
     "-o", "--output", type=click.Path(path_type=Path, file_okay=False), help="Folder [default: <sweep>-results here]."
 )
 @parallel_options
-@click.option(
-    "--hours", type=click.FloatRange(min=0), default=10.0, show_default=True, help="Most core hours to begin."
-)
+@click.option("--hours", type=NumberRange(min=0), default=10.0, show_default=True, help="Most core hours to begin.")
 @click.option("--retry-failed", is_flag=True, help="Try the failed cases of an earlier run again.")
 @click.option("--only", type=click.IntRange(min=0), metavar="CASE", help="Solve this case alone and print its row.")
 @click.option("--show-case", type=click.IntRange(min=0), metavar="CASE", help="Print this case as a case file.")

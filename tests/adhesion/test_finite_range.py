@@ -152,6 +152,19 @@ def test_short_range_goes_to_jkr_like_one_over_the_tabor_number_squared(name: st
 
 
 @pytest.mark.parametrize("name", BODIES)
+def test_ranges_that_are_next_to_none_are_solved_up_to_rounding(name: str) -> None:
+    """Separations were differences of nearly equal numbers and became 0/0: a gel at a range of 0.1 nm was refused."""
+    solution, w = solved(BODIES[name], 100.0, 4.0), 1e-4
+    sharp = jkr.transform(solution, w).curve
+    curve = finite_range_curve(solution, w, stress=3e5 * (w / 100.0) ** (1 / 3))
+    assert curve.pull_off(LOAD).P == pytest.approx(sharp.pull_off(LOAD).P, rel=2e-9)  # measured: 4e-10
+    assert not curve.doubts
+    for mu in (1e8, 1e20):
+        with pytest.raises(jkr.Refusal, match="which is adhesion without a range: leave stress and range out"):
+            finite_range_curve(solution, w, stress=mu * (w / 100.0) ** (1 / 3))
+
+
+@pytest.mark.parametrize("name", BODIES)
 def test_long_range_goes_to_a_rigid_sphere(name: str) -> None:
     """P_H - 2 pi w R at every radius, and with it the pull-off force, in proportion to mu."""
     w, R = 1e-5, 100.0

@@ -191,6 +191,24 @@ def test_intervals_hold_the_truth(lam: float, noise: float, confidence: str) -> 
         assert sum(name in missed(item, lam) for item in found) <= 4, name  # 1 expected; 5 once in 400
 
 
+def test_bounds_far_from_what_the_data_say_are_kept() -> None:
+    """They were laid beside the reach of the search, which had no room left."""
+    found = fit(tip(), record(1.0, 0.0), settings_of(tip(), ["range"], bound=[("range", "1 um..2 um")]))
+    assert 0.999e-6 < found.estimate("range").value < 2.001e-6
+    for name, ends in (("E_star", "1e18 Pa..1e19 Pa"), ("w", "..1e-20 J/m^2")):
+        with pytest.raises(
+            InputError, match=r"tip: no curve of this body comes nearer to the data|tip: the data reach"
+        ):
+            fit(tip(), record(1.0, 0.0), settings_of(tip(), bound=[(name, ends)]))
+
+
+def test_a_range_that_is_none_is_refused() -> None:
+    """Derivatives by it were 0/0."""
+    for law in (("range", "1e-25 m"), ("stress", "1e29 Pa")):
+        with pytest.raises(InputError, match="which is adhesion without a range: leave stress and range out"):
+            fit(tip(), record(1.0, 0.0), settings_of(tip(), fix=[law]))
+
+
 def test_what_does_not_go_together_is_one_line() -> None:
     with pytest.raises(InputError, match=r"^fit: range and stress are one quantity"):
         settings_of(tip(), ["range", "stress"])

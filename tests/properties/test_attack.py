@@ -91,6 +91,14 @@ def test_more_workers_than_any_machine_has_are_refused(jkr, series: Path) -> Non
         assert (done.code, "--workers" in done.err) == (2, True)
 
 
+def test_a_limit_that_is_no_number_is_refused(jkr, series: Path) -> None:
+    """Every comparison with it is wrong: nothing was too much, and nothing agreed."""
+    for words in (("transform", series.name, "--limit-time"), ("compare", series.name, series.name, "--rtol"),
+                  ("sweep", "many.toml", "--hours")):  # fmt: skip
+        done = jkr(*words, "nan")
+        assert (done.code, f"invalid value for '{words[-1]}': nan is not in the range" in done.err) == (2, True)
+
+
 def test_a_time_that_is_no_number_is_shown(jkr, series: Path) -> None:
     edit(series, lambda file: file["timings_s"].attrs.__setitem__("solve", float("nan")))
     assert "time      solve: nan s CPU" in jkr("show", series).out

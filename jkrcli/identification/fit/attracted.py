@@ -19,7 +19,7 @@ from ...base.errors import Refusal, SolveError
 from ...base.units import show
 from ...bodies.problem import Problem
 from ...methods.attraction import AttractedBody
-from ...methods.integral.attraction import Attraction, Discs, Rims
+from ...methods.integral.attraction import Attraction, Discs, Rims, refuse_narrow
 from .family import Drift, Family
 
 
@@ -124,6 +124,7 @@ class AttractedFamily:
     def _solved(self, s: float, gap: float) -> States:
         attraction, discs = self._reaching(s, gap)
         rims = discs.equilibria(s, gap, attraction.reach)
+        refuse_narrow(rims)
         held = np.isclose(rims.gap, gap, rtol=1e-6)
         count = int(np.argmin(held)) if not held.all() else held.size
         first = 1 + int(np.max(np.flatnonzero(np.diff(rims.c[:count]) <= 0), initial=-1))

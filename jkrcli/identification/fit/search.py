@@ -146,20 +146,21 @@ def robust(minimum: Minimum, loss: Loss) -> Minimum:
 
 
 def _bounds(objective: Objective, start: Array) -> tuple[Array, Array]:
-    """Bounds of the unknowns; logs stay near their start, those of layers around their nominal values."""
+    """Bounds of the unknowns; logs stay near their start, those of layers around their nominal values, as far as the
+    user's bounds let them."""
     low, high = [], []
     units = objective.natural_units()
     for p, x in zip(objective.parameters, start, strict=True):
-        middle, reach = (
-            (p.inner(objective.body.nominal(p.name)), TUNING.body_reach) if p.of_body else (float(x), TUNING.reach)
-        )
-        least, most = (middle - reach, middle + reach) if p.kind == "log" else (-np.inf, np.inf)
-        if p.name in RANGES:
-            least, most = float(x) - TUNING.span, float(x) + TUNING.span
+        least = p.inner(p.low) if p.kind != "linear" else p.low
+        most = p.inner(p.high) if np.isfinite(p.high) else np.inf
+        if p.kind == "log":
+            middle = min(max(p.inner(objective.body.nominal(p.name)) if p.of_body else float(x), least), most)
+            reach = TUNING.body_reach if p.of_body else TUNING.span if p.name in RANGES else TUNING.reach
+            least, most = max(least, middle - reach), min(most, middle + reach)
         if p.kind == "positive":
-            least = TUNING.faint * units[p.name]
-        low.append(max(p.inner(p.low) if p.kind != "linear" else p.low, least))
-        high.append(min(p.inner(p.high) if np.isfinite(p.high) else np.inf, most))
+            least = max(least, min(TUNING.faint * units[p.name], most / 2))
+        low.append(least)
+        high.append(most)
     return np.array(low), np.array(high)
 
 

@@ -46,10 +46,9 @@ class Parameter:
     def __post_init__(self) -> None:
         if not self.free and self.value is None:
             raise InputError(f"{self.name}: is fixed and needs a value")
-        least = -math.inf if self.kind == "linear" else 0.0
         if self.value is not None:
             self._check(self.value)
-        if not max(self.low, least) < self.high:
+        if not self.inner(self.low) < self.inner(self.high):
             raise InputError(f"{self.name}: bounds must increase and leave room, got {self.low:g} to {self.high:g}")
 
     def _check(self, value: float) -> None:
@@ -202,7 +201,8 @@ def settings_of(
     names = [name for name in names if name not in fixed]
     ranged = set(RANGES) & {*names, *fixed} or body.asked.stress is not None or body.asked.length is not None
     if "range" in bounds and not ranged:
-        _, options["range_at_most"] = _ends(body, "range", bounds.pop("range"))
+        low, options["range_at_most"] = _ends(body, "range", bounds.pop("range"))
+        Parameter("range", True, None, low, options["range_at_most"])
     if idle := sorted({*starts, *bounds} - set(names)):
         raise InputError(f"fit: {idle[0]} is not free: a start or a bound has no meaning (free: {', '.join(names)})")
     found = []

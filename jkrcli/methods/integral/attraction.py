@@ -48,6 +48,7 @@ class AttractionTuning:
         0.5,
         0.75,
     )  # of the annulus and beyond, to look at; choice: for a warning
+    narrowest: float = 1e-13  # theory: of c, the width of an annulus of which c - a still knows two digits
     slack: float = 1e-6  # of the range, that is not told from rounding there; choice: for a warning
     # Search for the width of the annulus, in logarithms:
     steps: int = 60  # choice: guard; about eight are needed
@@ -184,13 +185,24 @@ class Discs:
         return None
 
 
+def refuse_narrow(rims: Rims) -> None:
+    """Refuse annuli that rounding does not tell from the edge of the contact."""
+    widths = (rims.c - rims.a) / rims.c
+    if (widths < TUNING.narrowest).any():
+        a = show(float(rims.a[np.argmin(widths)]), "length")
+        raise Refusal(
+            f"adhesion of finite range: around the contact radius {a} the surfaces attract each other over less than "
+            f"{TUNING.narrowest:g} of it, which is adhesion without a range: leave stress and range out"
+        )
+
+
 def tension_arc(a: Array, c: Array, r: Array) -> Array:
     """int sqrt(c^2 - x^2)/sqrt(r^2 - x^2) dx [m] from a to the smaller of c and r, by x = that times cos(psi)."""
     near, far = np.minimum(r, c)[:, None], np.maximum(r, c)[:, None]
     nodes, weights = rule(TUNING.arc)
     half = angle(near[:, 0] - a, near[:, 0]) / 2
     psi = half[:, None] * (nodes + 1)
-    root = np.sqrt((far - near * np.cos(psi)) * (far + near * np.cos(psi)))
+    root = np.sqrt((far - near + 2 * near * np.sin(psi / 2) ** 2) * (far + near * np.cos(psi)))
     return half * (np.where((r < c)[:, None], root, (near * np.sin(psi)) ** 2 / root) @ weights)
 
 

@@ -20,7 +20,9 @@ CSV_HEADS = (
     b"r_m,pressure_Pa,shear_Pa,displacement_m",
     b"line,depth_m,r_m,sigma_zz_Pa",
     b"a_m,delta_m,P_N,device_m,phase",
+    b"a_m,delta_m,P_N,phase",  # under load control
     b"t_s,a_m,delta_m,P_N,device_m,speed_m_per_s",
+    b"t_s,a_m,delta_m,P_N,speed_m_per_s",  # the same
     b"curve,t_s,P_N,P_fit_N,a_fit_m",
     b"nu,base,w_R2_over_Estar_h3",
     b"nu,a_over_h,S_ratio,load_ratio",

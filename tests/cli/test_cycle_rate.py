@@ -112,3 +112,16 @@ def test_what_is_wrong_is_one_line(jkr: Callable, series: Path, words: tuple[str
     done = jkr("cycle", series, *words)
     assert (done.code, done.out) == (2, "")
     assert done.err.splitlines()[-1] == f"jkr: error: {said}"
+
+
+def test_an_edge_beyond_all_numbers_is_one_line(jkr: Callable, tmp_path: Path) -> None:
+    """A step that the integrator tried overflowed."""
+    (tmp_path / "l.toml").write_text("""
+indenter = { shape = "paraboloid", radius = "1 mm" }
+specimen.layers = [{ thickness = "0.2 mm", E = "1 MPa", nu = 0.3 }]
+loading = { radius = "0.1 mm", points = 20 }
+adhesion = { w = "50 mJ/m^2" }
+""")
+    done = jkr("cycle", "l.toml", "--rate", "law=log,v0=1e-30,b=1", "--speed", "1e30", "--no-plots")
+    assert done.code == 2
+    assert "jkr: error: l.h5: the edge's motion could not be followed beyond a = 0.0001 m: look at v0" in done.err

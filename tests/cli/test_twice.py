@@ -15,10 +15,13 @@ VERBS = {
     "transform": ("transform", "gel.h5", "--w", "0.03", "--w", "0.04", "--together"),
     "transform, finite range": ("transform", "gel.h5", "--w", "0.04", "--stress", "1 MPa"),
     "transform, dimensionless": ("transform", "gel.h5", "--w", "0.04", "--dimensionless", "thin-layer"),
+    "profile of a surface that sticks": ("profile", "cases/stuck.toml", "--a", "0.5 mm"),
     "profile": ("profile", "gel.h5", "--a", "0.5 mm"),
     "fields": ("fields", "gel.h5", "--a", "0.5 mm"),
     "cycle": ("cycle", "gel.h5"),
+    "cycle, load control": ("cycle", "gel.h5", "--stiffness", "load"),
     "cycle over time": ("cycle", "gel.h5", *RATE),
+    "cycle over time, load control": ("cycle", "gel.h5", *RATE[:-1], "1 uN/s", "--stiffness", "load"),
     "work": ("work", "cases/gel.toml", PROBE),
     "fit": ("fit", "cases/gel.toml", PROBE),
     "look": ("look", PROBE),
@@ -39,6 +42,8 @@ def test_a_verb_replaces_what_it_wrote(name: str, jkr, tmp_path: Path, monkeypat
     shutil.copytree(CASES, tmp_path / "cases")
     monkeypatch.chdir(tmp_path)
     (tmp_path / "o").mkdir()
+    gel = Path("cases/gel.toml").read_text()
+    Path("cases/stuck.toml").write_text(gel.replace("[specimen]", '[specimen]\nsurface = "sticking"', 1))
     words = VERBS[name]
     if "gel.h5" in words:
         assert jkr("run", "cases/gel.toml", "-o", "gel.h5").code == 0

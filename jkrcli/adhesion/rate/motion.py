@@ -190,10 +190,13 @@ def move(edge: Edge, ramp: Ramp, driven: Driven, t: float, a: float, tolerance: 
     start = [(t - ramp.t) / unit, math.log(a), 0.0, 0.0, excess]
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", "lsoda", UserWarning)  # it gives up, which is told below
-        found = solve_ivp(
-            rates, (0.0, TUNING.longest), start, method="LSODA", rtol=tolerance, atol=tolerance * TUNING.absolute,
-            dense_output=True, events=_events(edge, ramp, driven, unit),
-        )  # fmt: skip
+        try:
+            found = solve_ivp(
+                rates, (0.0, TUNING.longest), start, method="LSODA", rtol=tolerance, atol=tolerance * TUNING.absolute,
+                dense_output=True, events=_events(edge, ramp, driven, unit),
+            )  # fmt: skip
+        except OverflowError:  # a step that was tried left all numbers
+            raise _unfollowed(a) from None
     if found.status != 1:
         raise _unfollowed(math.exp(found.y[1, -1]))
     names = ("ramp", "first" if driven.receding else "last", "rest")

@@ -12,6 +12,7 @@ import numpy as np
 from jkrcli.adhesion.analysis import analyse
 from jkrcli.adhesion.curve import CriticalPoint
 from jkrcli.adhesion.device import CONTROLS
+from jkrcli.base.arrays import Array
 from jkrcli.base.errors import JkrError
 from jkrcli.base.executors import completed
 from jkrcli.base.table import as_json
@@ -145,12 +146,26 @@ def _indenter(rng: np.random.Generator, a: float) -> Indenter:
     return Sphere(a / steep) if kind == 0 else Paraboloid(a / steep)
 
 
-def _exact(problem: Problem, loading: Loading) -> tuple[Series, float]:
+@dataclass(frozen=True, eq=False)
+class Reference:
+    """The exact solution, its relative ``accuracy``, and what it states of its own columns at equal radius, where that
+    is less: relative errors, row by row."""
+
+    series: Series
+    accuracy: float
+
+    def unsure(self, name: str) -> Array:
+        """Relative errors of the column ``name``."""
+        stated = self.series.errors[name] / np.abs(getattr(self.series, name))
+        return np.minimum(stated, self.accuracy)
+
+
+def _exact(problem: Problem, loading: Loading) -> Reference:
     wide = problem.specimen.radius is None
     for accuracy in ACCURACIES if wide else REFINED:
         method = Layered(accuracy) if wide else Hybrid(accuracy)
         try:
-            return method(replace(problem, loading=loading)).series, accuracy
+            return Reference(method(replace(problem, loading=loading)).series, accuracy)
         except JkrError as error:
             reason = error
     raise reason
@@ -163,25 +178,25 @@ def _columns(solution: Solution) -> list[tuple[str, float, float]]:
     rows = rows[np.unique(np.linspace(0, rows.size - 1, ROWS).round().astype(int))]
     at_depth = bool(np.any(series.errors.get("a", 0.0)))
     found = []
-    exact, accuracy = _exact(solution.problem, Loading.given("radius", tuple(series.a[rows].tolist())))
+    exact = _exact(solution.problem, Loading.given("radius", tuple(series.a[rows].tolist())))
     errors = {**series.errors, **series.errors_at_radius}
     for name in ("delta", "P", "S", "dS"):
         if name in errors:
-            found.append(_ratio(f"{name} at equal a", series, exact, name, errors[name], rows, accuracy))
+            found.append(_ratio(f"{name} at equal a", series, exact, name, errors[name], rows, exact.unsure(name)))
     if at_depth:
-        exact, accuracy = _exact(solution.problem, Loading.given("depth", tuple(series.delta[rows].tolist())))
+        exact = _exact(solution.problem, Loading.given("depth", tuple(series.delta[rows].tolist())))
         found += [
-            _ratio(f"{name} at equal delta", series, exact, name, series.errors[name], rows, accuracy)
+            _ratio(f"{name} at equal delta", series, exact, name, series.errors[name], rows, exact.accuracy)
             for name in ("a", "P")
         ]
     return found
 
 
 def _ratio(
-    words: str, series: Series, exact: Series, name: str, errors: Any, rows: Any, accuracy: float
+    words: str, series: Series, exact: Reference, name: str, errors: Any, rows: Any, unsure: Array | float
 ) -> tuple[str, float, float]:
-    truth = getattr(exact, name)
-    error = np.maximum(np.abs(getattr(series, name)[rows] / truth - 1) - accuracy, 0.0)
+    truth = getattr(exact.series, name)
+    error = np.maximum(np.abs(getattr(series, name)[rows] / truth - 1) - unsure, 0.0)
     stated = errors[rows] / np.abs(truth)
     worst = int(np.argmax(error / stated))
     return words, float(error[worst] / stated[worst]), float(stated[worst])
@@ -201,15 +216,25 @@ def _points(solution: Solution) -> list[tuple[str, float, float]]:
         if not isinstance(point, CriticalPoint) or stated is None or isinstance(stated, Unknown):
             continue
         x = 0.02 * np.cos(np.pi * np.arange(9) / 8)[::-1]
-        exact, accuracy = _exact(solution.problem, Loading.given("radius", tuple((point.a * (1 + x)).tolist())))
-        t = shift(result.w, exact.a, np.asarray(exact.dS))
-        held, values = ("P", exact.P - exact.S * t) if CONTROLS[control] == 0 else ("delta", exact.delta - t)
+        reference = _exact(solution.problem, Loading.given("radius", tuple((point.a * (1 + x)).tolist())))
+        held = "P" if CONTROLS[control] == 0 else "delta"
+        values, unsure = _adhesive(reference, held, result.w)
         fit = np.polynomial.Chebyshev.fit(x, values, 8)
         roots = np.real(fit.deriv().roots())
         truth, said = float(fit(roots[np.argmin(np.abs(roots))])), getattr(point, held)
-        size = stated[held] / abs(truth)
-        found.append((f"pull-off {held}", max(abs(said / truth - 1) - 10 * accuracy, 0.0) / size, size))
+        error = max(abs(said - truth) - float(unsure.max()), 0.0)
+        found.append((f"pull-off {held}", error / stated[held], stated[held] / abs(truth)))
     return found
+
+
+def _adhesive(exact: Reference, held: str, w: float) -> tuple[Array, Array]:
+    """P [N] or delta [m] with the work of adhesion ``w`` at the radii of the ``exact`` solution, and how unsure."""
+    series, by_slope = exact.series, exact.unsure("dS") / 2
+    t = shift(w, series.a, np.asarray(series.dS))
+    if held == "delta":
+        return series.delta - t, np.abs(series.delta) * exact.unsure("delta") + t * by_slope
+    pulled = np.asarray(series.S) * t
+    return series.P - pulled, np.abs(series.P) * exact.unsure("P") + pulled * (exact.unsure("S") + by_slope)
 
 
 if __name__ == "__main__":

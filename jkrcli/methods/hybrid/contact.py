@@ -48,6 +48,7 @@ class HybridTuning:
     cornered: float = 8.0  # at most, with singular corners; tuned on random bodies, by `make failures`
     # Of the last step but one over the last, at most; where it falls by more, the last is small by accident:
     plausible: float = 300.0  # tuned on random bodies, by `make bounds`
+    plausible_cornered: float = 50.0  # with singular corners; tuned on random bodies, by `make bounds`
     steeper: float = 2.0  # error of S' over that of the others, at least; tuned on random bodies, by `make failures`
     allowed: float = 0.5  # of the tolerance, up to which ``steeper`` asks for no finer elements; choice: half
     unseen: float = 3.0  # times the last polynomial's change / (convergence - 1): its error; theory: geometric series
@@ -325,11 +326,11 @@ class AdaptiveKernel:
                 return np.full_like(best, np.inf)
 
         last, before = (change(levels.kernel(degree, coarser=steps)) for steps in (1, 2))
-        fastest = TUNING.cornered if levels.region.corners else TUNING.fastest
+        fastest, plausible = _fastest(levels.region)
         known = np.isfinite(before).all()
         fall = float(np.clip(before.max() / last.max() - 1, TUNING.slowest, fastest)) if known else TUNING.slowest
         left = TUNING.unseen / (convergence(levels.region) - 1)
-        last = np.maximum(last, before / TUNING.plausible) if known else last
+        last = np.maximum(last, before / plausible) if known else last
         if not levels.region.cut_beside:
             cut = np.zeros_like(best)
         elif levels.region.algebraic:
@@ -342,6 +343,11 @@ class AdaptiveKernel:
         steeper = np.minimum(TUNING.steeper * elements[:-1].max(axis=0), TUNING.allowed * self.attainable)
         elements[-1] = np.maximum(elements[-1], steeper)
         return ErrorEstimates(radii, elements, parameters, cut)
+
+
+def _fastest(region: Region) -> tuple[float, float]:
+    """The factors by which one step of the degree divides the error, at most, and what the step before changed."""
+    return (TUNING.cornered, TUNING.plausible_cornered) if region.corners else (TUNING.fastest, TUNING.plausible)
 
 
 def _extrapolated(region: Region, change: Array) -> Array:

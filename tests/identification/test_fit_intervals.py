@@ -48,23 +48,30 @@ def noise_of(exact: np.ndarray, kind: str) -> np.ndarray:
 
 
 @pytest.mark.parametrize(
-    ("seeds", "least"), [(15, 0.6), pytest.param(300, 0.9, marks=pytest.mark.slow)], ids=["15", "300"]
+    ("seeds", "least", "most"),
+    [(15, 0.6, 1.0), pytest.param(1000, 0.925, 0.975, marks=pytest.mark.slow)],
+    ids=["15", "1000"],
 )
 @pytest.mark.parametrize("kind", ["even", "relative"])
 @pytest.mark.parametrize("columns", COLUMNS)
 @pytest.mark.parametrize("name", BODIES)
-def test_intervals_hold(name: str, columns: str, kind: str, seeds: int, least: float) -> None:
-    """E* used to lie in its interval in 73 to 80 of 100 where a is measured: its noise was not told from the curve."""
-    (body, exact), truth, held = body_and_curve(name), BODIES[name][1], []
-    names, sigma = ("a", "delta", "P"), noise_of(exact, kind)
-    for seed in range(5000, 5000 + seeds):
+def test_intervals_hold(name: str, columns: str, kind: str, seeds: int, least: float, most: float) -> None:
+    """E* used to lie in its interval in 73 to 80 of 100 where a is measured: its noise was not told from the curve.
+    0.942 to 0.974 measured; right fits are seldom warned of."""
+    (body, exact), truth = body_and_curve(name), {"modulus": 1.0, "w": BODIES[name][1], "delta0": 0.0}
+    names, sigma, held, told = ("a", "delta", "P"), noise_of(exact, kind), [], []
+    for seed in range(30000, 30000 + seeds):
         readings = exact + sigma * np.random.default_rng(seed).standard_normal(exact.shape)
         found = fit(body, Curve(name, **{names[i]: readings[i] for i in COLUMNS[columns]}), usual())
-        pairs = [(found.estimate("modulus"), 1.0), (found.estimate("w"), truth)]
+        pairs = [(found.estimate(parameter), truth[parameter]) for parameter in found.free]
         held.append([item.low <= true <= item.high for item, true in pairs])
+        told.append(any("speak against this model" in text or "are structured" in text for text in found.warnings))
     shares = np.mean(held, axis=0)
-    print(f"{name}; {columns}; {kind}: E* {shares[0]:.3f}, w {shares[1]:.3f}")
+    by_name = dict(zip(found.free, shares.tolist(), strict=True))
+    print(f"{name}; {columns}; {kind}: {by_name}, warned of {np.mean(told):.3f}")
     assert (shares >= least).all(), shares
+    assert (shares <= most).all(), shares
+    assert np.mean(told) <= (0.05 if seeds >= 100 else 0.2)  # 0.025 measured
 
 
 def test_covariance_of_uneven_noise_is_that_of_many_draws() -> None:

@@ -46,6 +46,8 @@ class IntegralTuning:
     named: int = 8  # choice: rows in a message
     recorded: float = 0.9  # rank correlation with x of rows in the order of recording; choice: noise leaves more
     share: float = 1e-2  # least of the variances of a, delta, P in later rounds; tuned on the same, by `make tuning`
+    beside: int = 4  # choice: rows on either side that tell a radius far off; three outliers among them do no harm
+    far: float = 8.0  # choice: standard deviations; the fit itself finds what is nearer
     floor: float = 1e-7  # theory: of the scatter, accuracy of the model's own integrals and linear algebra
 
 
@@ -308,8 +310,8 @@ def _explained(fit: PenalisedFit, data: _Data) -> bool:
 def _fit(task: _Task, data: _Data) -> _Settled:
     """The fit with penalties found from the data, in rounds, each with the scatter that the one before has shown."""
     stiff = np.full(len(task.blocks), TUNING.stiff)
-    variances = np.ones((3, data.x.size)) if data.given is None else data.given[:, task.bins.order]
-    given = variances
+    given = None if data.given is None else data.given[:, task.bins.order]
+    variances = _far_off(task) * np.ones((3, 1)) if given is None else given
     best: PenalisedFit | None = None
     outliers = np.zeros(data.x.size, dtype=bool)
     rho, noisy, many = 0.0, False, data.x.size >= TUNING.tell_correlation
@@ -325,7 +327,7 @@ def _fit(task: _Task, data: _Data) -> _Settled:
             best, noisy = found, _noisy(found, data, variances)
         if data.given is None and found.phi <= floor:
             break
-        if data.given is None:
+        if given is None:
             scatter = task.scatter(best or start)
             variances, outliers = scatter.variances, scatter.outliers
         else:
@@ -344,6 +346,25 @@ def _fit(task: _Task, data: _Data) -> _Settled:
         noisy,
         not many,
     )
+
+
+def _far_off(task: _Task) -> Array:
+    """Relative variances (n,) of the first fit, in the order of recording: 1, and more for rows whose radius lies far
+    off what their load and displacement, beside those of their neighbours, make of it: a radius beyond all others bends
+    any spline to itself."""
+    x, load = task.bins.ordered_x, np.sum(task.measured, axis=0)
+    n, reach = x.size, TUNING.beside
+    if n <= 2 * reach + 1:
+        return np.ones(n)
+    rows = np.arange(n)[:, None] + np.array([j for j in range(-reach, reach + 1) if j])
+    rows = np.where((rows >= 0) & (rows < n), rows, rows - np.sign(rows) * (2 * reach + 1))  # at the ends one-sided
+    exponent = float(np.median(x[n // 2 :] - x[: -(n // 2)]) / np.median(load[n // 2 :] - load[: -(n // 2)]))
+    expected = exponent * (load[:, None] - load[rows])
+    gap = np.abs(x - np.median(x[rows] + expected, axis=1))
+    usual = float(np.median(gap)) / 0.6745  # theory: the median of the size of a normal number
+    # theory: an exponent that changes along the record moves a row by no more than the way to its neighbours
+    far = gap > np.maximum(TUNING.far * usual, np.median(np.abs(expected), axis=1))
+    return np.where(far, (gap / max(usual, TUNING.floor)) ** 2, 1.0)
 
 
 def _noisy(fit: PenalisedFit, data: _Data, variances: Array) -> bool:

@@ -17,12 +17,16 @@ from .. import __version__
 from ..base import interrupts
 from ..base.errors import InputError, JkrError, did_you_mean, printable
 from ..base.threads import begin_with_one
-from .voice import level_options
+from .voice import level_options, warn
 
 begin_with_one()  # the same numbers everywhere, and faster at these sizes
 os.environ["PYDANTIC_DISABLE_PLUGINS"] = "__all__"  # nothing foreign reads along, and no search for it
 
 MOST_WORDS = 100_000  # choice: of a command line; more take seconds to take apart
+
+LITTLE = 1 << 29  # choice: bytes of address space; NumPy, SciPy and matplotlib take 0.4 GB to load
+NO_ROOM = ("failed to map segment", "cannot allocate memory", "bad_alloc")  # of libraries that do not load
+OUT_OF_MEMORY = "out of memory: ask for fewer points, larger elements or a cheaper method"
 
 # What numpy warns of where a result would be no number: an error here, because nothing good can follow.
 ARITHMETIC = "(overflow|divide by zero|invalid value) encountered"
@@ -134,6 +138,7 @@ def call(arguments: Sequence[str] | None = None) -> int:
         words = list(sys.argv[1:] if arguments is None else arguments)
         if len(words) > MOST_WORDS:
             raise InputError(f"the command line holds {len(words):,} words, at most {MOST_WORDS:,} are read")
+        _say_little_space()
         with warnings.catch_warnings(), _interrupts_first():
             warnings.filterwarnings("error", ARITHMETIC, RuntimeWarning)
             code = jkr.main(args=words, prog_name="jkr", standalone_mode=False, obj=["jkr", *words])
@@ -152,7 +157,11 @@ def call(arguments: Sequence[str] | None = None) -> int:
     except RuntimeWarning as error:
         return _fail([f"the numbers leave the range of arithmetic ({error}); are all sizes and units right?"], 1)
     except MemoryError:
-        return _fail(["out of memory: ask for fewer points, larger elements or a cheaper method"], 1)
+        return _fail([OUT_OF_MEMORY], 1)
+    except ImportError as error:
+        if not any(words in str(error).lower() for words in NO_ROOM):
+            raise
+        return _fail([OUT_OF_MEMORY], 1)
     except BrokenPipeError:
         _give_up_output()
         return 1
@@ -160,6 +169,17 @@ def call(arguments: Sequence[str] | None = None) -> int:
         if error.filename is None:
             _give_up_output()
         return _fail([f"{error.filename or 'output'}: {error.strerror or error}"], 1)
+
+
+def _say_little_space() -> None:
+    """Say that ``ulimit -v`` leaves little: libraries that find no room wait for it, or end in words of their own."""
+    try:
+        import resource
+    except ImportError:  # systems without such limits
+        return
+    most, _ = resource.getrlimit(resource.RLIMIT_AS)
+    if 0 <= most < LITTLE:  # -1: no limit
+        warn(f"the address space is limited to {most >> 20} MiB: libraries may not load, or hang; raise ulimit -v")
 
 
 @contextlib.contextmanager

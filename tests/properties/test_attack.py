@@ -367,7 +367,27 @@ def test_little_address_space_ends_in_one_line(series: Path) -> None:
     words = ("sh", "-c", limited, "sh", sys.executable, "-m", "jkrcli", "run", "s.toml", "--method", "layered")
     done = subprocess.run([*words, "-o", "r.h5"], cwd=series.parent, capture_output=True, text=True, timeout=60)
     assert (done.returncode == 0) == (series.parent / "r.h5").exists()
+    assert done.stderr.startswith("jkr: warning: the address space is limited to 292 MiB: libraries may not load")
     assert "Traceback" not in done.stderr
+
+
+@pytest.mark.parametrize("said", ["x.so: failed to map segment from shared object", "std::bad_alloc"])
+def test_a_library_that_finds_no_room_is_out_of_memory(said: str, jkr, series: Path, monkeypatch) -> None:
+    def load(*_: object, **__: object) -> None:
+        raise ImportError(said)
+
+    monkeypatch.setattr("jkrcli.cli.show.read_series", load)
+    done = jkr("show", series)
+    assert (done.code, done.err.startswith("jkr: error: out of memory: ")) == (1, True)
+
+
+def test_a_library_that_is_not_there_is_not(jkr, series: Path, monkeypatch) -> None:
+    def load(*_: object, **__: object) -> None:
+        raise ImportError("no module")
+
+    monkeypatch.setattr("jkrcli.cli.show.read_series", load)
+    with pytest.raises(ImportError, match="no module"):
+        jkr("show", series)
 
 
 # ---------------------------------------------------------------------- clusters

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import os
 import shlex
 from collections.abc import Callable
 from dataclasses import replace
@@ -477,6 +478,24 @@ def test_an_empty_journal_marks_nothing_as_ours(jkr, tmp_path: Path) -> None:
     assert jkr("sweep", "s.toml", "-o", "r").code == 0
     (tmp_path / "r" / "journal.jsonl").unlink()
     assert jkr("sweep", "s.toml", "-o", "r").code == 0, "our own tables carry their own marks"
+
+
+@pytest.mark.parametrize("kind", ["folder", "pipe", "device", "file of 100 GiB"])
+def test_what_is_no_journal_is_not_read(jkr, tmp_path: Path, kind: str) -> None:
+    """A link to /dev/zero was read into all memory."""
+    (tmp_path / "s.toml").write_text(HALF_SPACE + AXIS)
+    journal = tmp_path / "r" / "journal.jsonl"
+    make = {
+        "folder": lambda: journal.mkdir(),
+        "pipe": lambda: os.mkfifo(journal),
+        "device": lambda: journal.symlink_to("/dev/null"),
+        "file of 100 GiB": lambda: (journal.touch(), os.truncate(journal, 100 << 30)),
+    }
+    (tmp_path / "r").mkdir()
+    make[kind]()
+    outcome = jkr("sweep", "s.toml", "-o", "r")
+    said = "journal is larger than 2048 MiB" if "GiB" in kind else "is a folder, a device or a pipe, not a journal"
+    assert (outcome.code, outcome.err) == (2, f"jkr: error: r/journal.jsonl: {said}; give another folder\n")
 
 
 def test_a_damaged_line_is_said_and_its_case_solved_again(jkr, tmp_path: Path, solves: list) -> None:

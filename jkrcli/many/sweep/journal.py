@@ -20,6 +20,7 @@ FORMAT, VERSION = "jkr-sweep-journal", 2
 HEAD = json.dumps({"format": FORMAT, "version": VERSION, "jkr": __version__}).encode() + b"\n"
 ENTRY = [str, str, str, list, float]  # of a line: identity, status, reason, values, CPU seconds; then their digest
 DIGITS = 16  # choice: of the digest of a line
+MOST_BYTES = 1 << 31  # choice: of all lines, which are read at once; some ten million cases
 
 
 class Journal:
@@ -111,7 +112,10 @@ def _parsed(line: bytes) -> Any:
 
 @contextlib.contextmanager
 def opened(path: Path) -> Iterator[Journal]:
-    """The journal at ``path``, made where there is none; InputError where another process is writing it."""
+    """The journal at ``path``, made where there is none; InputError where another process is writing it, or it is none
+    that can be read."""
+    if path.exists() and not path.is_file():
+        raise InputError(f"{path}: is a folder, a device or a pipe, not a journal; give another folder")
     try:
         file = path.open("r+b" if path.exists() else "w+b")
     except OSError as error:
@@ -123,6 +127,8 @@ def opened(path: Path) -> Iterator[Journal]:
             raise InputError(
                 f"{path}: another jkr sweep is writing there; wait for it, or give another folder"
             ) from None
+        if os.fstat(file.fileno()).st_size > MOST_BYTES:
+            raise InputError(f"{path}: journal is larger than {MOST_BYTES >> 20} MiB; give another folder")
         journal = Journal(path, file)
         journal.read()
         try:

@@ -25,6 +25,7 @@ from jkrcli.case import Case, parse_case
 from jkrcli.case.solving import solve
 from jkrcli.cli import call as jkr
 from jkrcli.cli.measured import TUNING as TABLES
+from jkrcli.cli.study_rate_map import TUNING as RATE_MAPS
 from jkrcli.data.measured import each
 from jkrcli.data.measured.amount import rows_expected
 from jkrcli.many.sweep.plan import load_plan
@@ -195,6 +196,13 @@ def rows_of_fit(rows: int) -> Pair:
     return seconds, lambda: jkr(["fit", "s.toml", str(path), "--no-plots", "-q", "--force"])
 
 
+def speeds_of_rate_map(count: int) -> Pair:
+    """On a half-space and a layer, of a rigid device."""
+    words = [word for V in np.geomspace(1e-4, 100, count) for word in ("--speed", f"{V:.6g}")]
+    action = ["study", "rate-map", "--stiffness", "rigid", "--no-plots", "--workers", "1", *words]
+    return RATE_MAPS.per_point * 2 * count, lambda: jkr(action)
+
+
 FORECASTS: dict[Callable[[int], Pair], tuple[int, ...]] = {
     layers: (1, 10, 100, 1000, 2400),
     graded_points: (3, 20, 200),
@@ -208,6 +216,7 @@ FORECASTS: dict[Callable[[int], Pair], tuple[int, ...]] = {
     cases: (100, 1_000, 3_000),
     rows_of_table: (100_000, 1_000_000),
     rows_of_table_with_commas: (100_000, 1_000_000),
+    speeds_of_rate_map: (13, 100),
     columns_of_table: (12, 100, 1_000),
     rows_of_fit: (10_000, 100_000, 1_000_000),
 }

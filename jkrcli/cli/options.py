@@ -169,7 +169,7 @@ class StiffnessType(PositiveType):
     dimension = "stiffness"
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
-        return math.inf if value == "rigid" else super().convert(value, param, ctx)
+        return math.inf if str(value).strip().lower() == "rigid" else super().convert(value, param, ctx)
 
 
 class SensitivityType(PositiveType):

@@ -28,7 +28,7 @@ SHEETS = (".xls", ".xlsx", ".ods")  # choice: endings of spreadsheets, which are
 WRONG_LINES_SHOWN = 5
 MOST_BYTES = 256 << 20  # choice: of a table of numbers, ten times as much in memory
 MOST_COLUMNS = 10_000  # choice: a map of 64 x 64 curves beside each other and more
-LONGEST_COMMENT = 100_000  # choice: characters; one that is longer is passed over: it names no columns
+LONGEST_HEAD = 100 * MOST_COLUMNS  # choice: characters of a line of words; longer ones name no columns
 FIRST = 2000  # choice: bytes from which the encoding is found out
 HEAD, SPREAD = 400, 200  # choice: first lines, and about as many of the rest, from which the dialect is found out
 _NUMBER = re.compile(r"[+-]?(\d+(?:[.]\d*)?|[.]\d+)([eEdD][+-]?\d+)?\Z|[+-]?(nan|inf|infinity)\Z", re.IGNORECASE)
@@ -38,6 +38,7 @@ _THOUSANDS = {  # by the decimal mark: a number whose digits are grouped, always
 }
 _GROUPED = re.compile(r"[1-9]\d{0,2},\d{3}\Z")
 _WORD = re.compile(r"[^\W\d]")
+_ROW = re.compile(r"""\s*["']?[+-]?[.,]?\d""")  # a line that begins with a number
 
 
 @dataclass(frozen=True)
@@ -164,12 +165,12 @@ def read_table(
 
 
 def _lines(path: Path, text: str) -> list[tuple[int, str]]:
-    """The lines that are not empty, by their numbers; InputError where one holds more cells than any table has."""
+    """The lines that are not empty, by their numbers; InputError where a row holds more cells than any table has."""
     found = []
     for n, line in enumerate(text.splitlines(), start=1):
-        if len(line) > 2 * MOST_COLUMNS:  # shorter ones hold no more
-            if _is_comment(line):
-                line = line if len(line) <= LONGEST_COMMENT else ""
+        if len(line) > MOST_COLUMNS:  # few cells stand in shorter ones
+            if not _ROW.match(line):
+                line = line if len(line) <= LONGEST_HEAD else ""
             elif _is_wide(line):
                 raise InputError(f"{path}: line {n} holds more than {MOST_COLUMNS:,} cells, the most that are read")
         if line.strip():
@@ -178,9 +179,9 @@ def _lines(path: Path, text: str) -> list[tuple[int, str]]:
 
 
 def _is_wide(line: str) -> bool:
-    """Whether a line holds more than ``MOST_COLUMNS`` cells; decimal commas are fewer, and runs of blanks part two."""
-    marks = line.count(";") or line.count(",")
-    return marks >= MOST_COLUMNS or len(line.split(None, MOST_COLUMNS)) > MOST_COLUMNS
+    """Whether a row of numbers holds more than ``MOST_COLUMNS`` cells, whatever divides them."""
+    marks = max(line.count(mark) for mark in SEPARATORS.values() if mark is not None)
+    return marks > MOST_COLUMNS or len(line.split(None, MOST_COLUMNS)) > MOST_COLUMNS
 
 
 def _refuse_doubtful(path: Path, content: list[tuple[int, str]], dialect: Dialect) -> None:

@@ -15,7 +15,7 @@ from jkrcli.base.errors import InputError
 from jkrcli.data import measured
 from jkrcli.data.measured import Curve, Reading
 from jkrcli.data.measured import archive as archive_room
-from jkrcli.data.text_table import decoded
+from jkrcli.data.text_table import decoded, read_table
 
 Z = np.array([0.0, 1.0, 2.0, 3.0, 2.0, 1.0]) * 1e-6  # toward the specimen
 LOAD = np.array([0.0, 0.0, 2.0, 9.0, 1.0, -3.0]) * 1e-9
@@ -74,6 +74,27 @@ def test_nothing_is_subtracted_where_the_device_is_rigid(tmp_path: Path) -> None
     bent = written(tmp_path, table(("Height (um)", Z), ("Deflection_nm", LOAD)))
     with pytest.raises(InputError, match=r"is a deflection in nm, and a rigid device has none: give its stiffness$"):
         measured.read(bent, Reading(stiffness=math.inf))
+
+
+def test_the_depth_itself_is_taken_where_the_device_is_rigid(tmp_path: Path) -> None:
+    path = written(tmp_path, table(("Piezo [m]", Z + LOAD / 5), ("Indentation [m]", Z), ("Force [N]", LOAD)))
+    for reading in (Reading(stiffness=math.inf), Reading(stiffness=5.0), None):
+        np.testing.assert_allclose(one(path, reading).delta, Z, rtol=1e-12, atol=1e-20)
+
+
+@pytest.mark.parametrize("mark", [",", "\t", ";"])
+def test_tables_as_wide_as_a_scan_are_read(tmp_path: Path, mark: str) -> None:
+    """Names of several words used to count as so many cells, long comments and prose above as rows."""
+    width = 10_000
+    names = [f"Height of curve {i} (um){mark}Force of curve {i} (nN)" for i in range(width // 2)]
+    rows = [mark.join(f"{i + 1}.5" for i in range(width)) + mark for _ in range(3)]
+    prose = "words of an operator " * 4000
+    path = written(tmp_path, "\n".join(["# " + prose, prose, mark.join(names), *rows]))
+    held = read_table(path, least=2)
+    assert held.values.shape == (3, width)
+    assert held.names[-1] == f"Force of curve {width // 2 - 1} (nN)"
+    path.write_text("# " + mark.join(names) + "\n" + "\n".join(rows))
+    assert read_table(path, least=2).names[0] == "Height of curve 0 (um)"
 
 
 def test_letters_beyond_ascii_come_out_right() -> None:
@@ -353,7 +374,7 @@ WRONG: dict[str, tuple[Callable[[Path], Path], str]] = {
         "{path}: a.txt cannot be unpacked (neither stored nor deflated: pack it anew)",
     ),
     "a line of more cells than a table has": (
-        lambda path: written(path, b"delta_m,P_N\n" + b"1," * 10_000 + b"1\n"),
+        lambda path: written(path, b"delta_m,P_N\n" + b"1," * 10_001 + b"1\n"),
         "{path}: line 2 holds more than 10,000 cells, the most that are read",
     ),
     "more columns than can be listed": (

@@ -310,6 +310,8 @@ def _displacement(table: TextTable, taken: set[int], stiffness: float | None) ->
     tip = prepared[0] if prepared else next((i for i, kind in found if not kind.device), None)
     if device is None or tip is None:
         return None if prepared else (found[0][0], "")
+    if stiffness == math.inf:
+        return None if prepared else (tip, "")
     if stiffness is not None:
         return device, f"the position of the device was taken, not {_column(table, tip)}: its stiffness is known"
     why = f"the position of the tip was taken, not {_column(table, device)}: the stiffness of the device is not known"

@@ -20,6 +20,7 @@ from ...base.errors import JkrError, SolveError
 from ...base.units import show
 from ...methods.layered.spectrum import spectrum_seconds
 from .model import Objective
+from .search import TUNING as SEARCH
 from .search import Minimum
 from .settings import Loss, Parameter, Settings
 from .statistics import influence
@@ -39,7 +40,6 @@ class RangeRivalTuning:
     rounded: float = 0.05  # choice: of logs of range and w with which curves are solved, so that fits share them
     chance: float = 2e-3  # choice: at which data of JKR itself show a range
     least_work: float = 1e-3  # choice: of the natural one; with less there is nothing whose range could matter
-    reach: float = 7.0  # choice: guard, how far logs may move, as in the search
     slow: float = 0.1  # choice: CPU seconds of a body's spectrum, above which no range is tried
 
 
@@ -167,7 +167,7 @@ def _rung(minimum: Minimum, length: float, variance: float, limit: float, loss: 
 def _near(objective: Objective, x: Array, start: Array) -> bool:
     """Whether all unknowns are numbers and their logs are within reach of where they started."""
     logs = [i for i, parameter in enumerate(objective.parameters) if parameter.kind == "log"]
-    return bool(np.isfinite(x).all() and (np.abs(x - start)[logs] <= TUNING.reach).all())
+    return bool(np.isfinite(x).all() and (np.abs(x - start)[logs] <= SEARCH.reach).all())
 
 
 def _rounded(objective: Objective, x: Array) -> Array:

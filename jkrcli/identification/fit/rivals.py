@@ -20,6 +20,7 @@ from ...base.arrays import Array
 from .family import Drift
 from .range_rival import RangeRival, range_rival_of
 from .result import FittedValue
+from .search import TUNING as SEARCH
 from .search import Minimum
 from .settings import Settings
 from .statistics import rise, t_quantile
@@ -33,7 +34,6 @@ class RivalTuning:
     chance: float = 5e-3  # choice: at which data of the model itself show a rival
     least: float = -0.7  # choice: guard, a change along the record; w and moduli stay above 0
     most: float = 1.2  # choice: guard, the same
-    reach: float = 7.0  # choice: guard, how far logs may move, as in the search
     steps: int = 4  # choice: guard, of Gauss and Newton
     close: float = 0.5  # choice: the last step, in standard errors; what remains is its square
     fewest: int = 6  # choice: degrees of freedom; two of them go to the rivals
@@ -151,7 +151,7 @@ def _followed(minimum: Minimum, drift: Drift, close: float) -> dict[str, float]:
     objective, x = replace(minimum.objective, drift=drift), minimum.x.copy()
     free, kept = objective.free, minimum.found.residuals.ravel()
     logs = np.array([parameter.kind == "log" for parameter in objective.parameters])
-    low, high = x - np.where(logs, TUNING.reach, np.inf), x + np.where(logs, TUNING.reach, np.inf)
+    low, high = x - np.where(logs, SEARCH.reach, np.inf), x + np.where(logs, SEARCH.reach, np.inf)
     for _ in range(TUNING.steps):
         there = objective.distances(x)
         jacobian = there.jacobian(free)

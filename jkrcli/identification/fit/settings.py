@@ -201,8 +201,7 @@ def settings_of(
     names = [name for name in names if name not in fixed]
     ranged = set(RANGES) & {*names, *fixed} or body.asked.stress is not None or body.asked.length is not None
     if "range" in bounds and not ranged:
-        low, options["range_at_most"] = _ends(body, "range", bounds.pop("range"))
-        Parameter("range", True, None, low, options["range_at_most"])
+        options["range_at_most"] = _longest_range(body, bounds.pop("range"))
     if idle := sorted({*starts, *bounds} - set(names)):
         raise InputError(f"fit: {idle[0]} is not free: a start or a bound has no meaning (free: {', '.join(names)})")
     found = []
@@ -270,6 +269,16 @@ def _ends(body: FittedBody, name: str, pair: tuple[str, str]) -> tuple[float, fl
         _value(body, name, written, low.strip()) if low.strip() else -math.inf,
         _value(body, name, written, high.strip()) if high.strip() else math.inf,
     )
+
+
+def _longest_range(body: FittedBody, pair: tuple[str, str]) -> float:
+    """The upper bound [m] of the range where JKR, whose range is 0, is fitted."""
+    low, high = _ends(body, "range", pair)
+    if low != -math.inf:
+        raise InputError('fit: range: a lower bound needs --free range; where JKR is fitted, give "..HIGH"')
+    if not high > 0:
+        raise InputError(f"fit: range: the bound must be > 0, got {high:g}")
+    return high
 
 
 def _parsed(name: str, text: str, dimension: str) -> float:

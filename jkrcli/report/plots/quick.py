@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 from collections.abc import Iterator
 
-from matplotlib import artist
+from matplotlib import artist as properties
 
 from ...base import program
 
@@ -13,10 +13,10 @@ from ...base import program
 @contextlib.contextmanager
 def without_tables() -> Iterator[None]:
     """What is imported here has none in the program ``jkr``, which shows none; elsewhere nothing is changed."""
-    tables = artist.kwdoc
+    tables = properties.kwdoc
     if program.runs():
-        artist.kwdoc = lambda artist: ""
+        properties.kwdoc = lambda artist: ""
     try:
         yield
     finally:
-        artist.kwdoc = tables
+        properties.kwdoc = tables

@@ -118,7 +118,9 @@ def _by_fit(path: Path, raw: RawSeries, indenter: Indenter) -> tuple[RawSeries, 
     _check_kept(path, kept, int(np.sum(~used)), indenter)
     series, slopes = smoothed(kept, indenter.a0, _first_slope(indenter))
     if is_series(kept):  # their scatter is read off the rows themselves, not off what was fitted to them
-        series = Series(kept.a, kept.delta, kept.P, a0=indenter.a0, S0=_first_slope(indenter))
+        inside = (kept.a >= series.a[0]) & (kept.a <= series.a[-1])
+        columns = kept.a[inside], kept.delta[inside], kept.P[inside]
+        series = Series(*columns, a0=indenter.a0, S0=_first_slope(indenter))
     lost = int(np.sum(raw.a[:first] > indenter.a0))
     words = [f"{lost} rows near first touch, where noise hides the contact, are left out"] if lost else []
     if alone := [str(row) for row in raw.rows[first:][hidden[first:]]]:

@@ -21,6 +21,7 @@ class NoisyRowsTuning:
     ordered: float = 0.85  # rank correlation of a column with the rows; choice: 10 % noise on 15 rows leaves more
     hidden: float = 0.1  # choice: of the rows, those near first touch that noise may hide, and those of outliers
     dense: float = 0.2  # choice: share of hidden rows near first touch; noise of the load alone leaves 0.3
+    window: int = 10  # choice: rows up to one of them, of which as many are hidden
 
 
 TUNING = NoisyRowsTuning()
@@ -43,8 +44,10 @@ def is_noise(size: Array, delta: Array, P: Array) -> bool:
 
 def near_first_touch(hidden: Array) -> int:
     """Number of rows in contact that lie near first touch: up to the last ``hidden`` one, (n,), that stands among
-    enough others."""
-    share = np.cumsum(hidden) / np.arange(1, hidden.size + 1)
+    enough others, of all rows and of those just before it."""
+    n, before = np.arange(1, hidden.size + 1), np.concatenate([[0], np.cumsum(hidden)])
+    near = np.maximum(n - TUNING.window, 0)
+    share = np.minimum(before[n] / n, (before[n] - before[near]) / (n - near))
     return int(np.max(np.flatnonzero(hidden & (share >= TUNING.dense)), initial=-1)) + 1
 
 

@@ -117,6 +117,18 @@ def test_an_outlier_below_zero_costs_its_row_only(tmp_path: Path) -> None:
     assert abs(found / clean.pull_off["load"].P - 1) < 4e-3  # 2.1e-3 measured; the band is 8e-3
 
 
+@pytest.mark.parametrize(("near", "outlier"), [(3, 14), (3, 30), (2, 12)])
+def test_an_outlier_below_zero_is_none_of_the_rows_near_first_touch(tmp_path: Path, near: int, outlier: int) -> None:
+    """The 14th of 60 rows used to count with three before it: the table was refused as in another order."""
+    columns = disturbed(HERTZ.series(60), "independent", 1e-2, 0)
+    columns[2, :near] *= -1
+    columns[2, outlier] *= -0.1
+    solution = read(tmp_path / "t.csv", columns)
+    assert solution.warnings[0] == f"{near} rows near first touch, where noise hides the contact, are left out"
+    assert solution.warnings[1].endswith(f"whose radius, displacement or load is not positive: {outlier + 2}")
+    assert len(solution.series) == 59 - near
+
+
 def test_an_outlier_at_the_end_of_few_rows_is_no_other_order(tmp_path: Path) -> None:
     """The last radius of 15 in the place of the fifth: the table used to be refused as in another order."""
     columns = disturbed(HERTZ.series(15), "independent", 1e-2, 0)
@@ -145,6 +157,14 @@ def test_a_radius_beyond_all_others_is_an_outlier(tmp_path: Path, points: int, f
     assert found.curve.series.a[-1] == last
     assert found.warnings == [f"1 of {points} rows lie far off the others and count little: {row + 2}"]
     assert found.pull_off_errors["load"]["P"] / abs(found.pull_off["load"].P) < 0.01  # 0.008 and 0.002 measured
+
+
+def test_rows_in_order_end_at_the_last_radius_that_is_no_outlier_too(tmp_path: Path) -> None:
+    columns = disturbed(HERTZ.series(60), "independent", 1e-3, 0)
+    last = columns[0, 58]
+    columns[0, 59] *= 1.5
+    columns[2, 30] *= -0.1
+    assert read(tmp_path / "t.csv", columns).series.a[-1] == last
 
 
 @pytest.mark.slow

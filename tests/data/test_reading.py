@@ -76,6 +76,14 @@ def test_nothing_is_subtracted_where_the_device_is_rigid(tmp_path: Path) -> None
         measured.read(bent, Reading(stiffness=math.inf))
 
 
+def test_a_segment_is_named_where_it_begins(tmp_path: Path) -> None:
+    """A row whose last cell is empty ended in a traceback, then was a segment of its own."""
+    words = ["approach", *[""] * (Z.size // 2 - 1), "retract", *[""] * (Z.size - Z.size // 2 - 1)]
+    rows = [f"{z!r},{load!r},{word}" for z, load, word in zip(Z.tolist(), LOAD.tolist(), words, strict=True)]
+    held = one(written(tmp_path, "\n".join(["delta_m,P_N,segment", *rows]))).segment
+    assert held.tolist() == ["approach"] * (Z.size // 2) + ["retract"] * (Z.size - Z.size // 2)
+
+
 def test_the_depth_itself_is_taken_where_the_device_is_rigid(tmp_path: Path) -> None:
     path = written(tmp_path, table(("Piezo [m]", Z + LOAD / 5), ("Indentation [m]", Z), ("Force [N]", LOAD)))
     for reading in (Reading(stiffness=math.inf), Reading(stiffness=5.0), None):
@@ -334,16 +342,6 @@ def test_no_more_is_unpacked_than_an_archive_says(tmp_path: Path) -> None:
     most = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     assert most < 4 << 20
-
-
-def test_a_word_may_be_missing_at_the_end_of_a_line(tmp_path: Path) -> None:
-    """The cell of the segment, which no separator ends."""
-    rows = [
-        f"{z!r},{P!r},{'' if i else 'approach'}" for i, (z, P) in enumerate(zip(Z.tolist(), LOAD.tolist(), strict=True))
-    ]
-    curve = one(written(tmp_path, "\n".join(["delta_m,P_N,segment", *rows]).encode()))
-    assert curve.segment is not None
-    assert curve.segment.tolist() == ["approach", *[""] * (len(curve) - 1)]
 
 
 def test_a_long_comment_is_passed_over(tmp_path: Path) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -78,7 +78,7 @@ def _curves(
     segments = None
     given = table.text[found.chosen["segment"]] if "segment" in found.chosen else _noted(table)
     if given:
-        segments = np.array([SEGMENTS.get(word.lower(), word) for word in given])
+        segments = np.array([SEGMENTS.get(word.lower(), word) for word in _continued(given)])
     for name, rows in _groups(table, found.chosen, stem):
         part = {key: column[rows] for key, column in found.values.items()}
         if segments is not None and _starts_anew(part.get("t"), segments[rows]):
@@ -87,6 +87,14 @@ def _curves(
         if isinstance(curve, Curve):
             curve = found.with_sign(curve, reading)
         yield curve, found.stiffness
+
+
+def _continued(words: Iterable[str]) -> list[str]:
+    """The words, for an empty one that of the row above: sheets write some only where they change."""
+    found: list[str] = []
+    for word in words:
+        found.append(word or (found[-1] if found else ""))
+    return found
 
 
 def _noted(table: TextTable) -> list[str]:

@@ -15,6 +15,7 @@ from jkrcli.base.errors import InputError
 from jkrcli.data import measured
 from jkrcli.data.measured import Curve, Reading
 from jkrcli.data.measured import archive as archive_room
+from jkrcli.data.measured.curve import AS_DEPTH
 from jkrcli.data.text_table import decoded, read_table
 
 Z = np.array([0.0, 1.0, 2.0, 3.0, 2.0, 1.0]) * 1e-6  # toward the specimen
@@ -82,6 +83,16 @@ def test_a_segment_is_named_where_it_begins(tmp_path: Path) -> None:
     rows = [f"{z!r},{load!r},{word}" for z, load, word in zip(Z.tolist(), LOAD.tolist(), words, strict=True)]
     held = one(written(tmp_path, "\n".join(["delta_m,P_N,segment", *rows]))).segment
     assert held.tolist() == ["approach"] * (Z.size // 2) + ["retract"] * (Z.size - Z.size // 2)
+
+
+def test_a_displacement_of_no_telling_name_beside_a_deflection_is_questioned(tmp_path: Path) -> None:
+    """A piezo's way, named by hand, was taken for the depth of the tip without a word: E* half of what it is."""
+    head = "Federkonstante: 0,3 N/m\n"
+    for name, asked in (("Verfahrung", True), ("Displacement", True), ("Indentation", False), ("Piezoweg", False)):
+        path = written(tmp_path, head + table((f"{name} (m)", Z), ("Deflection (m)", LOAD / 0.3)))
+        curve = one(path, Reading(columns={"delta": name}))
+        assert (AS_DEPTH in curve.flags) == asked, name
+        np.testing.assert_allclose(curve.delta, Z - LOAD / 0.3 if name == "Piezoweg" else Z, atol=1e-18)
 
 
 def test_the_depth_itself_is_taken_where_the_device_is_rigid(tmp_path: Path) -> None:

@@ -28,6 +28,7 @@ class Pixel:
 
 
 NOT_SUBTRACTED = "the deflection of the device is not subtracted: give --stiffness"  # a flag of a curve
+AS_DEPTH = "the displacement is taken as the depth of the tip: give --stiffness if it is that of the device"  # another
 
 
 @dataclass(frozen=True, eq=False)

@@ -43,7 +43,7 @@ POSITIONS = (
         "piezo height", "height (piezo)", "smoothed measured height", "höhe")),
     Position("a position of the piezo", 0, True, (
         "z sensor", "z sense", "zsensor", "zsnsr", "piezo", "piezo position", "z piezo", "z position", "zpos", "z",
-        "position", "raw", "calc ramp")),
+        "position", "raw", "calc ramp", "ramp", "piezo displacement", "piezoweg", "piezo weg", "piezohub")),
     Position("a way of the device", 1, True, (
         "weg", "traversenweg", "standardweg", "verfahrweg", "crosshead", "extension", "stroke")),
     Position("a penetration", 1, False, ("eindringtiefe", "eindringung", "penetration", "penetration depth")),
@@ -51,6 +51,7 @@ POSITIONS = (
         "tip sample separation", "tip position", "verticaltipposition", "separation", "sep", "tip sample distance",
         "abstand")),
 )  # fmt: skip
+DEPTHS = ("indent", "depth", "delta", "tip", "eindring")  # parts of names of what no deflection is in
 DEFLECTIONS = (
     "deflection", "cantilever", "cantilever deflection", "vertical deflection", "vdeflection", "defl", "t b", "dfl",
     "auslenkung", "deflection error",

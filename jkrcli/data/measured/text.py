@@ -15,9 +15,10 @@ from ...base.errors import InputError
 from ..columns import CONTACT, Quantity, Vocabulary, asked, check_chosen, choice, split_name, words
 from ..text_table import TextTable, read_table, unit_power
 from . import archive
-from .curve import APPROACH, LEAST_ROWS, NOT_SUBTRACTED, QUANTITIES, RETRACT, Curve, Reading, place
+from .curve import APPROACH, AS_DEPTH, LEAST_ROWS, NOT_SUBTRACTED, QUANTITIES, RETRACT, Curve, Reading, place
 from .instruments import (
     DEFLECTIONS,
+    DEPTHS,
     VOLTS,
     Position,
     constants,
@@ -160,6 +161,7 @@ class Columns:
             stiffness = None
         else:
             stiffness = reading.stiffness
+            flags += [AS_DEPTH] if _may_be_the_device(table, chosen, reading, held) else []
         return cls(table, chosen, values, position, stiffness, tuple(flags))
 
     def with_sign(self, curve: Curve, reading: Reading) -> Curve:
@@ -244,6 +246,18 @@ def _on_stiffness(reading: Reading, held: Mapping[str, float], load: bool) -> li
     if "stiffness" in held:
         return [f"stiffness {held['stiffness']:g} N/m from the head of the file, its deflection is subtracted"]
     return [NOT_SUBTRACTED] if load else []
+
+
+def _may_be_the_device(
+    table: TextTable, chosen: Mapping[str, int], reading: Reading, held: Mapping[str, float]
+) -> bool:
+    """Whether a displacement of no telling name stands beside a deflection, or under a head that names a stiffness."""
+    if reading.stiffness is not None or not {"delta", "P"} <= chosen.keys():
+        return False
+    title = plain(table.names[chosen["delta"]])
+    bends = _deflection_power(table, chosen["P"], reading) is not None
+    known = chosen["delta"] in NAMES.named(table, "delta")
+    return (bends or ("stiffness" in held and not known)) and not any(word in title for word in DEPTHS)
 
 
 def _words(stiffness: float) -> str:

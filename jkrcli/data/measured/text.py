@@ -15,7 +15,7 @@ from ...base.errors import InputError
 from ..columns import CONTACT, Quantity, Vocabulary, asked, check_chosen, choice, split_name, words
 from ..text_table import TextTable, read_table, unit_power
 from . import archive
-from .curve import APPROACH, AS_DEPTH, LEAST_ROWS, NOT_SUBTRACTED, QUANTITIES, RETRACT, Curve, Reading, place
+from .curve import APPROACH, AS_DEPTH, LEAST_ROWS, NOT_SUBTRACTED, OVERRULED, QUANTITIES, RETRACT, Curve, Reading, place
 from .instruments import (
     DEFLECTIONS,
     DEPTHS,
@@ -242,7 +242,7 @@ def _on_stiffness(reading: Reading, held: Mapping[str, float], load: bool) -> li
     if reading.stiffness is not None:
         found = held.get("stiffness", reading.stiffness)
         return [] if math.isclose(found, reading.stiffness, rel_tol=1e-6) else \
-            [f"stiffness {_words(reading.stiffness)} as told, the head of the file says {found:g} N/m"]  # fmt: skip
+            [f"stiffness {_words(reading.stiffness)}{OVERRULED}{found:g} N/m"]  # fmt: skip
     if "stiffness" in held:
         return [f"stiffness {held['stiffness']:g} N/m from the head of the file, its deflection is subtracted"]
     return [NOT_SUBTRACTED] if load else []

@@ -11,7 +11,7 @@ import numpy as np
 from ...base.errors import InputError, JkrError, SolveError
 from ...base.executors import Pool, completed
 from ...data.measured import Curve
-from ...data.measured.curve import APPROACH, AS_DEPTH, NOT_SUBTRACTED, RETRACT, Pixel
+from ...data.measured.curve import APPROACH, AS_DEPTH, NOT_SUBTRACTED, OVERRULED, RETRACT, Pixel
 from ...data.record import examine
 from .body import FittedBody, check_parameters
 from .checks import warnings_of
@@ -27,6 +27,7 @@ from .settings import Parameter, Settings
 from .statistics import structure
 
 CHUNK = 20  # choice: curves per task
+WARNED = {NOT_SUBTRACTED: "E* is that of contact and device in series: ", AS_DEPTH: ""}  # flags of a curve that matter
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,9 +45,6 @@ class Failure:
     @property
     def pixel(self) -> Pixel | None:
         return self.curve.pixel
-
-
-WARNED = {NOT_SUBTRACTED: "E* is that of contact and device in series: ", AS_DEPTH: ""}  # flags of a curve that matter
 
 
 def flags_of(curve: Curve) -> Mapping[str, str]:
@@ -98,7 +96,7 @@ def fit(body: FittedBody, curve: Curve, settings: Settings) -> Fit:
     """
     try:
         found = _fit(body, curve, settings)
-        kept = [WARNED[flag] + flag for flag in curve.flags if flag in WARNED]
+        kept = [WARNED.get(flag, "") + flag for flag in curve.flags if flag in WARNED or OVERRULED in flag]
         warnings = (*kept, *found.warnings)
         return replace(found, warnings=warnings, pixel=curve.pixel, surface=body.problem.surface)
     except InputError as error:

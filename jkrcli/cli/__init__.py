@@ -173,8 +173,10 @@ def call(arguments: Sequence[str] | None = None) -> int:
 
 def _say_little_space() -> None:
     """Say that ``ulimit -v`` leaves little: libraries that find no room wait for it, or end in words of their own."""
-    import resource
-
+    try:
+        import resource
+    except ImportError:  # systems without such limits
+        return
     most, _ = resource.getrlimit(resource.RLIMIT_AS)
     if 0 <= most < LITTLE:  # -1: no limit
         warn(f"the address space is limited to {most >> 20} MiB: libraries may not load, or hang; raise ulimit -v")

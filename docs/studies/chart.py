@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -104,7 +105,7 @@ def main(words: Sequence[str] | None = None) -> int:
     reference = reference_of(loaded.model.problem(), w)
     settings = settings_of(loaded.model, given.methods)
     results = []
-    with counted("chart", len(settings)) as step:
+    with counted("chart", len(settings), math.inf) as step:
         for result in chart(loaded, settings, w, reference, given.repeat, given.patience):
             results.append(result)
             step(isinstance(result, LeftOut))

@@ -59,7 +59,7 @@ def pool_of(given: argparse.Namespace, seconds: float) -> AbstractContextManager
 
 
 @contextlib.contextmanager
-def counted(label: str, total: int) -> Iterator[Step]:
+def counted(label: str, total: int, seconds: float) -> Iterator[Step]:
     """Progress as one line on stderr, on a terminal alone."""
     done, shown = itertools.count(1), sys.stderr.isatty()
 

@@ -25,9 +25,9 @@ from jkrcli.case import Case, parse_case
 from jkrcli.case.solving import solve
 from jkrcli.cli import call as jkr
 from jkrcli.cli.measured import TUNING as TABLES
-from jkrcli.cli.study_rate_map import TUNING as RATE_MAPS
 from jkrcli.data.measured import each
 from jkrcli.data.measured.amount import rows_expected
+from jkrcli.many.study import adhesion_map, pull_off_map, rate_map, sticking_map, transition_map
 from jkrcli.many.sweep.plan import load_plan
 from jkrcli.many.sweep.running import Means, sweep
 from jkrcli.many.sweep.running import forecast as forecast_of_sweep
@@ -196,11 +196,57 @@ def rows_of_fit(rows: int) -> Pair:
     return seconds, lambda: jkr(["fit", "s.toml", str(path), "--no-plots", "-q", "--force"])
 
 
+def rows_of_work(rows: int) -> Pair:
+    Path("s.toml").write_text(text("closed-form", HALF_SPACE))
+    path = table(rows)
+    seconds = (TABLES.per_row + TABLES.work_per_row) * rows_expected(path)
+    return seconds, lambda: jkr(["work", "s.toml", str(path), "--no-plots", "-q", "--force"])
+
+
+# ---------------------------------------------------------------------- forecasts of maps
+def axis(option: str, low: float, high: float, count: int) -> list[str]:
+    return [word for value in np.geomspace(low, high, count) for word in (option, f"{value:.6g}")]
+
+
+def study(name: str, *words: str) -> Callable[[], object]:
+    """The map in this process alone, so that its CPU time is counted."""
+    alone = () if name == "adhesion-map" else ("--workers", "1")
+    return lambda: jkr(["study", name, "--no-plots", *alone, *words])
+
+
 def speeds_of_rate_map(count: int) -> Pair:
     """On a half-space and a layer, of a rigid device."""
-    words = [word for V in np.geomspace(1e-4, 100, count) for word in ("--speed", f"{V:.6g}")]
-    action = ["study", "rate-map", "--stiffness", "rigid", "--no-plots", "--workers", "1", *words]
-    return RATE_MAPS.per_point * 2 * count, lambda: jkr(action)
+    words = ["--stiffness", "rigid", *axis("--speed", 1e-4, 100, count)]
+    return rate_map.forecast([0.3], [1.0], [1.0] * count), study("rate-map", *words)
+
+
+def ranges_of_transition_map(count: int) -> Pair:
+    return transition_map.forecast([0.499], [1.0], [1.0] * count), study(
+        "transition-map", "--q", "1", *axis("--mu", 0.1, 30, count)
+    )
+
+
+def ranges_of_adhesion_map(count: int) -> Pair:
+    return adhesion_map.forecast([1.0] * count), study("adhesion-map", *axis("--mu", 0.02, 50, count))
+
+
+def ratios_of_poisson_of_sticking_map(count: int) -> Pair:
+    words = [*axis("--nu", 0.1, 0.5, count), *axis("--ratio", 0.05, 10, 9)]
+    return sticking_map.forecast([0.3] * count, [1.0] * 9), study("sticking-map", *words)
+
+
+def radii_of_sticking_map(count: int) -> Pair:
+    return sticking_map.forecast([0.3] * 6, [1.0] * count), study("sticking-map", *axis("--ratio", 0.05, 10, count))
+
+
+def ratios_of_poisson_of_pull_off_map(count: int) -> Pair:
+    words = [*axis("--nu", 0.1, 0.5, count), "--q", "1"]
+    return pull_off_map.forecast([0.3] * count, [1.0]), study("pull-off-map", *words)
+
+
+def works_of_pull_off_map(count: int) -> Pair:
+    words = axis("--q", 1e-3, 1e4, count)
+    return pull_off_map.forecast([0.3, 0.499], [1.0] * count), study("pull-off-map", *words)
 
 
 FORECASTS: dict[Callable[[int], Pair], tuple[int, ...]] = {
@@ -217,8 +263,15 @@ FORECASTS: dict[Callable[[int], Pair], tuple[int, ...]] = {
     rows_of_table: (100_000, 1_000_000),
     rows_of_table_with_commas: (100_000, 1_000_000),
     speeds_of_rate_map: (13, 100),
+    ranges_of_transition_map: (17, 100),
+    ranges_of_adhesion_map: (29, 200),
+    ratios_of_poisson_of_sticking_map: (6, 40),
+    radii_of_sticking_map: (9, 1_000),
+    ratios_of_poisson_of_pull_off_map: (30, 300),
+    works_of_pull_off_map: (30, 1_000),
     columns_of_table: (12, 100, 1_000),
     rows_of_fit: (10_000, 100_000, 1_000_000),
+    rows_of_work: (10_000, 100_000, 1_000_000),
 }
 
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+from ..base.clock import duration
 from ..base.errors import Refusal
 from ..base.unknown import Unknown
 from ..bodies.problem import HalfSpace, Loading, Problem, Specimen
-from ..methods.guards import duration
 from ..methods.layered.layered import Layered
 from .curve import CriticalPoint, transform
 from .device import LOAD_CONTROL

@@ -42,7 +42,7 @@ Item = TypeVar("Item")
 Result = TypeVar("Result")
 Outcomes: TypeAlias = list[Result | Exception]
 Step: TypeAlias = Callable[[bool], object]  # called as an item is finished: whether it failed
-Progress: TypeAlias = Callable[[str, int], AbstractContextManager[Step]]  # of a label and the number of items
+Progress: TypeAlias = Callable[[str, int, float], AbstractContextManager[Step]]  # label, number of items, CPU seconds
 
 
 @dataclass(frozen=True)
@@ -58,15 +58,17 @@ TUNING = PoolTuning()
 
 
 @contextlib.contextmanager
-def silent(label: str, total: int) -> Iterator[Step]:
+def silent(label: str, total: int, seconds: float) -> Iterator[Step]:
     """Progress that nobody is shown."""
     yield lambda failed: None
 
 
 class Pool(Executor):
-    """An executor that works on ``workers`` tasks at a time and shows its ``progress``."""
+    """An executor that works on ``workers`` tasks at a time and shows its ``progress``; ``seconds``: CPU time forecast
+    of all its work, infinite where nobody knows it."""
 
     workers = 1
+    seconds = math.inf
     progress: Progress = staticmethod(silent)
     dashboard: str | None = None  # address of the page that shows what a cluster does
 
@@ -83,7 +85,7 @@ def executor(
 ) -> Iterator[Pool]:
     """A pool for ``completed``: ``workers`` local processes (1: this very process; default: one per core, as far as
     they pay for work of about so many CPU ``seconds``), or the workers of a running Dask ``scheduler``
-    ("tcp://host:8786").
+    ("tcp://host:8786"). ``progress`` is told of each list of items, and of the ``seconds``.
 
     Left by an exception (Ctrl-C is one), work in hand is given up at once and no process stays behind.
     """
@@ -93,7 +95,7 @@ def executor(
     if count < 1:
         raise InputError(f"--workers: must be >= 1, got {count}")
     pool = _Cluster(scheduler) if scheduler is not None else _Processes(count) if count > 1 else _Here()
-    pool.progress = progress
+    pool.progress, pool.seconds = progress, seconds
     try:
         yield pool
     except BaseException:
@@ -123,7 +125,7 @@ def completed(
     def hand_out(indices: range) -> None:
         running[pool.submit(run_chunk, __version__, function, [items[i] for i in indices])] = indices
 
-    with pool.progress(label, len(items)) as step:
+    with pool.progress(label, len(items), pool.seconds) as step:
         try:
             while tasks or running or suspects:
                 while tasks and not suspects and len(running) < TUNING.ahead * pool.workers:

@@ -19,6 +19,7 @@ from ..many.cost import process_cost
 from ..methods import METHODS
 from ..methods.guards import Limits
 from .options import limits_options
+from .voice import announce, note
 
 IMPORTS = "import time; t = time.process_time(); import {}; print(time.process_time() - t)"
 
@@ -37,7 +38,8 @@ def bench(case: Path, method: str | None, repeat: int, limits: Limits, as_json: 
     jkr bench cases/halfspace.toml --method layered --repeat 20
     """
     loaded = load_case(case)
-    choice, _ = solve(loaded, method, limits)
+    choice, solution = solve(loaded, method, limits, note)
+    announce(f"bench of {repeat} runs", (repeat + min(repeat, 3)) * sum(solution.timings.values()))
     runs = [_once(loaded, choice.name) for _ in range(repeat)]
     stages = {"import": [_import_seconds(type(choice.method).__module__) for _ in range(min(repeat, 3))]}
     stages |= {

@@ -32,7 +32,6 @@ SHALLOW = 0.2  # choice: of the tip radius, to which a body by flags is solved f
 SHOWN = 10  # curves that are told line by line, and drawn
 SURFACES = {"both": ("sliding", "sticking"), "sliding": ("sliding",), "sticking": ("sticking",)}
 NO_RANGE = "knows no adhesion of finite range, which the case asks for: leave adhesion.range, stress and capillary out"
-SECONDS = 0.1  # CPU seconds of a curve, about
 
 
 class NamesType(ParamType):
@@ -256,7 +255,7 @@ def _fits(
                 unread += item.lines
             else:
                 curves.append(item)
-    with executor(workers, scheduler, progress, SECONDS * len(curves)) as pool:
+    with executor(workers, scheduler, progress, TUNING.fit_per_curve * len(curves)) as pool:
         found = fit_all(body, curves, settings, pool)
     failed = [line for item in found if isinstance(item, Failure) for line in item.lines]
     return found, [*unread, *failed]

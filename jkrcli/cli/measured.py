@@ -14,10 +14,10 @@ from ..data.measured import Reading
 from ..data.measured.text import NAMES
 from ..data.text_table import SEPARATORS
 from ..methods import Forecast
-from ..methods.guards import Limits, admit, duration
+from ..methods.guards import Limits, admit
 from .options import KeyNumberType, KeyValueType, ScaleType, SensitivityType, StiffnessType
 from .output import Command
-from .voice import note
+from .voice import announce
 
 
 @dataclass(frozen=True)
@@ -27,7 +27,9 @@ class TableTuning:
     per_row: float = 3e-6  # CPU seconds to read; tuned on tables of 1e5 and 1e6 rows, by `make guards`
     mib_per_row: float = 7e-4  # of memory; tuned on the same, by `make guards`
     fit_per_row: float = 5e-5  # CPU seconds to fit; tuned on the same, by `make guards`
-    silence: float = 2.0  # choice: CPU seconds without a word
+    work_per_row: float = 8e-6  # CPU seconds of `jkr work`; tuned on the same, by `make guards`
+    fit_per_curve: float = 0.05  # CPU seconds; choice: of 2,000 rows, for the number of processes
+    work_per_curve: float = 5e-3  # CPU seconds; choice: of 300 rows, for the number of processes
 
 
 TUNING = TableTuning()
@@ -97,6 +99,5 @@ def begin_reading(verb: str, paths: Sequence[Path], per_row: float = 0.0, limits
     rows = sum(map(rows_expected, paths))
     cost = Forecast((TUNING.per_row + per_row) * rows, TUNING.mib_per_row * rows, 0.0)
     what = f"{verb} of about {float(f'{rows:.1g}'):,.0f} rows"
-    said = admit(what, cost, limits, "fewer rows")
-    if cost.seconds > TUNING.silence:
-        note(said or f"{what} takes about {duration(cost.seconds)} of CPU time")
+    admit(what, cost, limits, "fewer rows")
+    announce(what, cost.seconds)

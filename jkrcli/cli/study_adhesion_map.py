@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING
 import click
 import numpy as np
 
-from ..many.study.adhesion_map import ZONES, AdhesionMap, adhesion_map
+from ..base.executors import executor
+from ..many.study.adhesion_map import ZONES, AdhesionMap, adhesion_map, forecast
 from ..report.output import PICTURES, Output
 from .options import check_nu
 from .output import answer, into_folder, output_options
-from .voice import say
+from .voice import progress, say
 
 if TYPE_CHECKING:
     from ..report.plots import Figure
@@ -44,7 +45,9 @@ def study_adhesion_map(
     if not 0 < q < np.inf:
         raise click.BadParameter(f"must be > 0, got {q:g}", param_hint="--q")
     files = output.files(output.folder(Path()) / "adhesion-map", (".csv", *PICTURES))
-    found = adhesion_map(nu, base == "bonded", q, mus or _log(MUS), loads or _log(LOADS))
+    mus = mus or _log(MUS)
+    with executor(1, progress=progress, seconds=forecast(mus)) as pool:
+        found = adhesion_map(nu, base == "bonded", q, mus, loads or _log(LOADS), pool)
     files.write(found.columns(), figure=files.draw(lambda: _figure(found)))
     if output.json:
         answer({name: values.tolist() for name, values in found.columns().items()})

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..base.arrays import Array
 from ..base.executors import executor
-from ..many.study.pull_off_map import map_columns, pull_off_map
+from ..many.study.pull_off_map import forecast, map_columns, pull_off_map
 from ..report.output import PICTURES, Output
 from .options import check_nu, parallel_options
 from .output import answer, into_folder, output_options
@@ -48,7 +48,7 @@ def study_pull_off_map(
     check_nu(*nus)
     files = output.files(output.folder(Path()) / "pull-off-map", (".csv", *PICTURES))
     wanted = qs or tuple(10.0 ** (np.arange(-12, 17) / 4))
-    with executor(workers, scheduler, progress, len(nus)) as pool:
+    with executor(workers, scheduler, progress, forecast(nus, wanted)) as pool:
         columns = map_columns(pull_off_map(nus, base == "bonded", wanted, pool))
     files.write(columns, figure=files.draw(lambda: _figure(columns)))
     if output.json:

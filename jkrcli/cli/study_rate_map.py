@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,27 +12,17 @@ from ..adhesion.rate.laws import rate_law_of
 from ..base.arrays import Array
 from ..base.errors import InputError
 from ..base.executors import executor
-from ..many.study.rate_map import rate_columns, rate_map
-from ..methods.guards import duration
+from ..many.study.rate_map import forecast, rate_columns, rate_map
 from ..report.output import PICTURES, Output
 from .cycle_rate import PairsType
 from .options import check_nu, parallel_options
 from .output import answer, into_folder, output_options
-from .voice import note, progress, say
+from .voice import progress, say
 
 if TYPE_CHECKING:
     from ..report.plots import Figure
 
 
-@dataclass(frozen=True)
-class RateMapTuning:
-    """What a map takes."""
-
-    per_point: float = 0.075  # CPU seconds; tuned on maps of 13 and 100 speeds, by `make guards`
-    silence: float = 2.0  # choice: CPU seconds without a word
-
-
-TUNING = RateMapTuning()
 SPEEDS = tuple(10.0 ** (i / 2) for i in range(-8, 5))
 
 
@@ -72,11 +61,9 @@ def study_rate_map(
     law = rate_law_of({"v0": 1.0} | rate, "--rate")
     devices = [_stiffness(text) for text in stiffnesses]
     files = output.files(output.folder(Path()) / "rate-map", (".csv", *PICTURES))
-    points = (1 + len(thicknesses)) * len(devices) * len(speeds or SPEEDS)
-    if points * TUNING.per_point > TUNING.silence:
-        note(f"{points:,} points take about {duration(points * TUNING.per_point)} of CPU time")
-    with executor(workers, scheduler, progress, 1.0 + len(thicknesses)) as pool:
-        columns = rate_columns(rate_map(law, thicknesses, nu, devices, speeds or SPEEDS, pool))
+    speeds = speeds or SPEEDS
+    with executor(workers, scheduler, progress, forecast(thicknesses, devices, speeds)) as pool:
+        columns = rate_columns(rate_map(law, thicknesses, nu, devices, speeds, pool))
     files.write(columns, figure=files.draw(lambda: _figure(columns)))
     if output.json:
         answer({name: [x if math.isfinite(x) else None for x in values.tolist()] for name, values in columns.items()})

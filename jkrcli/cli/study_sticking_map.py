@@ -9,7 +9,7 @@ import click
 
 from ..base.arrays import Array
 from ..base.executors import executor
-from ..many.study.sticking_map import sticking_map
+from ..many.study.sticking_map import forecast, sticking_map
 from ..report.output import PICTURES, Output
 from .options import check_nu, parallel_options
 from .output import answer, into_folder, output_options
@@ -42,8 +42,9 @@ def study_sticking_map(
     """
     check_nu(*nus)
     files = output.files(output.folder(Path()) / "sticking-map", (".csv", *PICTURES))
-    with executor(workers, scheduler, progress, len(nus)) as pool:
-        columns = sticking_map(nus, ratios or RATIOS, pool)
+    ratios = ratios or RATIOS
+    with executor(workers, scheduler, progress, forecast(nus, ratios)) as pool:
+        columns = sticking_map(nus, ratios, pool)
     files.write(columns, figure=files.draw(lambda: _figure(columns)))
     if output.json:
         answer({name: values.tolist() for name, values in columns.items()})

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..base.arrays import Array
 from ..base.executors import executor
-from ..many.study.transition_map import transition_columns, transition_map
+from ..many.study.transition_map import forecast, transition_columns, transition_map
 from ..report.output import PICTURES, Output
 from .options import check_nu, parallel_options
 from .output import answer, into_folder, output_options
@@ -55,7 +55,7 @@ def study_transition_map(
     check_nu(*nus)
     qs, mus = qs or QS, mus or MUS
     files = output.files(output.folder(Path()) / "transition-map", (".csv", *PICTURES))
-    with executor(workers, scheduler, progress, len(nus) * len(qs) * len(mus) / 3) as pool:
+    with executor(workers, scheduler, progress, forecast(nus, qs, mus)) as pool:
         points = transition_map(nus, base == "bonded", qs, mus, pool)
     columns = transition_columns(points)
     unknown = [point.reason for point in points if point.reason]

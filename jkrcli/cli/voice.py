@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import math
 import shlex
 import sys
 from collections.abc import Callable, Iterator
@@ -10,10 +11,12 @@ from typing import Any
 
 import click
 
+from ..base.clock import duration
 from ..base.errors import printable, writable
 
-LEVEL, SAID = "jkr.level", "jkr.said"
+LEVEL, SAID, ANNOUNCED = "jkr.level", "jkr.said", "jkr.announced"
 QUIET, USUAL, VERBOSE = range(3)
+SILENCE = 2.0  # choice: CPU seconds without a word
 
 
 def level_options() -> list[click.Option]:
@@ -79,9 +82,21 @@ def warn(text: str) -> None:
         click.echo(f"jkr: warning: {printable(text)}", err=True)
 
 
+def announce(what: str, seconds: float) -> None:
+    """Say beforehand what will take so many CPU ``seconds``, where that is long and known; the first time in a command,
+    which tells of all of it."""
+    ctx = click.get_current_context(silent=True)
+    said: dict[str, bool] = {} if ctx is None else ctx.meta
+    if SILENCE < seconds < math.inf and not said.get(ANNOUNCED):
+        said[ANNOUNCED] = True
+        note(f"{what}: about {duration(seconds)} of CPU time")
+
+
 @contextlib.contextmanager
-def progress(label: str, total: int) -> Iterator[Callable[[bool], None]]:
-    """A bar on stderr, on a terminal alone; what it gives is called as an item is finished: whether it failed."""
+def progress(label: str, total: int, seconds: float) -> Iterator[Callable[[bool], None]]:
+    """The forecast of all items, and a bar on stderr, on a terminal alone; what it gives is called as an item is
+    finished: whether it failed."""
+    announce(label, seconds)
     failed = 0
     with click.progressbar(
         range(total), label=label, file=sys.stderr, hidden=not sys.stderr.isatty(), show_percent=False, show_pos=True,

@@ -9,7 +9,7 @@ import click
 
 from ..base.errors import InputError
 from ..report.output import PICTURES, Files, Output
-from .measured import begin_reading, reading_of, reading_options
+from .measured import TUNING, begin_reading, reading_of, reading_options
 from .options import WORKERS, ScaleType, modulus_factor_option, slopes_option
 from .output import answer, into_folder, output_options, refuse_doubles
 from .voice import progress, say, warn
@@ -74,7 +74,7 @@ def work(
     output.folder(Path())
     series = series_file(series)
     targets = [output.files(stem, (".csv", ".json", *PICTURES), (series, *measured)) for stem in stems]
-    begin_reading("work", measured)
+    begin_reading("work", measured, TUNING.work_per_row)
     solution = read_series(series)
     without_range(solution.record, "work")
     unit = nonadhesive(solution, slopes)
@@ -107,7 +107,7 @@ def _curves(path: Path, reading: Reading, evaluation: Evaluation, workers: int) 
 
     outcomes: list[Any] = list(each(path, reading))
     rows = [i for i, item in enumerate(outcomes) if not isinstance(item, InputError)]
-    with executor(workers, progress=progress) as pool:
+    with executor(workers, progress=progress, seconds=TUNING.work_per_curve * len(rows)) as pool:
         for i, outcome in completed(pool, evaluation, [outcomes[row] for row in rows], path.name, CHUNK):
             outcomes[rows[i]] = outcome
     skipped: list[str] = []

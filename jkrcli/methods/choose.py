@@ -13,10 +13,10 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
+from ..base.clock import duration
 from ..base.errors import InputError, Refusal
 from ..bodies.problem import Problem
 from . import Forecast, Method, least_first
-from .guards import duration
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ import math
 from dataclasses import dataclass
 from pathlib import Path
 
+from ..base.clock import duration
 from ..base.errors import Refusal
 from . import Forecast
 
@@ -45,13 +46,6 @@ def admit(what: str, forecast: Forecast, limits: Limits, less: str = LESS) -> st
 def _raised(value: float) -> str:
     """A limit that leaves some room above ``value``."""
     return f"{float(f'{1.3 * value:.1e}'):g}"
-
-
-def duration(seconds: float) -> str:
-    """A duration in words: ``40 s``, ``12 min``, ``3.4 h``."""
-    if seconds < 90:
-        return f"{seconds:.2g} s" if seconds < 10 else f"{seconds:.0f} s"
-    return f"{seconds / 60:.0f} min" if seconds < 5400 else f"{seconds / 3600:.3g} h"
 
 
 def free_memory() -> float:

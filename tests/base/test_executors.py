@@ -161,14 +161,14 @@ def test_progress_is_told_of_every_item_and_of_failures() -> None:
     told: list[object] = []
 
     @contextlib.contextmanager
-    def progress(label: str, total: int) -> Iterator[Callable[[bool], None]]:
-        told.append((label, total))
+    def progress(label: str, total: int, seconds: float) -> Iterator[Callable[[bool], None]]:
+        told.append((label, total, seconds))
         yield told.append
         told.append("end")
 
-    with executor(1, progress=progress) as pool:
+    with executor(1, progress=progress, seconds=0.5) as pool:
         list(completed(pool, square, [1, 3, 2], "squares"))
-    assert (told[0], told[-1]) == (("squares", 3), "end")
+    assert (told[0], told[-1]) == (("squares", 3, 0.5), "end")
     assert sorted(map(bool, told[1:-1])) == [False, False, True]
 
 

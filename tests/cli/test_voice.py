@@ -1,12 +1,14 @@
-"""What a verb says while it works: a bar on terminals, nothing elsewhere."""
+"""What a verb says while it works: what it will take where that is long, a bar on terminals."""
 
 from __future__ import annotations
 
 import io
+import math
 
+import click
 import pytest
 
-from jkrcli.cli.voice import progress
+from jkrcli.cli.voice import SILENCE, announce, progress
 
 
 class Terminal(io.StringIO):
@@ -19,7 +21,7 @@ class Terminal(io.StringIO):
 @pytest.mark.parametrize("stream", [Terminal(), io.StringIO()], ids=["terminal", "file"])
 def test_progress_is_shown_on_terminals_alone(monkeypatch: pytest.MonkeyPatch, stream: io.StringIO) -> None:
     monkeypatch.setattr("sys.stderr", stream)
-    with progress("cases", 2) as step:
+    with progress("cases", 2, 1.0) as step:
         step(False)
         step(True)
     if stream.isatty():
@@ -27,3 +29,19 @@ def test_progress_is_shown_on_terminals_alone(monkeypatch: pytest.MonkeyPatch, s
         assert "1/2" in stream.getvalue()
     else:
         assert stream.getvalue() == ""
+
+
+@pytest.mark.parametrize("seconds", [SILENCE, math.inf, math.nan])
+def test_what_is_short_or_unknown_is_not_announced(seconds: float, capsys: pytest.CaptureFixture[str]) -> None:
+    with progress("cases", 1, seconds):
+        pass
+    assert capsys.readouterr().err == ""
+
+
+def test_a_command_announces_its_time_once(capsys: pytest.CaptureFixture[str]) -> None:
+    for _ in range(2):
+        with click.Context(click.Command("x")):
+            announce("all", 60.0)
+            with progress("a part", 2, 40.0):
+                pass
+    assert capsys.readouterr().err == "jkr: all: about 60 s of CPU time\n" * 2

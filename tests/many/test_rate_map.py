@@ -32,15 +32,3 @@ def test_the_study_writes_table_and_figure(jkr: Callable) -> None:
     ):
         done = jkr("study", "rate-map", *words, "--force")
         assert (done.code, done.err.splitlines()[-1]) == (2, f"jkr: error: {said}")
-
-
-def test_a_long_map_is_announced(jkr: Callable, monkeypatch: pytest.MonkeyPatch) -> None:
-    """200 speeds took a minute without a word."""
-
-    def begun(*_: object) -> None:
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr("jkrcli.cli.study_rate_map.rate_map", begun)
-    speeds = [word for i in range(200) for word in ("--speed", str(0.01 * 1.02**i))]
-    done = jkr("study", "rate-map", *speeds, "--workers", "1")
-    assert (done.code, done.err.splitlines()[0]) == (130, "jkr: 800 points take about 60 s of CPU time")

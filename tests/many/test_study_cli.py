@@ -40,6 +40,33 @@ def test_studies_run_by_make_have_help(study, capsys: pytest.CaptureFixture[str]
     assert "--output OUTPUT" in capsys.readouterr().out
 
 
+def several(option: str, low: float, high: float, count: int) -> list[str]:
+    return [word for i in range(count) for word in (option, f"{low + (high - low) * i / count:g}")]
+
+
+LONG = {
+    "rate-map": (several("--speed", 0.01, 1, 200), "rate map: about 60 s"),
+    "transition-map": ([], "transition map: about 13 s"),
+    "adhesion-map": (several("--mu", 0.1, 10, 100), "adhesion map: about 6.5 s"),
+    "sticking-map": (several("--nu", 0, 0.5, 40), "sticking map: about 10 s"),
+    "pull-off-map": (several("--q", 0.1, 1, 5000), "pull-off map: about 10 s"),
+}
+
+
+@pytest.mark.parametrize("name", LONG)
+def test_a_long_map_is_announced_where_no_bar_is_shown(jkr, monkeypatch: pytest.MonkeyPatch, name: str) -> None:
+    """200 speeds took a minute without a word."""
+
+    def begun(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("jkrcli.base.executors._Here.submit", begun)
+    words, said = LONG[name]
+    alone = () if name == "adhesion-map" else ("--workers", "1")
+    done = jkr("study", name, *words, *alone, "--no-plots")
+    assert (done.code, done.err.splitlines()[0]) == (130, f"jkr: {said} of CPU time")
+
+
 @pytest.mark.slow
 def test_studies_do_not_depend_on_the_number_of_workers(jkr, study) -> None:
     words = ("noise", "--seeds", 2, "--body", "layer-0.4", "--points", 30)

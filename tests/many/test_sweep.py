@@ -108,7 +108,7 @@ def test_the_table_holds_the_classical_formulae(jkr, tmp_path: Path) -> None:
     )
     outcome = jkr("sweep", "s.toml", "-o", "r")
     assert outcome.code == 0
-    assert outcome.err.startswith("jkr: 6 cases to do with 3 solves: about ")
+    assert outcome.err == "jkr: 6 cases to do with 3 solves\n"
     table = rows(tmp_path / "r" / "table.csv")
     assert [row["case"] for row in table] == list("012345")
     for row in table:
@@ -436,7 +436,7 @@ def test_long_sweeps_are_announced_and_refused(jkr, tmp_path: Path) -> None:
     outcome = jkr("sweep", "s.toml", "-o", "r", "--hours", "1e-4")
     assert outcome.code == 2
     announced, refused = outcome.err.splitlines()
-    assert announced.startswith("jkr: 200 cases to do with 200 solves: about ")
+    assert announced == "jkr: 200 cases to do with 200 solves"
     assert refused.startswith("jkr: error: --hours: 200 cases with 200 solves would take about 0.00")
     assert refused.endswith(
         " core hours, more than the limit of 0.0001; raise it by --hours 1, or ask for fewer cases, fewer points or a "

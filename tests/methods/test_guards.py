@@ -12,12 +12,13 @@ from pathlib import Path
 
 import pytest
 
+from jkrcli.base.clock import duration
 from jkrcli.base.errors import Refusal
 from jkrcli.base.executors import available_cores
 from jkrcli.case import load_case
 from jkrcli.case.solving import solve
 from jkrcli.methods import Forecast, guards
-from jkrcli.methods.guards import Limits, admit, duration, free_memory
+from jkrcli.methods.guards import Limits, admit, free_memory
 
 CASES = Path(__file__).parents[2] / "cases"
 CASE = """

@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -20,6 +21,7 @@ from ...adhesion.law import Range
 from ...adhesion.slopes.choice import slopes
 from ...base.arrays import Array
 from ...base.errors import InputError, JkrError, SolveError
+from ...base.executors import Pool, in_order
 from ...bodies.indenters import Paraboloid
 from ...bodies.materials import Elastic
 from ...bodies.problem import Layer, Loading, Problem, Rigid, Specimen
@@ -30,7 +32,7 @@ from ...series import Series
 
 @dataclass(frozen=True)
 class ZoneTuning:
-    """Where one model ends, and which part of the map there is."""
+    """Where one model ends, which part of the map there is, and what it takes."""
 
     little: float = 0.05  # theory: Johnson and Greenwood (1997): what is left out of a model
     many: float = 20.0  # theory: the same, of delta_a over the range, above which JKR holds
@@ -41,6 +43,7 @@ class ZoneTuning:
     least_mu: float = 0.01  # choice: below, all is rigid
     largest_mu: float = 100.0  # choice: above, all is JKR or Hertz
     largest_load: float = 1000.0  # choice: over pi w R
+    per_mu: float = 0.065  # CPU seconds; tuned on maps of 29 and 200 ranges, by `make guards`
 
 
 TUNING = ZoneTuning()
@@ -80,8 +83,13 @@ class AdhesionMap:
         return fixed | {name: values.ravel() for name, values in told.items()} | {"zone": zone}
 
 
-def adhesion_map(nu: float, bonded: bool, q: float, mus: Sequence[float], loads: Sequence[float]) -> AdhesionMap:
-    """The map of one layer on a rigid base with q = w R^2/(E* h^3), in units of h = R = 1 m, E* = 1 Pa."""
+def adhesion_map(
+    nu: float, bonded: bool, q: float, mus: Sequence[float], loads: Sequence[float], pool: Pool | None = None
+) -> AdhesionMap:
+    """The map of one layer on a rigid base with q = w R^2/(E* h^3), in units of h = R = 1 m, E* = 1 Pa.
+
+    ``pool`` works on the ranges (default: this process).
+    """
     _within("mu", mus, TUNING.least_mu, TUNING.largest_mu)
     _within("load", loads, 1 / TUNING.largest_load, TUNING.largest_load)
     sorted_mus, sorted_loads = np.unique(mus), np.unique(loads)
@@ -89,14 +97,22 @@ def adhesion_map(nu: float, bonded: bool, q: float, mus: Sequence[float], loads:
     unit = math.pi * q
     problem, series = _reaching(specimen, q, TUNING.beyond * float(sorted_loads[-1]) * unit)
     body = FiniteRangeBody(problem, series, AttractedBody(problem))
-    rows = []
-    for mu in sorted_mus:
-        try:
-            rows.append(_carried(body.curve(Range.of(q, stress=float(mu) * q ** (1 / 3))), sorted_loads * unit))
-        except JkrError as error:
-            raise SolveError(f"adhesion map: nu = {nu:g}, q = {q:g}, mu = {mu:g}: {error}") from None
+    rows = in_order(pool, partial(_row, body, nu, q, sorted_loads * unit), sorted_mus.tolist(), "adhesion map")
     base = "bonded" if bonded else "frictionless"
     return AdhesionMap(nu, base, q, sorted_mus, sorted_loads, *np.moveaxis(np.array(rows), 1, 0).swapaxes(1, 2))
+
+
+def forecast(mus: Sequence[float]) -> float:
+    """CPU seconds that the map takes."""
+    return TUNING.per_mu * len(mus)
+
+
+def _row(body: FiniteRangeBody, nu: float, q: float, loads: Array, mu: float) -> Array:
+    """What ``_carried`` finds of one range on a ``body``."""
+    try:
+        return _carried(body.curve(Range.of(q, stress=mu * q ** (1 / 3))), loads)
+    except JkrError as error:
+        raise SolveError(f"adhesion map: nu = {nu:g}, q = {q:g}, mu = {mu:g}: {error}") from None
 
 
 def _reaching(specimen: Specimen, w: float, load: float) -> tuple[Problem, Series]:

@@ -31,12 +31,14 @@ from ...series import Series
 
 @dataclass(frozen=True)
 class MapTuning:
-    """Which part of the map there is, and how finely its series are solved."""
+    """Which part of the map there is, how finely its series are solved, and what that takes."""
 
     per_decade: int = 40  # choice: of the contact radius; twice as many change the pull-off force by 4e-8
     tolerance: float = 1e-6  # choice: relative, of the series; a/h near 100 at nu = 1/2 leaves 1e-7
     least: float = 1e-6  # choice: q, where a/h at pull-off is 0.015
     largest: float = 1e7  # choice: q, where a/h at pull-off is 90
+    per_nu: float = 4e-3  # CPU seconds; tuned on maps of 30 and 300 ratios of Poisson, by `make guards`
+    per_point: float = 1e-3  # CPU seconds of a q; tuned on maps of 1000, by `make guards`
 
 
 TUNING = MapTuning()
@@ -67,6 +69,11 @@ def pull_off_map(nus: Iterable[float], bonded: bool, qs: Sequence[float], pool: 
         )
     columns = in_order(pool, partial(_column, bonded, wanted), list(dict.fromkeys(nus)), "pull-off map")
     return [point for column in columns for point in column]
+
+
+def forecast(nus: Sequence[float], qs: Sequence[float]) -> float:
+    """CPU seconds that the map takes."""
+    return len(nus) * (TUNING.per_nu + TUNING.per_point * len(qs))
 
 
 def map_columns(points: Sequence[MapPoint]) -> dict[str, Array]:

@@ -33,7 +33,7 @@ from ...methods.layered.layered import Layered
 
 @dataclass(frozen=True)
 class TransitionTuning:
-    """Which part of the map there is, and how finely it is solved."""
+    """Which part of the map there is, how finely it is solved, and what that takes."""
 
     points: int = 60  # choice: contact radii of a curve; more are added where it bends
     room: float = 1.5  # choice: of the largest radius over that of pull-off without a range
@@ -41,6 +41,7 @@ class TransitionTuning:
     largest: float = 1e4  # choice: q
     softest: float = 0.05  # choice: mu, below which all is DMT
     hardest: float = 50.0  # choice: mu, above which all is JKR
+    per_point: float = 0.06  # CPU seconds; tuned on maps of 17 and 100 ranges, by `make guards`
 
 
 TUNING = TransitionTuning()
@@ -75,6 +76,11 @@ def transition_map(
     cells = [(nu, q) for nu in dict.fromkeys(nus) for q in sorted(set(qs))]
     rows = in_order(pool, partial(_row, bonded, tuple(sorted(set(mus)))), cells, "transition map")
     return [point for row in rows for point in row]
+
+
+def forecast(nus: Sequence[float], qs: Sequence[float], mus: Sequence[float]) -> float:
+    """CPU seconds that the map takes."""
+    return TUNING.per_point * len(nus) * len(qs) * len(mus)
 
 
 def transition_columns(points: Sequence[TransitionPoint]) -> dict[str, Array]:

@@ -9,11 +9,11 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
+from ...base.clock import duration
 from ...base.errors import InputError, JkrError
 from ...base.executors import Progress, completed, executor, silent
 from ...base.files import check_target, make_folder
 from ...base.table import write_csv
-from ...methods.guards import duration
 from ..cache import at_unit_modulus
 from .journal import Journal, opened
 from .plan import Group, Plan
@@ -140,7 +140,7 @@ def _left(plan: Plan, journal: Journal, say: Say) -> Work:
         journal.append(plan.identity(number), failed(plan.recipe, number, reason))
     work = Work(groups, forecast(plan, groups))
     if groups:
-        say(f"{work.cases:,} cases to do with {len(groups):,} solves: about {duration(work.seconds)} of CPU time")
+        say(f"{work.cases:,} cases to do with {len(groups):,} solves")
     return work
 
 

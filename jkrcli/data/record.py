@@ -45,6 +45,7 @@ class RecordTuning:
     wavy: float = 0.03  # choice: of the range of the load, waviness of a base line that is said
     steep: float = 0.2  # choice: of the largest load, what a tilt may make of it over the depth of contact
     wandering: float = 2.0  # choice: way over distance of a direction, above which it is none
+    opposed: float = 0.5  # choice: of the way, how far a direction goes the other way than its name says
 
 
 TUNING = RecordTuning()
@@ -394,9 +395,35 @@ def _flags(curve: Curve, parts: Sequence[Segment], directions: Sequence[Directio
             )
     if any(_wanders(curve.device[item.segment.rows]) for item in directions):
         flags["no force curve"] = "the device runs to and fro"
+    for item in directions:
+        if _goes_back(curve, item):
+            flags["wrong way"] = (
+                f"the displacement of the {item.segment.kind} goes the other way: it is positive into the specimen "
+                "(--flip delta)"
+            )
+        elif _pulls_deepest(curve, item):
+            flags["wrong sign"] = (
+                f"the load of the {item.segment.kind} is least where the device presses deepest: is compression "
+                "negative (--flip P)?"
+            )
     if said := saturation(curve):
         flags["saturated"] = said[0]
     return flags
+
+
+def _goes_back(curve: Curve, item: Direction) -> bool:
+    """Whether a direction goes the other way than the file names it."""
+    z = curve.device[item.segment.rows]
+    ends = max(1, round(z.size * TUNING.far))
+    way = float(z[-ends:].mean() - z[:ends].mean()) * (1 if item.segment.kind == APPROACH else -1)
+    return way < -TUNING.opposed * float(np.ptp(z))
+
+
+def _pulls_deepest(curve: Curve, item: Direction) -> bool:
+    """Whether tension is largest where the device presses deepest, as it is where tension counts as positive."""
+    z = curve.device[item.segment.rows]
+    deepest = item.adhesion_at > z.max() - TUNING.turning * float(np.ptp(z))
+    return deepest and item.based and isinstance(item.touch, float) and isinstance(item.adhesion, float)
 
 
 def _wanders(delta: Array) -> bool:

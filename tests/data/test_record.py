@@ -138,3 +138,20 @@ def test_what_lets_go_slowly_is_neither_free_nor_in_contact() -> None:
     inwards = slow[side.segment.rows][::-1]
     assert last == np.argmin(inwards - side.base(curve.device[side.segment.rows][::-1]))
     assert last - first > 100
+
+
+def test_a_displacement_against_its_segments_is_named_and_not_fitted() -> None:
+    """A height that grows away from the specimen, under a name that does not say so."""
+    curve = curve_of(DEVICE, told=True)
+    turned = examine(replace(curve, delta=-curve.delta))
+    assert turned.flags["wrong way"] == (
+        "the displacement of the retract goes the other way: it is positive into the specimen (--flip delta)"
+    )
+    assert "wrong way" not in examine(curve).flags
+
+
+def test_tension_that_counts_as_positive_is_named() -> None:
+    curve = curve_of(DEVICE)
+    assert examine(replace(curve, P=-curve.P)).flags["wrong sign"] == (
+        "the load of the retract is least where the device presses deepest: is compression negative (--flip P)?"
+    )

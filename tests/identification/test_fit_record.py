@@ -132,6 +132,17 @@ def wrong(item: FittedValue, true: float) -> bool:
     return abs(item.value - true) > max(0.1 * true, 1.5 * (item.high - item.low))
 
 
+def test_a_displacement_that_goes_against_its_segments_is_refused() -> None:
+    curve, _, _ = made(np.random.default_rng(3))
+    assert curve.delta is not None
+    words = np.where(np.arange(len(curve)) <= int(np.argmax(curve.device)), "approach", "retract")
+    with pytest.raises(InputError) as caught:
+        whole_record(replace(curve, delta=-curve.delta, segment=words, stiffness=None), usual(contact="fitted"))
+    assert caught.value.lines == (
+        "made: the displacement of the retract goes the other way: it is positive into the specimen (--flip delta)",
+    )
+
+
 @pytest.mark.slow
 def test_intervals_of_a_thousand_records() -> None:
     """Measured: E* and w held in 96.1 % each, median errors 4e-4 and 5e-4, none wrong without a flag, none flagged."""

@@ -72,6 +72,8 @@ def whole_record(curve: Curve, settings: Settings) -> ForceCurve | None:
     if reason := _in_the_way(settings):
         raise InputError(f"{reason} is not for the fit of a whole raw record: leave it out, or prepare the readings "
                          "with --contact estimate, or with --zero and --contact as-is")  # fmt: skip
+    if said := record.flags.get("wrong way"):
+        raise InputError(f"{curve.where}: {said}")
     return record
 
 

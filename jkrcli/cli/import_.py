@@ -22,7 +22,7 @@ from ..report.output import Output
 from ..series import Solution
 from .body import FLAGS, body_options, flag, tables_of
 from .measured import begin_reading
-from .options import KeyNumberType, KeyValueType, LengthType, ScaleType
+from .options import ColumnUnitType, KeyNumberType, KeyValueType, LengthType, ScaleType
 from .output import ONE_FILE, answer, into_file, output_options
 from .series import end_of, reached
 from .voice import command_line, say, warn
@@ -48,9 +48,8 @@ class ZeroType(ScaleType):
 @click.option(
     "--column", "columns", multiple=True, type=KeyValueType("NAME", KEYS), help="Column name or number, delta=U2."
 )
-@click.option(
-    "--unit", "units", multiple=True, type=KeyValueType("UNIT", KEYS), help="Unit, whatever the header says, P=mN."
-)
+@click.option("--unit", "units", multiple=True, type=ColumnUnitType(),
+              help="Unit, whatever the header says, P=mN; of a quantity or of a column by name or number.")  # fmt: skip
 @click.option("--factor", "factors", multiple=True, type=KeyNumberType(KEYS), help="Factor of a column, P=180.")
 @click.option("--zero", multiple=True, type=ZeroType(("delta", "P")),
               help='Reading at first touch, subtracted: delta="1.2 um"; a length alone is a displacement.')  # fmt: skip

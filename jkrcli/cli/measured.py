@@ -15,7 +15,7 @@ from ..data.measured.text import NAMES
 from ..data.text_table import SEPARATORS
 from ..methods import Forecast
 from ..methods.guards import Limits, admit
-from .options import KeyNumberType, KeyValueType, ScaleType, SensitivityType, StiffnessType
+from .options import ColumnUnitType, KeyNumberType, KeyValueType, ScaleType, SensitivityType, StiffnessType
 from .output import Command
 from .voice import announce
 
@@ -53,8 +53,9 @@ FIELDS = (
 OPTIONS = (
     click.option("--column", "columns", multiple=True, type=KeyValueType("NAME", KEYS),
                  help=f"Column name or number where the header does not tell; keys {', '.join(KEYS)}."),
-    click.option("--unit", "units", multiple=True, type=KeyValueType("UNIT", NAMES.numbers),
-                 help="Unit, whatever the header says, P=nN."),
+    click.option("--unit", "units", multiple=True, type=ColumnUnitType(),
+                 help=f"Unit, whatever the header says, P=nN; keys {', '.join(NAMES.numbers)}, or the name or number "
+                 "of a column, deflection=nm."),
     click.option("--factor", "factors", multiple=True, type=KeyNumberType(NAMES.numbers),
                  help="Factor of a quantity, on top of its unit and sign, P=1000."),
     click.option("--flip", multiple=True, type=click.Choice(["delta", "P"]),

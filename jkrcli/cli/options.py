@@ -202,6 +202,20 @@ class KeyValueType(ParamType):
         return key, text
 
 
+class ColumnUnitType(ParamType):
+    """KEY=UNIT with the key of a quantity, or the name or number of a column: only its file tells them apart."""
+
+    name = "KEY=UNIT"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[str, str]:
+        if isinstance(value, tuple):
+            return value
+        key, mark, unit = (part.strip() for part in str(value).rpartition("="))
+        if not (key and mark and unit):
+            self.fail(f'must be KEY=UNIT with a quantity or a column, such as P=nN, got "{value}"', param, ctx)
+        return key, unit
+
+
 class NamedType(ParamType):
     """NAME=TEXT, told apart by the name alone: what the text may be depends on it."""
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -70,8 +70,12 @@ class Vocabulary:
         return [i for i, title in enumerate(table.names) if self.key_of(title) == key]
 
     def guess(self, table: TextTable, key: str) -> int:
-        """The one column that is named like ``key``."""
+        """The one column that is named like ``key``, or the one of several whose unit is one of its dimension."""
         matches = self.named(table, key)
+        if len(matches) > 1:
+            units = [split_name(table.names[i])[1] for i in matches]
+            right = [i for i, unit in zip(matches, units, strict=True) if self._fits(key, unit)]
+            matches = right if len(right) == 1 and all(units) else matches
         if len(matches) == 1:
             return matches[0]
         reason = "no column is" if not matches else f"{len(matches)} columns are"
@@ -89,6 +93,10 @@ class Vocabulary:
             raise InputError(f"{table.path}: line {line}: {self.meaning(key)} must be up to {MOST:g}, got {found:g}")
         return values * 10.0**power if power > 0 else values / 10.0**-power
 
+    def _fits(self, key: str, unit: str) -> bool:
+        found = unit_power(unit)
+        return found is not None and found[0] == self.quantities[key].dimension
+
     def _power(self, table: TextTable, key: str, index: int, told: str | None) -> int:
         dimension = self.quantities[key].dimension
         unit = told or split_name(table.names[index])[1]
@@ -100,6 +108,33 @@ class Vocabulary:
         if found is None or found[0] != dimension:
             raise InputError(f'{where}: the unit must be one of {dimension}, such as {example}, got "{unit}"')
         return found[1]
+
+
+def with_units(
+    table: TextTable, units: Mapping[str, str], keys: Container[str]
+) -> tuple[TextTable, dict[str, str], list[str]]:
+    """The table with the ``units`` of columns, by name or number, in its header; the units of quantities, which are
+    left; and a sentence on each unit of the header that another one takes the place of. ``keys``: of quantities."""
+    names, said = list(table.names), []
+    for name, unit in units.items():
+        if name in keys:
+            continue
+        index = asked(table, f"--unit {name}={unit}", name)
+        title, held = split_name(table.names[index])
+        names[index] = f"{title} [{unit}]"
+        if held and held != unit:
+            said.append(f'column {index + 1} "{table.names[index]}" read in {unit} as told, its header says {held}')
+    kept = {name: unit for name, unit in units.items() if name in keys}
+    return replace(table, names=tuple(names)), kept, said
+
+
+def remarks(table: TextTable) -> list[str]:
+    """A sentence on the lines of words behind the last row, which are left out; none where there are none."""
+    if not table.remarks:
+        return []
+    lines = sorted(table.remarks)
+    where = f"line {lines[0]} is" if len(lines) == 1 else f"lines {lines[0]} to {lines[-1]} are"
+    return [f'{where} behind the last row and left out: "{table.remarks[lines[0]].strip()[:60]}"']
 
 
 def asked(table: TextTable, key: str, name: str) -> int:
@@ -136,13 +171,13 @@ def words(table: TextTable, chosen: Mapping[str, int]) -> str:
 
 
 def split_name(title: str) -> tuple[str, str]:
-    """Name and unit of a header cell: "P (mN)", "P [mN]", "P / mN", "P, mN", "P_mN"; "" where no unit is."""
+    """Name and unit of a header cell: "P (mN)", "P [mN]", "P / mN", "P_mN", "P in mN", "P mN"; "" where no unit is."""
     title = title.strip()
     if len(title) > LONGEST:
         return title, ""
     if match := re.match(r"(.*?)\s*(?:\[([^\]]*)\]|\(([^)]*)\))\Z", title):
         return match[1], (match[2] or match[3] or "").strip()
-    if (match := re.match(r"(.+?)\s*[/,_]\s*([^/,_]+)\Z", title)) and unit_power(match[2]):
+    if (match := re.match(r"(.+?)(?:\s*[/,_]\s*|\s+(?:in\s+)?)([^/,_\s]+)\Z", title)) and unit_power(match[2]):
         return match[1], match[2]
     return title, ""
 

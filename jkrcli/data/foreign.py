@@ -16,7 +16,7 @@ from ..base.unknown import Unknown
 from ..bodies.indenters import Indenter, Sphere
 from ..bodies.problem import Loading, Problem
 from ..series import ErrorBudget, RawSeries, Series, Solution, filter_plateaus, is_series
-from .columns import CONTACT, Vocabulary, asked, check_chosen, words
+from .columns import CONTACT, Vocabulary, asked, check_chosen, remarks, with_units, words
 from .noisy_rows import is_noise, near_first_touch
 from .text_table import TextTable, read_table, some
 
@@ -62,6 +62,8 @@ def read_series(path: Path, problem: Problem, reading: SeriesReading) -> Solutio
 
     indenter = problem.indenter
     table = read_table(path, reading.separator, reading.decimal)
+    table, units, told = with_units(table, reading.units, NAMES.quantities)
+    reading = replace(reading, units=units)
     chosen = _columns(table, reading)
     values = {key: _values(table, key, index, reading) for key, index in chosen.items()}
     lines = table.lines
@@ -93,7 +95,7 @@ def read_series(path: Path, problem: Problem, reading: SeriesReading) -> Solutio
         budget=ErrorBudget(UNKNOWN, UNKNOWN, UNKNOWN),
         method="import",
         facts=_facts(table, chosen, reading, dropped) | {"order": "by the fit" if noisy else "of the rows"},
-        warnings=(*words, *departures(problem, raw)),
+        warnings=(*told, *remarks(table), *words, *departures(problem, raw)),
     )
 
 

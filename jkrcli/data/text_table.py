@@ -21,6 +21,13 @@ from ..base.units import UNITS
 BLANK = "blank"
 SEPARATORS = {"tab": "\t", "semicolon": ";", "comma": ",", BLANK: None}
 TIMES = {"s": 0, "ms": -3, "us": -6, "ns": -9}
+SPELLED = {  # units as instruments write them out, in the plural too
+    "sec": "s", "second": "s", "sekunde": "s", "msec": "ms", "millisecond": "ms", "millisekunde": "ms",
+    "metre": "m", "meter": "m", "millimetre": "mm", "millimeter": "mm", "micron": "um", "micrometre": "um",
+    "micrometer": "um", "mikrometer": "um", "nanometre": "nm", "nanometer": "nm", "angstrom": "Å",
+    "newton": "N", "millinewton": "mN", "micronewton": "uN", "mikronewton": "uN", "nanonewton": "nN",
+    "kilonewton": "kN",
+}  # fmt: skip
 COMMENTS = ("#", "%", "//", "**", "!")
 HEADINGS = ("columns:", "units:")  # before the names and units themselves, in comment heads
 OTHER_UNITS = ("", "-", "1", "V", "mV")
@@ -37,7 +44,8 @@ _THOUSANDS = {  # by the decimal mark: a number whose digits are grouped, always
     ",": re.compile(r"[+-]?[1-9]\d{0,2}([.'’\u00a0\u202f])\d{3}(\1\d{3})*(,\d*)?\Z"),
 }
 _GROUPED = re.compile(r"[1-9]\d{0,2},\d{3}\Z")
-_WORD = re.compile(r"[^\W\d]")
+_LETTER = re.compile(r"[^\W\d]")
+_WORD = re.compile(r"[^\W\d]|\d{1,2}:\d\d(?!\d)")  # a time of day is none of the numbers of a table
 _ROW = re.compile(r"""\s*["']?[+-]?[.,]?\d""")  # a line that begins with a number
 
 
@@ -74,7 +82,8 @@ class Dialect:
         """
         cells = self.cells(line)
         mark = SEPARATORS[self.separator]
-        if mark is not None and len(cells) == width - 1 and line.rstrip(" \r\n").endswith(mark):
+        ends = mark is not None and line.rstrip(" \r\n").endswith(mark)
+        if ends and (len(cells) == width - 1 or len(cells) in self.text):
             cells = [*cells, ""]
         if self.text:
             cells = ["0" if i in self.text else cell for i, cell in enumerate(cells)]
@@ -97,7 +106,7 @@ class TextTable:
     """A table as read: ``values`` (rows, columns), the ``lines`` they stand in (from 1), ``names`` of the columns.
 
     ``text``: the cells of the columns (from 0) that hold words; ``head``: the lines before the numbers; ``notes``: the
-    comments between them, by their lines.
+    comments between them, by their lines; ``remarks``: the lines of words behind the last row.
     """
 
     path: Path
@@ -108,6 +117,7 @@ class TextTable:
     text: Mapping[int, tuple[str, ...]] = field(default_factory=dict)
     head: tuple[str, ...] = ()
     notes: Mapping[int, str] = field(default_factory=dict)
+    remarks: Mapping[int, str] = field(default_factory=dict)
 
 
 def decoded(content: bytes) -> str:
@@ -133,13 +143,15 @@ def read_table(
     is_text: Callable[[int, str], bool] = lambda index, title: False,
     finite: bool = True,
     content: bytes | None = None,
+    is_note: Callable[[str], bool] = lambda line: False,
 ) -> TextTable:
     """The table of at least ``least`` columns of numbers in a text file; what is None is found out.
 
     ``content``: the bytes of the file, where it lies in another one.
 
     ``is_text``: whether a column, of its index (from 0) and header cell, holds words, not numbers. ``finite``: refuse
-    rows with nan or inf.
+    rows with nan or inf. ``is_note``: whether a line of words between the rows is one of the notes, as comments are;
+    the header may come again behind it.
     Raises InputError, a line per mistake, where there is no table or a row differs in its number of cells.
     """
     whole = decoded(read_bytes(path, "table", MOST_BYTES) if content is None else content)
@@ -156,12 +168,38 @@ def read_table(
     if decimal is None:
         _refuse_doubtful(path, [(n, line) for n, line in sample if n >= lines[0]], dialect)
     dialect = replace(dialect, text=frozenset(i for i in dialect.text if i < values.shape[1]))
-    _check_rows(path, lines_of_file, dialect, lines, values, finite)
     header = [line for n, line in lines_of_file if n < lines[0]]
+    notes = _notes(lines_of_file, header, set(lines.tolist()), is_note)
+    remarks = _remarks(lines_of_file, header, int(lines[-1]), dialect)
+    rest = [item for item in lines_of_file if item[0] not in notes and item[0] not in remarks]
+    _check_rows(path, rest, dialect, lines, values, finite)
     names = _names(header, dialect, values.shape[1])
     text = _texts(lines_of_file, dialect, set(lines.tolist()))
-    notes = {n: line for n, line in lines_of_file if n > lines[0] and _is_comment(line)}
-    return TextTable(path, names, values, lines, dialect, text, tuple(header), notes)
+    return TextTable(path, names, values, lines, dialect, text, tuple(header), notes, remarks)
+
+
+def _notes(
+    content: list[tuple[int, str]], header: list[str], rows: set[int], is_note: Callable[[str], bool]
+) -> dict[int, str]:
+    """Comments and notes behind the first of the ``rows``, and lines of the header that come again behind a note."""
+    found: dict[int, str] = {}
+    again, known, first = False, set(header), min(rows)
+    for n, line in content:
+        if n in rows:
+            again = False
+        elif n > first:
+            again = is_note(line) or (again and line in known)
+            if again or _is_comment(line):
+                found[n] = line
+    return found
+
+
+def _remarks(content: list[tuple[int, str]], header: list[str], last: int, dialect: Dialect) -> dict[int, str]:
+    """Lines behind the ``last`` row, all of which begin with a word, as no row does, and none of the header's."""
+    behind = {n: line for n, line in content if n > last and not _is_comment(line) and any(dialect.cells(line))}
+    begins = [dialect.cells(line)[0] for line in behind.values()]
+    words = 0 not in dialect.text and all(_LETTER.match(cell) and not _NUMBER.match(cell) for cell in begins)
+    return behind if words and not any(line in header for line in behind.values()) else {}
 
 
 def _lines(path: Path, text: str) -> list[tuple[int, str]]:
@@ -273,17 +311,14 @@ def _dialect(
     allowed = [d for d in found if separator in (None, d.separator) and decimal in (None, d.decimal)]
     if not allowed:
         raise InputError('separator "comma" and decimal "," exclude each other: say which one the comma is')
-    for by_content in (False, True):
-        plain = [
-            _with_words(content, dialect, least) if by_content else _with_text(content, dialect, least, is_text)
-            for dialect in allowed
-        ]
-        best, unread = _most_rows(content, plain, least)
-        if unread:  # numbers whose digits are grouped are tried only where others leave something over
-            best, _ = _most_rows(content, [*plain, *(replace(dialect, thousands=True) for dialect in plain)], least)
-        if best is not None:
-            return best
-    return None
+    plain = [_with_text(content, dialect, least, is_text) for dialect in allowed]
+    best, unread = _most_rows(content, plain, least)
+    if unread:  # columns of words that nobody names, and grouped digits, are tried only where others leave lines over
+        wordy = plain + [_with_words(content, dialect, least) for dialect in allowed]
+        best, unread = _most_rows(content, wordy, least)
+    if unread:
+        best, _ = _most_rows(content, [*wordy, *(replace(dialect, thousands=True) for dialect in wordy)], least)
+    return best
 
 
 def _most_rows(content: list[tuple[int, str]], dialects: list[Dialect], least: int) -> tuple[Dialect | None, bool]:
@@ -299,13 +334,19 @@ def _most_rows(content: list[tuple[int, str]], dialects: list[Dialect], least: i
 
 
 def _with_words(content: list[tuple[int, str]], dialect: Dialect, least: int) -> Dialect:
-    """The dialect with those columns as text that hold words in all rows of the later half, beside ``least`` columns or
-    more of none."""
-    rows = [cells for _, line in content if not _is_comment(line) and len(cells := dialect.cells(line)) > least]
-    widths = [len(cells) for cells in rows]
+    """The dialect with those columns as text that hold words, or nothing, in all rows of the later half, beside
+    ``least`` columns or more of none."""
+    mark = SEPARATORS[dialect.separator] or "\0"
+    rows = [
+        dialect.cells(line) + [""] * line.rstrip(" \r\n").endswith(mark)
+        for _, line in content
+        if not _is_comment(line) and dialect.divides(line)
+    ]
+    widths = [len(cells) for cells in rows if len(cells) > least]
     width = max(widths, key=widths.count, default=0)
     later = [cells for cells in rows if len(cells) == width][len(rows) // 2 :]
-    found = [i for i in range(width) if later and all(_WORD.match(cells[i]) for cells in later)]
+    found = [i for i in range(width) if any(map(_WORD.match, column := [cells[i] for cells in later])) and all(
+        not cell or _WORD.match(cell) for cell in column)]  # fmt: skip
     return replace(dialect, text=frozenset(found if width - len(found) >= least else ()))
 
 
@@ -333,7 +374,9 @@ def _check_rows(
             wrong.append(f'{path}: line {n} must hold finite numbers, got "{line.strip()[:60]}"')
         elif n > lines[0] and n not in rows and not _is_comment(line) and any(dialect.cells(line)):
             expected = f"{width - len(dialect.text)} numbers{words}"
-            wrong.append(f'{path}: line {n} must hold {expected}, got "{line.strip()[:60]}"')
+            alone = _LETTER.match(line.strip()) and not dialect.divides(line.strip())
+            remedy = ": remove it, or put # before it" if alone else ""
+            wrong.append(f'{path}: line {n} must hold {expected}, got "{line.strip()[:60]}"{remedy}')
     if wrong:
         raise InputError(some(wrong))
 
@@ -378,6 +421,7 @@ def _is_unit(cell: str) -> bool:
 def unit_power(unit: str) -> tuple[str, int] | None:
     """Dimension ("length", "area", "load" or "time") and power of ten of a unit; None where it is none of these."""
     unit = unit.strip().replace("µ", "u").replace("μ", "u").replace("²", "^2").replace("**", "^")
+    unit = SPELLED.get(unit.lower().removesuffix("s"), SPELLED.get(unit.lower().removesuffix("n"), unit))
     for dimension in ("length", "load"):
         if unit in UNITS[dimension]:
             return dimension, UNITS[dimension][unit]

@@ -98,8 +98,10 @@ WRONG = {
                    'import: specimen.base: must be one of bonded, frictionless, got "glued"'),
     "wrong nu": (("t.txt", *BODY[:-1], 0.6), "import: specimen.half_space.nu: must be > -1 and <= 0.5, got 0.6"),
     "no file": (("u.txt", *BODY), 'u.txt: table not found, did you mean "t.txt"?'),
-    "wrong key": (("t.txt", "--unit", "F=N"), "invalid value for '--unit': must be KEY=VALUE with a key of a, area, "
-                  'delta, P, got "F=N"; see jkr import --help'),
+    "no unit": (("t.txt", "--unit", "N"), "invalid value for '--unit': must be KEY=UNIT with a quantity or a column, "
+                'such as P=nN, got "N"; see jkr import --help'),
+    "wrong key": (("t.txt", "--column", "F=1"), "invalid value for '--column': must be KEY=VALUE with a key of a, "
+                  'area, delta, P, got "F=1"; see jkr import --help'),
     "wrong factor": (("t.txt", "--factor", "P=0"),
                      "invalid value for '--factor': must be KEY=NUMBER, finite and not 0, got \"P=0\"; "
                      "see jkr import --help"),

@@ -138,6 +138,28 @@ WRONG = {
         "delta_nm,P (Pa)\n1,1\n2,2\n3,3\n", Reading(),
         '{path}: column 2 "P (Pa)" (load): the unit must be one of load, such as mN, got "Pa"',
     ),
+    "unit of a column that is not there": (
+        GOOD, Reading(units={"Load": "nN"}),
+        '{path}: no single column "Load" for --unit Load=nN (columns: 1 "delta_nm", 2 "P_nN")',
+    ),
+    "a deflection without a unit": (
+        "piezo (nm),deflection\n1,1\n2,2\n3,3\n", Reading(stiffness=0.1),
+        '{path}: column 2 "deflection" is a deflection and names no unit: give --unit "deflection=nm", or V, or nN, or '
+        "write it into the header",
+    ),
+    "three columns without names": (
+        "1 1 1\n2 2 2\n3 3 3\n", Reading(),
+        "{path}: at least two of contact radius (or area), displacement and load are needed, recognised: none; say "
+        "which columns they are, --column P=NAME (columns: 1, 2, 3); or --format afm, if a microscope's program wrote "
+        "three columns without names",
+    ),
+    "a line between rows that names no segment": (
+        GOOD + "Block 2\n4,4\n", Reading(),
+        '{path}: line 5 must hold 2 numbers, got "Block 2": remove it, or put # before it',
+    ),
+    "a header that comes again, for another curve": (
+        GOOD + "delta_nm,P_nN\n4,4\n", Reading(), '{path}: line 5 must hold 2 numbers, got "delta_nm,P_nN"',
+    ),
     "unit of no column": (
         GOOD, Reading(units={"t": "s"}),
         '{path}: --unit t=s has no column to belong to: give --column t=NAME (columns: 1 "delta_nm", 2 "P_nN")',

@@ -316,6 +316,87 @@ def test_unit_and_factor_overrule_the_header(tmp_path: Path) -> None:
     assert curve.flags == ('column 2 "P_nN" read in uN as told, its header says nN',)
 
 
+@pytest.mark.parametrize("names", [("piezo", "deflection"), ("1", "2"), ("delta", "P")])
+def test_units_are_told_of_columns_by_name_number_or_quantity(tmp_path: Path, names: tuple[str, str]) -> None:
+    path = written(tmp_path, table(("piezo", Z * 1e9), ("deflection", LOAD / 0.1 * 1e6)))
+    curve = one(path, Reading(units=dict(zip(names, ("nm", "um"), strict=True)), stiffness=0.1))
+    np.testing.assert_allclose(curve.device, Z, rtol=1e-12, atol=1e-20)
+    np.testing.assert_allclose(curve.P, LOAD, rtol=1e-12)
+
+
+def test_a_bare_column_told_as_load_in_metres_or_volts_is_a_deflection(tmp_path: Path) -> None:
+    path = written(tmp_path, "\n".join(f"{z * 1e9} {d}" for z, d in zip(Z, LOAD / 0.1 / 5e-8, strict=True)), "m.txt")
+    told = {"columns": {"delta": "1", "P": "2"}, "stiffness": 0.1}
+    volts = one(path, Reading(units={"delta": "nm", "P": "V"}, sensitivity=5e-8, **told))
+    metres = one(path, Reading(units={"delta": "nm", "P": "nm"}, factors={"P": 50.0}, **told))
+    for curve in (volts, metres):
+        np.testing.assert_allclose(curve.P, LOAD, rtol=1e-12)
+
+
+def test_a_unit_told_of_a_column_overrules_its_header(tmp_path: Path) -> None:
+    path = written(tmp_path, table(("delta_nm", Z * 1e9), ("P_nN", LOAD * 1e9)))
+    curve = one(path, Reading(units={"2": "uN"}))
+    np.testing.assert_allclose(curve.P, 1e3 * LOAD, rtol=1e-12)
+    assert curve.flags == ('column 2 "P_nN" read in uN as told, its header says nN',)
+
+
+SPELT = ("Weg in mm;Kraft in N", "Weg mm;Kraft N", "Weg (Millimeter);Kraft (Newton)", "Déplacement [mm];Effort [N]",
+         "Weg (mm);Kraft [newtons]", "Depth (mm);Load (N)", "Pos Z [mm];Force [N]")  # fmt: skip
+
+
+@pytest.mark.parametrize("head", SPELT)
+def test_units_as_people_write_them(tmp_path: Path, head: str) -> None:
+    rows = [f"{z * 1e3:.6f};{P:.12f}".replace(".", ",") for z, P in zip(Z, LOAD, strict=True)]
+    curve = one(written(tmp_path, "\n".join([head, *rows])))
+    np.testing.assert_allclose(curve.delta, Z, rtol=1e-12)
+    np.testing.assert_allclose(curve.P, LOAD, rtol=1e-12)
+
+
+def test_of_two_columns_of_one_name_that_of_the_right_unit(tmp_path: Path) -> None:
+    path = written(
+        tmp_path, table(("Depth (nm)", Z * 1e9), ("Load (nN)", LOAD * 1e9), ("Depth (V)", Z), ("Load (V)", Z))
+    )
+    np.testing.assert_allclose(one(path).P, LOAD, rtol=1e-12)
+
+
+def test_columns_of_remarks_and_times_of_day_are_passed_over(tmp_path: Path) -> None:
+    rows = [
+        f"12:00:{i:02d};{z!r};{P!r};{'ok' if i == 4 else ''}"
+        for i, (z, P) in enumerate(zip(Z.tolist(), LOAD.tolist(), strict=True))
+    ]
+    curve = one(written(tmp_path, "\n".join(["clock;delta_m;P_N;remark", *rows])))
+    np.testing.assert_allclose(curve.P, LOAD, rtol=1e-12)
+    assert curve.t is None
+
+
+def test_words_behind_the_last_row_are_left_out_and_said(tmp_path: Path) -> None:
+    curve = one(written(tmp_path, table(("delta_m", Z), ("P_N", LOAD)) + "\nLargest load,9e-9\nEnd of test\n"))
+    assert len(curve) == Z.size
+    assert curve.flags == ('lines 9 to 10 are behind the last row and left out: "Largest load,9e-9"',)
+
+
+LINES = {
+    "words": "Approach|Retract",
+    "brackets": "[Approach]|[Retract]",
+    "comments": "# segment: extend|# segment: retract",
+    "German": "Belastung:|Entlastung:",
+    "numbers": "Segment 1: loading|Segment 2: unloading",
+}
+
+
+@pytest.mark.parametrize("kind", LINES)
+@pytest.mark.parametrize("again", [False, True])
+def test_segments_named_on_lines_of_their_own(tmp_path: Path, kind: str, again: bool) -> None:
+    """The header stands above all, or again in every block."""
+    head, *rows = table(("delta_m", Z), ("P_N", LOAD)).splitlines()
+    first, second = LINES[kind].split("|")
+    lines = [first, head, *rows[:3], "", second, *([head] if again else []), *rows[3:]]
+    curve = one(written(tmp_path, "\n".join(lines)))
+    assert curve.segment is not None
+    assert curve.segment.tolist() == ["approach"] * 3 + ["retract"] * 3
+    np.testing.assert_allclose(curve.P, LOAD, rtol=1e-12)
+
+
 # ---------------------------------------------------------------------- archives
 def archive(path: Path, members: dict[str, bytes], packed: int = zipfile.ZIP_DEFLATED) -> Path:
     with zipfile.ZipFile(path, "w", packed) as file:

@@ -62,9 +62,8 @@ def load(path: Path, reading: Reading) -> tuple[list[Any], str]:
     logger = logging.getLogger("afmformats")
     if not logger.handlers:
         logger.addHandler(logging.NullHandler())  # its tracebacks are told here in one line
-    if reading.stiffness == math.inf:
-        raise InputError(f"{path}: is of a force microscope, whose lever bends: give its stiffness, not rigid")
-    told = {"spring constant": reading.stiffness, "sensitivity": reading.sensitivity}
+    stiffness = None if reading.stiffness == math.inf else reading.stiffness
+    told = {"spring constant": stiffness, "sensitivity": reading.sensitivity}
     override, lacks = {key: value for key, value in told.items() if value is not None}, ""
     try:
         try:
@@ -86,6 +85,8 @@ def load(path: Path, reading: Reading) -> tuple[list[Any], str]:
         raise UnreadableError(f"{path}: afmformats cannot read this file ({first_line(error)})") from None
     if not held:
         raise InputError(f"{path}: holds no force-distance record")
+    if reading.stiffness == math.inf:
+        raise InputError(f"{path}: is of a force microscope, whose lever bends: give its stiffness, not rigid")
     return held, lacks
 
 

@@ -1,11 +1,11 @@
-"""What instruments write: positions with their sign, deflections, a pair of columns per direction, a spring constant in
-the head."""
+"""What instruments write: positions with their sign, deflections, words for directions, a spring constant in the
+head."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -16,9 +16,24 @@ from .curve import APPROACH, RETRACT
 
 VOLTS = {"V": 0, "mV": -3, "uV": -6}
 DIRECTIONS = {
-    **dict.fromkeys(("extend", "extension", "approach", "trace", "forward", "advance", "ex", "ext"), APPROACH),
-    **dict.fromkeys(("retract", "retraction", "withdraw", "retrace", "backward", "rt", "ret"), RETRACT),
-}
+    **dict.fromkeys((
+        "extend", "extension", "approach", "trace", "forward", "advance", "advancing", "ex", "ext", "loading", "hin",
+        "hinweg", "annäherung", "belastung", "aller", "chargement", "approche"), APPROACH),
+    **dict.fromkeys((
+        "retract", "retraction", "withdraw", "retrace", "backward", "receding", "rt", "ret", "unloading", "zurück",
+        "zurueck", "rück", "rückweg", "rückzug", "entlastung", "retour", "déchargement", "retrait"), RETRACT),
+}  # fmt: skip
+BESIDE = {
+    "segment",
+    "phase",
+    "curve",
+    "data",
+    "part",
+    "section",
+    "kurve",
+    "daten",
+    "richtung",
+}  # words beside a direction
 LONGEST = 200  # choice: characters of a line that names a constant; longer ones take long to look through
 DEEPEST = 10_000  # choice: lines of a head that are looked through
 SPRING = ("k", "spring constant", "force constant", "cantilever stiffness", "springconstant", "federkonstante")
@@ -42,19 +57,21 @@ POSITIONS = (
         "height (measured & smoothed)", "height sensor", "height",
         "piezo height", "height (piezo)", "smoothed measured height", "höhe")),
     Position("a position of the piezo", 0, True, (
-        "z sensor", "z sense", "zsensor", "zsnsr", "piezo", "piezo position", "z piezo", "z position", "zpos", "z",
+        "z sensor", "z sense", "zsensor", "zsnsr", "piezo", "piezo position", "z piezo", "z position", "zpos", "pos z",
+        "z scan", "z stage", "z",
         "position", "raw", "calc ramp", "ramp", "piezo displacement", "piezoweg", "piezo weg", "piezohub")),
     Position("a way of the device", 1, True, (
         "weg", "traversenweg", "standardweg", "verfahrweg", "crosshead", "extension", "stroke")),
-    Position("a penetration", 1, False, ("eindringtiefe", "eindringung", "penetration", "penetration depth")),
+    Position("a penetration", 1, False, (
+        "eindringtiefe", "eindringung", "penetration", "penetration depth", "enfoncement")),
     Position("a separation", -1, False, (
         "tip sample separation", "tip position", "verticaltipposition", "separation", "sep", "tip sample distance",
         "abstand")),
 )  # fmt: skip
 DEPTHS = ("indent", "depth", "delta", "tip", "eindring")  # parts of names of what no deflection is in
 DEFLECTIONS = (
-    "deflection", "cantilever", "cantilever deflection", "vertical deflection", "vdeflection", "defl", "t b", "dfl",
-    "auslenkung", "deflection error",
+    "deflection", "cantilever", "cantilever deflection", "vertical deflection", "vdeflection", "defl", "deflv",
+    "deflvolts", "t b", "dfl", "auslenkung", "deflection error",
 )  # fmt: skip
 
 
@@ -90,39 +107,16 @@ def toward(z: Array, P: Array) -> bool:
     return float(np.median(z[high])) >= float(z.min() + z.max()) / 2
 
 
-def one_column_each(table: TextTable) -> TextTable:
-    """The table with its pairs of columns, one per direction, put one under the other and a column "segment" added.
-
-    A table without such pairs is returned as it is.
-    """
-    sides: dict[str, dict[str, int]] = {APPROACH: {}, RETRACT: {}}
-    for i, title in enumerate(table.names):
-        kind, rest = _direction(title)
-        if kind and i not in table.text:
-            sides[kind].setdefault(rest, i)
-    names = [name for name in sides[APPROACH] if name in sides[RETRACT]]
-    if len(names) < 2:
-        return table
-    parts = [table.values[:, [side[name] for name in names]] for side in sides.values()]
-    kept = [np.isfinite(part).any(axis=1) for part in parts]
-    values = np.vstack([part[rows] for part, rows in zip(parts, kept, strict=True)])
-    words = tuple(word for word, rows in zip(sides, kept, strict=True) for _ in range(int(rows.sum())))
-    lines = np.concatenate([table.lines[rows] for rows in kept])
-    return replace(table, names=(*names, "segment"), values=np.column_stack([values, np.zeros(len(values))]),
-                   lines=lines, text={len(names): words})  # fmt: skip
-
-
-def _direction(title: str) -> tuple[str | None, str]:
-    """The direction that one of the words of a header cell names, and the cell without that word."""
-    name, unit = split_name(title)
-    words = re.split(r"[\s_]+", name)
-    found = next((word for word in words if word.lower() in DIRECTIONS), None)
-    if found is None or len(words) < 2:
-        return None, title
-    words.remove(found)
-    if not unit and len(words) > 1 and (words[-1] in VOLTS or unit_power(words[-1])):
-        unit = words.pop()
-    return DIRECTIONS[found.lower()], " ".join(words) + (f" [{unit}]" if unit else "")
+def segment_of(line: str) -> str | None:
+    """The word for a segment in a line of its own, "# segment: retract", "[Retract]" or "Approach data:"."""
+    if len(line) > LONGEST:
+        return None
+    if match := re.match(r"\W*segment(?:[ _]?name)?\s*[:=]\s*\"?([^\W\d]\w*)", line, re.IGNORECASE):
+        return match[1]
+    words = re.findall(r"\w+", line.lower())
+    found = [word for word in words if word in DIRECTIONS]
+    others = [word for word in words if word not in DIRECTIONS and word not in BESIDE and not word.isdigit()]
+    return found[0] if len(found) == 1 and not others and not re.match(r"\s*[-+.\d]", line) else None
 
 
 def constants(head: tuple[str, ...]) -> Mapping[str, float]:

@@ -12,21 +12,23 @@ import numpy as np
 
 from ...base.arrays import Array
 from ...base.errors import InputError
-from ..columns import CONTACT, Quantity, Vocabulary, asked, check_chosen, choice, split_name, words
+from ..columns import CONTACT, Quantity, Vocabulary, asked, check_chosen, choice, remarks, split_name, with_units, words
 from ..text_table import TextTable, read_table, unit_power
 from . import archive
+from .beside import one_under_the_other
 from .curve import APPROACH, AS_DEPTH, LEAST_ROWS, NOT_SUBTRACTED, OVERRULED, QUANTITIES, RETRACT, Curve, Reading, place
 from .instruments import (
     DEFLECTIONS,
     DEPTHS,
+    DIRECTIONS,
     VOLTS,
     Position,
     constants,
     deflection,
-    one_column_each,
     plain,
     position_of,
     positions,
+    segment_of,
     toward,
 )
 
@@ -34,16 +36,14 @@ WHOLE = ("seriestime", "series time")  # of a record whose segments have their o
 UNITS_OF = {"stiffness": "N/m", "sensitivity": "m/V"}
 
 NAMES = Vocabulary(CONTACT | {
-    "delta": CONTACT["delta"].also("indentation depth"),
-    "P": CONTACT["P"].also("normal force", "kraft", "prüfkraft", "standardkraft", "normalkraft"),
-    "t": Quantity("time", "time", ("t", "time", "zeit", "prüfzeit", "elapsed time", *WHOLE)),
+    "delta": CONTACT["delta"].also("indentation depth", "déplacement", "deplacement"),
+    "P": CONTACT["P"].also("normal force", "kraft", "prüfkraft", "standardkraft", "normalkraft", "effort"),
+    "t": Quantity("time", "time", ("t", "time", "zeit", "prüfzeit", "elapsed time", "temps", *WHOLE)),
     "segment": Quantity("segment", "", ("segment", "phase", "direction", "richtung")),
-    "curve": Quantity("curve", "", ("curve", "curve number", "curve_number")),
+    "curve": Quantity("curve", "", ("curve", "curve number", "curve_number", "cycle", "zyklus")),
 })  # fmt: skip
-SEGMENTS = {
-    **dict.fromkeys(("approach", "loading", "load", "extend", "advance", "advancing", "trace", "0"), APPROACH),
-    **dict.fromkeys(("retract", "retraction", "unloading", "unload", "withdraw", "receding", "retrace", "1"), RETRACT),
-}
+BARE = "; or --format afm, if a microscope's program wrote three columns without names"
+SEGMENTS = DIRECTIONS | {"load": APPROACH, "0": APPROACH, "unload": RETRACT, "1": RETRACT}
 
 
 class UnknownColumnsError(InputError):
@@ -73,9 +73,15 @@ def _curves(
     origin: Path, path: Path, stem: str, reading: Reading, content: bytes | None = None
 ) -> Iterator[tuple[Curve | InputError, float | None]]:
     """The curves of one table, named after ``stem``; ``path`` stands in messages."""
-    table = read_table(path, reading.separator, reading.decimal, 2, _is_text(reading), finite=False, content=content)
-    table = _paired(table, reading)
+    table = read_table(
+        path, reading.separator, reading.decimal, 2, _is_text(reading), finite=False, content=content,
+        is_note=lambda line: segment_of(line) is not None,
+    )  # fmt: skip
+    as_read, units, said = with_units(table, reading.units, NAMES.numbers)
+    reading = replace(reading, units=units)
+    table, how = _put_together(as_read, reading)
     found = Columns.of(table, reading)
+    found = replace(found, flags=(*how, *found.flags, *said, *remarks(as_read)))
     segments = None
     given = table.text[found.chosen["segment"]] if "segment" in found.chosen else _noted(table)
     if given:
@@ -99,11 +105,12 @@ def _continued(words: Iterable[str]) -> list[str]:
 
 
 def _noted(table: TextTable) -> list[str]:
-    """The word of every row by the comments before it, "# segment: extend"; none where no comment tells it."""
-    pattern = re.compile(r"\W*segment(?:[ _]?name)?\s*[:=]\s*\"?([^\W\d]\w*)", re.IGNORECASE)
+    """The word of every row by the lines before it, "# segment: extend" or "Retract" between the rows; none where they
+    do not tell it of the first row."""
     notes = [(0, line) for line in table.head] + sorted(table.notes.items())
-    told = [(n, match[1]) for n, line in notes if (match := pattern.match(line))]
-    if not told or told[0][0] > 0:
+    told = [(n, word) for n, line in notes if (word := segment_of(line))]
+    in_words = any(re.match(r"\W*segment\W*", line, re.IGNORECASE) for line in table.head)
+    if not told or told[0][0] > 0 or not (in_words or told[-1][0] > 0):
         return []
     lines, words = zip(*told, strict=True)
     return [words[i] for i in np.searchsorted(lines, table.lines) - 1]
@@ -117,11 +124,18 @@ def _starts_anew(t: Array | None, segment: Array) -> bool:
     return bool(back.any()) and bool((segment[1:] != segment[:-1])[back].all())
 
 
-def _paired(table: TextTable, reading: Reading) -> TextTable:
-    """The table with its pairs of columns put together, unless the user names or numbers one of them."""
+def _put_together(table: TextTable, reading: Reading) -> tuple[TextTable, list[str]]:
+    """The table with segments and curves beside each other one under the other and what is said of it, unless the user
+    names or numbers a column."""
     titles = {*table.names, *(split_name(title)[0] for title in table.names)}
     told = any(name.isdigit() or name in titles for name in reading.columns.values())
-    return table if told else one_column_each(table)
+    return (table, []) if told else one_under_the_other(table, _quantity_of)
+
+
+def _quantity_of(title: str) -> str | None:
+    """The key of the quantity that a header cell names: of prepared tables, else of an instrument's."""
+    bent = "P" if plain(title) in DEFLECTIONS else None
+    return NAMES.key_of(title) or ("delta" if position_of(title) is not None else bent)
 
 
 @dataclass(frozen=True)
@@ -147,6 +161,8 @@ class Columns:
         for key, index in chosen.items():
             if key not in NAMES.numbers:
                 continue
+            if key == "P":
+                _refuse_unitless(table, index, reading)
             if key == "P" and (power := _deflection_power(table, index, reading)) is not None:
                 values[key], said = _load_of_deflection(table, index, power, reading, held)
                 flags.append(said)
@@ -199,8 +215,16 @@ def _deflection_power(table: TextTable, index: int, reading: Reading) -> tuple[s
     if unit in VOLTS:
         return "voltage", VOLTS[unit]
     found = unit_power(unit)
-    deflects = plain(table.names[index]) in DEFLECTIONS
-    return found if found and found[0] == "length" and deflects else None
+    named = NAMES.key_of(table.names[index]) == "P"  # a force in metres is a mistake
+    return found if found and found[0] == "length" and not named else None
+
+
+def _refuse_unitless(table: TextTable, index: int, reading: Reading) -> None:
+    """Refuse a deflection without a unit: it may be one of volts, metres or newtons."""
+    if plain(table.names[index]) in DEFLECTIONS and not _unit_of(table, "P", index, reading):
+        name = split_name(table.names[index])[0]
+        raise InputError(f"{table.path}: {_column(table, index)} is a deflection and names no unit: give "
+                         f'--unit "{name}=nm", or V, or nN, or write it into the header')  # fmt: skip
 
 
 def _load_of_deflection(
@@ -309,10 +333,13 @@ def _columns(table: TextTable, reading: Reading, stiffness: float | None) -> tup
                              "its title: remove what comes before")  # fmt: skip
     if len(chosen.keys() & {"a", "area", "delta", "P"}) < 2:
         recognised = words(table, chosen) or "none"
-        raise UnknownColumnsError(
+        question = (
             f"{table.path}: at least two of contact radius (or area), displacement and load are needed, recognised: "
             f"{recognised}; say which columns they are, --column P=NAME ({choice(table)})"
         )
+        if any(table.names):
+            raise UnknownColumnsError(question)
+        raise InputError(question + (BARE if len(table.names) == 3 else ""))  # afmformats takes any three for its own
     for option, told in (("unit", reading.units), ("factor", reading.factors)):
         for key in told:
             if key not in chosen:

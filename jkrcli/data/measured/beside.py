@@ -1,0 +1,216 @@
+"""Segments and curves whose columns stand beside each other in one table: put one under the other.
+
+Columns that name a direction ("Weg hin", "Retract Force (nN)", or a line above the names) are the segments of one
+record; columns of the same names, numbered or not ("F1", "d2", "Probe 1" above), are curves of their own.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ...base.arrays import Array
+from ...base.errors import InputError
+from ..columns import choice, split_name
+from ..text_table import TextTable, unit_power
+from .curve import APPROACH, RETRACT
+from .instruments import DIRECTIONS, VOLTS
+
+DEFINING = {"a", "area", "delta", "P"}  # two of them make a curve
+QuantityOf = Callable[[str], str | None]  # the quantity that a header cell names, "a", "delta", "P", "t" ...
+
+
+@dataclass(frozen=True)
+class Sets:
+    """Columns beside each other: for the word of each set its columns by their common names; ``shared``: the columns of
+    all sets; ``key``: what the words are, "segment" or "curve"."""
+
+    key: str
+    columns: Mapping[str, Mapping[str, int]]
+    shared: tuple[int, ...]
+
+    def make_curves(self, names: tuple[str, ...], quantity: QuantityOf) -> bool:
+        """Whether the sets hold the same names, and these what makes a curve, of segments with the shared columns."""
+        first, *others = (list(columns) for columns in self.columns.values())
+        shared = [names[i] for i in self.shared] if self.key == "segment" else []
+        held = {quantity(_direction(title)[1]) for title in [*first, *shared]}
+        return bool(others) and all(set(other) == set(first) for other in others) and len(held & DEFINING) > 1
+
+
+def one_under_the_other(table: TextTable, quantity: QuantityOf) -> tuple[TextTable, list[str]]:
+    """The table with columns that stand beside each other put one under the other, a column of words "curve" or
+    "segment" added, and a sentence on what was done; a table without such columns is returned as it is.
+
+    InputError where the directions do not hold the same columns.
+    """
+    said: list[str] = []
+    for found in (_repeated(table), _numbered(table, quantity)):
+        if found is not None and found.make_curves(table.names, quantity):
+            table, said = _stacked(table, found), [_words(found)]
+            if found.key == "segment":
+                return _in_order_of_time(table, quantity, said)
+            break
+    directed = _directed(table)
+    if directed is None:
+        return table, said
+    if not directed.make_curves(table.names, quantity):
+        _refuse_halves(table, directed, quantity)
+        return table, said
+    return _in_order_of_time(_stacked(table, directed), quantity, [*said, _words(directed)])
+
+
+def _words(found: Sets) -> str:
+    words = ", ".join(found.columns) if len(found.columns) < 10 else f"{len(found.columns)} of them"
+    what = "segments of one record" if found.key == "segment" else "curves"
+    return f"{what} beside each other, put one under the other: {words}"
+
+
+def _refuse_halves(table: TextTable, directed: Sets, quantity: QuantityOf) -> None:
+    """Refuse directions of which one makes a curve, the other not."""
+    for word, columns in directed.columns.items():
+        alone = replace(directed, columns={word: columns, "": columns})
+        if alone.make_curves(table.names, quantity):
+            wanted = {quantity(title): i for title, i in columns.items()}
+            remedy = " ".join(f"--column {key}={i + 1}" for key, i in wanted.items() if key in DEFINING)
+            missing = [title for title in columns if not all(title in side for side in directed.columns.values())]
+            raise InputError(
+                f"{table.path}: the columns of approach and retraction differ, only the {word} has a column "
+                f'"{missing[0]}": {remedy} takes the {word} alone ({choice(table)})'
+            )
+
+
+def _repeated(table: TextTable) -> Sets | None:
+    """Sets of columns with the same names, by the words of a line above the names or in their order."""
+    known = set(table.names)
+    bases = [re.sub(r"\.\d+\Z", "", title) for title in table.names]  # "Force (N).1": a second one of a data frame
+    titles = [base if base in known else title for base, title in zip(bases, table.names, strict=True)]
+    times = Counter(titles)
+    sets: list[dict[str, int]] = []
+    shared = []
+    places: Counter[str] = Counter()
+    for i, title in enumerate(titles):
+        if not title or times[title] == 1 or i in table.text:
+            shared.append(i)
+            continue
+        place = places[title]
+        places[title] += 1
+        if place == len(sets):
+            sets.append({})
+        sets[place][title] = i
+    if len(sets) < 2:
+        return None
+    words = _line_above(table, [min(columns.values()) for columns in sets])
+    if words and {word.lower() for word in words} <= DIRECTIONS.keys():
+        words = [DIRECTIONS[word.lower()] for word in words]
+    if len(set(words)) < len(sets):
+        words = [str(i + 1) for i in range(len(sets))]
+    key = "segment" if set(words) == {APPROACH, RETRACT} else "curve"
+    return Sets(key, dict(zip(words, sets, strict=True)), tuple(shared))
+
+
+def _line_above(table: TextTable, starts: list[int]) -> list[str]:
+    """The words of a line of the head that stand over the first columns of the sets and over no other."""
+    for line in reversed(table.head):
+        cells = table.dialect.cells(line.lstrip("#% "))
+        if [i for i, cell in enumerate(cells) if cell] == starts:
+            return [cells[i] for i in starts]
+    return []
+
+
+def _numbered(table: TextTable, quantity: QuantityOf) -> Sets | None:
+    """Sets of columns by the number at the end of their names."""
+    sets: dict[str, dict[str, int]] = {}
+    shared = []
+    for i, title in enumerate(table.names):
+        name, unit = split_name(title)
+        match = re.match(r"(.*?\D)[\s_#.-]*(\d{1,4})\Z", name[-40:])
+        rest = "" if match is None else match[1].rstrip(" _#.-") + (f" [{unit}]" if unit else "")
+        if match is None or i in table.text or quantity(rest) is None:
+            shared.append(i)
+        elif rest in sets.setdefault(match[2], {}):
+            return None
+        else:
+            sets[match[2]][rest] = i
+    return Sets("curve", sets, tuple(shared)) if len(sets) > 1 and min(map(len, sets.values())) > 1 else None
+
+
+def _directed(table: TextTable) -> Sets | None:
+    """Sets of columns by the direction that one of the words of their names tells; None where one name comes twice."""
+    sets: dict[str, dict[str, int]] = {APPROACH: {}, RETRACT: {}}
+    shared = []
+    for i, title in enumerate(table.names):
+        kind, rest = _direction(title)
+        if kind is None or i in table.text:
+            shared.append(i)
+        elif rest in sets[kind]:
+            return None
+        else:
+            sets[kind][rest] = i
+    return Sets("segment", sets, tuple(shared)) if all(sets.values()) else None
+
+
+def _direction(title: str) -> tuple[str | None, str]:
+    """The direction that one of the words of a header cell names, and the cell without that word."""
+    name, unit = split_name(title)
+    words = re.split(r"[\s_]+", name)
+    found = next((word for word in words if word.lower() in DIRECTIONS), None)
+    if found is None or len(words) < 2:
+        return None, title
+    words.remove(found)
+    if not unit and len(words) > 1 and (words[-1] in VOLTS or unit_power(words[-1])):
+        unit = words.pop()
+    return DIRECTIONS[found.lower()], " ".join(words) + (f" [{unit}]" if unit else "")
+
+
+def _stacked(table: TextTable, found: Sets) -> TextTable:
+    """The table with the sets one under the other, behind the shared columns and before the column of their words."""
+    names = list(next(iter(found.columns.values())))
+    parts, lines, words = [], [], []
+    text: dict[int, list[str]] = {at: [] for at, i in enumerate(found.shared) if i in table.text}
+    for word, columns in found.columns.items():
+        rows = np.flatnonzero(np.isfinite(table.values[:, list(columns.values())]).any(axis=1))
+        parts.append(table.values[rows][:, [*found.shared, *(columns[name] for name in names)]])
+        lines.append(table.lines[rows])
+        words += [word] * rows.size
+        for at, held in text.items():
+            cells = table.text[found.shared[at]]
+            held += [cells[row] for row in rows]
+    values = np.vstack(parts)
+    titles = (*(table.names[i] for i in found.shared), *names, found.key)
+    told = {at: tuple(held) for at, held in text.items()} | {len(titles) - 1: tuple(words)}
+    return replace(table, names=titles, values=np.column_stack([values, np.zeros(len(values))]),
+                   lines=np.concatenate(lines), text=told)  # fmt: skip
+
+
+def _in_order_of_time(table: TextTable, quantity: QuantityOf, said: list[str]) -> tuple[TextTable, list[str]]:
+    """The rows of each retraction turned where it would move on as its approach does: they stand in the order of the
+    position. A column of time says that they do not."""
+    keys = [quantity(title) for title in table.names]
+    if "delta" not in keys or "t" in keys:
+        return table, said
+    z, words = table.values[:, keys.index("delta")], np.array(table.text[len(keys) - 1])
+    curve = np.array(table.text[keys.index("curve")]) if "curve" in keys else np.full(z.size, "")
+    order = np.arange(z.size)
+    for name in np.unique(curve):
+        approach, retract = (np.flatnonzero((words == word) & (curve == name)) for word in (APPROACH, RETRACT))
+        if _way(z[approach]) * _way(z[retract]) > 0:
+            order[retract] = retract[::-1]
+    if (order == np.arange(z.size)).all():
+        return table, said
+    told = {i: tuple(np.array(cells)[order].tolist()) for i, cells in table.text.items()}
+    turned = replace(table, values=table.values[order], lines=table.lines[order], text=told)
+    return turned, [*said, "the rows of the retraction turned: they stand in the order of the position"]
+
+
+def _way(z: Array) -> float:
+    """How far the position moves from the first tenth of the rows to the last; 0 where it turns back in between."""
+    z = z[np.isfinite(z)]
+    if not z.size:
+        return 0.0
+    few = max(z.size // 10, 1)
+    way = float(np.median(z[-few:]) - np.median(z[:few]))
+    return way if abs(way) > float(np.ptp(z)) / 2 else 0.0

@@ -412,11 +412,13 @@ def _flags(curve: Curve, parts: Sequence[Segment], directions: Sequence[Directio
 
 
 def _goes_back(curve: Curve, item: Direction) -> bool:
-    """Whether a direction goes the other way than the file names it."""
+    """Whether a direction goes the other way than the file names it, or back and then in again."""
     z = curve.device[item.segment.rows]
     ends = max(1, round(z.size * TUNING.far))
-    way = float(z[-ends:].mean() - z[:ends].mean()) * (1 if item.segment.kind == APPROACH else -1)
-    return way < -TUNING.opposed * float(np.ptp(z))
+    first, last = float(z[:ends].mean()), float(z[-ends:].mean())
+    way = (last - first) * (1 if item.segment.kind == APPROACH else -1)
+    returns = min(first, last) - float(z.min())
+    return max(-way, returns) > TUNING.opposed * float(np.ptp(z))
 
 
 def _pulls_deepest(curve: Curve, item: Direction) -> bool:

@@ -114,6 +114,15 @@ def test_what_is_wrong_is_named() -> None:
     assert "no base line" in examine(deep).flags
 
 
+def test_a_record_that_goes_back_and_in_again_counts_the_other_way() -> None:
+    curve = curve_of(DEVICE)
+    assert curve.delta is not None
+    flags = examine(replace(curve, delta=-curve.delta)).flags
+    assert flags["wrong way"] == (
+        "the displacement of the approach goes the other way: it is positive into the specimen (--flip delta)"
+    )
+
+
 def test_what_is_no_force_curve_is_refused_in_one_line() -> None:
     with pytest.raises(InputError) as caught:
         examine(Curve("c", a=np.arange(30.0), P=np.arange(30.0)))
@@ -145,7 +154,7 @@ def test_a_displacement_against_its_segments_is_named_and_not_fitted() -> None:
     curve = curve_of(DEVICE, told=True)
     turned = examine(replace(curve, delta=-curve.delta))
     assert turned.flags["wrong way"] == (
-        "the displacement of the retract goes the other way: it is positive into the specimen (--flip delta)"
+        "the displacement of the approach goes the other way: it is positive into the specimen (--flip delta)"
     )
     assert "wrong way" not in examine(curve).flags
 

@@ -154,7 +154,7 @@ def test_a_displacement_against_its_segments_is_named_and_not_fitted() -> None:
     curve = curve_of(DEVICE, told=True)
     turned = examine(replace(curve, delta=-curve.delta))
     assert turned.flags["wrong way"] == (
-        "the displacement of the approach goes the other way: it is positive into the specimen (--flip delta)"
+        "the displacement of the retract goes the other way: it is positive into the specimen (--flip delta)"
     )
     assert "wrong way" not in examine(curve).flags
 

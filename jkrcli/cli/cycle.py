@@ -2,27 +2,35 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import click
 
-from ..adhesion.analysis import analyse
+from ..adhesion.analysis import Analysis, analyse
 from ..adhesion.device import control
 from ..adhesion.law import AskedRange
-from ..adhesion.stability import Cycle, Jump, trace, turning_radius
 from ..adhesion.stability import cycle as run_cycle
+from ..adhesion.stability import trace, turning_radius
 from ..base.errors import InputError
 from ..base.units import show
 from ..base.unknown import Unknown
 from ..methods.guards import Limits
-from ..report import tables
-from ..report.output import PICTURES, Output
+from ..report import cycle as report
+from ..report.output import PICTURES, Files, Output
 from .cycle_rate import RateOptions, Turn, rate_options, run
-from .options import LengthType, LoadType, WorkType, limits_options, modulus_factor_option, range_options, slopes_option
+from .options import (
+    ControlType,
+    LengthType,
+    LoadType,
+    WorkType,
+    limits_options,
+    modulus_factor_option,
+    range_options,
+    slopes_option,
+)
 from .output import answer, into_folder, output_options
-from .pull_off import ControlType
 from .series import begin_curves, read_series, series_file, works_of
 from .voice import say
 
@@ -97,11 +105,18 @@ def cycle(
     if rates.rate is not None:
         run(file, results, stiffness, Turn(to_load, to_depth), points, rates, targets, output)
         return
-    inwards, outwards = (result.curve for result in results)
-    turn = None
-    if to_load is not None or to_depth is not None:
-        turn = turning_radius(inwards, stiffness, load=to_load, depth=to_depth)
-    found = run_cycle(inwards, outwards, stiffness, turn)
+    _quasi_static(file, results, stiffness, Turn(to_load, to_depth), points, targets, output)
+
+
+def _quasi_static(
+    file: Path, curves: Sequence[Analysis], stiffness: float, turn: Turn, points: int, targets: Files, output: Output
+) -> None:
+    """Trace, figure and summary of equilibrium states; ``curves``: those of approach and of retraction."""
+    inwards, outwards = (result.curve for result in curves)
+    radius = None
+    if turn.load is not None or turn.depth is not None:
+        radius = turning_radius(inwards, stiffness, load=turn.load, depth=turn.depth)
+    found = run_cycle(inwards, outwards, stiffness, radius)
     if isinstance(found, Unknown):
         raise InputError(f"{file}: {found.reason}")
     columns = trace(found, points)
@@ -112,49 +127,6 @@ def cycle(
         figure = cycle_figure(columns, control(stiffness))
     targets.write(columns, figure=figure)
     if output.json:
-        answer(_as_dict(file, found))
+        answer(report.summary(file, found))
     else:
-        _print(file, found)
-        say(f"  written {targets}")
-
-
-def _as_dict(file: Path, found: Cycle) -> dict[str, Any]:
-    rigid = found.stiffness == float("inf")
-    return {
-        "file": str(file),
-        "control": control(found.stiffness),
-        "stiffness_N_per_m": None if rigid else found.stiffness,
-        "w_approach_J_per_m2": found.approach.curve.w,
-        "w_retract_J_per_m2": found.retraction.curve.w,
-        "jump_in": tables.point(found.begin),
-        "turn_a_m": found.approach.curve.point(found.turn).a,
-        "jumps_on_approach": [tables.jump(jump) for jump in found.jumps_in],
-        "jumps_on_retraction": [tables.jump(jump) for jump in found.jumps_out],
-        "contact_lost": found.retraction.ends == "lost",
-        **tables.energies(found.energy_lost, found.separation),
-    }
-
-
-def _print(file: Path, found: Cycle) -> None:
-    works = [show(path.curve.w, "work") for path in (found.approach, found.retraction)]
-    begin = found.begin
-    say(f"{file}: {control(found.stiffness)}, w = {works[0]} on approach, {works[1]} on retraction")
-    onset = found.approach.curve.onset
-    jump_in = f"jump-in at delta = {show(onset, 'length') if onset else 0} to"
-    start = jump_in if found.approach.curve.w > 0 else "contact grows from a point; first of the series:"
-    say(f"  {start} P = {show(begin.P, 'load')}, a = {show(begin.a, 'length')}")
-    say(f"  turn at a = {show(found.approach.curve.point(found.turn).a, 'length')}")
-    for jump in (*found.jumps_in, *found.jumps_out):
-        say(f"  {_jump(jump)}")
-    if found.retraction.ends != "lost":
-        say("  contact is not lost within the series: the trace ends at its smallest radius")
-    for name, value in (("energy lost per cycle", found.energy_lost), ("work of separation", found.separation)):
-        say(f"  {name}: {value if isinstance(value, Unknown) else f'{value:.4g} J'}")
-
-
-def _jump(jump: Jump) -> str:
-    start = f"P = {show(jump.start.P, 'load')}, delta = {show(jump.start.delta, 'length')}, "
-    start += f"a = {show(jump.start.a, 'length')}"
-    if jump.end is None:
-        return f"contact is lost at {start}"
-    return f"contact jumps from {start} to P = {show(jump.end.P, 'load')}, a = {show(jump.end.a, 'length')}"
+        say("\n".join([*report.words(file, found), f"  written {targets}"]))

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from ..adhesion.device import LOAD_CONTROL
 from ..adhesion.slopes import RULES
 from ..base import units
 from ..base.errors import InputError
@@ -144,7 +145,7 @@ class PositiveType(QuantityType):
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
         found = super().convert(value, param, ctx)
         if found == 0:
-            self.fail(f"must be > 0, got {value}", param, ctx)
+            self.fail(f"must be {self.allowed}, got {value}", param, ctx)
         return found
 
 
@@ -170,6 +171,15 @@ class StiffnessType(PositiveType):
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
         return math.inf if str(value).strip().lower() == "rigid" else super().convert(value, param, ctx)
+
+
+class ControlType(StiffnessType):
+    """Of a machine or a cantilever, or "rigid" (displacement control), or "load" (load control)."""
+
+    allowed = '> 0, or "load" for load control, or "rigid"'
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        return LOAD_CONTROL if str(value).strip().lower() == "load" else super().convert(value, param, ctx)
 
 
 class SensitivityType(PositiveType):

@@ -18,7 +18,6 @@ from ..series import Record, Series, Solution
 from .voice import command_line, note, warn
 
 if TYPE_CHECKING:
-    from ..adhesion.analysis import Analysis
     from ..adhesion.law import AskedRange
 
 IMPORTED = "jkr import"  # how the command line of a series begins that no case gives again
@@ -120,13 +119,6 @@ def begin_curves(
     what = f"{verb} of {rows:,} rows for {sum(map(len, works)):,} works of adhesion"
     if said := admit(what, total, limits, "fewer rows, files or works of adhesion, or leave out the plots"):
         note(said)
-
-
-def attracted(result: Analysis) -> str:
-    """Tension and range of a curve of finite range, for a sentence; empty for JKR."""
-    if result.law is None:
-        return ""
-    return f", stress {show(result.law.stress, 'modulus')} up to {show(result.law.length, 'length')}"
 
 
 def end_of(series: Series) -> dict[str, Any]:

@@ -2,25 +2,25 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from ..adhesion.analysis import Analysis, analyse
-from ..adhesion.curve import CriticalPoint
 from ..adhesion.law import AskedRange
 from ..adhesion.sticking import StickingEffect, as_told, effect_on, sticking_warnings
 from ..base.errors import InputError
-from ..base.units import show
-from ..base.unknown import Estimate, Unknown
+from ..base.unknown import Unknown
 from ..methods.guards import Limits
 from ..report import tables
+from ..report import transform as report
 from ..report.output import PICTURES, Files, Output
 from ..report.scaling import Scales, own_scales, scales_of
 from .options import ScaleType, WorkType, limits_options, modulus_factor_option, range_options, slopes_option
 from .output import answer, into_folder, output_options, refuse_doubles
-from .series import attracted, begin_curves, read_series, series_file, works_of
+from .series import begin_curves, read_series, series_file, works_of
 from .voice import say, warn
 
 if TYPE_CHECKING:
@@ -79,38 +79,62 @@ def transform(
     asked = [AskedRange.of(solution.record, stress, length) for solution in held]
     figures = output.plots and not together
     begin_curves("transform", held, wanted, asked, limits, tables=True, figures=figures)
-    suffix = "" if modulus_factor == 1 else f"-modulus{modulus_factor:g}"
+    plans = _plans(files, wanted, asked, modulus_factor, together, output)
+    summaries = []
+    for solution, plan in zip(held, plans, strict=True):
+        results = analyse(solution, plan.works, slopes, modulus_factor, plan.asked)
+        effect = effect_on(solution.scaled(modulus_factor), plan.works)
+        for result, target in zip(results, plan.targets, strict=True):
+            scales = scales_of(result.problem, result.w, dimensionless) if dimensionless else users
+            summaries.append(_write(result, target, scales, figures, effect))
+        if plan.picture is not None:
+            plan.picture.write(figure=_figure(results, users))
+        for warning in sticking_warnings(solution.problem, effect):
+            warn(f"{solution.record.path}: {warning}")
+        if not output.json:
+            say("\n".join(report.words(results, list(map(str, plan.targets)))))
+            for warning in dict.fromkeys(text for result in results for text in result.warnings):
+                warn(f"{results[0].path}: {warning}")
+            if plan.picture is not None:
+                say(f"  all works of adhesion in one picture: {plan.picture}")
+    if output.json:
+        answer({"results": summaries})
+
+
+@dataclass(frozen=True, eq=False)
+class _Plan:
+    """Curves of one file: its ``works`` of adhesion [J/m^2], the range ``asked`` for, what is written for each of the
+    works, and the ``picture`` of all of them together, if there is to be one."""
+
+    works: tuple[float, ...]
+    asked: AskedRange
+    targets: list[Files]
+    picture: Files | None
+
+
+def _plans(
+    files: tuple[Path, ...], wanted: list[tuple[float, ...]], asked: list[AskedRange], modulus_factor: float,
+    together: bool, output: Output,
+) -> list[_Plan]:  # fmt: skip
+    """What is written for each file; InputError before anything is solved, where it cannot be."""
+    factor = "" if modulus_factor == 1 else f"-modulus{modulus_factor:g}"
+    begins = [(output.where or path.parent) / path.stem for path in files]
+    ends = [f"{ranged.suffix}{factor}" for ranged in asked]
     stems = [
-        [(output.where or path.parent) / f"{path.stem}-w{w:g}{ranged.suffix}{suffix}" for w in some]
-        for path, some, ranged in zip(files, wanted, asked, strict=True)
+        [begin.with_name(f"{begin.name}-w{w:g}{end}") for w in works]
+        for begin, end, works in zip(begins, ends, wanted, strict=True)
     ]
     refuse_doubles([stem for some in stems for stem in some], "give each its own -o and w once")
     output.folder(Path())
     endings = (".csv", ".json") if together else (".csv", ".json", *PICTURES)
     targets = [[output.files(stem, endings, files) for stem in some] for some in stems]
-    pictures = [
-        output.files((output.where or path.parent) / f"{path.stem}-all-w{ranged.suffix}{suffix}", PICTURES, files)
-        for path, ranged in zip(files, asked, strict=True)
-        if together
-    ]
-    summaries = []
-    for solution, some, ranged, written in zip(held, wanted, asked, targets, strict=True):
-        results = analyse(solution, some, slopes, modulus_factor, ranged)
-        effect = effect_on(solution.scaled(modulus_factor), some)
-        for result, target in zip(results, written, strict=True):
-            scales = scales_of(result.problem, result.w, dimensionless) if dimensionless else users
-            summaries.append(_write(result, target, scales, figures, effect))
-        if together and output.plots:
-            picture = pictures.pop(0)
-            picture.write(figure=_figure(results, users))
-        for warning in sticking_warnings(solution.problem, effect):
-            warn(f"{solution.record.path}: {warning}")
-        if not output.json:
-            _print(results, written)
-            if together and output.plots:
-                say(f"  all works of adhesion in one picture: {picture}")
-    if output.json:
-        answer({"results": summaries})
+    pictures: list[Files | None] = [None] * len(files)
+    if together and output.plots:
+        pictures = [
+            output.files(begin.with_name(f"{begin.name}-all-w{end}"), PICTURES, files)
+            for begin, end in zip(begins, ends, strict=True)
+        ]
+    return [_Plan(*each) for each in zip(wanted, asked, targets, pictures, strict=True)]
 
 
 def _write(
@@ -137,63 +161,3 @@ def _figure(results: list[Analysis], users: Scales | None) -> Figure:
 
     units = plots_curve.physical_units(results[-1].curve) if users is None else plots_curve.units_of(users)
     return plots_curve.curves_figure(results, units)
-
-
-def _known(result: Analysis, control: str) -> str:
-    """The 90 % half-width of the pull-off force, relative to it."""
-    found, point = result.pull_off_errors[control], result.pull_off[control]
-    if isinstance(found, Unknown) or not isinstance(point, CriticalPoint) or point.P == 0:
-        return "± ?"  # the JSON file says why
-    percent = 100 * found["P"] / abs(point.P)
-    return f"± {float(f'{percent:.2g}'):g} %"
-
-
-def _print(results: list[Analysis], targets: list[Files]) -> None:
-    path, slopes = results[0].path, results[0].curve.slopes
-    kept = len(results[0].curve.series)
-    say(f"{path}: {kept} points kept, {results[0].dropped} dropped; slopes {slopes.method} ({slopes.reason})")
-    for result, target in zip(results, targets, strict=True):
-        say(f"  w = {show(result.w, 'work')}{attracted(result)}")
-        for name, point in result.pull_off.items():
-            if isinstance(point, CriticalPoint):
-                load = f"{show(point.P, 'load')} {_known(result, name)}"
-                say(
-                    f"    pull-off, {name + ' control:':<22} P = {load:<22} "
-                    f"delta = {show(point.delta, 'length'):<12} a = {show(point.a, 'length')}"
-                )
-            elif result.w > 0:
-                say(f"    pull-off, {name + ' control:':<22} not in the series (see the warning)")
-        tabor = result.validity.tabor
-        if not isinstance(tabor, Unknown):
-            say(f"    Tabor number {tabor:.3g}: {result.validity.regime}")
-        _print_comparison(result)
-        budget = result.budget
-        say(
-            f"    estimated error: {_estimate(budget.total)} "
-            f"(series {_estimate(budget.series)}, slopes {_estimate(budget.smoothing)}); "
-            f"between the rows up to {_estimate(result.curve.interpolation_error)} more"
-        )
-        say(f"    written {target}")
-    for warning in dict.fromkeys(text for result in results for text in result.warnings):
-        warn(f"{path}: {warning}")
-
-
-def _print_comparison(result: Analysis) -> None:
-    found = result.comparison
-    if found is None:
-        return
-    parts = [f"P_H(delta) within {found.load:.2e}"]
-    if not isinstance(found.pull_off, Unknown):
-        parts.append(f"pull-off force {found.pull_off:+.2e}")
-    if not isinstance(found.curve, Unknown):
-        parts.append(f"curve within {found.curve:.2e} pull-off units")
-    say(f"    against the closed form of the same indenter: {', '.join(parts)}")
-    if found.parabola is not None:
-        say(
-            f"    the sphere's own pull-off is {found.parabola:.2%} smaller than the paraboloid's -1.5 pi w R of Eq. 18"
-            " (physics, not error)"
-        )
-
-
-def _estimate(value: Estimate) -> str:
-    return str(value) if isinstance(value, Unknown) else f"{value:.1e}"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 from ..adhesion.device import LOAD_CONTROL
@@ -12,7 +11,7 @@ from ..adhesion.rate.validity import NEGLECTED, Zone
 from ..base.units import SI, show
 from ..base.unknown import Unknown, known
 from ..identification.rate.through import LawThrough
-from .tables import point
+from .tables import point, stiffness
 
 ACCURATE = 1e-6  # choice: error of the integration beyond which a reader is warned
 VAGUE = 1.0  # choice: relative standard error beyond which a parameter is not told
@@ -43,7 +42,7 @@ def summary(history: History, zone: Zone) -> dict[str, Any]:
     error, lost = history.error, history.lost
     return {
         "control": history.control,
-        "stiffness_N_per_m": None if math.isinf(contact.stiffness) else contact.stiffness,
+        "stiffness_N_per_m": stiffness(contact.stiffness),
         "w_approach_J_per_m2": contact.w_advance,
         "w_retract_J_per_m2": contact.w0,
         "rate": law_summary(contact.law),

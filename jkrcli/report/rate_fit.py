@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import numpy as np
@@ -12,6 +11,7 @@ from ..base.units import show
 from ..identification.rate.fitting import RateFit
 from .fit import estimate_summary, estimate_words
 from .rate import law_words
+from .tables import stiffness
 
 FORMAT, VERSION = "jkr-rate-fit", 1
 
@@ -45,7 +45,7 @@ def summary(fit: RateFit, body: str) -> dict[str, Any]:
         "estimates": {item.name: estimate_summary(item) for item in fit.estimates},
         "records": [
             {"curve": record.curve.where, "rows": record.t.size, "device_speed_m_per_s": record.speed,
-             "stiffness_N_per_m": None if math.isinf(record.stiffness) else record.stiffness,
+             "stiffness_N_per_m": stiffness(record.stiffness),
              "noise_P_N": record.noise["P"]} for record in fit.records
         ],
         "edge_speeds_m_per_s": list(fit.speeds),

@@ -10,12 +10,13 @@ import numpy as np
 from ..adhesion.analysis import Analysis
 from ..adhesion.critical import Errors
 from ..adhesion.curve import Equilibrium, EquilibriumCurve
-from ..adhesion.device import CONTROLS
+from ..adhesion.device import CONTROLS, DISPLACEMENT_CONTROL
 from ..adhesion.stability import Behaviour, Jump, behaviour, branch
 from ..base.arrays import Array
 from ..base.errors import InputError
 from ..base.files import read_bytes
 from ..base.table import as_json as as_json
+from ..base.units import show
 from ..base.unknown import Estimate, Unknown, known
 
 SUMMARY_FORMAT, SUMMARY_VERSION = "jkr-summary", 1
@@ -99,6 +100,13 @@ def law(result: Analysis) -> dict[str, float]:
     return {} if result.law is None else {"stress_Pa": result.law.stress, "range_m": result.law.length}
 
 
+def law_words(result: Analysis) -> str:
+    """The same for a sentence; empty for JKR."""
+    if result.law is None:
+        return ""
+    return f", stress {show(result.law.stress, 'modulus')} up to {show(result.law.length, 'length')}"
+
+
 def point(found: Equilibrium | Unknown) -> dict[str, Any]:
     """A critical point or state by its columns; all None with the reason where it lies outside the series."""
     if isinstance(found, Unknown):
@@ -141,6 +149,11 @@ def control(found: Behaviour) -> dict[str, Any]:
 def jump(found: Jump) -> dict[str, Any]:
     """A jump between two states; "to" is null where contact is lost."""
     return {"from": point(found.start), "to": None if found.end is None else point(found.end)}
+
+
+def stiffness(value: float) -> float | None:
+    """The stiffness of a device [N/m]; None for a rigid one, as JSON has no infinity."""
+    return None if value == DISPLACEMENT_CONTROL else value
 
 
 def energies(lost: Estimate, separation: Estimate) -> dict[str, Any]:

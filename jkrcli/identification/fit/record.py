@@ -231,32 +231,23 @@ DIMENSIONS = {
 def _result(body: FittedBody, record: ForceCurve, curve: Curve, settings: Settings, found: ForceCurveFit) -> Fit:
     """The fit of a ``curve`` as every fit gives it; ``record``: without the waves of its base lines."""
     values = _outcome(found, found.x, body)
-    sizes = np.maximum(np.abs(found.x), np.sqrt(np.diag(found.covariance)))
-    curved = [name.startswith(("ln_", "q:")) for name in found.names]  # all others are linear in the outcome
-    steps = TUNING.step * np.where(curved, np.abs(found.x), sizes)
-    rates = np.zeros((len(values), found.x.size))
-    for i, step in enumerate(steps):
-        unit = step * (np.arange(found.x.size) == i)
-        high, low = _outcome(found, found.x + unit, body), _outcome(found, found.x - unit, body)
-        rates[:, i] = [(high[name] - low[name]) / (2 * step) for name in values]
-    covariance = rates @ found.covariance @ rates.T
-    names = list(values)
+    covariance = _propagated(found, body, values)
     dof = max(found.off.size - found.x.size, 1)
     t = t_quantile(settings.level, max(round(dof / found.tau), 1))
     carried = _carried(body, found, settings, values)
     estimates = tuple(
-        wider(_estimate(name, values[name], math.sqrt(max(covariance[i, i], 0.0)), t),
+        wider(_estimate(name, value, math.sqrt(max(covariance[i, i], 0.0)), t),
               {source: change[name] for source, change in carried.items()}, t)
-        for i, name in enumerate(names)
+        for i, (name, value) in enumerate(values.items())
     )  # fmt: skip
     free = tuple(item.name for item in estimates if item.free and item.name != "E_star" and ":" not in item.name)
+    held = [list(values).index(name) for name in free]
     rows = np.concatenate([part.rows for part in found.model.stretches])
-    a = _contact_radii(found)
-    order = np.argsort(rows)
+    a, order = _contact_radii(found), np.argsort(rows)
     assert curve.delta is not None
     assert curve.P is not None
-    held = [names.index(name) for name in free]
-    data = {"delta": curve.delta[rows[order]], "P": curve.P[rows[order]]}
+    flags, quality = _judged(record, found, a)
+    told = {**record.flags, **flags}
     result = Fit(
         name=curve.name,
         file="" if curve.origin is None else str(curve.origin),
@@ -265,7 +256,7 @@ def _result(body: FittedBody, record: ForceCurve, curve: Curve, settings: Settin
         free=free,
         covariance=covariance[np.ix_(held, held)],
         samples=None,
-        data=data,
+        data={"delta": curve.delta[rows[order]], "P": curve.P[rows[order]]},
         rows=rows[order],
         left_out=_left_out(record, rows.size),
         a=a[order],
@@ -278,16 +269,29 @@ def _result(body: FittedBody, record: ForceCurve, curve: Curve, settings: Settin
         evaluations=found.evaluations,
         settings=settings,
         warnings=(),
-        flags=tuple(record.flags),
+        flags=tuple(told),
+        quality=quality,
+        adhesion=_adhesion(record),
     )
-    flags, quality = _judged(record, found, a)
-    result = replace(
-        result, adhesion=_adhesion(record), flags=tuple(dict.fromkeys([*record.flags, *flags])), quality=quality
-    )
-    said = [f"{name}: {sentence}" for name, sentence in {**record.flags, **flags}.items()]
+    said = [f"{name}: {sentence}" for name, sentence in told.items()]
     at_bound = ["modulus"] * bool(np.isclose(values["modulus"], found.model.moduli, rtol=TUNING.at_bound).any())
     more = warnings_of(result, body, body.family, at_bound)
     return replace(result, warnings=(*said, *_words(found, settings), *more))
+
+
+def _propagated(found: ForceCurveFit, body: FittedBody, values: Mapping[str, float]) -> Array:
+    """Covariance (n, n) of the n outcomes ``values``, in their order, from that of the unknowns: first order, by
+    central differences."""
+    sizes = np.maximum(np.abs(found.x), np.sqrt(np.diag(found.covariance)))
+    curved = [name.startswith(("ln_", "q:")) for name in found.names]  # all others are linear in the outcome
+    steps = TUNING.step * np.where(curved, np.abs(found.x), sizes)
+    rates = np.zeros((len(values), found.x.size))
+    for i, step in enumerate(steps):
+        unit = step * (np.arange(found.x.size) == i)
+        high, low = _outcome(found, found.x + unit, body), _outcome(found, found.x - unit, body)
+        rates[:, i] = [(high[name] - low[name]) / (2 * step) for name in values]
+    covariance: Array = rates @ found.covariance @ rates.T
+    return covariance
 
 
 def _carried(

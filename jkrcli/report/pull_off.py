@@ -1,0 +1,139 @@
+"""Where contact is lost, and the work of adhesion behind a measured pull-off, in words and as JSON."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from ..adhesion.analysis import Analysis
+from ..adhesion.critical import Errors
+from ..adhesion.curve import Equilibrium
+from ..adhesion.device import control
+from ..adhesion.sharp import yielding
+from ..adhesion.stability import Behaviour
+from ..adhesion.validity import check
+from ..base.units import show
+from ..base.unknown import Estimate, Unknown, known
+from . import tables
+
+if TYPE_CHECKING:
+    from ..identification.work_of_adhesion import MeasuredWork
+
+SIZES = {"a/R": "a_over_R", "a/R at pull-off": "a_over_R_pull_off", "a/h": "a_over_h", "a/L": "a_over_L"}
+ABOVE = "Tabor", "at the range"  # how the warnings begin that say again what the line of the Tabor number says
+Lost = tuple[Behaviour, Errors | Unknown | None]  # of one control: what is read off, half-widths of its pull-off point
+
+
+def summary(result: Analysis, lost: Sequence[Lost]) -> dict[str, Any]:
+    """What is read off one curve under each control, SI."""
+    controls = []
+    for found, error in lost:
+        told = tables.control(found)
+        told["pull_off"] |= tables.errors(error)
+        controls.append({"control": found.control, "stiffness_N_per_m": tables.stiffness(found.stiffness), **told})
+    return {
+        "file": str(result.path),
+        "w_J_per_m2": result.w,
+        **tables.law(result),
+        "modulus_factor": result.modulus_factor,
+        "controls": controls,
+        "validity": tables.validity(result),
+        "errors": result.budget.as_dict() | {"between_rows": result.curve.interpolation_error},
+    }
+
+
+def words(result: Analysis, lost: Sequence[Lost]) -> list[str]:
+    """The same as lines of text."""
+    lines = [f"{result.path}: w = {show(result.w, 'work')}{tables.law_words(result)}"]
+    for found, error in lost:
+        lines += _control(found, error)
+    return lines + _validity(result)
+
+
+def measured_summary(told: MeasuredWork) -> dict[str, Any]:
+    """What a measured pull-off force means, SI."""
+    found = told.found
+    data = {
+        "file": str(told.result.path),
+        "load_N": found.load,
+        "control": control(found.stiffness),
+        "stiffness_N_per_m": tables.stiffness(found.stiffness),
+        "w_J_per_m2": found.w,
+        "w_err_J_per_m2": known(told.error),
+        "w_err_by_input_J_per_m2": dict(told.parts),
+        "w_err_of_series_J_per_m2": known(told.series),
+        "w_half_space_J_per_m2": found.half_space,
+        "pull_off": tables.point(found.point),
+        "validity": tables.validity(told.result),
+    }
+    return data | ({"error": told.error.reason} if isinstance(told.error, Unknown) else {})
+
+
+def measured_words(told: MeasuredWork) -> list[str]:
+    """The same as lines of text."""
+    found = told.found
+    error = "?" if isinstance(told.error, Unknown) else show(told.error, "work")
+    lines = [
+        f"{told.result.path}: a pull-off force of {show(found.load, 'load')} means w = {show(found.w, 'work')} ± "
+        f"{error} ({control(found.stiffness)}, a = {show(found.point.a, 'length')})"
+    ]
+    if told.parts:
+        parts = (f"{name} {show(part, 'work')}" for name, part in told.parts.items())
+        series = str(told.series) if isinstance(told.series, Unknown) else show(told.series, "work")
+        lines.append(f"  standard error from {', '.join(parts)}; that of the series {series}")
+    else:
+        lines.append("  90 % half-width from the error of the series alone; --uncertain load=5% and others add theirs")
+    if found.half_space is None:
+        lines.append("  no tip radius: classical JKR has no answer for this indenter")
+    else:
+        lines.append(
+            f"  1.5 pi w R of a half-space would have given {show(found.half_space, 'work')}, "
+            f"{found.half_space / found.w:.3g} times this body's"
+        )
+    return lines + _validity(told.result)
+
+
+def _control(found: Behaviour, error: Errors | Unknown | None) -> list[str]:
+    """Points, jumps and energies under one control."""
+    lines = [f"  {found.control}", f"    pull-off            {_point(found.pull_off)}"]
+    if isinstance(error, Unknown):
+        lines.append(f"    its error           {error}")
+    elif error is not None:
+        half_widths = f"P within {show(error['P'], 'load')}, delta within {show(error['delta'], 'length')}"
+        lines.append(f"    its error           {half_widths} (90 %)")
+    others = [point for point in found.critical if point != found.pull_off]
+    if not found.critical and not isinstance(found.pull_off, Unknown):
+        lines.append("    critical points     none in the series")
+    lines += [f"    other {point.kind:<14}{_point(point)}" for point in others]
+    lines += [
+        f"    jumps back          {_point(jump.start)}  to  {_point(jump.end)}" for jump in found.partial if jump.end
+    ]
+    lines.append(f"    jump-in{', delta = 0  ' if found.onset == 0 else ', attracted  '}{_point(found.jump_in)}")
+    lines.append(f"    energy lost         {_energy(found.energy_lost)}")
+    if found.separation != found.energy_lost:
+        lines.append(f"    work of separation  {_energy(found.separation)}")
+    return lines
+
+
+def _point(point: Equilibrium | Unknown) -> str:
+    if isinstance(point, Unknown):
+        return f"none: {point.reason}"
+    c = "" if point.c is None else f"  c = {show(point.c, 'length')}"
+    return f"P = {show(point.P, 'load'):<12} delta = {show(point.delta, 'length'):<12} a = {show(point.a, 'length')}{c}"
+
+
+def _energy(value: Estimate) -> str:
+    return f"none: {value}" if isinstance(value, Unknown) else f"{value:.4g} J"
+
+
+def _validity(result: Analysis) -> list[str]:
+    """JKR holds, is doubtful or does not: by every number that the body has, then the other warnings."""
+    judged = tables.validity(result)
+    lines = []
+    if isinstance(judged["tabor"], float):
+        lines.append(f"  Tabor number {judged['tabor']:.3g}: {judged['regime']}")
+    sizes = ((name, judged[key]) for name, key in SIZES.items())
+    lines.append("  " + ", ".join(f"{name} = {value:.3g}" for name, value in sizes if isinstance(value, float)))
+    said = [warning for warning in check(result.validity) if not warning.startswith(ABOVE)]
+    said += yielding(result.problem, result.curve)
+    return [line for line in [*lines, *(f"  {warning}" for warning in said)] if line.strip()]

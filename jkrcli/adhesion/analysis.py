@@ -115,7 +115,7 @@ class Analysis:
 
     @cached_property
     def effect_of_range(self) -> Estimate:
-        """By what fraction the pull-off force would differ at the range z0; 0 where adhesion has its range."""
+        """Relative change of the pull-off force under load control, if adhesion had the range z0; 0 where it has."""
         point = self.pull_off["load"]
         if self.law is not None:
             return 0.0

@@ -141,7 +141,7 @@ class Nonadhesive:
         return Parts(delta_H, P_H, S, dS, shift(1.0, a, dS))
 
     def rates(self, a: Array) -> Parts:
-        """The derivatives of ``parts`` by the radius: ``rates(a).dS`` is S''."""
+        """The derivatives of ``parts`` by the radius, each in the unit of its part per m: ``rates(a).dS`` is S''."""
         return self.with_rates(a)[1]
 
     def with_rates(self, a: Array) -> tuple[Parts, Parts]:
@@ -356,7 +356,7 @@ class EquilibriumCurve(ABC):
         return self._rates(self._inside(places))
 
     def error_at(self, places: Array) -> dict[str, Array]:
-        """The half-widths of ``errors`` at any place on the curve (linear between points)."""
+        """The 90 % half-widths of delta [m] and P [N] at any place on the curve (linear between points)."""
         inside = self._inside(places)
         return {name: np.interp(inside, self.places, values) for name, values in self.errors.items()}
 

@@ -141,7 +141,8 @@ class FiniteRangeCurve(EquilibriumCurve):
         return np.concatenate([self.apart.a, self.touching.a])
 
     def critical(self, stiffness: float) -> tuple[CriticalPoint, ...]:
-        """As of any curve, but for its begin, where the surfaces only come within the range."""
+        """The stationary points of delta + P/stiffness [N/m]; the first point of the curve, where the surfaces only
+        come within the range, is none."""
         return tuple(point for point in super().critical(stiffness) if point.place > 0)
 
     def point(self, place: float) -> Equilibrium:
@@ -422,7 +423,7 @@ def _growing(rims: Rims) -> Rims:
 
 
 def _begins(rims: Rims) -> tuple[str, ...]:
-    """That the curve begins at its first state, and why."""
+    """A warning that contact radii below those of ``rims`` are left out, and why."""
     where = show(float(rims.a[0]), "length")
     return (
         f"finite range: at contact radii below {where} the radius to which the surfaces attract each other falls as "

@@ -48,7 +48,8 @@ class AskedRange:
 
     @classmethod
     def of(cls, record: Record, stress: float | None = None, length: float | None = None) -> AskedRange:
-        """What is given here, else what the case of ``record`` says."""
+        """The ``stress`` [Pa] or the ``length`` [m] that is given, else what the case of ``record`` says; InputError
+        where both are given."""
         if stress is not None and length is not None:
             raise InputError("give either --stress or --range, got both")
         if stress is None and length is None:

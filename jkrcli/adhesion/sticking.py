@@ -62,7 +62,7 @@ class StickingEffect:
         return ", ".join(told + ([f"the pull-off force {' and '.join(dict.fromkeys(pulls))} times"] if pulls else []))
 
     def as_dict(self) -> dict[str, Any]:
-        """For machines."""
+        """The radius [m] and the ratios [-] as they stand in JSON."""
         pulls = [{"w_J_per_m2": w, "ratio": value} for w, value in self.pull_off.items()]
         return {"a_m": self.a, "load": self.load, "S": self.stiffness, "pull_off": pulls}
 
@@ -144,5 +144,5 @@ def effect_on(solution: Solution, works: Sequence[float]) -> StickingEffect | Un
 
 
 def as_told(effect: StickingEffect | Unknown) -> Any:
-    """For machines."""
+    """The effect as it stands in JSON, or why it is not known."""
     return str(effect) if isinstance(effect, Unknown) else effect.as_dict()

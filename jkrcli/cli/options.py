@@ -164,7 +164,7 @@ class FactorType(PositiveType):
 
 
 class StiffnessType(PositiveType):
-    """Of a device, or "rigid"."""
+    """A stiffness > 0 of a device, or "rigid"."""
 
     name = "STIFFNESS"
     dimension = "stiffness"
@@ -174,7 +174,7 @@ class StiffnessType(PositiveType):
 
 
 class ControlType(StiffnessType):
-    """Of a machine or a cantilever, or "rigid" (displacement control), or "load" (load control)."""
+    """A stiffness > 0 of a machine or cantilever, "rigid" (displacement control) or "load" (load control)."""
 
     allowed = '> 0, or "load" for load control, or "rigid"'
 

@@ -95,5 +95,6 @@ def adhesive_half_space(a: Array, delta_H: Array, P_H: Array, E_star: float, w: 
 
 
 def tabor(R: float, w: float, E_star: float, z0: float) -> float:
-    """Tabor number (Eq. 1 corrected): (R w^2/(E*^2 z0^3))^(1/3)."""
+    """Tabor number (Eq. 1 corrected): (R w^2/(E*^2 z0^3))^(1/3), of ``R`` [m], ``w`` [J/m^2], ``E_star`` [Pa] and the
+    range of the forces ``z0`` [m]."""
     return float((R * w**2 / (E_star**2 * z0**3)) ** (1 / 3))

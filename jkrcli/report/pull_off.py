@@ -43,7 +43,7 @@ def summary(result: Analysis, lost: Sequence[Lost]) -> dict[str, Any]:
 
 
 def words(result: Analysis, lost: Sequence[Lost]) -> list[str]:
-    """The same as lines of text."""
+    """What is read off one curve under each control, as lines of text."""
     lines = [f"{result.path}: w = {show(result.w, 'work')}{tables.law_words(result)}"]
     for found, error in lost:
         lines += _control(found, error)
@@ -70,7 +70,7 @@ def measured_summary(told: MeasuredWork) -> dict[str, Any]:
 
 
 def measured_words(told: MeasuredWork) -> list[str]:
-    """The same as lines of text."""
+    """What a measured pull-off force means, as lines of text."""
     found = told.found
     error = "?" if isinstance(told.error, Unknown) else show(told.error, "work")
     lines = [

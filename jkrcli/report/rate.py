@@ -131,7 +131,7 @@ def through_summary(found: LawThrough | Unknown | None) -> dict[str, Any] | None
 
 
 def through_words(found: LawThrough | Unknown) -> str:
-    """The same in a line; a law of which nothing is told is none."""
+    """The law through points of w over the speed in a line; where no parameter is told within its limit, that none."""
     if isinstance(found, Unknown):
         return f"no law over speed: {found.reason}"
     low, high = (show(v, "speed", 3) for v in found.speeds)

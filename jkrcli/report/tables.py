@@ -101,7 +101,7 @@ def law(result: Analysis) -> dict[str, float]:
 
 
 def law_words(result: Analysis) -> str:
-    """The same for a sentence; empty for JKR."""
+    """Tension and range of adhesion of finite range, to follow w in a sentence; empty for JKR."""
     if result.law is None:
         return ""
     return f", stress {show(result.law.stress, 'modulus')} up to {show(result.law.length, 'length')}"

@@ -98,7 +98,7 @@ class RateContact:
         return replace(self.once(program, start), beside=self.coarser.once(program, start))
 
     def once(self, program: Program, start: float | None = None) -> History:
-        """The same without an estimate of its error."""
+        """What happens over time under ``program`` from the radius ``start`` [m] on, without an error of it."""
         return _history(self, program, start)
 
     @property
@@ -263,7 +263,8 @@ class History:
 
     @cached_property
     def balance(self) -> float:
-        """Of all motions the largest |work of the device - stored - int G dA|, over the largest of the three."""
+        """The energy that is missing, |work of the device - stored - int G dA| over the largest of the three [-]:
+        that of the motion with the largest share."""
         return max((self._defect(piece) for piece in self.pieces if isinstance(piece, Motion)), default=0.0)
 
     def _defect(self, piece: Piece) -> float:

@@ -103,7 +103,8 @@ def rate_parameters(name: str) -> dict[str, Ranged]:
 
 @cache
 def _parameters(name: str, kind: type) -> dict[str, Ranged]:
-    """The same, read once for each class, as that takes longer than a prediction."""
+    """Dimension and range of each parameter of the law called ``name``; kept for each class, as reading annotations
+    takes longer than a prediction."""
     notes = {key: getattr(item.annotation, "__metadata__", ()) for key, item in RATE_LAWS.parameters(name).items()}
     return {key: next(note for note in reversed(held) if isinstance(note, Ranged)) for key, held in notes.items()}
 

@@ -32,7 +32,8 @@ def held_at_turn(contact: RateContact, load: float | None, depth: float | None, 
 
 
 def _of_history(contact: RateContact, load: float | None, depth: float | None, speed: float) -> float:
-    """The same where the approach itself is one of time."""
+    """The position of the device [m] (load [N] under load control) at the turn, where the edge advances by a law of its
+    own: read off an approach at ``speed`` at which the ``load`` [N] or the ``depth`` [m] is first held."""
     quantity, value = ("P", load) if depth is None else ("delta", depth)
     if value is None:
         raise InputError("cycle: an edge that advances by a law needs a turn: --to-load or --to-depth")

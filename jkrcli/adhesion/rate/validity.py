@@ -35,7 +35,7 @@ class Zone:
 
     @property
     def words(self) -> str:
-        """Its size for people, or why there is none."""
+        """The width of the zone and its share of contact radius and layer in a line, or why it is unknown."""
         if isinstance(self.width, Unknown):
             return f"unknown: {self.width}"
         shares = ((self.over_a, "the contact radius"), (self.over_h, "the layer's thickness"))

@@ -171,7 +171,7 @@ class JKRMember:
         return found if self.drift is None else self.drift.applied(found, u)
 
     def refuse_beyond(self, a: float) -> None:
-        """Power laws go on beyond the series, whose end the search looks at."""
+        """Nothing is refused: beyond the series power laws go on, and the search itself looks at where it ends."""
 
     def along(self, u: Array) -> tuple[Array, Array, Array]:
         a, s, w = np.exp(u), self.s, self.w

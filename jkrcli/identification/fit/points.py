@@ -193,5 +193,6 @@ def scatter(values: Mapping[str, Array], units: Mapping[str, float]) -> dict[str
 
 
 def third_differences(column: Array) -> float:
-    """Standard deviation of independent normal numbers by their third differences, whose own is sqrt(20) times it."""
+    """Standard deviation of the noise in a ``column`` (n,), in its unit: the median size of third differences, which
+    for independent normal noise scatter sqrt(20) times as much; infinite below 5 rows."""
     return float(np.median(np.abs(np.diff(column, 3)))) / (NORMAL_MEDIAN * math.sqrt(20)) if column.size > 4 else np.inf

@@ -191,7 +191,7 @@ class _Problem:
     settings: RateSettings
 
     def thinned(self) -> _Problem:
-        """The same by a few rows of each record, for starts."""
+        """The problem with a few rows of each record only, to find where to start."""
         return replace(self, records=tuple(record.thinned(TUNING.rows) for record in self.records))
 
     @property
@@ -323,7 +323,7 @@ class _Problem:
         return math.sqrt(squares / max(self.size - found.x.size + 2 * len(self.records), 1))
 
     def settled(self, found: Any) -> _Problem:
-        """The same with each record until its predicted loss of contact, as the last row is else chosen by its own
+        """The problem with each record cut at its predicted loss of contact, as its last row is else chosen by its own
         noise, and weighed by its residuals, which tell the noise better than the differences of neighbours."""
         share = (found.x.size - 2 * len(self.records)) / self.size
         records = []

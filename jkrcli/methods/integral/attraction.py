@@ -111,7 +111,7 @@ class Discs:
 
     @cached_property
     def flat(self) -> tuple[Array, Array]:
-        """Of a flat end pressed by 1: (pi/2) phi at the edge [-], which is positive, and S/(2 E*) [m]."""
+        """The flat end of each radius pressed by 1: (pi/2) phi at its edge [-], which is positive, and S/(2 E*) [m]."""
         M_beta, _ = self._applied
         edge = 1 - np.sum(self.ends * M_beta, axis=1)
         return edge, self.a - np.sum(self.beta * M_beta, axis=1)

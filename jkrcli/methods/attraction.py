@@ -99,8 +99,8 @@ class AttractedBody:
         return self._kernel(reach)[0]
 
     def check(self, reach: float) -> Attraction:
-        """The attraction up to the radius ``reach`` [m] on other panels than those of ``attraction``, for an estimate of
-        the error that they leave."""
+        """The attraction up to the radius ``reach`` [m] on other panels than those of ``attraction``, for an estimate
+        of the error that they leave."""
         if reach not in self._checks:
             self._checks.clear()
             cylinder, finer = self._kernel(reach)[1], self.tolerance * TUNING.checked

@@ -98,7 +98,7 @@ class RateContact:
         return replace(self.once(program, start), beside=self.coarser.once(program, start))
 
     def once(self, program: Program, start: float | None = None) -> History:
-        """What happens over time under ``program`` from the radius ``start`` [m] on, without an error of it."""
+        """What happens over time under ``program`` from the radius ``start`` [m] on, without its error."""
         return _history(self, program, start)
 
     @property

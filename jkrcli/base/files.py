@@ -8,10 +8,12 @@ import os
 import re
 import secrets
 from collections.abc import Iterable, Iterator
+from contextvars import ContextVar
 from pathlib import Path
 from typing import BinaryIO
 
 from .errors import InputError, JkrError, nearest
+from .interrupts import Waiting
 
 CSV_HEADS = (
     b"number,method,column,ratio,stated",  # our tables carry no mark but their own header
@@ -147,20 +149,53 @@ def atomic(path: Path) -> Iterator[Path]:
     A process that is killed leaves its temporary file; the next one that writes into the folder removes it.
     """
     temporary = path.with_name(f"{_mark()}{os.getpid()}-{secrets.token_hex(4)}{path.suffix}")
-    try:
+    with together() as written:
         try:
-            temporary.open("xb").close()
-        except OSError as error:
-            raise InputError(f"{path}: cannot be written ({error.strerror})") from None
-        yield temporary
-        with temporary.open("rb") as file:
-            os.fsync(file.fileno())
-        temporary.replace(path)
-    except OSError as error:
-        raise JkrError(f"{path}: cannot be written ({error.strerror or error})") from None
+            try:
+                temporary.open("xb").close()
+            except OSError as error:
+                raise InputError(f"{path}: cannot be written ({error.strerror})") from None
+            yield temporary
+            with temporary.open("rb") as file:
+                os.fsync(file.fileno())
+        except BaseException as error:
+            _remove(temporary)
+            if isinstance(error, OSError):
+                raise JkrError(f"{path}: cannot be written ({error.strerror or error})") from None
+            raise
+        written[temporary] = path
+
+
+@contextlib.contextmanager
+def together() -> Iterator[dict[Path, Path]]:
+    """Files that are written within the block replace the old ones at its end, all of them or, where it ends badly,
+    none; within another such block at the end of that. What it gives: targets by their temporary names."""
+    outer = _written.get()
+    if outer is not None:
+        yield outer
+        return
+    written: dict[Path, Path] = {}
+    token = _written.set(written)
+    try:
+        yield written
+        with Waiting():  # so that Ctrl-C finds all of them replaced
+            for temporary, path in written.items():
+                try:
+                    temporary.replace(path)
+                except OSError as error:
+                    raise JkrError(f"{path}: cannot be written ({error.strerror})") from None
     finally:
-        with contextlib.suppress(OSError):
-            temporary.unlink(missing_ok=True)
+        _written.reset(token)
+        for temporary in written:
+            _remove(temporary)
+
+
+_written: ContextVar[dict[Path, Path] | None] = ContextVar("_written", default=None)
+
+
+def _remove(temporary: Path) -> None:
+    with contextlib.suppress(OSError):
+        temporary.unlink(missing_ok=True)
 
 
 def _mark() -> str:

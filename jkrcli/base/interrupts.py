@@ -17,8 +17,10 @@ _waits = False  # none is raised now
 
 
 def _leave(*_: object) -> None:
-    os.write(2, f"jkr: error: {SAID}\n".encode())
-    os._exit(CODE)
+    try:
+        os.write(2, f"jkr: error: {SAID}\n".encode())
+    finally:
+        os._exit(CODE)
 
 
 def leave_at_once() -> None:

@@ -17,7 +17,7 @@ from .. import __version__
 from ..base import interrupts
 from ..base.errors import InputError, JkrError, did_you_mean, printable
 from ..base.threads import begin_with_one
-from .voice import level_options, warn
+from .voice import give_up, level_options, tell, warn
 
 begin_with_one()  # the same numbers everywhere, and faster at these sizes
 os.environ["PYDANTIC_DISABLE_PLUGINS"] = "__all__"  # nothing foreign reads along, and no search for it
@@ -163,12 +163,13 @@ def call(arguments: Sequence[str] | None = None) -> int:
             raise
         return _fail([OUT_OF_MEMORY], 1)
     except BrokenPipeError:
-        _give_up_output()
+        give_up(sys.__stdout__)
         return 1
     except OSError as error:
         if error.filename is None:
-            _give_up_output()
-        return _fail([f"{error.filename or 'output'}: {error.strerror or error}"], 1)
+            give_up(sys.__stdout__)
+        nowhere = "temporary files" if isinstance(error, FileNotFoundError) else "output"
+        return _fail([f"{error.filename or nowhere}: {error.strerror or error}"], 1)
 
 
 def _say_little_space() -> None:
@@ -193,12 +194,6 @@ def _interrupts_first() -> Iterator[None]:
         raise
 
 
-def _give_up_output() -> None:
-    """Give up what stdout still holds and cannot write, so that the interpreter ends quietly with our exit code."""
-    with contextlib.suppress(OSError, ValueError):
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.__stdout__.fileno() if sys.__stdout__ else 1)
-
-
 def _one_line(error: click.ClickException) -> str:
     message = " ".join(line.strip() for line in error.format_message().splitlines()).strip().rstrip(".")
     if isinstance(error, click.UsageError) and error.ctx is not None:
@@ -208,5 +203,5 @@ def _one_line(error: click.ClickException) -> str:
 
 def _fail(lines: Sequence[str], code: int) -> int:
     for line in lines:
-        click.echo(f"jkr: error: {printable(line)}", err=True)
+        tell(f"jkr: error: {printable(line)}")
     return code

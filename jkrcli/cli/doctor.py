@@ -126,12 +126,13 @@ def _memory(least: float = 1.0) -> Finding:
 
 def _scratch(least: float = 0.5) -> Finding:
     """The folder of temporary files, ``least`` [GiB] asked for."""
-    folder = tempfile.gettempdir()
     try:
         with tempfile.TemporaryFile():
+            folder = tempfile.gettempdir()
             free = shutil.disk_usage(folder).free / 2**30
     except OSError as error:
-        return Finding("temporary files", "missing", f"{folder}: {error}", "set TMPDIR to a folder that can be written")
+        found = error.strerror or str(error)
+        return Finding("temporary files", "missing", found, "set TMPDIR to a folder that can be written")
     if free >= least:
         return Finding("temporary files", "ok", f"{folder}, {free:.1f} GiB free")
     return Finding("temporary files", "optional", f"{folder}, {free:.1f} GiB free", "free some space")

@@ -11,7 +11,7 @@ import numpy as np
 from ..adhesion.analysis import analyse
 from ..adhesion.stability import stable_radius
 from ..base.errors import InputError
-from ..base.files import atomic
+from ..base.files import atomic, together
 from ..base.units import show
 from ..case import Case
 from ..report.output import PICTURES, Files, Output
@@ -77,8 +77,9 @@ def fields(
         from ..report.plots.body import contact_zone_figure
 
         figure = contact_zone_figure(state, problem.indenter, w, component)
-    _write_vtu(state, targets[".vtu"])
-    targets.write(tractions(state), figure=figure)
+    with together():
+        _write_vtu(state, targets[".vtu"])
+        targets.write(tractions(state), figure=figure)
     summary = _summary(file, w, P, state)
     if output.json:
         answer(summary)

@@ -12,6 +12,7 @@ import click
 
 from ..adhesion.rate.laws import RATE_LAWS
 from ..base.errors import InputError
+from ..base.files import together
 from ..methods.guards import Limits
 from ..report.output import PICTURES, Files, Output
 from .body import FLAGS, body_options, given_flags, tables_of
@@ -203,13 +204,14 @@ def _write(
         raise InputError(some(reasons))
     held = map_of(found) if output.plots else None
     of_map = None if held is None else output.files(Path(f"{targets.stem}-map"), PICTURES, inputs)
-    targets.write(report.columns(found), report.summary(found, told))
-    report.write(targets[".h5"], found, told)
-    _draw(pictures)
-    if held is not None and of_map is not None:
-        from ..report.plots.map import map_figure
+    with together():
+        targets.write(report.columns(found), report.summary(found, told))
+        report.write(targets[".h5"], found, told)
+        _draw(pictures)
+        if held is not None and of_map is not None:
+            from ..report.plots.map import map_figure
 
-        of_map.write(figure=map_figure(held))
+            of_map.write(figure=map_figure(held))
     if all(isinstance(item, Failure) for item in found):
         raise InputError(some(reasons))
     return of_map

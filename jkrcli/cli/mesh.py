@@ -8,7 +8,7 @@ import click
 import numpy as np
 
 from .. import __version__
-from ..base.files import atomic
+from ..base.files import atomic, together
 from ..base.units import show
 from ..case import load_case
 from ..case.numerics import fem_of
@@ -42,12 +42,13 @@ def mesh(case: Path, limits: Limits, output: Output) -> None:
     if cost := admit("method fem on this mesh", method.forecast(problem), limits):
         note(cost)
     grid, reach = method.mesh(problem), method.reach(problem)
-    for ending, write in ((".msh", write_msh), (".vtu", write_vtu)):
-        with atomic(targets[ending]) as temporary:
-            write(grid, temporary)
-            with temporary.open("a") as file:
-                file.write(MARKS[ending])
-    targets.write(figure=mesh_figure(grid, reach))
+    with together():
+        for ending, write in ((".msh", write_msh), (".vtu", write_vtu)):
+            with atomic(targets[ending]) as temporary:
+                write(grid, temporary)
+                with temporary.open("a") as file:
+                    file.write(MARKS[ending])
+        targets.write(figure=mesh_figure(grid, reach))
     quality = grid.quality()
     touched = int(np.sum(grid.surface_radii() <= reach))
     say(f"{case}: {len(grid.cells)} {grid.element}s, {len(grid.points)} vertices")

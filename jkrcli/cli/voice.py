@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import contextlib
 import math
+import os
 import shlex
 import sys
 from collections.abc import Callable, Iterator
-from typing import Any
+from typing import Any, TextIO
 
 import click
 
@@ -55,6 +56,21 @@ def _level() -> int:
     return USUAL if ctx is None else ctx.meta.get(LEVEL, USUAL)
 
 
+def tell(line: str) -> None:
+    """A line on stderr; where nobody can receive it (a full disk, a reader that is gone) work goes on without."""
+    try:
+        click.echo(line, err=True)
+    except OSError:
+        give_up(sys.__stderr__)
+
+
+def give_up(stream: TextIO | None) -> None:
+    """Drop what a standard stream still holds and cannot write, so that the interpreter ends quietly with our code."""
+    with contextlib.suppress(OSError, ValueError):
+        if stream is not None:
+            os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+
+
 def say(text: str) -> None:
     """A line of the summary."""
     if _level() != QUIET:
@@ -64,13 +80,13 @@ def say(text: str) -> None:
 def note(text: str) -> None:
     """A line on stderr on what goes on, for who waits."""
     if _level() != QUIET:
-        click.echo(f"jkr: {printable(text)}", err=True)
+        tell(f"jkr: {printable(text)}")
 
 
 def detail(text: str) -> None:
     """A line for those who want to know more."""
     if _level() == VERBOSE:
-        click.echo(f"jkr: {printable(text)}", err=True)
+        tell(f"jkr: {printable(text)}")
 
 
 def warn(text: str) -> None:
@@ -79,7 +95,7 @@ def warn(text: str) -> None:
     said: set[str] = set() if ctx is None else ctx.meta.setdefault(SAID, set())
     if text not in said:
         said.add(text)
-        click.echo(f"jkr: warning: {printable(text)}", err=True)
+        tell(f"jkr: warning: {printable(text)}")
 
 
 def announce(what: str, seconds: float) -> None:

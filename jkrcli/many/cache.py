@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from .. import __version__
-from ..base.errors import InputError
+from ..base.errors import InputError, JkrError
 from ..bodies.problem import Problem
 from ..case import store
 from ..methods import Method
@@ -65,7 +65,7 @@ def solved(problem: Problem, method: Method, folder: Path | None = None) -> Solu
     solution = replace(method(problem), record=Record(path=Path("series")))
     expensive = time.process_time() - start > TUNING.worth_keeping
     if path is not None and expensive and solution.raw is None and path.parent.is_dir():
-        with contextlib.suppress(InputError):  # a shape that no case can say is solved every time
+        with contextlib.suppress(JkrError):  # no room, or a shape that no case can say: it is solved every time
             store.write(path, solution, _made_by(key))
     return solution
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..base.files import check_series_target, check_target, make_folder, write_text
+from ..base.files import check_series_target, check_target, make_folder, together, write_text
 from ..base.table import as_json, write_csv
 
 if TYPE_CHECKING:
@@ -39,15 +39,17 @@ class Files:
         summary: Mapping[str, Any] | None = None,
         figure: Figure | None = None,
     ) -> None:
-        """The columns of a table as CSV, a summary as JSON, a figure as pictures, as far as they are given."""
-        if table is not None:
-            write_csv(self[".csv"], table)
-        if summary is not None:
-            write_text(self[".json"], as_json(summary))
-        if figure is not None:
-            from . import plots
+        """The columns of a table as CSV, a summary as JSON, a figure as pictures, as far as they are given; all or
+        none of them."""
+        with together():
+            if table is not None:
+                write_csv(self[".csv"], table)
+            if summary is not None:
+                write_text(self[".json"], as_json(summary))
+            if figure is not None:
+                from . import plots
 
-            plots.save(figure, [self[ending] for ending in self.endings if ending in PICTURES])
+                plots.save(figure, [self[ending] for ending in self.endings if ending in PICTURES])
 
 
 @dataclass(frozen=True)

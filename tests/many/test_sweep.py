@@ -18,7 +18,7 @@ from conftest import CASES
 from hypothesis import given
 from hypothesis import strategies as st
 
-from jkrcli.base.errors import InputError
+from jkrcli.base.errors import InputError, JkrError
 from jkrcli.case import store
 from jkrcli.formulas.half_space import jkr as jkr_curve
 from jkrcli.many import cache
@@ -182,6 +182,21 @@ def test_a_row_depends_on_its_case_alone(jkr, tmp_path: Path) -> None:
     assert sorted(tuple(sorted((k, v) for k, v in row.items() if k != "case")) for row in table) == shuffled
     alone = json.loads(jkr("sweep", "s.toml", "--only", "7", "--json").out)
     assert {k: "" if v is None else str(v) for k, v in alone.items()} == table[7]
+
+
+def test_a_solve_that_cannot_be_kept_is_no_failed_case(
+    jkr, tmp_path: Path, tuned: Callable, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A full disk is told by the journal and the table, not by cases that count as done from then on."""
+
+    def full(path: Path, *_: object) -> None:
+        raise JkrError(f"{path}: cannot be written (No space left on device)")
+
+    tuned("jkrcli.many.cache.TUNING.worth_keeping", 0.0)
+    monkeypatch.setattr("jkrcli.case.store.write", full)
+    (tmp_path / "s.toml").write_text(TWO_LAYERS + SHARED.partition("[[axes]]\nzip")[0])
+    assert jkr("sweep", "s.toml", "-o", "r", "--workers", "1").code == 0
+    assert [row["status"] for row in rows(tmp_path / "r" / "table.csv")] == ["ok"] * 3
 
 
 def test_unit_modulus_is_the_same_for_every_factor() -> None:

@@ -6,6 +6,7 @@ import contextlib
 import os
 import random
 import resource
+import shlex
 import shutil
 import signal
 import subprocess
@@ -17,9 +18,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from conftest import Outcome
 from fuzzing import outcome
 
 from jkrcli.base import files
+from jkrcli.base.errors import JkrError
 from jkrcli.case import store
 from jkrcli.cli import call
 
@@ -348,3 +351,77 @@ def test_temporary_files_of_the_living_stay(tmp_path: Path) -> None:
         (tmp_path / name).touch()
     files.check_target(tmp_path / "x.h5")
     assert {name: (tmp_path / name).exists() for name in names} == names
+
+
+def test_files_of_one_result_are_replaced_together(tmp_path: Path) -> None:
+    """A table of now beside a picture of yesterday is no result."""
+    for name in "ab":
+        files.write_text(tmp_path / name, "old")
+
+    def write() -> None:
+        with file_size(8), files.together():
+            files.write_text(tmp_path / "a", "new")
+            files.write_text(tmp_path / "b", "new, and long")
+
+    with pytest.raises(JkrError, match=r"b: cannot be written \(File too large\)"):
+        write()
+    assert contents(tmp_path) == {"a": b"old", "b": b"old"}
+    with files.together():
+        files.write_text(tmp_path / "a", "new")
+        with contextlib.suppress(JkrError), file_size(0):
+            files.write_text(tmp_path / "b", "new")
+        assert contents(tmp_path) == {"a": b"old", "b": b"old"}
+    assert contents(tmp_path) == {"a": b"new", "b": b"old"}
+    assert not temporaries(tmp_path)
+
+
+def test_a_journal_without_room_is_named(jkr: Callable[..., Outcome], tmp_path: Path) -> None:
+    prepare(tmp_path / "x")
+    with contextlib.chdir(tmp_path / "x"), file_size(100):
+        done = jkr("sweep", "s.toml", "-o", "t", "--workers", "1")
+    assert done.code == 1
+    assert done.err.splitlines()[-1] == "jkr: error: t/journal.jsonl: cannot be written (File too large)"
+
+
+# ---------------------------------------------------------------------- standard streams
+def shell(line: str) -> subprocess.CompletedProcess[str]:
+    words = f"{shlex.quote(sys.executable)} -m jkrcli {line}"
+    return subprocess.run(["sh", "-c", words], capture_output=True, text=True, check=False)
+
+
+@pytest.mark.parametrize("closed", ["2>&-", ">&-", ">&- 2>&- <&-", "2>/dev/full"])
+def test_streams_that_take_nothing_stop_no_work(closed: str, tmp_path: Path) -> None:
+    """Progress and warnings are lost there, results and exit codes are not."""
+    with contextlib.chdir(tmp_path):
+        done = shell(f"study sticking-map --nu 0.3 --ratio 1 --workers 1 --no-plots {closed}")
+        assert (done.returncode, done.stderr) == (0, "")
+        assert Path("sticking-map.csv").exists()
+        assert shell(f"run missing.toml {closed}").returncode == 2
+
+
+def test_no_file_gets_the_number_of_a_closed_stream(tmp_path: Path) -> None:
+    """Libraries print their warnings to 2, whatever that is."""
+    opens = (
+        "from jkrcli.base import program as p; p.begin(); x = open('x', 'w'); print(x.fileno(), file=open('n', 'w'))"
+    )
+    subprocess.run(["sh", "-c", 'exec "$0" -c "$1" >&- 2>&- <&-', sys.executable, opens], cwd=tmp_path, check=True)
+    assert int((tmp_path / "n").read_text()) > 2
+
+
+def test_without_a_folder_for_temporary_files(jkr: Callable[..., Outcome], monkeypatch: pytest.MonkeyPatch) -> None:
+    def none(*_: object) -> None:
+        raise FileNotFoundError(2, "No usable temporary directory found in ['/tmp']")
+
+    for name in ("TemporaryFile", "TemporaryDirectory"):
+        monkeypatch.setattr(f"tempfile.{name}", none)
+    done = jkr("doctor")
+    assert done.code == 1
+    assert done.out.splitlines()[-1] == (
+        "  MISSING   temporary files  No usable temporary directory found in ['/tmp']; "
+        "type: set TMPDIR to a folder that can be written"
+    )
+    Path("s.toml").write_text(LAYER.format(points=20))
+    done = jkr("bench", "s.toml", "--repeat", "1")
+    assert (done.code, done.err) == (
+        1, "jkr: error: temporary files: No usable temporary directory found in ['/tmp']\n"
+    )  # fmt: skip

@@ -5,12 +5,13 @@ from __future__ import annotations
 import contextlib
 import fcntl
 import hashlib
+import io
 import json
 import os
 import time
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any
 
 from ... import __version__
 from ...base.errors import InputError, JkrError
@@ -29,7 +30,7 @@ class Journal:
     ``damaged``: numbers of the lines that do not hold what was written; their cases count as not done.
     """
 
-    def __init__(self, path: Path, file: BinaryIO):
+    def __init__(self, path: Path, file: io.FileIO):
         self.path = path
         self.rows: dict[str, Row] = {}
         self.damaged: list[int] = []
@@ -39,17 +40,27 @@ class Journal:
     def append(self, identity: str, row: Row) -> None:
         """Keep a finished case; a repeated identity replaces the earlier row."""
         entry = [identity, row.status, row.reason, row.values, round(row.seconds, 6)]
-        self._file.write(_sealed(json.dumps(entry, allow_nan=False).encode()) + b"\n")
-        self._file.flush()
+        self._write(_sealed(json.dumps(entry, allow_nan=False).encode()) + b"\n")
         self.rows[identity] = row
         if (
             time.monotonic() - self._synced > 5.0
         ):  # seconds that a power failure may cost; a killed process loses nothing
             self.sync()
 
+    def _write(self, line: bytes) -> None:
+        """Append to the file as far as there is room; what is cut off then, the next run takes away."""
+        try:
+            while line:
+                line = line[self._file.write(line) :]
+        except OSError as error:
+            raise JkrError(f"{self.path}: cannot be written ({error.strerror})") from None
+
     def sync(self) -> None:
         """Make sure that the file is on the disk."""
-        os.fsync(self._file.fileno())
+        try:
+            os.fsync(self._file.fileno())
+        except OSError as error:
+            raise JkrError(f"{self.path}: cannot be written ({error.strerror})") from None
         self._synced = time.monotonic()
 
     def forget_failed(self) -> int:
@@ -64,8 +75,7 @@ class Journal:
         content = self._file.read()
         if HEAD.startswith(content):
             self._file.seek(0)
-            self._file.write(HEAD)
-            self._file.flush()
+            self._write(HEAD)
             return
         whole = content.rfind(b"\n") + 1
         head, *lines = content[:whole].splitlines() or [b""]
@@ -117,7 +127,7 @@ def opened(path: Path) -> Iterator[Journal]:
     if path.exists() and not path.is_file():
         raise InputError(f"{path}: is a folder, a device or a pipe, not a journal; give another folder")
     try:
-        file = path.open("r+b" if path.exists() else "w+b")
+        file = path.open("r+b" if path.exists() else "w+b", buffering=0)
     except OSError as error:
         raise JkrError(f"{path}: cannot be opened ({error.strerror})") from None
     with file:

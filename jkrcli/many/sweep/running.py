@@ -12,7 +12,7 @@ from pathlib import Path
 from ...base.clock import duration
 from ...base.errors import InputError, JkrError
 from ...base.executors import Progress, completed, executor, silent
-from ...base.files import check_target, make_folder
+from ...base.files import check_target, make_folder, together
 from ...base.table import write_csv
 from ..cache import at_unit_modulus
 from .journal import Journal, opened
@@ -93,7 +93,8 @@ def sweep(plan: Plan, folder: Path, means: Means, force: bool, say: Say) -> tupl
         if work.groups:
             _solve(plan, work, folder, journal, means, say)
         table = SweepTable.of(plan, journal)
-    paths = [*write(folder, table), *_write_failed(plan, folder, table)]
+    with together():
+        paths = [*write(folder, table), *_write_failed(plan, folder, table)]
     if len(table.failed) == plan.count:
         raise JkrError(f"{plan.source}: every case failed, the first because: {table.failed[0][1]}")
     return table, paths

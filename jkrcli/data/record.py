@@ -42,6 +42,9 @@ class RecordTuning:
     back: float = 0.2  # choice: of the whole way, least of both ways that make two directions of one segment
     still: float = 0.45  # choice: just below the half of a step in speed that smoothing leaves at its place
     least_part: float = 0.02  # choice: of all rows, least length of a pause or a direction
+    smooth: int = 4  # choice: degree of a polynomial that follows the end of a contact and no kink
+    beyond: float = 1.5  # choice: rows over those of the base line, through which the polynomial must go on
+    better: float = 0.5  # choice: of what the line leaves, what the polynomial may leave
     wavy: float = 0.03  # choice: of the range of the load, waviness of a base line that is said
     steep: float = 0.2  # choice: of the largest load, what a tilt may make of it over the depth of contact
     wandering: float = 2.0  # choice: way over distance of a direction, above which it is none
@@ -72,7 +75,8 @@ class BaseLine:
     """The load without contact, ``offset`` + ``tilt`` (z - ``at``) [N, N/m, m] over the device's position z, through
     ``rows`` free rows.
 
-    ``noise``: standard deviation of a row [N]; ``waviness``: of what is left of slow deviations from the line [N].
+    ``noise``: standard deviation of a row [N]; ``waviness``: of what is left of slow deviations from the line [N];
+    ``curved``: the rows are part of the curve that follows, not of a line.
     """
 
     offset: float
@@ -81,6 +85,7 @@ class BaseLine:
     rows: int
     noise: float
     waviness: float
+    curved: bool
 
     def __call__(self, position: Array) -> Array:
         return self.offset + self.tilt * (position - self.at)
@@ -126,8 +131,8 @@ class Direction:
 
     @property
     def begins_free(self) -> bool:
-        """Whether there is a base line: not a few rows only, and not as steep as contact would be."""
-        enough = self.base.rows >= TUNING.far * len(self.segment)
+        """Whether there is a base line: not a few rows only, not contact's own end, and not as steep as contact is."""
+        enough = self.base.rows >= TUNING.far * len(self.segment) and not self.base.curved
         return enough and abs(self.base.tilt) * self.depth <= TUNING.steep * self.largest
 
     @property
@@ -301,7 +306,24 @@ def _base_line(x: Array, y: Array, end: int) -> BaseLine:
     noise = _robust(np.diff(off, 2)) / math.sqrt(6) if end > 3 else 0.0
     size = max(1, min(end // 10, round(x.size * TUNING.block)))
     slow = float(np.mean(_blocks(off, size) ** 2)) - noise**2 / size
-    return BaseLine(float(offset), float(tilt), at, end, float(noise), math.sqrt(max(slow, 0.0)))
+    waviness = math.sqrt(max(slow, 0.0))
+    return BaseLine(float(offset), float(tilt), at, end, float(noise), waviness, _is_curved(x, y, end))
+
+
+def _is_curved(x: Array, y: Array, end: int) -> bool:
+    """Whether the first ``end`` rows go on smoothly in as many more: one polynomial through all of them leaves much
+    less than the line through what surely would be free. Contact begins with a kink or a jump, which none follows."""
+    sure, whole = round(TUNING.inside * end), min(2 * end, x.size)
+    if sure < 2 * (TUNING.smooth + 1) or whole < TUNING.beyond * end:
+        return False
+    return _left(x[:whole], y[:whole], TUNING.smooth) < TUNING.better * _left(x[:sure], y[:sure], 1)
+
+
+def _left(x: Array, y: Array, degree: int) -> float:
+    """Root mean square of what the polynomial of ``degree`` leaves."""
+    if np.ptp(x) == 0:
+        return float(np.std(y))
+    return float(np.sqrt(np.mean((np.polynomial.Polynomial.fit(x, y, degree)(x) - y) ** 2)))
 
 
 def _touch(x: Array, off: Array, base: BaseLine, end: int) -> tuple[int, float]:

@@ -123,6 +123,34 @@ def test_a_record_that_goes_back_and_in_again_counts_the_other_way() -> None:
     )
 
 
+@pytest.mark.parametrize("noise", [0.0, 1e-4, 1e-3])
+@pytest.mark.parametrize("stiffness", [np.inf, 0.05])
+def test_the_curved_end_of_a_prepared_retraction_is_no_base_line(noise: float, stiffness: float) -> None:
+    """From the largest depth to pull-off without a free row: a fifth of the rows used to be taken for a base line."""
+    a = np.linspace(0.05, 3.0, 20_000) * (9 * np.pi * W * R**2 / (8 * E_STAR)) ** (1 / 3)
+    depth = a**2 / R - np.sqrt(2 * np.pi * a * W / E_STAR)
+    load = 4 * E_STAR * a**3 / (3 * R) - np.sqrt(8 * np.pi * W * E_STAR * a**3)
+    fold = int(np.argmin(depth + load / stiffness))
+    delta = np.linspace(depth[-1], depth[fold], 300)
+    P = np.interp(delta, depth[fold:], load[fold:])
+    P += noise * np.ptp(P) * np.random.default_rng(2).normal(size=P.size)
+    found = examine(Curve("prepared", delta=delta, P=P))
+    assert set(found.flags) == {"no approach", "no base line"}
+    assert not found.directions[0].based
+
+
+@pytest.mark.parametrize("power", [1.0, 1.5, 2.0])
+@pytest.mark.parametrize("free", [0.25, 0.5, 0.8])
+@pytest.mark.parametrize("noise", [0.0, 1e-3, 0.02])
+def test_a_straight_line_before_contact_is_a_base_line(power: float, free: float, noise: float) -> None:
+    """Contact that begins with a kink in the slope, in the curvature, or as a parabola."""
+    z = np.linspace(-free, 1 - free, 500)
+    P = np.maximum(z, 0) ** power / (1 - free) ** power + 0.05 * z + noise * np.random.default_rng(3).normal(size=500)
+    found = examine(Curve("free", delta=z, P=P))
+    assert set(found.flags) == {"no retract"}
+    assert found.directions[0].based
+
+
 def test_what_is_no_force_curve_is_refused_in_one_line() -> None:
     with pytest.raises(InputError) as caught:
         examine(Curve("c", a=np.arange(30.0), P=np.arange(30.0)))

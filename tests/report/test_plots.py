@@ -205,6 +205,21 @@ def test_figures_are_the_same_to_the_byte(tmp_path: Path, monkeypatch: pytest.Mo
         assert Path("one" + ending).read_bytes() == Path("two" + ending).read_bytes()
 
 
+def test_many_records_with_long_names_are_drawn_whole(drawn: Callable[..., list[Figure]]) -> None:
+    """Labels of neighbours ran into each other, the last title out of the figure."""
+    z = np.concatenate([np.linspace(-3, 1, 60), np.linspace(1, -3, 60)])
+    P = 30 * np.maximum(z, 0) ** 1.5
+    noise = np.random.default_rng(1)
+    rows = [f"sample-{i:03}-measured-on-a-day-in-May,{x},{y}" for i in range(100)
+            for x, y in zip(z, P + noise.normal(size=z.size), strict=True)]  # fmt: skip
+    Path("many.csv").write_text("\n".join(["curve,Piezo (um),Force (nN)", *rows]))
+    (figure,) = drawn("look", "many.csv", "--stiffness", "5 N/m")
+    assert troubles(figure) == []
+    boxes = [box for axes in figure.axes if axes.axison and (box := axes.get_tightbbox()) is not None]
+    assert len(boxes) == 12
+    assert not [1 for one, other in itertools.combinations(boxes, 2) if one.overlaps(_shrunk(other))]
+
+
 def test_settings_in_the_current_folder_change_no_figure(jkr: Callable, body: str) -> None:
     """matplotlib takes a matplotlibrc of the folder that it is started in; LaTeX, asked for there, is not installed."""
     words = [sys.executable, "-m", "jkrcli", "transform", "body.h5", "-o"]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from textwrap import fill
 
 import numpy as np
 
@@ -14,45 +15,54 @@ from ...data.record import Direction, ForceCurve
 from . import BLACK, BLUE, ORANGE, PURPLE, WIDE, Axes, Figure, drawing, legend_below, pretty
 
 MOST_PANELS, MOST_POINTS = 12, 2000  # choice: of a figure, and of a segment in it
+LETTERS, TITLE = 84, 3  # choice: of a line as wide as the figure, and lines of a panel's title
 COLOURS, GREY = {"approach": BLUE, "retract": ORANGE}, "0.6"
 
 
 def record_figure(records: Sequence[ForceCurve]) -> Figure:
-    """Load over displacement, a panel per curve; of many curves ``MOST_PANELS`` spread evenly."""
+    """Load over displacement, a panel per curve; of many curves ``MOST_PANELS`` spread evenly.
+
+    All panels have the same units, told once along each side of the figure.
+    """
     every = np.unique(np.linspace(0, len(records) - 1, min(len(records), MOST_PANELS)).round().astype(int))
     shown = [records[i] for i in every]
     columns = math.ceil(math.sqrt(len(shown)))
     rows = math.ceil(len(shown) / columns)
+    (x, length), (y, load) = (
+        _unit([getattr(record.curve, name) for record in shown], dimension)
+        for name, dimension in (("device", "length"), ("P", "load"))
+    )
     with drawing(WIDE, max(3.6, 2.2 * rows + 0.6)) as figure:
         panels = figure.subplots(rows, columns, squeeze=False).ravel()
-        for panel, record in zip(panels, shown, strict=False):
-            _panel(panel, record)
+        for i, (panel, record) in enumerate(zip(panels, shown, strict=False)):
+            _panel(panel, record, x, y, round(LETTERS / columns))
+            what = "displacement" if record.curve.stiffness is None else "position of the device"
+            panel.set_xlabel(fill(f"{what} ({length})", LETTERS // columns) if i + columns >= len(shown) else "")
+            panel.set_ylabel(f"load ({load})" if i % columns == 0 else "")
         for panel in panels[len(shown) :]:
             panel.set_axis_off()
         legend_below(figure, panels[: len(shown)], 4)
         return figure
 
 
-def _panel(axes: Axes, record: ForceCurve) -> None:
+def _panel(axes: Axes, record: ForceCurve, x: float, y: float, letters: int) -> None:
+    """One record, lengths in ``x`` [m], loads in ``y`` [N], under a title of lines of up to so many ``letters``."""
     curve = record.curve
     assert curve.P is not None
     z = curve.device
-    (x, length), (y, load) = _unit(z, "length"), _unit(curve.P, "load")
     for segment in record.segments:
         thin = slice(segment.first, segment.last + 1, 1 + len(segment) // MOST_POINTS)
         axes.plot(z[thin] / x, curve.P[thin] / y, lw=1.0, label=segment.kind,
                   color=COLOURS.get(segment.kind, GREY))  # fmt: skip
     for item in record.directions:
         _marks(axes, item, z[item.segment.rows], x, y)
-    axes.set_title(": ".join([curve.name, ", ".join(record.flags)]).rstrip(": "), loc="left", fontsize="small")
-    what = "displacement" if curve.stiffness is None else "position of the device"
-    axes.set_xlabel(f"{what} ({length})")
-    axes.set_ylabel(f"load ({load})")
+    title = ": ".join([curve.name, ", ".join(record.flags)]).rstrip(": ")
+    axes.set_title(fill(title, letters, max_lines=TITLE, placeholder=" …"), loc="left", fontsize="small")
 
 
-def _unit(values: Array, dimension: str) -> tuple[float, str]:
-    """The unit in which the range of ``values`` reads well, in SI and as it is typeset."""
-    factor, unit = scale(float(np.max(np.abs(values))), dimension)
+def _unit(values: Sequence[Array], dimension: str) -> tuple[float, str]:
+    """The unit in which the range of all ``values`` reads well, in SI and as it is typeset."""
+    factor, unit = scale(max(float(np.max(np.abs(each))) for each in values), dimension)
     return factor, pretty(unit)
 
 

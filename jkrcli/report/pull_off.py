@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from ..adhesion.analysis import Analysis
 from ..adhesion.critical import Errors
 from ..adhesion.curve import Equilibrium
-from ..adhesion.device import control
+from ..adhesion.device import LOAD_CONTROL, control
 from ..adhesion.sharp import yielding
 from ..adhesion.stability import Behaviour
 from ..adhesion.validity import check
@@ -86,8 +86,9 @@ def measured_words(told: MeasuredWork) -> list[str]:
     if found.half_space is None:
         lines.append("  no tip radius: classical JKR has no answer for this indenter")
     else:
+        under = "" if found.stiffness == LOAD_CONTROL else " under load control"
         lines.append(
-            f"  1.5 pi w R of a half-space would have given {show(found.half_space, 'work')}, "
+            f"  1.5 pi w R of a half-space{under} would have given {show(found.half_space, 'work')}, "
             f"{found.half_space / found.w:.3g} times this body's"
         )
     return lines + _validity(told.result)

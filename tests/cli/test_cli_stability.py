@@ -118,6 +118,13 @@ def test_the_work_of_adhesion_behind_a_measured_pull_off(jkr, body: Path) -> Non
     assert found["w_half_space_J_per_m2"] == pytest.approx(1.4833e-3 / (1.5 * math.pi * 6e-3), rel=1e-12, abs=0)
 
 
+def test_the_classical_formula_says_under_which_control_it_holds(jkr, body: Path) -> None:
+    lines = jkr("pull-off", "p.h5", "--load", "12 mN", "--stiffness", "rigid").out.splitlines()
+    assert lines[2] == (
+        "  1.5 pi w R of a half-space under load control would have given 25.46 J/m^2, 0.556 times this body's"
+    )  # 5/6 over 3/2
+
+
 def test_transform_marks_the_branches(jkr, body: Path) -> None:
     assert jkr("transform", "p.h5").code == 0
     table = rows(body / "p-w50.csv")

@@ -31,6 +31,7 @@ from fit_data import (
 from jkrcli.adhesion.curve import transform
 from jkrcli.base.errors import InputError
 from jkrcli.data.measured import Curve
+from jkrcli.data.measured.curve import NOT_SUBTRACTED
 from jkrcli.identification.fit import Parameter, Settings, fit, model
 from jkrcli.identification.fit import body as body_module
 from jkrcli.identification.fit.points import points_of
@@ -361,3 +362,15 @@ def test_moduli_far_from_the_case_ask_for_the_units() -> None:
     found = fit(half_space(), replace(curve, P=1000 * curve.P), usual())
     assert any("check the units of the data" in text for text in found.warnings)
     assert not any("check the units" in text for text in fit(half_space(), curve, usual()).warnings)
+
+
+def test_what_is_missing_in_a_record_is_said_where_nothing_fits() -> None:
+    """A machine's way without its stiffness is no displacement of the tip, which may be all that is wrong."""
+    delta = np.linspace(0.0, 1e-6, 50)
+    with pytest.raises(InputError) as caught:
+        fit(half_space(), Curve("way", delta=delta, P=-delta, flags=(NOT_SUBTRACTED,)), usual())
+    assert caught.value.lines == (
+        "way: P falls as delta rises (correlation -1.00): one of them has the wrong sign; displacement into the "
+        "specimen and compression are positive (--flip delta, --flip P); the deflection of the device is not "
+        "subtracted: give --stiffness",
+    )

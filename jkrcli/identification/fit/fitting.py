@@ -100,8 +100,9 @@ def fit(body: FittedBody, curve: Curve, settings: Settings) -> Fit:
         warnings = (*kept, *found.warnings)
         return replace(found, warnings=warnings, pixel=curve.pixel, surface=body.problem.surface)
     except InputError as error:
+        missing = f"; {NOT_SUBTRACTED}" if NOT_SUBTRACTED in curve.flags else ""
         lines = [line if line.startswith(curve.where) else f"{curve.where}: {line}" for line in error.lines]
-        raise InputError(lines) from None
+        raise InputError([f"{line}{missing}" for line in lines]) from None
     except SolveError as error:
         raise SolveError(f"{curve.where}: {error}") from None
 

@@ -145,3 +145,19 @@ def test_without_the_package_one_line_says_how_to_get_it(tmp_path: Path, monkeyp
     assert str(caught.value) == (
         f"{tmp_path / 'm.jpk-force'}: needs the optional package afmformats: {installs('afm')}"
     )
+
+
+def test_a_table_of_names_is_not_taken_for_three_columns_without(tmp_path: Path) -> None:
+    """afmformats' reader of NT-MDT's exports takes any three columns of numbers in a .txt: it made four directions of
+    two, with loads of 1e-28 N."""
+    pytest.importorskip("afmformats")
+    rows = "".join(f"{1e-5 - i * 1e-9:.4e} {i * 1e-11:.3e} {i * 1e-3:.3f}\n" for i in range(50))
+    path = tmp_path / "probe.txt"
+    path.write_text("# segment: extend\n# columns: way1 vDeflection time\n# units: m N s\n" + rows)
+    with pytest.raises(InputError) as caught:
+        measured.read(path)
+    assert caught.value.lines == (
+        f"{path}: at least two of contact radius (or area), displacement and load are needed, recognised: P = column 2 "
+        '"vDeflection [N]", t = column 3 "time [s]"; say which columns they are, --column P=NAME (columns: 1 "way1 '
+        '[m]", 2 "vDeflection [N]", 3 "time [s]")',
+    )

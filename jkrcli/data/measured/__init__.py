@@ -54,6 +54,8 @@ def _as_read(path: Path, reading: Reading) -> Iterator[tuple[Curve | InputError,
             from . import afm
 
             try:
+                if afm.takes_any_three_columns(path):
+                    raise error
                 held = afm.load(path, reading)
             except afm.UnreadableError:
                 raise error from None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import math
+import warnings
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -48,6 +49,18 @@ def curves(
             yield curve, stiffness
         except InputError as error:
             yield error, None
+
+
+def takes_any_three_columns(path: Path) -> bool:
+    """Whether afmformats would read a table of names that no reader knows as three columns without names, of which
+    the first is a height: its reader of NT-MDT's exports does so with any numbers."""
+    try:
+        from afmformats.formats.fmt_ntmdt_txt import detect_txt
+    except ImportError:
+        return False
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # NumPy's on lines without numbers
+        return path.suffix == ".txt" and bool(detect_txt(path))
 
 
 def load(path: Path, reading: Reading) -> tuple[list[Any], str]:

@@ -9,6 +9,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 import pytest
+from sources import nodes
 
 PACKAGE = Path(__file__).parent.parent / "jkrcli"
 # The rooms, each above those that may import from it; what stands at the top of the package may import from all.
@@ -47,7 +48,7 @@ def imported(name: str, path: Path) -> Iterator[str]:
     parent = ["jkrcli", *filter(None, name.split("."))]
     if path.name != "__init__.py":
         parent.pop()
-    for node in ast.walk(ast.parse(path.read_text())):
+    for node in nodes(path):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):

@@ -14,6 +14,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from sources import tree
 
 ROOT = Path(__file__).parent.parent
 SOURCES = sorted([*(ROOT / "jkrcli").rglob("*.py"), *(ROOT / "docs" / "studies").glob("*.py")])
@@ -71,10 +72,14 @@ def comments(text: str) -> dict[int, str]:
     return {token.start[0]: token.string for token in tokens if token.type == tokenize.COMMENT}
 
 
-def unexplained(text: str) -> list[str]:
-    """Fields of tunings whose comment, beside or right above them, does not say where the number comes from."""
-    said, found, tree = comments(text), [], ast.parse(text)
-    for node in tunings(tree):
+def unexplained(source: Path | str) -> list[str]:
+    """Fields of tunings, in a file or a text, whose comment, beside or right above them, does not say where the number
+    comes from."""
+    text = source if isinstance(source, str) else source.read_text(encoding="utf-8")
+    found: list[str] = []
+    held = list(tunings(ast.parse(text) if isinstance(source, str) else tree(source)))
+    said = comments(text) if held else {}
+    for node in held:
         for field in fields(node):
             assert isinstance(field.target, ast.Name)
             first = field.lineno
@@ -89,13 +94,12 @@ def unexplained(text: str) -> list[str]:
 
 @pytest.mark.parametrize("path", SOURCES, ids=lambda path: str(path.relative_to(ROOT)))
 def test_every_tuning_says_where_it_comes_from(path: Path) -> None:
-    assert unexplained(path.read_text(encoding="utf-8")) == []
+    assert unexplained(path) == []
 
 
 def test_few_numbers_stand_alone() -> None:
-    trees = {path: ast.parse(path.read_text(encoding="utf-8")) for path in SOURCES}
-    alone = [f"{path.relative_to(ROOT)}: {name}" for path, tree in trees.items()
-             for name, value in constants(tree) if is_number(value)]  # fmt: skip
+    alone = [f"{path.relative_to(ROOT)}: {name}" for path in SOURCES
+             for name, value in constants(tree(path)) if is_number(value)]  # fmt: skip
     assert len(alone) <= MOST_NUMBERS, alone
 
 

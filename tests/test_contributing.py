@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import pytest
+from sources import nodes
 from test_architecture import PACKAGE, ROOMS
 
 TEXT = (PACKAGE.parent / "CONTRIBUTING.md").read_text(encoding="utf-8")
@@ -23,11 +24,14 @@ def rows(heading: str) -> list[list[str]]:
 WANTED = {name: (file, definition) for name, file, definition in rows("Where is ...?")}
 
 
-def definitions(path: Path) -> Iterator[tuple[str, str]]:
+@cache
+def definitions(path: Path) -> list[tuple[str, str]]:
     """Name and first docstring line of every function and class in a file."""
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-        if isinstance(node, ast.FunctionDef | ast.ClassDef):
-            yield node.name, (ast.get_docstring(node) or "").partition("\n")[0]
+    return [
+        (node.name, (ast.get_docstring(node) or "").partition("\n")[0])
+        for node in nodes(path)
+        if isinstance(node, ast.FunctionDef | ast.ClassDef)
+    ]
 
 
 def found(usual: str) -> list[tuple[str, str]]:

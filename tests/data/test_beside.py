@@ -121,6 +121,13 @@ def test_half_a_retraction_is_questioned_and_the_remedy_works(tmp_path: Path) ->
     np.testing.assert_allclose(curve.P, LOAD[:4], rtol=1e-12)
 
 
+def test_a_column_too_many_is_questioned(tmp_path: Path) -> None:
+    """The retraction holds all columns of the approach and one more."""
+    text = sheet("Weg hin (mm);Kraft hin (N);Weg zurück (mm);Kraft zurück (N);Zeit zurück (s)", *pairs(), Z[:4])
+    with pytest.raises(InputError, match=r'differ, only the retract has a column "Zeit \[s\]": --column delta=1 --col'):
+        read(tmp_path, text)
+
+
 @pytest.mark.parametrize(
     "head", ["t1 (s);F1 (N);t2 (s);F2 (N)", "Weg (mm);Kraft (N);Kraft (N);x", "Weg (mm);F1 (N);F2 (N);x"]
 )

@@ -243,10 +243,11 @@ def adhesive() -> list[list[float]]:
 HEADS = [
     ["a_m", "delta_m", "P_N"], ["a (m)", "delta (m)", "P (N)"], ["contact radius [m]", "U2 [m]", "RF2 [N]"],
     ["a", "delta", "P"], ["A_m^2", "delta_m", "P_N"], ["a_um", "delta_um", "P_mN"], ["t_s", "delta_m", "P_N"],
-    ["a_m", "P_N", "segment"], ["curve", "delta_m", "P_N"],
+    ["a_m", "P_N", "segment"], ["curve", "delta_m", "P_N"], ["Weg hin (m)", "Kraft hin (N)", "Kraft zurück (N)"],
+    ["Weg in m", "Kraft in N", "12:00:01"],
 ]  # fmt: skip
 CELLS = ["", "nan", "inf", "-inf", "1e999", "x", "1,5", "1.5", "-1", "0", "1e-400", "9" * 400, '"', "0x10", "١", "1d-6",
-         "retract", "approach", "#", "1e-6 m", "\0", "\x1b[0m", "é"]  # fmt: skip
+         "retract", "approach", "#", "1e-6 m", "[Retract]", "12:00", "\0", "\x1b[0m", "é"]  # fmt: skip
 
 
 def table_of(rows: list[list[float]], chance: random.Random) -> bytes:
@@ -268,6 +269,10 @@ def table_of(rows: list[list[float]], chance: random.Random) -> bytes:
                 text.insert(chance.randrange(len(text)), list(row))
             case 5 if row[-1:] and row[0][:1].isdigit():
                 row[chance.randrange(len(row))] = f"{10.0 ** chance.uniform(-320, 300):.6g}"
+    if chance.random() < 0.1:  # curves or segments beside each other
+        text = [row + row for row in text]
+        text[0] = chance.choice((text[0], [f"{cell} {'hin' if i < 3 else 'rt'}" for i, cell in enumerate(text[0])]))
+        text[:0] = chance.choice(([], [["Approach", "", "", "Retract"]], [["A", "", "", "B"]]))
     mark, end = chance.choice((",", ";", "\t", "  ")), chance.choice(("\n", "\r\n", "\r"))
     content = end.join(mark.join(row) for row in text)
     if chance.random() < 0.2:

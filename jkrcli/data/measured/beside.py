@@ -70,16 +70,18 @@ def _words(found: Sets) -> str:
 
 
 def _refuse_halves(table: TextTable, directed: Sets, quantity: QuantityOf) -> None:
-    """Refuse directions of which one makes a curve, the other not."""
+    """Refuse directions that differ in their columns, where one of them makes a curve alone."""
+    (one, ins), (other, outs) = directed.columns.items()
     for word, columns in directed.columns.items():
         alone = replace(directed, columns={word: columns, "": columns})
         if alone.make_curves(table.names, quantity):
             wanted = {quantity(title): i for title, i in columns.items()}
             remedy = " ".join(f"--column {key}={i + 1}" for key, i in wanted.items() if key in DEFINING)
-            missing = [title for title in columns if not all(title in side for side in directed.columns.values())]
+            own = [(one, title) for title in ins if title not in outs]
+            owner, title = [*own, *((other, title) for title in outs if title not in ins)][0]
             raise InputError(
-                f"{table.path}: the columns of approach and retraction differ, only the {word} has a column "
-                f'"{missing[0]}": {remedy} takes the {word} alone ({choice(table)})'
+                f"{table.path}: the columns of approach and retraction differ, only the {owner} has a column "
+                f'"{title}": {remedy} takes the {word} alone ({choice(table)})'
             )
 
 

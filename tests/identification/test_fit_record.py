@@ -19,6 +19,7 @@ from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.data.measured import Curve
 from jkrcli.identification.fit import Fit, FittedBody, FittedValue, fit
+from jkrcli.identification.fit.points import third_differences
 from jkrcli.identification.fit.record import whole_record
 from jkrcli.identification.fit.settings import Settings, settings_of
 from jkrcli.methods.closed_form.method import ClosedForm
@@ -162,6 +163,23 @@ def test_intervals_of_a_thousand_records() -> None:
     assert (np.median(errors, axis=0) < [1e-3, 1.5e-3]).all()
     assert flagged <= 50
     assert silent <= 5
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("size", "of_E", "of_w"), [(0.2, 0.87, 0.94), (1.0, 0.82, 0.90)])
+def test_how_often_intervals_hold_beside_a_random_walk(size: float, of_E: float, of_w: float) -> None:
+    """Noise slower than the contact passes for contact: what is told of it, of 100 records with a random walk in their
+    load whose standard deviation grows to ``size`` of that of the white noise."""
+    held = []
+    for seed in range(5000, 5100):
+        rng = np.random.default_rng(seed)
+        curve, E_star, w = made(rng)
+        assert curve.stiffness is not None
+        steps = rng.normal(size=len(curve)) * third_differences(curve.P) / math.sqrt(len(curve))
+        P = curve.P + size * np.cumsum(steps)
+        found = fit(BODY, replace(curve, P=P, delta=curve.device - P / curve.stiffness), usual())
+        held.append([inside for _, inside in judged(found, {"E_star": E_star, "w": w}).values()])
+    assert np.mean(held, axis=0) == pytest.approx([of_E, of_w], abs=0.03)  # as measured, rounding may turn a few
 
 
 @pytest.mark.parametrize("factor", [1e-3, 1e3])

@@ -37,6 +37,7 @@ MOST_BYTES = 256 << 20  # choice: of a table of numbers, ten times as much in me
 MOST_COLUMNS = 10_000  # choice: a map of 64 x 64 curves beside each other and more
 LONGEST_HEAD = 100 * MOST_COLUMNS  # choice: characters of a line of words; longer ones name no columns
 FIRST = 2000  # choice: bytes from which the encoding is found out
+MOST_COMMENTS = 10_000  # choice: at either end of those that a file begins with; between them nothing is named
 HEAD, SPREAD = 400, 200  # choice: first lines, and about as many of the rest, from which the dialect is found out
 _NUMBER = re.compile(r"[+-]?(\d+(?:[.]\d*)?|[.]\d+)([eEdD][+-]?\d+)?\Z|[+-]?(nan|inf|infinity)\Z", re.IGNORECASE)
 _THOUSANDS = {  # by the decimal mark: a number whose digits are grouped, always by the same mark
@@ -155,7 +156,7 @@ def read_table(
     Raises InputError, a line per mistake, where there is no table or a row differs in its number of cells.
     """
     whole = decoded(read_bytes(path, "table", MOST_BYTES) if content is None else content)
-    lines_of_file = _lines(path, whole)
+    lines_of_file = _without_long_head(_lines(path, whole))
     sample = lines_of_file[:HEAD] + lines_of_file[HEAD :: max(1, (len(lines_of_file) - HEAD) // SPREAD)]
     dialect = _dialect(sample, separator, decimal, least, is_text)
     if dialect is None and len(lines_of_file) > len(sample):
@@ -214,6 +215,14 @@ def _lines(path: Path, text: str) -> list[tuple[int, str]]:
         if line.strip():
             found.append((n, line))
     return found
+
+
+def _without_long_head(content: list[tuple[int, str]]) -> list[tuple[int, str]]:
+    """The lines without the midst of very many comments before the first other line."""
+    comments = next((i for i, (_, line) in enumerate(content) if not _is_comment(line)), len(content))
+    if comments <= 2 * MOST_COMMENTS:
+        return content
+    return content[:MOST_COMMENTS] + content[comments - MOST_COMMENTS :]
 
 
 def _is_wide(line: str) -> bool:

@@ -17,8 +17,9 @@ from jkrcli.cli import MOST_WORDS
 from jkrcli.cli.measured import TUNING
 from jkrcli.cli.voice import SILENCE
 from jkrcli.data import foreign, measured
+from jkrcli.data.measured import instruments
 from jkrcli.data.measured.amount import rows_expected
-from jkrcli.data.text_table import Dialect
+from jkrcli.data.text_table import MOST_COMMENTS, Dialect, read_table
 from jkrcli.methods.fem.method import FEM
 from jkrcli.series import RawSeries
 
@@ -118,6 +119,19 @@ def test_a_radius_out_of_all_range_is_named_rather_than_fitted(wrong: float) -> 
 
 
 # ---------------------------------------------------------------------- read in linear time
+def test_of_a_very_long_head_of_comments_both_ends_are_read(tmp_path: Path) -> None:
+    """Three million were asked one after the other for segments, constants and names, by every dialect."""
+    lines = [f"# remark {i}\n" for i in range(3 * MOST_COMMENTS)]
+    lines[0] = "# springConstant: 0.25\n"
+    path = tmp_path / "x.txt"
+    path.write_text("".join([*lines, "# delta (um)\tP (nN)\n", ROWS]))
+    table = read_table(path, least=2)
+    assert table.names == ("delta (um)", "P (nN)")
+    assert len(table.head) == 2 * MOST_COMMENTS
+    assert table.lines[0] == 3 * MOST_COMMENTS + 2
+    assert instruments.constants(table.head) == {"stiffness": 0.25}
+
+
 @pytest.mark.parametrize("line", [
     "k" + " " * 30_000 + "x", "-" * 30_000, "(" * 30_000 + "N/m", "a" + "\t" * 30_000 + "b", "m" * 30_000,
     "_" * 30_000, ":" * 30_000, "N/" * 15_000, "1" * 30_000 + "x",

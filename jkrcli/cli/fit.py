@@ -54,7 +54,8 @@ class NamesType(ParamType):
     "--free",
     multiple=True,
     type=NamesType(),
-    help="Also free: P0, compliance, E:LAYER, h:LAYER (thickness), range or stress (adhesion of finite range).",
+    help="Also free: P0, compliance, E:LAYER, h:LAYER (thickness), range or stress (adhesion of finite range), drift "
+    "(of the depth over time: with --segment both).",
 )
 @click.option(
     "--fix", multiple=True, type=NamedType(), help='Known: w="50 mJ/m^2", delta0=0, modulus=1, E_star="1 MPa".'

@@ -23,6 +23,7 @@ UNIT_NAMES = {
     "work": "_J_per_m2",
     "length": "_m",
     "load": "_N",
+    "speed": "_m_per_s",
     "stiffness": "_N_per_m",
     "number": "",
 }

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -112,6 +113,16 @@ def test_a_raw_curve_is_fitted_without_a_case_file(jkr: Callable[..., Outcome], 
     assert curve["estimates"]["w"]["value"] == pytest.approx(W, rel=0.02)
     assert not any("of the case" in sentence for sentence in curve["warnings"])
     assert (table.parent / "probe-fit.csv").exists()
+
+
+def test_a_drift_is_told_in_every_form(jkr: Callable[..., Outcome], table: Path) -> None:
+    body = ("--shape", "paraboloid", "--radius", "5 um", "--nu", "0.5", "--stiffness", "0.05 N/m")
+    done = jkr("fit", *body, str(table), "--segment", "both", "--free", "drift", "--no-plots")
+    assert done.code == 0
+    assert re.search(r"^  drift +-?[\d.]+ [pn]m/s +±", done.out, re.MULTILINE)
+    held = json.loads((table.parent / "probe-fit.json").read_text())["curves"][0]["estimates"]["drift"]
+    assert abs(held["value"]) < 3 * held["standard_error"]
+    assert "drift_m_per_s" in (table.parent / "probe-fit.csv").read_text()
 
 
 def test_a_body_by_flags_says_what_is_missing(jkr: Callable[..., Outcome], table: Path) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable
 from dataclasses import replace
 from functools import lru_cache
@@ -201,6 +202,58 @@ def test_both_directions_share_modulus_and_zero_and_have_their_own_works() -> No
         assert found.value(name) == pytest.approx(true, rel=0.02)
     drawn = found.line["delta"]
     assert np.abs(np.diff(drawn)).max() < 0.1 * np.ptp(drawn)  # in and out in one stroke: the line crosses no picture
+
+
+def drifting(share: float, seed: int = 5) -> tuple[Curve, float, float]:
+    """A record whose displacement drifts by a ``share`` of the way meanwhile; its E* [Pa] and the drift [m/s]."""
+    E_star, w_in, w_out, k = 20e3, 3e-5, 1e-4, 0.05
+    force = 1.5 * math.pi * w_out * R
+    device = Instrument(k, 1000, 3e-6, 4 * force, 0.005 * force, force, 0.1 * force / 1e-6, 0.05 * force)
+    columns = record(E_star, R, w_in, w_out, device, seed)
+    z, P, t = columns["z"], columns["P"], columns["t"]
+    speed = share * float(np.ptp(z) / np.ptp(t))
+    return Curve("made", delta=z + speed * t - P / k, P=P, t=t, segment=columns["segment"], stiffness=k), E_star, speed
+
+
+@pytest.mark.parametrize("share", [0.0, 0.005, -0.02])
+def test_a_drift_of_the_depth_is_fitted_where_it_is_asked_for(share: float) -> None:
+    """A drift of 2 % of the way changes E* of the retraction alone by 3 %, with an interval of half a per cent."""
+    curve, E_star, speed = drifting(share)
+    found = fit(BODY, curve, usual(segment="both", free=["drift"]))
+    estimates = {item.name: item for item in found.estimates}
+    for name, true in (("E_star", E_star), ("drift", speed)):
+        low, high = estimates[name].low, estimates[name].high
+        assert low is not None
+        assert high is not None
+        assert low < true < high
+    assert estimates["drift"].dimension == "speed"
+    fixed = fit(BODY, curve, usual(segment="both", fix=[("drift", f"{speed} m/s")]))
+    assert fixed.value("E_star") == pytest.approx(E_star, rel=0.005)
+
+
+def test_a_drift_that_nobody_asked_for_is_said() -> None:
+    said = {share: [line for line in fit(BODY, drifting(share)[0], usual(segment="both")).warnings if "drift" in line]
+            for share in (0.0, -0.02)}  # fmt: skip
+    assert said[0.0] == []
+    assert re.fullmatch(
+        r"drift: the depth seems to drift by -[\d.]+ nm/s ± [\d.]+ [np]m/s, which would change the moduli by "
+        r"\+[\d.]+%: --free drift fits it",
+        said[-0.02][0],
+    )
+
+
+def test_a_drift_needs_both_directions_and_their_time() -> None:
+    curve, _, _ = drifting(0.0)
+    told = "made: a drift is told by approach and retraction together"
+    for held, options, reason in (
+        (curve, {}, ", over their time: give --segment both"),
+        (replace(curve, t=None), {"segment": "both"}, ", over their time: it holds none"),
+        (curve.only("retract"), {"segment": "both"}, ", only one can be fitted"),
+    ):
+        with pytest.raises(InputError, match=f"^{told}{reason}$"):
+            fit(BODY, held, usual(free=["drift"], **options))
+    with pytest.raises(InputError, match=r"^drift is for raw records of displacement and load, with --contact fitted"):
+        whole_record(curve, usual(free=["drift"], contact="estimate"))
 
 
 def test_an_approach_without_a_jump_has_no_adhesion_to_tell() -> None:

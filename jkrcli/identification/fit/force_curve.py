@@ -6,15 +6,16 @@ a straight base line; all scatter is in the load:
     reading(z) = offset + tilt (z - z_touch) + P(z - z0; s, w, k)
 
 P is the stable branch of Eq. 13 for all moduli times s, P = s (H - r V), delta = D - r T, r = sqrt(w/s), where the rows
-are in contact, and 0 where they are free. Each direction has its own base line (drag, drift), on request with a wave
-c cos + s sin of 2 pi (z - at)/period (``interference``), and its own w.
+are in contact, and 0 where they are free. Each direction has its own base line (drag, drift of the load), on request
+with a wave c cos + s sin of 2 pi (z - at)/period (``interference``), and its own w. On request z0 drifts at a constant
+speed, z0 + v t with t = 0 at the turning point: of one direction alone that cannot be told from another modulus.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -62,7 +63,8 @@ class DirectionReadings:
     """The ``rows`` of one direction, from the far end inwards: device position ``z`` [m], reading ``P`` [N].
 
     ``touching``: whether a row may be in contact; where ``jumped``, all those rows are, and the others are free.
-    ``line``: the base line that was found from the free rows alone, ``wave``: on top of it.
+    ``line``: the base line that was found from the free rows alone, ``wave``: on top of it. ``t``: time since the
+    turning point [s], 0 where it is not known.
     """
 
     kind: str
@@ -72,6 +74,7 @@ class DirectionReadings:
     P: Array
     touching: Array
     jumped: bool
+    t: Array
     wave: Wave | None = None
 
     @cached_property
@@ -163,9 +166,10 @@ def _fold(rate: Callable[[Array], Array], u: Array) -> float:
 class ForceCurveModel:
     """The readings of some stretches on one body at a device of stiffness ``k`` [N/m], as a function of the unknowns.
 
-    These are ln s, z0, the log of the period where there are waves, and for each stretch its offset, tilt, cosine and
-    sine of its wave, and q = w/s unless ``adhesive`` says that it has no adhesion. ``known``: those that are not
-    fitted, by name. ``works``: w [J/m^2] where it is known, by kind. ``moduli``: least and largest s.
+    These are ln s, z0, its speed where it is ``drifting`` [m/s], the log of the period where there are waves, and for
+    each stretch its offset, tilt, cosine and sine of its wave, and q = w/s unless ``adhesive`` says that it has no
+    adhesion. ``known``: those that are not fitted, by name. ``works``: w [J/m^2] where it is known, by kind.
+    ``moduli``: least and largest s.
     """
 
     family: Family
@@ -175,11 +179,16 @@ class ForceCurveModel:
     known: Mapping[str, float] = field(default_factory=dict)
     works: Mapping[str, float] = field(default_factory=dict)
     moduli: tuple[float, float] = (0.0, math.inf)
+    drifting: bool = False
 
     @cached_property
     def names(self) -> tuple[str, ...]:
         """The unknowns in order; those of a stretch carry its kind."""
-        names = ["ln_s", "z0"] + ["ln_period"] * any(stretch.wave is not None for stretch in self.stretches)
+        names = (
+            ["ln_s", "z0"]
+            + ["drift"] * self.drifting
+            + ["ln_period"] * any(stretch.wave is not None for stretch in self.stretches)
+        )
         for stretch, adhesive in zip(self.stretches, self.adhesive, strict=True):
             names += [f"offset:{stretch.kind}", f"tilt:{stretch.kind}"]
             names += [f"cos:{stretch.kind}", f"sin:{stretch.kind}"] * (stretch.wave is not None)
@@ -197,6 +206,11 @@ class ForceCurveModel:
         """All unknowns by name, the known ones too."""
         found = {**self.known, **dict(zip(self.names, map(float, x), strict=True))}
         return found | {f"q:{kind}": w / math.exp(found["ln_s"]) for kind, w in self.works.items()}
+
+    def depth(self, part: DirectionReadings, values: Mapping[str, float]) -> Array:
+        """Position of the device beyond its zero [m], at all rows of a stretch."""
+        depth: Array = part.z - values["z0"] - values.get("drift", 0.0) * part.t
+        return depth
 
     def residuals(self, x: Array, blunt: float) -> tuple[Array, Array]:
         """Model minus reading [N] of all rows, and its derivatives by the unknowns, (rows, unknowns).
@@ -223,7 +237,7 @@ class ForceCurveModel:
         """Residuals of one stretch of the record, derivatives by name."""
         q = values.get(f"q:{part.kind}", 0.0)
         held = branch(self.family, math.exp(values["ln_s"]), q, self.k)
-        depth = part.z - values["z0"]
+        depth = self.depth(part, values)
         touching = part.touching if part.jumped else depth > held.fold
         P, by = np.zeros(depth.size), np.zeros((3, depth.size))
         P[touching], by[:, touching] = held.at(depth[touching], blunt * part.reach if blunt else part.spacing / 2)
@@ -241,6 +255,7 @@ class ForceCurveModel:
         return off, waves | {
             "ln_s": by_s - q * by_q if part.kind in self.works else by_s,
             "z0": -by_z,
+            "drift": -by_z * part.t,
             f"q:{part.kind}": by_q,
             f"offset:{part.kind}": np.ones_like(P),
             f"tilt:{part.kind}": along,
@@ -296,7 +311,10 @@ def _stretch(record: ForceCurve, side: Direction, wave: Wave | None) -> Directio
     keep[rows.size - round(TUNING.turning * (rows.size - side.border[1])) :] = False
     z = curve.device[rows]
     P = curve.P[rows] if wave is None else curve.P[rows] + wave(z)
-    return DirectionReadings(side.segment.kind, rows[keep], side.base, z[keep], P[keep], touching[keep], jumped, wave)
+    t = np.zeros(len(curve)) if curve.t is None else curve.t - curve.t[int(np.argmax(curve.device))]
+    return DirectionReadings(
+        side.segment.kind, rows[keep], side.base, z[keep], P[keep], touching[keep], jumped, t[rows[keep]], wave
+    )
 
 
 def _scale(model: ForceCurveModel) -> Array:
@@ -350,6 +368,21 @@ def fit(model: ForceCurveModel, start: Array, near: bool = False, loss: Loss = "
     return ForceCurveFit(model, model.names, x, spread.covariance, off, sigma, spread.tau, int(found.nfev))
 
 
+def unasked_drift(found: ForceCurveFit) -> tuple[float, float, float]:
+    """Speed of a drift of z0 [m/s] that was not fitted, its standard error, and the change of ln s that it would bring:
+    one step of a search that knows it."""
+    model = replace(found.model, drifting=True)
+    values = found.model.values(found.x) | {"drift": 0.0}
+    x = np.array([values[name] for name in model.names])
+    off, J = model.residuals(x, 0.0)
+    scale = _scale(model)
+    step = -np.linalg.lstsq(J / scale[:, None], off / scale, rcond=None)[0]
+    spread = covariance(off + J @ step, J, [part.P.size for part in model.stretches])
+    i = model.names.index("drift")
+    change = float(step[model.names.index("ln_s")]) if "ln_s" in model.names else 0.0
+    return float(step[i]), math.sqrt(max(float(spread.covariance[i, i]), 0.0)), change
+
+
 def _bounds(model: ForceCurveModel, start: Array) -> tuple[Array, Array]:
     """Least and largest unknowns of a search from ``start`` on."""
     least, most = (math.log(s) if s > 0 else -math.inf for s in model.moduli)
@@ -393,7 +426,7 @@ def start(model: ForceCurveModel) -> Array:
     _, s, zero, r = best
     if s == 0:
         raise SolveError("no curve of this body resembles the record")
-    values = {"ln_s": math.log(s), "z0": zero}
+    values = {"ln_s": math.log(s), "z0": zero, "drift": 0.0}
     for other in model.stretches:
         values[f"offset:{other.kind}"] = float(other.line(other.z[0]))
         values[f"tilt:{other.kind}"] = other.line.tilt

@@ -10,6 +10,7 @@ import numpy as np
 
 from ...base.arrays import Array
 from ...base.errors import InputError, SolveError
+from ...base.units import show
 from ...base.unknown import Unknown, known
 from ...data.measured import Curve
 from ...data.measured.curve import APPROACH, RETRACT
@@ -17,7 +18,7 @@ from ...data.record import ForceCurve, examine
 from .body import FittedBody
 from .checks import warnings_of
 from .confidence import changes_by, wider
-from .force_curve import ForceCurveFit, ForceCurveModel, branch, fit, start, stretches
+from .force_curve import ForceCurveFit, ForceCurveModel, branch, fit, start, stretches, unasked_drift
 from .interference import Wave, straightened
 from .result import Fit, FittedValue
 from .settings import Settings
@@ -39,12 +40,15 @@ class WholeRecordTuning:
     spoilt: float = 0.1  # choice: factor of the quality for each thing that is wrong with the record itself
     dependent: float = 2.0  # choice: rows worth one above which it is said
     untold: float = 10.0  # choice: half-width of the log of a modulus above which it is not told by the data
+    drifting: float = 3.0  # choice: standard errors of a drift that was not fitted, from which on it is said
     at_bound: float = 1e-6  # choice: relative distance of a modulus from a bound at which it is said to end there
     step: float = 1e-6  # choice: of unknowns, for central differences; outcomes are smooth in them
 
 
 TUNING = WholeRecordTuning()
-ASKED = frozenset({"modulus", "w", "delta0", "P0"})  # parameters of a whole record; others need prepared readings
+ASKED = frozenset(
+    {"modulus", "w", "delta0", "P0", "drift"}
+)  # parameters of a whole record; others need prepared readings
 FREE = (-math.inf, math.inf)
 ZEROS = frozenset({"delta0", "P0", "compliance"})  # always fitted, or told by the stiffness of the device
 
@@ -55,11 +59,11 @@ def whole_record(curve: Curve, settings: Settings) -> ForceCurve | None:
     By itself that is so for records of a device whose deflection is known, or of both directions with a base line each.
     """
     prepared = settings.contact in ("as-is", "estimate")
-    asked = settings.contact == "fitted" or settings.base_line != "straight"
+    only = [f"--base-line {settings.base_line}"] * (settings.base_line != "straight") + ["drift"] * settings.drifts
+    asked = settings.contact == "fitted" or bool(only)
     if prepared or curve.a is not None or curve.delta is None or curve.P is None:
-        if settings.base_line != "straight":
-            raise InputError(f"--base-line {settings.base_line} is for raw records of displacement and load, with "
-                             "--contact fitted or auto")  # fmt: skip
+        if only:
+            raise InputError(f"{only[0]} is for raw records of displacement and load, with --contact fitted or auto")
         return None
     try:
         record = examine(curve)
@@ -74,6 +78,9 @@ def whole_record(curve: Curve, settings: Settings) -> ForceCurve | None:
                          "with --contact estimate, or with --zero and --contact as-is")  # fmt: skip
     if said := record.flags.get("wrong way"):
         raise InputError(f"{curve.where}: {said}")
+    if settings.drifts and (curve.t is None or settings.segment != "both"):
+        raise InputError(f"{curve.where}: a drift is told by approach and retraction together, over their time: "
+                         + ("it holds none" if curve.t is None else "give --segment both"))  # fmt: skip
     return record
 
 
@@ -137,9 +144,14 @@ def _model(body: FittedBody, record: ForceCurve, settings: Settings, waves: Mapp
     work = 0.0 if w.free else float(w.value or 0.0)
     adhesive = tuple((w.free and _adheres(record, part.kind)) or (work > 0 and part is parts[-1]) for part in parts)
     known = {} if modulus.free else {"ln_s": math.log(modulus.value or 1.0)}
+    drift = settings.parameter("drift")
+    if drift is not None and len(parts) < 2:
+        raise InputError(f"{curve.where}: a drift is told by approach and retraction together, only one can be fitted")
+    known |= {"drift": drift.value} if drift is not None and drift.value is not None else {}
     k = math.inf if curve.stiffness is None else curve.stiffness
     works = {parts[-1].kind: work} if work else {}
-    return ForceCurveModel(body.family, k, parts, adhesive, known, works, (modulus.low, modulus.high))
+    moduli = (modulus.low, modulus.high)
+    return ForceCurveModel(body.family, k, parts, adhesive, known, works, moduli, drift is not None)
 
 
 def _deep_enough(body: FittedBody, model: ForceCurveModel) -> FittedBody:
@@ -191,7 +203,7 @@ def _contact_radii(found: ForceCurveFit) -> Array:
     for part in found.model.stretches:
         q = values.get(f"q:{part.kind}", 0.0)
         held = branch(found.model.family, s, q, found.model.k)
-        z = part.z - values["z0"]
+        z = found.model.depth(part, values)
         touching = part.touching if part.jumped else z > held.fold
         a = np.exp(np.interp(np.maximum(z, held.fold), held.z, held.u))
         radii.append(np.where(touching, a, 0.0))
@@ -213,6 +225,8 @@ def _outcome(found: ForceCurveFit, x: Array, body: FittedBody) -> dict[str, floa
         wave = Wave(math.exp(values["ln_period"]), last.wave.at, values[f"cos:{last.kind}"], values[f"sin:{last.kind}"])
         P0 += float(wave(np.array(values["z0"])))
     told |= {"delta0": values["z0"] - P0 / found.model.k, "P0": P0, "tilt": tilt}
+    if found.model.drifting:
+        told["drift"] = values["drift"]
     if last.wave is not None:
         told |= {"wave_period": wave.period, "wave_amplitude": math.hypot(wave.cos, wave.sin)}
     told["E_star"] = s * problem.E_star
@@ -224,7 +238,7 @@ def _outcome(found: ForceCurveFit, x: Array, body: FittedBody) -> dict[str, floa
 
 DIMENSIONS = {
     "modulus": "number", "w": "work", "w_approach": "work", "w_retract": "work", "delta0": "length", "P0": "load",
-    "tilt": "stiffness", "wave_period": "length", "wave_amplitude": "load",
+    "tilt": "stiffness", "drift": "speed", "wave_period": "length", "wave_amplitude": "load",
 }  # fmt: skip
 
 
@@ -382,6 +396,14 @@ def _words(found: ForceCurveFit, settings: Settings) -> Iterator[str]:
         if not adhesive:
             what = "no jump into contact" if part.kind == APPROACH else "no tension above the noise"
             yield f"{part.kind}: {what}, w is taken as 0"
+    model = found.model
+    if len(model.stretches) > 1 and not model.drifting and all(np.ptp(part.t) > 0 for part in model.stretches):
+        speed, error, change = unasked_drift(found)
+        if abs(speed) > TUNING.drifting * error:
+            yield (
+                f"drift: the depth seems to drift by {show(speed, 'speed', 3)} ± {show(error, 'speed', 2)}, which "
+                f"would change the moduli by {change:+.2%}: --free drift fits it"
+            )
     if found.tau > TUNING.dependent:
         yield (
             f"residuals follow their neighbours: {found.tau:.1f} rows count as one, "

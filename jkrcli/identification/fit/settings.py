@@ -20,9 +20,10 @@ ContactName = Literal["auto", "fitted", "as-is", "estimate"]
 ConfidenceName = Literal["covariance", "profile", "bootstrap"]
 BaseLineName = Literal["straight", "sine"]
 DIMENSIONS = {"modulus": "number", "w": "work", "delta0": "length", "P0": "load", "compliance": "number",
-              "range": "length", "stress": "modulus"}  # fmt: skip
+              "drift": "speed", "range": "length", "stress": "modulus"}  # fmt: skip
 RANGES = ("range", "stress")  # one of them: adhesion of finite range; neither: JKR
-KINDS: dict[str, Kind] = {"modulus": "log", "w": "positive", "delta0": "linear", "P0": "linear", "compliance": "linear"}
+KINDS: dict[str, Kind] = {"modulus": "log", "w": "positive", "delta0": "linear", "P0": "linear", "compliance": "linear",
+                          "drift": "linear"}  # fmt: skip
 OF_A_LAYER = {"E": "modulus", "h": "length", "nu": "number"}
 USUALLY_FREE = ("modulus", "w", "delta0")
 ALIAS = "E_star"  # the common modulus by its value rather than as a factor
@@ -163,6 +164,11 @@ class Settings:
     def range(self) -> Parameter | None:
         """The parameter that says how far adhesion reaches; None: JKR."""
         return next((parameter for parameter in self.parameters if parameter.name in RANGES), None)
+
+    @property
+    def drifts(self) -> bool:
+        """Whether the zero of the displacement drifts, free or at a known speed."""
+        return self.parameter("drift") is not None
 
     @property
     def without_range(self) -> Settings:

@@ -70,33 +70,12 @@ def _own(problem: Problem, a: Array) -> Series | None:
 
 
 def _judged(gap: Array, rates: Array, x: Array) -> tuple[str, ...]:
-    """The sentence on the ``gap`` (2, n) of the logs of delta and P at log radii ``x``, if it is no scatter."""
-    from scipy.special import fdtrc
-
-    n = x.size
-    t = np.linspace(-1, 1, n)
-    powers = np.stack([np.ones(n), t, t**2])
-    columns = np.zeros((6, 2, n))
-    columns[:3, 0], columns[3:, 1] = powers, powers
-    smooth = np.linalg.lstsq(powers.T, gap.T, rcond=None)[0].T @ powers
-    scatter = estimate(x - x.max(), gap - smooth, rates[0], rates[1], 6.0, TUNING.floor)
-    whiten = whitener(scatter.variances, rates[0], rates[1])
-    white, basis = (np.einsum("ijn,...jn->...in", whiten, values) for values in (gap, columns))
-    rho = _correlation(np.einsum("ijn,jn->in", whiten, gap - smooth))
-    target, design = _independent(white, rho).ravel(), _independent(basis, rho).reshape(6, -1)
-    full, line, few = (_least(design[rows], target) for rows in (slice(0, 6), slice(3, 5), slice(3, 4)))
-    free = target.size - 6
-    chance, of_line = (
-        float(fdtrc(more, free, (few - left) / more / max(full / free, 1e-300)))
-        for more, left in ((5, full), (1, line))
-    )
-    if chance <= TUNING.chance:
-        coefficients = np.linalg.lstsq(design.T, target, rcond=None)[0]
-        displacement, load = coefficients[:3] @ powers, coefficients[3:] @ powers
-    elif of_line <= TUNING.of_line:
-        displacement, load = np.zeros(n), np.linalg.lstsq(design[3:5].T, target, rcond=None)[0] @ powers[:2]
-    else:
+    """The sentence on the ``gap`` (2, n) of the logs of delta and P at log radii ``x`` from the bodies' own solution,
+    whose slopes over x are ``rates`` (2, n); none where it is scatter, or small."""
+    smooth = _smooth(gap, rates, x)
+    if smooth is None:
         return ()
+    displacement, load = smooth
     spans = {
         "displacement": float(displacement[np.argmax(np.abs(displacement))]),
         "load": float(np.ptp(load) * np.sign(load[-1] - load[0])),
@@ -110,6 +89,40 @@ def _judged(gap: Array, rates: Array, x: Array) -> tuple[str, ...]:
         "scatter explains (the modulus left free): drift, a wrong zero point, or other bodies; errors stated do not "
         "hold it",
     )
+
+
+def _smooth(gap: Array, rates: Array, x: Array) -> tuple[Array, Array] | None:
+    """The smooth part (n,) of the ``gap`` in displacement and load, a parabola along the rows in each, or a straight
+    line in the load alone; None where chance explains both (F tests against the scatter of independent rows).
+
+    The modulus is free: a constant in the gap of the load is no departure.
+    """
+    from scipy.special import fdtrc
+
+    n = x.size
+    t = np.linspace(-1, 1, n)
+    powers = np.stack([np.ones(n), t, t**2])
+    columns = np.zeros((6, 2, n))
+    columns[:3, 0], columns[3:, 1] = powers, powers
+    own_fit = np.linalg.lstsq(powers.T, gap.T, rcond=None)[0].T @ powers
+    scatter = estimate(x - x.max(), gap - own_fit, rates[0], rates[1], 6.0, TUNING.floor)
+    whiten = whitener(scatter.variances, rates[0], rates[1])
+    white, basis = (np.einsum("ijn,...jn->...in", whiten, values) for values in (gap, columns))
+    rho = _correlation(np.einsum("ijn,jn->in", whiten, gap - own_fit))
+    target, design = _independent(white, rho).ravel(), _independent(basis, rho).reshape(6, -1)
+    parabolas, line, modulus = slice(0, 6), slice(3, 5), slice(3, 4)  # rows of the design
+    full, straight, none = (_least(design[rows], target) for rows in (parabolas, line, modulus))
+    free = target.size - 6
+    chance, of_line = (
+        float(fdtrc(more, free, (none - left) / more / max(full / free, 1e-300)))
+        for more, left in ((5, full), (1, straight))
+    )
+    if chance <= TUNING.chance:
+        coefficients = np.linalg.lstsq(design.T, target, rcond=None)[0]
+        return coefficients[:3] @ powers, coefficients[3:] @ powers
+    if of_line <= TUNING.of_line:
+        return np.zeros(n), np.linalg.lstsq(design[line].T, target, rcond=None)[0] @ powers[:2]
+    return None
 
 
 def _least(design: Array, target: Array) -> float:

@@ -9,8 +9,9 @@ from __future__ import annotations
 
 import contextlib
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from scipy.special import fdtrc
@@ -92,19 +93,33 @@ def range_rival_of(minimum: Minimum, variance: float, limit: float, settings: Se
         return None
     if values["w"] < TUNING.least_work * values["modulus"] * body.family.natural_work:
         return None
-    neck = math.log(body.family.neck(values["modulus"], values["w"]))
-    neck = math.exp(TUNING.rounded * round(neck / TUNING.rounded))
-    lengths = [part * neck for part in TUNING.ranges if part * neck < settings.range_at_most]
-    lengths += [settings.range_at_most] * (len(lengths) < len(TUNING.ranges))
-    rungs, best = {-1: _Rung(0.0, 0.0, dict.fromkeys(values, 0.0))}, 0.0
     try:
         body.coarse.attracted  # noqa: B018  a Refusal where there is none
     except JkrError:
         return None
+    neck = math.log(body.family.neck(values["modulus"], values["w"]))
+    neck = math.exp(TUNING.rounded * round(neck / TUNING.rounded))
+    lengths = [part * neck for part in TUNING.ranges if part * neck < settings.range_at_most]
+    lengths += [settings.range_at_most] * (len(lengths) < len(TUNING.ranges))
+    rungs = _climbed(
+        lengths, partial(_rung, minimum, variance=variance, limit=limit, loss=settings.loss), values, limit
+    )
+    return _judged(rungs, minimum, limit)
+
+
+def _climbed(
+    lengths: Sequence[float], rung_of: Callable[[float], _Rung], values: Iterable[str], limit: float
+) -> list[_Rung]:
+    """The rungs of JKR and of those ``lengths`` [m] that tell the longest possible range, by increasing length.
+
+    From the first one tried on they are climbed while they are possible, else descended until one is; what is left
+    open beyond the longest possible one is halved.
+    """
+    rungs, best = {-1: _Rung(0.0, 0.0, dict.fromkeys(values, 0.0))}, 0.0
     k, step = min(TUNING.first, len(lengths) - 1), 0
     while 0 <= k < len(lengths):
         try:
-            rungs[k] = _rung(minimum, lengths[k], variance, limit, settings.loss)
+            rungs[k] = rung_of(lengths[k])
         except JkrError:  # attraction reaches beyond the body, or the step led nowhere
             if step > 0:
                 break
@@ -120,9 +135,9 @@ def range_rival_of(minimum: Minimum, variance: float, limit: float, settings: Se
     with contextlib.suppress(JkrError):
         for _ in range(TUNING.halvings):
             if (length := _between(found, limit)) is not None:
-                found.append(_rung(minimum, length, variance, limit, settings.loss))
+                found.append(rung_of(length))
                 found.sort(key=lambda rung: rung.length)
-    return _judged(found, minimum, limit)
+    return found
 
 
 def _last_possible(rungs: Sequence[_Rung], limit: float) -> int:

@@ -93,6 +93,11 @@ def test_readme_is_short() -> None:
     assert [line for line in lines if len(line) > 120] == []
 
 
+def test_lines_of_the_changes_are_short() -> None:
+    lines = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8").splitlines()
+    assert [line for line in lines if len(line) > 120] == []
+
+
 def test_readme_s_first_screen_has_the_ways_from_a_clone_to_w() -> None:
     screen = "\n".join(README.read_text(encoding="utf-8").splitlines()[:40])
     for command in (

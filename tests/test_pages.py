@@ -152,3 +152,21 @@ def test_every_fraction_has_braces() -> None:
     """The converter to MathML takes digits together: it would read 32 over pi in a three halves pi without them."""
     bare = [name_of(page) for page in PAGES if re.search(r"\\[dt]?frac(?!\{)", page.read_text(encoding="utf-8"))]
     assert bare == []
+
+
+def test_keys_of_a_case_are_told_with_unit_and_range() -> None:
+    """The page of the keys is made from the models: a change of their types once left "a number" of all of them."""
+    from site_parts.keys import page
+
+    rows = page().splitlines()
+    for row in (
+        "| `E` | a modulus (Pa) > 0 or a law over the depth | required |",
+        "| `nu` | a number > -1 and <= 0.5 | required |",
+        "| `thickness` | a length (m) > 0 | required |",
+        "| `w` | a work of adhesion (J/m^2) >= 0, or a list of several | left out |",
+        "| `radius` | a length (m) > 0, or a list of several | left out |",
+        "| `humidity` | a number > 0 and < 1 | left out |",
+    ):
+        assert row in rows
+    bare = {row.split("`")[1] for row in rows if "| a number |" in row}
+    assert bare == {"exponent", "nu_zp"}  # of any size: a law's exponent, a ratio that energy bounds

@@ -15,7 +15,7 @@ from jkrcli.bodies.grading import LAWS
 from jkrcli.bodies.indenters import SHAPES
 from jkrcli.case.fields import Read, Table, as_several
 from jkrcli.case.materials import LawTable, LayerTable, TransverseLayerTable
-from jkrcli.case.models import AdhesionTable, LoadingTable, SpecimenTable
+from jkrcli.case.models import AdhesionTable, CapillaryTable, LoadingTable, SpecimenTable
 from jkrcli.methods import METHODS
 
 PLAIN = {str: "text", bool: "true or false", int: "a whole number", float: "a number", type(None): ""}
@@ -53,6 +53,7 @@ def _sections() -> Iterator[str]:
     )
     yield from _model("[loading]", LoadingTable)
     yield from _model("[adhesion]", AdhesionTable)
+    yield from _model("`capillary = { ... }`", CapillaryTable, level="###")
     yield from _methods()
 
 
@@ -128,7 +129,7 @@ def _annotated(kind: Any, notes: Iterable[Any]) -> str:
     for note in notes:
         if isinstance(note, BeforeValidator) and note.func is as_several:
             return f"{holds(get_args(kind)[0])}, or a list of several"
-        ranged = note.func.ranged if isinstance(note, BeforeValidator) and isinstance(note.func, Read) else note
+        ranged = note.ranged if isinstance(note, Read) else note
         if isinstance(ranged, Ranged):
             return _ranged(ranged)
     bounds = " and ".join(

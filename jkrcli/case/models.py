@@ -37,7 +37,8 @@ GOALS: tuple[Quantity, ...] = ("depth", "load", "radius")
 
 
 class SpecimenTable(Table):
-    """Layers from the contact surface down on a rigid ``base``, or on an elastic ``half_space`` (alone: no layers).
+    """Layers from the contact surface down on a rigid ``base`` (bonded, if left out), or on an elastic
+    ``half_space`` (alone: no layers).
 
     ``radius`` and ``side`` (its support) make it a cylinder; left out: it is wide. ``surface``: what its points do that
     the indenter touches.
@@ -80,8 +81,11 @@ class SpecimenTable(Table):
 
 
 class LoadingTable(Table):
-    """One of depth, load, radius: its largest value (``points`` of them, by ``spacing``), or a list of values; one in
-    brackets is a list where nothing says how many."""
+    """One of depth, load, radius: its largest value (``points`` of them), or a list of values; one in brackets is a list
+    where nothing says how many.
+
+    ``spacing``: even steps of the contact radius or of the depth, or radii that crowd towards first contact ("log").
+    """
 
     depth: one_or_more(Length) | None = None
     load: one_or_more(Force) | None = None
@@ -121,8 +125,11 @@ class LoadingTable(Table):
 
 
 class CapillaryTable(Table):
-    """A bridge of liquid at fixed humidity (``formulas.capillary``): one of ``humidity`` (of water, from 0 to 1) and
-    ``kelvin_radius``; ``contact_angles`` in degrees below 90 or with a unit, of both surfaces or one of each."""
+    """A bridge of liquid at fixed humidity (``formulas.capillary``): one of ``humidity`` (of water, from 0 to 1) or
+    the radius ``kelvin_radius``.
+
+    ``contact_angles`` in degrees, below 90: one for both surfaces, or one of each.
+    """
 
     surface_tension: Work
     humidity: quantity("number", above=0.0, below=1.0) | None = None

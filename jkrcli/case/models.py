@@ -81,8 +81,8 @@ class SpecimenTable(Table):
 
 
 class LoadingTable(Table):
-    """One of depth, load, radius: its largest value (``points`` of them), or a list of values; one in brackets is a list
-    where nothing says how many.
+    """One of depth, load, radius: its largest value (``points`` of them), or a list of values; one in brackets is a
+    list where nothing says how many.
 
     ``spacing``: even steps of the contact radius or of the depth, or radii that crowd towards first contact ("log").
     """

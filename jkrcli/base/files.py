@@ -109,6 +109,13 @@ def _parquet_mark(file: BinaryIO) -> bool:
 
 def check_target(path: Path, force: bool = False, inputs: Iterable[Path] = ()) -> None:
     """Refuse, before any work, to write where it cannot be done, over an input, or over what is not ours."""
+    try:
+        _check_target(path, force, inputs)
+    except OSError as error:  # a name that is too long
+        raise InputError(f"{path}: cannot be written ({error.strerror})") from None
+
+
+def _check_target(path: Path, force: bool, inputs: Iterable[Path]) -> None:
     if path.is_dir():
         raise InputError(f"{path}: is a folder, cannot be written as a file")
     if path.exists() and not path.is_file():
@@ -117,7 +124,7 @@ def check_target(path: Path, force: bool = False, inputs: Iterable[Path] = ()) -
         raise InputError(f"{path}: the folder {path.parent} does not exist")
     if not os.access(path.parent, os.W_OK):
         raise InputError(f"{path}: the folder {path.parent} is not writable")
-    _tidy(path.parent.resolve())
+    _tidy(real(path.parent))
     if not path.exists():
         return
     if any(source.exists() and path.samefile(source) for source in inputs):
@@ -133,13 +140,18 @@ def check_series_target(path: Path, force: bool = False, inputs: Iterable[Path] 
         raise InputError(f"{path}: a series is written as HDF5, its name must end in .h5")
 
 
+def real(path: Path) -> Path:
+    """The absolute path without links; where they go round in a circle as far as it can be told."""
+    return Path(os.path.realpath(path))
+
+
 def make_folder(path: Path) -> None:
     """Create a folder for results, with its parents, where there is none."""
     try:
         path.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise InputError(f"{path}: cannot be made a folder ({error.strerror})") from None
-    _tidy(path.resolve())
+    _tidy(real(path))
 
 
 @contextlib.contextmanager

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..base.errors import InputError
+from ..base.files import real
 from ..base.table import as_json
 from ..report.output import Output
 
@@ -70,7 +71,7 @@ def output_options(
 
 def refuse_doubles(stems: Sequence[Path], remedy: str) -> None:
     """InputError where two results would go to the same files."""
-    places = [stem.resolve() for stem in stems]
+    places = list(map(real, stems))
     for i, stem in enumerate(stems):
         if places[i] in places[:i]:
             raise InputError(f"{stem}.csv: would be written twice; rename a file, or {remedy}")

@@ -12,6 +12,7 @@ import numpy as np
 
 from ..base.arrays import Array
 from ..base.errors import InputError
+from ..base.units import MOST
 from ..base.unknown import Unknown
 from ..bodies.indenters import Indenter, Sphere
 from ..bodies.problem import Loading, Problem
@@ -67,6 +68,8 @@ def read_series(path: Path, problem: Problem, reading: SeriesReading) -> Solutio
     chosen = _columns(table, reading)
     values = {key: _values(table, key, index, reading) for key, index in chosen.items()}
     lines = table.lines
+    if beyond := [key for key, column in values.items() if np.abs(column).max() > MOST]:
+        raise InputError(f"{path}: {NAMES.meaning(beyond[0])} must be at most {MOST:g} in SI units: is its unit right?")
     if lines.size > MOST_ROWS:
         raise InputError(f"{path}: holds {lines.size:,} rows, at most {MOST_ROWS:,} are imported: leave some out")
     if reading.sort:

@@ -399,3 +399,50 @@ def test_the_page_on_clusters_binds_dashboards_and_names_encryption() -> None:
         assert lines
         assert all("--dashboard-address 127.0.0.1" in line for line in lines)
     assert "--tls-" in page
+
+
+# ---------------------------------------------------------------------- options of the verbs
+def test_a_circle_of_links_is_no_folder(jkr, series: Path) -> None:
+    Path("loop").symlink_to("loop")
+    for words in (("transform", series.name), ("profile", series.name, "--a", "50 um")):
+        done = jkr(*words, "-o", "loop")
+        assert (done.code, done.err.count("\n")) == (2, 1), words
+
+
+@pytest.mark.parametrize("words", [("run", "s.toml"), ("explore", "s.h5")], ids=str)
+def test_a_name_that_no_file_can_have_is_refused(jkr, series: Path, words: tuple[str, ...]) -> None:
+    name = "9" * 400 + ".h5"
+    done = jkr(*words, "-o", name)
+    assert (done.code, done.err) == (2, f"jkr: error: {name}: cannot be written (File name too long)\n")
+
+
+def test_a_mesh_goes_into_a_folder_whose_name_is_no_text(jkr, series: Path) -> None:
+    folder = os.fsdecode(b"x\xff")
+    (series.parent / "f.toml").write_text(CASE.format(title="").replace("closed-form", "fem"))
+    done = jkr("mesh", "f.toml", "-o", folder)
+    assert done.code == 0, done.err
+    assert Path(folder, "f-mesh.msh").read_bytes().startswith(b"$MeshFormat\n")
+
+
+def test_a_fixed_work_beyond_sense_is_refused(jkr, series: Path) -> None:
+    Path("m.csv").write_text("delta_m,P_N\n" + "".join(f"{i}e-7,{i**1.5:.6g}e-6\n" for i in range(1, 40)))
+    done = jkr("fit", series.name, "m.csv", "--fix", "w=1e300")
+    assert (done.code, done.err) == (
+        2, "jkr: error: fit: w: must lie within 1e-30 and 1e+30 in SI units, got 1e300\n"
+    )  # fmt: skip
+
+
+def test_an_imported_displacement_beyond_sense_is_refused(jkr, series: Path) -> None:
+    """It ended in a traceback."""
+    rows = "".join(f"{i}e-6,{i**2}e-9,{i**3}e-9\n" for i in range(1, 30))
+    Path("i.csv").write_text("a_m,delta_m,P_N\n" + rows)
+    done = jkr("import", "i.csv", "--case", "s.toml", "-o", "i.h5", "--factor", "delta=1e300")
+    assert (done.code, done.err) == (
+        2, "jkr: error: i.csv: displacement must be at most 1e+30 in SI units: is its unit right?\n"
+    )  # fmt: skip
+
+
+def test_a_cycle_without_adhesion_has_no_loop_to_enlarge(jkr, series: Path) -> None:
+    """A library warned of its empty axes."""
+    done = jkr("cycle", series.name, "--w-approach", "0")
+    assert (done.code, done.err) == (0, "")

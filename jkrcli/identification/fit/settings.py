@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 from ...base.errors import InputError
-from ...base.units import parse
+from ...base.units import MOST, parse
 from ...bodies.parts import checked_names
 from .body import FittedBody
 
@@ -289,6 +289,9 @@ def _longest_range(body: FittedBody, pair: tuple[str, str]) -> float:
 
 def _parsed(name: str, text: str, dimension: str) -> float:
     try:
-        return parse(text, dimension)
+        number = parse(text, dimension)
     except ValueError as error:
         raise InputError(f"fit: {name}: {error}") from None
+    if number != 0 and not 1 / MOST <= abs(number) <= MOST:
+        raise InputError(f"fit: {name}: must lie within {1 / MOST:g} and {MOST:g} in SI units, got {text}")
+    return number

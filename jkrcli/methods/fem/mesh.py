@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -129,7 +130,10 @@ def write_msh(grid: Grid, path: Path) -> None:
             model.addDiscreteEntity(1, number)
             model.mesh.addElementsByType(number, 1, [], (facets + 1).ravel())
             model.addPhysicalGroup(1, [number], name=name)
-        gmsh.write(str(path))
+        with tempfile.TemporaryDirectory() as folder:  # gmsh takes no names that are no text
+            written = Path(folder) / "mesh.msh"
+            gmsh.write(str(written))
+            path.write_bytes(written.read_bytes())
 
 
 def write_vtu(grid: Grid, path: Path, point_data: Mapping[str, Array] | None = None) -> None:

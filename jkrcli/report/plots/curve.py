@@ -188,7 +188,7 @@ def cycle_figure(columns: Mapping[str, Array], title: str) -> Figure:
             axes.axhline(0, color="0.7", lw=0.6, zorder=0)
             axes.set_xlabel(f"{name} ({x_unit})")
             axes.set_ylabel(f"{label} ({y_unit})")
-            if column == "P_N" and -y.min() < 0.2 * np.ptp(y):
+            if column == "P_N" and 0 < -y.min() < 0.2 * np.ptp(y):
                 _enlarge_loop(axes, x, y, columns)
         legend_below(figure, panels, 4)
         return figure

@@ -28,10 +28,11 @@ DOUBLED = 2.0  # element sizes of the mesh for the error estimate; theory: estim
 
 @dataclass(frozen=True)
 class FEM(FEMOptions):
-    """Finite elements for any stack of isotropic layers on a rigid base or a half-space, wide or of finite radius.
+    """Finite elements for any stack of layers on a rigid base or a half-space, wide or of finite radius.
 
-    Geometrically linear; any convex indenter, rigid (or elastic on a homogeneous half-space that slides). Surfaces that
-    stick by "nested" only.
+    Layers are isotropic, graded over depth or transversely isotropic. Geometrically linear; any convex
+    indenter, rigid (or elastic on a homogeneous half-space that slides). Surfaces that stick by "nested" only.
+
     The default solves a paraboloid on a half-space to about 1e-4 in P(delta). Contact radii are those of vertices,
     corrected to the edge of the contact (``edge_correction``): exact for a paraboloid on a half-space, else about 1e-3
     off. Increments, and "nested" without the correction, keep the vertex's radius, up to half a spacing too large.

@@ -46,9 +46,10 @@ class Hybrid(HybridOptions):
     """The contact equation with the half-space as exact part and finite elements for what the rest of the body changes.
 
     Valid for stacks of isotropic layers (-1 < nu <= 1/2) on a rigid base, bonded or frictionless, or a half-space, wide
-    or cylinders with free, roller or clamped sides; layers below the uppermost may be graded or transversely isotropic.
-    Any convex indenter, rigid or elastic. S and S' exact, as in ``layered``. ``tolerance``: relative error of delta, P,
-    S and S' at every radius, estimated from coarser elements, fewer parameters and a nearer cut.
+    or cylinders with free, roller or clamped sides; layers below the uppermost may be graded or transversely isotropic,
+    in cylinders the uppermost graded too. Any convex indenter, rigid or elastic. S and S' exact, as in ``layered``.
+    ``tolerance``: relative error of delta, P, S and S' at every radius, estimated from coarser elements, fewer
+    parameters and a nearer cut.
     """
 
     def refusal(self, problem: Problem) -> str | None:

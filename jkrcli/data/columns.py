@@ -86,7 +86,7 @@ class Vocabulary:
 
     def in_si(self, table: TextTable, key: str, index: int, unit: str | None = None) -> Array:
         """The values of a column in SI, by ``unit`` or that of its header: 100 um is exactly 1e-4 m."""
-        values, power = table.values[:, index], self._power(table, key, index, unit)
+        values, power = numbers(table, index), self._power(table, key, index, unit)
         beyond = np.abs(values) > MOST
         if beyond.any():
             line, found = table.lines[beyond][0], values[beyond][0]
@@ -147,6 +147,17 @@ def asked(table: TextTable, key: str, name: str) -> int:
         return int(name) - 1
     hint = did_you_mean(name, titles)
     raise InputError(f'{table.path}: no single column "{name}" for {key}{hint} ({choice(table)})')
+
+
+def numbers(table: TextTable, index: int) -> Array:
+    """The numbers of a column; InputError where it holds words."""
+    if index in table.text:
+        told = zip(table.lines, table.text[index], strict=True)
+        line, word = next(((line, word) for line, word in told if word), (table.lines[0], ""))
+        name = f'column {index + 1} "{table.names[index]}"'
+        raise InputError(f'{table.path}: {name} holds words, no numbers: line {line} has "{word[:60]}"')
+    values: Array = table.values[:, index]
+    return values
 
 
 def check_chosen(table: TextTable, chosen: Mapping[str, int]) -> None:

@@ -343,8 +343,8 @@ def _most_rows(content: list[tuple[int, str]], dialects: list[Dialect], least: i
 
 
 def _with_words(content: list[tuple[int, str]], dialect: Dialect, least: int) -> Dialect:
-    """The dialect with those columns as text that hold words, or nothing, in all rows of the later half, beside
-    ``least`` columns or more of none."""
+    """The dialect with those columns as text that hold words, or nothing, in all rows of the later half and a number in
+    none, beside ``least`` columns or more of others."""
     mark = SEPARATORS[dialect.separator] or "\0"
     rows = [
         dialect.cells(line) + [""] * line.rstrip(" \r\n").endswith(mark)
@@ -353,9 +353,11 @@ def _with_words(content: list[tuple[int, str]], dialect: Dialect, least: int) ->
     ]
     widths = [len(cells) for cells in rows if len(cells) > least]
     width = max(widths, key=widths.count, default=0)
-    later = [cells for cells in rows if len(cells) == width][len(rows) // 2 :]
-    found = [i for i in range(width) if any(map(_WORD.match, column := [cells[i] for cells in later])) and all(
-        not cell or _WORD.match(cell) for cell in column)]  # fmt: skip
+    whole = [cells for cells in rows if len(cells) == width]
+    columns = [[cells[i] for cells in whole[len(whole) // 2 :]] for i in range(width)]
+    found = [i for i, column in enumerate(columns) if any(column)
+             and all(not cell or _WORD.match(cell) for cell in column)
+             and not any(_NUMBER.match(cells[i].replace(",", ".")) for cells in whole)]  # fmt: skip
     return replace(dialect, text=frozenset(found if width - len(found) >= least else ()))
 
 

@@ -153,6 +153,14 @@ WRONG = {
         "which columns they are, --column P=NAME (columns: 1, 2, 3); or --format afm, if a microscope's program wrote "
         "three columns without names",
     ),
+    "a sensor that gives up in the middle": (
+        "delta_nm;P_nN;x\n" + "1;1;1\n" * 2 + "2;N/A;1\n" * 2 + "3;1;1\n", Reading(),
+        '{path}: line 4 must hold 3 numbers, got "2;N/A;1"\n{path}: line 5 must hold 3 numbers, got "2;N/A;1"',
+    ),
+    "a load of words": (
+        "delta_nm;P_nN;x\n" + "1;none;1\n" * 3, Reading(),
+        '{path}: column 2 "P_nN" holds words, no numbers: line 2 has "none"',
+    ),
     "a line between rows that names no segment": (
         GOOD + "Block 2\n4,4\n", Reading(),
         '{path}: line 5 must hold 2 numbers, got "Block 2": remove it, or put # before it',

@@ -12,7 +12,19 @@ import numpy as np
 
 from ...base.arrays import Array
 from ...base.errors import InputError
-from ..columns import CONTACT, Quantity, Vocabulary, asked, check_chosen, choice, remarks, split_name, with_units, words
+from ..columns import (
+    CONTACT,
+    Quantity,
+    Vocabulary,
+    asked,
+    check_chosen,
+    choice,
+    numbers,
+    remarks,
+    split_name,
+    with_units,
+    words,
+)
 from ..text_table import TextTable, read_table, unit_power
 from . import archive
 from .beside import one_under_the_other
@@ -241,7 +253,7 @@ def _load_of_deflection(
     if known["stiffness"] == math.inf:
         raise InputError(f"{table.path}: {title} is {kind}, and a rigid device has none: give its stiffness")
     factor = math.prod(1.0 if value is None else value for value in known.values())
-    load = table.values[:, index] * 10.0 ** unit[1] * factor
+    load = numbers(table, index) * 10.0 ** unit[1] * factor
     if missing:
         return (
             load,

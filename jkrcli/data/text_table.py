@@ -71,6 +71,11 @@ class Dialect:
         cells = [cell.strip() for cell in parts]
         return cells[:-1] if len(cells) > 1 and not cells[-1] else cells
 
+    def ends(self, line: str) -> bool:
+        """Whether a line ends in the separator: its last cell may be empty."""
+        mark = SEPARATORS[self.separator]
+        return mark is not None and line.rstrip(" \r\n").endswith(mark)
+
     def divides(self, line: str) -> bool:
         """Whether the separator stands in a line; quick, for the many lines of which another one is right."""
         mark = SEPARATORS[self.separator]
@@ -82,9 +87,7 @@ class Dialect:
         ``width``: of the table, where it is known: a line that ends in empty cells has as many.
         """
         cells = self.cells(line)
-        mark = SEPARATORS[self.separator]
-        ends = mark is not None and line.rstrip(" \r\n").endswith(mark)
-        if ends and (len(cells) == width - 1 or len(cells) in self.text):
+        if self.ends(line) and (len(cells) == width - 1 or len(cells) in self.text):
             cells = [*cells, ""]
         if self.text:
             cells = ["0" if i in self.text else cell for i, cell in enumerate(cells)]
@@ -174,7 +177,8 @@ def read_table(
     remarks = _remarks(lines_of_file, header, int(lines[-1]), dialect)
     rest = [item for item in lines_of_file if item[0] not in notes and item[0] not in remarks]
     _check_rows(path, rest, dialect, lines, values, finite)
-    names = _names(header, dialect, values.shape[1])
+    first = next(line for n, line in lines_of_file if n == lines[0])
+    names = _names(header, dialect, values.shape[1], dialect.ends(first))
     text = _texts(lines_of_file, dialect, set(lines.tolist()))
     return TextTable(path, names, values, lines, dialect, text, tuple(header), notes, remarks)
 
@@ -345,9 +349,8 @@ def _most_rows(content: list[tuple[int, str]], dialects: list[Dialect], least: i
 def _with_words(content: list[tuple[int, str]], dialect: Dialect, least: int) -> Dialect:
     """The dialect with those columns as text that hold words, or nothing, in all rows of the later half and a number in
     none, beside ``least`` columns or more of others."""
-    mark = SEPARATORS[dialect.separator] or "\0"
     rows = [
-        dialect.cells(line) + [""] * line.rstrip(" \r\n").endswith(mark)
+        dialect.cells(line) + [""] * dialect.ends(line)
         for _, line in content
         if not _is_comment(line) and dialect.divides(line)
     ]
@@ -402,9 +405,16 @@ def _is_comment(line: str) -> bool:
     return line.lstrip().startswith(COMMENTS)
 
 
-def _names(header: list[str], dialect: Dialect, width: int) -> tuple[str, ...]:
-    """Column names from the last lines before the numbers, a line of units under them taken in; else empty names."""
+def _names(header: list[str], dialect: Dialect, width: int, more: bool) -> tuple[str, ...]:
+    """Column names from the last lines before the numbers, a line of units under them taken in; else empty names.
+
+    ``more``: whether the rows end in a separator, behind which the header may name a column that holds nothing.
+    """
     lines = [_header_cells(line, dialect, width) for line in header]
+    lines = [[*cells, ""] if len(cells) == width - 1 and dialect.ends(line) else cells
+             for cells, line in zip(lines, header, strict=True)]  # fmt: skip
+    if more and not any(len(cells) == width for cells in lines):
+        lines = [cells[:width] if len(cells) == width + 1 else cells for cells in lines]
     headed = {cells[0].lower(): cells[1:] for cells in lines if cells and cells[0].lower() in HEADINGS}
     titles = [cells for cells in lines if len(cells) == width]
     titles = [cells for key in HEADINGS if len(cells := headed.get(key, [])) == width] or titles

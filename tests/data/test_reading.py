@@ -375,6 +375,28 @@ def test_words_behind_the_last_row_are_left_out_and_said(tmp_path: Path) -> None
     assert curve.flags == ('lines 9 to 10 are behind the last row and left out: "Largest load,9e-9"',)
 
 
+ENDS = {
+    "a column of remarks without any": "delta_m;P_N;remark\n{0};\n{1};\n{2};\n",
+    "units of all columns but the last": "delta;P;remark\nm;N;\n{0};\n{1};ok\n{2};\n",
+    "empty columns of a sheet": "delta_m;P_N;\n{0};\n{1};\n{2};\n",
+    "two empty columns of a sheet": "delta_m;P_N;;\n{0};;\n{1};;\n{2};;\n",
+}
+
+
+@pytest.mark.parametrize("kind", ENDS)
+def test_rows_that_end_in_an_empty_cell(tmp_path: Path, kind: str) -> None:
+    curve = one(written(tmp_path, ENDS[kind].format("1e-9;0", "2e-9;1e-9", "3e-9;3e-9")))
+    np.testing.assert_allclose(curve.delta, np.array([1e-9, 2e-9, 3e-9]), rtol=1e-12)
+    np.testing.assert_allclose(curve.P, np.array([0, 1e-9, 3e-9]), rtol=1e-12)
+
+
+def test_a_hold_between_the_segments(tmp_path: Path) -> None:
+    head, *rows = table(("delta_m", Z), ("P_N", LOAD)).splitlines()
+    curve = one(written(tmp_path, "\n".join([head, "Loading", *rows[:2], "Hold", *rows[2:4], "Unloading", *rows[4:]])))
+    assert curve.segment is not None
+    assert curve.segment.tolist() == ["approach"] * 2 + ["hold"] * 2 + ["retract"] * 2
+
+
 LINES = {
     "words": "Approach|Retract",
     "brackets": "[Approach]|[Retract]",

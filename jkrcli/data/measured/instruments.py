@@ -23,6 +23,7 @@ DIRECTIONS = {
         "retract", "retraction", "withdraw", "retrace", "backward", "receding", "rt", "ret", "unloading", "zurück",
         "zurueck", "rück", "rückweg", "rückzug", "entlastung", "retour", "déchargement", "retrait"), RETRACT),
 }  # fmt: skip
+HOLDS = {"hold", "holding", "pause", "dwell", "halten", "haltezeit"}  # between the directions
 BESIDE = {
     "segment",
     "phase",
@@ -61,7 +62,8 @@ POSITIONS = (
         "z scan", "z stage", "z",
         "position", "raw", "calc ramp", "ramp", "piezo displacement", "piezoweg", "piezo weg", "piezohub")),
     Position("a way of the device", 1, True, (
-        "weg", "traversenweg", "standardweg", "verfahrweg", "crosshead", "extension", "stroke")),
+        "weg", "traverse", "traversenweg", "standardweg", "verfahrweg", "crosshead", "extension", "stroke",
+        "axial displacement")),
     Position("a penetration", 1, False, (
         "eindringtiefe", "eindringung", "penetration", "penetration depth", "enfoncement")),
     Position("a separation", -1, False, (
@@ -114,8 +116,8 @@ def segment_of(line: str) -> str | None:
     if match := re.match(r"\W*segment(?:[ _]?name)?\s*[:=]\s*\"?([^\W\d]\w*)", line, re.IGNORECASE):
         return match[1]
     words = re.findall(r"\w+", line.lower())
-    found = [word for word in words if word in DIRECTIONS]
-    others = [word for word in words if word not in DIRECTIONS and word not in BESIDE and not word.isdigit()]
+    found = [word for word in words if word in DIRECTIONS or word in HOLDS]
+    others = [word for word in words if word not in found and word not in BESIDE and not word.isdigit()]
     return found[0] if len(found) == 1 and not others and not re.match(r"\s*[-+.\d]", line) else None
 
 

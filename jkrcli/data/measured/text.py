@@ -49,7 +49,8 @@ UNITS_OF = {"stiffness": "N/m", "sensitivity": "m/V"}
 
 NAMES = Vocabulary(CONTACT | {
     "delta": CONTACT["delta"].also("indentation depth", "déplacement", "deplacement"),
-    "P": CONTACT["P"].also("normal force", "axial force", "kraft", "prüfkraft", "standardkraft", "normalkraft", "effort"),
+    "P": CONTACT["P"].also(
+        "normal force", "axial force", "kraft", "prüfkraft", "standardkraft", "normalkraft", "effort"),
     "t": Quantity("time", "time", ("t", "time", "zeit", "prüfzeit", "elapsed time", "temps", *WHOLE)),
     "segment": Quantity("segment", "", ("segment", "phase", "direction", "richtung")),
     "curve": Quantity("curve", "", ("curve", "curve number", "curve_number", "cycle", "zyklus")),

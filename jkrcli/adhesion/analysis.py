@@ -18,6 +18,7 @@ from .critical import Errors, point_error
 from .curve import AdhesiveCurve, CriticalPoint, EquilibriumCurve, Nonadhesive
 from .device import CONTROLS
 from .law import AskedRange, Range
+from .own_body import own_solution
 from .range_effect import effect_of_range
 from .sharp import resolved, yielding
 from .slopes.choice import slopes, smoothed
@@ -265,9 +266,11 @@ def nonadhesive(solution: Solution, slopes_name: str = "auto") -> Nonadhesive:
 
 
 def _series_and_slopes(solution: Solution, name: str) -> tuple[Series, Slopes]:
+    read = solution.method == "import"
+    own = own_solution(solution.problem, solution.series.a) if read else None
     if solution.raw is not None and name in ("auto", "integral") and not is_series(solution.raw):
-        return smoothed(solution.raw, solution.series.a0, solution.series.S0)
-    series = solution.filtered
+        return smoothed(solution.raw, solution.series.a0, solution.series.S0, own=own)
+    series = replace(solution.filtered, own=own)
     if name not in ("auto", "exact"):
         series = replace(series, S=None, dS=None)
     return series, slopes(series, name)

@@ -9,19 +9,16 @@ asks for a straight line in the load alone, the likeliest drift, which one numbe
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.interpolate import CubicSpline
 
 from ..base.arrays import Array
-from ..base.errors import JkrError
-from ..bodies.problem import Loading, Problem
-from ..methods import method_class
-from ..series import RawSeries, Series
+from ..bodies.problem import Problem
+from ..series import RawSeries
+from .own_body import own_solution
 from .slopes.scatter import estimate, whitener
-
-EXACT = ("closed-form", "layered")  # exact ones that cost next to nothing
 
 
 @dataclass(frozen=True)
@@ -29,7 +26,6 @@ class DepartureTuning:
     """When a departure is said."""
 
     fewest: int = 8  # choice: points; the parabolas take six numbers
-    radii: int = 60  # choice: of the bodies' own solution, in equal steps of log a
     chance: float = 2e-3  # probability that independent noise shows as much; choice: rare
     of_line: float = 2e-2  # that it shows as straight a line in the load; tuned on drifts, by `make noise-study`
     least: float = 5e-3  # choice: of delta or P; meshes of finite elements leave as much
@@ -47,26 +43,12 @@ def departures(problem: Problem, raw: RawSeries) -> tuple[str, ...]:
     """
     usable = (raw.a > problem.indenter.a0) & (raw.delta > 0) & (raw.P > 0)
     a, delta, P = (values[usable] for values in (raw.a, raw.delta, raw.P))
-    if a.size < TUNING.fewest or (own := _own(problem, a)) is None:
+    if a.size < TUNING.fewest or (own := own_solution(problem, a)) is None:
         return ()
     x, logs = np.log(own.a), np.log(np.stack([own.delta, own.P]))
     at = np.log(a)
     expected = CubicSpline(x, logs, axis=1)
     return _judged(np.log(np.stack([delta, P])) - expected(at), expected(at, 1), at)
-
-
-def _own(problem: Problem, a: Array) -> Series | None:
-    """The bodies' own solution over the radii ``a``."""
-    radii = tuple(np.geomspace(a.min(), a.max(), TUNING.radii))
-    alone = replace(problem, loading=Loading.given("radius", radii))
-    for name in EXACT:
-        method = method_class(name)()
-        try:
-            if method.refusal(alone) is None:
-                return method(alone).series
-        except JkrError:
-            continue
-    return None
 
 
 def _judged(gap: Array, rates: Array, x: Array) -> tuple[str, ...]:

@@ -85,7 +85,7 @@ def read_series(path: Path, problem: Problem, reading: SeriesReading) -> Solutio
         values["a"] = _radii(table.path, values.pop("area"), lines, indenter, reading.area)
     raw = RawSeries(values["a"], values["delta"], values["P"], lines)
     if noisy:
-        raw, series, words = _by_fit(table.path, raw, indenter)
+        raw, series, words = _by_fit(table.path, raw, problem)
         dropped = int(lines.size - raw.a.size)
     else:
         kept, dropped = filter_plateaus(raw)
@@ -107,21 +107,24 @@ def _first_slope(indenter: Indenter) -> float | None:
     return None if indenter.a0 > 0 else 0.0
 
 
-def _by_fit(path: Path, raw: RawSeries, indenter: Indenter) -> tuple[RawSeries, Series, tuple[str, ...]]:
+def _by_fit(path: Path, raw: RawSeries, problem: Problem) -> tuple[RawSeries, Series, tuple[str, ...]]:
     """Rows in contact that are noisy, their fitted series, and what is wrong with them.
 
     Rows near first touch at which noise hides the contact (delta or P <= 0) are left out, and so are outliers beyond.
     """
+    from ..adhesion.own_body import own_solution
     from ..adhesion.slopes.choice import smoothed
 
     assert raw.rows is not None
+    indenter = problem.indenter
     hidden = (raw.a <= indenter.a0) | (raw.delta <= 0) | (raw.P <= 0)
     touched = int(np.argmax(raw.a > indenter.a0))
     first = touched + near_first_touch(hidden[touched:])
     used = ~hidden & (np.arange(hidden.size) >= first)
     kept = RawSeries(raw.a[used], raw.delta[used], raw.P[used], raw.rows[used])
     _check_kept(path, kept, int(np.sum(~used)), indenter)
-    series, slopes = smoothed(kept, indenter.a0, _first_slope(indenter))
+    own = own_solution(problem, kept.a)
+    series, slopes = smoothed(kept, indenter.a0, _first_slope(indenter), own=own)
     if is_series(kept):  # their scatter is read off the rows themselves, not off what was fitted to them
         inside = (kept.a >= series.a[0]) & (kept.a <= series.a[-1])
         columns = kept.a[inside], kept.delta[inside], kept.P[inside]

@@ -63,12 +63,16 @@ def _carried(series: Series) -> Slopes:
 
 
 def smoothed(
-    raw: RawSeries, a0: float = 0.0, S0: float | None = 0.0, errors: Mapping[str, Array] | None = None
+    raw: RawSeries,
+    a0: float = 0.0,
+    S0: float | None = 0.0,
+    errors: Mapping[str, Array] | None = None,
+    own: Series | None = None,
 ) -> tuple[Series, Slopes]:
     """Series and slopes straight from increments, noisy or with repeated radii, by the method "integral"."""
     from .integral import smoothed as fitted
 
-    series, found = fitted(raw, a0, S0, errors)
+    series, found = fitted(raw, a0, S0, errors, own)
     return series, replace(found, reason=f"the increments themselves were fitted{_unseen(found)}")
 
 

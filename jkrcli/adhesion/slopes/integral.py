@@ -21,7 +21,7 @@ from ...base.errors import InputError, Refusal
 from ...base.unknown import Estimate, Unknown
 from ...series import RawSeries, Series
 from .events import has_plateaus, touch_events
-from .model import LogSplineModel, OnGrid, interpolate
+from .model import LogSplineModel, OnGrid, Shape, interpolate
 from .penalised import TUNING as PENALTIES
 from .penalised import PenalisedFit, likeliest_correlation, minimise, posterior
 from .result import TWO_SIDED_90, Slopes, covariance_from_errors, shift_error
@@ -69,12 +69,16 @@ class _Data:
 def integral(series: Series) -> Slopes:
     """S, S', and the smoothed delta_H and P_H, at the radii of ``series``; refused below 5 points."""
     raw = RawSeries(series.a, series.delta, series.P)
-    settled = _settle(raw, series.errors, series.a0, series.S0)
+    settled = _settle(raw, series.errors, series.a0, series.S0, series.own)
     return _slopes(settled, raw, series.errors, series.a0, series.S0, series.a)
 
 
 def smoothed(
-    raw: RawSeries, a0: float = 0.0, S0: float | None = 0.0, errors: Mapping[str, Array] | None = None
+    raw: RawSeries,
+    a0: float = 0.0,
+    S0: float | None = 0.0,
+    errors: Mapping[str, Array] | None = None,
+    own: Series | None = None,
 ) -> tuple[Series, Slopes]:
     """A series and its slopes from increments, also where they are too noisy to be a series (columns out of order).
 
@@ -84,19 +88,20 @@ def smoothed(
     """
     if errors is None and has_plateaus(raw):
         raw, errors = touch_events(raw)
-    settled = _settle(raw, errors or {}, a0, S0)
+    settled = _settle(raw, errors or {}, a0, S0, own)
     kept = np.delete(raw.a, settled.outliers)
     a = np.unique(raw.a[(raw.a >= kept.min()) & (raw.a <= kept.max())])
     found = _slopes(settled, raw, errors or {}, a0, S0, a)
     assert found.delta is not None
     assert found.P is not None
-    return Series(a, found.delta, found.P, a0=a0, S0=S0), found
+    return Series(a, found.delta, found.P, a0=a0, S0=S0, own=own), found
 
 
-def _settle(raw: RawSeries, errors: Mapping[str, Array], a0: float, S0: float | None) -> _Settled:
+def _settle(raw: RawSeries, errors: Mapping[str, Array], a0: float, S0: float | None, own: Series | None) -> _Settled:
     """The fit of the columns (n,), in units of their largest values."""
     data = _prepare(raw.a, raw.delta, raw.P, errors, a0)
-    return _fine_enough(data, None if S0 is None else S0 * float(np.max(raw.delta)) / float(np.max(raw.P)))
+    shape = None if own is None else Shape.of(own, float(np.max(raw.a) - a0))
+    return _fine_enough(data, None if S0 is None else S0 * float(np.max(raw.delta)) / float(np.max(raw.P)), shape)
 
 
 def _slopes(
@@ -175,9 +180,10 @@ def _evaluate(settled: _Settled, x: Array, scales: Array) -> tuple[Array, Array,
     values = np.exp(np.stack([columns.log_delta, columns.log_P, columns.log_S, columns.log_dS]))
     jacobian = np.zeros((6, *columns.jacobian.shape[1:]))
     jacobian[:4] = columns.jacobian * values[:, :, None]
-    jacobian[4, :, model.v] = np.exp(basis @ fit.c[model.v])[:, None] * basis
+    jacobian[4, :, model.v] = np.exp(model.of_shape(x)[0] + basis @ fit.c[model.v])[:, None] * basis
     bend = model.slope_design(x)  # S'' = S' u'(x)/y
-    jacobian[5, :, model.u] = values[3][:, None] / y * ((bend @ fit.c[model.u])[:, None] * basis + bend)
+    rate = model.of_shape(x, 1)[1] + bend @ fit.c[model.u]
+    jacobian[5, :, model.u] = values[3][:, None] / y * (rate[:, None] * basis + bend)
     jacobian *= scales[:, None, None]
     full = jacobian[:4]
     covariance = np.einsum("imp,pq,jmq->mij", full, fit.phi * settled.V, full, optimize=True)
@@ -292,10 +298,10 @@ class _Settled:
         return Unknown(TOO_FEW) if self.few else self.rho
 
 
-def _fine_enough(data: _Data, S0: float | None) -> _Settled:
+def _fine_enough(data: _Data, S0: float | None, shape: Shape | None) -> _Settled:
     """The fit with the knots that the data need; residuals still correlated count as that many fewer data."""
     for intervals in (TUNING.intervals, 2 * TUNING.intervals):
-        found = _fit(_Task(LogSplineModel(data.x, intervals, S0), data), data)
+        found = _fit(_Task(LogSplineModel(data.x, intervals, S0, shape), data), data)
         length = 1.0 if _explained(found.fit, data) else correlation_length(found.fit.independent)
         if length == 1 and found.rho < max(PENALTIES.correlations):
             break
@@ -319,7 +325,7 @@ def _fit(task: _Task, data: _Data) -> _Settled:
         variances = floored(variances, share, TUNING.floor**2)
         floor = TUNING.floor**2 / float(np.mean(variances))
         # a stiff fit first: far from the solution a linearised one takes all for signal
-        start = best or task.minimise(_start(task.model, data), variances, stiff, floor, 0)
+        start = best or task.minimise(_start(task, data), variances, stiff, floor, 0)
         found = task.minimise(start.c, variances, start.lambdas, floor, PENALTIES.freeze, rho)
         if best is not None and not found.settled:
             break  # weights too uneven to go on: the last fit stands
@@ -400,8 +406,17 @@ class _Bins:
         return np.repeat(values, self.counts)
 
 
-def _start(model: LogSplineModel, data: _Data) -> Array:
-    """Coefficients of power laws through the logs of the data; the large radii count most, they are surest."""
+def _start(task: _Task, data: _Data) -> Array:
+    """Coefficients of the bodies' own shape, brought to the level of the data; else of power laws through their logs.
+    The large radii count most, they are surest."""
+    if task.model.shape is None:
+        return _power_laws(task.model, data)
+    gap = task.difference(task.model.on_grid(np.zeros(task.model.parameters)))
+    level_delta, level_P = -np.average(gap, axis=1, weights=np.exp(task.bins.ordered_x))
+    return task.model.straight((level_delta, 0.0), (level_P - level_delta, 0.0), level_P - level_delta)
+
+
+def _power_laws(model: LogSplineModel, data: _Data) -> Array:
     k, log_k = np.polyfit(data.x, data.log_delta, 1, w=np.exp(data.x))
     m, log_m = np.polyfit(data.x, data.log_P, 1, w=np.exp(data.x))
     k = max(float(k), 0.2)

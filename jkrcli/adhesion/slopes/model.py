@@ -11,12 +11,14 @@ All quantities here are dimensionless, scaled by their largest values.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import BSpline
+from scipy.interpolate import BSpline, CubicSpline
 
 from ...base.arrays import Array
+from ...series import Series
 
 Points = tuple[Array, Array, Array]
 OnGrid = tuple[tuple[tuple[Array, Array], tuple[Array, Array]], ...]
@@ -54,15 +56,53 @@ class LogColumns:
     jacobian: Array
 
 
+@dataclass(frozen=True, eq=False)
+class Shape:
+    """What is known of v and u, but for their levels: a solution at rising log radii ``x`` (m,).
+
+    ``logs``, (2, m): v and u. ``starts``, (3,): delta, S - S0 and P - S0 delta at x[0] over what they would be were g
+    and s power laws below. ``log_S0``: over the level of u, where the slope at first touch is above 0.
+    """
+
+    x: Array
+    logs: Array
+    starts: Array
+    log_S0: float
+
+    @classmethod
+    def of(cls, series: Series, y_scale: float) -> Shape | None:
+        """That of an exact ``series``; radii beyond the flat end over ``y_scale`` [m]. None where S' is unknown."""
+        if series.S is None or series.dS is None:
+            return None
+        x, S0 = np.log((series.a - series.a0) / y_scale), series.S0 or 0.0
+        log_delta = CubicSpline(x, np.log(series.delta / series.delta[-1]))
+        S_scale = float(series.P[-1] / series.delta[-1])
+        logs = np.stack([log_delta(x) + np.log(log_delta(x, 1)) - x, np.log(series.dS * y_scale / S_scale)])
+        q, m = CubicSpline(x, logs, axis=1)(x[0], 1)
+        gy, sy = np.exp(logs[:, 0] + x[0])
+        delta, S = series.delta[0] / series.delta[-1], (series.S[0] - S0) / S_scale
+        P = (series.P[0] - S0 * series.delta[0]) / series.P[-1]
+        starts = np.array([delta * (q + 1) / gy, S * (m + 1) / sy, P / S * (q + m + 2) / gy])
+        return cls(x, logs, starts, math.log(S0 / S_scale) if S0 > 0 else 0.0)
+
+    def __call__(self, x: Array, order: int = 0) -> Array:
+        """v and u at log radii ``x`` (m,), or their first derivatives, (2, m); beyond those known they are straight."""
+        known = CubicSpline(self.x, self.logs, axis=1)
+        near = np.clip(x, self.x[0], self.x[-1])
+        rates: Array = known(near, 1)
+        return rates if order == 1 else known(near) + (x - near) * rates
+
+
 class LogSplineModel:
     """The integrals above on a fixed grid of x, for any coefficients.
 
     ``x``: the data's log radii, shape (n,), any order. Coefficients are those of v, those of u, and log S0 where it is
     free; in each of v and u the first two are value and slope of a straight line in x, and the sum of squares of the
-    others (``rough_v``, ``rough_u``) is the roughness int (v'')^2 dx.
+    others (``rough_v``, ``rough_u``) is the roughness int (v'')^2 dx. With a ``shape`` v, u and log S0 are those over
+    its own.
     """
 
-    def __init__(self, x: Array, intervals: int, S0: float | None):
+    def __init__(self, x: Array, intervals: int, S0: float | None, shape: Shape | None = None):
         low, high = float(np.min(x)) - TUNING.below, float(np.max(x))
         self.knots = _knots(np.sort(x), intervals)
         self.size = self.knots.size - TUNING.degree - 1
@@ -79,6 +119,17 @@ class LogSplineModel:
         self.parameters = 2 * self.size + (S0 is None)
         self.v, self.u = slice(0, self.size), slice(self.size, 2 * self.size)
         self.rough_v, self.rough_u = slice(2, self.size), slice(self.size + 2, 2 * self.size)
+        self.shape, self.log_S0 = shape, 0.0 if shape is None else shape.log_S0
+        self.starts = np.ones(3) if shape is None else shape.starts
+        self.known, self.known_rates, self.known_inner = (
+            self.of_shape(self.x),
+            self.of_shape(self.x, 1),
+            self.of_shape(inner),
+        )
+
+    def of_shape(self, x: Array, order: int = 0) -> Array:
+        """v and u of the ``shape`` at ``x`` (m,), or their first derivatives, (2, m)."""
+        return np.zeros((2, x.size)) if self.shape is None else self.shape(x, order)
 
     def straight(self, v: tuple[float, float], u: tuple[float, float], log_S0: float) -> Array:
         """Coefficients of v = v[0] + v[1] x and u = u[0] + u[1] x."""
@@ -90,7 +141,11 @@ class LogSplineModel:
 
     def exponents(self, coefficients: Array) -> tuple[float, float]:
         """Exponents of g and s towards zero radius."""
-        return float(self.first_slope @ coefficients[self.v]), float(self.first_slope @ coefficients[self.u])
+        first_v, first_u = self.known_rates[:, 0]
+        return (
+            float(first_v + self.first_slope @ coefficients[self.v]),
+            float(first_u + self.first_slope @ coefficients[self.u]),
+        )
 
     def interpolation(self, x: Array) -> Points:
         """Grid index and the cubic Hermite weights (for values, for x-derivatives) of the points ``x``."""
@@ -105,21 +160,22 @@ class LogSplineModel:
             jacobian[row] = interpolate(at, *derivatives)
         jacobian[3, :, self.u] = basis
         delta, P, S = (interpolate(at, *pair) for pair in (log_delta, log_P, log_S))
-        v, u = basis @ coefficients[self.v], basis @ coefficients[self.u]
+        known_v, known_u = (interpolate(at, *pair) for pair in zip(self.known, self.known_rates, strict=True))
+        v, u = known_v + basis @ coefficients[self.v], known_u + basis @ coefficients[self.u]
         rate = np.exp(interpolate(at, self.x, np.ones_like(self.x)) + v)
         return LogColumns(delta, P, S, u, rate / np.exp(delta), rate * np.exp(S - P), jacobian)
 
     def on_grid(self, c: Array) -> OnGrid:
         """Logs of delta, P, S on the grid with their d/dx, and the same two of the logs' Jacobians."""
-        g, s = np.exp(self.basis @ c[self.v]), np.exp(self.basis @ c[self.u])
+        g, s = np.exp(self.known[0] + self.basis @ c[self.v]), np.exp(self.known[1] + self.basis @ c[self.u])
         gy, sy = g * self.y, s * self.y
-        inner_gy = np.exp(self.inner_basis @ c[self.v]) * self.inner_y
-        inner_sy = np.exp(self.inner_basis @ c[self.u]) * self.inner_y
+        inner_gy = np.exp(self.known_inner[0] + self.inner_basis @ c[self.v]) * self.inner_y
+        inner_sy = np.exp(self.known_inner[1] + self.inner_basis @ c[self.u]) * self.inner_y
         q, m = self.exponents(c)
         (q1, dq1), (m1, dm1), (qm2, dqm2) = (_kept_positive(power) for power in (q + 1, m + 1, q + m + 2))
-        S_start = np.exp(c[-1]) if self.S0 is None else self.S0
-        first_delta, first_S = gy[0] / q1, sy[0] / m1
-        first_P = first_S * gy[0] / qm2
+        S_start = np.exp(self.log_S0 + c[-1]) if self.S0 is None else self.S0
+        first_delta, first_S, first_P = self.starts * (gy[0] / q1, sy[0] / m1, gy[0] / qm2)
+        first_P *= first_S
         b, db = self.basis[0], self.first_slope
 
         delta = first_delta + self._cumulate(inner_gy)

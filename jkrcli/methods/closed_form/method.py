@@ -16,7 +16,7 @@ from ...bodies.indenters import Paraboloid, Sphere
 from ...bodies.materials import Elastic
 from ...bodies.problem import Layer, Loading, Problem, Rigid
 from ...formulas import thin_layer
-from ...series import ErrorBudget, Series, Solution
+from ...series import COLUMNS, ErrorBudget, Series, Solution
 from .. import Forecast
 from ..layered.layered import Layered, unbounded
 from ..radii import half_space_guess, radii_of_loading
@@ -78,10 +78,10 @@ class ClosedForm:
 def _series(problem: Problem, formula: Formula) -> Series:
     indenter = problem.indenter
     a = _radii(problem, formula)
-    columns = dict(zip(("delta", "P", "S", "dS"), formula.columns(a), strict=True))
+    columns = formula.columns(a)
     S0 = float(formula.columns(np.array([indenter.a0]))[2][0])
-    errors = {name: formula.error * values for name, values in columns.items()} | {"a": 0 * a}
-    return Series(a, **columns, errors=errors, a0=indenter.a0, S0=S0)
+    errors = {name: formula.error * values for name, values in zip(COLUMNS, (0 * a, *columns), strict=True)}
+    return Series(a, *columns, errors=errors, a0=indenter.a0, S0=S0)
 
 
 def _radii(problem: Problem, formula: Formula) -> Array:

@@ -13,6 +13,8 @@ def begin() -> None:
     """Streams that were closed are there; and, as commands are short, no time goes into what only long processes, or
     people at a prompt, have something of."""
     _open_streams()
+    if not sys.argv[0].endswith("__main__.py"):  # of python -m, which may find this package in the folder at hand
+        os.environ["PYTHONSAFEPATH"] = "1"  # processes that are started here take no modules from there either
     gc.set_threshold(*RARELY)
     atexit.register(gc.freeze)  # else all is searched for cycles once more at the end: a quarter of a command's time
     _begun.append(True)

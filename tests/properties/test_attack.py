@@ -446,3 +446,34 @@ def test_a_cycle_without_adhesion_has_no_loop_to_enlarge(jkr, series: Path) -> N
     """A library warned of its empty axes."""
     done = jkr("cycle", series.name, "--w-approach", "0")
     assert (done.code, done.err) == (0, "")
+
+
+# ---------------------------------------------------------------------- surroundings
+def program(*words: str, **environment: str) -> subprocess.CompletedProcess[str]:
+    """The console script in the folder at hand, where ``python -m`` would look for modules too."""
+    starts = [sys.executable, "-P", "-c", "from jkrcli.__main__ import main; main()"]
+    return subprocess.run([*starts, *words], capture_output=True, text=True, check=False, env=os.environ | environment)
+
+
+def test_modules_in_the_folder_at_hand_are_not_imported(series: Path) -> None:
+    """Processes that are started there looked for them in it."""
+    for name in ("numpy", "json", "multiprocessing", "tomllib", "sitecustomize"):
+        Path(f"{name}.py").write_text("raise SystemExit(77)\n")
+    Path("sweep.toml").write_text(SWEEP.replace("count = 400", "count = 2"))
+    for words in (("sweep", "sweep.toml", "--workers", "2"), ("bench", "s.toml", "--repeat", "1")):
+        done = program(*words)
+        assert done.returncode == 0, done.stderr
+
+
+def test_figures_do_not_depend_on_the_surroundings(series: Path) -> None:
+    Path("matplotlibrc").write_text("backend: garbage\nfont.size: -3\nnonsense\n")
+    words = ("transform", "s.h5", "-q")
+    done = program(*words, MPLBACKEND="garbage", MPLCONFIGDIR="/proc/nothing")
+    assert (done.returncode, done.stderr) == (0, "")
+    Path("matplotlibrc").write_bytes(b"\xff\xfe")
+    done = program(*words)
+    assert (done.returncode, done.stderr) == (
+        2,
+        "jkr: error: matplotlibrc: matplotlib cannot read it ('utf-8' codec can't decode byte 0xff in position 0: "
+        "invalid start byte); mend or remove the one in this folder, or that of MATPLOTLIBRC\n",
+    )

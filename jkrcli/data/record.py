@@ -7,7 +7,7 @@ the indenter is free: there the load is a straight line, and what leaves that li
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -376,61 +376,74 @@ def _runs(held: Array, width: int) -> list[tuple[int, int]]:
 
 
 def _flags(curve: Curve, parts: Sequence[Segment], directions: Sequence[Direction]) -> dict[str, str]:
-    """What a reader should know before trusting anything that is fitted to this curve."""
-    assert curve.delta is not None
-    assert curve.P is not None
-    flags = {}
+    """What a reader should know before trusting anything that is fitted to this curve; the last sentence of a name."""
+    touched = [item for item in directions if not isinstance(item.touch, Unknown)]
+    found = [*_missing(parts, directions)]
+    if directions and not touched:
+        found.append(("no contact", "the load never leaves its base line"))
+    found += [*_on_base_lines(curve, touched), *_on_jumps(touched), *_on_signs(curve, directions)]
+    found += [("saturated", said) for said in saturation(curve)]
+    return dict(found)
+
+
+def _missing(parts: Sequence[Segment], directions: Sequence[Direction]) -> Iterator[tuple[str, str]]:
+    """A flag for each direction that the record lacks, or holds too little of."""
     kinds = [item.segment.kind for item in directions]
     for kind, other in ((APPROACH, RETRACT), (RETRACT, APPROACH)):
-        if kind not in kinds:
-            few = sum(len(part) for part in parts if part.kind == kind)
-            flags[f"no {kind}"] = (
-                f"of its rows there {'is 1' if few == 1 else f'are {few}'}, at least {TUNING.least_rows} are needed"
-                if few
-                else f"only {other} rows"
-                if other in kinds
-                else "neither approach nor retraction"
-            )
+        if kind in kinds:
+            continue
+        few = sum(len(part) for part in parts if part.kind == kind)
+        if few:
+            count = "is 1" if few == 1 else f"are {few}"
+            yield f"no {kind}", f"of its rows there {count}, at least {TUNING.least_rows} are needed"
+        else:
+            yield f"no {kind}", f"only {other} rows" if other in kinds else "neither approach nor retraction"
+
+
+def _on_base_lines(curve: Curve, touched: Sequence[Direction]) -> Iterator[tuple[str, str]]:
+    """Flags of base lines that are not there, or not straight."""
+    assert curve.P is not None
     span = float(np.ptp(curve.P))
-    touched = [item for item in directions if not isinstance(item.touch, Unknown)]
-    if directions and not touched:
-        flags["no contact"] = "the load never leaves its base line"
     for item in touched:
-        name, base = item.segment.kind, item.base
+        name, waviness = item.segment.kind, item.base.waviness
         if not item.begins_free:
             end = "begins" if name == APPROACH else "ends"
-            flags["no base line"] = f"the {name} {end} in contact, or its load is nowhere a straight line"
-        elif base.waviness > TUNING.wavy * span:
-            flags["wavy base line"] = (
-                f"the {name}'s base line deviates from straight by {show(base.waviness, 'load')}, "
-                f"{base.waviness / span:.0%} of the range of the load (fit --base-line sine, if light interferes)"
+            yield "no base line", f"the {name} {end} in contact, or its load is nowhere a straight line"
+        elif waviness > TUNING.wavy * span:
+            said = (
+                f"the {name}'s base line deviates from straight by {show(waviness, 'load')}, {waviness / span:.0%} of "
+                "the range of the load (fit --base-line sine, if light interferes)"
             )
+            yield "wavy base line", said
+
+
+def _on_jumps(touched: Sequence[Direction]) -> Iterator[tuple[str, str]]:
+    """Flags of contacts beside the one, and of steps where there should be none."""
     for item in touched:
         name = item.segment.kind
         if len(item.jumps) > 1:
-            flags["several contacts"] = f"the {name} holds {len(item.jumps)} jumps to tension"
+            yield "several contacts", f"the {name} holds {len(item.jumps)} jumps to tension"
         if item.steps:
             step = max(item.steps, key=lambda step: abs(step.step))
-            flags["step"] = (
+            said = (
                 f"the load of the {name} changes at once by {show(step.step, 'load', 3)} at row {step.row + 1}: of the "
                 "base line, by a second contact, or by slip"
             )
+            yield "step", said
+
+
+def _on_signs(curve: Curve, directions: Sequence[Direction]) -> Iterator[tuple[str, str]]:
+    """Flags of devices that run to and fro, and of columns that count the other way round."""
     if any(_wanders(curve.device[item.segment.rows]) for item in directions):
-        flags["no force curve"] = "the device runs to and fro"
+        yield "no force curve", "the device runs to and fro"
     for item in directions:
+        name = item.segment.kind
         if _goes_back(curve, item):
-            flags["wrong way"] = (
-                f"the displacement of the {item.segment.kind} goes the other way: it is positive into the specimen "
-                "(--flip delta)"
-            )
+            said = f"the displacement of the {name} goes the other way: it is positive into the specimen (--flip delta)"
+            yield "wrong way", said
         elif _pulls_deepest(curve, item):
-            flags["wrong sign"] = (
-                f"the load of the {item.segment.kind} is least where the device presses deepest: is compression "
-                "negative (--flip P)?"
-            )
-    if said := saturation(curve):
-        flags["saturated"] = said[0]
-    return flags
+            said = f"the load of the {name} is least where the device presses deepest"
+            yield "wrong sign", f"{said}: is compression negative (--flip P)?"
 
 
 def _goes_back(curve: Curve, item: Direction) -> bool:

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from jkrcli.adhesion.analysis import nonadhesive
 from jkrcli.adhesion.own_body import own_solution
 from jkrcli.adhesion.slopes.integral import integral
 from jkrcli.adhesion.slopes.model import LogSplineModel, Shape
@@ -105,5 +106,9 @@ def test_other_bodies_than_said_are_warned_of(tmp_path: Path) -> None:
     for seed in range(3):
         columns = disturbed(COATING.series(60), "independent", 1e-2, seed)
         np.savetxt(tmp_path / "t.csv", columns.T, delimiter=",", header="a_m,delta_m,P_N", comments="")
-        (warning,) = read_series(tmp_path / "t.csv", said, SeriesReading()).warnings
+        solution = read_series(tmp_path / "t.csv", said, SeriesReading())
+        (warning,) = solution.warnings
+        assert nonadhesive(solution).slopes.reason == (
+            "the increments themselves were fitted, smoothed towards the shape of these bodies' own solution"
+        )
         assert "the solution of these bodies at the same contact radii" in warning

@@ -73,7 +73,12 @@ def smoothed(
     from .integral import smoothed as fitted
 
     series, found = fitted(raw, a0, S0, errors, own)
-    return series, replace(found, reason=f"the increments themselves were fitted{_unseen(found)}")
+    return series, replace(found, reason=f"the increments themselves were fitted{_towards(own)}{_unseen(found)}")
+
+
+def _towards(own: Series | None) -> str:
+    """What the rows were smoothed towards, where that is no power law."""
+    return "" if own is None else ", smoothed towards the shape of these bodies' own solution"
 
 
 def _unseen(found: Slopes) -> str:
@@ -109,7 +114,8 @@ def _surer(series: Series) -> Slopes:
     """The slopes of "integral" or "loocv", those with the smaller estimate of their error."""
     fitted = slopes_function("integral")(series)
     if fitted.correlation is not None:
-        return replace(fitted, reason=f"the series is noisy and carries no exact slopes{_unseen(fitted)}")
+        reason = f"the series is noisy and carries no exact slopes{_towards(series.own)}{_unseen(fitted)}"
+        return replace(fitted, reason=reason)
     try:
         paper = _measured_against(slopes_function("loocv")(series), fitted)
     except InputError:

@@ -47,7 +47,7 @@ class HybridTuning:
     fastest: float = 15.0  # at most; tuned on random bodies, by `make failures`
     cornered: float = 8.0  # at most, with singular corners; tuned on random bodies, by `make failures`
     # Of the last step but one over the last, at most; where it falls by more, the last is small by accident:
-    plausible: float = 300.0  # tuned on random bodies, by `make bounds`
+    plausible: float = 200.0  # tuned on random bodies, by `make bounds`
     plausible_cornered: float = 50.0  # with singular corners; tuned on random bodies, by `make bounds`
     steeper: float = 2.0  # error of S' over that of the others, at least; tuned on random bodies, by `make failures`
     allowed: float = 0.5  # of the tolerance, up to which ``steeper`` asks for no finer elements; choice: half
@@ -57,6 +57,8 @@ class HybridTuning:
     extrapolated: float = 0.5  # tuned on random bodies, by `make failures`
     # times what a cut may cost, from which on it is the elements; tuned on random bodies, by `make bounds`
     unexpected: float = 3.0
+    # Error of S' over that of the others where the first order of the cut vanishes; theory: the next changes S by a^3
+    steeper_cut: float = 4.0  # relative to S ~ a, hence S' by four times as much
     # Of what the second cut changes where fields decay exponentially:
     decayed: float = 0.05  # tuned on random bodies, by `make failures`
     # Refinement:
@@ -330,7 +332,10 @@ class AdaptiveKernel:
         known = np.isfinite(before).all()
         fall = float(np.clip(before.max() / last.max() - 1, TUNING.slowest, fastest)) if known else TUNING.slowest
         left = TUNING.unseen / (convergence(levels.region) - 1)
-        last = np.maximum(last, before / plausible) if known else last
+        falls = np.full_like(last, fall)
+        if known:  # two levels that agree by accident are no sign of fast convergence
+            falls[last < before / plausible] = TUNING.slowest
+            last = np.maximum(last, before / plausible)
         if not levels.region.cut_beside:
             cut = np.zeros_like(best)
         elif levels.region.algebraic:
@@ -339,7 +344,7 @@ class AdaptiveKernel:
             cut = TUNING.decayed * change(levels.cut(degree, nearer=True))
         parameters = max(left, TUNING.least) * change(contact.kernel.shorter())
         least = TUNING.no_claim * self.tolerance + (GRADED if levels.wide is not None else 0.0)
-        elements = TUNING.safety / fall * last + least
+        elements = TUNING.safety / falls * last + least
         steeper = np.minimum(TUNING.steeper * elements[:-1].max(axis=0), TUNING.allowed * self.attainable)
         elements[-1] = np.maximum(elements[-1], steeper)
         return ErrorEstimates(radii, elements, parameters, cut)
@@ -355,7 +360,7 @@ def _extrapolated(region: Region, change: Array) -> Array:
     more than a cut there can cost, which elements have done; and, where the first order vanishes, what it can cost."""
     expected, share = region.expected_of_cut, min(TUNING.extrapolated, region.next_order)
     unexpected = np.maximum(change - TUNING.unexpected * expected, 0.0)
-    steeper = np.array([1.0, 1.0, 1.0, TUNING.steeper])[:, None]
+    steeper = np.array([1.0, 1.0, 1.0, TUNING.steeper_cut])[:, None]
     return share * change + TUNING.extrapolated * unexpected + steeper * expected * region.higher_order
 
 

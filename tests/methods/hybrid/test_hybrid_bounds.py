@@ -40,9 +40,16 @@ CYLINDER = Specimen(
     3.3845082e-3,
     "clamped",
 )
+THICK = Specimen((Layer(Elastic(1e6, 0.4), 1e-3),), Rigid())
+TWO_THICK = Specimen((Layer(Elastic(578150.0, -0.24721), 1e-3), Layer(Elastic(142371.0, 0.5), 3.4848e-4)), Rigid())
 BODIES = {
     # 7e-5 and 9e-5 off in S and S' where 1.7e-6 and 3.4e-6 were stated: degrees 4 and 6 err alike
     "three layers": Problem(Paraboloid(10.0), STACK, Loading.given("radius", (0.36, 0.72))),
+    # S 1.5e-6 and S' 3.1e-6 off where 4.3e-7 and 8.7e-7 were stated: three intervals along r, longer than they should
+    # be, where degrees 4, 6 and 8 err by 8e-3, -7e-6 and 4e-5 of K
+    "a thick layer": Problem(Paraboloid(1.0), THICK, Loading.given("radius", (1e-5, 2e-5, 3.6e-5))),
+    # S 8.9e-7 off where 5.0e-7 was stated: degree 4 errs less than 6, by accident, and 2 by 4.5e-4
+    "two thick layers": Problem(Paraboloid(10.0), TWO_THICK, Loading.given("radius", (4e-6, 8.978e-6))),
     # P 5.8e-7 off where 3.3e-7 was stated, below the least radius that was looked at
     "small radii": Problem(
         Sphere(13.7145431), SOFT_ON_STIFF, Loading.given("radius", tuple(np.linspace(0.1, 1.0, 37)))

@@ -168,8 +168,14 @@ def call(arguments: Sequence[str] | None = None) -> int:
     except OSError as error:
         if error.filename is None:
             give_up(sys.__stdout__)
-        nowhere = "temporary files" if isinstance(error, FileNotFoundError) else "output"
-        return _fail([f"{error.filename or nowhere}: {error.strerror or error}"], 1)
+        return _fail([f"{error.filename or _nameless(error)}: {error.strerror or error}"], 1)
+
+
+def _nameless(error: OSError) -> str:
+    """What an error of the system is of that names no file."""
+    if not isinstance(error, FileNotFoundError):
+        return "output"
+    return "temporary files" if "temporary" in str(error) else "the current folder"
 
 
 def _say_little_space() -> None:

@@ -465,6 +465,16 @@ def test_modules_in_the_folder_at_hand_are_not_imported(series: Path) -> None:
         assert done.returncode == 0, done.stderr
 
 
+def test_a_current_folder_that_is_gone_is_named(series: Path) -> None:
+    gone = series.parent / "gone"
+    gone.mkdir()
+    jkr = f"{sys.executable} -m jkrcli study sticking-map --nu 0.3 --ratio 1"
+    done = subprocess.run(
+        ["sh", "-c", f"cd {gone} && rmdir {gone} && {jkr}"], capture_output=True, text=True, check=False
+    )
+    assert (done.returncode, done.stderr) == (1, "jkr: error: the current folder: No such file or directory\n")
+
+
 def test_figures_do_not_depend_on_the_surroundings(series: Path) -> None:
     Path("matplotlibrc").write_text("backend: garbage\nfont.size: -3\nnonsense\n")
     words = ("transform", "s.h5", "-q")

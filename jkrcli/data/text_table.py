@@ -36,9 +36,6 @@ WRONG_LINES_SHOWN = 5
 MOST_BYTES = 256 << 20  # choice: of a table of numbers, ten times as much in memory
 MOST_COLUMNS = 10_000  # choice: a map of 64 x 64 curves beside each other and more
 LONGEST_HEAD = 100 * MOST_COLUMNS  # choice: characters of a line of words; longer ones name no columns
-FIRST = 2000  # choice: bytes from which the encoding is found out
-MOST_COMMENTS = 10_000  # choice: at either end of those that a file begins with; between them nothing is named
-HEAD, SPREAD = 400, 200  # choice: first lines, and about as many of the rest, from which the dialect is found out
 _NUMBER = re.compile(r"[+-]?(\d+(?:[.]\d*)?|[.]\d+)([eEdD][+-]?\d+)?\Z|[+-]?(nan|inf|infinity)\Z", re.IGNORECASE)
 _THOUSANDS = {  # by the decimal mark: a number whose digits are grouped, always by the same mark
     ".": re.compile(r"[+-]?[1-9]\d{0,2}([,'’\u00a0\u202f])\d{3}(\1\d{3})*([.]\d*)?\Z"),
@@ -48,6 +45,19 @@ _GROUPED = re.compile(r"[1-9]\d{0,2},\d{3}\Z")
 _LETTER = re.compile(r"[^\W\d]")
 _WORD = re.compile(r"[^\W\d]|\d{1,2}:\d\d(?!\d)")  # a time of day is none of the numbers of a table
 _ROW = re.compile(r"""\s*["']?[+-]?[.,]?\d""")  # a line that begins with a number
+
+
+@dataclass(frozen=True)
+class TextTuning:
+    """How much of a file is looked at to find out how it is written."""
+
+    first: int = 2000  # choice: bytes, for the encoding
+    head: int = 400  # choice: lines at the begin, for the dialect
+    spread: int = 200  # choice: about as many of the rest
+    comments: int = 10_000  # choice: at either end of those that a file begins with; between them nothing is named
+
+
+TUNING = TextTuning()
 
 
 @dataclass(frozen=True)
@@ -126,7 +136,7 @@ class TextTable:
 
 def decoded(content: bytes) -> str:
     """The text in ``content``: UTF-8 or UTF-16, with a mark or without one, else Windows-1252, else Latin-1."""
-    sample = content[:FIRST]
+    sample = content[: TUNING.first]
     if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
         return content.decode("utf-16", errors="replace")
     if len(sample) > 3 and not sample.startswith(codecs.BOM_UTF8):
@@ -160,7 +170,8 @@ def read_table(
     """
     whole = decoded(read_bytes(path, "table", MOST_BYTES) if content is None else content)
     lines_of_file = _without_long_head(_lines(path, whole))
-    sample = lines_of_file[:HEAD] + lines_of_file[HEAD :: max(1, (len(lines_of_file) - HEAD) // SPREAD)]
+    head, rest = lines_of_file[: TUNING.head], lines_of_file[TUNING.head :]
+    sample = head + rest[:: max(1, len(rest) // TUNING.spread)]
     dialect = _dialect(sample, separator, decimal, least, is_text)
     if dialect is None and len(lines_of_file) > len(sample):
         dialect = _dialect(lines_of_file, separator, decimal, least, is_text)
@@ -224,9 +235,9 @@ def _lines(path: Path, text: str) -> list[tuple[int, str]]:
 def _without_long_head(content: list[tuple[int, str]]) -> list[tuple[int, str]]:
     """The lines without the midst of very many comments before the first other line."""
     comments = next((i for i, (_, line) in enumerate(content) if not _is_comment(line)), len(content))
-    if comments <= 2 * MOST_COMMENTS:
+    if comments <= 2 * TUNING.comments:
         return content
-    return content[:MOST_COMMENTS] + content[comments - MOST_COMMENTS :]
+    return content[: TUNING.comments] + content[comments - TUNING.comments :]
 
 
 def _is_wide(line: str) -> bool:

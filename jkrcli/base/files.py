@@ -162,6 +162,7 @@ def atomic(path: Path) -> Iterator[Path]:
     """
     temporary = path.with_name(f"{_mark()}{os.getpid()}-{secrets.token_hex(4)}{path.suffix}")
     with together() as written:
+        written[temporary] = None  # known before it is there: Ctrl-C leaves none behind
         try:
             try:
                 temporary.open("xb").close()
@@ -170,39 +171,45 @@ def atomic(path: Path) -> Iterator[Path]:
             yield temporary
             with temporary.open("rb") as file:
                 os.fsync(file.fileno())
-        except BaseException as error:
-            _remove(temporary)
-            if isinstance(error, OSError):
-                raise JkrError(f"{path}: cannot be written ({error.strerror or error})") from None
-            raise
-        written[temporary] = path
+            written[temporary] = path
+        except OSError as error:
+            raise JkrError(f"{path}: cannot be written ({error.strerror or error})") from None
+        finally:
+            if written[temporary] is None:
+                _remove(temporary)
 
 
 @contextlib.contextmanager
-def together() -> Iterator[dict[Path, Path]]:
+def together() -> Iterator[dict[Path, Path | None]]:
     """Files that are written within the block replace the old ones at its end, all of them or, where it ends badly,
-    none; within another such block at the end of that. What it gives: targets by their temporary names."""
+    none; within another such block at the end of that. What it gives: targets by their temporary names, None until a
+    file is whole."""
     outer = _written.get()
     if outer is not None:
         yield outer
         return
-    written: dict[Path, Path] = {}
+    written: dict[Path, Path | None] = {}
     token = _written.set(written)
     try:
         yield written
         with Waiting():  # so that Ctrl-C finds all of them replaced
             for temporary, path in written.items():
-                try:
-                    temporary.replace(path)
-                except OSError as error:
-                    raise JkrError(f"{path}: cannot be written ({error.strerror})") from None
+                if path is not None:
+                    _replace(temporary, path)
     finally:
         _written.reset(token)
         for temporary in written:
             _remove(temporary)
 
 
-_written: ContextVar[dict[Path, Path] | None] = ContextVar("_written", default=None)
+_written: ContextVar[dict[Path, Path | None] | None] = ContextVar("_written", default=None)
+
+
+def _replace(temporary: Path, path: Path) -> None:
+    try:
+        temporary.replace(path)
+    except OSError as error:
+        raise JkrError(f"{path}: cannot be written ({error.strerror})") from None
 
 
 def _remove(temporary: Path) -> None:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import contextlib
+import contextvars
+import gc
 import os
 import random
 import resource
@@ -15,13 +17,14 @@ import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
+from types import FrameType
 
 import numpy as np
 import pytest
 from conftest import Outcome
 from fuzzing import outcome
 
-from jkrcli.base import files
+from jkrcli.base import files, interrupts
 from jkrcli.base.errors import JkrError
 from jkrcli.case import store
 from jkrcli.cli import call
@@ -230,6 +233,43 @@ def test_restarted_sweep_goes_on(tmp_path: Path) -> None:
     entries = journal.read_bytes().splitlines()
     assert len(entries) == 25, "no case was solved twice"
     assert done >= 4
+
+
+def test_interrupted_at_every_line_of_a_write(tmp_path: Path) -> None:
+    """Between a file that was whole and its being known, Ctrl-C left a temporary one behind."""
+    path, line = tmp_path / "x.csv", 0
+    while True:
+        context, seen = contextvars.copy_context(), 0
+
+        def interrupt(frame: FrameType, event: str, _: object, line: int = line) -> Callable[..., object] | None:
+            nonlocal seen
+            if frame.f_code.co_filename != files.__file__:
+                return None
+            if event == "line" and not interrupts._waits:
+                seen += 1
+                if seen == line + 1:
+                    sys.settrace(None)
+                    raise KeyboardInterrupt
+            return interrupt
+
+        def write(interrupt: Callable[..., object] = interrupt) -> None:
+            sys.settrace(interrupt)
+            try:
+                with files.atomic(path) as temporary:
+                    temporary.write_text("whole")
+            finally:
+                sys.settrace(None)
+
+        try:
+            context.run(write)
+        except KeyboardInterrupt:
+            gc.collect()
+        else:
+            break
+        assert not temporaries(tmp_path), f"line event {line}"
+        line += 1
+    assert line > 12
+    assert path.read_text() == "whole"
 
 
 # ---------------------------------------------------------------------- disks and folders

@@ -86,11 +86,11 @@ def _smooth(gap: Array, rates: Array, x: Array) -> tuple[Array, Array] | None:
     powers = np.stack([np.ones(n), t, t**2])
     columns = np.zeros((6, 2, n))
     columns[:3, 0], columns[3:, 1] = powers, powers
-    own_fit = np.linalg.lstsq(powers.T, gap.T, rcond=None)[0].T @ powers
-    scatter = estimate(x - x.max(), gap - own_fit, rates[0], rates[1], 6.0, TUNING.floor)
+    parabola = np.linalg.lstsq(powers.T, gap.T, rcond=None)[0].T @ powers
+    scatter = estimate(x - x.max(), gap - parabola, rates[0], rates[1], 6.0, TUNING.floor)
     whiten = whitener(scatter.variances, rates[0], rates[1])
     white, basis = (np.einsum("ijn,...jn->...in", whiten, values) for values in (gap, columns))
-    rho = _correlation(np.einsum("ijn,jn->in", whiten, gap - own_fit))
+    rho = _correlation(np.einsum("ijn,jn->in", whiten, gap - parabola))
     target, design = _independent(white, rho).ravel(), _independent(basis, rho).reshape(6, -1)
     parabolas, line, modulus = slice(0, 6), slice(3, 5), slice(3, 4)  # rows of the design
     full, straight, none = (_least(design[rows], target) for rows in (parabolas, line, modulus))

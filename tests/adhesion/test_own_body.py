@@ -11,7 +11,6 @@ import pytest
 from jkrcli.adhesion.analysis import nonadhesive
 from jkrcli.adhesion.own_body import own_solution
 from jkrcli.adhesion.slopes.integral import integral
-from jkrcli.adhesion.slopes.model import LogSplineModel, Shape
 from jkrcli.base.arrays import Array
 from jkrcli.bodies.indenters import RoundedFlat
 from jkrcli.bodies.materials import Elastic
@@ -30,22 +29,6 @@ def _read(body: Body, points: int) -> tuple[Series, Series]:
     exact = body.series(points)
     own = own_solution(body.problem(points), exact.a)
     return exact, Series(exact.a, exact.delta, exact.P, own=own)
-
-
-def test_the_jacobian_over_a_shape_is_the_derivative() -> None:
-    exact, read = _read(COATING, 15)
-    assert read.own is not None
-    x = np.log(exact.a / exact.a[-1])
-    model = LogSplineModel(x, 6, 0.0, Shape.of(read.own, float(exact.a[-1])))
-    c = 0.1 * np.random.default_rng(0).standard_normal(model.parameters)
-    at, basis, step = model.interpolation(x), model.design(x), 1e-6
-    here = model.columns(c, at, basis)
-    for j in range(model.parameters):
-        change = step * (np.arange(model.parameters) == j)
-        up, down = model.columns(c + change, at, basis), model.columns(c - change, at, basis)
-        for row, name in enumerate(("log_delta", "log_P", "log_S", "log_dS")):
-            difference = (getattr(up, name) - getattr(down, name)) / (2 * step)
-            assert np.allclose(here.jacobian[row, :, j], difference, rtol=0, atol=2e-8)  # round-off over the step
 
 
 @pytest.mark.parametrize("points", [5, 15, 60])

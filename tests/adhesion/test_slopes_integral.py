@@ -12,7 +12,7 @@ from jkrcli.adhesion.slopes.choice import slopes, smoothed
 from jkrcli.adhesion.slopes.events import has_plateaus, touch_events
 from jkrcli.adhesion.slopes.integral import integral
 from jkrcli.adhesion.slopes.loocv import loocv
-from jkrcli.adhesion.slopes.model import LogSplineModel
+from jkrcli.adhesion.slopes.model import LogSplineModel, Shape
 from jkrcli.adhesion.slopes.scatter import correlation_length
 from jkrcli.base.errors import InputError, Refusal
 from jkrcli.bodies.materials import Elastic
@@ -34,10 +34,11 @@ def half_space(points: int) -> Series:
     return Series(a, *hertz(a, E_STAR, R))
 
 
+@pytest.mark.parametrize("shaped", [False, True])
 @pytest.mark.parametrize("S0", [0.0, 0.3, None])
-def test_model_jacobian_is_the_derivative(S0: float | None) -> None:
-    x = np.log(np.linspace(0, 1, 16)[1:])
-    model = LogSplineModel(x, 6, S0)
+def test_model_jacobian_is_the_derivative(S0: float | None, shaped: bool) -> None:
+    x, coating = np.log(np.linspace(0, 1, 16)[1:]), LAYERS["stiff-coating"].series(15)
+    model = LogSplineModel(x, 6, S0, Shape.of(coating, float(coating.a[-1])) if shaped else None)
     c = model.straight((0.7, 1.0), (0.3, 0.5), -1.6) + 0.1 * np.random.default_rng(0).standard_normal(model.parameters)
     at, basis, step = model.interpolation(x), model.design(x), 1e-6
     here = model.columns(c, at, basis)

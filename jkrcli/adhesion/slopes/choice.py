@@ -77,7 +77,7 @@ def smoothed(
 
 
 def _towards(own: Series | None) -> str:
-    """What the rows were smoothed towards, where that is no power law."""
+    """What the rows were smoothed towards, where their bodies have a solution of their own."""
     return "" if own is None else ", smoothed towards the shape of these bodies' own solution"
 
 

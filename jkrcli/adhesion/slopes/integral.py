@@ -417,6 +417,7 @@ def _start(task: _Task, data: _Data) -> Array:
 
 
 def _power_laws(model: LogSplineModel, data: _Data) -> Array:
+    """Coefficients of straight lines through the logs of the data."""
     k, log_k = np.polyfit(data.x, data.log_delta, 1, w=np.exp(data.x))
     m, log_m = np.polyfit(data.x, data.log_P, 1, w=np.exp(data.x))
     k = max(float(k), 0.2)

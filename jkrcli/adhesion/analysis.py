@@ -15,9 +15,10 @@ from ..methods import Forecast
 from ..series import ErrorBudget, Series, Solution, is_series
 from .comparison import Comparison, compare_half_space
 from .critical import Errors, point_error
-from .curve import AdhesiveCurve, CriticalPoint, EquilibriumCurve, Nonadhesive
+from .curve import AdhesiveCurve, CriticalPoint, EquilibriumCurve
 from .device import CONTROLS
 from .law import AskedRange, Range
+from .nonadhesive import Nonadhesive
 from .own_body import own_solution
 from .range_effect import effect_of_range
 from .sharp import resolved, yielding
@@ -212,7 +213,7 @@ def adhesive(solution: Solution, body: Nonadhesive, w: float, modulus_factor: fl
     """The adhesive curve for the work of adhesion ``w`` [J/m^2] on bodies ``modulus_factor`` times as stiff."""
     if not 0 <= w <= MOST:
         raise InputError(f"w: must lie within 0 and {MOST:g} J/m^2, got {w:g}")
-    curve = body.scaled(modulus_factor).adhesive(w)
+    curve = AdhesiveCurve(body.scaled(modulus_factor), w)
     return Analysis(solution.scaled(modulus_factor), curve, _budget(solution.budget, curve), modulus_factor)
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -88,13 +89,15 @@ def _gradients(curve: AdhesiveCurve, a: Array) -> tuple[Array, Array, Array, Arr
 
 def _by_others(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> Errors | Unknown:
     """How far the point moves where every second row is left out: scatter from row to row moves it as much, a smooth
-    rule eight times as much as it errs. Smoothing splines do not see what rows share: their point is also
-    compared with that of the slopes "integral"."""
+    rule eight times as much as it errs. The functions are interpolated each for itself, which shows the scatter: what
+    belongs to one energy smooths it away, but not what neighbouring rows share. Smoothing splines do not see what rows
+    share: their point is also compared with that of the slopes "integral"."""
     slopes = curve.slopes
+    apart = AdhesiveCurve(replace(curve.nonadhesive, together=False), curve.w)
     smooth = not isinstance(slopes.error, Unknown) and slopes.error <= CHOICE.negligible
     found = [
-        (other, TUNING.order_factor if smooth else 1)
-        for other in (curve.thinned(first).pull_off(stiffness) for first in (0, 1))
+        (other, 2**TUNING.order if smooth else 1)
+        for other in (apart.thinned(first).pull_off(stiffness) for first in (0, 1))
         if not isinstance(other, Unknown)
     ]
     if slopes.method != "exact":

@@ -8,25 +8,25 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, ClassVar, Literal
 
 import numpy as np
 
 from ..base.arrays import Array
-from ..base.cubic import PiecewiseCubic, spline_slopes, zeros_between
+from ..base.cubic import zeros_between
 from ..base.errors import InputError
+from ..base.quadrature import composite_gauss
 from ..base.units import show
 from ..base.unknown import Estimate, Unknown
 from ..formulas.griffith import shift
 from ..series import Series
 from .device import CONTROLS, DISPLACEMENT_CONTROL, LOAD_CONTROL, position
+from .nonadhesive import Nonadhesive
 from .slopes.result import Slopes
 
-GAUSS = np.polynomial.legendre.leggauss(8)
 NO_ADHESION = Unknown("there is no adhesion at w = 0")
-Columns = TypeVar("Columns", Series, Slopes)
 
 
 @dataclass(frozen=True)
@@ -37,8 +37,9 @@ class CurveTuning:
     fewest: int = 5  # theory: every second of fewer points leaves no cubic
     few: int = 10  # points from which the error falls with the spacing; tuned on noisy series, by `make tuning`
     widest: float = 2.7  # ratio of neighbouring a - a0 up to which it does; tuned on the same, by `make tuning`
-    order_factor: float = 8.0  # theory: halving the spacing divides an error of third order by it, at least
+    order: int = 3  # theory: with the spacing errors fall at least as its power, where splines end too
     middle: float = 0.5  # theory: of its largest value, in which a cubic Hermite errs by s^2 (1 - s)^2 of an interval
+    looked_at: tuple[float, ...] = (0.25, 0.5, 0.75)  # theory: of a gap, where S' and delta_H err most
     solved: float = 1e-6  # choice: relative distance from a solved radius up to which a point is solved
     zero: float = 1e-14  # theory: rounding of the samples, logs of radii or fractions of the last place
     end: float = 1e-9  # choice: fraction by which a radius may leave the series, for round-off of units
@@ -73,182 +74,12 @@ class CriticalPoint(Equilibrium):
     kind: Literal["minimum", "maximum"] = "minimum"
 
 
-class Parts(NamedTuple):
-    """Values of the w-free functions at some radii, or their derivatives; ``t``: the shift at w = 1 J/m^2."""
-
-    delta_H: Array
-    P_H: Array
-    S: Array
-    dS: Array
-    t: Array
-
-
-@dataclass(frozen=True, eq=False)
-class Nonadhesive:
-    """The w-free functions delta_H, P_H, S, S' and shift t of a series: all that its adhesive curves are made of.
-
-    delta_H and P_H are those of the slopes' own fit where it has them. Between the points: cubic Hermite in the log of
-    the radius of their logs. The slope of log P_H comes from dP_H = S d(delta_H), that of log S is a S'/S; those of
-    log delta_H and log S' are of a not-a-knot spline through the points. Power laws (Hertz) are exact with any number
-    of points. delta_H and P_H vanish at the first contact radius a0: their logs are taken over log(a - a0).
-    Refused where S or S' is not positive. ``log_rates``: slopes (n, 2) of log delta_H and of log S' over the same
-    logarithms where they are known, NaN elsewhere. ``further``: the functions at more radii, among those of the series,
-    which what lies between passes through too.
-    """
-
-    series: Series
-    slopes: Slopes
-    log_rates: Array | None = None
-    further: Nonadhesive | None = None
-
-    def __post_init__(self) -> None:
-        bad = ~((self.slopes.dS > 0) & (self.slopes.S > 0))
-        if bad.any():
-            raise InputError(
-                f"slopes: S or dS/da is not positive at {int(bad.sum())} radii, first at a = {self.a[bad][0]:.4g} m: "
-                "Eq. 13 has no solution there; leave those points out or take other slopes"
-            )
-
-    def scaled(self, factor: float) -> Nonadhesive:
-        """The functions of the same bodies with all moduli multiplied by ``factor``."""
-        if factor == 1:
-            return self
-        further = None if self.further is None else self.further.scaled(factor)
-        return replace(self, series=self.series.scaled(factor), slopes=self.slopes.scaled(factor), further=further)
-
-    def adhesive(self, w: float) -> AdhesiveCurve:
-        """The curve for the work of adhesion ``w`` >= 0 [J/m^2]."""
-        return AdhesiveCurve(self, w)
-
-    @property
-    def a(self) -> Array:
-        """Contact radii of the series [m]."""
-        return self.series.a
-
-    @cached_property
-    def points(self) -> Parts:
-        """The functions at the radii of the series, as the slopes' method gives them."""
-        series, slopes = self.series, self.slopes
-        delta_H = series.delta if slopes.delta is None else slopes.delta
-        P_H = series.P if slopes.P is None else slopes.P
-        return Parts(delta_H, P_H, slopes.S, slopes.dS, shift(1.0, self.a, slopes.dS))
-
-    def parts(self, a: Array) -> Parts:
-        """delta_H [m], P_H [N], S [N/m], S' [N/m^2], t [m] at radii within the series, by one evaluation rule."""
-        columns, slopes = self.logs
-        delta_H, P_H = np.exp(np.moveaxis(columns(np.log(a - self.series.a0)), -1, 0))
-        S, dS = np.exp(np.moveaxis(slopes(np.log(a)), -1, 0))
-        return Parts(delta_H, P_H, S, dS, shift(1.0, a, dS))
-
-    def rates(self, a: Array) -> Parts:
-        """The derivatives of ``parts`` by the radius, each in the unit of its part per m: ``rates(a).dS`` is S''."""
-        return self.with_rates(a)[1]
-
-    def with_rates(self, a: Array) -> tuple[Parts, Parts]:
-        """``parts`` and ``rates`` at once."""
-        here, beyond = self.parts(a), a - self.series.a0
-        columns, slopes = self.logs
-        by_delta, by_P = np.moveaxis(columns(np.log(beyond), 1), -1, 0) / beyond
-        by_S, by_dS = np.moveaxis(slopes(np.log(a), 1), -1, 0) / a
-        by_t = (1 / a - by_dS) / 2
-        return here, Parts(here.delta_H * by_delta, here.P_H * by_P, here.S * by_S, here.dS * by_dS, here.t * by_t)
-
-    def between(self, values: Array, a: Array) -> Array:
-        """``values`` (n, ...) at the radii of the series, linear between them at the radii ``a``."""
-        columns = values.reshape(len(self.series), -1).T
-        there = np.stack([np.interp(a, self.a, column) for column in columns], axis=-1)
-        return there.reshape(*np.shape(a), *values.shape[1:])
-
-    @property
-    def gradients(self) -> dict[str, tuple[Array, Array]]:
-        """Gradients of "delta" and "P" at the series' radii by (delta_H, P_H, S, S'), (n, 4): without adhesion, what
-        is added per root of w."""
-        _, _, S, dS, t = self.points
-        zero, one, by_dS = np.zeros_like(t), np.ones_like(t), t / (2 * dS)
-        by_columns = {"delta": (one, zero, zero, zero), "P": (zero, one, zero, zero)}
-        by_root_w = {"delta": (zero, zero, zero, by_dS), "P": (zero, zero, -t, S * by_dS)}
-        return {name: (np.stack(by_columns[name], 1), np.stack(by_root_w[name], 1)) for name in ("delta", "P")}
-
-    def at_rows(self, rows: Array) -> Nonadhesive:
-        """The functions through the points ``rows`` alone, without errors."""
-        known = None if self.log_rates is None else self.log_rates[rows]
-        return Nonadhesive(_at(self.series, rows), _at(self.slopes, rows), known)
-
-    @cached_property
-    def knots(self) -> Nonadhesive:
-        """The functions with all radii at which they are known as those of the series, without errors.
-
-        A row closer to a further radius than the root of their errors e gives way to it: the slope e/x that the two
-        would make over their distance x is more than x leaves of any other.
-        """
-        if self.further is None:
-            return self
-        parts = (self.at_rows(np.flatnonzero(self._apart(self.further))), self.further)
-        a, order = np.unique(np.concatenate([part.a for part in parts]), return_index=True)
-        columns = np.concatenate([np.array(part.points[:4]) for part in parts], axis=1)[:, order]
-        rates = np.concatenate([part._known_rates for part in parts])[order]
-        delta, P, S, dS = columns
-        series = replace(self.series, a=a, delta=delta, P=P, S=S, dS=dS, errors={})
-        slopes = replace(self.slopes, S=S, dS=dS, delta=None, P=None, covariance=None, joint=None)
-        return Nonadhesive(series, slopes, rates)
-
-    def _apart(self, further: Nonadhesive) -> Array:
-        """Which rows are not too close to a ``further`` radius."""
-        series, columns = further.series, ("delta", "dS")
-        wrong = [np.max(series.errors[name] / getattr(series, name), initial=0.0) for name in columns]
-        distance = np.abs(np.subtract.outer(self.a, further.a)).min(axis=1)
-        return distance > math.sqrt(max(wrong)) * (self.a - series.a0)
-
-    @property
-    def _known_rates(self) -> Array:
-        return np.full((self.a.size, 2), np.nan) if self.log_rates is None else self.log_rates
-
-    @cached_property
-    def logs(self) -> tuple[PiecewiseCubic, PiecewiseCubic]:
-        """Cubics between the points: log of (delta_H, P_H) over log(a - a0), log of (S, S') over log a."""
-        if self.further is not None:
-            return self.knots.logs
-        if len(self.series) < 2:
-            raise InputError("adhesive curve: a series of one point has no values between points")
-        delta, P, S, dS, _ = self.points
-        x, z = np.log(self.a), np.log(self.a - self.series.a0)
-        rates = self._known_rates
-        if np.isnan(rates).any():
-            fitted = np.stack([spline_slopes(z, np.log(delta)), spline_slopes(x, np.log(dS))], 1)
-            rates = np.where(np.isnan(rates), fitted, rates)
-        rate, rate_dS = rates.T
-        return (
-            PiecewiseCubic(z, np.log(np.stack([delta, P], 1)), np.stack([rate, S * delta / P * rate], 1)),
-            PiecewiseCubic(x, np.log(np.stack([S, dS], 1)), np.stack([self.a * dS / S, rate_dS], 1)),
-        )
-
-
-def _gap(points: Array, x: Array) -> Array:
-    """Logarithm of the ratio of the increasing ``points`` on both sides of each ``x``."""
-    at = np.clip(np.searchsorted(points, x, side="right"), 1, points.size - 1)
-    return np.log(points[at] / points[at - 1])
-
-
-def _place_between(points: Array, x: Array) -> Array:
-    """Place of each ``x`` between the increasing ``points`` on both sides of it, in logarithms, from 0 to 1."""
-    at = np.clip(np.searchsorted(points, x, side="right"), 1, points.size - 1)
-    return np.clip(np.log(x / points[at - 1]) / np.log(points[at] / points[at - 1]), 0.0, 1.0)
-
-
-def _at(columns: Columns, rows: Array) -> Columns:
-    """The series or slopes at the points ``rows`` alone, without errors."""
-    names = ("a", "delta", "P", "S", "dS")
-    values = {name: getattr(columns, name)[rows] for name in names if getattr(columns, name, None) is not None}
-    blank: dict[str, Any] = {"errors": {}} if isinstance(columns, Series) else {"covariance": None, "joint": None}
-    return replace(columns, **values, **blank)
-
-
 def transform(series: Series, slopes: Slopes, w: float) -> AdhesiveCurve:
     """The adhesive curve of ``series`` for the work of adhesion ``w`` >= 0 [J/m^2] (Eq. 13).
 
     w = 0 is the limit of small w. Refused where S or S' is not positive.
     """
-    return Nonadhesive(series, slopes).adhesive(w)
+    return AdhesiveCurve(Nonadhesive(series, slopes), w)
 
 
 class EquilibriumCurve(ABC):
@@ -445,12 +276,6 @@ class EquilibriumCurve(ABC):
         return np.clip(places, low, high)
 
 
-def composite_gauss(edges: Array) -> tuple[Array, Array]:
-    """Gauss nodes and weights on the intervals between ``edges``, (intervals, nodes)."""
-    half = np.diff(edges)[:, None] / 2
-    return edges[:-1, None] + half * (1 + GAUSS[0]), half * GAUSS[1]
-
-
 @dataclass(frozen=True, eq=False)
 class AdhesiveCurve(EquilibriumCurve):
     """The adhesive curve of a series for the work of adhesion ``w`` [J/m^2]: a view on its w-free functions."""
@@ -534,17 +359,17 @@ class AdhesiveCurve(EquilibriumCurve):
         """The curve through every second point that is known from ``first`` on, and the ends."""
         last = self.nonadhesive.knots.a.size - 1
         rows = np.unique(np.append(np.arange(first, last + 1, 2), [0, last]))
-        return self.nonadhesive.knots.at_rows(rows).adhesive(self.w)
+        return AdhesiveCurve(self.nonadhesive.knots.at_rows(rows), self.w)
 
     @cached_property
     def interpolation_error(self) -> Estimate:
-        """Largest relative error of delta and P between the points (``interpolation_at`` in the middle of each gap).
+        """Largest relative error of delta and P between the points (``interpolation_at`` inside each gap).
 
         The units are the values themselves, or the lowest of the curve where that is larger. Slopes with noise add
         theirs.
         """
-        beyond = self.nonadhesive.knots.a - self.series.a0
-        a = self.series.a0 + np.sqrt(beyond[1:] * beyond[:-1])
+        z = np.log(self.nonadhesive.knots.a - self.series.a0)
+        a = self.series.a0 + np.exp(z[:-1, None] + np.outer(np.diff(z), TUNING.looked_at)).ravel()
         errors = self.interpolation_at(a)
         if isinstance(errors, Unknown):
             return errors
@@ -556,9 +381,9 @@ class AdhesiveCurve(EquilibriumCurve):
     def interpolation_at(self, a: Array) -> dict[str, Array] | Unknown:
         """Errors of "delta" [m] and "P" [N] between the points, at radii within the series; 0 at the points.
 
-        What leaving out every second point changes there, over 8: the rule is of fourth order in the spacing (16), of
-        third where its splines end; of few points nothing of the kind is assumed. Of the two halves of the points the
-        one counts in which the radius lies nearer to the middle of a gap.
+        What leaving out every second point changes there, over the cube of the ratio of the gaps: the rule is of fourth
+        order in the spacing, of third where its splines end; of few points nothing of the kind is assumed. Of the two
+        halves of the points the one counts in which the radius lies nearer to the middle of a gap.
         """
         knots = self.nonadhesive.knots.a - self.series.a0
         if knots.size < TUNING.fewest:
@@ -566,15 +391,15 @@ class AdhesiveCurve(EquilibriumCurve):
         a = self._inside(a)
         if np.max(_gap(knots, a - self.series.a0)) > math.log(TUNING.widest):
             return Unknown(f"unknown: neighbouring radii differ by more than a factor of {TUNING.widest:g}")
-        here, place = self._at(a), _place_between(knots, a - self.series.a0)
-        shape = 4 * place * (1 - place) / (TUNING.order_factor if knots.size >= TUNING.few else 1.0)
+        here, place, gap = self._at(a), _place_between(knots, a - self.series.a0), _gap(knots, a - self.series.a0)
+        order = TUNING.order if knots.size >= TUNING.few else 0
         found = {name: np.zeros_like(a) for name in ("delta", "P")}
         for coarser in self._halves:
             gaps = coarser.a - self.series.a0
             beside = _place_between(gaps, a - self.series.a0)
             depth = 16 * (beside * (1 - beside)) ** 2
-            wider = _gap(gaps, a - self.series.a0) > _gap(knots, a - self.series.a0)
-            counts = wider & (depth >= TUNING.middle)
+            wider = _gap(gaps, a - self.series.a0) / gap
+            shape, counts = 4 * place * (1 - place) / wider**order, (wider > 1) & (depth >= TUNING.middle)
             for name, ours, there in zip(found, here, coarser._at(a), strict=True):
                 change = np.divide(np.abs(there - ours) * shape, depth, out=np.zeros_like(a), where=counts)
                 found[name] = np.maximum(found[name], change)
@@ -623,3 +448,15 @@ class AdhesiveCurve(EquilibriumCurve):
             f"(P = {show(lowest.P, 'load')}, delta = {show(lowest.delta, 'length')}): pull-off lies outside it; "
             f"{remedy}"
         )
+
+
+def _gap(points: Array, x: Array) -> Array:
+    """Logarithm of the ratio of the increasing ``points`` on both sides of each ``x``."""
+    at = np.clip(np.searchsorted(points, x, side="right"), 1, points.size - 1)
+    return np.log(points[at] / points[at - 1])
+
+
+def _place_between(points: Array, x: Array) -> Array:
+    """Place of each ``x`` between the increasing ``points`` on both sides of it, in logarithms, from 0 to 1."""
+    at = np.clip(np.searchsorted(points, x, side="right"), 1, points.size - 1)
+    return np.clip(np.log(x / points[at - 1]) / np.log(points[at] / points[at - 1]), 0.0, 1.0)

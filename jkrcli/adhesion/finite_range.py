@@ -16,6 +16,7 @@ import numpy as np
 
 from ..base.arrays import Array
 from ..base.errors import InputError, Refusal
+from ..base.quadrature import composite_gauss
 from ..base.units import show
 from ..base.unknown import Estimate
 from ..bodies.problem import Problem
@@ -24,9 +25,10 @@ from ..methods.integral.attraction import Attraction, Rims, refuse_narrow
 from ..methods.layered.contact import checked
 from ..series import Series, Solution
 from .critical import Errors
-from .curve import CriticalPoint, Equilibrium, EquilibriumCurve, Parts, composite_gauss
+from .curve import CriticalPoint, Equilibrium, EquilibriumCurve
 from .device import CONTROLS
 from .law import Range
+from .nonadhesive import Parts
 from .slopes.choice import slopes
 from .slopes.result import Slopes
 

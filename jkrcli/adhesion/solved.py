@@ -21,8 +21,9 @@ from ..case.numerics import method_of
 from ..methods import METHODS, Method, method_class
 from ..series import Series, Solution
 from .curve import TUNING as CURVE
-from .curve import AdhesiveCurve, CriticalPoint, Nonadhesive
+from .curve import AdhesiveCurve, CriticalPoint
 from .device import CONTROLS
+from .nonadhesive import Nonadhesive
 from .slopes.exact import exact
 from .slopes.result import TWO_SIDED_90, covariance_from_errors
 
@@ -147,4 +148,4 @@ def _is_solved(curve: AdhesiveCurve, point: CriticalPoint) -> bool:
 
 def _through(curve: AdhesiveCurve, found: Nonadhesive) -> AdhesiveCurve:
     """The ``curve`` through the functions ``found`` at further radii in place of those before."""
-    return replace(curve.nonadhesive, further=found).adhesive(curve.w)
+    return AdhesiveCurve(replace(curve.nonadhesive, further=found), curve.w)

@@ -12,8 +12,9 @@ from ..base.cubic import zeros_between
 from ..base.errors import InputError, SolveError
 from ..base.units import show
 from ..base.unknown import Unknown
-from .curve import AdhesiveCurve, CriticalPoint, Nonadhesive
+from .curve import AdhesiveCurve, CriticalPoint
 from .device import LOAD_CONTROL, position
+from .nonadhesive import Nonadhesive
 
 
 @dataclass(frozen=True)
@@ -56,7 +57,7 @@ def work_from_pull_off(
         raise InputError(f"load: the measured pull-off force must be > 0 N, got {load:g}")
 
     def point(w: float) -> CriticalPoint | Unknown:
-        return body.adhesive(w).pull_off(stiffness)
+        return AdhesiveCurve(body, w).pull_off(stiffness)
 
     def excess(log_w: float) -> float:
         found = point(math.exp(log_w))
@@ -91,7 +92,7 @@ def work_from_pull_off(
             f"changes, at w = {show(w, 'work')}, the force jumps past it"
         )
     half_space = None if R is None else load / (1.5 * math.pi * R)
-    return FoundWork(load, stiffness, float(w), body.adhesive(w), found, half_space)
+    return FoundWork(load, stiffness, float(w), AdhesiveCurve(body, w), found, half_space)
 
 
 def _stationary(body: Nonadhesive, stiffness: float) -> Array:

@@ -101,12 +101,13 @@ def _load(series: Series, depth: float) -> float:
 
 
 def _pull_off(sticking: Series, w: float, sliding: Series) -> Estimate:
-    from .curve import CriticalPoint, Nonadhesive
+    from .curve import AdhesiveCurve, CriticalPoint
     from .device import LOAD_CONTROL
+    from .nonadhesive import Nonadhesive
     from .slopes.choice import slopes
 
-    points = [Nonadhesive(one, slopes(one, "exact")).adhesive(w).pull_off(LOAD_CONTROL) for one in (sticking, sliding)]
-    first, second = points
+    bodies = [Nonadhesive(one, slopes(one, "exact")) for one in (sticking, sliding)]
+    first, second = (AdhesiveCurve(body, w).pull_off(LOAD_CONTROL) for body in bodies)
     if isinstance(first, CriticalPoint) and isinstance(second, CriticalPoint):
         return first.P / second.P
     return Unknown("pull-off lies outside the series")

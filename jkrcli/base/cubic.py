@@ -1,10 +1,11 @@
-"""Piecewise cubics by values and slopes at their knots, and bracketed zeros, with NumPy alone.
+"""Piecewise cubics and quintics by values and derivatives at their knots, and bracketed zeros, with NumPy alone.
 
 They agree with SciPy's, whose modules of splines and zeros take longer to be imported than most commands to run.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 import numpy as np
@@ -15,29 +16,50 @@ ROUNDING = float(np.finfo(float).eps)
 HALVINGS = 200  # theory: two steps halve a bracket at least once; doubles hold no more
 
 
-class PiecewiseCubic:
-    """The cubics that have given values ``y`` and slopes ``dydx`` (n, ...) at increasing knots ``x`` (n,).
+class PiecewisePolynomial:
+    """Polynomials between increasing knots ``x`` (n,).
 
-    ``c``: coefficients (4, n - 1, ...) of the powers 3 to 0 of the distance from the knot on the left. Beyond the knots
-    the first and the last cubic go on.
+    ``c``: coefficients (degree + 1, n - 1, ...) of falling powers of the distance from the knot on the left. Beyond the
+    knots the first and the last polynomial go on.
     """
+
+    def __init__(self, x: Array, c: Array):
+        self.x, self.c = x, c
+
+    def __call__(self, x: Array, order: int = 0) -> Array:
+        """Value (``order`` 0) or derivative of that order at ``x`` of any shape."""
+        x = np.asarray(x, dtype=float)
+        at = np.clip(np.searchsorted(self.x, x, side="right") - 1, 0, self.x.size - 2)
+        s = (x - self.x[at]).reshape(*x.shape, *[1] * (self.c.ndim - 2))
+        degree, found = self.c.shape[0] - 1, np.zeros(())
+        for i, c in enumerate(self.c[: degree + 1 - order]):
+            found = found * s + math.perm(degree - i, order) * c[at]
+        return found
+
+
+class PiecewiseCubic(PiecewisePolynomial):
+    """The cubics that have given values ``y`` and slopes ``dydx`` (n, ...) at increasing knots ``x`` (n,)."""
 
     def __init__(self, x: Array, y: Array, dydx: Array):
         h = np.diff(x).reshape(-1, *[1] * (y.ndim - 1))
         secant = np.diff(y, axis=0) / h
         bend = (dydx[:-1] + dydx[1:] - 2 * secant) / h
-        self.x = x
-        self.c = np.stack([bend / h, (secant - dydx[:-1]) / h - bend, dydx[:-1], y[:-1]])
+        super().__init__(x, np.stack([bend / h, (secant - dydx[:-1]) / h - bend, dydx[:-1], y[:-1]]))
 
-    def __call__(self, x: Array, order: int = 0) -> Array:
-        """Value (``order`` 0) or slope (1) at ``x`` of any shape."""
-        x = np.asarray(x, dtype=float)
-        at = np.clip(np.searchsorted(self.x, x, side="right") - 1, 0, self.x.size - 2)
-        s = (x - self.x[at]).reshape(*x.shape, *[1] * (self.c.ndim - 2))
-        cubic, square, linear, constant = self.c[:, at]
-        if order == 1:
-            return (3 * cubic * s + 2 * square) * s + linear
-        return ((cubic * s + square) * s + linear) * s + constant
+
+class PiecewiseQuintic(PiecewisePolynomial):
+    """The quintics that have given values, slopes and second derivatives (n,) at increasing knots ``x`` (n,)."""
+
+    def __init__(self, x: Array, y: Array, dydx: Array, bend: Array):
+        h = np.diff(x)
+        b, half = h * dydx[:-1], h**2 * bend[:-1] / 2
+        rise = np.diff(y) - b - half  # what the higher powers of s = distance/h make up at s = 1: value, slope, bend
+        steep = h * dydx[1:] - b - 2 * half
+        curved = h**2 * bend[1:] - 2 * half
+        c3, c4, c5 = (
+            10 * rise - 4 * steep + curved / 2, -15 * rise + 7 * steep - curved, 6 * rise - 3 * steep + curved / 2
+        )  # fmt: skip
+        super().__init__(x, np.stack([c5 / h**5, c4 / h**4, c3 / h**3, half / h**2, dydx[:-1], y[:-1]]))
 
 
 def spline_slopes(x: Array, y: Array) -> Array:

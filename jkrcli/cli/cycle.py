@@ -8,7 +8,7 @@ from pathlib import Path
 
 import click
 
-from ..adhesion.analysis import Analysis, analyse
+from ..adhesion.analysis import Analysis, analyse, with_solved_points
 from ..adhesion.device import control
 from ..adhesion.law import AskedRange
 from ..adhesion.stability import cycle as run_cycle
@@ -101,7 +101,8 @@ def cycle(
     stem = output.folder(file.parent) / f"{file.stem}-cycle{asked.suffix}"
     targets = output.files(stem, (".csv", *PICTURES), [file])
     begin_curves("cycle", [solution], [works], [asked], limits)
-    results = analyse(solution, works, slopes, modulus_factor, asked)
+    curves = analyse(solution, works, slopes, modulus_factor, asked)
+    results = [with_solved_points(curve, stiffness) for curve in curves]
     if rates.rate is not None:
         run(file, results, stiffness, Turn(to_load, to_depth), points, rates, targets, output)
         return

@@ -15,7 +15,7 @@ import numpy as np
 from scipy.special import stdtrit
 
 from ..adhesion.curve import TUNING as CURVES
-from ..adhesion.curve import Nonadhesive, Parts
+from ..adhesion.nonadhesive import Nonadhesive, Parts
 from ..adhesion.slopes.result import TWO_SIDED_90
 from ..base.arrays import Array
 from ..base.errors import InputError

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..adhesion.analysis import Analysis, adhesive, nonadhesive, with_solved_points
 from ..adhesion.critical import point_error
-from ..adhesion.curve import Nonadhesive
+from ..adhesion.nonadhesive import Nonadhesive
 from ..adhesion.solved import method_behind
 from ..adhesion.stability_inverse import FoundWork, work_from_pull_off
 from ..base.errors import InputError

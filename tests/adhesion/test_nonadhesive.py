@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from jkrcli.adhesion.curve import Nonadhesive, transform
+from jkrcli.adhesion.curve import AdhesiveCurve, transform
+from jkrcli.adhesion.nonadhesive import Nonadhesive
 from jkrcli.adhesion.slopes.choice import slopes, smoothed
 from jkrcli.formulas.griffith import shift
 from jkrcli.formulas.half_space import hertz
@@ -32,10 +33,10 @@ def test_no_adhesion_is_the_limit_of_little(seed: int) -> None:
     """On noisy data too: the fitted columns, not those of the data, which lie up to 0.7 % of the load beside them."""
     series = noisy_hertz(seed)
     body = Nonadhesive(series, slopes(series, "integral"))
-    nothing = body.adhesive(0.0)
+    nothing = AdhesiveCurve(body, 0.0)
     assert np.max(np.abs(nothing.P - series.P)) > 3e-3 * series.P[-1]
     for w in (1e-8, 1e-16, 1e-24):
-        little = body.adhesive(w)
+        little = AdhesiveCurve(body, w)
         for name in ("delta", "P"):
             ours, limit = getattr(little, name), getattr(nothing, name)
             t = shift(w, series.a, body.slopes.dS)
@@ -47,7 +48,7 @@ def test_no_adhesion_is_the_limit_of_little(seed: int) -> None:
 
 def test_the_columns_of_exact_slopes_are_the_curve_without_adhesion() -> None:
     body = exact_hertz()
-    curve = body.adhesive(0.0)
+    curve = AdhesiveCurve(body, 0.0)
     np.testing.assert_array_equal(curve.delta, body.series.delta)
     np.testing.assert_array_equal(curve.P, body.series.P)
 
@@ -61,7 +62,7 @@ def test_the_explorer_begins_at_a_third_of_the_series(way: str) -> None:
         pair = smoothed(RawSeries(series.a, series.delta, series.P))
     body = Nonadhesive(*pair)
     assert start_work(body) == 37.0
-    assert body.adhesive(37.4).pull_off(0.0).a == pytest.approx(body.a[20], rel=1e-3)
+    assert AdhesiveCurve(body, 37.4).pull_off(0.0).a == pytest.approx(body.a[20], rel=1e-3)
 
 
 def test_rates_are_the_derivatives_of_the_parts() -> None:
@@ -79,7 +80,7 @@ def test_rates_are_the_derivatives_of_the_parts() -> None:
 @pytest.mark.parametrize("w", [0.0, 1.0, 50.0])
 def test_a_curve_is_a_view_on_the_parts(w: float) -> None:
     body = exact_hertz()
-    curve, here = body.adhesive(w), body.parts(body.a)
+    curve, here = AdhesiveCurve(body, w), body.parts(body.a)
     t = np.sqrt(w) * here.t
     for ours, own in zip((here.delta_H - t, here.P_H - here.S * t), (curve.delta, curve.P), strict=True):
         np.testing.assert_allclose(ours, own, rtol=0, atol=1e-14 * np.abs(own).max())

@@ -11,7 +11,8 @@ import pytest
 from scipy.integrate import quad, solve_ivp
 from stopwatch import takes_less_than
 
-from jkrcli.adhesion.curve import Nonadhesive
+from jkrcli.adhesion.curve import AdhesiveCurve
+from jkrcli.adhesion.nonadhesive import Nonadhesive
 from jkrcli.adhesion.rate.history import TUNING, History, RateContact
 from jkrcli.adhesion.rate.laws import RATE_LAWS, LogRate, PowerRate
 from jkrcli.adhesion.rate.program import Program, dwell, there_and_back
@@ -200,9 +201,9 @@ def test_a_change_of_units_scales_everything() -> None:
 def test_very_slow_cycles_are_the_quasi_static_ones() -> None:
     contact = RateContact(half_space(), PowerRate(1.0, 0.6), 1.0, 0.6, 3.0)
     slow = contact.history(there_and_back(8.0, 1e-8, 1e-8))
-    approach = half_space().adhesive(0.6)
+    approach = AdhesiveCurve(half_space(), 0.6)
     turn = next(a for a in approach.radii_at(8.0, 3.0))
-    quiet = cycle(approach, half_space().adhesive(1.0), 3.0, turn)
+    quiet = cycle(approach, AdhesiveCurve(half_space(), 1.0), 3.0, turn)
     assert not isinstance(quiet, Unknown)
     assert slow.energy_lost == pytest.approx(quiet.energy_lost, rel=3e-4)  # the excess ~ V^0.46 is 2e-4 there
     assert slow.pull_off.P == pytest.approx(-1.5 * math.pi, rel=3e-4)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.integrate import quad
+from scipy.integrate import cumulative_simpson, quad
 from scipy.optimize import brentq
 
 from jkrcli.adhesion.curve import AdhesiveCurve, CriticalPoint, transform
@@ -249,12 +249,15 @@ def test_a_stiff_coating_has_several_critical_points_and_jumps_back_before_it_le
 @cache
 def dipped(first: float, *dips: tuple[float, float, float]) -> AdhesiveCurve:
     """Hertz from radius ``first`` on with dips of S' (at, depth, width in log a): hills and valleys of D."""
-    a = np.geomspace(first, 1.7e-5, 300)
-    delta, P = hertz(a, E_STAR, R)
-    dS = 2 * E_STAR * np.ones_like(a)
+    fine = np.geomspace(first, 1.7e-5, 299 * 40 + 1)
+    delta, P = hertz(fine, E_STAR, R)
+    dS = 2 * E_STAR * np.ones_like(fine)
     for at, depth, width in dips:
-        dS *= 1 - depth * np.exp(-((np.log(a / at) / width) ** 2))
-    return transform(Series(a, delta, P), Slopes(2 * E_STAR * a, dS, "exact", 0.0), 1.0)
+        dS *= 1 - depth * np.exp(-((np.log(fine / at) / width) ** 2))
+    S = 2 * E_STAR * first + cumulative_simpson(dS, x=fine, initial=0)
+    P = P[0] + cumulative_simpson(S * 2 * fine / R, x=fine, initial=0)
+    a, delta, P, S, dS = (column[::40] for column in (fine, delta, P, S, dS))
+    return transform(Series(a, delta, P), Slopes(S, dS, "exact", 0.0), 1.0)
 
 
 BODIES = {

@@ -10,7 +10,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from jkrcli.adhesion.curve import Nonadhesive, transform
+from jkrcli.adhesion.curve import transform
+from jkrcli.adhesion.nonadhesive import Nonadhesive
 from jkrcli.adhesion.slopes.choice import slopes
 from jkrcli.adhesion.stability_inverse import work_from_pull_off
 from jkrcli.base.errors import InputError

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.interpolate import CubicHermiteSpline, CubicSpline
+from scipy.interpolate import BPoly, CubicHermiteSpline, CubicSpline
 from scipy.optimize import brentq
 
 from jkrcli.base.arrays import Array
-from jkrcli.base.cubic import PiecewiseCubic, spline_slopes, zeros_between
+from jkrcli.base.cubic import PiecewiseCubic, PiecewiseQuintic, spline_slopes, zeros_between
 
 steps = st.lists(st.floats(0.02, 50.0), min_size=1, max_size=30)
 
@@ -42,6 +42,18 @@ def test_values_and_slopes_between_and_beyond_the_knots(step: list[float], seed:
         assert ours(wanted, order) == pytest.approx(theirs(wanted, order), rel=1e-9, abs=1e-10)
         assert ours(x[0], order) == pytest.approx((y, dydx)[order][0])
     assert ours.c == pytest.approx(theirs.c)
+
+
+@given(steps, st.integers(0, 2**32 - 1))
+def test_quintics_and_their_two_derivatives(step: list[float], seed: int) -> None:
+    chance = np.random.default_rng(seed)
+    x = np.cumsum([0.0, *step])
+    y = chance.normal(size=(3, x.size))
+    ours, theirs = PiecewiseQuintic(x, *y), BPoly.from_derivatives(x, y.T)
+    wanted = chance.uniform(x[0], x[-1], 5)
+    for order in range(3):
+        expected = theirs(wanted, order)
+        assert ours(wanted, order) == pytest.approx(expected, rel=1e-9, abs=1e-9 * np.abs(theirs(x, order)).max())
 
 
 HARD: dict[str, tuple[Callable[[Array], Array], float, float]] = {

@@ -11,7 +11,7 @@ import pytest
 from rate_records import retraction
 from stopwatch import takes_less_than
 
-from jkrcli.adhesion.curve import Nonadhesive
+from jkrcli.adhesion.nonadhesive import Nonadhesive
 from jkrcli.adhesion.rate.laws import PowerRate
 from jkrcli.adhesion.rate.program import Program
 from jkrcli.adhesion.slopes.choice import slopes

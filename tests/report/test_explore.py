@@ -13,9 +13,10 @@ from typing import Any
 import numpy as np
 import pytest
 from conftest import CASES
-from scipy.interpolate import CubicHermiteSpline
+from scipy.interpolate import PPoly
 
 from jkrcli.adhesion.analysis import adhesive, analyse, nonadhesive
+from jkrcli.adhesion.curve import AdhesiveCurve
 from jkrcli.base.files import is_ours
 from jkrcli.base.installing import installs
 from jkrcli.case import store
@@ -49,11 +50,14 @@ def content(path: Path) -> dict[str, Any]:
 
 
 def evaluated(held: dict[str, Any], a: np.ndarray, w: float, factor: float) -> tuple[np.ndarray, np.ndarray]:
-    """delta and P as the page has them: Hermite splines through its knots, then Eq. 13 at unit modulus."""
+    """delta and P as the page has them: cubics between its knots, then Eq. 13 at unit modulus."""
     knots = held["knots"]
     x, z = np.log(a), np.log(a - knots["a0"])
-    delta, P = (np.exp(CubicHermiteSpline(knots["z"], *knots[name].values())(z)) for name in ("delta", "P"))
-    S, t = (np.exp(CubicHermiteSpline(knots["x"], *knots[name].values())(x)) for name in ("S", "t"))
+    delta, P, S, dS = (
+        np.exp(PPoly(np.array(knots[name]).T, knots[over])(at))
+        for name, over, at in (("delta", "z", z), ("P", "z", z), ("S", "x", x), ("dS", "x", x))
+    )
+    t = np.sqrt(4 * np.pi * a / dS)
     q = np.sqrt(w / factor)
     return delta - q * t, factor * (P - q * S * t)
 
@@ -64,7 +68,7 @@ def test_the_knots_are_the_curve(gel: Path, slopes: str, w: float, factor: float
     stored = store.read(gel)
     body = nonadhesive(stored, slopes)  # without the points that are solved for one w
     held = payload(adhesive(stored, body, 0.04), [])
-    curve = body.scaled(factor).adhesive(w)
+    curve = AdhesiveCurve(body.scaled(factor), w)
     a = np.geomspace(curve.a[0], curve.a[-1], 37)
     for ours, theirs in zip(evaluated(held, a, w, factor), curve.at(a), strict=True):
         np.testing.assert_allclose(ours, theirs, rtol=0, atol=ROUND_OFF * np.abs(theirs).max())

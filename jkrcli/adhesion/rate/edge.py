@@ -16,8 +16,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ...base.arrays import Array
-from ..curve import AdhesiveCurve, Nonadhesive
+from ..curve import AdhesiveCurve
 from ..device import LOAD_CONTROL, position
+from ..nonadhesive import Nonadhesive
 from ..passage import work as work_along
 
 

@@ -14,10 +14,10 @@ from ...base.arrays import Array
 from ...base.errors import InputError, positive
 from ...base.units import show
 from ...base.unknown import Estimate, Unknown
-from ..curve import AdhesiveCurve, Equilibrium, Nonadhesive
+from ..curve import AdhesiveCurve, Equilibrium
 from ..device import DISPLACEMENT_CONTROL, LOAD_CONTROL, control, position
+from ..nonadhesive import Nonadhesive
 from ..stability import UNBOUNDED
-from .conservative import conservative
 from .edge import Edge
 from .laws import RateLaw
 from .motion import Driven, Motion, move
@@ -47,8 +47,7 @@ class RateContact:
     """A contact whose edge recedes by ``law`` above ``w0`` [J/m^2], in a device of ``stiffness`` [N/m].
 
     It advances where G is below ``w_advance`` <= w0 [J/m^2]: by ``law_advance``, or, None, at once to equilibrium.
-    ``tolerance``: relative, of the integrator's steps; ``evaluations`` of the edge's speed, the most of one motion. The
-    ``body`` is interpolated so that it conserves energy.
+    ``tolerance``: relative, of the integrator's steps; ``evaluations`` of the edge's speed, the most of one motion.
     """
 
     body: Nonadhesive
@@ -61,7 +60,6 @@ class RateContact:
     evaluations: int = TUNING.evaluations
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "body", conservative(self.body))
         positive("J/m^2", w0=self.w0)
         if not 0 <= self.w_advance <= self.w0:
             raise InputError(
@@ -78,7 +76,7 @@ class RateContact:
     @cached_property
     def advancing(self) -> AdhesiveCurve:
         """The equilibria of the advancing edge."""
-        return self.body.adhesive(self.w_advance)
+        return AdhesiveCurve(self.body, self.w_advance)
 
     @cached_property
     def least(self) -> float:

@@ -14,12 +14,11 @@ from typing import Protocol
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline, PPoly
 
-from ...adhesion.curve import Nonadhesive
+from ...adhesion.nonadhesive import Nonadhesive
 from ...adhesion.slopes.result import Slopes
 from ...base.arrays import Array
 from ...series import Series
 
-REFINED = 6  # choice: nodes per interval of the series; the cubics between them err far less than the curve itself
 FUNCTIONS = 4  # D, T, H, V
 SOUGHT = 200  # choice: radii among which the fold is looked for
 
@@ -71,8 +70,9 @@ class Family:
 
     @classmethod
     def of(cls, series: Series, slopes: Slopes) -> Family:
-        """The family of a series; its adhesive curves are evaluated by their own rule, on a finer grid."""
-        body, u = Nonadhesive(series, slopes), _grid(series)
+        """The family of a series, at the nodes of its own evaluator."""
+        body = Nonadhesive(series, slopes)
+        u = body.logs.slopes.x
         a = np.clip(np.exp(u), series.a[0], series.a[-1])
         here, rate = body.with_rates(a)
         values = np.stack([here.delta_H, here.t, here.P_H, here.S * here.t], axis=1)
@@ -194,13 +194,6 @@ class JKRMember:
         s, root, q = self.s, np.sqrt(self.s), np.sqrt(self.w)
         rD, rT, rH, rV = np.moveaxis(self.family.relative_rates(u), 1, 0)
         return np.stack([np.zeros_like(rD), D * rD - q / root * T * rT, s * H * rH - q * root * V * rV], axis=1)
-
-
-def _grid(series: Series) -> Array:
-    """Nodes in log a: ``REFINED`` per interval, evenly spaced in log(a - a0) where the curve is smooth in it."""
-    z = np.log(series.a - series.a0)
-    inner = z[:-1, None] + np.diff(z)[:, None] * np.arange(REFINED) / REFINED
-    return np.log(series.a0 + np.exp(np.append(inner.ravel(), z[-1])))
 
 
 def _extended(logs: CubicHermiteSpline) -> PPoly:

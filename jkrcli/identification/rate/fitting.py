@@ -15,8 +15,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import least_squares
 
-from ...adhesion.curve import Nonadhesive
-from ...adhesion.rate.conservative import conservative
+from ...adhesion.nonadhesive import Nonadhesive
 from ...adhesion.rate.laws import RATE_LAWS, RateLaw, rate_parameters
 from ...base.arrays import Array
 from ...base.errors import InputError, JkrError, SolveError, did_you_mean
@@ -240,7 +239,7 @@ class _Problem:
     @cached_property
     def unit(self) -> Nonadhesive:
         """The functions of the body with its own moduli."""
-        return conservative(Nonadhesive(self.body.series, self.body.slopes))
+        return Nonadhesive(self.body.series, self.body.slopes)
 
     def equations(self, theta: Array) -> tuple[Array, Array]:
         """Residuals in standard deviations, and their derivatives by the unknowns."""

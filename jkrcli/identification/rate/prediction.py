@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...adhesion.curve import Nonadhesive
+from ...adhesion.nonadhesive import Nonadhesive
 from ...adhesion.rate.edge import Edge
 from ...adhesion.rate.history import RateContact
 from ...adhesion.rate.laws import RateLaw

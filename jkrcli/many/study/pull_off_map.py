@@ -15,8 +15,9 @@ from functools import partial
 import numpy as np
 
 from ... import __version__
-from ...adhesion.curve import AdhesiveCurve, Nonadhesive
+from ...adhesion.curve import AdhesiveCurve
 from ...adhesion.device import LOAD_CONTROL
+from ...adhesion.nonadhesive import Nonadhesive
 from ...adhesion.slopes.choice import slopes
 from ...base.arrays import Array
 from ...base.errors import InputError, SolveError
@@ -96,7 +97,7 @@ def _column(bonded: bool, qs: Sequence[float], nu: float) -> list[MapPoint]:
     """
     series = _unit_series(nu, bonded, qs)
     body = Nonadhesive(series, slopes(series, "exact"))
-    return [_point(nu, bonded, q, body.adhesive(q)) for q in qs]
+    return [_point(nu, bonded, q, AdhesiveCurve(body, q)) for q in qs]
 
 
 def _point(nu: float, bonded: bool, q: float, curve: AdhesiveCurve) -> MapPoint:

@@ -13,7 +13,8 @@ from functools import partial
 
 import numpy as np
 
-from ...adhesion.curve import Nonadhesive
+from ...adhesion.curve import AdhesiveCurve
+from ...adhesion.nonadhesive import Nonadhesive
 from ...adhesion.rate.history import RateContact
 from ...adhesion.rate.laws import RateLaw
 from ...adhesion.rate.program import Program
@@ -116,7 +117,7 @@ def _body(thickness: float, nu: float) -> tuple[Nonadhesive, float]:
     method = ClosedForm() if whole else Layered(TUNING.tolerance)
     series = method(Problem(Paraboloid(1.0), specimen, loading)).series
     body = Nonadhesive(series, slopes(series, "exact"))
-    radii = body.adhesive(1.0).radii(P=0.0)
+    radii = AdhesiveCurve(body, 1.0).radii(P=0.0)
     if not radii:
         raise SolveError(f"rate map: no equilibrium without load on a layer of h = {thickness:g} R")
     return body, radii[-1]

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from ...adhesion.analysis import adhesive, nonadhesive
-from ...adhesion.curve import Nonadhesive
+from ...adhesion.nonadhesive import Nonadhesive
 from ...base.errors import JkrError
 from ...base.unknown import Unknown
 from ...bodies.problem import Problem

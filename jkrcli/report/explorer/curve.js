@@ -1,23 +1,14 @@
 "use strict";
-/* The adhesive curve, evaluated from the knots that jkr wrote, by the rule of its own: cubic Hermite splines in the
-   logarithm of the radius. Nothing is solved here. SI units. */
+/* The adhesive curve, evaluated from the knots that jkr wrote, by the rule of its own: cubics in the logarithm
+   of the radius. Nothing is solved here. SI units. */
 
 const SAMPLES = 8; // per interval, where critical points are looked for
 const STABLE = "stable", GRIPPED = "displacement-control", UNSTABLE = "unstable";
 
-/* Value of a Hermite spline {value, slope} in interval i of the knots x. */
-function hermite(spline, x, i, at) {
-  const h = x[i + 1] - x[i], s = (at - x[i]) / h, { value, slope } = spline;
-  const rise = value[i + 1] - value[i];
-  const b = h * slope[i] - rise, c = rise - h * slope[i + 1];
-  return value[i] + s * rise + s * (1 - s) * (b * (1 - s) + c * s);
-}
-
-/* Its derivative. */
-function hermiteSlope(spline, x, i, at) {
-  const h = x[i + 1] - x[i], s = (at - x[i]) / h, { value, slope } = spline;
-  const rise = (value[i + 1] - value[i]) / h;
-  return slope[i] * (1 - s) * (1 - 3 * s) + slope[i + 1] * s * (3 * s - 2) + 6 * rise * s * (1 - s);
+/* Value and slope of the cubic in interval i of the knots x; c: its coefficients, highest power first. */
+function cubic(c, x, i, at) {
+  const s = at - x[i], [c3, c2, c1, c0] = c[i];
+  return [((c3 * s + c2) * s + c1) * s + c0, (3 * c3 * s + 2 * c2) * s + c1];
 }
 
 /* Nonadhesive series at unit modulus, with the shift t = sqrt(4 pi a/S') of w = 1. */
@@ -31,7 +22,7 @@ class Table {
 
   /* Logarithms of the radii at which the curve is looked at. */
   sampled() {
-    const { x } = this.knots, found = [];
+    const x = this.columns.a.map(Math.log), found = [];
     for (let i = 0; i + 1 < x.length; i++) {
       for (let j = 0; j < SAMPLES; j++) found.push(x[i] + ((x[i + 1] - x[i]) * j) / SAMPLES);
     }
@@ -41,17 +32,21 @@ class Table {
   /* Everything at the radius whose logarithm is x: values and derivatives by the radius. */
   at(x) {
     const { knots } = this, a = Math.min(Math.max(Math.exp(x), this.first), this.last), beyond = a - knots.a0;
-    const i = interval(knots.x, Math.log(a)), y = Math.log(a), z = Math.log(beyond);
-    const delta = Math.exp(hermite(knots.delta, knots.z, i, z)), P = Math.exp(hermite(knots.P, knots.z, i, z));
-    const S = Math.exp(hermite(knots.S, knots.x, i, y)), t = Math.exp(hermite(knots.t, knots.x, i, y));
+    const y = Math.log(a), z = Math.log(beyond), i = interval(knots.x, y);
+    const [delta, P] = [knots.delta, knots.P].map((c) => grown(cubic(c, knots.z, i, z), beyond));
+    const [S, bend] = [knots.S, knots.dS].map((c) => grown(cubic(c, knots.x, i, y), a));
+    const t = Math.sqrt((4 * Math.PI * a) / bend.value);
     return {
-      x, a, delta, P, S, t,
-      ddelta: (delta * hermiteSlope(knots.delta, knots.z, i, z)) / beyond,
-      dP: (P * hermiteSlope(knots.P, knots.z, i, z)) / beyond,
-      dS: (S * hermiteSlope(knots.S, knots.x, i, y)) / a,
-      dt: (t * hermiteSlope(knots.t, knots.x, i, y)) / a,
+      x, a, t, delta: delta.value, P: P.value, S: S.value, ddelta: delta.slope, dP: P.slope, dS: S.slope,
+      dt: (t / 2) * (1 / a - bend.slope / bend.value),
     };
   }
+}
+
+/* A function and its derivative by the radius, from its logarithm and that one's slope over the log of a radius. */
+function grown([log, rate], radius) {
+  const value = Math.exp(log);
+  return { value, slope: (value * rate) / radius };
 }
 
 function interval(x, at) {
@@ -170,7 +165,7 @@ class AdhesiveCurve {
       S_N_per_m: c.S.map((value) => factor * value),
       dS_da_N_per_m2: c.dS.map((value) => factor * value),
       ...(errors && { P_err_N: errors.P, delta_err_m: errors.delta }),
-      branch: this.table.knots.x.map((x) => this.branch(this.table.at(x))),
+      branch: c.a.map((a) => this.branch(this.table.at(Math.log(a)))),
     };
   }
 

@@ -16,8 +16,9 @@ import numpy as np
 
 from ... import __version__
 from ...adhesion.analysis import Analysis
-from ...adhesion.curve import AdhesiveCurve, CriticalPoint, Nonadhesive
+from ...adhesion.curve import AdhesiveCurve, CriticalPoint
 from ...adhesion.device import LOAD_CONTROL
+from ...adhesion.nonadhesive import Nonadhesive
 from ...adhesion.validity import LIMITS, regime
 from ...base.arrays import Array
 from ...base.units import SI, UNITS, decades, scale
@@ -89,19 +90,15 @@ def start_work(body: Nonadhesive) -> float:
 
 
 def _knots(body: Nonadhesive) -> dict[str, Any]:
-    """Knots of the evaluation rule: logs of radius (z: of a - a0), the logs of delta_H, P_H, S, t and their slopes."""
-    a, beyond = body.a, body.a - body.series.a0
-    here, rate = body.with_rates(a)
-    columns = (("delta", here.delta_H, rate.delta_H, beyond), ("P", here.P_H, rate.P_H, beyond),
-               ("S", here.S, rate.S, a), ("t", here.t, rate.t, a))  # fmt: skip
+    """The evaluation rule: logs of radii x (z: of a - a0), and between them the coefficients of the cubics of the logs
+    of delta_H and P_H over z, of S and S' over x."""
+    columns, slopes = body.logs
+    functions = zip(("delta", "P", "S", "dS"), [*columns.c.T, *slopes.c.T], strict=True)
     return {
         "a0": body.series.a0,
-        "x": np.log(a).tolist(),
-        "z": np.log(beyond).tolist(),
-        **{
-            name: {"value": np.log(value).tolist(), "slope": (by_a * over / value).tolist()}
-            for name, value, by_a, over in columns
-        },
+        "x": slopes.x.tolist(),
+        "z": columns.x.tolist(),
+        **{name: coefficients.tolist() for name, coefficients in functions},
     }
 
 

@@ -9,8 +9,8 @@ import pytest
 from scipy.integrate import quad
 from stopwatch import takes_less_than
 
-from jkrcli.adhesion.curve import Nonadhesive
-from jkrcli.adhesion.rate.conservative import Conservative, conservative
+from jkrcli.adhesion.between import Rows
+from jkrcli.adhesion.nonadhesive import Nonadhesive
 from jkrcli.adhesion.rate.history import RateContact
 from jkrcli.adhesion.rate.laws import PowerRate
 from jkrcli.adhesion.rate.program import there_and_back
@@ -61,21 +61,26 @@ def test_the_work_of_the_device_is_stored_or_done_by_the_edge(name: str) -> None
 
 def test_the_rows_stay_and_between_them_loads_and_slopes_are_integrals() -> None:
     body = gel(EVEN)
-    found = conservative(body)
-    for there, here in zip(found.parts(body.a), body.points, strict=True):
+    for there, here in zip(body.parts(body.a), body.points, strict=True):
         assert there == pytest.approx(here, rel=1e-13)
     ends = body.a[[3, 4]]
-    load = quad(lambda a: float(found.parts(np.array(a)).S * found.rates(np.array(a)).delta_H), *ends, epsrel=1e-12)[0]
-    stiffness = quad(lambda a: float(found.parts(np.array(a)).dS), *ends, epsrel=1e-12)[0]
-    assert load == pytest.approx(np.diff(found.parts(ends).P_H)[0], rel=1e-8)  # measured 1e-10
-    assert stiffness == pytest.approx(np.diff(found.parts(ends).S)[0], rel=1e-8)
+    load = quad(lambda a: float(body.parts(np.array(a)).S * body.rates(np.array(a)).delta_H), *ends, epsrel=1e-12)[0]
+    stiffness = quad(lambda a: float(body.parts(np.array(a)).dS), *ends, epsrel=1e-12)[0]
+    assert load == pytest.approx(np.diff(body.parts(ends).P_H)[0], rel=1e-8)  # measured 1e-10
+    assert stiffness == pytest.approx(np.diff(body.parts(ends).S)[0], rel=1e-8)
 
 
-def test_it_is_as_near_to_a_finer_series_as_the_cubics() -> None:
+def rows_of(body: Nonadhesive) -> Rows:
+    return Rows(body.a, body.series.a0, *body.points[:4], np.full((body.a.size, 2), np.nan))
+
+
+def test_it_is_nearer_to_a_finer_series_than_cubics_through_the_rows() -> None:
     exact, body = gel(np.geomspace(1.2e-5, 1.2e-3, 400)), gel(EVEN)
     a = np.geomspace(1.3e-5, 1.1e-3, 300)
-    for there, here, before in zip(exact.parts(a), conservative(body).parts(a), body.parts(a), strict=True):
-        assert np.max(np.abs(here / there - 1)) < 1.2 * np.max(np.abs(before / there - 1)) + 1e-9
+    columns, slopes = rows_of(body).logs
+    before = *np.exp(columns(np.log(a))).T, *np.exp(slopes(np.log(a))).T
+    for there, here, by_rows in zip(exact.parts(a)[:4], body.parts(a)[:4], before, strict=True):
+        assert np.max(np.abs(here / there - 1)) < 1.2 * np.max(np.abs(by_rows / there - 1)) + 1e-9
 
 
 def test_a_flat_end_and_other_moduli() -> None:
@@ -83,20 +88,17 @@ def test_a_flat_end_and_other_moduli() -> None:
         RoundedFlat(1e-4, 6e-3), GEL, Loading.given("radius", tuple(np.linspace(1.1e-4, 8e-4, 40).tolist()))
     )
     series = Layered(1e-8)(punch).series
-    body = conservative(Nonadhesive(series, slopes(series)))
-    assert isinstance(body, Conservative)
-    assert conservative(body) is body
-    scaled = body.scaled(3.0)
-    assert conservative(scaled) is scaled
-    assert scaled.parts(series.a).P_H == pytest.approx(3 * body.parts(series.a).P_H, rel=1e-12)
+    body = Nonadhesive(series, slopes(series))
+    assert body.logs.slopes.x.size > 2 * series.a.size
+    assert body.scaled(3.0).parts(series.a).P_H == pytest.approx(3 * body.parts(series.a).P_H, rel=1e-12)
 
 
-def test_columns_that_contradict_each_other_are_left_as_they_are() -> None:
+def test_columns_that_contradict_each_other_are_followed_each_for_itself() -> None:
     a = np.linspace(0.1, 1, 10)
     delta, P = hertz(a, 1.0, 1.0)
     series = Series(a, delta, P, 2 * a * (1 + 0.5 * (-1) ** np.arange(10)), np.full(10, 2.0))
     body = Nonadhesive(series, slopes(series, "exact"))
-    assert conservative(body) is body
+    assert body.logs.columns.x.size == 10
 
 
 def test_a_trace_of_ten_thousand_rows_on_a_layer_is_quick() -> None:

@@ -1,0 +1,159 @@
+"""The w-free functions of a series between its rows, such that the energy of a contact is a function of its state.
+
+Through the rows go cubics of log delta_H over log(a - a0), and a quintic of log S over log a through S, S' and S''; S'
+is its slope. In each interval delta_H has besides a multiple of s^2 (1 - s)^2, which vanishes with its slope at the
+rows and makes int S d(delta_H) what P_H gains from row to row; P_H is that integral. Power laws (Hertz) are exact with
+any number of rows. All of it is tabulated once, so finely that cubics between the nodes conserve energy to about 1e-10.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from ..base.arrays import Array
+from ..base.cubic import PiecewiseCubic, PiecewiseQuintic, spline_slopes
+from ..base.quadrature import composite_gauss
+
+
+@dataclass(frozen=True)
+class BetweenTuning:
+    """How finely the functions are tabulated."""
+
+    spacing: float = 0.01  # theory: of log(a - a0); cubics between leave a share of 0.01^4/384 of the energies
+
+
+TUNING = BetweenTuning()
+
+
+class Logs(NamedTuple):
+    """``columns``: log of (delta_H, P_H) over log(a - a0); ``slopes``: log of (S, S') over log a; both at the same
+    radii."""
+
+    columns: PiecewiseCubic
+    slopes: PiecewiseCubic
+
+
+@dataclass(frozen=True, eq=False)
+class Rows:
+    """The functions at radii ``a`` [m], in SI, all (n,); ``rates`` (n, 2): slopes of log delta_H and of log S' over the
+    logarithms of ``Logs``, NaN where they are not known. ``a0``: radius of first contact [m]."""
+
+    a: Array
+    a0: float
+    delta: Array
+    P: Array
+    S: Array
+    dS: Array
+    rates: Array
+
+    @cached_property
+    def logs(self) -> Logs:
+        """Cubics through the rows alone: slopes that are not known are those of splines, that of log P_H is given by
+        dP_H = S d(delta_H), that of log S is a S'/S."""
+        x, z = np.log(self.a), np.log(self.a - self.a0)
+        rates = self.rates
+        if np.isnan(rates).any():
+            fitted = np.stack([spline_slopes(z, np.log(self.delta)), spline_slopes(x, np.log(self.dS))], 1)
+            rates = np.where(np.isnan(rates), fitted, rates)
+        rate, rate_dS = rates.T
+        by_P, by_S = self.S * self.delta / self.P * rate, self.a * self.dS / self.S
+        return Logs(
+            PiecewiseCubic(z, np.log(np.stack([self.delta, self.P], 1)), np.stack([rate, by_P], 1)),
+            PiecewiseCubic(x, np.log(np.stack([self.S, self.dS], 1)), np.stack([by_S, rate_dS], 1)),
+        )
+
+
+def between(rows: Rows) -> Logs:
+    """The functions between the ``rows``; those through the rows alone where the columns contradict each other so much
+    that delta_H or S would have to fall in between."""
+    return _Between(rows).logs or rows.logs
+
+
+@dataclass(frozen=True, eq=False)
+class _Between:
+    """The functions between the ``rows``, at places z = log(a - a0)."""
+
+    rows: Rows
+
+    @property
+    def logs(self) -> Logs | None:
+        """Cubics on the table; None where delta_H or S falls somewhere."""
+        z, first = self.table
+        delta, by_z = self.delta(z, np.append(first, first[-1]))
+        x = np.log(self.rows.a0 + np.exp(z))
+        log_S, rate, bend = (self.log_S(x, order) for order in range(3))
+        if not ((by_z > 0).all() and (rate > 0).all()):
+            return None
+        S, P = np.exp(log_S), self.loads
+        log_dS = log_S + np.log(rate) - x
+        by_P = S / P * by_z
+        return Logs(
+            PiecewiseCubic(z, np.log(np.stack([delta, P], 1)), np.stack([by_z / delta, by_P], 1)),
+            PiecewiseCubic(x, np.stack([log_S, log_dS], 1), np.stack([rate, rate + bend / rate - 1], 1)),
+        )
+
+    @cached_property
+    def z(self) -> Array:
+        return self.rows.logs.columns.x
+
+    @cached_property
+    def table(self) -> tuple[Array, Array]:
+        """Places close enough to each other, the rows among them, and the interval of the rows that begins or lies
+        before each but the last."""
+        widths = np.diff(self.z)
+        counts = np.maximum(np.ceil(widths / TUNING.spacing).astype(int), 1)
+        first = np.repeat(np.arange(counts.size), counts)
+        inner = np.arange(first.size) - np.repeat(np.cumsum(counts) - counts, counts)
+        return np.append(self.z[first] + widths[first] * inner / counts[first], self.z[-1]), first
+
+    @cached_property
+    def log_S(self) -> PiecewiseQuintic:
+        """log S over log a, with its slope a S'/S and the slope of that."""
+        rows, slopes = self.rows, self.rows.logs.slopes
+        rate = rows.a * rows.dS / rows.S
+        bend = rate * (1 + slopes(slopes.x, 1)[:, 1] - rate)
+        return PiecewiseQuintic(slopes.x, np.log(rows.S), rate, bend)
+
+    @cached_property
+    def gained(self) -> tuple[Array, Array]:
+        """int S d(delta_H) between places of the table, of the cubic and of one s^2 (1 - s)^2, (n,) both."""
+        z, first = self.table
+        at, weights = composite_gauss(z)
+        S = np.exp(self.log_S(np.log(self.rows.a0 + np.exp(at))))
+        _, cubic = self.cubic(at)
+        _, hump = self.hump(at, first[:, None])
+        return np.sum(weights * S * cubic, 1), np.sum(weights * S * hump, 1)
+
+    @cached_property
+    def added(self) -> Array:
+        """The multiple [m] of s^2 (1 - s)^2 in each interval of the rows."""
+        cubic, hump = (np.bincount(self.table[1], values) for values in self.gained)
+        return (np.diff(self.rows.P) - cubic) / hump
+
+    @property
+    def loads(self) -> Array:
+        """P_H [N] at the table."""
+        cubic, hump = self.gained
+        gains = cubic + self.added[self.table[1]] * hump
+        return self.rows.P[0] + np.append(0.0, np.cumsum(gains))
+
+    def delta(self, z: Array, i: Array) -> tuple[Array, Array]:
+        """delta_H [m] and its slope over z at places in the intervals ``i``."""
+        (cubic, rate), (hump, by_z) = self.cubic(z), self.hump(z, i)
+        return cubic + self.added[i] * hump, rate + self.added[i] * by_z
+
+    def cubic(self, z: Array) -> tuple[Array, Array]:
+        """exp of the cubic of log delta_H, and its slope over z."""
+        log_delta = self.rows.logs.columns
+        value = np.exp(log_delta(z)[..., 0])
+        return value, value * log_delta(z, 1)[..., 0]
+
+    def hump(self, z: Array, i: Array) -> tuple[Array, Array]:
+        """s^2 (1 - s)^2 in the intervals ``i`` of the rows, and its slope over z."""
+        width = np.diff(self.z)[i]
+        s = (z - self.z[i]) / width
+        return (s * (1 - s)) ** 2, 2 * s * (1 - s) * (1 - 2 * s) / width

@@ -1,0 +1,168 @@
+"""The one evaluator of the w-free functions: what every adhesive curve of a series is made of.
+
+With delta_H, P_H, S = dP_H/d(delta_H), S' = dS/da and t = sqrt(4 pi a/S') the curve of any w is
+delta = delta_H - sqrt(w) t, P = P_H - sqrt(w) S t (Eq. 13).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, NamedTuple, TypeVar
+
+import numpy as np
+
+from ..base.arrays import Array
+from ..base.errors import InputError
+from ..formulas.griffith import shift
+from ..series import Series
+from .between import Logs, Rows, between
+from .slopes.result import Slopes
+
+Columns = TypeVar("Columns", Series, Slopes)
+
+
+class Parts(NamedTuple):
+    """Values of the w-free functions at some radii, or their derivatives; ``t``: the shift at w = 1 J/m^2."""
+
+    delta_H: Array
+    P_H: Array
+    S: Array
+    dS: Array
+    t: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Nonadhesive:
+    """The w-free functions delta_H, P_H, S, S' and shift t of a series: all that its adhesive curves are made of.
+
+    delta_H and P_H are those of the slopes' own fit where it has them. Between the points they belong to one energy
+    (``between``). delta_H and P_H vanish at the first contact radius a0: their logs are taken over log(a - a0).
+    Refused where S or S' is not positive. ``log_rates``: slopes (n, 2) of log delta_H and of log S' over the same
+    logarithms where they are known, NaN elsewhere. ``further``: the functions at more radii, among those of the series,
+    which what lies between passes through too. ``together``: whether what lies between belongs to one energy, or each
+    function is interpolated for itself.
+    """
+
+    series: Series
+    slopes: Slopes
+    log_rates: Array | None = None
+    further: Nonadhesive | None = None
+    together: bool = True
+
+    def __post_init__(self) -> None:
+        bad = ~((self.slopes.dS > 0) & (self.slopes.S > 0))
+        if bad.any():
+            raise InputError(
+                f"slopes: S or dS/da is not positive at {int(bad.sum())} radii, first at a = {self.a[bad][0]:.4g} m: "
+                "Eq. 13 has no solution there; leave those points out or take other slopes"
+            )
+
+    def scaled(self, factor: float) -> Nonadhesive:
+        """The functions of the same bodies with all moduli multiplied by ``factor``."""
+        if factor == 1:
+            return self
+        further = None if self.further is None else self.further.scaled(factor)
+        return replace(self, series=self.series.scaled(factor), slopes=self.slopes.scaled(factor), further=further)
+
+    @property
+    def a(self) -> Array:
+        """Contact radii of the series [m]."""
+        return self.series.a
+
+    @cached_property
+    def points(self) -> Parts:
+        """The functions at the radii of the series, as the slopes' method gives them."""
+        series, slopes = self.series, self.slopes
+        delta_H = series.delta if slopes.delta is None else slopes.delta
+        P_H = series.P if slopes.P is None else slopes.P
+        return Parts(delta_H, P_H, slopes.S, slopes.dS, shift(1.0, self.a, slopes.dS))
+
+    def parts(self, a: Array) -> Parts:
+        """delta_H [m], P_H [N], S [N/m], S' [N/m^2], t [m] at radii within the series, by one evaluation rule."""
+        columns, slopes = self.logs
+        delta_H, P_H = np.exp(np.moveaxis(columns(np.log(a - self.series.a0)), -1, 0))
+        S, dS = np.exp(np.moveaxis(slopes(np.log(a)), -1, 0))
+        return Parts(delta_H, P_H, S, dS, shift(1.0, a, dS))
+
+    def rates(self, a: Array) -> Parts:
+        """The derivatives of ``parts`` by the radius, each in the unit of its part per m: ``rates(a).dS`` is S''."""
+        return self.with_rates(a)[1]
+
+    def with_rates(self, a: Array) -> tuple[Parts, Parts]:
+        """``parts`` and ``rates`` at once."""
+        here, beyond = self.parts(a), a - self.series.a0
+        columns, slopes = self.logs
+        by_delta, by_P = np.moveaxis(columns(np.log(beyond), 1), -1, 0) / beyond
+        by_S, by_dS = np.moveaxis(slopes(np.log(a), 1), -1, 0) / a
+        by_t = (1 / a - by_dS) / 2
+        return here, Parts(here.delta_H * by_delta, here.P_H * by_P, here.S * by_S, here.dS * by_dS, here.t * by_t)
+
+    def between(self, values: Array, a: Array) -> Array:
+        """``values`` (n, ...) at the radii of the series, linear between them at the radii ``a``."""
+        columns = values.reshape(len(self.series), -1).T
+        there = np.stack([np.interp(a, self.a, column) for column in columns], axis=-1)
+        return there.reshape(*np.shape(a), *values.shape[1:])
+
+    @property
+    def gradients(self) -> dict[str, tuple[Array, Array]]:
+        """Gradients of "delta" and "P" at the series' radii by (delta_H, P_H, S, S'), (n, 4): without adhesion, what
+        is added per root of w."""
+        _, _, S, dS, t = self.points
+        zero, one, by_dS = np.zeros_like(t), np.ones_like(t), t / (2 * dS)
+        by_columns = {"delta": (one, zero, zero, zero), "P": (zero, one, zero, zero)}
+        by_root_w = {"delta": (zero, zero, zero, by_dS), "P": (zero, zero, -t, S * by_dS)}
+        return {name: (np.stack(by_columns[name], 1), np.stack(by_root_w[name], 1)) for name in ("delta", "P")}
+
+    def at_rows(self, rows: Array) -> Nonadhesive:
+        """The functions through the points ``rows`` alone, without errors."""
+        known = None if self.log_rates is None else self.log_rates[rows]
+        return Nonadhesive(_at(self.series, rows), _at(self.slopes, rows), known, together=self.together)
+
+    @cached_property
+    def knots(self) -> Nonadhesive:
+        """The functions with all radii at which they are known as those of the series, without errors.
+
+        A row closer to a further radius than the root of their errors e gives way to it: the slope e/x that the two
+        would make over their distance x is more than x leaves of any other.
+        """
+        if self.further is None:
+            return self
+        parts = (self.at_rows(np.flatnonzero(self._apart(self.further))), self.further)
+        a, order = np.unique(np.concatenate([part.a for part in parts]), return_index=True)
+        columns = np.concatenate([np.array(part.points[:4]) for part in parts], axis=1)[:, order]
+        rates = np.concatenate([part._known_rates for part in parts])[order]
+        delta, P, S, dS = columns
+        series = replace(self.series, a=a, delta=delta, P=P, S=S, dS=dS, errors={})
+        slopes = replace(self.slopes, S=S, dS=dS, delta=None, P=None, covariance=None, joint=None)
+        return Nonadhesive(series, slopes, rates, together=self.together)
+
+    def _apart(self, further: Nonadhesive) -> Array:
+        """Which rows are not too close to a ``further`` radius."""
+        series, columns = further.series, ("delta", "dS")
+        wrong = [np.max(series.errors[name] / getattr(series, name), initial=0.0) for name in columns]
+        distance = np.abs(np.subtract.outer(self.a, further.a)).min(axis=1)
+        return distance > math.sqrt(max(wrong)) * (self.a - series.a0)
+
+    @property
+    def _known_rates(self) -> Array:
+        return np.full((self.a.size, 2), np.nan) if self.log_rates is None else self.log_rates
+
+    @cached_property
+    def logs(self) -> Logs:
+        """The functions between the points."""
+        if self.further is not None:
+            return self.knots.logs
+        if len(self.series) < 2:
+            raise InputError("adhesive curve: a series of one point has no values between points")
+        rows = Rows(self.a, self.series.a0, *self.points[:4], self._known_rates)
+        return between(rows) if self.together else rows.logs
+
+
+def _at(columns: Columns, rows: Array) -> Columns:
+    """The series or slopes at the points ``rows`` alone, without errors."""
+    names = ("a", "delta", "P", "S", "dS")
+    values = {name: getattr(columns, name)[rows] for name in names if getattr(columns, name, None) is not None}
+    blank: dict[str, Any] = {"errors": {}} if isinstance(columns, Series) else {"covariance": None, "joint": None}
+    return replace(columns, **values, **blank)

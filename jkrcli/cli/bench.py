@@ -19,12 +19,13 @@ from ..many.cost import process_cost
 from ..methods import METHODS
 from ..methods.guards import Limits
 from .options import limits_options
+from .verb import Verb
 from .voice import announce, note
 
 IMPORTS = "import time; t = time.process_time(); import {}; print(time.process_time() - t)"
 
 
-@click.command()
+@click.command(cls=Verb)
 @click.argument("case", type=click.Path(path_type=Path))
 @click.option("--method", type=click.Choice(METHODS), help="Method, instead of the case's.")
 @click.option("--repeat", type=click.IntRange(1, 1000), default=5, show_default=True, help="Runs.")

@@ -22,10 +22,11 @@ from ..methods.choose import Option, choose, long_look, survey
 from ..report import tables
 from .output import answer, json_option
 from .series import reached
+from .verb import Verb
 from .voice import note, say, warn
 
 
-@click.command()
+@click.command(cls=Verb)
 @click.argument("case", type=click.Path(path_type=Path))
 @json_option
 def check(case: Path, as_json: bool) -> None:

@@ -14,12 +14,13 @@ from ..series.differences import Difference, curve_differences, series_differenc
 from .options import NumberRange
 from .output import answer, output_options
 from .series import read_series, series_file
+from .verb import Verb
 from .voice import say
 
 COLUMNS = ("P", "a", "S", "dS")
 
 
-@click.command()
+@click.command(cls=Verb)
 @click.argument("first", type=click.Path(path_type=Path))
 @click.argument("second", type=click.Path(path_type=Path))
 @click.option("--rtol", type=NumberRange(min=0), default=1e-3, show_default=True, help="Largest relative difference.")

@@ -32,10 +32,11 @@ from .options import (
 )
 from .output import answer, into_folder, output_options
 from .series import begin_curves, read_series, series_file, works_of
+from .verb import Verb
 from .voice import say
 
 
-@click.command()
+@click.command(cls=Verb)
 @click.argument("file", type=click.Path(path_type=Path))
 @click.option("--w-approach", type=WorkType(), help="While the contact grows [default: the case's first w].")
 @click.option("--w-retract", type=WorkType(), help="While it shrinks, not smaller [default: that of approach].")

@@ -18,6 +18,7 @@ import click
 from .. import __version__
 from ..base.installing import installs
 from .output import answer, json_option
+from .verb import Verb
 from .voice import say
 
 REQUIRED = ("numpy", "scipy", "h5py", "click", "pydantic", "tomli-w", "matplotlib", "scikit-fem", "meshio",
@@ -43,7 +44,7 @@ class Finding:
     remedy: str = ""
 
 
-@click.command()
+@click.command(cls=Verb)
 @json_option
 def doctor(as_json: bool) -> int:
     """Look at versions, the mesher's system libraries, optional parts, threads, memory and temporary files.

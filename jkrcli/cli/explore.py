@@ -19,10 +19,11 @@ from .measured import begin_reading, reading_of, reading_options
 from .options import WorkType, limits_options, slopes_option
 from .output import ONE_FILE, answer, into_file, output_options
 from .series import begin_curves, read_series, series_file, without_range
+from .verb import Verb
 from .voice import say
 
 
-@click.command()
+@click.command(cls=Verb)
 @click.argument("file", type=click.Path(path_type=Path))
 @click.argument("data", nargs=-1, type=click.Path(path_type=Path))
 @into_file("The page [default: <file>-explore.html].")

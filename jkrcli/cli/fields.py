@@ -19,13 +19,14 @@ from .mesh import MARKS
 from .options import LengthType, LoadType, WorkType
 from .output import answer, into_folder, output_options
 from .series import first_work, read_series, series_file, without_range
+from .verb import Verb
 from .voice import say
 
 if TYPE_CHECKING:
     from ..methods.fem.state import ContactState
 
 
-@click.command()
+@click.command(cls=Verb)
 @click.argument("file", type=click.Path(path_type=Path))
 @click.option("--a", "radius", type=LengthType(), help='Contact radius, "2 um".')
 @click.option("--load", type=LoadType(), help='Load, "-3 mN" (stable branch), compression positive.')

@@ -20,6 +20,7 @@ from .fit_law import fit_law, refuse_unused
 from .measured import TUNING, begin_reading, reading_of, reading_options
 from .options import NamedType, ParamType, ScaleType, limits_options, parallel_options, slopes_option
 from .output import answer, into_folder, output_options
+from .verb import Verb
 from .voice import note, progress, say, warn
 
 if TYPE_CHECKING:
@@ -46,7 +47,7 @@ class NamesType(ParamType):
         )
 
 
-@click.command()
+@click.command(cls=Verb)
 @click.argument("body_file", metavar="BODY", type=click.Path(path_type=Path))
 @click.argument("measured", nargs=-1, type=click.Path(path_type=Path))
 @body_options

@@ -25,6 +25,7 @@ from .measured import begin_reading
 from .options import ColumnUnitType, KeyNumberType, KeyValueType, LengthType, ScaleType
 from .output import ONE_FILE, answer, into_file, output_options
 from .series import end_of, reached
+from .verb import Verb
 from .voice import command_line, say, warn
 
 KEYS = tuple(NAMES.quantities)
@@ -40,7 +41,7 @@ class ZeroType(ScaleType):
         return super().convert(value, param, ctx)
 
 
-@click.command("import")
+@click.command("import", cls=Verb)
 @click.argument("table", type=click.Path(path_type=Path))
 @into_file("Series file [default: <table>.h5 here].")
 @click.option("--case", type=click.Path(path_type=Path), help="Case with indenter and specimen; it needs no loading.")

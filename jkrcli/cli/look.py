@@ -12,6 +12,7 @@ from ..base.errors import InputError
 from ..report.output import PICTURES, Output
 from .measured import begin_reading, reading_of, reading_options
 from .output import answer, into_folder, output_options, refuse_doubles
+from .verb import Verb
 from .voice import say, warn
 
 if TYPE_CHECKING:
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 SHOWN = 10  # curves of a file that are told line by line
 
 
-@click.command()
+@click.command(cls=Verb)
 @click.argument("files", nargs=-1, required=True, type=click.Path(path_type=Path))
 @reading_options
 @into_folder()

@@ -18,13 +18,14 @@ from ..report.output import Output
 from ..report.plots.body import mesh_figure
 from .options import limits_options
 from .output import into_folder, output_options
+from .verb import Verb
 from .voice import note, say
 
 # What tells jkr that it wrote a file, where the format keeps comments.
 MARKS = {".msh": f"$Comments\njkr {__version__}\n$EndComments\n", ".vtu": f"\n<!-- jkr {__version__} -->\n"}
 
 
-@click.command()
+@click.command(cls=Verb)
 @click.argument("case", type=click.Path(path_type=Path))
 @into_folder("Folder.", default=".", show_default=True)
 @limits_options

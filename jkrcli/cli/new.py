@@ -9,12 +9,13 @@ import click
 
 from ..base.errors import InputError
 from ..base.files import check_target, write_text
+from .verb import Verb
 from .voice import say
 
 TEMPLATE = resources.files(__package__).joinpath("new.toml").read_text(encoding="utf-8")
 
 
-@click.command()
+@click.command(cls=Verb)
 @click.argument("file", type=click.Path(path_type=Path))
 @click.option("--force", is_flag=True, help="Replace an existing file.")
 def new(file: Path, force: bool) -> None:

@@ -24,10 +24,11 @@ from ..series import Solution
 from .options import LengthType, LoadType, WorkType, limits_options, range_options
 from .output import into_folder, output_options
 from .series import begin_curves, first_work, read_series, series_file
+from .verb import Verb
 from .voice import say
 
 
-@click.command()
+@click.command(cls=Verb)
 @click.argument("file", type=click.Path(path_type=Path))
 @click.option("--a", "radius", type=LengthType(), help='Contact radius, "2 um".')
 @click.option("--load", type=LoadType(), help='Load, "-3 mN" (stable branch), compression positive.')

@@ -32,6 +32,7 @@ from .options import (
 )
 from .output import answer, json_option
 from .series import begin_curves, read_series, series_file, without_range, works_of
+from .verb import Verb
 from .voice import say, warn
 
 if TYPE_CHECKING:
@@ -42,7 +43,7 @@ TINY = Unknown("it would be one of a contact smaller than atoms")
 Answer = tuple[dict[str, Any], list[str]]  # for machines, for people
 
 
-@click.command("pull-off")
+@click.command("pull-off", cls=Verb)
 @click.argument("files", nargs=-1, required=True, type=click.Path(path_type=Path))
 @click.option("--w", "works", multiple=True, type=WorkType(), help='J/m^2 or "35 mJ/m^2" [default: the case\'s].')
 @click.option(

@@ -22,10 +22,11 @@ from ..series import Solution
 from .options import limits_options
 from .output import ONE_FILE, answer, into_file, output_options
 from .series import end_of, reached
+from .verb import Verb
 from .voice import command_line, detail, note, say, warn
 
 
-@click.command()
+@click.command(cls=Verb)
 @click.argument("case", type=click.Path(path_type=Path))
 @into_file("Series file [default: <case>.h5 here].")
 @click.option("--method", type=click.Choice(["auto", *METHODS]), help="Method, instead of the case's.")

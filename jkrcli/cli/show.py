@@ -14,10 +14,11 @@ from ..report import archive
 from ..series import COLUMNS, Solution
 from .output import answer, json_option
 from .series import read_series, series_file
+from .verb import Verb
 from .voice import warn
 
 
-@click.command()
+@click.command(cls=Verb)
 @click.argument("files", nargs=-1, required=True, type=click.Path(path_type=Path))
 @click.option("--case", "case_only", is_flag=True, help="Print the resolved case alone: a case file that runs again.")
 @json_option

@@ -13,6 +13,7 @@ from ..many.study.adhesion_map import ZONES, AdhesionMap, adhesion_map, forecast
 from ..report.output import PICTURES, Output
 from .options import check_nu
 from .output import answer, into_folder, output_options
+from .verb import Verb
 from .voice import progress, say
 
 if TYPE_CHECKING:
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 MUS, LOADS = (0.02, 50.0, 29), (0.1, 100.0, 31)  # choice: ends and number of the values on logarithmic axes
 
 
-@click.command("adhesion-map")
+@click.command("adhesion-map", cls=Verb)
 @click.option("--nu", type=float, default=0.499, show_default=True)
 @click.option("--base", type=click.Choice(["bonded", "frictionless"]), default="bonded", show_default=True)
 @click.option("--q", type=float, default=1.0, show_default=True, help="w R^2/(E* h^3); 1e-4: a half-space.")

@@ -21,6 +21,7 @@ from ..report import tables
 from ..report.output import PICTURES, Output
 from .options import WorkType, parallel_options
 from .output import answer, into_folder, output_options
+from .verb import Verb
 from .voice import progress, say, warn
 
 if TYPE_CHECKING:
@@ -29,7 +30,7 @@ if TYPE_CHECKING:
 WORDS = {"a": "contact radius", "P": "load", "pull_off": "pull-off force"}
 
 
-@click.command("converge")
+@click.command("converge", cls=Verb)
 @click.argument("case", type=click.Path(path_type=Path))
 @click.option("--levels", type=click.IntRange(2, 8), default=4, show_default=True, help="Meshes; the last: the case's.")
 @click.option("--contact", type=click.Choice(["nested", "incremental"]), help="Instead of the case's.")

@@ -14,6 +14,7 @@ from ..many.study.pull_off_map import forecast, map_columns, pull_off_map
 from ..report.output import PICTURES, Output
 from .options import check_nu, parallel_options
 from .output import answer, into_folder, output_options
+from .verb import Verb
 from .voice import progress, say
 
 if TYPE_CHECKING:
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
 SHOWN = ("nu", "w_R2_over_Estar_h3", "minus_P_over_pi_w_R", "a_over_h")
 
 
-@click.command("pull-off-map")
+@click.command("pull-off-map", cls=Verb)
 @click.option("--nu", "nus", type=float, multiple=True, default=(0.3, 0.499), show_default=True, help="Repeatable.")
 @click.option("--base", type=click.Choice(["bonded", "frictionless"]), default="bonded", show_default=True)
 @click.option("--q", "qs", type=float, multiple=True, help="Values of w R^2/(E* h^3) [default: 1e-3 to 1e4].")

@@ -17,6 +17,7 @@ from ..report.output import PICTURES, Output
 from .cycle_rate import PairsType
 from .options import check_nu, parallel_options
 from .output import answer, into_folder, output_options
+from .verb import Verb
 from .voice import progress, say
 
 if TYPE_CHECKING:
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
 SPEEDS = tuple(10.0 ** (i / 2) for i in range(-8, 5))
 
 
-@click.command("rate-map")
+@click.command("rate-map", cls=Verb)
 @click.option("--rate", type=PairsType(), default="n=0.6", show_default=True,
               help="The law in units of w0 and v0: n=0.6; law=log,b=0.3.")  # fmt: skip
 @click.option("--thickness", "thicknesses", type=float, multiple=True, default=(0.3,), show_default=True,

@@ -13,6 +13,7 @@ from ..many.study.sticking_map import forecast, sticking_map
 from ..report.output import PICTURES, Output
 from .options import check_nu, parallel_options
 from .output import answer, into_folder, output_options
+from .verb import Verb
 from .voice import progress, say
 
 if TYPE_CHECKING:
@@ -22,7 +23,7 @@ NUS = (0.0, 0.3, 0.45, 0.49, 0.499, 0.5)
 RATIOS = (0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 10 / 3, 5.0, 10.0)
 
 
-@click.command("sticking-map")
+@click.command("sticking-map", cls=Verb)
 @click.option("--nu", "nus", type=float, multiple=True, default=NUS, show_default=True, help="Repeatable.")
 @click.option("--ratio", "ratios", type=float, multiple=True, help="Values of a/h [default: 0.05 to 10].")
 @parallel_options

@@ -15,6 +15,7 @@ from ..many.study.transition_map import forecast, transition_columns, transition
 from ..report.output import PICTURES, Output
 from .options import check_nu, parallel_options
 from .output import answer, into_folder, output_options
+from .verb import Verb
 from .voice import progress, say, warn
 
 if TYPE_CHECKING:
@@ -25,7 +26,7 @@ SHOWN = ("nu", "w_R2_over_Estar_h3", "mu", "minus_P_over_pi_w_R", "jkr_minus_P_o
 QS, MUS = tuple(np.geomspace(1e-2, 1e2, 13).tolist()), tuple(np.geomspace(0.1, 30, 17).tolist())  # choice: of a map
 
 
-@click.command("transition-map")
+@click.command("transition-map", cls=Verb)
 @click.option("--nu", "nus", type=float, multiple=True, default=(0.499,), show_default=True, help="Repeatable.")
 @click.option("--base", type=click.Choice(["bonded", "frictionless"]), default="bonded", show_default=True)
 @click.option("--q", "qs", type=float, multiple=True,

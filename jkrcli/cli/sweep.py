@@ -15,10 +15,11 @@ from ..many.sweep.solving import FAILED
 from ..many.sweep.table import SweepTable
 from ..report import tables
 from .options import NumberRange, parallel_options
+from .verb import Verb
 from .voice import note, progress, say, warn
 
 
-@click.command()
+@click.command(cls=Verb)
 @click.argument("sweep_file", metavar="SWEEP", type=click.Path(path_type=Path))
 @click.option(
     "-o", "--output", type=click.Path(path_type=Path, file_okay=False), help="Folder [default: <sweep>-results here]."

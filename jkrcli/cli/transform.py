@@ -21,13 +21,14 @@ from ..report.scaling import Scales, own_scales, scales_of
 from .options import ScaleType, WorkType, limits_options, modulus_factor_option, range_options, slopes_option
 from .output import answer, into_folder, output_options, refuse_doubles
 from .series import begin_curves, read_series, series_file, works_of
+from .verb import Verb
 from .voice import say, warn
 
 if TYPE_CHECKING:
     from ..report.plots import Figure
 
 
-@click.command()
+@click.command(cls=Verb)
 @click.argument("files", nargs=-1, required=True, type=click.Path(path_type=Path))
 @click.option("--w", "works", multiple=True, type=WorkType(), help='J/m^2 or "35 mJ/m^2" [default: the case\'s].')
 @range_options

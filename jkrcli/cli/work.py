@@ -12,6 +12,7 @@ from ..report.output import PICTURES, Files, Output
 from .measured import TUNING, begin_reading, reading_of, reading_options
 from .options import WORKERS, ScaleType, modulus_factor_option, slopes_option
 from .output import answer, into_folder, output_options, refuse_doubles
+from .verb import Verb
 from .voice import progress, say, warn
 
 if TYPE_CHECKING:
@@ -24,7 +25,7 @@ CHUNK = 20  # curves in one task
 SHOWN = 10  # curves of a file that are told line by line
 
 
-@click.command()
+@click.command(cls=Verb)
 @click.argument("series", type=click.Path(path_type=Path))
 @click.argument("measured", nargs=-1, required=True, type=click.Path(path_type=Path))
 @click.option("--use", type=click.Choice(["a,P", "a,delta", "delta,P"]),

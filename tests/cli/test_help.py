@@ -20,6 +20,7 @@ from jkrcli.cli import GROUPS, VERBS, VOICED
 from jkrcli.cli import doctor as doctor_part
 from jkrcli.cli import jkr as root
 from jkrcli.cli.study import STUDIES
+from jkrcli.cli.verb import GROUPS as OPTIONS
 
 BIN = Path(sys.executable).parent
 
@@ -146,3 +147,17 @@ def test_completion_works_in_zsh() -> None:
     assert completed("zsh", loaded) == ["_jkr_completion:", "function", "_jkr_completion"]
     asked = "COMP_WORDS='jkr transform --slopes in' COMP_CWORD=3 _JKR_COMPLETE=zsh_complete jkr"
     assert "integral" in completed("zsh", asked)
+
+
+@pytest.mark.parametrize("verb", [verb for verb in VERBS if verb != "study"])
+def test_help_begins_with_the_options_that_everybody_needs(jkr: Callable, verb: str) -> None:
+    first = jkr(verb, "--help").out.partition("\nOptions:\n")[2].partition("\n\n")[0].splitlines()
+    assert len(first) <= 30  # a screen, its usage and title with it
+    assert not any(line.split()[0] in ("--limit-memory", "--json", "--column") for line in first if line.strip())
+
+
+def test_groups_hold_options_that_exist() -> None:
+    context = click.Context(root)
+    verbs = [root.get_command(context, verb) for verb in VERBS]
+    known = {max(option.opts, key=len) for verb in verbs for option in getattr(verb, "params", ())}
+    assert {f"--{name}" for names in OPTIONS.values() for name in names} <= known | {"--help"}

@@ -3,17 +3,25 @@
 from __future__ import annotations
 
 import csv
+import dataclasses
 import json
 import os
 import subprocess
 import sys
 from pathlib import Path
+from typing import Annotated
 
 import numpy as np
 import pytest
 
 from jkrcli.base.arrays import Array
+from jkrcli.base.errors import InputError
+from jkrcli.base.units import Ranged, check_ranges
+from jkrcli.case import parse_case, store
+from jkrcli.case.numerics import method_of, options_of
 from jkrcli.formulas.thin_layer import foundation_modulus, thin_layer
+from jkrcli.methods import METHODS
+from jkrcli.methods.layered.layered import Layered
 
 CASE = """
 method = "{method}"
@@ -31,6 +39,16 @@ points = 40
 [adhesion]
 w = "10 mJ/m^2"
 """
+
+
+@dataclasses.dataclass(frozen=True)
+class BadDefault:
+    """Options whose default is out of their own range."""
+
+    tolerance: Annotated[float, Ranged("number", least=1e-8, most=1e-2)] = 1.0
+
+    def __post_init__(self) -> None:
+        check_ranges(self, "bad")
 
 
 def jkr(module: str, *words: object) -> subprocess.CompletedProcess[str]:
@@ -91,6 +109,25 @@ def test_a_method_of_ones_own(tmp_path: Path) -> None:
     delta, P = thin_layer(found["a_m"], 2 * foundation_modulus(1e6, 0.3, 1e-6), 1e-3)
     np.testing.assert_allclose(found["delta_H_m"], delta, rtol=1e-9)  # as the CSV is written
     np.testing.assert_allclose(found["P_H_N"], P, rtol=1e-9)
+
+
+def test_a_file_needs_no_method_that_it_was_not_made_with(tmp_path: Path) -> None:
+    (tmp_path / "my.toml").write_text(CASE.format(method="winkler", shape="paraboloid", keys="", thickness="1 um"))
+    words = (tmp_path / "my.toml", "--method", "layered", "-o", tmp_path / "my.h5")
+    assert jkr("winkler", "run", *words).returncode == 0
+    text = (tmp_path / "my.h5").read_bytes()
+    assert b"winkler" not in text
+    assert b"[mesh]" not in text
+    assert store.read(tmp_path / "my.h5").method == "layered"
+
+
+def test_a_bad_default_is_told_when_its_method_is_used(monkeypatch: pytest.MonkeyPatch) -> None:
+    bad = dataclasses.replace(METHODS["hybrid"], name="bad", options=BadDefault, table="")
+    monkeypatch.setitem(METHODS, "bad", bad)
+    case = parse_case(CASE.format(method="layered", shape="paraboloid", keys="", thickness="1 um").encode(), "case")
+    assert method_of(case.model, "layered") == Layered()
+    with pytest.raises(InputError, match=r"bad\.tolerance: must be"):
+        BadDefault(**options_of(case.model, "bad"))
 
 
 def test_options_of_a_method_of_ones_own_are_checked(tmp_path: Path) -> None:

@@ -16,7 +16,7 @@ from ..base import units
 from ..base.errors import InputError, did_you_mean, nearest
 from ..base.files import read_bytes
 from ..bodies.indenters import SHAPES
-from .models import CaseModel, RootTable, case_model
+from .models import CaseModel, RootTable, case_model, other_tables
 from .quotes import UnquotedError, has_unquoted
 
 Root = TypeVar("Root", bound=RootTable)
@@ -50,9 +50,15 @@ class Case:
         tree["mesh"] |= values
         return Case(validated(case_model(tree), tree, self.source), self.source)
 
-    def to_toml(self) -> str:
-        """The resolved case, every default written out, SI numbers: reads back to the same numbers."""
-        return self.text or tomli_w.dumps(self.model.model_dump(exclude_none=True))
+    def to_toml(self, method: str | None = None) -> str:
+        """The resolved case, every default written out, SI numbers: reads back to the same numbers. With the options
+        of the ``method`` alone where one is named, so that what it made never needs another one."""
+        if self.text:
+            return self.text
+        tree = self.model.model_dump(exclude_none=True, exclude=set() if method is None else other_tables(method))
+        if method is not None and tree["method"] != "auto":
+            tree["method"] = method
+        return tomli_w.dumps(tree)
 
 
 def load_case(path: str | Path) -> Case:

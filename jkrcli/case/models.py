@@ -8,7 +8,14 @@ from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
 from typing import Annotated, Any, Literal, Self, cast, get_args
 
-from pydantic import BeforeValidator, Field, ModelWrapValidatorHandler, create_model, model_validator
+from pydantic import (
+    BeforeValidator,
+    Field,
+    ModelWrapValidatorHandler,
+    ValidationError,
+    create_model,
+    model_validator,
+)
 
 from ..base.errors import InputError
 from ..bodies.indenters import SHAPES
@@ -246,8 +253,23 @@ def _restored(tree: dict[str, Any]) -> CaseModel:
 def _completed(shapes: tuple[tuple[str, Any], ...], methods: tuple[Descriptor, ...]) -> type[CaseModel]:
     names = Literal.__getitem__(("auto", *(method.name for method in methods)))
     fields: dict[str, Any] = {"method": (names, "auto"), "indenter": (any_indenter(dict(shapes)), ...)}
-    fields |= {table: (kind, kind()) for table, kind in _option_tables(methods).items()}
+    fields |= {table: (kind, _default(kind)) for table, kind in _option_tables(methods).items()}
     return create_model("CaseModel", __base__=CaseModel, **fields)
+
+
+def _default(kind: type[Table]) -> Table:
+    """The table where nothing is given. A default that its own method refuses is that method's mistake, which says so
+    when it is used."""
+    try:
+        return kind()
+    except ValidationError:
+        return kind.model_construct()
+
+
+def other_tables(method: str) -> set[str]:
+    """The tables of options that the method called ``method`` has no part in."""
+    own = {place.table for place in METHODS[method].places.values()} if method in METHODS else set()
+    return {place.table for other in METHODS.values() for place in other.places.values()} - own
 
 
 def _option_tables(methods: Iterable[Descriptor]) -> dict[str, type[Table]]:

@@ -87,7 +87,7 @@ def _tree(solution: Solution, command_line: str) -> Group:
     series, raw, pressure, record = solution.series, solution.raw, solution.pressure, solution.record
     first = {"a0_m": series.a0} | ({} if series.S0 is None else {"S0_N_per_m": series.S0})
     budget = {name: _cell(value) for name, value in solution.budget.as_dict().items()}
-    text = record.toml or case_of(solution.problem).to_toml()
+    text = (record.case or case_of(solution.problem)).to_toml(solution.method)
     members: dict[str, Group | Dataset] = {
         "case": Dataset(text),
         "series": Group(first, _columns({name: getattr(series, name) for name in COLUMNS}, WORDS)),

@@ -174,7 +174,7 @@ class PressureTable:
 class Resolved(Protocol):
     """A case with every default written out."""
 
-    def to_toml(self) -> str: ...
+    def to_toml(self, method: str | None = None) -> str: ...
 
 
 @dataclass(frozen=True, eq=False)

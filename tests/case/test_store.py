@@ -60,7 +60,8 @@ def assert_same(one: Solution, other: Solution) -> None:
     for name in ("problem", "budget", "method", "facts", "timings", "warnings", "key"):
         assert getattr(one, name) == getattr(other, name), name
     assert (one.series.a0, one.series.S0) == (other.series.a0, other.series.S0)
-    for name in ("title", "w", "z0", "toml"):
+    assert one.record.toml == other.record.case.to_toml(other.method)
+    for name in ("title", "w", "z0"):
         assert getattr(one.record, name) == getattr(other.record, name), name
     assert (one.pressure is None) == (other.pressure is None)
     if one.pressure is not None and other.pressure is not None:

@@ -289,8 +289,8 @@ def _finish(folder: Path) -> None:
     except OSError as error:
         names = ", ".join(sorted(new.name for new in pending.glob("*/*")))
         raise InputError(
-            f"{error.filename2 or error.filename}: cannot be replaced ({error.strerror}), while other files of its result "
-            f"are new; move it away and run the command again, or remove {pending} with what is left ({names})"
+            f"{error.filename2 or error.filename}: cannot be replaced ({error.strerror}), while other files of its "
+            f"result are new; move it away and run the command again, or remove {pending} with what is left ({names})"
         ) from None
     with contextlib.suppress(OSError):  # another process did, or put the next result there
         for part in (*pending.glob("*"), pending):

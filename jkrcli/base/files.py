@@ -259,14 +259,11 @@ def _tidy(folder: Path) -> None:
 
 def _commit(folder: Path, whole: Path) -> None:
     """Make the files in ``whole`` those of ``folder``; InputError where one appeared there that is not to go."""
-    try:
-        for new in list((whole / NEW).iterdir()):
-            if _goes_by_force(folder / new.name):  # which of all files, for whoever has to carry on
-                known = whole / str((folder / new.name).stat().st_ino)
-                known.mkdir(exist_ok=True)
-                new.rename(known / new.name)
-    except OSError as error:
-        raise JkrError(f"{error.filename}: cannot be written ({error.strerror})") from None
+    for new in list((whole / NEW).iterdir()):
+        if _goes_by_force(folder / new.name):  # which of all files, for whoever has to carry on
+            known = whole / str((folder / new.name).stat().st_ino)
+            known.mkdir(exist_ok=True)
+            new.rename(known / new.name)
     for _ in range(TRIES):
         _finish(folder)
         with contextlib.suppress(OSError):  # another process may come first

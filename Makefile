@@ -11,18 +11,24 @@ SEED    ?= 1
 JKR     := $(VENV)/bin/jkr
 STUDY   := PYTHONPATH=docs $(VENV)/bin/python -m studies
 READY   := $(VENV)/.ready
+WHEELS  := build/wheels
+PIN     := uv pip compile --universal --python-version 3.11 --generate-hashes --upgrade \
+             --no-emit-index-url --no-emit-find-links --no-header
 QUOTE    = '$(subst ','\'',$(1))'
+# As it stands, with nothing in it carried out; a unit may stand apart from its number.
+override W := $(value W)
+WORKS    = $(shell printf '%s' $(call QUOTE,$(W)) | sed 's/ *\([^ 0-9.]\)/\1/g')
 STEM     = $(shell basename -- $(call QUOTE,$(CASE)) .toml)
 CASES   := $(notdir $(basename $(wildcard cases/*.toml)))
 SOURCES := $(shell find jkrcli -name '*.py')
 
 .DEFAULT_GOAL := help
-.PHONY: help setup run test test-all test-minimal fuzz lint docs validation gallery benchmarks cases bench figures noise-study chart chart-peers failures bounds range-bounds guards tuning sweep audit clean requirements
+.PHONY: help setup run test test-all test-minimal wheel fuzz lint docs validation gallery benchmarks cases bench figures noise-study chart chart-peers failures bounds range-bounds guards tuning sweep audit clean requirements
 .DELETE_ON_ERROR:
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "  make %-14s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
-	@echo "  variables: CASE=my.toml  W='50 40' (J/m^2)  RESULTS=folder  SEED=7  AGAINST=checkout  PYTHON=python3.12"
+	@echo "  variables: CASE=my.toml  W='40 mJ/m^2 50 mJ/m^2'  RESULTS=folder  SEED=7  AGAINST=checkout  PYTHON=python3.12"
 
 setup: $(READY) ## virtual environment and the system libraries that the mesher needs
 
@@ -37,8 +43,8 @@ $(READY): requirements.txt pyproject.toml .ci/system-libraries
 run: $(READY) ## solve and transform CASE (default: the half-space), optionally for the works of adhesion W
 	@mkdir -p $(call QUOTE,$(RESULTS))
 	$(JKR) run $(call QUOTE,$(CASE)) -o $(call QUOTE,$(RESULTS)/$(STEM).h5)
-	$(JKR) transform $(call QUOTE,$(RESULTS)/$(STEM).h5) $(addprefix --w ,$(W)) -o $(call QUOTE,$(RESULTS))
-	@echo "look at:"; ls -t $(call QUOTE,$(RESULTS))/$(call QUOTE,$(STEM))-w*.png | head -n $(words $(or $(W),1)) | sed 's/^/  /'
+	$(JKR) transform $(call QUOTE,$(RESULTS)/$(STEM).h5) $(foreach w,$(WORKS),--w $(call QUOTE,$(w))) -o $(call QUOTE,$(RESULTS))
+	@echo "look at:"; ls -t $(call QUOTE,$(RESULTS))/$(call QUOTE,$(STEM))-w*.png | head -n $(words $(or $(WORKS),1)) | sed 's/^/  /'
 
 test: $(READY) ## the fast tests
 	$(VENV)/bin/python -m pytest -n auto -m "not slow"
@@ -47,12 +53,20 @@ test-all: $(READY) ## every test
 	$(VENV)/bin/python -m pytest -n auto
 
 fuzz: $(READY) ## wrong files and random bodies of a SEED that the tests do not try (an hour)
-	$(VENV)/bin/python -m pytest -n auto --fuzz-seed $(SEED) tests/properties/test_fuzz.py tests/properties/test_fuzz_options.py tests/studies/test_failures.py
+	$(VENV)/bin/python -m pytest -n auto --fuzz-seed $(call QUOTE,$(SEED)) tests/properties/test_fuzz.py tests/properties/test_fuzz_options.py tests/studies/test_failures.py
 
-test-minimal: $(READY) ## the fast tests with the required packages only, in an environment of their own
+$(WHEELS): requirements.txt | $(READY) # the pinned packages themselves, checked, to install some of them from
+	@rm -rf $@ $@.part
+	$(VENV)/bin/python -m pip download --quiet --require-hashes -r $< -d $@.part
+	@mv $@.part $@
+
+test-minimal: $(READY) $(WHEELS) ## the fast tests with the required packages only, in an environment of their own
 	$(PYTHON) -m venv --clear $(VENV)-minimal
-	$(VENV)-minimal/bin/python -m pip install --quiet -e '.[test]'
+	$(VENV)-minimal/bin/python -m pip install --quiet --no-index --find-links $(WHEELS) -e '.[test]'
 	$(VENV)-minimal/bin/python -m pytest -n auto -m "not slow"
+
+wheel: $(READY) $(WHEELS) ## build sdist and wheel into dist, install it into an empty environment and use it from another folder
+	$(VENV)/bin/python .ci/wheel.py $(WHEELS)
 
 lint: $(READY) ## style and types
 	$(VENV)/bin/ruff check .
@@ -112,26 +126,26 @@ failures: $(READY) ## where each method is right, refuses, or errs (an hour)
 	$(STUDY).failures -o $(RESULTS)/failures
 
 bounds: $(READY) ## whether stated errors bound the true ones and are near them, on 500 random bodies (half an hour)
-	$(STUDY).bounds --seed $(SEED) -o $(RESULTS)/bounds
+	$(STUDY).bounds --seed $(call QUOTE,$(SEED)) -o $(RESULTS)/bounds
 
 guards: $(READY) ## forecasts against costs over all that grows, and how soon too much is refused (ten minutes)
 	$(STUDY).guards
 
 range-bounds: $(READY) ## whether stated errors of adhesion of finite range bound the true ones, on 200 random bodies
-	$(STUDY).range_bounds --seed $(SEED) -o $(RESULTS)/range-bounds
+	$(STUDY).range_bounds --seed $(call QUOTE,$(SEED)) -o $(RESULTS)/range-bounds
 
 sweep: $(READY) ## a small map over thickness and Poisson's ratio
 	$(JKR) sweep cases/sweeps/gel.toml -o $(RESULTS)/sweep-gel
 
 audit: $(READY) ## look the pinned packages up among known vulnerabilities (needs the network)
 	$(PYTHON) -m venv --clear $(VENV)-audit
-	$(VENV)-audit/bin/python -m pip install --quiet pip-audit
+	$(VENV)-audit/bin/python -m pip install --quiet --require-hashes -r .ci/audit.txt
 	$(VENV)-audit/bin/pip-audit --strict --require-hashes --disable-pip -r requirements.txt
 
-requirements: ## pin the dependencies anew (needs uv)
-	uv pip compile pyproject.toml --extra dev --universal --python-version 3.11 --generate-hashes \
-	  --no-emit-index-url --no-emit-find-links --no-header --upgrade -o requirements.txt
+requirements: ## pin the dependencies, and those of make audit, anew (needs uv)
+	$(PIN) pyproject.toml --extra dev -o requirements.txt
+	echo pip-audit | $(PIN) - -c requirements.txt -o .ci/audit.txt
 
 clean: ## remove results and caches (the virtual environment stays)
-	rm -rf $(RESULTS) build *.egg-info .pytest_cache .hypothesis .ruff_cache .mypy_cache
+	rm -rf $(RESULTS) build dist *.egg-info .pytest_cache .hypothesis .ruff_cache .mypy_cache
 	find jkrcli tests -name __pycache__ -prune -exec rm -rf {} +

@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import functools
 import os
-import re
 import secrets
+import shutil
+import stat
+import time
 from collections.abc import Iterable, Iterator
 from contextvars import ContextVar
 from pathlib import Path
-from typing import BinaryIO
+from typing import BinaryIO, TypeAlias
 
 from .errors import InputError, JkrError, nearest
 from .interrupts import Waiting
+from .locks import taken
 
 CSV_HEADS = (
     b"number,method,column,ratio,stated",  # our tables carry no mark but their own header
@@ -47,6 +51,12 @@ HEADS = {  # how a file begins, and what then stands near its head
 TAILS = (b"$Comments\njkr ", b"<!-- jkr ")  # of meshes
 PARQUET, PARQUET_MARK = b"PAR1", b"jkr-sweep-table"
 SERIES_ENDINGS = (".h5", ".hdf5")
+MARK, LOCK = ".jkr-", ".lock"  # of hidden folders and the files beside them
+PENDING = ".jkr-pending"
+PART, WHOLE, NEW = "part", "whole", "new"  # folders in a hidden one
+TRIES = 1000  # choice: to come first with a result among those of other processes
+LEFT = 86_400.0  # choice: seconds beyond which, where there are no locks, nobody is taken to be writing any more
+Stages: TypeAlias = dict[Path, tuple[Path, BinaryIO]]  # hidden folders and their locks, by the folders written to
 
 
 def read_bytes(path: Path, what: str, limit: int = 1 << 30) -> bytes:
@@ -63,6 +73,7 @@ def opened(path: Path, what: str) -> Iterator[BinaryIO]:
     try:
         if path.exists() and not (path.is_file() or path.is_dir()):
             raise InputError(f"{path}: is a device or a pipe, not a {what}")
+        _finish(path.parent)
         with path.open("rb") as file:
             yield file
     except FileNotFoundError:
@@ -124,13 +135,24 @@ def _check_target(path: Path, force: bool, inputs: Iterable[Path]) -> None:
         raise InputError(f"{path}: the folder {path.parent} does not exist")
     if not os.access(path.parent, os.W_OK):
         raise InputError(f"{path}: the folder {path.parent} is not writable")
+    _finish(path.parent)
     _tidy(real(path.parent))
-    if not path.exists():
-        return
-    if any(source.exists() and path.samefile(source) for source in inputs):
+    if path.exists() and any(source.exists() and path.samefile(source) for source in inputs):
         raise InputError(f"{path}: is read by this command, cannot be written too; give another name")
-    if not force and not is_ours(path):
+    (_forced.add if force else _forced.discard)(path.absolute())
+    _goes_by_force(path)
+
+
+_forced: set[Path] = set()  # targets that were checked with --force: what appears there later may go too
+
+
+def _goes_by_force(path: Path) -> bool:
+    """Whether a file that jkr did not write is to go, as --force was given; InputError where it was not."""
+    if not path.exists() or is_ours(path):
+        return False
+    if path.absolute() not in _forced:
         raise InputError(f"{path}: exists and was not written by jkr; give --force to replace it, or another name")
+    return True
 
 
 def check_series_target(path: Path, force: bool = False, inputs: Iterable[Path] = ()) -> None:
@@ -156,90 +178,144 @@ def make_folder(path: Path) -> None:
 
 @contextlib.contextmanager
 def atomic(path: Path) -> Iterator[Path]:
-    """A temporary name beside ``path``, renamed to it when the block ends well, removed when it does not.
-
-    A process that is killed leaves its temporary file; the next one that writes into the folder removes it.
-    """
-    temporary = path.with_name(f"{_mark()}{os.getpid()}-{secrets.token_hex(4)}{path.suffix}")
-    with together() as written:
-        written[temporary] = None  # known before it is there: Ctrl-C leaves none behind
+    """A name to write ``path`` under: it is there when the block ends well, as it was before when it does not."""
+    with together() as stages:
         try:
-            try:
-                temporary.open("xb").close()
-            except OSError as error:
-                raise InputError(f"{path}: cannot be written ({error.strerror})") from None
+            stage = _stage(path.parent, stages)
+            temporary = stage / PART / path.name
             yield temporary
-            with temporary.open("rb") as file:
+            with temporary.open("r+b") as file:
                 os.fsync(file.fileno())
-            written[temporary] = path
+            temporary.replace(stage / WHOLE / NEW / path.name)
         except OSError as error:
             raise JkrError(f"{path}: cannot be written ({error.strerror or error})") from None
-        finally:
-            if written[temporary] is None:
-                _remove(temporary)
+
+
+def remove(path: Path) -> None:
+    """Let the file at ``path`` go as ``atomic`` lets one come; an empty folder stands for it until then."""
+    with together() as stages:
+        (_stage(path.parent, stages) / WHOLE / NEW / path.name).mkdir()
 
 
 @contextlib.contextmanager
-def together() -> Iterator[dict[Path, Path | None]]:
+def together() -> Iterator[Stages]:
     """Files that are written within the block replace the old ones at its end, all of them or, where it ends badly,
-    none; within another such block at the end of that. What it gives: targets by their temporary names, None until a
-    file is whole."""
-    outer = _written.get()
+    none; within another such block at the end of that.
+
+    They are written into a hidden folder beside them. The renaming of that to ``PENDING`` makes them the result; then
+    each goes to its place. What a process leaves that is killed before is removed by the next command that writes
+    there; behind that moment the next one that reads or writes there carries on.
+    """
+    outer = _stages.get()
     if outer is not None:
         yield outer
         return
-    written: dict[Path, Path | None] = {}
-    token = _written.set(written)
+    stages: Stages = {}
+    token = _stages.set(stages)
     try:
-        yield written
+        yield stages
         with Waiting():  # so that Ctrl-C finds all of them replaced
-            for temporary, path in written.items():
-                if path is not None:
-                    _replace(temporary, path)
+            for folder, (stage, _) in stages.items():
+                _commit(folder, stage / WHOLE)
+            _drop(stages)
     finally:
-        _written.reset(token)
-        for temporary in written:
-            _remove(temporary)
+        _stages.reset(token)
+        _drop(stages)
 
 
-_written: ContextVar[dict[Path, Path | None] | None] = ContextVar("_written", default=None)
+_stages: ContextVar[Stages | None] = ContextVar("_stages", default=None)
 
 
-def _replace(temporary: Path, path: Path) -> None:
-    try:
-        temporary.replace(path)
-    except OSError as error:
-        raise JkrError(f"{path}: cannot be written ({error.strerror})") from None
+def _stage(folder: Path, stages: Stages) -> Path:
+    """The hidden folder for files of ``folder``; a lock on the file beside it says that its process lives."""
+    while folder not in stages:
+        stage = folder / f"{MARK}{secrets.token_hex(8)}"
+        with Waiting():
+            lock = stage.with_suffix(LOCK).open("xb")
+            if taken(lock) is not False and stage.with_suffix(LOCK).exists():  # else another's ``_tidy`` was faster
+                stages[folder] = stage, lock
+                (stage / WHOLE / NEW).mkdir(parents=True)
+                (stage / PART).mkdir()
+    return stages[folder][0]
 
 
-def _remove(temporary: Path) -> None:
-    with contextlib.suppress(OSError):
-        temporary.unlink(missing_ok=True)
-
-
-def _mark() -> str:
-    """How the names of this machine's temporary files begin; the number of their process follows."""
-    return f".jkr-{re.sub(r'[^A-Za-z0-9]', '', os.uname().nodename)}-"
+def _drop(stages: Stages) -> None:
+    for stage, lock in stages.values():
+        shutil.rmtree(stage, ignore_errors=True)
+        lock.close()
+        with contextlib.suppress(OSError):
+            stage.with_suffix(LOCK).unlink()
 
 
 @functools.cache
 def _tidy(folder: Path) -> None:
-    """Remove temporary files of processes of this machine that were killed, once for every folder written to."""
-    with contextlib.suppress(OSError):
-        for path in folder.glob(f"{_mark()}*"):
-            number = path.name.removeprefix(_mark()).split("-")[0]
-            if number.isdigit() and not _is_running(int(number)):
-                path.unlink(missing_ok=True)
+    """Remove what processes that are no more were writing, once for every folder written to."""
+    for path in folder.glob(f"{MARK}*{LOCK}"):
+        with contextlib.suppress(OSError), path.open("r+b") as lock:
+            is_free = taken(lock)
+            if is_free or (is_free is None and time.time() - path.stat().st_mtime > LEFT):
+                _drop({folder: (path.with_suffix(""), lock)})
 
 
-def _is_running(process: int) -> bool:
+def _commit(folder: Path, whole: Path) -> None:
+    """Make the files in ``whole`` those of ``folder``; InputError where one appeared there that is not to go."""
+    for new in list((whole / NEW).iterdir()):
+        if _goes_by_force(folder / new.name):  # which of all files, for whoever has to carry on
+            known = whole / str((folder / new.name).stat().st_ino)
+            known.mkdir(exist_ok=True)
+            new.rename(known / new.name)
+    for _ in range(TRIES):
+        _finish(folder)
+        with contextlib.suppress(OSError):  # another process may come first
+            whole.rename(folder / PENDING)
+            break
+    else:
+        raise JkrError(f"{folder / PENDING}: is in the way of new files; move it away")
+    _finish(folder)
+
+
+def _finish(folder: Path) -> None:
+    """Put the files of a complete result in their places, this process's or those of one that was killed meanwhile;
+    several may do so at once, because each file can be taken only once. InputError where one cannot be put there."""
+    pending = folder / PENDING
+    if pending.is_symlink() or not pending.is_dir() or _is_anothers(pending):
+        return
     try:
-        os.kill(process, 0)
-    except ProcessLookupError:
-        return False
-    except (PermissionError, OverflowError):
-        return True
-    return True
+        for new in sorted(pending.glob("*/*")):
+            _place(new, folder / new.name)
+    except OSError as error:
+        names = ", ".join(sorted(new.name for new in pending.glob("*/*")))
+        raise InputError(
+            f"{error.filename2 or error.filename}: cannot be replaced ({error.strerror}), while other files of its "
+            f"result are new; move it away and run the command again, or remove {pending} with what is left ({names})"
+        ) from None
+    with contextlib.suppress(OSError):  # another process did, or put the next result there
+        for part in (*pending.glob("*"), pending):
+            part.rmdir()
+
+
+def _is_anothers(pending: Path) -> bool:
+    """Whether it is another user's, in a folder such as /tmp where all may write but nobody over others' files."""
+    with contextlib.suppress(FileNotFoundError):
+        return bool(pending.parent.stat().st_mode & stat.S_ISVTX) and pending.stat().st_uid != os.geteuid()
+    return False
+
+
+def _place(new: Path, path: Path) -> None:
+    """Give ``new`` the name ``path``; OSError where that cannot be, or stands for what is not to be replaced."""
+    with contextlib.suppress(FileNotFoundError):  # another process was faster
+        try:
+            os.link(new, path)  # unlike renaming it never replaces what appeared this very moment
+        except OSError:
+            is_known = not path.exists() or str(path.stat().st_ino) == new.parent.name
+            if not (is_known or is_ours(path) or path.samefile(new)):
+                raise FileExistsError(errno.EEXIST, "it was not written by jkr", str(path)) from None
+            if new.is_dir():
+                path.unlink(missing_ok=True)
+                new.rmdir()
+            else:
+                new.replace(path)
+        new.unlink(missing_ok=True)
 
 
 def write_text(path: Path, text: str) -> None:

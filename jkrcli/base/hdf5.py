@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import fcntl
 import hashlib
 from collections.abc import Container, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -14,6 +13,7 @@ import numpy as np
 
 from .arrays import Array
 from .errors import InputError, writable
+from .locks import taken
 
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 SEAL = "sha256"  # attribute of a group: the digest of everything else in it
@@ -176,12 +176,9 @@ def _is_being_written(path: Path) -> bool:
     """Whether another program holds the lock that HDF5 takes to write."""
     try:
         with path.open("rb") as file:
-            fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
-    except BlockingIOError:
-        return True
+            return taken(file, shared=True) is False
     except OSError:
         return False
-    return False
 
 
 def _group(path: Path, group: h5py.Group, without: Container[str] = (), depth: int = 0) -> Group:

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
 
 SAID = "interrupted; nothing half-written was left"
 CODE = 130  # 128 + SIGINT, as shells count
+HAS_MASKS = hasattr(signal, "pthread_sigmask")  # not on Windows
 _came = False  # a KeyboardInterrupt was raised
 _waits = False  # none is raised now
 
@@ -59,12 +60,14 @@ class Waiting:
     def __enter__(self) -> None:
         global _waits
         _waits = True
-        self._before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+        if HAS_MASKS:
+            self._before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
 
     def __exit__(self, *_: object) -> None:
         global _waits
         _waits = False
-        signal.pthread_sigmask(signal.SIG_SETMASK, self._before)
+        if HAS_MASKS:
+            signal.pthread_sigmask(signal.SIG_SETMASK, self._before)
 
 
 def came() -> bool:
@@ -83,9 +86,16 @@ def _if_lost(lost: sys.UnraisableHookArgs) -> None:
 def _once_more() -> None:
     from threading import Timer
 
-    timer = Timer(0.01, os.kill, (os.getpid(), signal.SIGINT))
+    timer = Timer(0.01, _send)
     timer.daemon = True  # a process that ends meanwhile is not held up
     timer.start()
+
+
+def _send() -> None:
+    if HAS_MASKS:
+        os.kill(os.getpid(), signal.SIGINT)  # wakes the main thread too, be it in a library
+    else:
+        signal.raise_signal(signal.SIGINT)  # on Windows to kill is to end
 
 
 def ignore() -> None:

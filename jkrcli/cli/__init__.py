@@ -139,6 +139,7 @@ def call(arguments: Sequence[str] | None = None) -> int:
         if len(words) > MOST_WORDS:
             raise InputError(f"the command line holds {len(words):,} words, at most {MOST_WORDS:,} are read")
         _say_little_space()
+        _leave_out_odd_date()
         with warnings.catch_warnings(), _interrupts_first():
             warnings.filterwarnings("error", ARITHMETIC, RuntimeWarning)
             code = jkr.main(args=words, prog_name="jkr", standalone_mode=False, obj=["jkr", *words])
@@ -187,6 +188,15 @@ def _say_little_space() -> None:
     most, _ = resource.getrlimit(resource.RLIMIT_AS)
     if 0 <= most < LITTLE:  # -1: no limit
         warn(f"the address space is limited to {most >> 20} MiB: libraries may not load, or hang; raise ulimit -v")
+
+
+def _leave_out_odd_date() -> None:
+    """Say that a date for reproducible builds is none: libraries end in a ValueError of their own over it."""
+    try:
+        int(date := os.environ.get("SOURCE_DATE_EPOCH", "0"))
+    except ValueError:
+        warn(f'SOURCE_DATE_EPOCH must be a whole number, got "{date}": it is left out')
+        del os.environ["SOURCE_DATE_EPOCH"]
 
 
 @contextlib.contextmanager

@@ -26,6 +26,6 @@ def new(file: Path, force: bool) -> None:
     """
     if file.exists() and not force:
         raise InputError(f"{file}: exists; give --force to replace it, or another name")
-    check_target(file, force=True)
+    check_target(file, force)
     write_text(file, TEMPLATE)
     say(f"written {file}; next: edit it, jkr check {file}")

@@ -15,6 +15,7 @@ from typing import Any
 
 from .. import __version__
 from ..base.errors import InputError, JkrError
+from ..base.files import check_target
 from ..bodies.problem import Problem
 from ..case import store
 from ..methods import Method
@@ -66,6 +67,7 @@ def solved(problem: Problem, method: Method, folder: Path | None = None) -> Solu
     expensive = time.process_time() - start > TUNING.worth_keeping
     if path is not None and expensive and solution.raw is None and path.parent.is_dir():
         with contextlib.suppress(JkrError):  # no room, or a shape that no case can say: it is solved every time
+            check_target(path, force=True)  # also what is damaged
             store.write(path, solution, _made_by(key))
     return solution
 

@@ -326,6 +326,7 @@ def test_expensive_solves_are_kept(jkr, tmp_path: Path, solves: list, tuned: Cal
     solves.clear()
     assert jkr("sweep", "s.toml", "-o", "r", "--workers", "1").code == 0
     assert len(solves) == 1
+    assert store.read(kept[0]).method == "layered"
     after = rows(tmp_path / "r" / "table.csv")
     for name in after[0]:
         assert [row[name] for row in after] == [row[name] for row in before]

@@ -103,8 +103,8 @@ def measured(curve: str) -> None:
 
 def contents(folder: Path) -> dict[str, bytes]:
     """Every visible result below ``folder``, by its name."""
-    found = sorted(path for path in folder.rglob("*") if path.is_file() and not path.name.startswith(".jkr-"))
-    return {str(path.relative_to(folder)): path.read_bytes() for path in found}
+    found = {str(path.relative_to(folder)): path for path in sorted(folder.rglob("*")) if path.is_file()}
+    return {name: path.read_bytes() for name, path in found.items() if ".jkr-" not in name}
 
 
 def temporaries(folder: Path) -> list[Path]:
@@ -201,16 +201,85 @@ def test_killed_at_twenty_moments(name: str, how: signal.Signals, tmp_path: Path
     kills(tmp_path, name, how, MOMENTS)
 
 
-def test_killed_while_writing(tmp_path: Path) -> None:
-    job, folder = JOBS["transform"], prepare(tmp_path / "x")
-    assert call_in(folder, *job.before) == 0
-    old = contents(folder)
-    stop(start(job.command, folder), signal.SIGKILL, lambda: bool(temporaries(folder)))
-    finish(job.command, folder)  # the next start removes what was left
-    assert not temporaries(folder)
-    new = contents(folder)
-    judge(folder, old, new)
-    assert new["y-w0.02.csv"] != old["y-w0.02.csv"]
+KILLED = """
+import os, random, signal, sys, time
+from pathlib import Path
+from jkrcli.base import files
+from jkrcli.cli import call
+from jkrcli.report import output
+
+FILES = [Path("y-w0.02" + ending) for ending in (".csv", ".json", ".png", ".svg")]
+READING, WRITING = os.pipe()
+
+def told(function):
+    def begun(*words, **others):
+        os.write(WRITING, b".")
+        result = function(*words, **others)
+        os.write(WRITING, b".")
+        return result
+    return begun
+
+def held():
+    return [path.read_bytes() for path in FILES]
+
+def begin(old, phase):
+    for path, content in zip(FILES, old):
+        path.write_bytes(content)
+    process = os.fork()
+    if not process:
+        if phase == "write":
+            output.Files.write = told(output.Files.write)
+        else:
+            files._commit = told(files._commit)
+        os._exit(call(["transform", "y.h5", "--w", "0.02", "--force", "-q"]))
+    os.read(READING, 1)
+    return process
+
+old = {"ours": held(), "foreign": [b"mine"] * 4}
+assert call(["transform", "y.h5", "--w", "0.02", "--force", "-q"]) == 0
+new, chance = held(), random.Random(1)
+for what, before in old.items():
+    assert before != new
+    for phase in ("write", "commit"):
+        process, start = begin(before, phase), time.perf_counter()
+        os.read(READING, 1)
+        seconds = time.perf_counter() - start
+        os.waitpid(process, 0)
+        ends = {"old": 0, "new": 0, "half": 0}
+        for _ in range(int(sys.argv[1])):
+            process = begin(before, phase)
+            end = time.perf_counter() + chance.uniform(0, 1.1 * seconds)
+            while time.perf_counter() < end:
+                pass
+            os.kill(process, signal.SIGKILL)
+            os.waitpid(process, 0)
+            os.set_blocking(READING, False)
+            while True:
+                try:
+                    os.read(READING, 9)
+                except BlockingIOError:
+                    break
+            os.set_blocking(READING, True)
+            ends["half"] += held() not in (before, new)
+            sys.stdout.flush()
+            assert call(["show", "y.h5", "--json"]) == 0
+            now = held()
+            assert now in (before, new)
+            ends["old" if now == before else "new"] += 1
+        print("killed", what, phase, f"{1e3 * seconds:.1f} ms", ends, file=sys.stderr)
+"""
+
+
+@pytest.mark.slow
+def test_two_hundred_kills_leave_no_mixture(tmp_path: Path) -> None:
+    """At random moments of the writing of four files, and of its last millisecond, over files of ours and of others."""
+    folder = prepare(tmp_path / "x")
+    assert call_in(folder, *JOBS["transform"].before) == 0
+    done = subprocess.run([sys.executable, "-c", KILLED, "50"], cwd=folder, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    told = [line for line in done.stderr.splitlines() if line.startswith("killed")]
+    print(*told, sep="\n")
+    assert len(told) == 4
 
 
 def test_restarted_sweep_goes_on(tmp_path: Path) -> None:
@@ -238,6 +307,7 @@ def test_restarted_sweep_goes_on(tmp_path: Path) -> None:
 def test_interrupted_at_every_line_of_a_write(tmp_path: Path) -> None:
     """Between a file that was whole and its being known, Ctrl-C left a temporary one behind."""
     path, line = tmp_path / "x.csv", 0
+    files.check_target(path, force=True)
     while True:
         context, seen = contextvars.copy_context(), 0
 
@@ -375,27 +445,10 @@ def test_two_processes_with_one_target(tmp_path: Path) -> None:
     assert not temporaries(folder)
 
 
-def test_temporary_files_of_the_living_stay(tmp_path: Path) -> None:
-    """Only those of processes of this machine that are no more are removed."""
-    mark = files._mark()
-    gone = subprocess.Popen([sys.executable, "-c", ""])
-    gone.wait()
-    names = {
-        f"{mark}{gone.pid}-a.h5": False,
-        f"{mark}{os.getpid()}-a.h5": True,
-        f".jkr-elsewhere-{gone.pid}-a.h5": True,
-        f"{mark}x-a.h5": True,
-        ".x.h5": True,
-    }
-    for name in names:
-        (tmp_path / name).touch()
-    files.check_target(tmp_path / "x.h5")
-    assert {name: (tmp_path / name).exists() for name in names} == names
-
-
 def test_files_of_one_result_are_replaced_together(tmp_path: Path) -> None:
     """A table of now beside a picture of yesterday is no result."""
     for name in "ab":
+        files.check_target(tmp_path / name, force=True)
         files.write_text(tmp_path / name, "old")
 
     def write() -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import fcntl
 import hashlib
 import io
 import json
@@ -15,6 +14,7 @@ from typing import Any
 
 from ... import __version__
 from ...base.errors import InputError, JkrError
+from ...base.locks import taken
 from .solving import FAILED, OK, Row
 
 FORMAT, VERSION = "jkr-sweep-journal", 2
@@ -131,12 +131,8 @@ def opened(path: Path) -> Iterator[Journal]:
     except OSError as error:
         raise JkrError(f"{path}: cannot be opened ({error.strerror})") from None
     with file:
-        try:
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError:
-            raise InputError(
-                f"{path}: another jkr sweep is writing there; wait for it, or give another folder"
-            ) from None
+        if taken(file) is False:
+            raise InputError(f"{path}: another jkr sweep is writing there; wait for it, or give another folder")
         if os.fstat(file.fileno()).st_size > MOST_BYTES:
             raise InputError(f"{path}: journal is larger than {MOST_BYTES >> 20} MiB; give another folder")
         journal = Journal(path, file)

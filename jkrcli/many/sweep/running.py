@@ -12,7 +12,7 @@ from pathlib import Path
 from ...base.clock import duration
 from ...base.errors import InputError, JkrError
 from ...base.executors import Progress, completed, executor, silent
-from ...base.files import check_target, make_folder, together
+from ...base.files import check_target, make_folder, remove, together
 from ...base.table import write_csv
 from ..cache import at_unit_modulus
 from .journal import Journal, opened
@@ -212,7 +212,7 @@ def _write_failed(plan: Plan, folder: Path, table: SweepTable) -> list[Path]:
     """A table of the failed cases with the command that runs each alone; none where none failed."""
     path = folder / FAILED_TABLE
     if not table.failed:
-        path.unlink(missing_ok=True)
+        remove(path)
         return []
     numbers, reasons = zip(*table.failed, strict=True)
     write_csv(path, {"case": numbers, "reason": reasons, "command": [rerun(plan, number) for number in numbers]})

@@ -1,0 +1,80 @@
+"""What is installed is pinned and checked; what is published holds all that is read; every system is tried."""
+
+from __future__ import annotations
+
+import itertools
+import re
+import shutil
+import subprocess
+import tomllib
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parent.parent
+MAKEFILE = (ROOT / "Makefile").read_text(encoding="utf-8")
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+CHECKED = ("--require-hashes", "--no-index", "--no-deps")  # by hashes, from what was, or this package alone
+OTHERS = "-peers/"  # other programs, in the versions that were compared
+
+
+def test_what_make_installs_is_checked_by_hashes() -> None:
+    lines = [
+        line for line in MAKEFILE.splitlines() if re.search(r"pip (install|download)", line) and OTHERS not in line
+    ]
+    assert len(lines) >= 5
+    assert [line for line in lines if not any(option in line for option in CHECKED)] == []
+
+
+@pytest.mark.parametrize("name", ["requirements.txt", ".ci/audit.txt"])
+def test_every_pin_has_hashes_and_names_no_place(name: str) -> None:
+    text = (ROOT / name).read_text(encoding="utf-8")
+    pins = re.split(r"\n(?=\S)", text)
+    assert len(pins) > 20
+    assert [pin for pin in pins if not re.match(r"[\w.-]+==[^ ]+ (; .+)?\\\n    --hash=sha256:", pin)] == []
+    assert "://" not in text
+
+
+def test_what_the_package_reads_is_published() -> None:
+    told = PROJECT["tool"]["setuptools"]["package-data"]
+    held = {path for package, kinds in told.items() for kind in kinds
+            for path in ROOT.joinpath(*package.split(".")).glob(kind)}  # fmt: skip
+    here = {path for path in (ROOT / "jkrcli").rglob("*") if path.is_file() and "__pycache__" not in path.parts}
+    assert {path for path in here if path.suffix != ".py"} == held
+
+
+def test_every_system_and_python_is_tried() -> None:
+    yaml = pytest.importorskip("yaml")
+    text = (ROOT / ".github/workflows/tests.yml").read_text(encoding="utf-8")
+    job = yaml.safe_load(text)["jobs"]["tests"]
+    assert {name.split("-")[0] for name in job["strategy"]["matrix"]["os"]} == {"ubuntu", "macos", "windows"}
+    assert PROJECT["project"]["requires-python"] == f">={job['strategy']['matrix']['python'][0]}"
+    assert all((ROOT / name).exists() for name in re.findall(r"\.ci/[\w.-]+|requirements\.txt", text))
+
+
+@pytest.mark.skipif(shutil.which("make") is None, reason="make is not installed")
+@pytest.mark.parametrize(
+    ("works", "words"),
+    [
+        ("50 40", ["50", "40"]),
+        ("50 mJ/m^2", ["50mJ/m^2"]),
+        ("40 mJ/m^2 50mJ/m^2 0.1", ["40mJ/m^2", "50mJ/m^2", "0.1"]),
+        ("1; touch made", ["1;touchmade"]),
+        ("1 $(shell touch made) `touch made` $$(touch made)", None),
+        ("1 & touch made | 2 'x' > made", None),
+    ],
+)
+def test_make_run_hands_works_on_as_they_stand(works: str, words: list[str] | None, tmp_path: Path) -> None:
+    for name in ("Makefile", "requirements.txt", "pyproject.toml"):
+        shutil.copy(ROOT / name, tmp_path)
+    (tmp_path / ".venv" / "bin").mkdir(parents=True)
+    script = tmp_path / ".venv" / "bin" / "jkr"
+    script.write_text('#!/bin/sh\nfor word in "$@"; do echo "<$word>" >> words; done\n')
+    script.chmod(0o755)
+    made = ["make", "-s", "-o", ".venv/.ready", "run", f"W={works}"]
+    subprocess.run(made, cwd=tmp_path, check=True, capture_output=True)
+    held = (tmp_path / "words").read_text().splitlines()
+    given = [word[1:-1] for option, word in itertools.pairwise(held) if option == "<--w>"]
+    assert words is None or given == words
+    assert "".join(given) == works.replace(" ", "")
+    assert not (tmp_path / "made").exists()

@@ -52,6 +52,7 @@ def test_noise_on_a_coating_by_integration() -> None:
         curve = transform(series, fitted, truth.w)
         pairs = ((fitted.dS - exact.dS, fitted.dS_err), (curve.P - truth.P, curve.errors["P"]))
         found.append([mean_squares(off[some], width[some], fitted.quantile) for off, width in pairs])
+        assert 1.645 < fitted.quantile < 1.69  # of Student's distribution with 40 degrees of freedom and more
     assert_neither_doubled_nor_halved(np.mean(found, axis=0))
 
 

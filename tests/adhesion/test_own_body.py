@@ -62,7 +62,7 @@ def test_a_flat_end(S0_known: bool) -> None:
     found = integral(
         Series(a, *rounded_flat(a, E_star, b, 1e-5), a0=b, S0=2 * E_star * b if S0_known else None, own=own)
     )
-    assert np.allclose(found.dS, 2 * E_star, rtol=1e-5)
+    np.testing.assert_allclose(found.dS, 2 * E_star, rtol=1e-5)
 
 
 def test_bodies_without_an_exact_solution_have_none() -> None:

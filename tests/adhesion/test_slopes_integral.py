@@ -65,9 +65,10 @@ def test_power_laws_are_exact_at_every_point(law, points: int) -> None:
     a = np.linspace(0, 1.73e-5, points + 1)[1:]
     delta, P, exponent = law(a)
     found = integral(Series(a, delta, P))
-    assert np.allclose(a * found.dS / found.S, exponent, rtol=1e-9)  # quadrature of the model; first and last point too
+    # quadrature of the model; first and last point too
+    np.testing.assert_allclose(a * found.dS / found.S, exponent, rtol=1e-9)
     slope = np.log(P[-1] / P[-2]) / np.log(delta[-1] / delta[-2])
-    assert np.allclose(found.S, slope * P / delta, rtol=1e-9)
+    np.testing.assert_allclose(found.S, slope * P / delta, rtol=1e-9)
 
 
 @pytest.mark.parametrize("name", LAYERS)
@@ -89,8 +90,8 @@ def test_flat_end_with_known_and_unknown_first_slope(S0_known: bool) -> None:
     a = b + np.linspace(0, 4e-6, 31)[1:]
     delta, P = rounded_flat(a, E_star, b, 1e-5)
     found = integral(Series(a, delta, P, a0=b, S0=2 * E_star * b if S0_known else None))
-    assert np.allclose(found.S, 2 * E_star * a, rtol=1e-6)  # noise-free: measured 1e-8
-    assert np.allclose(found.dS, 2 * E_star, rtol=1e-6)
+    np.testing.assert_allclose(found.S, 2 * E_star * a, rtol=1e-6)  # noise-free: measured 1e-8
+    np.testing.assert_allclose(found.dS, 2 * E_star, rtol=1e-6)
 
 
 @pytest.mark.parametrize(("noise", "bound"), [(1e-3, 1e-3), (1e-2, 7e-3), (3e-2, 3e-2)])
@@ -199,7 +200,7 @@ def test_a_slope_that_is_not_monotonic_is_found() -> None:
     S = np.concatenate([[0], np.cumsum((dS[1:] + dS[:-1]) / 2 * np.diff(t))])
     P = np.concatenate([[0], np.cumsum((S[1:] * 2 * t[1:] + S[:-1] * 2 * t[:-1]) / 2 * np.diff(t))])
     found = integral(Series(a, a**2, np.interp(a, t, P)))
-    assert np.allclose(found.dS, np.interp(a, t, dS), rtol=5e-3)  # measured 1e-3, at the first points
+    np.testing.assert_allclose(found.dS, np.interp(a, t, dS), rtol=5e-3)  # measured 1e-3, at the first points
 
 
 def test_errors_of_the_series_are_used_as_weights() -> None:
@@ -209,7 +210,7 @@ def test_errors_of_the_series_are_used_as_weights() -> None:
     error = 1e-5 * P
     error[10:13] = 0.05 * P[10:13]
     weighed = integral(Series(series.a, series.delta, P, errors={"P": error}))
-    assert np.allclose(weighed.dS, 2 * E_STAR, rtol=2e-4)
+    np.testing.assert_allclose(weighed.dS, 2 * E_STAR, rtol=2e-4)
     assert np.all(np.abs(weighed.dS - 2 * E_STAR) <= weighed.dS_err)
 
 
@@ -241,9 +242,9 @@ def test_change_of_units(length: float, force: float) -> None:
     plain = smoothed(raw)[1]
     scaled = smoothed(RawSeries(raw.a * length, raw.delta * length, raw.P * force))[1]
     # both end where a step moves the fit by less than 1e-2 standard deviations, that is 1e-5 here
-    assert np.allclose(scaled.S * length / force, plain.S, rtol=1e-6)
-    assert np.allclose(scaled.dS * length**2 / force, plain.dS, rtol=1e-6)
-    assert np.allclose(scaled.dS_err * length**2 / force, plain.dS_err, rtol=1e-4)
+    np.testing.assert_allclose(scaled.S * length / force, plain.S, rtol=1e-6)
+    np.testing.assert_allclose(scaled.dS * length**2 / force, plain.dS, rtol=1e-6)
+    np.testing.assert_allclose(scaled.dS_err * length**2 / force, plain.dS_err, rtol=1e-4)
 
 
 def quantised(offset: float) -> RawSeries:
@@ -259,7 +260,7 @@ def test_touch_events_lie_between_their_increments() -> None:
     a, P = np.sqrt(events.delta * R), hertz(np.sqrt(events.delta * R), E_STAR, R)[1]
     assert np.all(np.diff(events.a) > 0)
     assert np.all(np.abs(a - events.a)[1:] < 1.2 * errors["a"][1:] / 0.9)  # half an increment, linearised
-    assert np.allclose(events.P[1:], P[1:], rtol=2e-3)  # a chord in log-log of a power law, but for the first
+    np.testing.assert_allclose(events.P[1:], P[1:], rtol=2e-3)  # a chord in log-log of a power law, but for the first
 
 
 def test_increments_before_contact_and_too_few_nodes() -> None:

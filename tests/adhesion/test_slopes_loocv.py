@@ -77,8 +77,8 @@ def test_natural_end_is_flagged_with_its_size() -> None:
 def test_change_of_units() -> None:
     series = half_space(40)
     plain, scaled = loocv(series), loocv(Series(series.a * 1e6, series.delta * 1e6, series.P * 1e9))
-    assert np.allclose(scaled.S / 1e3, plain.S, rtol=1e-7)  # lambda is a minimum: good to the root of round-off
-    assert np.allclose(scaled.dS * 1e3, plain.dS, rtol=1e-7)
+    np.testing.assert_allclose(scaled.S / 1e3, plain.S, rtol=1e-7)  # lambda is a minimum: good to the root of round-off
+    np.testing.assert_allclose(scaled.dS * 1e3, plain.dS, rtol=1e-7)
 
 
 def test_too_few_points_are_refused_with_the_remedy() -> None:

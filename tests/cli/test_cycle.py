@@ -122,7 +122,7 @@ def test_no_adhesion_on_approach_follows_hertz_from_the_first_radius() -> None:
     columns = trace(found, 20)
     approach = columns["phase"] == "approach"
     expected = hertz(columns["a_m"][approach], E_STAR, R)
-    assert np.allclose(columns["P_N"][approach], expected[1], rtol=1e-12)
+    np.testing.assert_allclose(columns["P_N"][approach], expected[1], rtol=1e-12)
 
 
 def test_no_adhesion_on_approach_takes_the_chord_below_the_first_radius() -> None:

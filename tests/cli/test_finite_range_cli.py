@@ -54,8 +54,8 @@ def test_transform_writes_beside_jkr_and_adds_a_column(tip: Path) -> None:
     assert list(found)[-1] == "c_m"
     touching = found["a_m"] > 0
     rows = np.searchsorted(found["a_m"][touching], plain["a_m"] * (1 - 1e-12))
-    assert np.allclose(found["delta_H_m"][touching][rows], plain["delta_H_m"], rtol=1e-7)
-    assert np.allclose(found["P_H_N"][touching][rows], plain["P_H_N"], rtol=1e-7)
+    np.testing.assert_allclose(found["delta_H_m"][touching][rows], plain["delta_H_m"], rtol=1e-7)
+    np.testing.assert_allclose(found["P_H_N"][touching][rows], plain["P_H_N"], rtol=1e-7)
     assert found["delta_m"][0] == -5e-10
 
 

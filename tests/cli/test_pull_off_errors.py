@@ -43,6 +43,10 @@ def test_points_carry_their_errors(jkr) -> None:
         error = abs(point["P_N"] / (exact * math.pi * 50e-3 * 50e-6) - 1)
         assert error <= point["P_err_N"] / abs(point["P_N"]) < 1e-7
     assert told["errors"]["total"] < 1e-9
+    point = told["controls"][0]["pull_off"]
+    back = inverse(jkr, "--load", f"{-point['P_N']!r} N")
+    by_load = back["w_J_per_m2"] / -point["P_N"]  # w = F/(1.5 pi R)
+    assert back["w_err_of_series_J_per_m2"] == pytest.approx(by_load * point["P_err_N"], rel=1e-2, abs=0)
 
 
 def inverse(jkr, *words: str) -> dict:

@@ -105,11 +105,12 @@ def test_adhesive_half_space_of_the_paraboloid_is_jkr() -> None:
 def test_thin_layers_obey_dP_equal_S_ddelta() -> None:
     a = np.array([1.0, 1.0 + 1e-6]) * 1e-4
     h = 1e-5
-    for (delta, P), slope in (
-        (thin_layer.thin_layer(a, 3e12, R), math.pi * 3e12 * a[0] ** 2),
-        (thin_layer.thin_incompressible_layer(a, 1e5, h, R), 3 * math.pi * 1e5 * a[0] ** 4 / (8 * h**3)),
+    for (delta, P), (S, dS) in (
+        (thin_layer.thin_layer(a, 3e12, R), thin_layer.thin_layer_slopes(a, 3e12)),
+        (thin_layer.thin_incompressible_layer(a, 1e5, h, R), thin_layer.thin_incompressible_slopes(a, 1e5, h)),
     ):
-        assert np.diff(P)[0] / np.diff(delta)[0] == pytest.approx(slope, rel=1e-5)  # forward difference of 1e-6
+        assert np.diff(P)[0] / np.diff(delta)[0] == pytest.approx(S[0], rel=1e-5)  # forward difference of 1e-6
+        assert np.diff(S)[0] / np.diff(a)[0] == pytest.approx(dS[0], rel=1e-5)
 
 
 def test_tabor_number_of_the_papers_cases() -> None:

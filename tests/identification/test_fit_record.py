@@ -314,18 +314,6 @@ def test_a_free_zero_of_a_record_in_tension_leaves_w_open() -> None:
     assert item.high > 1e-4
 
 
-def test_correlated_noise_widens_the_intervals() -> None:
-    """AR(1) of 0.9: one of (1 + 0.9)/(1 - 0.9) = 19 rows is worth one. Held in 95 % of records, as without."""
-    E_star, w, k, held = 20e3, 1e-4, 0.05, []
-    force = 1.5 * math.pi * w * R
-    device = Instrument(k, 2000, 3e-6, 4 * force, 0.01 * force, correlation=0.9)
-    for seed in range(20):
-        columns = record(E_star, R, 0.0, w, device, seed)
-        curve = Curve("made", delta=columns["z"] - columns["P"] / k, P=columns["P"], stiffness=k)
-        held.append(judged(fit(BODY, curve, usual(segment="approach")), {"E_star": E_star})["E_star"][1])
-    assert sum(held) >= 15  # fewer of 20 at 95 %: 3e-4; without the correlation about 8 are held
-
-
 def test_another_indenter_is_flagged_as_misfit() -> None:
     curve, _, _ = made(np.random.default_rng(7))
     assert curve.P is not None

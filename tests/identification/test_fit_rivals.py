@@ -34,7 +34,7 @@ from jkrcli.data.measured import Curve
 from jkrcli.identification.fit import FittedBody, Parameter, fit
 from jkrcli.identification.fit.model import Drift, Readings
 from jkrcli.identification.fit.result import Fit
-from jkrcli.identification.fit.rivals import RANGE, Rival
+from jkrcli.identification.fit.rivals import RANGE, RIVALS, Rival
 from jkrcli.methods.closed_form.method import ClosedForm
 
 SEEDS = [8, pytest.param(100, marks=pytest.mark.slow)]
@@ -154,6 +154,15 @@ def test_the_second_part_falls_with_the_noise() -> None:
         found = fit(half_space(), sphere(200, size, 3), usual()).estimate("w")
         parts.append(math.hypot(*found.model.values()) / found.value)
     assert parts[1] < 0.1 * parts[0] < 0.03
+
+
+def test_the_second_part_is_that_of_an_interval() -> None:
+    """What is told of a change c along the record, of standard deviation s, and t s beyond: over many records |c| is
+    0.8 s in the mean and once next to 0. Half the interval would leave 0.55 for the ratio, twice as much 0.83."""
+    found = [fit(half_space(), sphere(60, 1e-3, seed), usual()).estimate("E_star") for seed in range(12)]
+    parts = np.array([[item.model[RIVALS[name][0]] for name in ("w", "modulus")] for item in found])
+    share = 2 / (2 + math.sqrt(2 / math.pi))
+    assert parts.min(axis=0) / parts.mean(axis=0) == pytest.approx(share, abs=0.06)
 
 
 @pytest.mark.parametrize("name", ["w", "modulus"])

@@ -179,19 +179,6 @@ def test_what_one_record_does_not_tell_is_said() -> None:
     assert any("uncertain by" in line or "apart" in line for line in free.warnings)
 
 
-def test_a_law_through_points_and_its_band() -> None:
-    law, rng = PowerRate(2e-6, 0.5), np.random.default_rng(2)
-    inside = []
-    for _ in range(60):
-        v = np.geomspace(1e-8, 1e-4, 80)
-        w = law.work(0.04, v) * np.exp(0.03 * rng.normal(size=v.size))
-        found = law_through("power", v, w)
-        assert isinstance(found, LawThrough)
-        _, low, high = found.band(np.array([1e-6]))
-        inside.append(low[0] <= law.work(0.04, 1e-6) <= high[0])
-    assert 0.8 < np.mean(inside) < 0.98  # 90 % band, 60 draws
-
-
 @pytest.mark.parametrize("use", [("a", "P"), ("delta", "P")])
 @pytest.mark.parametrize(("V", "rows"), [(1e-5, 250), (3e-5, 250), (1e-5, 2500)])
 def test_points_of_a_clean_record_give_its_law(V: float, rows: int, use: tuple[str, str]) -> None:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from widths import assert_neither_doubled_nor_halved, mean_squares
 
 from jkrcli.adhesion.curve import transform
 from jkrcli.adhesion.nonadhesive import Nonadhesive
@@ -195,17 +196,16 @@ def noisy_body(seed: int) -> Nonadhesive:
 
 
 @pytest.mark.parametrize("use", PAIRS, ids="-".join)
-def test_errors_of_the_slopes_hold_the_truth(use: tuple[str, str]) -> None:
-    """A noisy series, smoothed: the 90 % half-widths of w hold the truth at most of its radii (seeds together)."""
+def test_errors_of_the_slopes_are_those_of_w(use: tuple[str, str]) -> None:
+    """A noisy series, smoothed: w off the truth in standard errors, over its radii and seeds; 0.6 to 1.0 measured."""
     curve = synthetic("thin layer", slice(8, 96, 4))
-    inside = []
+    squares = []
     for seed in range(8):
         along = work_along(noisy_body(seed), curve, use)
         assert along.w_err is not None
         assert set(along.shares) == {"slopes"}
-        inside.append((np.abs(along.w - W) <= along.w_err)[along.ok])
-    # 90 % are promised point by point; neighbouring points err together, and the smoothing has a bias of its own
-    assert np.concatenate(inside).mean() > 0.85
+        squares.append(mean_squares((along.w - W)[along.ok], along.w_err[along.ok], noisy_body(seed).slopes.quantile))
+    assert_neither_doubled_nor_halved(np.mean(squares))
 
 
 # ---------------------------------------------------------------------- speed

@@ -21,7 +21,7 @@ from scipy.interpolate import CubicSpline
 from ...base.arrays import Array
 from ...base.errors import InputError, Refusal
 from ...series import Series
-from .result import Slopes, covariance_from_errors, shift_error
+from .result import TWO_SIDED_90, Slopes, covariance_from_errors, shift_error
 from .smoothing import Criterion, SmoothingSpline, linear_fit, smoothing_spline
 
 
@@ -52,7 +52,7 @@ def loocv(series: Series, criterion: Criterion = "loocv") -> Slopes:
     bias = _end_bias(spline, series.a)
     covariance = _covariance(series, spline, weights, dS, bias)
     flags = tuple(_end_flags(series, dS, bias))
-    error = shift_error(dS, covariance, 1.0)
+    error = shift_error(dS, covariance, TWO_SIDED_90)
     return Slopes(S, dS, "loocv", error, spline.smoothing_lambda, flags, covariance=covariance)
 
 

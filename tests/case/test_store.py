@@ -275,9 +275,9 @@ def test_format_1_reads_and_is_said_to_be_without_full_protection(jkr: Callable,
     found = store.read("old.h5")
     case = parse_case(found.record.toml.encode(), "old")
     exact = ClosedForm()(case.model.problem())
-    for name in COLUMNS:
-        np.testing.assert_array_equal(getattr(found.series, name), getattr(exact.series, name))
-        np.testing.assert_array_equal(found.series.errors[name], exact.series.errors[name])
+    for name in COLUMNS:  # up to 3e-16 apart on another processor than the one that wrote it
+        np.testing.assert_allclose(getattr(found.series, name), getattr(exact.series, name), rtol=1e-15)
+        np.testing.assert_allclose(found.series.errors[name], exact.series.errors[name], rtol=1e-15)
     assert (found.record.title, found.record.w, found.record.versions["jkr"]) == (
         "A file of format 1",
         (50.0,),

@@ -35,6 +35,7 @@ from jkrcli.data.measured.curve import NOT_SUBTRACTED
 from jkrcli.identification.fit import Parameter, Settings, fit, model
 from jkrcli.identification.fit import body as body_module
 from jkrcli.identification.fit.points import points_of
+from jkrcli.identification.fit.settings import ConfidenceName
 from jkrcli.methods.layered.layered import Layered
 
 EXACT = 1e-6  # the accuracy asked for without noise; the series' own points and tolerance leave about 2e-7
@@ -77,6 +78,23 @@ def test_half_space_without_noise_from_random_starts(seed: int) -> None:
     truth = {"modulus": 0.5, "w": W, "delta0": 0.3 * DELTA_C}
     settings = Settings(free(*truth, **starts(seed, **truth)))
     check(fit(half_space(), sphere(shift=0.3), settings), **truth, E_star=E_STAR)
+
+
+@pytest.mark.parametrize("confidence", ["covariance", "profile", "bootstrap"])
+def test_a_search_that_is_given_up_tells_no_interval(
+    tuned: Callable[[str, object], None], confidence: ConfidenceName
+) -> None:
+    """Where it would have ended is a matter of round-off, on records that do not determine what is sought."""
+    tuned("jkrcli.identification.fit.search.TUNING.evaluations", 2)
+    found = fit(half_space(), sphere(noise=0.01), usual(confidence=confidence, samples=20))
+    assert found.covariance is None
+    for name in ("modulus", "w", "delta0", "E_star"):
+        assert (found.estimate(name).error, found.estimate(name).low, found.estimate(name).high) == (None, None, None)
+    assert "not determined" in found.flags
+    assert found.warnings[0] == (
+        "the search was given up after 2 steps, the data do not determine E*, w, delta0: give starting values "
+        "(--start), fix one of them, or measure what tells them"
+    )
 
 
 @pytest.mark.parametrize("seed", range(10))

@@ -37,12 +37,14 @@ PROFILE = "; --confidence profile follows how unevenly they trade, in ten times 
 
 
 def warnings_of(
-    found: Fit, body: FittedBody, family: Family, at_bound: Sequence[str] = (), rivals: Rivals | None = None
-) -> list[str]:
+    found: Fit, body: FittedBody, family: Family, at_bound: Sequence[str] = (), rivals: Rivals | None = None,
+    ended: bool = True,
+) -> list[str]:  # fmt: skip
     """Sentences on all that stands against the fit or limits it; ``body`` and its ``family`` with the values found,
-    ``at_bound``: parameters that end on a bound; ``rivals``: the nearest other models."""
+    ``at_bound``: parameters that end on a bound; ``rivals``: the nearest other models; ``ended``: the search."""
     return [
-        *_told_apart(found, at_bound),
+        *(() if ended else _given_up(found)),
+        *(_told_apart(found, at_bound) if ended else ()),
         *_beside_jkr(found),
         *_structured(found),
         *(rivals.warnings() if rivals is not None and _relative_residual(found) > THRESHOLDS.resolved else ()),
@@ -54,6 +56,14 @@ def warnings_of(
         *_elastic_indenter(found, body),
         *_validity(found, body, family),
     ]
+
+
+def _given_up(found: Fit) -> Iterator[str]:
+    names = ", ".join(_word(name) for name in found.free)
+    yield (
+        f"the search was given up after {found.evaluations} steps, the data do not determine {names}: give starting "
+        "values (--start), fix one of them, or measure what tells them"
+    )
 
 
 def _told_apart(found: Fit, at_bound: Sequence[str]) -> Iterator[str]:

@@ -43,15 +43,17 @@ class Confidence:
 def confidence_of(minimum: Minimum, settings: Settings, jkr: JKRBeside | Unknown | None = None) -> Confidence:
     """All parameters and what follows from them, with intervals as ``settings`` ask for them; ``jkr``: beside a range.
 
-    A range that JKR does without is known on one side only, by its profile.
+    A range that JKR does without is known on one side only, by its profile; nothing where the search was given up.
     """
+    if not minimum.ended:
+        settings = replace(settings, confidence="covariance", uncertain={})
     objective, free = minimum.objective, minimum.objective.free
     residuals = minimum.found.residuals
     columns = len(objective.points.columns)
     dof = max(residuals.shape[1] * (columns - 1) - free.size, 1)  # a foot point takes one number from every point
     factor = variance_factor(residuals, dof, settings.loss, minimum.width)
     jacobian = minimum.found.jacobian(free)
-    inner = covariance(jacobian, factor)
+    inner = covariance(jacobian, factor) if minimum.ended else None
     even = set(objective.points.columns) <= settings.noise.keys()  # else that is more than a record of a sensor tells
     if settings.loss == "linear" and dof >= FEW and not even:
         inner = larger(inner, covariance_of_uneven(jacobian, residuals))
@@ -154,7 +156,7 @@ class _Spread:
             start[i] = x + k * step
             if objective.free.size == 0:
                 return 0.5 * float(np.sum(objective.distances(start).residuals ** 2)) - limit
-            return minimise(objective, start, self.settings.loss, self.minimum.width).cost - limit
+            return minimise(objective, start, self.settings.loss, self.minimum.width).settled().cost - limit
 
         for k in 2.0 ** np.arange(DOUBLINGS):
             if positive and x + k * step < 0:

@@ -119,9 +119,11 @@ def _fit(body: FittedBody, curve: Curve, settings: Settings) -> Fit:
     sharp = None if settings.range is None else jkr_beside(minimum, body, points, settings)
     confidence = confidence_of(minimum, settings, sharp)
     rivals = Rivals((), 1.0)
-    if settings.range is None:
+    if settings.range is None and minimum.ended:
         rivals = rivals_of(minimum, confidence.scatter**2, confidence.dof, settings)
     flags: Mapping[str, str] = {} if curve.stiffness is None else flags_of(curve)
+    estimates, free = rivals.with_parts(confidence.estimates), tuple(parameter.name for parameter in settings.free)
+    untold = any(item.name in free and item.low is None and item.high is None for item in estimates)
     distances = minimum.found
     readings, a = distances.readings, distances.a
     readings.member.refuse_beyond(float(a.max()))
@@ -133,8 +135,8 @@ def _fit(body: FittedBody, curve: Curve, settings: Settings) -> Fit:
         name=curve.name,
         file="" if curve.origin is None else str(curve.origin),
         where=curve.where,
-        estimates=rivals.with_parts(confidence.estimates),
-        free=tuple(parameter.name for parameter in settings.free),
+        estimates=estimates,
+        free=free,
         covariance=confidence.covariance,
         samples=confidence.samples,
         data=points.values,
@@ -150,11 +152,11 @@ def _fit(body: FittedBody, curve: Curve, settings: Settings) -> Fit:
         evaluations=minimum.evaluations,
         settings=settings,
         warnings=(),
-        flags=tuple(flags),
+        flags=(*flags, *["not determined"] * untold),
         jkr=sharp,
         range_left=None if rivals.range is None else rivals.range.most,
     )
-    said = warnings_of(found, minimum.objective.body, readings.members.plain, minimum.at_bound, rivals)
+    said = warnings_of(found, minimum.objective.body, readings.members.plain, minimum.at_bound, rivals, minimum.ended)
     return replace(found, warnings=(*_on_record(flags, zero), *words, *said))
 
 

@@ -23,7 +23,7 @@ def jkr_beside(minimum: Minimum, body: FittedBody, points: Points, settings: Set
         near = search(body, points, plain)
         objective = replace(near.objective, scales=minimum.objective.scales)
         found = robust(minimise(objective, near.x), settings.loss)
-        found = minimise(objective, found.x, settings.loss, minimum.width)  # the same turn of a robust loss
+        found = minimise(objective, found.x, settings.loss, minimum.width).settled()  # the same turn of a robust loss
     except JkrError as error:
         return Unknown(str(error))
     values = objective.values(found.x)

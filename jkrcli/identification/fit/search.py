@@ -85,7 +85,8 @@ TUNING = FitSearchTuning()
 class Minimum:
     """The point of least sum of losses: ``x`` all unknowns, ``found`` the distances there, ``cost`` half that sum.
 
-    ``at_bound``: names of parameters that end on a bound; ``width``: of the robust loss, in scaled units.
+    ``at_bound``: names of parameters that end on a bound; ``width``: of the robust loss, in scaled units; ``ended``:
+    whether it is a minimum, and not where the search was given up.
     """
 
     objective: Objective
@@ -95,12 +96,21 @@ class Minimum:
     at_bound: tuple[str, ...]
     evaluations: int
     width: float = 1.0
+    ended: bool = True
+
+    def settled(self) -> Minimum:
+        """This minimum; SolveError where its search was given up."""
+        if not self.ended:
+            raise SolveError(f"the fit did not converge in {TUNING.evaluations} steps")
+        return self
 
 
 def minimise(objective: Objective, start: Array, loss: Loss = "linear", width: float = 1.0) -> Minimum:
     """The least sum of squares (or of a robust ``loss`` that turns at ``width``) from the unknowns ``start``.
 
-    SciPy's trust region (method "trf", bounds respected). SolveError where it does not converge.
+    SciPy's trust region (method "trf", bounds respected). Where the data do not determine the unknowns it may creep
+    along a valley that has no lowest point, and whether it stops there is a matter of round-off: it is given up after
+    so many evaluations, and the point is told as one that did not end.
     """
     free = objective.free
     begin = np.array(start, dtype=float)
@@ -129,12 +139,9 @@ def minimise(objective: Objective, start: Array, loss: Loss = "linear", width: f
         lambda y: at(y).jacobian(free) * units, bounds=bounds, method="trf", x_scale="jac",
         loss=loss, f_scale=width, ftol=close, xtol=close, gtol=close, max_nfev=TUNING.evaluations,
     )  # fmt: skip
-    if found.status <= 0:
-        raise SolveError(
-            f"the fit did not converge in {TUNING.evaluations} steps; give starting values or fix a parameter"
-        )
     held = tuple(objective.parameters[i].name for i, mask in zip(free, found.active_mask, strict=True) if mask != 0)
-    return Minimum(objective, unknowns(found.x), at(found.x), float(found.cost), held, int(found.nfev), width)
+    cost, steps, ended = float(found.cost), int(found.nfev), found.status > 0
+    return Minimum(objective, unknowns(found.x), at(found.x), cost, held, steps, width, ended)
 
 
 def robust(minimum: Minimum, loss: Loss) -> Minimum:

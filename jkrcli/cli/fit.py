@@ -87,7 +87,7 @@ class NamesType(ParamType):
 @click.option("--surface", type=click.Choice(["sliding", "sticking", "both"]),
               help="Of the body, instead of its own; both: under either, and what the data prefer.")  # fmt: skip
 @click.option("--uncertain", multiple=True, type=NamedType(),
-              help="Standard deviation of an input, carried through: nu=0.02, thickness=5%, E:LAYER=10%.")  # fmt: skip
+              help="Standard deviation of an input, carried on: radius=3%, stiffness=10%, nu=0.02, thickness=5%.")  # fmt: skip
 @slopes_option
 @reading_options
 @limits_options

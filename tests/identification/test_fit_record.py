@@ -512,3 +512,60 @@ def test_directions_of_different_moduli_stand_side_by_side() -> None:
     assert found.value("E_star_approach") == pytest.approx(20e3, rel=0.01)
     assert found.value("E_star") == pytest.approx(22e3, rel=0.01)
     assert any(re.match(r"directions differ: E\* is [\d.]+ kPa on approach and", line) for line in found.warnings)
+
+
+def test_calibration_is_told_as_a_part_of_its_own() -> None:
+    """E* and w are as wrong as the stiffness that loads are made with; w goes with 1/R, on a half-space."""
+    curve = cycled(1)
+    found = fit(BODY, curve, usual(uncertain={"stiffness": 0.1, "radius": 0.03 * R, "sensitivity": 0.02}))
+    parts = {name: found.estimate(name).systematic for name in ("E_star", "w")}
+    for name, by_radius in (("E_star", 0.5), ("w", 1.0)):
+        told, value = parts[name], found.value(name)
+        assert told is not None
+        assert told["stiffness"] == pytest.approx(0.1 * value, rel=1e-3)
+        assert told["radius"] == pytest.approx(0.03 * by_radius * value, rel=0.02)
+        assert 0.02 < told["sensitivity"] / value < 0.06  # of the load, and of the depth that a deflection takes
+        assert found.estimate(name).error > math.hypot(*told.values())
+
+
+@pytest.mark.parametrize(
+    ("stiffness", "options", "said"),
+    [
+        (None, {"contact": "fitted"}, "--uncertain stiffness: the record has no stiffness, so it has no effect here"),
+        (0.05, {"contact": "as-is"}, "--uncertain stiffness is for raw records of a device, it has no effect here"),
+    ],
+)
+def test_an_uncertain_input_without_effect_is_refused(
+    stiffness: float | None, options: dict[str, object], said: str
+) -> None:
+    with pytest.raises(InputError, match=said):
+        fit(BODY, replace(cycled(1), stiffness=stiffness), usual(uncertain={"stiffness": 0.1}, **options))
+
+
+def test_the_noise_is_that_of_the_free_rows() -> None:
+    """What a wrong body leaves in contact is misfit: it is flagged, and does not widen the intervals."""
+    kind = (1.5e-6, 0.45)
+    curve = cycled(1, kind=kind)
+    right, wrong = fit(case(kind, 1e4), curve, usual()), fit(BODY, curve, usual(segment="retract"))
+    assert not right.flags
+    assert "misfit" in wrong.flags
+    assert wrong.quality is not None
+    assert wrong.quality["misfit"] < 0.6
+    item = wrong.estimate("E_star")
+    assert item.error is not None
+    assert item.error < 0.02 * item.value
+
+
+@pytest.mark.parametrize(("w", "flat"), [(0.0, True), (1e-6, True), (1e-4, False)])
+def test_w_of_an_approach_is_told_through_0(w: float, flat: bool) -> None:
+    """An upper limit, or a value; E* is held whatever w is."""
+    device = Instrument(0.05, 1500, 3e-6, 2e-8, 1e-10)
+    columns = record(20e3, R, w, w, device, 8)
+    curve = Curve("made", delta=columns["z"] - columns["P"] / 0.05, P=columns["P"], stiffness=0.05)
+    found = fit(BODY, curve, usual(segment="approach"))
+    item = found.estimate("w_approach")
+    assert item.low is not None
+    assert item.high is not None
+    assert item.low <= w <= item.high
+    assert (item.low == 0) == flat
+    assert judged(found, {"E_star": 20e3})["E_star"][1]

@@ -23,7 +23,7 @@ from .record import fit_record, whole_record
 from .result import Fit
 from .rivals import Rivals, rivals_of
 from .search import robust, search
-from .settings import Parameter, Settings
+from .settings import CALIBRATED, Parameter, Settings
 from .statistics import structure
 
 CHUNK = 20  # choice: curves per task
@@ -111,6 +111,8 @@ def _fit(body: FittedBody, curve: Curve, settings: Settings) -> Fit:
     check_parameters(body, [parameter.name for parameter in settings.parameters])
     if (record := whole_record(curve, settings)) is not None:
         return fit_record(body, record, settings)
+    if idle := [name for name in settings.uncertain if name in CALIBRATED]:
+        raise InputError(f"{curve.where}: --uncertain {idle[0]} is for raw records of a device, it has no effect here")
     curve, zero = parted(curve, settings), settings.parameter("P0")
     level = 0.0 if zero is None else None if zero.free else zero.value
     points = points_of(curve, settings.segment, settings.branch, len(settings.free), level)

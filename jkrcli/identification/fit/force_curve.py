@@ -28,6 +28,7 @@ from ...base.errors import SolveError
 from ...base.unknown import known
 from ...data.measured.curve import APPROACH
 from ...data.record import BaseLine, Direction, ForceCurve
+from .coloured import Spread
 from .coloured import spread as covariance
 from .device_path import DeviceBranch, Rest, branch, grid, rest
 from .family import Family
@@ -183,6 +184,24 @@ class ForceCurveModel:
         a = np.where(still, math.exp(resting.u), moving.radii(z)) if resting is not None else moving.radii(z)
         return np.where(touching, a, 0.0), still
 
+    def calibrated(self, factor: float, of_stiffness: bool) -> ForceCurveModel:
+        """The same of a device whose loads are ``factor`` times as large: by its stiffness, at the same deflections, or
+        by its sensitivity, which its deflections follow."""
+        parts = tuple(replace(part, P=factor * part.P, tension=factor * part.tension) for part in self.stretches)
+        return replace(self, stretches=parts, k=factor * self.k if of_stiffness else self.k)
+
+    def moved(self, found: ForceCurveFit, factor: float) -> Array:
+        """The unknowns of a fit as they are about where all loads are ``factor`` times as large."""
+        loads = np.array([name.startswith(("offset:", "tilt:", "cos:", "sin:")) for name in found.names], dtype=bool)
+        ln_s = np.array([name == "ln_s" for name in found.names])
+        return np.where(loads, factor * found.x, found.x) + np.where(ln_s, math.log(factor), 0.0)
+
+    def free(self, x: Array) -> list[int]:
+        """How many rows of each stretch are free before the first that is in contact."""
+        values = self.values(x)
+        masks = [self.touching(part, values, self.branch(part, values).fold) for part in self.stretches]
+        return [int(np.argmax(mask)) if mask.any() else mask.size for mask in masks]
+
     def residuals(self, x: Array, blunt: float) -> tuple[Array, Array]:
         """Model minus reading [N] of all rows, and its derivatives by the unknowns, (rows, unknowns).
 
@@ -259,18 +278,21 @@ def _base_line(part: DirectionReadings, values: Mapping[str, float]) -> tuple[Ar
 class ForceCurveFit:
     """The model that fits best: ``values`` and standard errors by name; ``off`` residuals [N] of all rows.
 
-    ``sigma``: standard deviation of a reading about the model [N]; ``tau``: how many rows count as one, because their
-    residuals follow each other; ``covariance`` with both in it.
+    ``sigma``: standard deviation of a reading about the model [N]; ``spread``: covariance of the unknowns, and
+    the noise that it rests on.
     """
 
     model: ForceCurveModel
     names: tuple[str, ...]
     x: Array
-    covariance: Array
+    spread: Spread
     off: Array
     sigma: float
-    tau: float
     evaluations: int
+
+    @property
+    def covariance(self) -> Array:
+        return self.spread.covariance
 
     def value(self, name: str) -> float:
         return float(self.x[self.names.index(name)])
@@ -368,8 +390,8 @@ def fit(model: ForceCurveModel, start: Array, near: bool = False, loss: Loss = "
     psi, slope = influence(off / (scale * width), loss)
     pull = psi * scale * width / max(float(np.mean(slope)), 0.1)  # what a row pulls with (Huber 1981, Sec. 7.6)
     sigma = math.sqrt(float(pull @ pull) / max(off.size - x.size, 1))
-    spread = covariance(pull, J, [part.P.size for part in model.stretches])
-    return ForceCurveFit(model, model.names, x, spread.covariance, off, sigma, spread.tau, int(found.nfev))
+    spread = covariance(pull, J, [part.P.size for part in model.stretches], model.free(x))
+    return ForceCurveFit(model, model.names, x, spread, off, sigma, int(found.nfev))
 
 
 def _without_idle(model: ForceCurveModel, x: Array) -> tuple[ForceCurveModel, Array]:
@@ -445,7 +467,8 @@ def _one_step(model: ForceCurveModel, off: Array, J: Array) -> tuple[Array, Arra
     """One step of Gauss and Newton from residuals ``off`` with derivatives ``J``, and its standard errors."""
     scale = _scale(model)
     step = -np.linalg.lstsq(J / scale[:, None], off / scale, rcond=None)[0]
-    spread = covariance(off + J @ step, J, [part.P.size for part in model.stretches])
+    sizes = [part.P.size for part in model.stretches]
+    spread = covariance(off + J @ step, J, sizes, [0] * len(sizes))
     return step, np.sqrt(np.maximum(np.diag(spread.covariance), 0.0))
 
 

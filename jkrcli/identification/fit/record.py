@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -30,7 +31,7 @@ from .force_curve import (
 )
 from .interference import Wave, straightened
 from .result import Fit, FittedValue
-from .settings import Settings
+from .settings import CALIBRATED, Settings
 from .statistics import structure, t_quantile
 
 
@@ -50,6 +51,9 @@ class WholeRecordTuning:
     dependent: float = 2.0  # choice: rows worth one above which it is said
     untold: float = 10.0  # choice: half-width of the log of a modulus above which it is not told by the data
     apart: float = 4.0  # choice: standard errors between the moduli of the two directions from which on they differ
+    rough: float = 1.5  # choice: of the noise, residuals from which on the directions are fitted each alone as well
+    repelling: float = 3.0  # choice: standard errors below 0 from which on w is held at 0
+    excess: float = 4.0  # choice: of the standard errors, what misfit would add to them where its flag is raised
     differs: float = 0.01  # choice: of the modulus, below which they do not
     one_sided: float = 0.84  # theory: 1.645/1.960, one-sided over two-sided 95 % of a normal value
     drifting: float = 3.0  # choice: standard errors of a drift that was not fitted, from which on it is said
@@ -89,6 +93,9 @@ def whole_record(curve: Curve, settings: Settings) -> ForceCurve | None:
     if reason := _in_the_way(settings):
         raise InputError(f"{reason} is not for the fit of a whole raw record: leave it out, or prepare the readings "
                          "with --contact estimate, or with --zero and --contact as-is")  # fmt: skip
+    idle = [name for name in settings.uncertain if name in CALIBRATED and curve.stiffness in (None, math.inf)]
+    if idle:
+        raise InputError(f"{curve.where}: --uncertain {idle[0]}: the record has no stiffness, so it has no effect here")
     if said := record.flags.get("wrong way"):
         raise InputError(f"{curve.where}: {said}")
     if settings.drifts and (curve.t is None or settings.segment != "both"):
@@ -150,6 +157,8 @@ def fit_record(body: FittedBody, record: ForceCurve, settings: Settings) -> Fit:
     if len(kinds) < 2 or not _apart(found):
         return result
     (_, into), (deeper, back) = of(APPROACH), of(RETRACT)
+    if not _differ(into, back):
+        return result
     alone = _result(deeper, record, curve, settings, into)
     return _beside(_result(deeper, record, curve, settings, back), alone, result)
 
@@ -168,7 +177,16 @@ def _fitted(body: FittedBody, model: ForceCurveModel, settings: Settings) -> tup
     if np.count_nonzero(_contact_radii(found)) <= len(found.names):
         raise SolveError("the curve that fits best has next to no row in contact; --flip P, if compression is negative")
     model = windowed(found)
-    return body, found if model is found.model else fit(model, found.x, True, settings.loss)
+    found = found if model is found.model else fit(model, found.x, True, settings.loss)
+    held = {kind: 0.0 for part in model.stretches if _repels(found, kind := part.kind)}
+    return body, nearest(replace(model, works={**model.works, **held}), settings.loss) if held else found
+
+
+def _repels(found: ForceCurveFit, kind: str) -> bool:
+    """Whether w of a direction comes out below 0 by more than noise and misfit explain: another body, w = 0 is as near
+    as it can come."""
+    name = next((name for name in (f"q:{kind}", f"r:{kind}") if name in found.names), None)
+    return name is not None and found.value(name) < -TUNING.repelling * found.error(name) * found.spread.excess
 
 
 def _apart(found: ForceCurveFit) -> bool:
@@ -176,18 +194,20 @@ def _apart(found: ForceCurveFit) -> bool:
     if "ln_s" not in found.names:
         return False
     change, error = another_modulus(found)
+    noise = max(part.line.noise for part in found.model.stretches)
+    return found.sigma > TUNING.rough * noise or abs(change) > max(TUNING.apart * error, TUNING.differs)
+
+
+def _differ(into: ForceCurveFit, back: ForceCurveFit) -> bool:
+    """Whether the moduli of two directions exclude each other, misfit included."""
+    change = back.value("ln_s") - into.value("ln_s")
+    error = math.hypot(*(found.error("ln_s") * found.spread.excess for found in (into, back)))
     return abs(change) > max(TUNING.apart * error, TUNING.differs)
 
 
 def _beside(back: Fit, into: Fit, both: Fit) -> Fit:
-    """The fit of the retraction with the estimates of the approach beside its own, if they exclude each other; else
-    that of ``both``."""
+    """The fit of the retraction with the estimates of the approach beside its own; ``both``: that of one modulus."""
     one, other = back.estimate("E_star"), into.estimate("E_star")
-    if one.error is None or other.error is None:
-        return both
-    apart = math.hypot(one.error / one.value, other.error / other.value)
-    if abs(math.log(one.value / other.value)) < max(TUNING.apart * apart, TUNING.differs):
-        return both
     name = "directions differ"
     said = (
         f"{name}: E* is {show(other.value, 'modulus', 4)} on approach and {show(one.value, 'modulus', 4)} on "
@@ -316,7 +336,7 @@ def _result(body: FittedBody, record: ForceCurve, curve: Curve, settings: Settin
     values = _outcome(found, found.x, body)
     covariance = _propagated(found, body, values)
     dof = max(found.off.size - found.x.size, 1)
-    t = t_quantile(settings.level, max(round(dof / found.tau), 1))
+    t = t_quantile(settings.level, max(round(found.spread.dof / found.spread.tau), 1))
     carried = _carried(body, found, settings, values)
     estimates = tuple(
         wider(_estimate(name, value, math.sqrt(max(covariance[i, i], 0.0)), t, found),
@@ -384,17 +404,20 @@ def _carried(
 ) -> dict[str, dict[str, float]]:
     """Changes of the outcome by the standard deviation of each uncertain input."""
 
-    def outcome(moved: FittedBody) -> dict[str, float]:
-        refitted = fit(replace(found.model, family=moved.family), found.x, near=True, loss=settings.loss)
+    def outcome(name: str, value: float) -> dict[str, float]:
+        if name in CALIBRATED:
+            moved, model = body, found.model.calibrated(value, name == "stiffness")
+        else:
+            moved = body.with_values({name: value})
+            model = replace(found.model, family=moved.family)
+        refitted = fit(model, model.moved(found, value if name in CALIBRATED else 1.0), near=True, loss=settings.loss)
         return _outcome(refitted, refitted.x, moved)
 
+    centres = {name: 1.0 if name in CALIBRATED else body.nominal(name) for name in settings.uncertain}
     return {
-        name: changes_by(
-            name, body.nominal(name), sigma, here,
-            lambda value, name=name: outcome(body.with_values({name: value})),  # type: ignore[misc]
-        )
+        name: changes_by(name, centres[name], sigma, here, partial(outcome, name))
         for name, sigma in settings.uncertain.items()
-    }  # fmt: skip
+    }
 
 
 def _estimate(name: str, value: float, error: float, t: float, found: ForceCurveFit) -> FittedValue:
@@ -477,14 +500,20 @@ def _judged(record: ForceCurve, found: ForceCurveFit, a: Array) -> tuple[dict[st
     contact = found.error("z0") / depth if "z0" in found.names else 0.0
     wavy = max(side.base.waviness for side in record.directions) / span
     flags = {}
+    beyond = (found.spread.excess - 1) / TUNING.excess
+    if beyond > 1:
+        flags["misfit"] = (
+            f"the residuals in contact are no noise like that of the free rows: they would widen the intervals "
+            f"{found.spread.excess:.0f} times, another body, indenter or adhesion"
+        )
     if slow > TUNING.misfit:
         flags["misfit"] = f"the residuals in contact are {slow:.1%} of the range of the load: another body or indenter"
     if noise / span > TUNING.noisy:
         flags["noisy"] = f"the noise is {noise / span:.0%} of the range of the load"
     if contact > TUNING.vague:
         flags["vague contact point"] = f"known to {contact:.0%} of the depth only"
-    ratios = {"misfit": slow / TUNING.misfit, "noise": noise / span / TUNING.noisy, "base line": wavy / TUNING.misfit,
-              "contact point": contact / TUNING.vague}  # fmt: skip
+    ratios = {"misfit": max(slow / TUNING.misfit, beyond), "noise": noise / span / TUNING.noisy,
+              "base line": wavy / TUNING.misfit, "contact point": contact / TUNING.vague}  # fmt: skip
     parts = {name: math.exp(-(x**2) / 2) for name, x in ratios.items()}
     parts["record"] = TUNING.spoilt ** sum(not name.endswith((APPROACH, RETRACT)) for name in record.flags)
     return flags, {"quality": math.prod(parts.values()), **parts}
@@ -495,6 +524,9 @@ def _words(found: ForceCurveFit, settings: Settings) -> Iterator[str]:
     if settings.base_line == "sine" and found.model.stretches[0].wave is None:
         yield "base line: no sine is told from its noise, it is taken as straight"
     yield from _on_adhesion(found)
+    free = [parameter.name for parameter in settings.free]
+    for kind in (part.kind for part in found.model.stretches if found.model.works.get(part.kind) == 0 and "w" in free):
+        yield f"{NAMES[kind]}: w comes out below 0, which no surfaces have: it is held at 0, the body is another one"
     if any(name.startswith("offset:") for name in found.model.known):
         yield "no base line tells the reading of no load: it is taken as 0 (--free P0, or --zero P=... if it is known)"
     model = found.model
@@ -505,10 +537,12 @@ def _words(found: ForceCurveFit, settings: Settings) -> Iterator[str]:
                 f"drift: the depth seems to drift by {show(speed, 'speed', 3)} ± {show(error, 'speed', 2)}, which "
                 f"would change the moduli by {change:+.2%}: --free drift fits it"
             )
-    if found.tau > TUNING.dependent:
+    if not all(part.line.rows for part in found.model.stretches):
+        yield "no free rows tell the noise: it cannot be told from misfit"
+    if found.spread.tau > TUNING.dependent:
         yield (
-            f"residuals follow their neighbours: {found.tau:.1f} rows count as one, "
-            f"which widens the intervals by {math.sqrt(found.tau):.1f}"
+            f"residuals follow their neighbours: {found.spread.tau:.1f} rows count as one, "
+            f"which widens the intervals by {math.sqrt(found.spread.tau):.1f}"
         )
 
 

@@ -104,14 +104,14 @@ def _spectrum(off: Array, taken: Array) -> Spectrum:
     mean = np.add.reduceat(power, edges) / count
     centre = np.add.reduceat(np.maximum(f, f[1] / 2), edges) / np.diff(np.append(edges, f.size))
     white = float(np.average(mean, weights=count))
-    best, held = _unlikely(mean, np.full(mean.size, white), count) - TUNING.least, Spectrum(white, 0.0, 1.0)
-    for corner in np.geomspace(0.3 * f[1], 0.2, TUNING.corners):
-        basis = np.stack([np.ones(mean.size), 1 / (1 + (centre / corner) ** 2)])
-        A, B = _parts(basis, mean, count)
-        found = _unlikely(mean, A + B * basis[1], count)
-        if found < best:
-            best, held = found, Spectrum(A, B, float(corner))
-    return held
+    corners = np.geomspace(0.3 * f[1], 0.2, TUNING.corners)
+    slow = 1 / (1 + (centre / corners[:, None]) ** 2)
+    A, B = _parts(slow, mean, count)
+    found = _unlikely(mean, A[:, None] + B[:, None] * slow, count)
+    i = int(np.argmin(found))
+    if found[i] < _unlikely(mean, np.full((1, mean.size), white), count)[0] - TUNING.least:
+        return Spectrum(float(A[i]), float(B[i]), float(corners[i]))
+    return Spectrum(white, 0.0, 1.0)
 
 
 def _octaves(left: Array) -> Array:
@@ -124,23 +124,23 @@ def _octaves(left: Array) -> Array:
     return np.array(edges)
 
 
-def _unlikely(mean: Array, S: Array, count: Array) -> float:
-    """Minus twice the logarithm of Whittle's likelihood."""
-    return 2 * float(np.sum(count * (np.log(S) + mean / S))) if (S > 0).all() else np.inf
+def _unlikely(mean: Array, S: Array, count: Array) -> Array:
+    """Minus twice the logarithm of Whittle's likelihood of spectra ``S``, (spectra, octaves)."""
+    likely = np.maximum(S, TUNING.untold * mean.max())
+    found: Array = np.where((S > 0).all(axis=1), 2 * np.sum(count * (np.log(likely) + mean / likely), axis=1), np.inf)
+    return found
 
 
-def _parts(basis: Array, mean: Array, count: Array) -> tuple[float, float]:
-    """A and B, not below 0, that are likeliest, by least squares weighted with the spectrum found so far."""
-    S = np.maximum(mean, 1e-3 * mean.max())
+def _parts(slow: Array, mean: Array, count: Array) -> tuple[Array, Array]:
+    """A and B, not below 0, that are likeliest for each shape ``slow``, (corners, octaves), by least squares weighted
+    with the spectrum found so far."""
+    S = np.broadcast_to(np.maximum(mean, 1e-3 * mean.max()), slow.shape)
     for _ in range(TUNING.rounds):
         weights = count / np.maximum(S, 1e-300) ** 2
-        (aa, ab), (_, bb) = ((basis * weights) @ basis.T).tolist()
-        a, b = ((basis * weights) @ mean).tolist()
+        aa, ab, bb = (np.sum(weights * item, axis=1) for item in (1.0, slow, slow**2))
+        a, b = (np.sum(weights * item, axis=1) for item in (mean, slow * mean))
         determinant = aa * bb * (1 + TUNING.untold) - ab * ab
         A, B = (a * bb - b * ab) / determinant, (b * aa - a * ab) / determinant
-        if B < 0:
-            A, B = a / aa, 0.0
-        elif A < 0:
-            A, B = 0.0, b / bb
-        S = A * basis[0] + B * basis[1]
+        A, B = np.where(B < 0, a / aa, np.where(A < 0, 0.0, A)), np.where(B < 0, 0.0, np.where(A < 0, b / bb, B))
+        S = A[:, None] + B[:, None] * slow
     return A, B

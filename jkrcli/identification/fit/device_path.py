@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -23,6 +24,7 @@ from .family import Family
 class DevicePathTuning:
     """How finely branches are tabulated."""
 
+    bodies: int = 8  # choice: whose functions on the grid are remembered
     nodes: int = 400  # choice: of a branch; loads between them are good to 1e-7 of the largest
     zooms: int = 3  # choice: grids on which a fold is sought, each of ``zoomed`` points within a step of the one before
     zoomed: int = 33  # choice: see ``zooms``; the position at the fold, flat there, is then good to 1e-16
@@ -40,6 +42,12 @@ TUNING = DevicePathTuning()
 def grid(family: Family) -> Array:
     """Logs of contact radii over which paths are looked at."""
     return np.linspace(family.low - TUNING.below, family.high + TUNING.beyond, TUNING.nodes)
+
+
+@lru_cache(maxsize=TUNING.bodies)
+def on_grid(family: Family) -> tuple[Array, Array, Array]:
+    """The functions of a body there, as ``Family.at`` gives them."""
+    return family.at(grid(family))
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,15 +98,15 @@ def branch(family: Family, s: float, q: float, k: float) -> DeviceBranch:
     """The stable branch for moduli times ``s`` and work of adhesion ``q`` s, by a device of stiffness ``k``."""
     u, r = grid(family), math.sqrt(max(q, 0.0))
 
-    def path(u: Array) -> tuple[Array, Array, Array, Array, Array]:
+    def path(functions: tuple[Array, Array, Array]) -> tuple[Array, Array, Array, Array, Array]:
         """Position and load, their derivatives by u, and that of the load by q at fixed z times that of z by u."""
-        (D, T, H, V), (dD, dT, dH, dV), _ = family.at(u)
+        (D, T, H, V), (dD, dT, dH, dV), _ = functions
         P, dP = s * (H - r * V), s * (dH - r * dV)
         return D - r * T + P / k, P, dD - r * dT + dP / k, dP, -s / 2 * (dV * T - V * dT)
 
-    start = _fold(lambda u: path(u)[2], u)
+    start = _fold(lambda u: path(family.at(u))[2], u, path(on_grid(family))[2])
     u = start + (u[-1] - start) * np.linspace(0, 1, TUNING.nodes) ** 2
-    z, P, dz, dP, by_q = path(u)
+    z, P, dz, dP, by_q = path(family.at(u))
     zeta = np.sqrt(np.maximum.accumulate(z - z[0]))
     steep = np.divide(zeta, dz, out=np.zeros_like(z), where=dz > 0)
     slope, rates = 2 * dP * steep, np.stack([zeta * P - dP * steep * P / k, by_q * steep])
@@ -109,11 +117,11 @@ def branch(family: Family, s: float, q: float, k: float) -> DeviceBranch:
     )
 
 
-def _fold(rate: Callable[[Array], Array], u: Array) -> float:
-    """Where ``rate`` turns positive for good on ``u``, by ever finer grids and a secant; the first u where it never
-    does within them."""
-    for _ in range(TUNING.zooms):
-        rates = rate(u)
+def _fold(rate: Callable[[Array], Array], u: Array, rates: Array) -> float:
+    """Where ``rate``, ``rates`` on ``u``, turns positive for good, by ever finer grids and a secant; the first u where
+    it never does within them."""
+    for zoom in range(TUNING.zooms):
+        rates = rate(u) if zoom else rates
         falling = np.flatnonzero(rates <= 0)
         if not falling.size or falling[-1] == u.size - 1:
             return float(u[0])
@@ -158,7 +166,7 @@ def rest(family: Family, s: float, advanced: float, receding: float, k: float, t
     """The resting edge of a device that turns at position ``turn`` [m], after an advance with the root ``advanced`` of
     q, until it recedes with ``receding``. ``advanced`` < 0: a smaller contact than without adhesion."""
     u = grid(family)
-    (D, T, H, V), _, _ = family.at(u)
+    (D, T, H, V), _, _ = on_grid(family)
     z = D - advanced * T + s * (H - advanced * V) / k
     first = int(np.argmin(z))
     near = float(np.interp(turn, z[first:], u[first:]))

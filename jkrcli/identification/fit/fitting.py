@@ -11,6 +11,7 @@ import numpy as np
 from ...base.errors import InputError, JkrError, SolveError
 from ...base.executors import Pool, completed
 from ...data.measured import Curve
+from ...data.measured.contact import with_zero_points
 from ...data.measured.curve import APPROACH, AS_DEPTH, NOT_SUBTRACTED, OVERRULED, RETRACT, Pixel
 from ...data.record import examine
 from .body import FittedBody, check_parameters
@@ -113,6 +114,7 @@ def _fit(body: FittedBody, curve: Curve, settings: Settings) -> Fit:
         return fit_record(body, record, settings)
     if idle := [name for name in settings.uncertain if name in CALIBRATED]:
         raise InputError(f"{curve.where}: --uncertain {idle[0]} is for raw records of a device, it has no effect here")
+    curve = with_zero_points(curve) if settings.contact == "estimate" else curve
     curve, zero = parted(curve, settings), settings.parameter("P0")
     level = 0.0 if zero is None else None if zero.free else zero.value
     points = points_of(curve, settings.segment, settings.branch, len(settings.free), level)

@@ -30,7 +30,7 @@ from ...data.measured.curve import APPROACH
 from ...data.record import BaseLine, Direction, ForceCurve
 from .coloured import Spread
 from .coloured import spread as covariance
-from .device_path import DeviceBranch, Rest, branch, grid, rest
+from .device_path import DeviceBranch, Rest, branch, on_grid, rest
 from .family import Family
 from .interference import Wave, parts
 from .points import in_contact, third_differences
@@ -139,8 +139,8 @@ class ForceCurveModel:
     @cached_property
     def most(self) -> float:
         """Largest q: of a curve that is pulled off at the end of the series."""
-        _, (_, _, dH, dV), _ = self.family.at(grid(self.family)[-1:])
-        return 0.9 * float(dH[0] / dV[0]) ** 2
+        _, (_, _, dH, dV), _ = on_grid(self.family)
+        return 0.9 * float(dH[-1] / dV[-1]) ** 2
 
     def values(self, x: Array) -> dict[str, float]:
         """All unknowns by name, the known ones too, and q of each stretch."""
@@ -529,7 +529,7 @@ def _start(model: ForceCurveModel, part: DirectionReadings, share: float, turn: 
 
 def _of_tension(model: ForceCurveModel, s: float, tension: float) -> float:
     """q of moduli times ``s`` that a contact is pulled off at a ``tension`` [N] with."""
-    (D, T, H, V), _, _ = model.family.at(grid(model.family))
+    (D, T, H, V), _, _ = on_grid(model.family)
     r = _shapes(D, T)[:, None]
     folds = np.argmin(D - r * T + s * (H - r * V) / model.k, axis=1)
     tensions = s * (r[:, 0] * V[folds] - H[folds])
@@ -545,7 +545,7 @@ def _tried(model: ForceCurveModel, part: DirectionReadings, share: float) -> tup
     if part.wave is not None:
         net -= part.wave(part.z[rows])
     delta = part.z[rows] - net / model.k
-    (D, T, H, V), _, _ = model.family.at(grid(model.family))
+    (D, T, H, V), _, _ = on_grid(model.family)
     modulus, work = model.known.get("ln_s"), model.works.get(part.kind)
     best = (math.inf, 0.0, 0.0, 0.0)
     for r in _shapes(D, T) if part.jumped and work != 0 else (0.0,):

@@ -72,10 +72,11 @@ ZEROS = frozenset({"delta0", "P0", "compliance"})  # always fitted, or told by t
 def whole_record(curve: Curve, settings: Settings) -> ForceCurve | None:
     """The record taken apart, where base line and contact are to be fitted together; None: the readings as they are.
 
-    By itself that is so for records of a device whose deflection is known, or of both directions with a base line each;
+    "estimate" prepares the readings only for what a whole record cannot be fitted with. By itself that is so for
+    records of a device whose deflection is known, or of both directions with a base line each;
     without a base line the zero of the load is that of the file.
     """
-    prepared = settings.contact in ("as-is", "estimate")
+    prepared = settings.contact == "as-is" or (settings.contact == "estimate" and bool(_in_the_way(settings)))
     only = [f"--base-line {settings.base_line}"] * (settings.base_line != "straight") + ["drift"] * settings.drifts
     asked = settings.contact == "fitted" or bool(only)
     if prepared or curve.a is not None or curve.delta is None or curve.P is None:
@@ -89,7 +90,7 @@ def whole_record(curve: Curve, settings: Settings) -> ForceCurve | None:
             raise
         return None
     if not (asked or _raw(record)):
-        return record if _as_read(record, settings) else None
+        return record if settings.contact == "auto" and _as_read(record, settings) else None
     if reason := _in_the_way(settings):
         raise InputError(f"{reason} is not for the fit of a whole raw record: leave it out, or prepare the readings "
                          "with --contact estimate, or with --zero and --contact as-is")  # fmt: skip
@@ -98,9 +99,9 @@ def whole_record(curve: Curve, settings: Settings) -> ForceCurve | None:
         raise InputError(f"{curve.where}: --uncertain {idle[0]}: the record has no stiffness, so it has no effect here")
     if said := record.flags.get("wrong way"):
         raise InputError(f"{curve.where}: {said}")
-    if settings.drifts and (curve.t is None or settings.segment != "both"):
+    if settings.drifts and (curve.t is None or settings.segment not in (None, "both")):
         raise InputError(f"{curve.where}: a drift is told by approach and retraction together, over their time: "
-                         + ("it holds none" if curve.t is None else "give --segment both"))  # fmt: skip
+                         + ("it holds none" if curve.t is None else "leave --segment out"))  # fmt: skip
     return record
 
 

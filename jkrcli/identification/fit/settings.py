@@ -225,7 +225,8 @@ def settings_of(
 
 
 def uncertain_of(body: FittedBody, pairs: Iterable[tuple[str, str]], settings: Settings) -> dict[str, float]:
-    """Standard deviations of inputs by name: "radius" of the indenter, "nu" and "thickness" of the layer in contact, or "nu:film", "h:film", "E:base", absolute ("0.02", "50 nm") or relative ("5%"); "stiffness" and "sensitivity" of a
+    """Standard deviations of inputs by name: "radius" of the indenter, "nu" and "thickness" of the layer in contact, or
+    "nu:film", "h:film", "E:base", absolute ("0.02", "50 nm") or relative ("5%"); "stiffness" and "sensitivity" of a
     device, relative."""
     found = {}
     for name, text in pairs:

@@ -215,7 +215,7 @@ class ForceCurveModel:
             rows = slice(first, first + part.P.size)
             first = rows.stop
             load, by = self._contact(part, values, blunt)
-            line, by_line = _base_line(part, values)
+            line, by_line = base_line(part, values)
             off.append(line + load - part.P)
             for name, column in {**by, **by_line}.items():
                 if name in self.names:
@@ -259,7 +259,7 @@ def _by_advance(
     return {f"q:{first.kind}": by_before / (2 * math.sqrt(q))} if part is not first and q > 0 else {}
 
 
-def _base_line(part: DirectionReadings, values: Mapping[str, float]) -> tuple[Array, dict[str, Array]]:
+def base_line(part: DirectionReadings, values: Mapping[str, float]) -> tuple[Array, dict[str, Array]]:
     """Load of the base line of a stretch at all its rows, and its derivatives by name."""
     along = part.z - part.z[0]
     line = values[f"offset:{part.kind}"] + values[f"tilt:{part.kind}"] * along

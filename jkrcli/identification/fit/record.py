@@ -23,6 +23,7 @@ from .force_curve import (
     ForceCurveFit,
     ForceCurveModel,
     another_modulus,
+    base_line,
     fit,
     nearest,
     stretches,
@@ -164,6 +165,22 @@ def fit_record(body: FittedBody, record: ForceCurve, settings: Settings) -> Fit:
     return _beside(_result(deeper, record, curve, settings, back), alone, result)
 
 
+def receding(body: FittedBody, curve: Curve, settings: Settings) -> Curve:
+    """The rows of a raw record's last direction on which the edge of the contact moves, less the base line and from the
+    zero that fit best; a curve that is no raw record, or has no base line, as it is."""
+    record = whole_record(curve, settings)
+    if record is None or not any(_usable(record, kind) for kind in _wanted(settings)):
+        return curve
+    _, found = _fitted(body, _model(body, record, settings, {}, _kinds(record, settings)), settings)
+    part, values = found.model.stretches[-1], found.model.values(found.x)
+    a, rests = found.model.contact_radii(part, values)
+    rows = np.flatnonzero((a > 0) & ~rests)
+    P = (part.P - base_line(part, values)[0])[rows]
+    delta = found.model.depth(part, values)[rows] - P / found.model.k
+    order = np.argsort(part.rows[rows])
+    return replace(curve.rows(part.rows[rows][order]), delta=delta[order], P=P[order])
+
+
 def _fitted(body: FittedBody, model: ForceCurveModel, settings: Settings) -> tuple[FittedBody, ForceCurveFit]:
     """The model that fits best, and the body solved as far as it reaches."""
     body, found = _deep_enough(body, model), None
@@ -273,9 +290,14 @@ def _adhesion(record: ForceCurve) -> float | None:
     return None if side is None else known(side.adhesion)
 
 
+def _wanted(settings: Settings) -> tuple[str, ...]:
+    """The directions that are asked for."""
+    return (APPROACH, RETRACT) if settings.segment in (None, "both") else (str(settings.segment),)
+
+
 def _kinds(record: ForceCurve, settings: Settings) -> tuple[str, ...]:
     """The directions to fit: as asked, else the retraction, else the approach."""
-    wanted = (APPROACH, RETRACT) if settings.segment in (None, "both") else (str(settings.segment),)
+    wanted = _wanted(settings)
     held = tuple(kind for kind in wanted if _usable(record, kind))
     if not held and settings.contact == "auto" and record.curve.stiffness is not None:
         held = tuple(kind for kind in wanted if record.direction(kind) is not None)

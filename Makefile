@@ -23,7 +23,7 @@ CASES   := $(notdir $(basename $(wildcard cases/*.toml)))
 SOURCES := $(shell find jkrcli -name '*.py')
 
 .DEFAULT_GOAL := help
-.PHONY: help setup run test test-all test-minimal wheel fuzz lint docs validation gallery benchmarks cases bench figures noise-study chart chart-peers failures bounds range-bounds guards tuning sweep audit clean requirements
+.PHONY: help setup run test test-all test-minimal wheel fuzz lint docs validation gallery benchmarks cases bench figures noise-study chart chart-peers failures bounds range-bounds record-bounds guards tuning sweep audit clean requirements
 .DELETE_ON_ERROR:
 
 help: ## list the targets
@@ -130,6 +130,9 @@ bounds: $(READY) ## whether stated errors bound the true ones and are near them,
 
 guards: $(READY) ## forecasts against costs over all that grows, and how soon too much is refused (ten minutes)
 	$(STUDY).guards
+
+record-bounds: $(READY) ## whether 95 % intervals of raw records hold E*, w and w_approach, on 300 made records (ten minutes)
+	PYTHONPATH=docs:tests $(VENV)/bin/python -m studies.record_bounds $(SEED) 300
 
 range-bounds: $(READY) ## whether stated errors of adhesion of finite range bound the true ones, on 200 random bodies
 	$(STUDY).range_bounds --seed $(call QUOTE,$(SEED)) -o $(RESULTS)/range-bounds

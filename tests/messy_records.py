@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from force_curves import Body, load_at
+from force_curves import Body, back_at, load_at
 from layer_contact import half_space
 
 BAD = ("no contact", "saturation", "step", "random", "several contacts")
@@ -34,8 +34,10 @@ class Sample:
 
     def load(self, z: np.ndarray, approach: bool) -> np.ndarray:
         """Load [N] of one direction at device positions ``z`` [m]."""
-        w = self.w_in if approach else self.w
-        return load_at(z, self.E_star, self.R, w, self.k, self.top, approach, self.body)
+        if approach:
+            return load_at(z, self.E_star, self.R, self.w_in, self.k, self.top, self.body)
+        works = (self.w_in, self.w)
+        return back_at(z, self.E_star, self.R, works, self.k, self.top, _position_of(self), self.body)
 
 
 @dataclass(frozen=True)
@@ -61,7 +63,7 @@ def sample(rng: np.random.Generator, R: float, bodies: tuple[Body, ...] = (half_
 def motion(rng: np.random.Generator, held: Sample) -> Motion:
     """Out and back with rounded ends, at times a pause; far enough for a base line on both sides of pull-off."""
     way = np.linspace(-50 * held.force / held.k, 50 * held.force / held.k, 2001)
-    probe = load_at(way, held.E_star, held.R, held.w, held.k, held.top, False, held.body)
+    probe = held.load(way, False)
     fold = float(way[np.argmax(probe != 0)])
     turn = _position_of(held)
     free = fold - (turn - fold) * float(rng.uniform(0.5, 2.0))

@@ -15,23 +15,41 @@ R, E_STAR, W_IN, W_OUT, K = 5e-6, 200e3, 0.2e-3, 1e-3, 0.3
 ROWS, PAUSE, NOISE, SEED = 900, 120, 0.2e-9, 3
 
 
-def loads(z: np.ndarray, w: float, first: float) -> np.ndarray:
-    """JKR load of a sphere [N] at positions ``z`` [m] of the base; none before ``first`` and the fold."""
+def branch(w: float) -> tuple[np.ndarray, ...]:
+    """Positions of the base [m] that a moving edge holds with a stable contact, its load [N], and radii [m]."""
     a = np.geomspace(1e-9, 4e-6, 20000)
     log = np.log((R + a) / (R - a))
     delta = a * log / 2 - np.sqrt(2 * np.pi * a * w / E_STAR)
     P = E_STAR * ((R**2 + a**2) / 2 * log - a * R) - np.sqrt(8 * np.pi * w * E_STAR * a**3)
     base = delta + P / K
-    fold = int(np.argmin(base))
-    return np.where(z >= max(first, base[fold]), np.interp(z, base[fold:], P[fold:]), 0.0)
+    stable = slice(int(np.argmin(base)), None)
+    return base[stable], P[stable], a[stable]
+
+
+def into(z: np.ndarray) -> np.ndarray:
+    """Load of a sphere [N] at positions ``z`` [m] of the base on the way in."""
+    base, P, _ = branch(W_IN)
+    return np.where(z >= 0, np.interp(z, base, P), 0.0)
+
+
+def back(z: np.ndarray) -> np.ndarray:
+    """The same on the way out: from the turning point on the edge rests, the contact is as stiff as a punch of its
+    radius; it recedes once that load has fallen to the one that a receding edge holds."""
+    base, P, a = branch(W_IN)
+    turn, a_turn = z.max(), np.interp(z.max(), base, a)
+    punch = 2 * E_STAR * a_turn
+    resting = np.interp(turn, base, P) + punch / (1 + punch / K) * (z - turn)
+    base, P, a = branch(W_OUT)
+    ends = np.interp(a_turn, a, base)
+    return np.where(z >= base[0], np.where(z > ends, resting, np.interp(z, base, P)), 0.0)
 
 
 def main(path: Path) -> None:
     way = np.linspace(-1.2e-6, 0.4e-6, ROWS)
     z = np.concatenate([way, np.full(PAUSE, way[-1]), way[::-1]])
     t = np.arange(z.size) * 2e-3
-    inward = loads(way, W_IN, 0.0)
-    P = np.concatenate([inward + 0.5e-9, np.full(PAUSE, inward[-1]), loads(way[::-1], W_OUT, -np.inf) - 0.5e-9])
+    inward = into(way)
+    P = np.concatenate([inward + 0.5e-9, np.full(PAUSE, inward[-1]), back(way[::-1]) - 0.5e-9])
     P += 14e-9 + 8e-4 * z + 2e-10 * t + np.random.default_rng(SEED).normal(0.0, NOISE, z.size)
     head = [
         "Prüfprotokoll Kraft-Weg-Messung",

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, cast
 
 from ..base.errors import InputError, did_you_mean
 from .materials import Elastic
 from .problem import HalfSpace, Layer, Problem, Specimen
 
 BASE = "base"  # name of an elastic half-space below the layers
+RADIUS = "radius"  # of the indenter, among the names of inputs
 
 
 def layer_names(specimen: Specimen) -> tuple[str, ...]:
@@ -36,11 +37,15 @@ def nominal(specimen: Specimen, name: str) -> float:
 
 
 def changed(problem: Problem, values: Mapping[str, float]) -> Problem:
-    """The problem with other moduli [Pa], thicknesses [m] and Poisson's ratios by name ("E:film": 2e6, ...)."""
+    """The problem with other moduli [Pa], thicknesses [m] and Poisson's ratios by name ("E:film": 2e6, ...), or another
+    "radius" of the indenter [m]."""
     specimen = problem.specimen
     layers, base, names = list(specimen.layers), specimen.base, layer_names(specimen)
     for name, value in values.items():
         quantity, _, layer = name.partition(":")
+        if quantity == RADIUS:
+            problem = replace(problem, indenter=replace(cast(Any, problem.indenter), R=value))
+            continue
         if layer == BASE and isinstance(base, HalfSpace):
             base = HalfSpace(_with(base.material, quantity, value))
             continue

@@ -88,7 +88,7 @@ class NamesType(ParamType):
 @click.option("--surface", type=click.Choice(["sliding", "sticking", "both"]),
               help="Of the body, instead of its own; both: under either, and what the data prefer.")  # fmt: skip
 @click.option("--uncertain", multiple=True, type=NamedType(),
-              help="Standard deviation of an input, carried through: nu=0.02, thickness=5%, E:LAYER=10%.")  # fmt: skip
+              help="Standard deviation of an input, carried on: radius=3%, stiffness=10%, thickness=5%.")  # fmt: skip
 @slopes_option
 @reading_options
 @limits_options
@@ -150,7 +150,7 @@ def fit(
             raise InputError(f"fit: --law {NO_RANGE}")
         fit_law(body, law, paths, reading, names, fix, start, options, targets, told, output)
         return
-    settings = _settings(body, uncertain, names, fix, start, bound, options)
+    settings, reading = _settings(body, uncertain, names, fix, start, bound, options), replace(reading, contact="as-is")
     bodies = [body.on_surface(one) for one in SURFACES[surface or body.problem.surface]]
     each = [_fits(one, paths, reading, settings, workers, scheduler) for one in bodies]
     found, reasons = [item for items, _ in each for item in items], list(each[0][1])

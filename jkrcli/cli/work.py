@@ -51,7 +51,8 @@ def work(
     """The work of adhesion along each MEASURED file, on the body of the SERIES file.
 
     At each measured point w = S' (delta_H - delta)^2/(4 pi a), the energy release rate of the contact's edge: from a
-    and P (needs no zero of the displacement), a and delta, or delta and P. With a time column also the speed da/dt of
+    and P (needs no zero of the displacement), a and delta, or delta and P. Of raw records base line and contact
+    point are fitted first, and the rows on which the edge moves are taken. With a time column also the speed da/dt of
     the edge: rate-dependent adhesion, and w0 (1 + (v/v0)^n) through the rows whose edge recedes. Tables name their
     columns and units, "a_um, P_mN, t_s"; files of force microscopes (.jpk-force, .jpk-force-map, .ibw, .h5, .tab) are
     read by the optional package afmformats.
@@ -63,6 +64,8 @@ def work(
     jkr work data.h5 map.jpk-force-map --contact estimate --segment retract
     """
     from ..adhesion.analysis import adhesive, nonadhesive
+    from ..identification.fit.body import body_of
+    from ..identification.fit.settings import settings_of
     from ..identification.rate.through import law_along
     from ..identification.work import Evaluation, check_window, typical
     from ..report.rate import through_summary, through_words
@@ -82,7 +85,13 @@ def work(
     reading = reading_of(options)
     use = None if options["use"] is None else tuple(options["use"].split(","))
     body = unit.scaled(modulus_factor)
-    evaluation = Evaluation(body, use, dict(options["noise"]), options["window"], options["segment"])
+    fitted, contact = body_of(solution), "as-is" if reading.zero else reading.contact
+    settings = settings_of(
+        fitted, fix=[("modulus", f"{modulus_factor!r}")], contact=contact, segment=options["segment"]
+    )
+    own = options["segment"] in (None, "approach", "retract")
+    evaluation = Evaluation(body, use, dict(options["noise"]), options["window"], options["segment"],
+                            fitted if own else None, settings)  # fmt: skip
     summaries = []
     for path, target in zip(measured, targets, strict=True):
         found, skipped = _curves(path, reading, evaluation, workers)

@@ -15,7 +15,7 @@ import numpy as np
 from ..base.arrays import Array
 from ..base.errors import InputError
 from ..base.units import show
-from ..base.unknown import Estimate, Unknown
+from ..base.unknown import Estimate, Unknown, known
 from .measured import Curve
 from .measured.contact import saturation
 from .measured.curve import APPROACH, RETRACT
@@ -46,6 +46,7 @@ class RecordTuning:
     beyond: float = 1.5  # choice: rows over those of the base line, through which the polynomial must go on
     better: float = 0.5  # choice: of what the line leaves, what the polynomial may leave
     wavy: float = 0.03  # choice: of the range of the load, waviness of a base line that is said
+    rising: float = 5.0  # choice: of the largest load or tension over it, what a base line may rise on all of its way
     steep: float = 0.2  # choice: of the largest load, what a tilt may make of it over the depth of contact
     wandering: float = 2.0  # choice: way over distance of a direction, above which it is none
     opposed: float = 0.5  # choice: of the way, how far a direction goes the other way than its name says
@@ -113,8 +114,8 @@ class Direction:
     half-width; ``largest``: largest load over the base line [N]; ``adhesion``: largest tension below it [N], at
     ``adhesion_at`` [m]. ``border``: from the far end inwards, the last row that is free for sure and the first that is
     in contact for sure: after a jump, else where tension is largest, as what lets go slowly beyond is no contact of
-    an elastic body. ``depth``: how far the device moves beyond touch [m]. ``jumps``: to tension, seen from the far end
-    inwards; ``steps``: all other sudden changes of the load.
+    an elastic body. ``way, depth``: how far the device moves in all, and beyond touch [m]. ``jumps``: to tension, seen
+    from the far end inwards; ``steps``: all other sudden changes of the load.
     """
 
     segment: Segment
@@ -127,13 +128,17 @@ class Direction:
     jumps: tuple[ForceJump, ...]
     steps: tuple[ForceJump, ...]
     border: tuple[int, int]
+    way: float
     depth: float
 
     @property
     def begins_free(self) -> bool:
-        """Whether there is a base line: not a few rows only, not contact's own end, and not as steep as contact is."""
+        """Whether there is a base line: not a few rows only, not contact's own end, not as steep as contact is, and not
+        the straight line of an edge at rest."""
         enough = self.base.rows >= TUNING.far * len(self.segment) and not self.base.curved
-        return enough and abs(self.base.tilt) * self.depth <= TUNING.steep * self.largest
+        rise, off = abs(self.base.tilt) * self.way * self.base.rows / len(self.segment), known(self.adhesion) or 0.0
+        level = rise <= TUNING.rising * max(self.largest, off)
+        return enough and level and abs(self.base.tilt) * self.depth <= TUNING.steep * self.largest
 
     @property
     def based(self) -> bool:
@@ -240,7 +245,18 @@ def _direction(position: Array, P: Array, segment: Segment) -> Direction:
     border = min([row - 1, *(first for first, _ in falls)]), inner
     depth = float(x.max() - x[min(row, x.size - 1)])
     return Direction(
-        segment, base, touch, error, float(off.max()), tension, float(x[lowest]), jumps, steps, border, depth
+        segment,
+        base,
+        touch,
+        error,
+        float(off.max()),
+        tension,
+        float(x[lowest]),
+        jumps,
+        steps,
+        border,
+        float(np.ptp(x)),
+        depth,
     )
 
 

@@ -21,6 +21,9 @@ from ..base.arrays import Array
 from ..base.errors import InputError
 from ..base.units import show
 from ..data.measured import Curve
+from .fit.body import FittedBody
+from .fit.record import receding
+from .fit.settings import Settings
 
 PAIRS = (("a", "P"), ("a", "delta"), ("delta", "P"))  # the first needs no zero of the displacement
 # What a measured row is: usable, or why it is not.
@@ -108,15 +111,24 @@ def typical(found: Sequence[WorkAlong]) -> float:
 
 @dataclass(frozen=True, eq=False)
 class Evaluation:
-    """``work_along`` of any curve, or of its rows of one ``segment``, with everything else settled; can be sent."""
+    """``work_along`` of any curve, or of its rows of one ``segment``, with everything else settled; can be sent.
+
+    ``fitted, settings``: by which raw records get their zero points, base lines and rows in contact.
+    """
 
     body: Nonadhesive
     use: tuple[str, str] | None = None
     noise: Mapping[str, float] = field(default_factory=dict)
     window: int = 11
     segment: str | None = None
+    fitted: FittedBody | None = None
+    settings: Settings | None = None
 
     def __call__(self, curve: Curve) -> WorkAlong:
+        if self.fitted is not None and self.settings is not None:
+            moving = receding(self.fitted, curve, self.settings)
+            if moving is not curve:
+                return work_along(self.body, moving, self.use, self.noise, self.window)
         part = curve if self.segment is None else curve.only(self.segment)
         return work_along(self.body, part, self.use, self.noise, self.window)
 

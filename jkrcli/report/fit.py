@@ -148,8 +148,9 @@ def words(item: Fit) -> list[str]:
     """A fit as lines of text: what was free, and what follows from it."""
     out = f" ({', '.join(item.left_out)} left out)" if item.left_out else ""
     status = f"{_status(item)}, " if item.quality is not None or item.flags else ""
+    ways = f", {item.directions}" if item.directions else ""
     stuck = ", surfaces that stick" if item.surface == "sticking" else ""
-    lines = [f"{item.where}: {status}{item.a.size} rows of {', '.join(item.data)}{out}{stuck}"]
+    lines = [f"{item.where}: {status}{item.a.size} rows of {', '.join(item.data)}{ways}{out}{stuck}"]
     for estimate in item.estimates:
         if estimate.free and estimate.name != "modulus":
             lines.append(
@@ -167,7 +168,7 @@ def words(item: Fit) -> list[str]:
 
 def _range_words(item: Fit) -> list[str]:
     """A line on the longest range that the rows leave, where w rests on it more than on the noise."""
-    w, left = item.estimate("w"), item.range_left
+    w, left = item.work, item.range_left
     part = (w.model or {}).get(RANGE, 0.0)
     if left is None or w.low is None or w.high is None or part < w.high - w.low:
         return []

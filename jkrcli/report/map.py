@@ -59,7 +59,7 @@ def _values(item: Fit | Failure) -> dict[str, float]:
     told = {estimate.name: estimate.value for estimate in item.estimates}
     return {
         "E_star": told.get("E_star", np.nan),
-        "w": told["w"],
+        "w": told.get("w", np.nan),
         "contact_point": told.get("delta0", np.nan),
         "adhesion_force": np.nan if item.adhesion is None else item.adhesion,
         "quality": np.nan if item.quality is None else item.quality["quality"],

@@ -180,3 +180,20 @@ def test_a_force_map_of_a_microscope(jkr: Run, measured: Path) -> None:
         # Half a step of the piezo, 0.6 nm, against a shift of some 60 nm: d(log w) = 2 d(delta)/shift
         np.testing.assert_allclose(item["w"]["all"]["median_J_per_m2"], W, rtol=0.03)
         assert item["flags"][1].startswith("zero points estimated from")
+
+
+RAW = Path(__file__).parents[2] / "cases" / "measured" / "raw-force-curve.txt"
+
+
+def test_a_raw_record_is_zeroed_by_its_fit(jkr: Run) -> None:
+    """Read as it stands, the record says 102 J/m^2; w is 1 mJ/m^2 on its way out and 0.2 mJ/m^2 on its way in."""
+    Path("gel.toml").write_text(
+        '[indenter]\nshape = "sphere"\nradius = "5 um"\n[specimen.half_space]\nE = "150 kPa"\nnu = 0.5\n'
+        '[loading]\nradius = "2 um"\npoints = 100\nspacing = "log"\n'
+    )
+    assert jkr("run", "gel.toml").code == 0
+    for segment, w in (("retract", 1e-3), ("approach", 0.2e-3)):
+        done = jkr("work", "gel.h5", str(RAW), "--segment", segment, "--json", "--no-plots", "-o", segment)
+        assert done.code == 0
+        (found,) = json.loads(done.out)["results"]
+        assert found["curves"][0]["w"]["all"]["median_J_per_m2"] == pytest.approx(w, rel=0.05)

@@ -10,6 +10,7 @@ from functools import lru_cache
 
 import numpy as np
 import pytest
+from cycle_records import NOISES, drawn
 from force_curves import Instrument, equilibrium, record
 from layer_contact import BondedLayer, half_space
 
@@ -102,31 +103,6 @@ def case(kind: tuple[float, float] | None, E_star: float) -> FittedBody:
     return FittedBody.of(problem, series, slopes(series), extensible=True)
 
 
-def made_on(rng: np.random.Generator, kind: tuple[float, float] | None) -> tuple[Curve, float, float]:
-    """A record on the half-space or a layer with pull-off at a random radius; its E* [Pa] and w [J/m^2]."""
-    held = half_space if kind is None else LAYERS[kind]
-    widest = 0.3 * R if kind is None else min(0.3 * R, 4 * kind[0])
-    E_star, radius = 10 ** rng.uniform(2, 7), widest * 10 ** rng.uniform(-1, 0)
-    a = radius * np.array([0.999, 1.0, 1.001])
-    _, P, S, dS = held(a, R)
-    tension = S * np.sqrt(4 * math.pi * a / dS)  # of w = E* = 1
-    w = E_star * ((P[2] - P[0]) / (tension[2] - tension[0])) ** 2
-    force = math.sqrt(w * E_star) * tension[1] - E_star * P[1]
-    k, largest = E_star * S[1] * 10 ** rng.uniform(math.log10(0.03), 2), force * rng.uniform(2, 10)
-    position = equilibrium(E_star, R, w, k, largest, held)[0]
-    span = float(position[-1] - position.min())
-    rows = int(10 ** rng.uniform(math.log10(200), math.log10(20000)))
-    device = Instrument(
-        k, rows, far=span * rng.uniform(0.3, 3) - float(position.min()), largest=largest,
-        noise=force * 10 ** rng.uniform(-3, math.log10(0.03)), offset=force * rng.uniform(-5, 5),
-        tilt=force / span * rng.uniform(-0.2, 0.2), drag=force * rng.uniform(0, 0.2),
-        drift=force * rng.uniform(-0.1, 0.1), pause=int(rng.choice([0, rows // 10])),
-    )  # fmt: skip
-    columns = record(E_star, R, 0.0, w, device, int(rng.integers(1 << 30)), held)
-    told = columns["segment"] if rng.random() < 0.5 else None
-    return Curve("made", delta=columns["z"] - columns["P"] / k, P=columns["P"], segment=told, stiffness=k), E_star, w
-
-
 def wrong(item: FittedValue, true: float) -> bool:
     """By more than a tenth and more than three half-widths."""
     assert item.low is not None
@@ -146,24 +122,28 @@ def test_a_displacement_that_goes_against_its_segments_is_refused() -> None:
 
 
 @pytest.mark.slow
-def test_intervals_of_a_thousand_records() -> None:
-    """Measured: E* and w held in 96.1 % each, median errors 4e-4 and 5e-4, none wrong without a flag, none flagged."""
-    rng = np.random.default_rng(77)
-    held, errors, flagged, silent = [], [], 0, 0
-    kinds = [None, *LAYERS]
+def test_intervals_of_a_thousand_cycles() -> None:
+    """Of 660 measured: E*, w and w_approach held in HELD; none far off without a flag (``make record-bounds``)."""
+    held: dict[str, list[bool]] = {"E_star": [], "w": [], "w_approach": []}
+    kinds, flagged, silent = [None, *LAYERS], 0, 0
     for i in range(1000):
+        rng = np.random.default_rng((77, i))
         kind = None if i % 2 else kinds[1 + i // 2 % len(LAYERS)]
-        curve, E_star, w = made_on(rng, kind)
-        found = fit(case(kind, 10.0 ** (round(math.log10(E_star)) + int(rng.integers(-3, 4)))), curve, usual())
-        told = judged(found, {"E_star": E_star, "w": w})
-        errors.append([abs(error) for error, _ in told.values()])
-        held.append([inside for _, inside in told.values()])
+        layer = (None, half_space) if kind is None else (kind[0], LAYERS[kind])
+        cycle = drawn(rng, R, *layer, NOISES[0] if i % 4 < 2 else NOISES[1 + i // 4 % 3])
+        z, P = cycle.columns["z"], cycle.columns["P"]
+        modulus = 10.0 ** (round(math.log10(cycle.truth["E_star"])) + int(rng.integers(-3, 4)))
+        found = fit(case(kind, modulus), Curve("made", delta=z - P / cycle.k, P=P, stiffness=cycle.k), usual())
         flagged += bool(found.flags)
-        silent += not found.flags and (wrong(found.estimate("E_star"), E_star) or wrong(found.estimate("w"), w))
-    assert (np.abs(np.mean(held, axis=0) - 0.95) <= 0.025).all()
-    assert (np.median(errors, axis=0) < [1e-3, 1.5e-3]).all()
+        for item in (item for item in found.estimates if item.name in held and item.high is not None):
+            true = cycle.truth[item.name]
+            assert item.low is not None
+            held[item.name].append(item.low <= true <= item.high)
+            silent += not found.flags and wrong(item, true)
+    for values in held.values():
+        assert abs(np.mean(values) - 0.95) <= 0.025
     assert flagged <= 50
-    assert silent <= 5
+    assert silent == 0
 
 
 @pytest.mark.slow
@@ -232,8 +212,10 @@ def test_a_drift_of_the_depth_is_fitted_where_it_is_asked_for(share: float) -> N
 
 
 def test_a_drift_that_nobody_asked_for_is_said() -> None:
-    said = {share: [line for line in fit(BODY, drifting(share)[0], usual(segment="both")).warnings if "drift" in line]
-            for share in (0.0, -0.02)}  # fmt: skip
+    said = {}
+    for share in (0.0, -0.02):
+        found = fit(BODY, drifting(share)[0], usual(segment="both"))
+        said[share] = [line for line in found.warnings if line.startswith("drift")]
     assert said[0.0] == []
     assert re.fullmatch(
         r"drift: the depth seems to drift by -[\d.]+ nm/s ± [\d.]+ [np]m/s, which would change the moduli by "
@@ -246,22 +228,26 @@ def test_a_drift_needs_both_directions_and_their_time() -> None:
     curve, _, _ = drifting(0.0)
     told = "made: a drift is told by approach and retraction together"
     for held, options, reason in (
-        (curve, {}, ", over their time: give --segment both"),
+        (curve, {"segment": "retract"}, ", over their time: leave --segment out"),
         (replace(curve, t=None), {"segment": "both"}, ", over their time: it holds none"),
         (curve.only("retract"), {"segment": "both"}, ", only one can be fitted"),
     ):
         with pytest.raises(InputError, match=f"^{told}{reason}$"):
             fit(BODY, held, usual(free=["drift"], **options))
     with pytest.raises(InputError, match=r"^drift is for raw records of displacement and load, with --contact fitted"):
-        whole_record(curve, usual(free=["drift"], contact="estimate"))
+        whole_record(curve, usual(free=["drift"], contact="as-is"))
 
 
-def test_an_approach_without_a_jump_has_no_adhesion_to_tell() -> None:
-    curve, E_star, _ = made(np.random.default_rng(7))
+def test_an_approach_without_adhesion_has_an_upper_limit_of_its_own_w() -> None:
+    curve, E_star, w = made(np.random.default_rng(7))
     found = fit(BODY, curve, usual(segment="approach"))
-    assert found.value("w") == 0
-    assert "approach: no jump into contact, w is taken as 0" in found.warnings
-    assert found.value("E_star") == pytest.approx(E_star, rel=0.05)
+    item = found.estimate("w_approach")
+    assert item.low == 0
+    assert item.high is not None
+    assert item.value < item.high < 0.01 * w
+    assert "w" not in {item.name for item in found.estimates}
+    assert any(line.startswith("approach alone: its w is called w_approach") for line in found.warnings)
+    assert judged(found, {"E_star": E_star})["E_star"][1]
 
 
 def test_a_contact_of_few_rows_after_a_long_way_is_kept_to_its_end() -> None:
@@ -285,25 +271,26 @@ def without_base_line(chosen: Callable[[np.ndarray, np.ndarray], np.ndarray], of
 
 
 @pytest.mark.parametrize(
-    ("chosen", "error"),
-    [
-        (lambda z, P: z > 0.02e-6, 0.01),
-        (lambda z, P: P > 0.3, 0.1),  # without pull-off w rests on the shape of the curve
-        (lambda z, P: (P < -0.05) & (z > -0.2e-6), 0.01),
-    ],
+    "chosen",
+    [lambda z, P: z > 0.02e-6, lambda z, P: P > 0.3, lambda z, P: (P < -0.05) & (z > -0.2e-6)],
     ids=["no base line", "compression", "tension"],
 )
-def test_what_there_is_of_a_record_is_fitted(
-    chosen: Callable[[np.ndarray, np.ndarray], np.ndarray], error: float
-) -> None:
-    """Without a base line the zero of the load is that of the file; the retraction alone, told by the motion."""
+def test_what_there_is_of_a_record_is_fitted(chosen: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> None:
+    """Without a base line the zero of the load is that of the file. In compression the edge rests on all the way back:
+    w is at least what the last row holds."""
     found = fit(BODY, without_base_line(chosen), usual())
-    assert found.value("E_star") == pytest.approx(20e3, rel=0.03)
-    assert found.value("w") == pytest.approx(1e-4, rel=error)
+    E, w = found.estimate("E_star"), found.estimate("w")
+    assert E.value == pytest.approx(20e3, rel=0.005)
+    assert E.error is not None
+    assert abs(E.value - 20e3) < 4.5 * E.error
+    if w.error is None:
+        assert w.low is not None
+        assert 0.7e-4 < w.low < 1e-4
+        assert any("the edge of the contact rests in all rows" in line for line in found.warnings)
+    else:
+        assert abs(w.value - 1e-4) < 4.5 * w.error < 0.05e-4
     assert "no base line" in found.flags
     assert any("reading of no load: it is taken as 0 (--free P0" in line for line in found.warnings)
-    if "no approach" not in found.flags:
-        assert fit(BODY, without_base_line(chosen), usual(segment="retract")).value("w") == found.value("w")
 
 
 def test_a_free_zero_of_a_record_in_tension_leaves_w_open() -> None:
@@ -328,10 +315,10 @@ def test_another_indenter_is_flagged_as_misfit() -> None:
 
 
 def test_readings_with_estimated_zeros_are_not_a_whole_record() -> None:
-    """--contact estimate prepares the readings; what a whole record cannot be fitted with is no obstacle then."""
+    """--contact estimate prepares the readings for what a whole record cannot be fitted with; else it is the same."""
     curve, _, _ = made(np.random.default_rng(7))
     assert whole_record(curve, usual()) is not None
-    assert whole_record(curve, usual(contact="estimate")) is None
+    assert fit(BODY, curve, usual(contact="estimate")).value("E_star") == fit(BODY, curve, usual()).value("E_star")
     assert whole_record(curve, usual(contact="estimate", branch="compressive")) is None
 
 
@@ -358,10 +345,10 @@ def test_what_a_whole_record_is_not_fitted_with_is_refused_by_name(asked: dict[s
 def test_an_uncertain_input_widens_the_intervals() -> None:
     """By what fits with the input moved to both sides say."""
     kind = (1.5e-6, 0.45)
-    curve, E_star, _ = made_on(np.random.default_rng(5), kind)
-    layer = case(kind, 10.0 ** round(math.log10(E_star)))
-    found = fit(layer, curve, usual(uncertain={"h:1": 0.05 * kind[0]}))
-    ends = [fit(layer.with_values({"h:1": (1 + change) * kind[0]}), curve, usual()) for change in (-0.05, 0.05)]
+    curve, layer = cycled(1, kind=kind), case(kind, 1e4)
+    found = fit(layer, curve, usual(uncertain={"h:1": 0.05 * kind[0]}, segment="retract"))
+    ends = [fit(layer.with_values({"h:1": (1 + change) * kind[0]}), curve, usual(segment="retract"))
+            for change in (-0.05, 0.05)]  # fmt: skip
     for name in ("E_star", "w"):
         low, high = (end.value(name) for end in ends)
         systematic = found.estimate(name).systematic
@@ -442,3 +429,110 @@ def test_a_sine_that_is_not_there_is_not_fitted() -> None:
     assert "base line: no sine is told from its noise, it is taken as straight" in found.warnings
     with pytest.raises(InputError, match="--base-line sine is for raw records"):
         fit(BODY, curve, usual(base_line="sine", contact="as-is"))
+
+
+def cycled(seed: int, w_in: float = 3e-5, kind: tuple[float, float] | None = None) -> Curve:
+    """Approach and retraction, E* = 20 kPa, w = 0.1 mJ/m^2 on the way out."""
+    k, force = 0.05, 1.5 * math.pi * 1e-4 * R
+    device = Instrument(k, 1500, 3e-6, 4 * force, 0.005 * force, force, 0.1 * force / 1e-6, 0.05 * force)
+    columns = record(20e3, R, w_in, 1e-4, device, seed, half_space if kind is None else LAYERS[kind])
+    return Curve("made", delta=columns["z"] - columns["P"] / k, P=columns["P"], t=columns["t"], stiffness=k)
+
+
+TRUE = {"E_star": 20e3, "w": 1e-4, "w_approach": 3e-5}
+
+
+@pytest.mark.parametrize("kind", [None, (1.5e-6, 0.45)])
+@pytest.mark.parametrize("segment", [None, "retract", "approach"])
+def test_the_edge_rests_at_the_turn(segment: str | None, kind: tuple[float, float] | None) -> None:
+    """A model that recedes at once errs in E* by 8 % and by 40 standard errors on the half-space."""
+    found = fit(case(kind, 1e4), cycled(1, kind=kind), usual(segment=segment))
+    names = {item.name for item in found.estimates} & set(TRUE)
+    assert names == {None: set(TRUE), "retract": {"E_star", "w"}, "approach": {"E_star", "w_approach"}}[segment]
+    for name in names:
+        item = found.estimate(name)
+        assert item.error is not None
+        assert abs(item.value - TRUE[name]) < min(4 * item.error, 0.1 * TRUE[name])
+    asked = {None: "approach and retraction", "retract": "retraction alone", "approach": "approach alone"}
+    assert found.directions == asked[segment]
+
+
+def test_a_direction_that_cannot_be_fitted_is_named_with_the_other() -> None:
+    curve = cycled(1)
+    turn = int(np.argmax(curve.device))
+    found = fit(BODY, curve.rows(np.arange(turn + 200)), usual())
+    assert found.directions == "approach alone (retraction: it has no base line)"
+    assert any("approach alone: its w is called w_approach" in line for line in found.warnings)
+
+
+def test_directions_of_different_moduli_stand_side_by_side() -> None:
+    """A specimen that yields: the way back is that of a contact that is stiffer by a tenth."""
+    inwards, back = cycled(1, w_in=1e-4), cycled(1, w_in=1e-4)
+    assert inwards.P is not None
+    assert back.P is not None
+    stiffer = record(22e3, R, 1e-4, 1e-4, Instrument(0.05, 1500, 3e-6, 6 * math.pi * 1e-4 * R, 1e-11), 3)
+    rows = np.arange(len(inwards)) >= 1500
+    P = np.where(rows, stiffer["P"], inwards.P)
+    z = np.where(rows, stiffer["z"] + inwards.device.max() - stiffer["z"].max(), inwards.device)
+    found = fit(BODY, Curve("made", delta=z - P / 0.05, P=P, stiffness=0.05), usual())
+    assert "directions differ" in found.flags
+    assert found.value("E_star_approach") == pytest.approx(20e3, rel=0.01)
+    assert found.value("E_star") == pytest.approx(22e3, rel=0.01)
+    assert any(re.match(r"directions differ: E\* is [\d.]+ kPa on approach and", line) for line in found.warnings)
+
+
+def test_calibration_is_told_as_a_part_of_its_own() -> None:
+    """E* and w are as wrong as the stiffness that loads are made with; w goes with 1/R, on a half-space."""
+    curve = cycled(1)
+    found = fit(BODY, curve, usual(uncertain={"stiffness": 0.1, "radius": 0.03 * R, "sensitivity": 0.02}))
+    parts = {name: found.estimate(name).systematic for name in ("E_star", "w")}
+    for name, by_radius in (("E_star", 0.5), ("w", 1.0)):
+        told, value = parts[name], found.value(name)
+        assert told is not None
+        assert told["stiffness"] == pytest.approx(0.1 * value, rel=1e-3)
+        assert told["radius"] == pytest.approx(0.03 * by_radius * value, rel=0.02)
+        assert 0.02 < told["sensitivity"] / value < 0.06  # of the load, and of the depth that a deflection takes
+        assert found.estimate(name).error > math.hypot(*told.values())
+
+
+@pytest.mark.parametrize(
+    ("stiffness", "options", "said"),
+    [
+        (None, {"contact": "fitted"}, "--uncertain stiffness: the record has no stiffness, so it has no effect here"),
+        (0.05, {"contact": "as-is"}, "--uncertain stiffness is for raw records of a device, it has no effect here"),
+    ],
+)
+def test_an_uncertain_input_without_effect_is_refused(
+    stiffness: float | None, options: dict[str, object], said: str
+) -> None:
+    with pytest.raises(InputError, match=said):
+        fit(BODY, replace(cycled(1), stiffness=stiffness), usual(uncertain={"stiffness": 0.1}, **options))
+
+
+def test_the_noise_is_that_of_the_free_rows() -> None:
+    """What a wrong body leaves in contact is misfit: it is flagged, and does not widen the intervals."""
+    kind = (1.5e-6, 0.45)
+    curve = cycled(1, kind=kind)
+    right, wrong = fit(case(kind, 1e4), curve, usual()), fit(BODY, curve, usual(segment="retract"))
+    assert not right.flags
+    assert "misfit" in wrong.flags
+    assert wrong.quality is not None
+    assert wrong.quality["misfit"] < 0.6
+    item = wrong.estimate("E_star")
+    assert item.error is not None
+    assert item.error < 0.02 * item.value
+
+
+@pytest.mark.parametrize(("w", "flat"), [(0.0, True), (1e-6, True), (1e-4, False)])
+def test_w_of_an_approach_is_told_through_0(w: float, flat: bool) -> None:
+    """An upper limit, or a value; E* is held whatever w is."""
+    device = Instrument(0.05, 1500, 3e-6, 2e-8, 1e-10)
+    columns = record(20e3, R, w, w, device, 8)
+    curve = Curve("made", delta=columns["z"] - columns["P"] / 0.05, P=columns["P"], stiffness=0.05)
+    found = fit(BODY, curve, usual(segment="approach"))
+    item = found.estimate("w_approach")
+    assert item.low is not None
+    assert item.high is not None
+    assert item.low <= w <= item.high
+    assert (item.low == 0) == flat
+    assert judged(found, {"E_star": 20e3})["E_star"][1]

@@ -36,7 +36,8 @@ TUNING = FirstTouchTuning()
 def with_zero_points(curve: Curve) -> Curve:
     """The curve with the load's straight baseline subtracted (tilt too) and displacement 0 at first touch.
 
-    The displacement is the device's, its deflection not yet subtracted.
+    By the positions of the device, whose deflection by the load that is left is subtracted where its stiffness is
+    known.
 
     First touch is where the load of the approach leaves the baseline for good: in JKR contact forces have no range,
     so that is delta = 0, with a jump into contact or without. Between two rows: half a step of uncertainty. An
@@ -45,8 +46,8 @@ def with_zero_points(curve: Curve) -> Curve:
     if curve.delta is None or curve.P is None:
         raise InputError(f"{curve.where}: zero points are estimated from displacement and load, it holds "
                          f"{', '.join(curve.measured)}")  # fmt: skip
-    rows = _approach(curve)
-    z, P = curve.delta[rows], curve.P[rows]
+    rows, device = _approach(curve), curve.device
+    z, P = device[rows], curve.P[rows]
     end = free = _end_of_free_part(curve, z)
     line = np.polynomial.Polynomial.fit(z[:end], P[:end], 1)
     _refuse_contact(curve, (P - line(z))[:end], float(np.ptp(P)))
@@ -67,7 +68,9 @@ def with_zero_points(curve: Curve) -> Curve:
         f"(within {show(abs(float(z[first] - z[first - 1])) / 2, 'length')}), baseline "
         f"{show(float(line(touch)), 'load')} with a tilt of {rate:.3g} N/m"
     )
-    return replace(curve, delta=curve.delta - touch, P=curve.P - line(curve.delta), flags=(*curve.flags, said))
+    P = curve.P - line(device)
+    delta = device - touch - (0.0 if curve.stiffness is None else P / curve.stiffness)
+    return replace(curve, delta=delta, P=P, flags=(*curve.flags, said))
 
 
 def saturation(curve: Curve) -> tuple[str, ...]:
@@ -102,7 +105,7 @@ def _approach(curve: Curve) -> Array:
     """Rows of the approach, in order: those the file names so, else those before the largest displacement."""
     assert curve.delta is not None
     if curve.segment is None:
-        return np.arange(int(np.argmax(curve.delta)) + 1)
+        return np.arange(int(np.argmax(curve.device)) + 1)
     rows = np.flatnonzero(curve.segment == APPROACH)
     if not rows.size:
         raise InputError(f'{curve.where}: has no rows of segment "{APPROACH}" (segments: {", ".join(curve.segments())}'

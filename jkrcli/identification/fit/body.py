@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 from ...adhesion.analysis import JKR, nonadhesive
 from ...adhesion.finite_range import FiniteRangeBody
@@ -19,7 +19,7 @@ from ...adhesion.slopes.choice import slopes
 from ...adhesion.slopes.result import Slopes
 from ...base.errors import InputError, JkrError, Refusal, SolveError
 from ...base.units import show
-from ...bodies.parts import changed, checked_names, layer_names, nominal
+from ...bodies.parts import RADIUS, changed, checked_names, layer_names, nominal
 from ...bodies.problem import Loading, Problem
 from ...case import Case, load_case, store
 from ...case.solving import solve
@@ -109,7 +109,9 @@ class FittedBody:
         return (*(f"E:{name}" for name in self.layer_names), *(f"h:{name}" for name in layers))
 
     def nominal(self, name: str) -> float:
-        """The value of "E:layer" [Pa], "h:layer" [m] or "nu:layer" in the problem."""
+        """The value of "E:layer" [Pa], "h:layer" [m], "nu:layer" or "radius" [m] in the problem."""
+        if name == RADIUS:
+            return float(cast(Any, self.problem.indenter).R)
         return nominal(self.problem.specimen, name)
 
     def with_values(self, values: dict[str, float]) -> FittedBody:

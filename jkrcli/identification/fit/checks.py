@@ -188,7 +188,7 @@ def _validity(found: Fit, body: FittedBody, family: Family) -> list[str]:
     top, depth = problem.specimen.top_thickness, problem.specimen.yielding_depth
     thickness = next(free, top)
     judged = judge(
-        a=a, delta=float(D[0]), E_star=found.value("E_star"), w=found.value("w") if _adhesion(found) else 0.0,
+        a=a, delta=float(D[0]), E_star=found.value("E_star"), w=found.work.value if _adhesion(found) else 0.0,
         R=problem.indenter.tip_radius, h=thickness, depth=thickness if depth == top else depth,
         L=problem.specimen.radius, z0=THRESHOLDS.z0 if found.jkr is None else None, end_is_cut=False,
     )  # fmt: skip
@@ -197,5 +197,5 @@ def _validity(found: Fit, body: FittedBody, family: Family) -> list[str]:
 
 def _adhesion(found: Fit) -> bool:
     """Whether w is told from 0."""
-    item = found.estimate("w")
+    item = found.work
     return item.value > 0 and item.low != 0

@@ -11,6 +11,7 @@ import numpy as np
 from ...base.errors import InputError, JkrError, SolveError
 from ...base.executors import Pool, completed
 from ...data.measured import Curve
+from ...data.measured.contact import with_zero_points
 from ...data.measured.curve import APPROACH, AS_DEPTH, NOT_SUBTRACTED, OVERRULED, RETRACT, Pixel
 from ...data.record import examine
 from .body import FittedBody, check_parameters
@@ -23,7 +24,7 @@ from .record import fit_record, whole_record
 from .result import Fit
 from .rivals import Rivals, rivals_of
 from .search import robust, search
-from .settings import Parameter, Settings
+from .settings import CALIBRATED, Parameter, Settings
 from .statistics import structure
 
 CHUNK = 20  # choice: curves per task
@@ -111,6 +112,9 @@ def _fit(body: FittedBody, curve: Curve, settings: Settings) -> Fit:
     check_parameters(body, [parameter.name for parameter in settings.parameters])
     if (record := whole_record(curve, settings)) is not None:
         return fit_record(body, record, settings)
+    if idle := [name for name in settings.uncertain if name in CALIBRATED]:
+        raise InputError(f"{curve.where}: --uncertain {idle[0]} is for raw records of a device, it has no effect here")
+    curve = with_zero_points(curve) if settings.contact == "estimate" else curve
     curve, zero = parted(curve, settings), settings.parameter("P0")
     level = 0.0 if zero is None else None if zero.free else zero.value
     points = points_of(curve, settings.segment, settings.branch, len(settings.free), level)

@@ -1,20 +1,21 @@
 """One statistical model of a whole force curve: base line, contact point, modulus and work of adhesion together.
 
-At device position z a spring of stiffness k carries the load P of the contact, delta = z - z0 - P/k, and reads it over
-a straight base line; all scatter is in the load:
+The reading at device position z is that of a contact on its path (``device_path``) over a straight base line; all
+scatter is in the load:
 
     reading(z) = offset + tilt (z - z_touch) + P(z - z0; s, w, k)
 
-P is the stable branch of Eq. 13 for all moduli times s, P = s (H - r V), delta = D - r T, r = sqrt(w/s), where the rows
-are in contact, and 0 where they are free. Each direction has its own base line (drag, drift of the load), on request
-with a wave c cos + s sin of 2 pi (z - at)/period (``interference``), and its own w. On request z0 drifts at a constant
-speed, z0 + v t with t = 0 at the turning point: of one direction alone that cannot be told from another modulus.
+P is 0 where a row is free. On approach the edge advances with its own w; from the turning point on it rests, then
+recedes with the w of the retraction. Where the retraction is alone, the root of the w of its approach is a share
+``turn`` of its own. Each direction has its own base line (drag, drift of the load), on request with a wave c cos + s
+sin of 2 pi (z - at)/period (``interference``). On request z0 drifts at a constant speed, z0 + v t with t = 0 at the
+turning point: of one direction alone that cannot be told from another modulus.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -24,25 +25,30 @@ from scipy.optimize import least_squares
 
 from ...base.arrays import Array
 from ...base.errors import SolveError
-from ...base.unknown import Unknown
+from ...base.unknown import known
 from ...data.measured.curve import APPROACH
 from ...data.record import BaseLine, Direction, ForceCurve
+from .coloured import Spread
 from .coloured import spread as covariance
+from .device_path import DeviceBranch, Rest, branch, on_grid, rest
 from .family import Family
 from .interference import Wave, parts
+from .points import in_contact, third_differences
 from .settings import Loss
 from .statistics import TURNS, influence, robust_scale
 
 
 @dataclass(frozen=True)
 class ForceCurveTuning:
-    """How finely branches are tabulated and starts are tried."""
+    """How starts are tried, and when a search ends."""
 
-    nodes: int = 400  # choice: of a branch; loads between them are good to 1e-7 of the largest
-    zooms: int = 3  # choice: grids on which a fold is sought, each of ``zoomed`` points within a step of the one before
-    zoomed: int = 33  # choice: see ``zooms``; the position at the fold, flat there, is then good to 1e-16
-    below: float = 4.0  # choice: of log a below the series, where its limit by power laws holds
-    beyond: float = 0.5  # choice: of log a above the series, tried while starting values are looked for
+    window: float = 4.0  # choice: standard errors of z0 and w that the window about first touch covers
+    beside: float = 2.0  # choice: rows on each side of first touch, at least, that belong to the window
+    narrow: float = 0.3  # choice: of the depth of contact, that the window covers at most
+    recedes: float = 12.0  # theory: fall of chi^2 by one unknown that chance brings once in 2000
+    enough: float = 1.5  # choice: of the noise, residuals that no other start is tried below
+    # choice: of a retraction alone, the share of its way in contact that tells a start, and ``turn`` to begin with:
+    alone: tuple[tuple[float, float], ...] = ((0.5, 0.1), (0.5, 0.6), (1.0, 1.0))
     shapes: int = 25  # choice: ratios w/s tried
     points: int = 41  # choice: contact points tried
     rows: int = 200  # choice: rows used while trying
@@ -62,9 +68,11 @@ TUNING = ForceCurveTuning()
 class DirectionReadings:
     """The ``rows`` of one direction, from the far end inwards: device position ``z`` [m], reading ``P`` [N].
 
-    ``touching``: whether a row may be in contact; where ``jumped``, all those rows are, and the others are free.
+    ``touching``: whether a row may be in contact; where ``jumped``, all those rows are, and the others are free, as a
+    jump tells, or a window about first touch that is left out.
     ``line``: the base line that was found from the free rows alone, ``wave``: on top of it. ``t``: time since the
-    turning point [s], 0 where it is not known.
+    turning point [s], 0 where it is not known. ``turn``: where the device turns [m]; ``tension``: the largest that is
+    told from the noise [N].
     """
 
     kind: str
@@ -75,6 +83,8 @@ class DirectionReadings:
     touching: Array
     jumped: bool
     t: Array
+    turn: float
+    tension: float
     wave: Wave | None = None
 
     @cached_property
@@ -89,93 +99,18 @@ class DirectionReadings:
 
 
 @dataclass(frozen=True, eq=False)
-class DeviceBranch:
-    """The stable branch of one body at a device: load over zeta = sqrt(z - fold), where it is smooth.
-
-    ``rates``: derivatives of the load at fixed z by ln s and q = w/s, times zeta, (2, n). ``fold`` [m]: where it ends;
-    ``u, z``: log of the contact radius and position [m] along it.
-    """
-
-    fold: float
-    u: Array
-    z: Array
-    zeta: Array
-    P: Array
-    slope: Array
-    rates: Array
-
-    def at(self, z: Array, blunt: float) -> tuple[Array, Array]:
-        """Load at positions ``z`` [m], and its derivatives by ln s, q and z, (3, n).
-
-        From ``blunt`` [m] before the fold on the tangent there goes on: a load for every position, and a search that
-        sees where the fold should be.
-        """
-        zeta = np.sqrt(np.maximum(z - self.fold, blunt))
-        i = np.clip(np.searchsorted(self.zeta, zeta) - 1, 0, self.zeta.size - 2)
-        width = self.zeta[i + 1] - self.zeta[i]
-        x = (zeta - self.zeta[i]) / width
-        left, right, dl, dr = self.P[i], self.P[i + 1], self.slope[i] * width, self.slope[i + 1] * width
-        a, b = 2 * (left - right) + dl + dr, 3 * (right - left) - 2 * dl - dr
-        by_z = (dl + x * (2 * b + 3 * x * a)) / width / (2 * zeta)
-        P = left + x * (dl + x * (b + x * a)) + by_z * (z - self.fold - zeta**2)
-        rates = (self.rates[:, i] * (1 - x) + self.rates[:, i + 1] * x) / zeta
-        return P, np.concatenate([rates, by_z[None]])
-
-
-def branch(family: Family, s: float, q: float, k: float) -> DeviceBranch:
-    """The stable branch for moduli times ``s`` and work of adhesion ``q`` s, by a device of stiffness ``k``."""
-    u = np.linspace(family.low - TUNING.below, family.high + TUNING.beyond, TUNING.nodes)
-    r = math.sqrt(q)
-
-    def path(u: Array) -> Array:
-        """Position and load, and their derivatives by u."""
-        (D, T, H, V), (dD, dT, dH, dV), _ = family.at(u)
-        P, dP = s * (H - r * V), s * (dH - r * dV)
-        return np.stack([D - r * T + P / k, P, dD - r * dT + dP / k, dP])
-
-    start = _fold(lambda u: path(u)[2], u)
-    u = start + (u[-1] - start) * np.linspace(0, 1, TUNING.nodes) ** 2
-    z, P, dz, dP = path(u)
-    zeta = np.sqrt(np.maximum.accumulate(z - z[0]))
-    _, T, _, V = family.at(u)[0]
-    slope = np.append(0.0, dP[1:] / dz[1:] * 2 * zeta[1:])
-    by_q = -s * V / (2 * r) if r > 0 else np.zeros_like(P)
-    by = np.stack([P, by_q]), np.stack([P / k, (-T / (2 * r) if r > 0 else 0.0) + by_q / k])
-    rates = np.zeros_like(by[0])
-    rates[:, 1:] = zeta[1:] * (by[0] - dP / np.where(dz > 0, dz, np.inf) * by[1])[:, 1:]
-    slope[0], rates[:, 0] = slope[1], rates[:, 1]
-    rising = np.append(True, np.diff(zeta) > 0)
-    return DeviceBranch(float(z[0]), u[rising], z[rising], zeta[rising], P[rising], slope[rising], rates[:, rising])
-
-
-def _fold(rate: Callable[[Array], Array], u: Array) -> float:
-    """Where ``rate`` turns positive for good on ``u``, by ever finer grids and a secant; the first u where it never
-    does within them."""
-    for _ in range(TUNING.zooms):
-        rates = rate(u)
-        falling = np.flatnonzero(rates <= 0)
-        if not falling.size or falling[-1] == u.size - 1:
-            return float(u[0])
-        i = falling[-1]
-        share = rates[i] / (rates[i] - rates[i + 1])
-        found, u = float(u[i] + share * (u[i + 1] - u[i])), np.linspace(u[i], u[i + 1], TUNING.zoomed)
-    return found
-
-
-@dataclass(frozen=True, eq=False)
 class ForceCurveModel:
     """The readings of some stretches on one body at a device of stiffness ``k`` [N/m], as a function of the unknowns.
 
-    These are ln s, z0, its speed where it is ``drifting`` [m/s], the log of the period where there are waves, and for
-    each stretch its offset, tilt, cosine and sine of its wave, and q = w/s unless ``adhesive`` says that it has no
-    adhesion. ``known``: those that are not fitted, by name. ``works``: w [J/m^2] where it is known, by kind.
-    ``moduli``: least and largest s.
+    These are ln s, z0, its speed where it is ``drifting`` [m/s], the log of the period where there are waves, for each
+    stretch its offset, tilt, cosine and sine of its wave, and q = w/s unless its w is one of ``works`` [J/m^2]; of an
+    approach before a retraction that adheres its signed root instead, which the resting edge is smooth in; of a
+    retraction alone the share ``turn``. ``known``: those that are not fitted, by name. ``moduli``: least and largest s.
     """
 
     family: Family
     k: float
     stretches: tuple[DirectionReadings, ...]
-    adhesive: tuple[bool, ...]
     known: Mapping[str, float] = field(default_factory=dict)
     works: Mapping[str, float] = field(default_factory=dict)
     moduli: tuple[float, float] = (0.0, math.inf)
@@ -189,28 +124,83 @@ class ForceCurveModel:
             + ["drift"] * self.drifting
             + ["ln_period"] * any(stretch.wave is not None for stretch in self.stretches)
         )
-        for stretch, adhesive in zip(self.stretches, self.adhesive, strict=True):
+        for stretch in self.stretches:
             names += [f"offset:{stretch.kind}", f"tilt:{stretch.kind}"]
             names += [f"cos:{stretch.kind}", f"sin:{stretch.kind}"] * (stretch.wave is not None)
-            names += [f"q:{stretch.kind}"] * (adhesive and stretch.kind not in self.works)
+            names += [self.adhesion_of(stretch)] * (stretch.kind not in self.works)
+            names += ["turn"] * (len(self.stretches) == 1 and stretch.kind != APPROACH and stretch.tension > 0)
         return tuple(name for name in names if name not in self.known)
 
+    def adhesion_of(self, stretch: DirectionReadings) -> str:
+        """The name of the unknown that w of a stretch comes from."""
+        rests = stretch is not self.stretches[-1] and self.stretches[-1].tension > 0
+        return f"r:{stretch.kind}" if rests else f"q:{stretch.kind}"
+
     @cached_property
-    def ends(self) -> tuple[float, float]:
-        """Least and largest q: of next to no adhesion, and of a curve that is pulled off at the end of the series."""
-        u = np.array([self.family.low - TUNING.below, self.family.high + TUNING.beyond])
-        (D, T, _, _), (_, _, dH, dV), _ = self.family.at(u)
-        return float(D[0] / T[0]) ** 2, 0.9 * float(dH[1] / dV[1]) ** 2
+    def most(self) -> float:
+        """Largest q: of a curve that is pulled off at the end of the series."""
+        _, (_, _, dH, dV), _ = on_grid(self.family)
+        return 0.9 * float(dH[-1] / dV[-1]) ** 2
 
     def values(self, x: Array) -> dict[str, float]:
-        """All unknowns by name, the known ones too."""
+        """All unknowns by name, the known ones too, and q of each stretch."""
         found = {**self.known, **dict(zip(self.names, map(float, x), strict=True))}
-        return found | {f"q:{kind}": w / math.exp(found["ln_s"]) for kind, w in self.works.items()}
+        found |= {f"q:{kind}": w / math.exp(found["ln_s"]) for kind, w in self.works.items()}
+        roots = {name: r for name, r in found.items() if name.startswith("r:")}
+        return found | {f"q{name[1:]}": r * abs(r) for name, r in roots.items()}
 
     def depth(self, part: DirectionReadings, values: Mapping[str, float]) -> Array:
         """Position of the device beyond its zero [m], at all rows of a stretch."""
         depth: Array = part.z - values["z0"] - values.get("drift", 0.0) * part.t
         return depth
+
+    def branch(self, part: DirectionReadings, values: Mapping[str, float]) -> DeviceBranch:
+        """The branch on which the edge of a stretch moves."""
+        return branch(self.family, math.exp(values["ln_s"]), values[f"q:{part.kind}"], self.k)
+
+    def rest(self, part: DirectionReadings, values: Mapping[str, float]) -> Rest | None:
+        """The resting edge with which a stretch begins at the turning point."""
+        root = math.sqrt(max(values[f"q:{part.kind}"], 0.0))
+        first = self.stretches[0]
+        if first is not part:
+            before = values.get(f"r:{first.kind}", math.sqrt(max(values[f"q:{first.kind}"], 0.0)))
+        elif "turn" in values:
+            before = values["turn"] * root
+        else:
+            return None
+        depth = part.turn - values["z0"]
+        return rest(self.family, math.exp(values["ln_s"]), before, root, self.k, depth) if before < root else None
+
+    def touching(self, part: DirectionReadings, values: Mapping[str, float], fold: float) -> Array:
+        """Which rows of a stretch are in contact: those that are told to be, else those beyond first touch, or on the
+        branch down to its ``fold`` [m]."""
+        return part.touching if part.jumped else self.depth(part, values) > (0.0 if part.kind == APPROACH else fold)
+
+    def contact_radii(self, part: DirectionReadings, values: Mapping[str, float]) -> tuple[Array, Array]:
+        """Contact radius [m] at all rows of a stretch, 0 where they are free, and which of them are at rest."""
+        moving, resting, z = self.branch(part, values), self.rest(part, values), self.depth(part, values)
+        touching = self.touching(part, values, moving.fold)
+        still = np.zeros_like(touching) if resting is None else touching & (z > resting.end)
+        a = np.where(still, math.exp(resting.u), moving.radii(z)) if resting is not None else moving.radii(z)
+        return np.where(touching, a, 0.0), still
+
+    def calibrated(self, factor: float, of_stiffness: bool) -> ForceCurveModel:
+        """The same of a device whose loads are ``factor`` times as large: by its stiffness, at the same deflections, or
+        by its sensitivity, which its deflections follow."""
+        parts = tuple(replace(part, P=factor * part.P, tension=factor * part.tension) for part in self.stretches)
+        return replace(self, stretches=parts, k=factor * self.k if of_stiffness else self.k)
+
+    def moved(self, found: ForceCurveFit, factor: float) -> Array:
+        """The unknowns of a fit as they are about where all loads are ``factor`` times as large."""
+        loads = np.array([name.startswith(("offset:", "tilt:", "cos:", "sin:")) for name in found.names], dtype=bool)
+        ln_s = np.array([name == "ln_s" for name in found.names])
+        return np.where(loads, factor * found.x, found.x) + np.where(ln_s, math.log(factor), 0.0)
+
+    def free(self, x: Array) -> list[int]:
+        """How many rows of each stretch are free before the first that is in contact."""
+        values = self.values(x)
+        masks = [self.touching(part, values, self.branch(part, values).fold) for part in self.stretches]
+        return [int(np.argmax(mask)) if mask.any() else mask.size for mask in masks]
 
     def residuals(self, x: Array, blunt: float) -> tuple[Array, Array]:
         """Model minus reading [N] of all rows, and its derivatives by the unknowns, (rows, unknowns).
@@ -218,66 +208,91 @@ class ForceCurveModel:
         ``blunt``: share of the depth of contact over which the fold is blunt; 0: half the distance of two rows.
         """
         values = self.values(x)
-        parts = []
+        off = []
         rates = np.zeros((sum(part.P.size for part in self.stretches), x.size))
         first = 0
-        for stretch in self.stretches:
-            rows = slice(first, first + stretch.P.size)
+        for part in self.stretches:
+            rows = slice(first, first + part.P.size)
             first = rows.stop
-            off, by = self._stretch(stretch, values, blunt)
-            parts.append(off)
-            for name, column in by.items():
+            load, by = self._contact(part, values, blunt)
+            line, by_line = base_line(part, values)
+            off.append(line + load - part.P)
+            for name, column in {**by, **by_line}.items():
                 if name in self.names:
                     rates[rows, self.names.index(name)] = column
-        return np.concatenate(parts), rates
+        return np.concatenate(off), rates
 
-    def _stretch(
+    def _contact(
         self, part: DirectionReadings, values: Mapping[str, float], blunt: float
     ) -> tuple[Array, dict[str, Array]]:
-        """Residuals of one stretch of the record, derivatives by name."""
-        q = values.get(f"q:{part.kind}", 0.0)
-        held = branch(self.family, math.exp(values["ln_s"]), q, self.k)
-        depth = self.depth(part, values)
-        touching = part.touching if part.jumped else depth > held.fold
-        P, by = np.zeros(depth.size), np.zeros((3, depth.size))
-        P[touching], by[:, touching] = held.at(depth[touching], blunt * part.reach if blunt else part.spacing / 2)
-        by_s, by_q, by_z = by
-        along = part.z - part.z[0]
-        off = values[f"offset:{part.kind}"] + values[f"tilt:{part.kind}"] * along + P - part.P
-        waves = {}
-        if part.wave is not None:
-            way, period = part.z - part.wave.at, math.exp(values["ln_period"])
-            c, s = values[f"cos:{part.kind}"], values[f"sin:{part.kind}"]
-            cos, sin = parts(way, period).T
-            off += c * cos + s * sin
-            waves = {"ln_period": 2 * math.pi * way / period * (c * sin - s * cos), f"cos:{part.kind}": cos,
-                     f"sin:{part.kind}": sin}  # fmt: skip
-        return off, waves | {
+        """Load of the contact at all rows of a stretch, and its derivatives by name."""
+        moving, resting, depth = self.branch(part, values), self.rest(part, values), self.depth(part, values)
+        own, q = f"q:{part.kind}", values[f"q:{part.kind}"]
+        touching = self.touching(part, values, moving.fold)
+        P, by = np.zeros(depth.size), np.zeros((5, depth.size))  # by ln s, own q, z, the root of q before, the turn
+        still = np.zeros_like(touching) if resting is None else touching & (depth > resting.end)
+        moves = touching & ~still
+        P[moves], by[:3, moves] = moving.at(depth[moves], blunt * part.reach if blunt else part.spacing / 2)
+        if resting is not None and still.any():
+            P[still], by[np.ix_(np.array([0, 3, 2, 4]), np.flatnonzero(still))] = resting.at(depth[still])
+        by_s, by_q, by_z, by_before, by_turn = by
+        root, share = math.sqrt(max(q, 1e-300)), values.get("turn", 0.0)
+        by_q = by_q + by_before * share / (2 * root)
+        first = self.stretches[0]
+        return P, {
             "ln_s": by_s - q * by_q if part.kind in self.works else by_s,
-            "z0": -by_z,
+            "z0": -by_z - by_turn,
             "drift": -by_z * part.t,
-            f"q:{part.kind}": by_q,
-            f"offset:{part.kind}": np.ones_like(P),
-            f"tilt:{part.kind}": along,
-        }
+            own: by_q,
+            "turn": by_before * root,
+        } | _by_advance(first, part, values, by_q, by_before)
+
+
+def _by_advance(
+    first: DirectionReadings, part: DirectionReadings, values: Mapping[str, float], by_q: Array, by_before: Array
+) -> dict[str, Array]:
+    """Derivatives of the load of a stretch by q of the ``first`` one or its root, with which it came to the turn."""
+    root = values.get(f"r:{first.kind}")
+    if root is not None:
+        return {f"r:{first.kind}": 2 * abs(root) * by_q if part is first else by_before}
+    q = values[f"q:{first.kind}"]
+    return {f"q:{first.kind}": by_before / (2 * math.sqrt(q))} if part is not first and q > 0 else {}
+
+
+def base_line(part: DirectionReadings, values: Mapping[str, float]) -> tuple[Array, dict[str, Array]]:
+    """Load of the base line of a stretch at all its rows, and its derivatives by name."""
+    along = part.z - part.z[0]
+    line = values[f"offset:{part.kind}"] + values[f"tilt:{part.kind}"] * along
+    by = {f"offset:{part.kind}": np.ones_like(along), f"tilt:{part.kind}": along}
+    if part.wave is None:
+        return line, by
+    way, period = part.z - part.wave.at, math.exp(values["ln_period"])
+    c, s = values[f"cos:{part.kind}"], values[f"sin:{part.kind}"]
+    cos, sin = parts(way, period).T
+    waves = {"ln_period": 2 * math.pi * way / period * (c * sin - s * cos), f"cos:{part.kind}": cos,
+             f"sin:{part.kind}": sin}  # fmt: skip
+    return line + c * cos + s * sin, by | waves
 
 
 @dataclass(frozen=True, eq=False)
 class ForceCurveFit:
     """The model that fits best: ``values`` and standard errors by name; ``off`` residuals [N] of all rows.
 
-    ``sigma``: standard deviation of a reading about the model [N]; ``tau``: how many rows count as one, because their
-    residuals follow each other; ``covariance`` with both in it.
+    ``sigma``: standard deviation of a reading about the model [N]; ``spread``: covariance of the unknowns, and
+    the noise that it rests on.
     """
 
     model: ForceCurveModel
     names: tuple[str, ...]
     x: Array
-    covariance: Array
+    spread: Spread
     off: Array
     sigma: float
-    tau: float
     evaluations: int
+
+    @property
+    def covariance(self) -> Array:
+        return self.spread.covariance
 
     def value(self, name: str) -> float:
         return float(self.x[self.names.index(name)])
@@ -301,20 +316,31 @@ def _stretch(record: ForceCurve, side: Direction, wave: Wave | None) -> Directio
     assert curve.P is not None
     if side.segment.kind != APPROACH:
         rows = rows[::-1]
-    jumped = bool(side.jumps) or (side.segment.kind != APPROACH and not isinstance(side.adhesion, Unknown))
-    touching = np.zeros(rows.size, dtype=bool)
-    keep = np.ones(rows.size, dtype=bool)
-    if jumped:
-        first, last = side.border
-        touching[last:] = True
-        keep[first + 1 : last] = False
-    keep[rows.size - round(TUNING.turning * (rows.size - side.border[1])) :] = False
     z = curve.device[rows]
     P = curve.P[rows] if wave is None else curve.P[rows] + wave(z)
+    line, tension, touching, keep = _told(side, z, P)
+    contact = np.count_nonzero(touching) or rows.size - side.border[1]
+    keep[rows.size - round(TUNING.turning * contact) :] = False
     t = np.zeros(len(curve)) if curve.t is None else curve.t - curve.t[int(np.argmax(curve.device))]
     return DirectionReadings(
-        side.segment.kind, rows[keep], side.base, z[keep], P[keep], touching[keep], jumped, t[rows[keep]], wave
-    )
+        side.segment.kind, rows[keep], line, z[keep], P[keep], touching[keep], bool(touching.any()), t[rows[keep]],
+        float(curve.device.max()), tension, wave,
+    )  # fmt: skip
+
+
+def _told(side: Direction, z: Array, P: Array) -> tuple[BaseLine, float, Array, Array]:
+    """Base line of a direction, its largest tension [N], which rows are in contact, and which are to be kept; no row
+    where first touch is not told by a jump. Without a base line the load is that over 0."""
+    tension, touching, keep = known(side.adhesion) or 0.0, np.zeros(z.size, dtype=bool), np.ones(z.size, dtype=bool)
+    if not side.begins_free:
+        touching = in_contact({"delta": z, "P": P}, 0.0)
+        line = BaseLine(0.0, 0.0, float(z[0]), 0, third_differences(P), 0.0, False)
+        tension = max(-float(P.min()), 0.0)
+        return line, tension if tension > line.least else 0.0, touching, touching.copy()
+    if side.jumps or (side.segment.kind != APPROACH and tension):
+        first, last = side.border
+        touching[last:], keep[first + 1 : last] = True, False
+    return side.base, tension, touching, keep
 
 
 def _scale(model: ForceCurveModel) -> Array:
@@ -358,14 +384,61 @@ def fit(model: ForceCurveModel, start: Array, near: bool = False, loss: Loss = "
         found = _search(model, found.x, bounds, sharp, TUNING.about, loss, width)
     if found.status <= 0:
         raise SolveError(f"the fit did not converge in {TUNING.evaluations} steps")
-    x = found.x
+    model, x = _without_idle(model, found.x)
     off = model.residuals(x, sharp)[0]
     J = model.residuals(x, 0.0)[1]  # where the fold lies between two rows, the data do not tell
     psi, slope = influence(off / (scale * width), loss)
     pull = psi * scale * width / max(float(np.mean(slope)), 0.1)  # what a row pulls with (Huber 1981, Sec. 7.6)
     sigma = math.sqrt(float(pull @ pull) / max(off.size - x.size, 1))
-    spread = covariance(pull, J, [part.P.size for part in model.stretches])
-    return ForceCurveFit(model, model.names, x, spread.covariance, off, sigma, spread.tau, int(found.nfev))
+    spread = covariance(pull, J, [part.P.size for part in model.stretches], model.free(x))
+    return ForceCurveFit(model, model.names, x, spread, off, sigma, int(found.nfev))
+
+
+def _without_idle(model: ForceCurveModel, x: Array) -> tuple[ForceCurveModel, Array]:
+    """The model and its unknowns without those that no row depends on, which are known then: the share of an edge that
+    never rests, w of an edge that rests throughout, which is at least what its last row holds."""
+    idle = ~model.residuals(x, 0.0)[1].any(axis=0)
+    idle |= (np.array(model.names) == "turn") & (np.abs(x) == 1)
+    values, last = dict(zip(model.names, map(float, x), strict=True)), model.stretches[-1]
+    own = f"q:{last.kind}"
+    told = own in values and last.touching.any() and (last.tension > 0 or not last.line.rows)
+    if told and (resting := model.rest(last, model.values(x))) and _rests_throughout(model, x, own):
+        idle |= np.array(model.names) == own
+        depth = model.depth(last, model.values(x))[last.touching]
+        values[own] = resting.released(math.sqrt(values[own]), float(depth.min())) ** 2
+    known = {name: values[name] for name, no in zip(model.names, idle, strict=True) if no}
+    return (replace(model, known={**model.known, **known}), x[~idle]) if known else (model, x)
+
+
+def _rests_throughout(model: ForceCurveModel, x: Array, own: str) -> bool:
+    """Whether an edge that never recedes describes the rows as well."""
+    never = np.where(np.array(model.names) == own, model.most, x)
+    recedes, rests = (float(np.sum(model.residuals(at, 0.0)[0] ** 2)) for at in (x, never))
+    return (rests / recedes - 1) * sum(part.P.size for part in model.stretches) < TUNING.recedes
+
+
+def windowed(found: ForceCurveFit) -> ForceCurveModel:
+    """The model without the rows about first touch where nothing else tells which of them are in contact: the load is
+    not smooth there in z0 and w. The same model where there are none."""
+    parts = tuple(part if part.jumped else _windowed(found, part) for part in found.model.stretches)
+    return found.model if parts == found.model.stretches else replace(found.model, stretches=parts)
+
+
+def _windowed(found: ForceCurveFit, part: DirectionReadings) -> DirectionReadings:
+    """A stretch whose rows are free up to the window and in contact beyond."""
+    values = found.model.values(found.x)
+    depth, own = found.model.depth(part, values), f"q:{part.kind}"
+    error = found.error(own) if own in found.names else 0.0
+    most = values | {own: max(values[own], 0.0) + TUNING.window * error}
+    neck = 0.0 if part.kind == APPROACH else -found.model.branch(part, most).fold
+    unsure = found.error("z0") if "z0" in found.names else 0.0
+    half = neck + max(TUNING.window * unsure, TUNING.beside * part.spacing)
+    half = min(half, TUNING.narrow * float(depth.max()))
+    if half <= 0:
+        return part  # no row of it is in contact
+    keep = np.abs(depth) > half
+    cut = {name: getattr(part, name)[keep] for name in ("rows", "z", "P", "t")}
+    return replace(part, touching=(depth > 0)[keep], jumped=True, **cut)
 
 
 def unasked_drift(found: ForceCurveFit) -> tuple[float, float, float]:
@@ -373,42 +446,109 @@ def unasked_drift(found: ForceCurveFit) -> tuple[float, float, float]:
     one step of a search that knows it."""
     model = replace(found.model, drifting=True)
     values = found.model.values(found.x) | {"drift": 0.0}
-    x = np.array([values[name] for name in model.names])
-    off, J = model.residuals(x, 0.0)
-    scale = _scale(model)
-    step = -np.linalg.lstsq(J / scale[:, None], off / scale, rcond=None)[0]
-    spread = covariance(off + J @ step, J, [part.P.size for part in model.stretches])
+    off, J = model.residuals(np.array([values[name] for name in model.names]), 0.0)
+    step, errors = _one_step(model, off, J)
     i = model.names.index("drift")
     change = float(step[model.names.index("ln_s")]) if "ln_s" in model.names else 0.0
-    return float(step[i]), math.sqrt(max(float(spread.covariance[i, i]), 0.0)), change
+    return float(step[i]), float(errors[i]), change
+
+
+def another_modulus(found: ForceCurveFit) -> tuple[float, float]:
+    """Change of ln s on the way back against the way in that the data ask for, and its standard error: one step of a
+    search with a modulus for each direction."""
+    model, first = found.model, found.model.stretches[0].P.size
+    off, J = model.residuals(found.x, 0.0)
+    own = J[:, model.names.index("ln_s")] * (np.arange(off.size) >= first)
+    step, errors = _one_step(model, off, np.column_stack([J, own]))
+    return float(step[-1]), float(errors[-1])
+
+
+def _one_step(model: ForceCurveModel, off: Array, J: Array) -> tuple[Array, Array]:
+    """One step of Gauss and Newton from residuals ``off`` with derivatives ``J``, and its standard errors."""
+    scale = _scale(model)
+    step = -np.linalg.lstsq(J / scale[:, None], off / scale, rcond=None)[0]
+    sizes = [part.P.size for part in model.stretches]
+    spread = covariance(off + J @ step, J, sizes, [0] * len(sizes))
+    return step, np.sqrt(np.maximum(np.diag(spread.covariance), 0.0))
 
 
 def _bounds(model: ForceCurveModel, start: Array) -> tuple[Array, Array]:
     """Least and largest unknowns of a search from ``start`` on."""
     least, most = (math.log(s) if s > 0 else -math.inf for s in model.moduli)
-    low, high = model.ends
     names = np.array(model.names, dtype=str)
-    adhesive = np.char.startswith(names, "q:")
     reach = np.select([names == "ln_s", names == "ln_period"], [TUNING.moduli, TUNING.periods], np.inf)
-    lowest, highest = np.where(adhesive, low, start - reach), np.where(adhesive, high, start + reach)
+    lowest, highest = start - reach, start + reach
+    for letter, high in (("q", model.most), ("r", math.sqrt(model.most)), ("t", 1.0)):
+        own = np.char.startswith(names, f"{letter}:") | (names == "turn") & (letter == "t")
+        lowest, highest = np.where(own, -high, lowest), np.where(own, high, highest)
     of_s = names == "ln_s"
     return np.where(of_s, np.maximum(lowest, least), lowest), np.where(of_s, np.minimum(highest, most), highest)
 
 
-def start(model: ForceCurveModel) -> Array:
-    """Unknowns to begin with: shapes w/s and contact points are tried; for each of them the rest is linear."""
-    i = int(np.argmax(model.adhesive))
-    part = model.stretches[i]
+def nearest(model: ForceCurveModel, loss: Loss = "linear") -> ForceCurveFit:
+    """The unknowns that leave least, from several starts until one leaves no more than noise; SolveError where no
+    search converges. Of a retraction alone all are tried: how far its edge rests is told by its shape only."""
+    best: ForceCurveFit | SolveError = SolveError("no curve of this body resembles the record")
+    for x in _starts(model):
+        try:
+            found = fit(model, x, loss=loss)
+        except SolveError as error:
+            best = error if isinstance(best, SolveError) else best
+            continue
+        best = found if isinstance(best, SolveError) or found.sigma < best.sigma else best
+        if "turn" not in model.names and best.sigma <= TUNING.enough * max(part.line.noise for part in model.stretches):
+            break
+    if isinstance(best, SolveError):
+        raise best
+    return best
+
+
+def _starts(model: ForceCurveModel) -> Iterator[Array]:
+    """Unknowns to begin with, as each stretch suggests."""
+    if "turn" not in model.names:
+        yield from (_start(model, part, 1.0, 0.0) for part in model.stretches)
+        return
+    yield from (_start(model, model.stretches[0], share, turn) for share, turn in TUNING.alone)
+
+
+def _start(model: ForceCurveModel, part: DirectionReadings, share: float, turn: float) -> Array:
+    """Unknowns to begin with, as a ``share`` of the way in contact of one stretch suggests: shapes w/s and contact
+    points are tried; for each of them the rest is linear."""
+    s, zero, r = _tried(model, part, share)
+    values = {"ln_s": math.log(s), "z0": zero, "drift": 0.0, "turn": turn}
+    for other in model.stretches:
+        q = r**2 if other is part else _of_tension(model, s, other.tension)
+        values[f"offset:{other.kind}"] = float(other.line(other.z[0]))
+        values[f"tilt:{other.kind}"] = other.line.tilt
+        values |= {f"q:{other.kind}": q, f"r:{other.kind}": math.sqrt(q)}
+        if other.wave is not None:
+            values["ln_period"] = math.log(other.wave.period)
+            values |= {f"cos:{other.kind}": other.wave.cos, f"sin:{other.kind}": other.wave.sin}
+    return np.array([values[name] for name in model.names])
+
+
+def _of_tension(model: ForceCurveModel, s: float, tension: float) -> float:
+    """q of moduli times ``s`` that a contact is pulled off at a ``tension`` [N] with."""
+    (D, T, H, V), _, _ = on_grid(model.family)
+    r = _shapes(D, T)[:, None]
+    folds = np.argmin(D - r * T + s * (H - r * V) / model.k, axis=1)
+    tensions = s * (r[:, 0] * V[folds] - H[folds])
+    return float(np.interp(tension, np.maximum.accumulate(tensions), r[:, 0])) ** 2
+
+
+def _tried(model: ForceCurveModel, part: DirectionReadings, share: float) -> tuple[float, float, float]:
+    """s, z0 and sqrt(q) that a stretch is best described with, by its found base line, up to a ``share`` of the way in
+    contact."""
     rows = _some_rows(part)
+    rows = rows[part.z[rows] <= part.z.max() - (1 - share) * part.reach] if share < 1 else rows
     net = part.P[rows] - part.line(part.z[rows])
     if part.wave is not None:
         net -= part.wave(part.z[rows])
     delta = part.z[rows] - net / model.k
-    u = np.linspace(model.family.low - TUNING.below, model.family.high + TUNING.beyond, TUNING.nodes)
-    (D, T, H, V), _, _ = model.family.at(u)
-    known, work = model.known.get("ln_s"), model.works.get(part.kind)
+    (D, T, H, V), _, _ = on_grid(model.family)
+    modulus, work = model.known.get("ln_s"), model.works.get(part.kind)
     best = (math.inf, 0.0, 0.0, 0.0)
-    for r in _shapes(D, T) if model.adhesive[i] else (0.0,):
+    for r in _shapes(D, T) if part.jumped and work != 0 else (0.0,):
         path, load = D - r * T, H - r * V
         fold = int(np.argmin(path))
         zeros = _contact_points(part, delta, rows, float(path[fold]))
@@ -417,24 +557,15 @@ def start(model: ForceCurveModel) -> Array:
             basis = np.where(part.touching[rows], basis, 0.0)
         size = np.sum(basis**2, axis=1)
         factors = basis @ net / np.where(size > 0, size, np.inf)
-        if known is not None or work is not None:
-            factors[:] = math.exp(known) if known is not None else work / r**2 if work and r else 0.0
+        if modulus is not None or work:
+            factors[:] = math.exp(modulus) if modulus is not None else (work or 0.0) / r**2 if r else 0.0
         costs = np.sum((net - factors[:, None] * basis) ** 2, axis=1)
         at = int(np.argmin(np.where(factors > 0, costs, np.inf)))
         if factors[at] > 0 and costs[at] < best[0]:
             best = (float(costs[at]), float(factors[at]), float(zeros[at]), float(r))
-    _, s, zero, r = best
-    if s == 0:
+    if best[1] == 0:
         raise SolveError("no curve of this body resembles the record")
-    values = {"ln_s": math.log(s), "z0": zero, "drift": 0.0}
-    for other in model.stretches:
-        values[f"offset:{other.kind}"] = float(other.line(other.z[0]))
-        values[f"tilt:{other.kind}"] = other.line.tilt
-        values[f"q:{other.kind}"] = r**2
-        if other.wave is not None:
-            values["ln_period"] = math.log(other.wave.period)
-            values |= {f"cos:{other.kind}": other.wave.cos, f"sin:{other.kind}": other.wave.sin}
-    return np.array([values[name] for name in model.names])
+    return best[1:]
 
 
 def _some_rows(part: DirectionReadings) -> Array:

@@ -72,7 +72,7 @@ def points_of(
     if len(values) < 2:
         raise InputError(f"{curve.where}: a fit needs two of a, delta, P, got {', '.join(values) or 'none'}")
     level = 0.0 if "P" not in values else _level(values) if zero is None else zero
-    touching = _in_contact(values, level)
+    touching = in_contact(values, level)
     baseline = None
     if "P" in values and not touching.all():
         level = baseline = float(np.median(values["P"][~touching]))
@@ -117,7 +117,7 @@ def _of_segment(curve: Curve, segment: SegmentName | None) -> Array:
     return chosen
 
 
-def _in_contact(values: Mapping[str, Array], level: float) -> Array:
+def in_contact(values: Mapping[str, Array], level: float) -> Array:
     """Mask of the rows in contact: not of a base line at the load reading ``level`` [N]; of radius > 0 where read.
 
     The base line lies at displacements below that of the least load (see ``_lost``); where no adhesion stands out of

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -18,10 +19,20 @@ from ...data.record import ForceCurve, examine
 from .body import FittedBody
 from .checks import warnings_of
 from .confidence import changes_by, wider
-from .force_curve import ForceCurveFit, ForceCurveModel, branch, fit, start, stretches, unasked_drift
+from .force_curve import (
+    ForceCurveFit,
+    ForceCurveModel,
+    another_modulus,
+    base_line,
+    fit,
+    nearest,
+    stretches,
+    unasked_drift,
+    windowed,
+)
 from .interference import Wave, straightened
 from .result import Fit, FittedValue
-from .settings import Settings
+from .settings import CALIBRATED, Settings
 from .statistics import structure, t_quantile
 
 
@@ -40,6 +51,12 @@ class WholeRecordTuning:
     spoilt: float = 0.1  # choice: factor of the quality for each thing that is wrong with the record itself
     dependent: float = 2.0  # choice: rows worth one above which it is said
     untold: float = 10.0  # choice: half-width of the log of a modulus above which it is not told by the data
+    apart: float = 4.0  # choice: standard errors between the moduli of the two directions from which on they differ
+    rough: float = 1.5  # choice: of the noise, residuals from which on the directions are fitted each alone as well
+    repelling: float = 3.0  # choice: standard errors below 0 from which on w is held at 0
+    excess: float = 4.0  # choice: of the standard errors, what misfit would add to them where its flag is raised
+    differs: float = 0.01  # choice: of the modulus, below which they do not
+    one_sided: float = 0.84  # theory: 1.645/1.960, one-sided over two-sided 95 % of a normal value
     drifting: float = 3.0  # choice: standard errors of a drift that was not fitted, from which on it is said
     at_bound: float = 1e-6  # choice: relative distance of a modulus from a bound at which it is said to end there
     step: float = 1e-6  # choice: of unknowns, for central differences; outcomes are smooth in them
@@ -56,9 +73,11 @@ ZEROS = frozenset({"delta0", "P0", "compliance"})  # always fitted, or told by t
 def whole_record(curve: Curve, settings: Settings) -> ForceCurve | None:
     """The record taken apart, where base line and contact are to be fitted together; None: the readings as they are.
 
-    By itself that is so for records of a device whose deflection is known, or of both directions with a base line each.
+    "estimate" prepares the readings only for what a whole record cannot be fitted with. By itself that is so for
+    records of a device whose deflection is known, or of both directions with a base line each;
+    without a base line the zero of the load is that of the file.
     """
-    prepared = settings.contact in ("as-is", "estimate")
+    prepared = settings.contact == "as-is" or (settings.contact == "estimate" and bool(_in_the_way(settings)))
     only = [f"--base-line {settings.base_line}"] * (settings.base_line != "straight") + ["drift"] * settings.drifts
     asked = settings.contact == "fitted" or bool(only)
     if prepared or curve.a is not None or curve.delta is None or curve.P is None:
@@ -72,15 +91,18 @@ def whole_record(curve: Curve, settings: Settings) -> ForceCurve | None:
             raise
         return None
     if not (asked or _raw(record)):
-        return None
+        return record if settings.contact == "auto" and _as_read(record, settings) else None
     if reason := _in_the_way(settings):
         raise InputError(f"{reason} is not for the fit of a whole raw record: leave it out, or prepare the readings "
                          "with --contact estimate, or with --zero and --contact as-is")  # fmt: skip
+    idle = [name for name in settings.uncertain if name in CALIBRATED and curve.stiffness in (None, math.inf)]
+    if idle:
+        raise InputError(f"{curve.where}: --uncertain {idle[0]}: the record has no stiffness, so it has no effect here")
     if said := record.flags.get("wrong way"):
         raise InputError(f"{curve.where}: {said}")
-    if settings.drifts and (curve.t is None or settings.segment != "both"):
+    if settings.drifts and (curve.t is None or settings.segment not in (None, "both")):
         raise InputError(f"{curve.where}: a drift is told by approach and retraction together, over their time: "
-                         + ("it holds none" if curve.t is None else "give --segment both"))  # fmt: skip
+                         + ("it holds none" if curve.t is None else "leave --segment out"))  # fmt: skip
     return record
 
 
@@ -90,6 +112,11 @@ def _raw(record: ForceCurve) -> bool:
     if len(usable) > 1 or (usable and record.curve.stiffness is not None):
         return True
     return len(record.directions) > 1 and bool({"no contact", "no force curve"} & set(record.flags))
+
+
+def _as_read(record: ForceCurve, settings: Settings) -> bool:
+    """Whether a record without a base line is that of a device, on which an edge rests where it turns."""
+    return record.curve.stiffness is not None and bool(record.directions) and not _in_the_way(settings)
 
 
 def _in_the_way(settings: Settings) -> str:
@@ -115,16 +142,51 @@ def _usable(record: ForceCurve, kind: str) -> bool:
 
 
 def fit_record(body: FittedBody, record: ForceCurve, settings: Settings) -> Fit:
-    """Modulus, w, contact point and base lines of a whole record; InputError where it holds no contact."""
+    """Modulus, w, contact point and base lines of a whole record; InputError where it holds no contact.
+
+    Where one modulus does not describe both directions, the retraction's answer with that of the approach beside it.
+    """
     curve = record.curve
     record, waves = straightened(record) if settings.base_line == "sine" else (record, {})
     body = body.with_values({p.name: float(p.value) for p in settings.parameters if p.of_body and p.value is not None})
-    model = _model(body, record, settings, waves)
-    body = _deep_enough(body, model)
-    found = None
+    kinds = _kinds(record, settings)
+
+    def of(*kinds: str) -> tuple[FittedBody, ForceCurveFit]:
+        return _fitted(body, _model(body, record, settings, waves, kinds), settings)
+
+    deeper, found = of(*kinds)
+    result = _result(deeper, record, curve, settings, found)
+    if len(kinds) < 2 or not _apart(found):
+        return result
+    (_, into), (deeper, back) = of(APPROACH), of(RETRACT)
+    if not _differ(into, back):
+        return result
+    alone = _result(deeper, record, curve, settings, into)
+    return _beside(_result(deeper, record, curve, settings, back), alone, result)
+
+
+def receding(body: FittedBody, curve: Curve, settings: Settings) -> Curve:
+    """The rows of a raw record's last direction on which the edge of the contact moves, less the base line and from the
+    zero that fit best; a curve that is no raw record, or has no base line, as it is."""
+    record = whole_record(curve, settings)
+    if record is None or not any(_usable(record, kind) for kind in _wanted(settings)):
+        return curve
+    _, found = _fitted(body, _model(body, record, settings, {}, _kinds(record, settings)), settings)
+    part, values = found.model.stretches[-1], found.model.values(found.x)
+    a, rests = found.model.contact_radii(part, values)
+    rows = np.flatnonzero((a > 0) & ~rests)
+    P = (part.P - base_line(part, values)[0])[rows]
+    delta = found.model.depth(part, values)[rows] - P / found.model.k
+    order = np.argsort(part.rows[rows])
+    return replace(curve.rows(part.rows[rows][order]), delta=delta[order], P=P[order])
+
+
+def _fitted(body: FittedBody, model: ForceCurveModel, settings: Settings) -> tuple[FittedBody, ForceCurveFit]:
+    """The model that fits best, and the body solved as far as it reaches."""
+    body, found = _deep_enough(body, model), None
     for _ in range(TUNING.rounds):
-        model = replace(model, family=body.family)
-        found = fit(model, start(model) if found is None else found.x, found is not None, settings.loss)
+        model = replace(model if found is None else found.model, family=body.family)
+        found = nearest(model, settings.loss) if found is None else fit(model, found.x, True, settings.loss)
         reach = _contact_radii(found).max()
         if not body.extensible or reach <= body.series.a[-1]:
             break
@@ -132,26 +194,73 @@ def fit_record(body: FittedBody, record: ForceCurve, settings: Settings) -> Fit:
     assert found is not None
     if np.count_nonzero(_contact_radii(found)) <= len(found.names):
         raise SolveError("the curve that fits best has next to no row in contact; --flip P, if compression is negative")
-    return _result(body, record, curve, settings, found)
+    model = windowed(found)
+    found = found if model is found.model else fit(model, found.x, True, settings.loss)
+    held = {kind: 0.0 for part in model.stretches if _repels(found, kind := part.kind)}
+    return body, nearest(replace(model, works={**model.works, **held}), settings.loss) if held else found
 
 
-def _model(body: FittedBody, record: ForceCurve, settings: Settings, waves: Mapping[str, Wave]) -> ForceCurveModel:
-    """What is to be fitted to a record, as asked."""
+def _repels(found: ForceCurveFit, kind: str) -> bool:
+    """Whether w of a direction comes out below 0 by more than noise and misfit explain: another body, w = 0 is as near
+    as it can come."""
+    name = next((name for name in (f"q:{kind}", f"r:{kind}") if name in found.names), None)
+    return name is not None and found.value(name) < -TUNING.repelling * found.error(name) * found.spread.excess
+
+
+def _apart(found: ForceCurveFit) -> bool:
+    """Whether the data ask for another modulus on the way back than on the way in."""
+    if "ln_s" not in found.names:
+        return False
+    change, error = another_modulus(found)
+    noise = max(part.line.noise for part in found.model.stretches)
+    return found.sigma > TUNING.rough * noise or abs(change) > max(TUNING.apart * error, TUNING.differs)
+
+
+def _differ(into: ForceCurveFit, back: ForceCurveFit) -> bool:
+    """Whether the moduli of two directions exclude each other, misfit included."""
+    change = back.value("ln_s") - into.value("ln_s")
+    error = math.hypot(*(found.error("ln_s") * found.spread.excess for found in (into, back)))
+    return abs(change) > max(TUNING.apart * error, TUNING.differs)
+
+
+def _beside(back: Fit, into: Fit, both: Fit) -> Fit:
+    """The fit of the retraction with the estimates of the approach beside its own; ``both``: that of one modulus."""
+    one, other = back.estimate("E_star"), into.estimate("E_star")
+    name = "directions differ"
+    said = (
+        f"{name}: E* is {show(other.value, 'modulus', 4)} on approach and {show(one.value, 'modulus', 4)} on "
+        "retraction, no one value describes both: a specimen that relaxes or yields, or a device that drifts"
+    )
+    work, drifts = into.estimate("w_approach"), [line for line in both.warnings if line.startswith("drift")]
+    quality = dict(back.quality or {})
+    quality = {**quality, "quality": TUNING.spoilt * quality["quality"]}
+    return replace(
+        back, estimates=(*back.estimates, replace(other, name="E_star_approach"), work), quality=quality,
+        flags=(*back.flags, name), warnings=(said, *drifts, *back.warnings),
+        directions=f"{NAMES[RETRACT]}, the approach beside it",
+    )  # fmt: skip
+
+
+def _model(
+    body: FittedBody, record: ForceCurve, settings: Settings, waves: Mapping[str, Wave], kinds: Sequence[str]
+) -> ForceCurveModel:
+    """What is to be fitted to the directions ``kinds`` of a record, as asked."""
     curve, w, modulus = record.curve, settings.parameter("w"), settings.parameter("modulus")
-    parts = stretches(record, _kinds(record, settings), waves)
+    parts = stretches(record, kinds, waves)
     assert w is not None
     assert modulus is not None
-    work = 0.0 if w.free else float(w.value or 0.0)
-    adhesive = tuple((w.free and _adheres(record, part.kind)) or (work > 0 and part is parts[-1]) for part in parts)
+    works = {} if w.free else {part.kind: float(w.value or 0.0) for part in parts if part is parts[-1] or not w.value}
     known = {} if modulus.free else {"ln_s": math.log(modulus.value or 1.0)}
+    zero = settings.parameter("P0")
+    for part in (part for part in parts if not part.line.rows):
+        known |= {f"tilt:{part.kind}": 0.0} | ({} if zero is not None and zero.free else {f"offset:{part.kind}": 0.0})
     drift = settings.parameter("drift")
     if drift is not None and len(parts) < 2:
         raise InputError(f"{curve.where}: a drift is told by approach and retraction together, only one can be fitted")
     known |= {"drift": drift.value} if drift is not None and drift.value is not None else {}
     k = math.inf if curve.stiffness is None else curve.stiffness
-    works = {parts[-1].kind: work} if work else {}
     moduli = (modulus.low, modulus.high)
-    return ForceCurveModel(body.family, k, parts, adhesive, known, works, moduli, drift is not None)
+    return ForceCurveModel(body.family, k, parts, known, works, moduli, drift is not None)
 
 
 def _deep_enough(body: FittedBody, model: ForceCurveModel) -> FittedBody:
@@ -165,20 +274,37 @@ def _deep_enough(body: FittedBody, model: ForceCurveModel) -> FittedBody:
     return body.to_radius(a) if body.extensible and a > body.series.a[-1] else body
 
 
+def _directions(record: ForceCurve, found: ForceCurveFit, settings: Settings) -> str:
+    """Which directions were fitted, and why another one was not."""
+    kinds = [part.kind for part in found.model.stretches]
+    if len(kinds) > 1:
+        return f"{APPROACH} and {NAMES[RETRACT]}"
+    other = RETRACT if kinds[0] == APPROACH else APPROACH
+    why = f" ({NAMES[other]}: {_reason(record, other)})" if settings.segment in (None, "both") else ""
+    return f"{NAMES[kinds[0]]} alone{why}"
+
+
 def _adhesion(record: ForceCurve) -> float | None:
     """The adhesion force of the retraction [N]."""
     side = record.direction(RETRACT)
     return None if side is None else known(side.adhesion)
 
 
+def _wanted(settings: Settings) -> tuple[str, ...]:
+    """The directions that are asked for."""
+    return (APPROACH, RETRACT) if settings.segment in (None, "both") else (str(settings.segment),)
+
+
 def _kinds(record: ForceCurve, settings: Settings) -> tuple[str, ...]:
     """The directions to fit: as asked, else the retraction, else the approach."""
-    wanted = {None: (RETRACT, APPROACH), "both": (APPROACH, RETRACT)}.get(settings.segment, (str(settings.segment),))
+    wanted = _wanted(settings)
     held = tuple(kind for kind in wanted if _usable(record, kind))
+    if not held and settings.contact == "auto" and record.curve.stiffness is not None:
+        held = tuple(kind for kind in wanted if record.direction(kind) is not None)
     if not held:
         reasons = [f"{kind}: {_reason(record, kind)}" for kind in wanted]
         raise InputError(f"no direction can be fitted ({'; '.join(reasons)})")
-    return held if settings.segment == "both" else held[:1]
+    return held
 
 
 def _reason(record: ForceCurve, kind: str) -> str:
@@ -189,25 +315,10 @@ def _reason(record: ForceCurve, kind: str) -> str:
     return side.touch.reason if isinstance(side.touch, Unknown) else "it has no base line"
 
 
-def _adheres(record: ForceCurve, kind: str) -> bool:
-    """Whether adhesion shows in a direction: a jump into contact, or tension on retraction."""
-    side = record.direction(kind)
-    assert side is not None
-    return bool(side.jumps) if kind == APPROACH else not isinstance(side.adhesion, Unknown)
-
-
 def _contact_radii(found: ForceCurveFit) -> Array:
     """Contact radius [m] of every row, 0 where it is free."""
     values = found.model.values(found.x)
-    s, radii = math.exp(values["ln_s"]), []
-    for part in found.model.stretches:
-        q = values.get(f"q:{part.kind}", 0.0)
-        held = branch(found.model.family, s, q, found.model.k)
-        z = found.model.depth(part, values)
-        touching = part.touching if part.jumped else z > held.fold
-        a = np.exp(np.interp(np.maximum(z, held.fold), held.z, held.u))
-        radii.append(np.where(touching, a, 0.0))
-    return np.concatenate(radii)
+    return np.concatenate([found.model.contact_radii(part, values)[0] for part in found.model.stretches])
 
 
 def _outcome(found: ForceCurveFit, x: Array, body: FittedBody) -> dict[str, float]:
@@ -217,8 +328,7 @@ def _outcome(found: ForceCurveFit, x: Array, body: FittedBody) -> dict[str, floa
     last = found.model.stretches[-1]
     told = {"modulus": s}
     for part in found.model.stretches:
-        name = "w" if part is last else f"w_{part.kind}"
-        told[name] = found.model.works.get(part.kind, values.get(f"q:{part.kind}", 0.0) * s)
+        told[WORKS[part.kind]] = values[f"q:{part.kind}"] * s
     tilt = values[f"tilt:{last.kind}"]
     P0 = values[f"offset:{last.kind}"] + tilt * (values["z0"] - last.z[0])
     if last.wave is not None:
@@ -236,8 +346,10 @@ def _outcome(found: ForceCurveFit, x: Array, body: FittedBody) -> dict[str, floa
     return told
 
 
+NAMES = {APPROACH: APPROACH, RETRACT: "retraction"}
+WORKS = {APPROACH: "w_approach", RETRACT: "w"}
 DIMENSIONS = {
-    "modulus": "number", "w": "work", "w_approach": "work", "w_retract": "work", "delta0": "length", "P0": "load",
+    "modulus": "number", "w": "work", "w_approach": "work", "delta0": "length", "P0": "load",
     "tilt": "stiffness", "drift": "speed", "wave_period": "length", "wave_amplitude": "load",
 }  # fmt: skip
 
@@ -247,14 +359,15 @@ def _result(body: FittedBody, record: ForceCurve, curve: Curve, settings: Settin
     values = _outcome(found, found.x, body)
     covariance = _propagated(found, body, values)
     dof = max(found.off.size - found.x.size, 1)
-    t = t_quantile(settings.level, max(round(dof / found.tau), 1))
+    t = t_quantile(settings.level, max(round(found.spread.dof / found.spread.tau), 1))
     carried = _carried(body, found, settings, values)
     estimates = tuple(
-        wider(_estimate(name, value, math.sqrt(max(covariance[i, i], 0.0)), t),
+        wider(_estimate(name, value, math.sqrt(max(covariance[i, i], 0.0)), t, found),
               {source: change[name] for source, change in carried.items()}, t)
         for i, (name, value) in enumerate(values.items())
     )  # fmt: skip
-    free = tuple(item.name for item in estimates if item.free and item.name != "E_star" and ":" not in item.name)
+    free = tuple(item.name for item in estimates if item.free and item.name != "E_star" and ":" not in item.name
+                 and (item.error is not None or item.name != WORKS[RETRACT]))  # fmt: skip
     held = [list(values).index(name) for name in free]
     rows = np.concatenate([part.rows for part in found.model.stretches])
     a, order = _contact_radii(found), np.argsort(rows)
@@ -286,6 +399,7 @@ def _result(body: FittedBody, record: ForceCurve, curve: Curve, settings: Settin
         flags=tuple(told),
         quality=quality,
         adhesion=_adhesion(record),
+        directions=_directions(record, found, settings),
     )
     said = [f"{name}: {sentence}" for name, sentence in told.items()]
     at_bound = ["modulus"] * bool(np.isclose(values["modulus"], found.model.moduli, rtol=TUNING.at_bound).any())
@@ -297,7 +411,7 @@ def _propagated(found: ForceCurveFit, body: FittedBody, values: Mapping[str, flo
     """Covariance (n, n) of the n outcomes ``values``, in their order, from that of the unknowns: first order, by
     central differences."""
     sizes = np.maximum(np.abs(found.x), np.sqrt(np.diag(found.covariance)))
-    curved = [name.startswith(("ln_", "q:")) for name in found.names]  # all others are linear in the outcome
+    curved = [name.startswith(("ln_", "q:", "r:")) for name in found.names]  # all others are linear in the outcome
     steps = TUNING.step * np.where(curved, np.abs(found.x), sizes)
     rates = np.zeros((len(values), found.x.size))
     for i, step in enumerate(steps):
@@ -313,33 +427,67 @@ def _carried(
 ) -> dict[str, dict[str, float]]:
     """Changes of the outcome by the standard deviation of each uncertain input."""
 
-    def outcome(moved: FittedBody) -> dict[str, float]:
-        refitted = fit(replace(found.model, family=moved.family), found.x, near=True, loss=settings.loss)
+    def outcome(name: str, value: float) -> dict[str, float]:
+        if name in CALIBRATED:
+            moved, model = body, found.model.calibrated(value, name == "stiffness")
+        else:
+            moved = body.with_values({name: value})
+            model = replace(found.model, family=moved.family)
+        refitted = fit(model, model.moved(found, value if name in CALIBRATED else 1.0), near=True, loss=settings.loss)
         return _outcome(refitted, refitted.x, moved)
 
+    centres = {name: 1.0 if name in CALIBRATED else body.nominal(name) for name in settings.uncertain}
     return {
-        name: changes_by(
-            name, body.nominal(name), sigma, here,
-            lambda value, name=name: outcome(body.with_values({name: value})),  # type: ignore[misc]
-        )
+        name: changes_by(name, centres[name], sigma, here, partial(outcome, name))
         for name, sigma in settings.uncertain.items()
-    }  # fmt: skip
+    }
 
 
-def _estimate(name: str, value: float, error: float, t: float) -> FittedValue:
+def _estimate(name: str, value: float, error: float, t: float, found: ForceCurveFit) -> FittedValue:
     """An estimate with its interval: of moduli in the logarithm, of w not below 0."""
     dimension = DIMENSIONS.get(name, "modulus")
     modulus = name == "modulus" or dimension == "modulus"
+    if name == WORKS[APPROACH] and f"r:{APPROACH}" in found.names:
+        return _squared(name, *_root(found), t)
+    if name == WORKS[RETRACT] and f"q:{RETRACT}" in found.model.known:
+        return FittedValue(name, value, True, dimension, None, value)  # of an edge that rests throughout: at least this
     if error == 0:
         return FittedValue(name, value, False, dimension)
+    if dimension == "work":
+        return _work(name, value, error, t)
     if modulus and t * error > TUNING.untold * value:
         return FittedValue(name, value, True, dimension)  # the data do not tell it
     if modulus:
         spread = math.exp(min(t * error / value, 700.0))
         return FittedValue(name, value, True, dimension, error, value / spread, value * spread)
-    low = value - t * error
-    return FittedValue(name, value, True, dimension, error, max(low, 0.0) if dimension == "work" else low,
-                       value + t * error)  # fmt: skip
+    return FittedValue(name, value, True, dimension, error, value - t * error, value + t * error)
+
+
+def _work(name: str, value: float, error: float, t: float) -> FittedValue:
+    """w that the search may have found below 0: an interval, or an upper limit where it does not exclude 0."""
+    if value > t * error:
+        return FittedValue(name, value, True, "work", error, value - t * error, value + t * error)
+    value = max(value, 0.0)
+    return FittedValue(name, value, True, "work", error, 0.0, value + TUNING.one_sided * t * error)
+
+
+def _squared(name: str, root: float, error: float, t: float) -> FittedValue:
+    """w whose signed ``root`` the data are regular in."""
+    ends = _work(name, root, error, t)
+    assert ends.low is not None
+    assert ends.high is not None
+    low, high = ends.low**2, ends.high**2
+    return FittedValue(name, ends.value**2, True, "work", (high - low) / (2 * t), low, high)
+
+
+def _root(found: ForceCurveFit) -> tuple[float, float]:
+    """Signed root of w on approach and its standard error, by those of r and ln s."""
+    i = found.names.index(f"r:{APPROACH}")
+    r, root_s = float(found.x[i]), math.sqrt(math.exp(found.model.values(found.x)["ln_s"]))
+    by = np.where(np.arange(found.x.size) == i, root_s, 0.0)
+    if "ln_s" in found.names:
+        by[found.names.index("ln_s")] = root_s * r / 2
+    return root_s * r, math.sqrt(max(float(by @ found.covariance @ by), 0.0))
 
 
 def _line(found: ForceCurveFit) -> dict[str, Array]:
@@ -375,14 +523,20 @@ def _judged(record: ForceCurve, found: ForceCurveFit, a: Array) -> tuple[dict[st
     contact = found.error("z0") / depth if "z0" in found.names else 0.0
     wavy = max(side.base.waviness for side in record.directions) / span
     flags = {}
+    beyond = (found.spread.excess - 1) / TUNING.excess
+    if beyond > 1:
+        flags["misfit"] = (
+            f"the residuals in contact are no noise like that of the free rows: they would widen the intervals "
+            f"{found.spread.excess:.0f} times, another body, indenter or adhesion"
+        )
     if slow > TUNING.misfit:
         flags["misfit"] = f"the residuals in contact are {slow:.1%} of the range of the load: another body or indenter"
     if noise / span > TUNING.noisy:
         flags["noisy"] = f"the noise is {noise / span:.0%} of the range of the load"
     if contact > TUNING.vague:
         flags["vague contact point"] = f"known to {contact:.0%} of the depth only"
-    ratios = {"misfit": slow / TUNING.misfit, "noise": noise / span / TUNING.noisy, "base line": wavy / TUNING.misfit,
-              "contact point": contact / TUNING.vague}  # fmt: skip
+    ratios = {"misfit": max(slow / TUNING.misfit, beyond), "noise": noise / span / TUNING.noisy,
+              "base line": wavy / TUNING.misfit, "contact point": contact / TUNING.vague}  # fmt: skip
     parts = {name: math.exp(-(x**2) / 2) for name, x in ratios.items()}
     parts["record"] = TUNING.spoilt ** sum(not name.endswith((APPROACH, RETRACT)) for name in record.flags)
     return flags, {"quality": math.prod(parts.values()), **parts}
@@ -392,10 +546,12 @@ def _words(found: ForceCurveFit, settings: Settings) -> Iterator[str]:
     """How the record was taken, and what its residuals did to the intervals."""
     if settings.base_line == "sine" and found.model.stretches[0].wave is None:
         yield "base line: no sine is told from its noise, it is taken as straight"
-    for part, adhesive in zip(found.model.stretches, found.model.adhesive, strict=True):
-        if not adhesive:
-            what = "no jump into contact" if part.kind == APPROACH else "no tension above the noise"
-            yield f"{part.kind}: {what}, w is taken as 0"
+    yield from _on_adhesion(found)
+    free = [parameter.name for parameter in settings.free]
+    for kind in (part.kind for part in found.model.stretches if found.model.works.get(part.kind) == 0 and "w" in free):
+        yield f"{NAMES[kind]}: w comes out below 0, which no surfaces have: it is held at 0, the body is another one"
+    if any(name.startswith("offset:") for name in found.model.known):
+        yield "no base line tells the reading of no load: it is taken as 0 (--free P0, or --zero P=... if it is known)"
     model = found.model
     if len(model.stretches) > 1 and not model.drifting and all(np.ptp(part.t) > 0 for part in model.stretches):
         speed, error, change = unasked_drift(found)
@@ -404,8 +560,19 @@ def _words(found: ForceCurveFit, settings: Settings) -> Iterator[str]:
                 f"drift: the depth seems to drift by {show(speed, 'speed', 3)} ± {show(error, 'speed', 2)}, which "
                 f"would change the moduli by {change:+.2%}: --free drift fits it"
             )
-    if found.tau > TUNING.dependent:
+    if not all(part.line.rows for part in found.model.stretches):
+        yield "no free rows tell the noise: it cannot be told from misfit"
+    if found.spread.tau > TUNING.dependent:
         yield (
-            f"residuals follow their neighbours: {found.tau:.1f} rows count as one, "
-            f"which widens the intervals by {math.sqrt(found.tau):.1f}"
+            f"residuals follow their neighbours: {found.spread.tau:.1f} rows count as one, "
+            f"which widens the intervals by {math.sqrt(found.spread.tau):.1f}"
         )
+
+
+def _on_adhesion(found: ForceCurveFit) -> Iterator[str]:
+    """What the directions that were fitted do not tell of w."""
+    known = found.model.known
+    if len(found.model.stretches) == 1 and found.model.stretches[0].kind == APPROACH:
+        yield "approach alone: its w is called w_approach, w is that of a retraction and stays empty"
+    if f"q:{RETRACT}" in known:
+        yield "w: the edge of the contact rests in all rows of the retraction, w is at least what the last holds"

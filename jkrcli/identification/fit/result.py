@@ -58,8 +58,9 @@ class Fit:
     fitted curve, readings by column and "a". ``warnings``: sentences with numbers. ``flags``: what is wrong with a
     raw record, in a word or two each; ``surface``: what the surfaces were taken to do; ``quality``: of a raw
     record, between 0 and 1, with its parts, None where readings were prepared; ``adhesion``: its largest tension on
-    retraction [N], None where none is told. ``pixel``: in a map. ``jkr``: of a fit with a range, JKR beside it;
-    ``range_left``: of a fit of JKR, the longest range [m] that the rows leave, None where none was tried.
+    retraction [N], None where none is told; ``directions``: of it that were fitted. ``pixel``: in a map. ``jkr``: of a
+    fit with a range, JKR beside it; ``range_left``: of a fit of JKR, the longest range [m] that the rows leave, None
+    where none was tried.
     """
 
     name: str
@@ -89,6 +90,7 @@ class Fit:
     pixel: Pixel | None = None
     jkr: JKRBeside | Unknown | None = None
     range_left: float | None = None
+    directions: str = ""
 
     @property
     def correlation(self) -> Array | None:
@@ -111,6 +113,11 @@ class Fit:
         if name not in known:
             raise InputError(f'no estimate is called "{name}" (there are: {", ".join(known)})')
         return known[name]
+
+    @property
+    def work(self) -> FittedValue:
+        """The work of adhesion; of an approach alone its own."""
+        return self.estimate("w" if any(item.name == "w" for item in self.estimates) else "w_approach")
 
     def value(self, name: str) -> float:
         """The value called ``name``, SI."""

@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 from ...base.errors import InputError
 from ...base.units import MOST, parse
-from ...bodies.parts import checked_names
+from ...bodies.parts import RADIUS, checked_names
 from .body import FittedBody
 
 Kind = Literal["log", "positive", "linear"]
@@ -24,6 +24,7 @@ DIMENSIONS = {"modulus": "number", "w": "work", "delta0": "length", "P0": "load"
 RANGES = ("range", "stress")  # one of them: adhesion of finite range; neither: JKR
 KINDS: dict[str, Kind] = {"modulus": "log", "w": "positive", "delta0": "linear", "P0": "linear", "compliance": "linear",
                           "drift": "linear"}  # fmt: skip
+CALIBRATED = ("stiffness", "sensitivity")  # of a device, relative: what its loads are made from
 OF_A_LAYER = {"E": "modulus", "h": "length", "nu": "number"}
 USUALLY_FREE = ("modulus", "w", "delta0")
 ALIAS = "E_star"  # the common modulus by its value rather than as a factor
@@ -110,7 +111,8 @@ class Settings:
     are fixed as in the case. ``segment``: None takes the retraction where the curve names one, else all rows.
     ``noise``: standard deviation of the readings by column, SI; found from the record where it is not given.
     ``level``: of the confidence intervals. ``uncertain``: standard deviations of inputs of the body ("nu:film",
-    "h:film", SI), carried through. ``samples, seed``: of the bootstrap.
+    "h:film", "radius", SI) and, relative, of a device ("stiffness", "sensitivity"), carried through. ``samples,
+    seed``: of the bootstrap.
     ``contact``: "fitted": base line and contact point are fitted with the rest (``record``), "auto": where the curve is
     a raw record, else readings as they are. ``base_line`` of a raw record: "sine": with a wave by interference.
     ``given``: names of the parameters that are not left out. ``range_at_most`` [m]: what is known of the range of
@@ -223,20 +225,26 @@ def settings_of(
 
 
 def uncertain_of(body: FittedBody, pairs: Iterable[tuple[str, str]], settings: Settings) -> dict[str, float]:
-    """Standard deviations of inputs by name: "nu" and "thickness" of the layer at the contact, or "nu:film", "h:film",
-    "E:base", absolute ("0.02", "50 nm") or relative ("5%")."""
+    """Standard deviations of inputs by name: "radius" of the indenter, "nu" and "thickness" of the layer in contact, or
+    "nu:film", "h:film", "E:base", absolute ("0.02", "50 nm") or relative ("5%"); "stiffness" and "sensitivity" of a
+    device, relative."""
     found = {}
     for name, text in pairs:
         whole = {"nu": f"nu:{body.layer_names[0]}", "thickness": f"h:{body.layer_names[0]}"}.get(name, name)
-        allowed = (*body.own_parameters, *(f"nu:{layer}" for layer in body.layer_names if body.own_parameters))
+        radius = [RADIUS] if body.own_parameters and hasattr(body.problem.indenter, "R") else []
+        own = (*body.own_parameters, *(f"nu:{layer}" for layer in body.layer_names if body.own_parameters))
+        allowed = (*own, *radius, *CALIBRATED)
         checked_names([whole], allowed)
         fitted = settings.parameter(whole)
         if fitted is not None:
             raise InputError(f"fit: {whole} is {'free' if fitted.free else 'fixed'}, it cannot be uncertain as well")
+        if whole in CALIBRATED and not text.endswith("%"):
+            raise InputError(f"fit: the uncertainty of {name} is relative, such as 5%, got {text}")
         if text.endswith("%"):
-            value = _parsed("uncertain", text[:-1], "number") / 100 * abs(body.nominal(whole))
+            size = 1.0 if whole in CALIBRATED else abs(body.nominal(whole))
+            value = _parsed("uncertain", text[:-1], "number") / 100 * size
         else:
-            value = _parsed(name, text, dimension_of(whole))
+            value = _parsed(name, text, "length" if whole == RADIUS else dimension_of(whole))
         if not (math.isfinite(value) and value > 0):
             raise InputError(f"fit: the uncertainty of {name} must be > 0, got {text}")
         found[whole] = value

@@ -1,0 +1,84 @@
+"""Intervals of fits of raw records against the truth of made ones: ``make record-bounds SEED=7``.
+
+Records of half-spaces and nine layers by the generator of the tests, which shares no code with the fit. Per kind of
+noise: how many of the 95 % intervals of E*, w and w_approach hold, and how many records are off by more than three
+intervals without a flag.
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+from collections import defaultdict
+
+import numpy as np
+from cycle_records import NOISES, Cycle, drawn  # type: ignore[import-not-found]
+from layer_contact import BondedLayer, half_space  # type: ignore[import-not-found]
+
+from jkrcli.adhesion.slopes.choice import slopes
+from jkrcli.base.errors import JkrError
+from jkrcli.bodies.indenters import Paraboloid
+from jkrcli.bodies.materials import Elastic
+from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
+from jkrcli.data.measured import Curve
+from jkrcli.identification.fit import FittedBody, fit
+from jkrcli.identification.fit.settings import settings_of
+from jkrcli.methods.layered.layered import Layered
+
+R = 5e-6
+LAYERS = [(h, nu) for h in (0.5e-6, 1.5e-6, 5e-6) for nu in (0.3, 0.45, 0.5)]
+OFF = 3.0  # intervals' half-widths beyond which an answer without a flag counts as wrong
+
+
+def body(layer: tuple[float, float] | None) -> FittedBody:
+    """The half-space, or a layer of thickness [m] and nu, of E* = 10 kPa."""
+    nu = 0.5 if layer is None else layer[1]
+    material = Elastic((1 - nu**2) * 1e4, nu)
+    specimen = Specimen((), HalfSpace(material)) if layer is None else Specimen((Layer(material, layer[0]),), Rigid())
+    problem = Problem(Paraboloid(R), specimen, Loading("radius", 1e-6, 60))
+    series = Layered()(problem).series
+    return FittedBody.of(problem, series, slopes(series), extensible=True)
+
+
+def judged(held: FittedBody, made: Cycle) -> dict[str, float]:
+    """By name: 1 where the interval holds the truth; "silent": 1 where an answer is far off without a flag."""
+    z, P = made.columns["z"], made.columns["P"]
+    found = fit(held, Curve("made", delta=z - P / made.k, P=P, stiffness=made.k), settings_of(held))
+    told, silent = {}, 0.0
+    for item in found.estimates:
+        true = made.truth.get(item.name)
+        if true is None or item.low is None or item.high is None:
+            continue
+        told[item.name] = float(item.low <= true <= item.high)
+        far = abs(item.value - true) > OFF * (item.high - item.low) / 2
+        silent = max(silent, float(far and not found.flags))
+    return told | {"silent": silent}
+
+
+def main(seed: int, count: int) -> None:
+    bodies = {layer: body(layer) for layer in (None, *LAYERS)}
+    exact = {layer: half_space if layer is None else BondedLayer(*layer) for layer in bodies}
+    found: dict[str, dict[str, list[float]]] = defaultdict(lambda: defaultdict(list))
+    for i in range(count):
+        rng = np.random.default_rng((seed, i))
+        layer = None if i % 2 else LAYERS[i // 2 % len(LAYERS)]
+        kind = "white" if rng.random() < 0.5 else str(rng.choice(NOISES[1:]))
+        made = drawn(rng, R, None if layer is None else layer[0], exact[layer], kind)
+        try:
+            told = judged(bodies[layer], made)
+        except JkrError as error:
+            told = {"refused": 1.0}
+            print(f"{i}: {error}")
+        for name, value in told.items():
+            found[kind][name].append(value)
+            found["all"][name].append(value)
+    for kind, columns in found.items():
+        held = ", ".join(
+            f"{name} {np.mean(values):.3f} of {len(values)} (± {math.sqrt(0.05 * 0.95 / len(values)):.3f})"
+            for name, values in columns.items() if name != "silent"
+        )  # fmt: skip
+        print(f"{kind:<6} {held}; silent and far off {np.sum(columns['silent']):.0f}")
+
+
+if __name__ == "__main__":
+    main(*(int(text) for text in sys.argv[1:3]))

@@ -15,7 +15,7 @@ import numpy as np
 
 from ..base.arrays import Array
 from ..base.errors import JkrError
-from ..bodies.problem import Loading
+from ..bodies.problem import Loading, Problem
 from ..case import Case
 from ..case.numerics import method_of
 from ..methods import METHODS, Method, method_class
@@ -57,16 +57,22 @@ def solver_of(solution: Solution) -> Further | None:
     problem = replace(solution.problem, loading=Loading.given("radius", (float(series.a[-1]),)))
     if method.refusal(problem) or method.forecast(problem).seconds > TUNING.seconds:
         return None
-    error = max(float(np.max(series.errors[name] / getattr(series, name))) for name in ("delta", "dS"))
-    step = min(max(error**0.2, TUNING.least), TUNING.most)
+    step = min(max(float(np.max(_scatter(series, problem))) ** 0.2, TUNING.least), TUNING.most)
 
     def further(a: Array) -> Nonadhesive:
         beyond = np.outer(a - series.a0, np.exp(step * STEPS))
         radii, order = np.unique(series.a0 + beyond, return_inverse=True)
         loading = Loading.given("radius", tuple(radii.tolist()))
-        return _in_the_middle(method(replace(problem, loading=loading)).series, order.reshape(-1, STEPS.size), step)
+        return _in_the_middle(method(replace(problem, loading=loading)), order.reshape(-1, STEPS.size), step)
 
     return further
+
+
+def _scatter(series: Series, problem: Problem) -> Array:
+    """Relative errors (2, n) of delta_H and S' that differ from radius to radius: those of a profile do not."""
+    assert series.dS is not None
+    shift, _ = problem.indenter.resolution(series.a)
+    return np.stack([(series.errors["delta"] - shift) / series.delta, series.errors["dS"] / series.dS])
 
 
 def seconds_of_points(solution: Solution) -> float:
@@ -88,9 +94,10 @@ def method_behind(solution: Solution) -> Method | None:
     return method
 
 
-def _in_the_middle(series: Series, fives: Array, step: float) -> Nonadhesive:
-    """The functions at the middle of each of the ``fives``, rows (n, 5) of ``series`` a ``step`` of log(a - a0) apart,
-    with slopes and the joint covariance of columns and slopes."""
+def _in_the_middle(solution: Solution, fives: Array, step: float) -> Nonadhesive:
+    """The functions at the middle of each of the ``fives``, rows (n, 5) of ``solution`` a ``step`` of log(a - a0)
+    apart, with slopes and the joint covariance of columns and slopes."""
+    series = solution.series
     assert series.S is not None
     assert series.dS is not None
     middle, rows = fives[:, 2], np.sort(fives[:, 2])
@@ -101,8 +108,7 @@ def _in_the_middle(series: Series, fives: Array, step: float) -> Nonadhesive:
     inner = replace(series, **columns, errors=errors)
     logs = np.log(np.stack([series.delta, series.dS]))[:, fives]
     quartic, parabola = np.einsum("cnk,wk->wcn", logs, WEIGHTS) / step
-    relative = np.stack([errors["delta"] / inner.delta, errors["dS"] / columns["dS"]])
-    noise = float(np.linalg.norm(WEIGHTS[0])) / step * relative
+    noise = float(np.linalg.norm(WEIGHTS[0])) / step * _scatter(inner, solution.problem)
     unsure = noise + (quartic - parabola) ** 2 / np.maximum(np.abs(quartic), 1.0)
     beyond = inner.a - inner.a0
     slopes = exact(inner)
@@ -110,8 +116,9 @@ def _in_the_middle(series: Series, fives: Array, step: float) -> Nonadhesive:
     assert covariance is not None
     joint = np.zeros((rows.size, 6, 6))
     joint[:, :4, :4] = covariance
-    absolute = unsure * np.stack([inner.delta, columns["dS"]]) / beyond / TWO_SIDED_90
-    joint[:, 4, 4], joint[:, 5, 5] = absolute**2
+    absolute = unsure * np.stack([inner.delta, columns["dS"]]) / beyond
+    absolute[0] += solution.problem.indenter.resolution(inner.a)[1]
+    joint[:, 4, 4], joint[:, 5, 5] = (absolute / TWO_SIDED_90) ** 2
     log_rates = np.stack([quartic[0], quartic[1] * inner.a / beyond], axis=1)
     return Nonadhesive(inner, replace(slopes, joint=joint), log_rates)
 

@@ -12,11 +12,12 @@ import pytest
 from jkrcli.adhesion.analysis import analyse
 from jkrcli.adhesion.curve import CriticalPoint
 from jkrcli.base.unknown import Unknown
-from jkrcli.bodies.indenters import PowerLaw
+from jkrcli.bodies.indenters import PowerLaw, Sphere, TableProfile
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.case import load_case
 from jkrcli.case.solving import solve
+from jkrcli.methods import Method
 from jkrcli.methods.hybrid.method import Hybrid
 from jkrcli.methods.layered.layered import Layered
 
@@ -91,3 +92,24 @@ def test_what_is_read_between_the_rows_has_its_own_error() -> None:
         assert (errors <= 3 * between[name]).all()
         assert (between[name] <= 30 * errors.max()).all()
     assert all((values == 0).all() for values in curve.interpolation_at(a).values())  # type: ignore[union-attr]
+
+
+@pytest.mark.parametrize(("method", "count"), [(Layered(), 20), (Layered(), 40), (Hybrid(), 20)])
+def test_a_table_is_off_by_no_more_than_its_points_and_its_error_say(method: Method, count: int) -> None:
+    """A table of a sphere in 20 intervals: delta at load pull-off was up to 1.2e-2 off, 4e-7 to 4e-4 stated."""
+    body = Specimen((Layer(Elastic(1e6, 0.45), 8e-6),), Rigid())
+    sphere, r = Sphere(2e-5), np.linspace(0, 1.2e-5, 21)
+    table = TableProfile(tuple(r), tuple(np.asarray(sphere.f(r)).tolist()))
+    result, true = (
+        analyse(one(Problem(indenter, body, Loading("radius", 9e-6, points))), [0.05])[0]
+        for one, indenter, points in ((method, table, count), (Layered(), sphere, 60))
+    )
+    for control, point in result.pull_off.items():
+        exact, stated = true.pull_off[control], result.pull_off_errors[control]
+        assert isinstance(point, CriticalPoint)
+        assert isinstance(exact, CriticalPoint)
+        assert not isinstance(stated, Unknown)
+        for quantity in ("P", "delta"):
+            error = abs(getattr(point, quantity) - getattr(exact, quantity))
+            assert error <= stated[quantity] < 2e-3 * abs(getattr(exact, quantity))
+            assert stated[quantity] < 30 * error

@@ -21,7 +21,7 @@ from ..case.numerics import method_of
 from ..methods import METHODS, Method, method_class
 from ..series import Series, Solution
 from .curve import TUNING as CURVE
-from .curve import AdhesiveCurve, CriticalPoint, Nonadhesive
+from .curve import AdhesiveCurve, CriticalPoint, Equilibrium, EquilibriumCurve, Nonadhesive
 from .device import CONTROLS
 from .slopes.exact import exact
 from .slopes.result import TWO_SIDED_90, covariance_from_errors
@@ -40,22 +40,22 @@ class SolvedTuning:
     # Of log(a - a0) between the five, the fifth root of the error of the columns, within these limits:
     least: float = 3e-3  # theory: a smooth series errs by the fourth power
     most: float = 5e-2  # choice: what still lies close
-    rounds: int = 4  # of solves; choice: coarse series need three
+    rounds: int = 8  # of solves; choice: fine series need two, 20 rows over four decades six
     each: float = 0.3  # of that of a solve, the cost of a curve's points; tuned on 1 to 1000 layers, by `make bench`
-    seconds: float = 1.0  # forecast of one solve up to which it is begun; choice: of the wait for a curve
 
 
 TUNING = SolvedTuning()
 
 
 def solver_of(solution: Solution) -> Further | None:
-    """How further radii of ``solution`` are solved; None where its radii are not exact, or that is no quick matter."""
+    """How further radii of ``solution`` are solved; None where its radii are not exact. ``seconds_of_points`` says what
+    that costs."""
     method, series = method_behind(solution), solution.series
     stated = {"delta", "dS"} <= series.errors.keys() and series.dS is not None
     if method is None or not stated or np.any(series.errors.get("a", 0.0)):
         return None
     problem = replace(solution.problem, loading=Loading.given("radius", (float(series.a[-1]),)))
-    if method.refusal(problem) or method.forecast(problem).seconds > TUNING.seconds:
+    if method.refusal(problem):
         return None
     step = min(max(float(np.max(_scatter(series, problem))) ** 0.2, TUNING.least), TUNING.most)
 
@@ -143,10 +143,13 @@ def _wanted(curve: AdhesiveCurve, devices: set[float]) -> Array:
     """Radii of the pull-off points; none where they are all solved."""
     found = (curve.pull_off(stiffness) for stiffness in devices)
     points = [point for point in found if isinstance(point, CriticalPoint)]
-    return np.unique([] if all(_is_solved(curve, point) for point in points) else [point.a for point in points])
+    return np.unique([] if all(is_solved(curve, point) for point in points) else [point.a for point in points])
 
 
-def _is_solved(curve: AdhesiveCurve, point: CriticalPoint) -> bool:
+def is_solved(curve: EquilibriumCurve, point: Equilibrium) -> bool:
+    """Whether the ``point`` was solved at its own radius, and is not one between rows."""
+    if not isinstance(curve, AdhesiveCurve):
+        return True  # of finite range: each solves itself
     further = curve.nonadhesive.further
     nearest = math.inf if further is None else float(np.min(np.abs(further.a - point.a)))
     return nearest <= CURVE.solved * (point.a - curve.series.a0)

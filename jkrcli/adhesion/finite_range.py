@@ -292,6 +292,21 @@ def finite_range_curve(
     return FiniteRangeBody.of(solution).curve(Range.of(w, stress=stress, length=length))
 
 
+def unable(problem: Problem, method: str) -> str | None:
+    """Why a ``problem`` that a ``method`` solves has no curve of finite range, with the remedy; None where it may."""
+    if problem.sticks:
+        return (
+            "adhesion of finite range is known of surfaces that slide alone: solve the case with "
+            'specimen.surface = "sliding", or leave range and stress out'
+        )
+    if method not in KNOWN:
+        return (
+            f"adhesion of finite range needs the kernel of the contact equation, which the method {method} does not "
+            "have: solve the case with the method layered or hybrid"
+        )
+    return None
+
+
 @dataclass(frozen=True, eq=False)
 class FiniteRangeBody:
     """A solved body as curves of finite range need it: ``series``, and the body with its kernel."""
@@ -303,16 +318,8 @@ class FiniteRangeBody:
     @classmethod
     def of(cls, solution: Solution) -> FiniteRangeBody:
         """From a solution whose method knows the kernel, which is computed anew."""
-        if solution.problem.sticks:
-            raise Refusal(
-                f"{solution.record.path}: adhesion of finite range is known of surfaces that slide alone: solve the "
-                'case with specimen.surface = "sliding", or leave range and stress out'
-            )
-        if solution.method not in KNOWN:
-            raise Refusal(
-                f"{solution.record.path}: adhesion of finite range needs the kernel of the contact equation, which "
-                f"the method {solution.method} does not have: solve the case with the method layered or hybrid"
-            )
+        if reason := unable(solution.problem, solution.method):
+            raise Refusal(f"{solution.record.path}: {reason}")
         return cls(solution.problem, solution.series, AttractedBody(solution.problem))
 
     def seconds(self, law: Range) -> float:

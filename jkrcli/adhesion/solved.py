@@ -15,13 +15,13 @@ import numpy as np
 
 from ..base.arrays import Array
 from ..base.errors import JkrError
-from ..bodies.problem import Loading
+from ..bodies.problem import Loading, Problem
 from ..case import Case
 from ..case.numerics import method_of
 from ..methods import METHODS, Method, method_class
 from ..series import Series, Solution
 from .curve import TUNING as CURVE
-from .curve import AdhesiveCurve, CriticalPoint
+from .curve import AdhesiveCurve, CriticalPoint, Equilibrium, EquilibriumCurve
 from .device import CONTROLS
 from .nonadhesive import Nonadhesive
 from .slopes.exact import exact
@@ -41,33 +41,39 @@ class SolvedTuning:
     # Of log(a - a0) between the five, the fifth root of the error of the columns, within these limits:
     least: float = 3e-3  # theory: a smooth series errs by the fourth power
     most: float = 5e-2  # choice: what still lies close
-    rounds: int = 4  # of solves; choice: coarse series need three
+    rounds: int = 8  # of solves; choice: fine series need two, 20 rows over four decades six
     each: float = 0.3  # of that of a solve, the cost of a curve's points; tuned on 1 to 1000 layers, by `make bench`
-    seconds: float = 1.0  # forecast of one solve up to which it is begun; choice: of the wait for a curve
 
 
 TUNING = SolvedTuning()
 
 
 def solver_of(solution: Solution) -> Further | None:
-    """How further radii of ``solution`` are solved; None where its radii are not exact, or that is no quick matter."""
+    """How further radii of ``solution`` are solved; None where its radii are not exact. ``seconds_of_points`` says what
+    that costs."""
     method, series = method_behind(solution), solution.series
     stated = {"delta", "dS"} <= series.errors.keys() and series.dS is not None
     if method is None or not stated or np.any(series.errors.get("a", 0.0)):
         return None
     problem = replace(solution.problem, loading=Loading.given("radius", (float(series.a[-1]),)))
-    if method.refusal(problem) or method.forecast(problem).seconds > TUNING.seconds:
+    if method.refusal(problem):
         return None
-    error = max(float(np.max(series.errors[name] / getattr(series, name))) for name in ("delta", "dS"))
-    step = min(max(error**0.2, TUNING.least), TUNING.most)
+    step = min(max(float(np.max(_scatter(series, problem))) ** 0.2, TUNING.least), TUNING.most)
 
     def further(a: Array) -> Nonadhesive:
         beyond = np.outer(a - series.a0, np.exp(step * STEPS))
         radii, order = np.unique(series.a0 + beyond, return_inverse=True)
         loading = Loading.given("radius", tuple(radii.tolist()))
-        return _in_the_middle(method(replace(problem, loading=loading)).series, order.reshape(-1, STEPS.size), step)
+        return _in_the_middle(method(replace(problem, loading=loading)), order.reshape(-1, STEPS.size), step)
 
     return further
+
+
+def _scatter(series: Series, problem: Problem) -> Array:
+    """Relative errors (2, n) of delta_H and S' that differ from radius to radius: those of a profile do not."""
+    assert series.dS is not None
+    shift, _ = problem.indenter.resolution(series.a)
+    return np.stack([(series.errors["delta"] - shift) / series.delta, series.errors["dS"] / series.dS])
 
 
 def seconds_of_points(solution: Solution) -> float:
@@ -89,9 +95,10 @@ def method_behind(solution: Solution) -> Method | None:
     return method
 
 
-def _in_the_middle(series: Series, fives: Array, step: float) -> Nonadhesive:
-    """The functions at the middle of each of the ``fives``, rows (n, 5) of ``series`` a ``step`` of log(a - a0) apart,
-    with slopes and the joint covariance of columns and slopes."""
+def _in_the_middle(solution: Solution, fives: Array, step: float) -> Nonadhesive:
+    """The functions at the middle of each of the ``fives``, rows (n, 5) of ``solution`` a ``step`` of log(a - a0)
+    apart, with slopes and the joint covariance of columns and slopes."""
+    series = solution.series
     assert series.S is not None
     assert series.dS is not None
     middle, rows = fives[:, 2], np.sort(fives[:, 2])
@@ -102,8 +109,7 @@ def _in_the_middle(series: Series, fives: Array, step: float) -> Nonadhesive:
     inner = replace(series, **columns, errors=errors)
     logs = np.log(np.stack([series.delta, series.dS]))[:, fives]
     quartic, parabola = np.einsum("cnk,wk->wcn", logs, WEIGHTS) / step
-    relative = np.stack([errors["delta"] / inner.delta, errors["dS"] / columns["dS"]])
-    noise = float(np.linalg.norm(WEIGHTS[0])) / step * relative
+    noise = float(np.linalg.norm(WEIGHTS[0])) / step * _scatter(inner, solution.problem)
     unsure = noise + (quartic - parabola) ** 2 / np.maximum(np.abs(quartic), 1.0)
     beyond = inner.a - inner.a0
     slopes = exact(inner)
@@ -111,8 +117,9 @@ def _in_the_middle(series: Series, fives: Array, step: float) -> Nonadhesive:
     assert covariance is not None
     joint = np.zeros((rows.size, 6, 6))
     joint[:, :4, :4] = covariance
-    absolute = unsure * np.stack([inner.delta, columns["dS"]]) / beyond / TWO_SIDED_90
-    joint[:, 4, 4], joint[:, 5, 5] = absolute**2
+    absolute = unsure * np.stack([inner.delta, columns["dS"]]) / beyond
+    absolute[0] += solution.problem.indenter.resolution(inner.a)[1]
+    joint[:, 4, 4], joint[:, 5, 5] = (absolute / TWO_SIDED_90) ** 2
     log_rates = np.stack([quartic[0], quartic[1] * inner.a / beyond], axis=1)
     return Nonadhesive(inner, replace(slopes, joint=joint), log_rates)
 
@@ -137,10 +144,13 @@ def _wanted(curve: AdhesiveCurve, devices: set[float]) -> Array:
     """Radii of the pull-off points; none where they are all solved."""
     found = (curve.pull_off(stiffness) for stiffness in devices)
     points = [point for point in found if isinstance(point, CriticalPoint)]
-    return np.unique([] if all(_is_solved(curve, point) for point in points) else [point.a for point in points])
+    return np.unique([] if all(is_solved(curve, point) for point in points) else [point.a for point in points])
 
 
-def _is_solved(curve: AdhesiveCurve, point: CriticalPoint) -> bool:
+def is_solved(curve: EquilibriumCurve, point: Equilibrium) -> bool:
+    """Whether the ``point`` was solved at its own radius, and is not one between rows."""
+    if not isinstance(curve, AdhesiveCurve):
+        return True  # of finite range: each solves itself
     further = curve.nonadhesive.further
     nearest = math.inf if further is None else float(np.min(np.abs(further.a - point.a)))
     return nearest <= CURVE.solved * (point.a - curve.series.a0)

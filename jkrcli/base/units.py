@@ -92,6 +92,12 @@ class Ranged:
     def __contains__(self, number: float) -> bool:
         return all(test(number, limit) for _, limit, test in self._bounds())
 
+    def nearest(self, number: float) -> float:
+        """The allowed number nearest to ``number``, of a range that holds its ends."""
+        return min(
+            max(number, number if self.least is None else self.least), number if self.most is None else self.most
+        )
+
     @property
     def rule(self) -> str:
         """``> 0 and <= 0.5``."""
@@ -151,14 +157,14 @@ def _number(value: Any, dimension: str) -> float:
 def check_ranges(options: Any, where: str) -> None:
     """InputError where a field of the dataclass ``options`` is outside the range in its annotation; None is allowed."""
     kind: Any = type(options)
-    for name, ranged in _ranges(kind).items():
+    for name, ranged in ranges_of(kind).items():
         value = getattr(options, name)
         if value is not None and value not in ranged:
             raise InputError(f"{where}.{name}: must be {ranged.rule}, got {value:g}")
 
 
 @cache
-def _ranges(kind: Any) -> dict[str, Ranged]:
+def ranges_of(kind: Any) -> dict[str, Ranged]:
     """The ranges of the fields of ``kind`` that are one number, or one or None."""
     found: dict[str, Ranged] = {}
     for name, annotation in get_type_hints(kind, include_extras=True).items():

@@ -10,6 +10,8 @@ import math
 from abc import ABC, abstractmethod
 from typing import Any, ClassVar
 
+import numpy as np
+
 from ..base.arrays import Array
 from ..base.registry import Registry
 from .materials import Elastic
@@ -46,6 +48,15 @@ class Indenter(ABC):
     def kinks(self) -> tuple[float, ...]:
         """Radii > 0 [m] where the slope f' bends, and with it F, increasing."""
         return ()
+
+    @property
+    def joints(self) -> tuple[float, ...]:
+        """Radii > 0 [m] at which formulas of f begin, the kinks among them, increasing: where quadrature is cut."""
+        return self.kinks
+
+    def resolution(self, a: Array) -> Array:
+        """Errors (2, n) of F [m] and of its slope up to the radii ``a`` (n,), where f is only known at points."""
+        return np.zeros((2, a.size))
 
     @property
     def keys(self) -> dict[str, Any]:

@@ -15,7 +15,9 @@ from pydantic import ValidationError
 from ..base import units
 from ..base.errors import InputError, did_you_mean, nearest
 from ..base.files import read_bytes
+from ..base.units import ranges_of
 from ..bodies.indenters import SHAPES
+from ..methods import METHODS
 from .models import CaseModel, RootTable, case_model, other_tables
 from .quotes import UnquotedError, has_unquoted
 
@@ -44,11 +46,25 @@ class Case:
         self.text = text
         self.remarks = remarks
 
-    def with_mesh(self, **values: Any) -> Case:
-        """The case with other values in its table mesh; InputError where they are wrong."""
+    def with_tolerance(self, tolerance: float, method: str) -> Case:
+        """The case in which ``method`` is asked for this relative error; "auto": every one that can be, as near to it
+        as it allows. InputError where no method has it."""
         tree = self.model.model_dump(exclude_none=True)
-        tree["mesh"] |= values
-        return Case(validated(case_model(tree), tree, self.source), self.source)
+        ranges = {name: ranges_of(known.options).get("tolerance") for name, known in METHODS.items() if known.options}
+        known = {name: ranged for name, ranged in ranges.items() if ranged and method in ("auto", name)}
+        if not any(tolerance in ranged for ranged in known.values()):
+            allowed = ", ".join(f"{name} takes {ranged.rule}" for name, ranged in known.items())
+            allowed = allowed or f"method {method} has none, its formula errs as it does; leave the option out"
+            raise InputError(f"--tolerance: {allowed}, got {tolerance:g}")
+        for name, ranged in known.items():
+            place = METHODS[name].places["tolerance"]
+            asked = {place.table: tree.get(place.table, {}) | {place.key: ranged.nearest(tolerance)}}
+            try:
+                tree |= validated(case_model(tree), tree | asked, self.source).model_dump(exclude_none=True)
+            except InputError:  # a mesh of given sizes, say, of which no error can be asked
+                if method == name:
+                    raise
+        return Case(validated(case_model(tree), tree, self.source), self.source, remarks=self.remarks)
 
     def to_toml(self, method: str | None = None) -> str:
         """The resolved case, every default written out, SI numbers: reads back to the same numbers. With the options

@@ -59,8 +59,9 @@ class IndenterTable(BuiltTable):
 
     @classmethod
     def lists(cls) -> list[str]:
-        """Keys that are lists of lengths."""
-        return [key for key in cls.parameters if get_origin(cls.model_fields[key].annotation) is tuple]
+        """Required keys that are lists of lengths."""
+        fields = {key: cls.model_fields[key] for key in cls.parameters}
+        return [key for key, field in fields.items() if field.is_required() and get_origin(field.annotation) is tuple]
 
     @classmethod
     def allowed_keys(cls) -> list[str]:

@@ -11,6 +11,7 @@ import click
 from ..adhesion import validity
 from ..adhesion.curve import CriticalPoint
 from ..adhesion.expectation import Expectation, expect
+from ..adhesion.finite_range import unable
 from ..adhesion.sticking import StickingEffect, as_told, sticking_effect, sticking_warnings
 from ..base.errors import Refusal
 from ..base.units import show
@@ -55,11 +56,23 @@ def check(case: Path, as_json: bool) -> None:
     say(f"  method    {choice.name}: {choice.brief}")
     for option in options:
         say(f"            {option.name:<12} {_option(option)}")
-    _print(expected)
+    range_ = _range(model, choice.name)
+    _print(expected, range_)
     if not isinstance(effect, Unknown):
         say(f"  sticking  against sliding makes {effect.words} as large")
-    for warning in (*loaded.remarks, *sticking_warnings(problem, effect)):
+    refused = [f"jkr transform will refuse: {range_}"] if isinstance(range_, Unknown) else []
+    for warning in (*refused, *loaded.remarks, *sticking_warnings(problem, effect)):
         warn(warning)
+
+
+def _range(model: CaseModel, method: str) -> str | Unknown:
+    """What is said of the range of adhesion that a case asks for, empty where it asks for none; or why it has no
+    curve."""
+    adhesion = model.adhesion
+    if not (adhesion.range or adhesion.stress or adhesion.capillary):
+        return ""
+    reason = unable(model.problem(), method)
+    return Unknown(reason) if reason else "its range will be solved; the force here is that of JKR"
 
 
 def _effect(model: CaseModel, expected: Expectation | Unknown) -> StickingEffect | Unknown:
@@ -99,7 +112,7 @@ def _as_dict(expected: Expectation | Unknown) -> dict[str, Any]:
     }
 
 
-def _print(expected: Expectation | Unknown) -> None:
+def _print(expected: Expectation | Unknown, range_: str | Unknown) -> None:
     if isinstance(expected, Unknown):
         say(f"  reaches   unknown: {expected}")
         return
@@ -110,6 +123,7 @@ def _print(expected: Expectation | Unknown) -> None:
     for w, point, judged in expected.adhesion:
         say(f"  w = {show(w, 'work')}: pull-off (load control): {_pull_off(point)}")
         regime = f": {judged.regime}" if not isinstance(judged.tabor, Unknown) else ""
+        regime = regime if range_ == "" else "" if isinstance(range_, Unknown) else f"; {range_}"
         say(f"            Tabor number {_ratio(judged.tabor)}{regime}")
         sizes = {"a/R": judged.a_over_R, "a/h": judged.a_over_h, "delta/h": judged.delta_over_h}
         known = [f"{name} = {value:.3g}" for name, value in sizes.items() if not isinstance(value, Unknown)]

@@ -10,7 +10,7 @@ import click
 
 from ..adhesion.sticking import as_told, effect_facts, sticking_effect, sticking_warnings
 from ..adhesion.validity import check, end_of_body, judge
-from ..base.unknown import Unknown
+from ..base.unknown import Estimate, Unknown
 from ..bodies.problem import Problem
 from ..case import Case, load_case, store
 from ..case.solving import solve
@@ -30,7 +30,11 @@ from .voice import command_line, detail, note, say, warn
 @click.argument("case", type=click.Path(path_type=Path))
 @into_file("Series file [default: <case>.h5 here].")
 @click.option("--method", type=click.Choice(["auto", *METHODS]), help="Method, instead of the case's.")
-@click.option("--tolerance", type=float, help="Of finite elements, instead of the case's mesh.tolerance, e.g. 1e-3.")
+@click.option(
+    "--tolerance",
+    type=float,
+    help="Relative error asked of the load at given depth, of any method, instead of the case's.",
+)
 @limits_options
 @output_options(force=ONE_FILE, json="Print the summary as JSON.")
 def run(
@@ -52,7 +56,7 @@ def run(
     start = time.process_time()
     loaded = load_case(case)
     if tolerance is not None:
-        loaded = loaded.with_mesh(tolerance=tolerance)
+        loaded = loaded.with_tolerance(tolerance, method or loaded.model.method)
     target = output.series(Path(f"{case.stem}.h5"), [case])
     choice, solution = solve(loaded, method, limits, note)
     for stage, used in solution.timings.items():
@@ -63,7 +67,8 @@ def run(
     store.write(target, solution, command_line())
     seconds = time.process_time() - start
     warnings = [
-        *loaded.remarks, *solution.warnings, *_geometry(problem, solution), *sticking_warnings(problem, effect)
+        *missed(tolerance, solution.budget.total), *loaded.remarks, *solution.warnings,
+        *_geometry(problem, solution), *sticking_warnings(problem, effect),
     ]  # fmt: skip
     if output.json:
         answer(_as_json(target, choice, solution, warnings, seconds) | {"sticking": as_told(effect)})
@@ -71,6 +76,14 @@ def run(
         _print(loaded, target, choice, solution, seconds)
     for warning in warnings:
         warn(warning)
+
+
+def missed(tolerance: float | None, error: Estimate) -> list[str]:
+    """A warning where the ``error`` of a solution is not known to be what was asked for."""
+    if tolerance is None or (not isinstance(error, Unknown) and error <= tolerance):
+        return []
+    words = error.reason if isinstance(error, Unknown) else f"{error:.1e}"
+    return [f"--tolerance: {tolerance:g} was asked for, and the error is {words}"]
 
 
 def _geometry(problem: Problem, solution: Solution) -> list[str]:

@@ -10,6 +10,7 @@ from ..adhesion.critical import Errors
 from ..adhesion.curve import Equilibrium
 from ..adhesion.device import LOAD_CONTROL, control
 from ..adhesion.sharp import yielding
+from ..adhesion.solved import is_solved
 from ..adhesion.stability import Behaviour
 from ..adhesion.validity import check
 from ..base.units import show
@@ -30,6 +31,8 @@ def summary(result: Analysis, lost: Sequence[Lost]) -> dict[str, Any]:
     for found, error in lost:
         told = tables.control(found)
         told["pull_off"] |= tables.errors(error)
+        if error is not None:
+            told["pull_off"]["interpolated"] = not _solved(result, found)
         controls.append({"control": found.control, "stiffness_N_per_m": tables.stiffness(found.stiffness), **told})
     return {
         "file": str(result.path),
@@ -46,7 +49,7 @@ def words(result: Analysis, lost: Sequence[Lost]) -> list[str]:
     """What is read off one curve under each control, as lines of text."""
     lines = [f"{result.path}: w = {show(result.w, 'work')}{tables.law_words(result)}"]
     for found, error in lost:
-        lines += _control(found, error)
+        lines += _control(found, error, _solved(result, found))
     return lines + _validity(result)
 
 
@@ -94,14 +97,18 @@ def measured_words(told: MeasuredWork) -> list[str]:
     return lines + _validity(told.result)
 
 
-def _control(found: Behaviour, error: Errors | Unknown | None) -> list[str]:
-    """Points, jumps and energies under one control."""
+def _solved(result: Analysis, found: Behaviour) -> bool:
+    return isinstance(found.pull_off, Equilibrium) and is_solved(result.curve, found.pull_off)
+
+
+def _control(found: Behaviour, error: Errors | Unknown | None, solved: bool) -> list[str]:
+    """Points, jumps and energies under one control; the pull-off point ``solved`` or read off between the rows."""
     lines = [f"  {found.control}", f"    pull-off            {_point(found.pull_off)}"]
     if isinstance(error, Unknown):
         lines.append(f"    its error           {error}")
     elif error is not None:
         half_widths = f"P within {show(error['P'], 'load')}, delta within {show(error['delta'], 'length')}"
-        lines.append(f"    its error           {half_widths} (90 %)")
+        lines.append(f"    its error           {half_widths} (90 %{'' if solved else ', interpolated'})")
     others = [point for point in found.critical if point != found.pull_off]
     if not found.critical and not isinstance(found.pull_off, Unknown):
         lines.append("    critical points     none in the series")

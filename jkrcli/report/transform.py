@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from ..adhesion.analysis import Analysis
 from ..adhesion.curve import CriticalPoint
+from ..adhesion.solved import is_solved
 from ..base.units import show
 from ..base.unknown import Estimate, Unknown
 from . import tables
@@ -27,7 +28,8 @@ def _of_curve(result: Analysis) -> Iterator[str]:
     """Where contact is lost, what the numbers are worth, and what an exact solution says."""
     for name, point in result.pull_off.items():
         if isinstance(point, CriticalPoint):
-            load = f"{show(point.P, 'load')} {_half_width(result, name)}"
+            between = "" if is_solved(result.curve, point) else " (interpolated)"
+            load = f"{show(point.P, 'load')} {_half_width(result, name)}{between}"
             yield (
                 f"pull-off, {name + ' control:':<22} P = {load:<22} delta = {show(point.delta, 'length'):<12} "
                 f"a = {show(point.a, 'length')}"

@@ -15,6 +15,7 @@ from ..base.unknown import Estimate, Unknown
 from ..bodies.problem import Problem
 
 COLUMNS = ("a", "delta", "P", "S", "dS")
+JUDGED = 0.01  # of the largest depth, from which a profile's points count in the budget; choice: as elements do
 NO_SMOOTHING = Unknown("no smoothing was done")
 
 
@@ -229,6 +230,20 @@ class Solution:
     def key(self) -> str:
         """A hash of the physics."""
         return self.problem.key
+
+    def widened(self) -> Solution:
+        """The same with the error of a profile that is known at points only: of delta, and S times it of P."""
+        series = self.series
+        shift, _ = self.problem.indenter.resolution(series.a)
+        if not shift.any():
+            return self
+        S = np.gradient(series.P, series.delta) if series.S is None else series.S
+        more, judged = {"delta": shift, "P": S * shift}, series.delta >= JUDGED * series.delta[-1]
+        errors = {name: error + more.get(name, 0.0) for name, error in series.errors.items()}
+        relative = max(float(np.max((more[name] / getattr(series, name))[judged])) for name in more)
+        own = self.budget.discretisation
+        budget = self.budget if isinstance(own, Unknown) else replace(self.budget, discretisation=own + relative)
+        return replace(self, series=replace(series, errors=errors), budget=budget)
 
     @property
     def increments(self) -> RawSeries:

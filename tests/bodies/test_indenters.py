@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from scipy.integrate import quad
 
 from jkrcli.base.errors import InputError
-from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
+from jkrcli.bodies.indenters import Indenter, Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
 from jkrcli.formulas.half_space import abel_factor, tangent_minus_angle
 
 R = 3e-5
@@ -98,15 +98,44 @@ def test_table_is_exact_for_a_paraboloid_at_any_spacing() -> None:
     assert table.tip_radius == pytest.approx(R, rel=1e-12)
 
 
-def test_table_of_a_sphere_converges_with_second_order() -> None:
-    errors = []
-    for n in (10, 20, 40, 80):
-        r = np.linspace(0, 0.5 * R, n + 1)
-        table = TableProfile(tuple(r), tuple(np.asarray(Sphere(R).f(r))))
-        x = np.linspace(0.05 * R, 0.49 * R, 101)
-        errors.append(np.max(np.abs(table.abel(x) / Sphere(R).abel(x) - 1)))
-    order = -np.polyfit(np.log([10, 20, 40, 80]), np.log(errors), 1)[0]
-    assert order > 1.8  # quadratic pieces: second order in the slope
+def through(indenter: Indenter, count: int, **keys: tuple[float, ...]) -> TableProfile:
+    """The table of ``count`` points of an indenter, to half the length R."""
+    r = np.linspace(0, 0.5 * R, count)
+    return TableProfile(tuple(r), tuple(np.asarray(indenter.f(r)).tolist()), **keys)
+
+
+@pytest.mark.parametrize("indenter", [Sphere(R), PowerLaw(1e12, 3.3), PowerLaw(1e2, 1.5)], ids=name_of)
+def test_tables_of_smooth_shapes_converge_without_kinks_and_state_their_error(indenter) -> None:
+    errors, x = [], np.linspace(0.05 * R, 0.49 * R, 101)
+    for count in (4, 6, 11, 21, 41, 81):
+        table = through(indenter, count)
+        errors.append(float(np.max(np.abs(table.abel(x) - indenter.abel(x)))))
+        assert (
+            max(table.kinks, default=0.0) < 0.4 * R if count == 4 else len(table.kinks) <= 3
+        )  # curvature 0 at r^3.3's
+        assert errors[-1] < np.max(table.resolution(x)[0])
+        slope = np.max(np.abs(table.abel_slope(x[50:]) - indenter.abel_slope(x[50:])))
+        assert slope < np.max(table.resolution(x)[1])
+    assert -np.polyfit(np.log([10, 20, 40, 80]), np.log(errors[2:]), 1)[0] > 2.9  # the end's order; inside it is four
+
+
+def test_a_table_bends_where_it_is_said_to_and_where_a_straight_run_ends() -> None:
+    blunt = RoundedFlat(0.1 * R, 0.3 * R)
+    assert through(blunt, 41).kinks == pytest.approx([0.1 * R])
+    assert through(blunt, 41).abel(np.array([0.3 * R])) == pytest.approx(blunt.abel(np.array([0.3 * R])), rel=1e-12)
+    r, corner = np.linspace(0, 0.5 * R, 11), 0.25 * R
+    f = tuple(r**2 / (2 * R) + 0.2 * np.maximum(r - corner, 0))
+    rising = TableProfile((0, 1, 2, 3), (0, 1, 4, 10), bends=(1.0,))  # the parabolas on both sides would dip there
+    assert (np.diff(rising.slope(np.linspace(0, 3, 301))) >= 0).all()
+    bent, smooth = TableProfile(tuple(r), f, bends=(corner,)), TableProfile(tuple(r), f)
+    x = np.array([0.24 * R, 0.3 * R, 0.45 * R])
+    jump = np.where(x > corner, 0.2 * x * np.arccos(np.minimum(corner / x, 1)), 0.0)
+    np.testing.assert_allclose(bent.abel(x), x**2 / R + jump, rtol=1e-10)
+    assert bent.kinks == pytest.approx([corner])
+    assert np.max(np.abs(smooth.abel(x) / bent.abel(x) - 1)) > 1e-3
+    step = 1e-6 * R
+    central = (bent.abel(x + step) - bent.abel(x - step)) / (2 * step)
+    np.testing.assert_allclose(bent.abel_slope(x), central, rtol=1e-7)
 
 
 @given(st.lists(st.floats(0, 1), min_size=3, max_size=12), st.lists(st.floats(0.05, 1), min_size=12, max_size=12))
@@ -133,6 +162,10 @@ def test_any_convex_table_keeps_its_points_and_stays_convex(growth: list[float],
         (lambda: TableProfile((0, 1), (0, 1)), "profile table: needs at least 3 points (r, f), got 2 and 2"),
         (lambda: TableProfile((0, 1, 1), (0, 1, 2)), "profile table: radii must increase, point 3 has r = 1 after 1"),
         (lambda: TableProfile((0.5, 1, 2), (0, 1, 2)), "profile table: must start at r = 0, f = 0, got (0.5, 0)"),
+        (
+            lambda: TableProfile((0, 1, 2), (0, 1, 4), bends=(2.0,)),
+            "profile table: bends must be radii of the table between its ends, increasing, got [2.0] (2 is none)",
+        ),
         (lambda: TableProfile((0, 1, 2), (0, 0, 0)), "profile table: is flat; a flat end needs a rounded edge"),
         (lambda: TableProfile((0, 1, math.nan), (0, 0, 0)), "profile table: holds a value that is not finite"),
     ],

@@ -247,3 +247,22 @@ def test_verbs_that_know_no_range_refuse_it_by_name(
         f"jkr: error: {verb[0]}: knows no adhesion of finite range, which the case of own.h5 asks for: leave "
         "adhesion.range, stress and capillary out"
     ]
+
+
+@pytest.mark.parametrize(
+    ("case", "says"),
+    [
+        ('method = "fem"' + TIP, "jkr transform will refuse: adhesion of finite range needs the kernel"),
+        (STICKING, "jkr transform will refuse: adhesion of finite range is known of surfaces that slide alone"),
+        ('method = "layered"' + TIP, ""),
+    ],
+)
+def test_check_says_what_transform_will_refuse(jkr, case: str, says: str) -> None:
+    """And not that JKR holds, which was not asked."""
+    text = case if "range" in case else case.replace("[adhesion]", "[adhesion]\nrange = '0.5 nm'")
+    Path("my.toml").write_text(text)
+    found = jkr("check", "my.toml")
+    assert found.code == 0
+    assert "JKR holds" not in found.out
+    assert says in found.err
+    assert ("its range will be solved" in found.out) == (not says)

@@ -2,21 +2,38 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Annotated, ClassVar
 
 import numpy as np
 
 from ...base.arrays import Array
+from ...base.cubic import spline_slopes
 from ...base.errors import InputError
 from ...base.registry import Key
 from ...base.units import AnyLength
 from ..indenter import Indenter, shape
 from ..materials import Elastic
 
-MOST_POINTS = 5000  # choice: the cost grows with their square; so many take ten seconds
-AT_ONCE = 1_000_000  # choice: pairs of a radius and a knot in memory
-KINK = 1e-10  # choice: fraction of an interval over which a kink that the points force is rounded
+
+@dataclass(frozen=True)
+class TableTuning:
+    """How points become a profile, and what is said of the error of that."""
+
+    points: int = 5000  # most of a table; choice: the cost grows with their square, so many take ten seconds
+    at_once: int = 1_000_000  # choice: pairs of a radius and a knot in memory
+    straight: float = 1e-9  # of the largest chord: the rise between two of a straight profile; theory: rounding
+    pointed: float = 0.25  # slope at the axis over the first chord above which a tip has a point; choice: a cone has 1
+    # What every second point changes of F and of its slope, over the error of all of them:
+    factors: tuple[float, float] = (5.0, 2.5)  # theory: fourth and third power of the spacing (16, 8), less at ends
+    looks: int = 400  # choice: radii at which that is looked at
+    few: int = 7  # choice: of every second of fewer points no spline is left, and then
+    few_factors: tuple[float, float] = (2.0, 1.0)  # theory: of the parabolas that are left
+
+
+TUNING = TableTuning()
 
 
 @shape("table")
@@ -24,24 +41,26 @@ KINK = 1e-10  # choice: fraction of an interval over which a kink that the point
 class TableProfile(Indenter):
     """A measured or designed profile given by points (``r``, ``f``) [m], convex, from (0, 0) outwards.
 
-    Between the points the profile is the convexity-preserving quadratic spline of Schumaker (1983), exact for a
-    paraboloid; its Abel image is a sum of closed forms.
+    Between the points the profile is a cubic spline with continuous second derivative, even about the axis unless the
+    points come to a tip there; it breaks at ``bends`` [m], radii of the table at which the user says that the slope
+    jumps, and where a straight run of points ends. Where such a spline were not convex, between rough points, it is
+    the convex quadratic one of Schumaker (1983). Exact for a paraboloid; its Abel image is a sum of closed forms.
     """
 
-    r: tuple[AnyLength, ...] = ()
-    heights: Annotated[tuple[AnyLength, ...], Key("f")] = ()
+    r: tuple[AnyLength, ...]
+    heights: Annotated[tuple[AnyLength, ...], Key("f")]
+    bends: tuple[AnyLength, ...] = ()
     material: Elastic | None = None
     knots: Array = field(init=False, repr=False, compare=False)
-    slopes: Array = field(init=False, repr=False, compare=False)
-    values: Array = field(init=False, repr=False, compare=False)
+    pieces: Array = field(init=False, repr=False, compare=False)
     noun: ClassVar[str] = "tabulated profile"
 
     def __post_init__(self) -> None:
         r, f = np.asarray(self.r, dtype=float), np.asarray(self.heights, dtype=float)
         _check_table(r, f)
-        knots, slopes = _schumaker(r, f)
-        values = np.concatenate([[0.0], np.cumsum(np.diff(knots) * (slopes[1:] + slopes[:-1]) / 2)])
-        for name, array in (("knots", knots), ("slopes", slopes), ("values", values)):
+        _check_bends(self.bends, r)
+        knots, pieces = _profile(r, f, np.searchsorted(r, self.bends))
+        for name, array in (("knots", knots), ("pieces", pieces)):
             array.setflags(write=False)
             object.__setattr__(self, name, array)
 
@@ -55,13 +74,20 @@ class TableProfile(Indenter):
 
     @property
     def tip_radius(self) -> float | None:
-        curvature = (self.slopes[1] - self.slopes[0]) / (self.knots[1] - self.knots[0])
-        pointed = self.slopes[0] > 1e-3 * self.slopes[-1]
-        return None if self.a0 > 0 or pointed or curvature <= 0 else float(1 / curvature)
+        _, slope, curvature, _ = self.pieces[:, 0]
+        round_ = slope == 0 and curvature > TUNING.straight * np.max(self.pieces[2])
+        return float(1 / curvature) if round_ and self.a0 == 0 else None
 
     @property
-    def kinks(self) -> tuple[float, ...]:
+    def joints(self) -> tuple[float, ...]:
         return tuple(self.knots[1:].tolist())
+
+    @cached_property
+    def kinks(self) -> tuple[float, ...]:
+        before = _ends(self.knots, self.pieces)[:, :-1]
+        jumps = np.abs(self.pieces[1:3, 1:] - before[1:3])
+        bends = (jumps > TUNING.straight * np.max(self.pieces[1:3], axis=1, keepdims=True)).any(axis=0)
+        return tuple(self.knots[1:-1][bends].tolist())
 
     @property
     def words(self) -> str:
@@ -69,45 +95,90 @@ class TableProfile(Indenter):
 
     def f(self, r: Array) -> Array:
         r = np.asarray(r, dtype=float)
-        i = np.clip(np.searchsorted(self.knots, r, side="right") - 1, 0, self.knots.size - 2)
-        step = r - self.knots[i]
-        inside = self.values[i] + step * (self.slopes[i] + self.slope(r)) / 2
+        step, (f, slope, curvature, third) = self._piece(r)
+        inside = f + step * (slope + step * (curvature / 2 + step * third / 6))
         return np.where(r <= self.r_max * (1 + 1e-12), inside, np.inf)
 
     def slope(self, r: Array) -> Array:
-        return np.interp(np.asarray(r, dtype=float), self.knots, self.slopes)
+        step, (_, slope, curvature, third) = self._piece(np.asarray(r, dtype=float))
+        return slope + step * (curvature + step * third / 2)
+
+    def _piece(self, r: Array) -> tuple[Array, Array]:
+        """How far each r [m] lies beyond the knot before it, and the derivatives (4, ...) there."""
+        i = np.clip(np.searchsorted(self.knots, r, side="right") - 1, 0, self.knots.size - 2)
+        return np.minimum(r, self.r_max) - self.knots[i], self.pieces[:, i]
 
     def abel(self, x: Array) -> Array:
-        """F(x): slope alpha + beta r on each piece gives x [alpha arcsin(r/x) - beta sqrt(x^2 - r^2)]."""
+        """F(x): slope alpha + beta r + gamma r^2 on each piece gives x [(alpha + gamma x^2/2) arcsin(r/x) - (beta +
+        gamma r/2) sqrt(x^2 - r^2)]."""
         x = np.asarray(x, dtype=float)
-        angles, roots = self._sums(np.where(x > 0, x, 1.0))
-        return x * (angles - roots)
+        angles, roots, bent, _ = self._sums(np.where(x > 0, x, 1.0))
+        return x * (angles - roots + bent)
 
     def abel_slope(self, x: Array) -> Array:
-        angles, roots = self._sums(np.asarray(x, dtype=float))
-        return angles - 2 * roots
+        angles, roots, bent, jumps = self._sums(np.asarray(x, dtype=float))
+        return angles - 2 * roots + 3 * bent + jumps
 
-    def _sums(self, x: Array) -> tuple[Array, Array]:
-        """The sums over all pieces of alpha times the change of arcsin(r/x), and of beta times that of
-        sqrt(x^2 - r^2) [m], r no larger than x; some x at a time, in little memory."""
-        beta = np.diff(self.slopes) / np.diff(self.knots)
-        alpha = self.slopes[:-1] - beta * self.knots[:-1]
-        found = np.empty((2, x.size))
-        step = max(AT_ONCE // self.knots.size, 1)
+    def resolution(self, a: Array) -> Array:
+        """What every second point changes: of F the most near ``a``, as delta feels it, and the mean over the contact,
+        as P does; of its slope the most near ``a``."""
+        x = np.linspace(0, self.r_max, TUNING.looks + 1)[1:]
+        others = self._thinned()
+        change, slope = (
+            np.max([np.abs(getattr(other, name)(x) - getattr(self, name)(x)) for other in others], axis=0)
+            for name in ("abel", "abel_slope")
+        )
+        mean = np.cumsum(change) / np.arange(1.0, x.size + 1)
+        last = np.clip(np.searchsorted(x, a), 0, x.size - 1).tolist()
+        found = [(change[i // 2 : i + 1].max() + mean[i], slope[i // 2 : i + 1].max()) for i in last]
+        factors = TUNING.factors if len(self.r) >= TUNING.few else TUNING.few_factors
+        return np.array(found).T / np.array(factors)[:, None]
+
+    def _thinned(self) -> list[TableProfile]:
+        """The profiles through every second point, ends and bends kept."""
+        r, f = np.array(self.r), np.array(self.heights)
+        kept = [0, r.size - 1, *np.searchsorted(r, self.bends)]
+        rows = [np.unique([*kept, *range(first, r.size, 2)]) for first in (0, 1)]
+        return [_of_points(r[row], f[row], self.bends) for row in rows if row.size < r.size]
+
+    def _sums(self, x: Array) -> tuple[Array, Array, Array, Array]:
+        """The sums over all pieces of alpha times the change of arcsin(r/x), of beta times that of sqrt(x^2 - r^2) [m],
+        of gamma times the integral of r^2/sqrt(x^2 - r^2), and over jumps of the slope at knots k of k/sqrt(x^2 - k^2)
+        times them; r no larger than x; some x at a time, in little memory."""
+        _, slope, curvature, gamma = self.pieces * np.array([[1.0], [1.0], [1.0], [0.5]])
+        k = self.knots[:-1]
+        alpha, beta = slope - k * (curvature - k * gamma), curvature - 2 * k * gamma
+        jump = slope - np.append(slope[0], _ends(self.knots, self.pieces)[1, :-1])
+        jump[jump < TUNING.straight * slope[-1]] = 0.0
+        found = np.empty((4, x.size))
+        step = max(TUNING.at_once // self.knots.size, 1)
         for start in range(0, x.size, step):
             some = x.ravel()[start : start + step, None]
             r = np.minimum(self.knots[: np.searchsorted(self.knots, some.max()) + 1], some)
             root = np.sqrt((some - r) * (some + r))
             angle = np.arctan2(r, root)  # arcsin(r/x), also to rounding where x lies just beyond a knot
-            pieces = slice(0, r.shape[1] - 1)
-            found[:, start : start + step] = np.diff(angle) @ alpha[pieces], np.diff(root) @ beta[pieces]
-        return found[0].reshape(x.shape), found[1].reshape(x.shape)
+            last = r.shape[1] - 1
+            turns, bent = np.diff(angle), np.diff(some**2 * angle - r * root) / 2
+            steps = np.divide(r, root, out=np.zeros_like(r), where=root > 0)[:, :last] @ jump[:last]
+            sums = turns @ alpha[:last], np.diff(root) @ beta[:last], bent @ gamma[:last], steps
+            found[:, start : start + step] = sums
+        return tuple(found.reshape(4, *x.shape))
+
+
+def _of_points(r: Array, f: Array, bends: tuple[float, ...]) -> TableProfile:
+    """A profile through two points or more."""
+    table = TableProfile.__new__(TableProfile)
+    knots, pieces = _profile(r, f, np.searchsorted(r, bends))
+    given = {"r": tuple(r), "heights": tuple(f), "bends": bends, "material": None, "knots": knots, "pieces": pieces}
+    for name, value in given.items():
+        object.__setattr__(table, name, value)
+    return table
 
 
 def _check_table(r: Array, f: Array) -> None:
-    if r.size > MOST_POINTS:
+    if r.size > TUNING.points:
         raise InputError(
-            f"profile table: has {r.size:,} points, at most {MOST_POINTS:,} are taken; leave out points that lie "
+            f"profile table: has {r.size:,} points, at most {TUNING.points:,} are taken; leave out points that lie "
             "nearly on the parabolas between their neighbours"
         )
     if r.ndim != 1 or r.shape != f.shape or r.size < 3:
@@ -131,34 +202,88 @@ def _check_table(r: Array, f: Array) -> None:
         raise InputError("profile table: is flat; a flat end needs a rounded edge")
 
 
-def _schumaker(r: Array, f: Array) -> tuple[Array, Array]:
-    """Knots and slopes of the convex C1 quadratic spline through (r, f); exact for parabolas."""
+def _check_bends(bends: tuple[float, ...], r: Array) -> None:
+    wrong = [bend for bend in bends if bend not in r[1:-1]]
+    if wrong or any(not b > a for a, b in itertools.pairwise(bends)):
+        raise InputError(
+            f"profile table: bends must be radii of the table between its ends, increasing, got {list(bends)} "
+            f"({f'{wrong[0]:g} is none' if wrong else 'not increasing'})"
+        )
+
+
+def _profile(r: Array, f: Array, bends: Array) -> tuple[Array, Array]:
+    """Knots, and at the left end of each piece between them f and its three derivatives (4, pieces)."""
+    chord = np.diff(f) / np.diff(r)
+    left, right = _end_slopes(r, f, chord, bends)
+    h, second = np.diff(r), 2 * (right - left)
+    # curvatures (times h) at both ends of the cubic with these slopes
+    first, last = 6 * chord - 4 * left - 2 * right, 2 * left + 4 * right - 6 * chord
+    cubic = (np.minimum(first, last) >= -TUNING.straight * second) | (second <= TUNING.straight * chord)
+    broken = np.flatnonzero(~cubic)  # into parabolas that meet where the slope is the chord's
+    knots = np.insert(r, broken + 1, (r[:-1] + h * (right - chord) / np.where(cubic, 1.0, right - left))[broken])
+    slopes = np.insert(left, broken + 1, chord[broken])
+    ends = np.insert(right, broken, chord[broken])
+    owner = np.insert(np.arange(h.size), broken, broken)
+    bent = np.where(cubic[owner], first[owner] / h[owner], (ends - slopes) / np.diff(knots))
+    third = np.where(cubic, (last - first) / h**2, 0.0)[owner]
+    pieces = np.array([np.zeros_like(slopes), slopes, bent, third])
+    pieces[0, 1:] = np.cumsum(_ends(knots, pieces)[0])[:-1]
+    return knots, pieces
+
+
+def _ends(knots: Array, pieces: Array) -> Array:
+    """f, f', f'' (3, pieces) at the right end of every piece."""
+    f, slope, curvature, third = pieces
+    h = np.diff(knots)
+    bent = curvature + h * third
+    return np.array([f + h * (slope + h * (curvature / 2 + h * third / 6)), slope + h * (curvature + bent) / 2, bent])
+
+
+def _end_slopes(r: Array, f: Array, chord: Array, bends: Array) -> tuple[Array, Array]:
+    """Slopes at the left and the right end of every interval, chord between them; one value on both sides but at
+    bends."""
+    tiny = TUNING.straight * float(np.max(chord))
+    gentle = _gentle(r, chord)
+    start = 2 * chord[0] - gentle[1]
+    start = start if start > TUNING.pointed * chord[0] else 0.0
+    rising = np.diff(chord) > tiny
+    straight = ~(np.append(chord[0] > start + tiny, rising) & np.append(rising, True))
+    ends = np.unique(np.concatenate([[0, chord.size], bends, np.flatnonzero(np.diff(straight)) + 1]))
+    left, right = chord.copy(), chord.copy()
+    for lo, hi in itertools.pairwise(ends.tolist()):
+        if not straight[lo]:
+            before = start if lo == 0 else chord[lo - 1] if straight[lo - 1] else None
+            after = chord[hi] if hi < chord.size and straight[hi] else None
+            slopes = _slopes(r[lo : hi + 1], f[lo : hi + 1], chord[lo:hi], before, after)
+            left[lo:hi], right[lo:hi] = slopes[:-1], slopes[1:]
+    middle = (chord[bends - 1] + chord[bends]) / 2
+    right[bends - 1], left[bends] = np.minimum(right[bends - 1], middle), np.maximum(left[bends], middle)
+    return left, right
+
+
+def _gentle(r: Array, chord: Array) -> Array:
+    """Slopes at the points, of the parabola through each and its neighbours: between the chords, and beyond at ends."""
     h = np.diff(r)
-    chord = np.diff(f) / h
-    s = np.empty_like(r)
-    s[1:-1] = (h[:-1] * chord[1:] + h[1:] * chord[:-1]) / (h[:-1] + h[1:])
-    s[0] = max(2 * chord[0] - s[1], 0.0)
-    s[-1] = 2 * chord[-1] - s[-2]
-    _flatten_straight_runs(s, chord)
-    knots: list[float] = [float(r[0])]
-    slopes: list[float] = [float(s[0])]
-    for i, width in enumerate(h):
-        below, above = chord[i] - s[i], s[i + 1] - chord[i]
-        if abs(above - below) > 1e-12 * (abs(s[i]) + abs(s[i + 1])):
-            fraction = min(max(above / (above + below), KINK), 1 - KINK)
-            knots.append(float(r[i] + width * fraction))
-            slopes.append(float(chord[i]))
-        knots.append(float(r[i + 1]))
-        slopes.append(float(s[i + 1]))
-    return np.array(knots), np.array(slopes)
+    inner = (h[:-1] * chord[1:] + h[1:] * chord[:-1]) / (h[:-1] + h[1:])
+    both = np.concatenate([[0.0], inner, [0.0]])
+    both[[0, -1]] = 2 * chord[[0, -1]] - (both[[1, -2]] if inner.size else 0.0)
+    return both
 
 
-def _flatten_straight_runs(s: Array, chord: Array) -> None:
-    """Make intervals straight, in place, where one end slope equals the chord's: a convex profile is straight there."""
-    tiny = 1e-12 * float(np.max(chord))
-    for i in range(chord.size):
-        if s[i] >= chord[i] - tiny:
-            s[i + 1] = chord[i]
-    for i in reversed(range(chord.size)):
-        if s[i + 1] <= chord[i] + tiny:
-            s[i] = chord[i]
+def _slopes(r: Array, f: Array, chord: Array, before: float | None, after: float | None) -> Array:
+    """Slopes at points between which the profile bends everywhere, those at its ends where they are known: of the
+    cubic spline, mirrored at a known first slope, or ``_gentle`` ones beside intervals where that is not convex."""
+    gentle = _gentle(r, chord)
+    if before is None:
+        spline = spline_slopes(r, f)
+    else:
+        x, y = r - r[0], f - f[0] - before * (r - r[0])
+        spline = before + spline_slopes(np.append(-x[:0:-1], x), np.append(y[:0:-1], y))[x.size - 1 :]
+        spline[0] = gentle[0] = before
+    for slopes in (gentle, spline):
+        slopes[-1] = max(2 * chord[-1] - slopes[-2], chord[-1]) if slopes is gentle else slopes[-1]
+        slopes[-1] = slopes[-1] if after is None else after
+    bends = np.minimum(3 * chord - 2 * spline[:-1] - spline[1:], spline[:-1] + 2 * spline[1:] - 3 * chord)
+    rough = bends < -TUNING.straight * chord[-1]
+    beside = np.append(rough, False) | np.append(False, rough)
+    return np.where(beside, gentle, spline)

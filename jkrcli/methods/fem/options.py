@@ -63,6 +63,8 @@ class FEMOptions:
         check_ranges(self, "mesh")
         if self.element_size is not None and self.layout == "scaled":
             raise InputError('mesh: element_size belongs to layout "zones"; the layout "scaled" takes spacing')
+        if self.zone_sizes != FEMOptions.zone_sizes and self.layout == "scaled":
+            raise InputError('mesh: zone_sizes belong to layout "zones"; the layout "scaled" takes spacing')
         if self.tolerance is not None and (self.layout == "zones" or not self.estimate_error):
             raise InputError('mesh: tolerance needs the layout "scaled" and estimate_error = true')
 

@@ -37,7 +37,7 @@ def finished(options: FEMOptions, run: Run, judged: Assessment, clock: StageCloc
         facts=_facts(options, run, judged.judged_from),
         timings=clock.seconds,
         warnings=tuple(_warnings(options, run)),
-    )
+    ).widened()
 
 
 def _series(run: Run, judged: Assessment) -> Series:

@@ -167,6 +167,8 @@ def _check(factor: StiffnessFactor, C: Array) -> tuple[float, float]:
         distances.append(np.abs(solution[factor.last] - C[:, j]).max() / np.abs(C[:, j]).max())
     if not max(residuals) < RESIDUAL_LIMIT:
         raise SolveError(
-            f"factorisation: residual {max(residuals):.1e} of the check solves, allowed {RESIDUAL_LIMIT:g}"
+            f"factorisation: residual {max(residuals):.1e} of the check solves, allowed {RESIDUAL_LIMIT:g}: moduli or "
+            "sizes differ by too much for elements; use method layered or hybrid, or leave out what is far softer, "
+            "stiffer or thinner than all else"
         )
     return max(residuals), float(max(distances))

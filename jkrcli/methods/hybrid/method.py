@@ -119,7 +119,7 @@ class Hybrid(HybridOptions):
             facts=_facts(levels, degree, result),
             timings=clock.seconds,
             warnings=warnings,
-        )
+        ).widened()
 
     def _body(self, problem: Problem) -> AdaptiveKernel:
         return AdaptiveKernel(problem.indenter, problem.specimen, self.tolerance)

@@ -127,7 +127,11 @@ class Mesh:
         known[free] += lu.solve(right - matrix @ known[free])
         residual = np.abs(matrix @ known[free] - right).max() / np.abs(right).max()
         if not residual < RESIDUAL_LIMIT:
-            raise SolveError(f"hybrid: the correction leaves a residual of {residual:.1e}, allowed {RESIDUAL_LIMIT:g}")
+            raise SolveError(
+                f"hybrid: the correction leaves a residual of {residual:.1e}, allowed {RESIDUAL_LIMIT:g}: moduli or "
+                "sizes differ by too much for elements; leave out what is far softer, stiffer or thinner than all "
+                "else, or, of a wide body, use method layered"
+            )
         return known
 
 

@@ -63,4 +63,4 @@ def _density(indenter: Indenter, discs: Discs, rims: Rims, s: float, scale: floa
     project = legendre.legvander(nodes, order - 1) * weights[:, None] * (np.arange(order) + 0.5)
     smooth = 2 / math.pi * (discs.basis.at(x) @ discs.smooth(rims, s)[0])
     coefficients = (smooth.reshape(edges.size - 1, order) @ project).T
-    return Density(indenter, a, float(rims.delta[0]), edges, coefficients, indenter.kinks)
+    return Density(indenter, a, float(rims.delta[0]), edges, coefficients, indenter.joints)

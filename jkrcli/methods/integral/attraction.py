@@ -268,7 +268,7 @@ class Attraction:
     @cached_property
     def _abel(self) -> AbelMoments:
         towards_end = self.indenter.r_max * (1 - 0.5 ** np.arange(1, TUNING.halvings))
-        kinks = np.unique([self.indenter.a0, *self.indenter.kinks, *towards_end])
+        kinks = np.unique([self.indenter.a0, *self.indenter.joints, *towards_end])
         return AbelMoments(self.indenter.abel, kinks[(kinks > 0) & (kinks < self.reach)], self.basis, TUNING.inner)
 
     @cached_property

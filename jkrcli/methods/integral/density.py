@@ -81,7 +81,7 @@ class Density:
         x, _ = gauss(edges[:-1], edges[1:], nodes, node_weights)
         K = 2 / math.pi * kernel(x, result.panels.x)
         project = legendre.legvander(nodes, order - 1) * node_weights[:, None] * (np.arange(order) + 0.5)
-        breaks = indenter.kinks
+        breaks = indenter.joints
         for n in which:
             t, weights, phi = result.density(n, shift)
             smooth = (K[:, : t.size] @ (weights * phi)).reshape(pieces, order)

@@ -166,7 +166,7 @@ def panel_means(indenter: Indenter, panels: Panels, inner: int) -> Array:
     left end, where F may begin like (x - b)^(3/2) or x^d.
     """
     edges, order = panels.edges, panels.order
-    cuts = np.unique(np.concatenate([edges, [b for b in indenter.kinks if b < edges[-1]]]))
+    cuts = np.unique(np.concatenate([edges, [b for b in indenter.joints if b < edges[-1]]]))
     lo, hi = cuts[:-1], cuts[1:]
     owner = np.searchsorted(edges, lo, side="right") - 1
     u, v = crowded_rule(inner, 2)

@@ -68,7 +68,7 @@ class Pieces:
     def of(cls, indenter: Indenter, largest: float, widest: float, count: int) -> Pieces:
         """Pieces up to the contact radius ``largest`` [m], at most ``widest`` [m] each; narrower at the axis, where a
         stiff coating changes more within a fraction of its thickness."""
-        kinks = [indenter.a0, *(b for b in indenter.kinks if indenter.a0 < b < largest)]
+        kinks = [indenter.a0, *(b for b in indenter.joints if indenter.a0 < b < largest)]
         edges: list[float] = []
         for lo, hi in itertools.pairwise([*kinks, largest]):
             plain = np.linspace(lo, hi, max(math.ceil((hi - lo) / widest - 1e-9), 1) + 1)

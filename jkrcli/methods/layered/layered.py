@@ -101,7 +101,7 @@ class Layered(LayeredOptions):
             facts=_facts(contact, result),
             timings=clock.seconds,
             warnings=warnings,
-        )
+        ).widened()
 
 
 def largest_radius(problem: Problem) -> float:

@@ -145,6 +145,29 @@ def test_run_takes_a_tolerance_and_records_it(jkr, tmp_path: Path) -> None:
     assert "tolerance = 0.01" in solved.record.toml
     assert solved.budget.series < 1e-2
     assert set(solved.series.errors) == {"a", "P", "S", "dS"}
-    outcome = jkr("run", case, "--tolerance", "5", "-o", "no.h5")
+    outcome = jkr("run", case, "--method", "auto", "--tolerance", "5", "-o", "no.h5")
     assert outcome.code == 2
-    assert outcome.err == f"jkr: error: {case}: mesh.tolerance: must be >= 1e-06 and <= 0.1, got 5.0\n"
+    assert outcome.err == (
+        "jkr: error: --tolerance: layered takes >= 1e-12 and <= 0.01, hybrid takes >= 1e-08 and <= 0.01, "
+        "fem takes >= 1e-06 and <= 0.1, got 5\n"
+    )
+    outcome = jkr("run", case, "--method", "closed-form", "--tolerance", "1e-3")
+    assert outcome.err.startswith("jkr: error: --tolerance: method closed-form has none")
+
+
+@pytest.mark.parametrize("method", ["layered", "hybrid"])
+def test_a_tolerance_is_of_every_method(jkr, tmp_path: Path, method: str) -> None:
+    """What is asked for is what the case of the file says, what changes the result, and what it keeps to."""
+    exact, _, found = (
+        store.read(tmp_path / f"{tolerance}.h5") if jkr(
+            "run", CASES / "gel.toml", "--method", method, "--tolerance", tolerance, "-o", f"{tolerance}.h5"
+        ).code == 0 else None
+        for tolerance in ("1e-7", "1e-4", "1e-3")
+    )  # fmt: skip
+    assert exact is not None
+    assert found is not None
+    assert f"[{method}]\ntolerance = 0.001" in found.record.toml
+    distance = np.max(np.abs(found.series.P / exact.series.P - 1))
+    assert 1e-10 < distance < 1e-3
+    assert isinstance(found.budget.total, float)
+    assert distance < found.budget.total <= 1e-3

@@ -1,0 +1,76 @@
+"""No option is accepted without effect: of a verb it reaches what the verb does, of a method it changes the method."""
+
+from __future__ import annotations
+
+import ast
+import inspect
+import textwrap
+from collections.abc import Iterator
+
+import click
+import pytest
+
+from jkrcli import cli
+from jkrcli.base.errors import InputError
+from jkrcli.case import parse_case
+from jkrcli.case.numerics import method_of
+from jkrcli.methods import METHODS
+
+CASE = """
+[indenter]
+shape = "paraboloid"
+radius = "1 mm"
+[specimen]
+layers = [{ thickness = "0.2 mm", E = "1 MPa", nu = 0.3 }]
+[loading]
+radius = "0.1 mm"
+"""
+OTHERS = {  # what to write for another value of an option, where that is not half its default
+    "layout": 'layout = "zones"', "element": 'element = "quadrilateral"', "order": "order = 1",
+    "formulation": 'formulation = "mixed"', "element_size": 'element_size = "5 um"\nlayout = "zones"',
+    "zone_sizes": 'zone_sizes = [0.01, 0.02, 0.3]\nlayout = "zones"', "depth": 'depth = "20 mm"',
+    "width": 'width = "20 mm"', "contact_radius": 'contact_radius = "0.2 mm"', "growth": "growth = 0.3",
+    "margin": "margin = 1.3", "edge_correction": "edge_correction = false", "estimate_error": "estimate_error = false",
+    "tolerance": "tolerance = 1e-3", "solver": 'solver = "superlu"', "contact": 'algorithm = "incremental"',
+}  # fmt: skip
+
+
+def _commands(group: click.Group, path: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], click.Command]]:
+    context = click.Context(group)
+    for name in group.list_commands(context):
+        command = group.get_command(context, name)
+        assert command is not None
+        if isinstance(command, click.Group):
+            yield from _commands(command, (*path, name))
+        else:
+            yield (*path, name), command
+
+
+@pytest.mark.parametrize("path", [path for path, _ in _commands(cli.jkr)], ids=" ".join)
+def test_every_parameter_of_a_verb_is_read_by_it(path: tuple[str, ...]) -> None:
+    command = dict(_commands(cli.jkr))[path]
+    assert command.callback is not None
+    body = ast.parse(textwrap.dedent(inspect.getsource(inspect.unwrap(command.callback)))).body[0]
+    assert isinstance(body, ast.FunctionDef)
+    read = {node.id for part in body.body for node in ast.walk(part) if isinstance(node, ast.Name)}
+    given = {argument.arg for argument in (*body.args.args, *body.args.kwonlyargs)}
+    assert given <= read
+
+
+@pytest.mark.parametrize(
+    ("method", "option"), [(name, option) for name, known in METHODS.items() for option in known.places]
+)
+def test_every_option_of_a_method_changes_it(method: str, option: str) -> None:
+    place = METHODS[method].places[option]
+    plain = parse_case(CASE.encode(), "plain.toml").model
+    line = OTHERS.get(option) or f"{place.key} = {place.default / 2!r}"
+    other = parse_case(f"{CASE}[{place.table}]\n{line}\n".encode(), "other.toml").model
+    assert getattr(method_of(plain, method), option) != getattr(method_of(other, method), option)
+
+
+def test_sizes_of_another_layout_are_refused() -> None:
+    with pytest.raises(InputError) as caught:
+        parse_case(f"{CASE}[mesh]\nzone_sizes = [0.01, 0.02, 0.3]\n".encode(), "my.toml")
+    assert caught.value.lines == (
+        'my.toml: mesh: zone_sizes belong to layout "zones"; the layout "scaled" takes spacing',
+    )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import struct
 import zipfile
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -51,7 +51,12 @@ def _segment(folder: str, segment: int, style: str, number: int) -> dict[str, by
         f"{folder}channels/{name}.dat": np.round((values[rows] - offset) / factor).astype(">i4").tobytes()
         for name, (values, offset, factor, _) in CHANNELS.items()
     }
-    return {folder: b"", f"{folder}segment-header.properties": properties(header), f"{folder}channels/": b"", **channels}
+    return {
+        folder: b"",
+        f"{folder}segment-header.properties": properties(header),
+        f"{folder}channels/": b"",
+        **channels,
+    }
 
 
 # readings, offset and factor of their whole numbers, and how they become metres and newtons: slot, base, factor, unit
@@ -169,16 +174,14 @@ def exported(path: Path, curves: int = 1) -> Path:
     return path
 
 
-def every(folder: Path) -> dict[str, Path]:
-    """A file of each format."""
-    return {
-        "jpk": zipped(folder / "one.jpk-force", jpk_members()),
-        "jpk map": zipped(folder / "map.jpk-force-map", jpk_members(3)),
-        "ibw": ibw(folder / "one.ibw"),
-        "tab": exported(folder / "one.tab"),
-        "hdf5": exported(folder / "map.h5", 3),
-        "workshop": workshop(folder / "workshop.csv"),
-        "workshop map": workshop_map(folder / "map.zip"),
-        "ntmdt": ntmdt(folder / "ntmdt.txt"),
-        "chiaro": chiaro(folder / "chiaro.txt"),
-    }
+KINDS: dict[str, Callable[[Path], Path]] = {
+    "jpk": lambda folder: zipped(folder / "one.jpk-force", jpk_members()),
+    "jpk map": lambda folder: zipped(folder / "map.jpk-force-map", jpk_members(3)),
+    "ibw": lambda folder: ibw(folder / "one.ibw"),
+    "tab": lambda folder: exported(folder / "one.tab"),
+    "hdf5": lambda folder: exported(folder / "map.h5", 3),
+    "workshop": lambda folder: workshop(folder / "workshop.csv"),
+    "workshop map": lambda folder: workshop_map(folder / "map.zip"),
+    "ntmdt": lambda folder: ntmdt(folder / "ntmdt.txt"),
+    "chiaro": lambda folder: chiaro(folder / "chiaro.txt"),
+}  # a file of each format in a folder

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import math
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -32,11 +31,10 @@ NO_ROOM = re.compile(r"(can't|unable to|cannot|not) allocate|allocation failed",
 
 
 class Allowance:
-    """What is taken of the file at ``path``, of ``size`` bytes and as much ``memory`` at most; InputError in one line
-    where it is too much."""
+    """What is taken of the file at ``path``, of ``size`` bytes at most; InputError in one line where it is too much."""
 
-    def __init__(self, path: Path | str, size: int, memory: float) -> None:
-        self.path, self.memory, self.most_memory = path, 0, memory
+    def __init__(self, path: Path | str, size: int) -> None:
+        self.path, self.memory = path, 0
         self.most = {"unpacked bytes": size, "parts": TUNING.parts, "rows": TUNING.rows}
         self.taken = dict.fromkeys(self.most, 0)
 
@@ -48,21 +46,18 @@ class Allowance:
                 raise InputError(f"{self.path}: holds {self.taken[name]:,} {name} or more, at most "
                                  f"{self.most[name]:,} are read of one file")  # fmt: skip
         self.memory += size + memory
-        if self.memory > TUNING.little:
-            most = min(self.most_memory, TUNING.share * free_memory() * 2**20)
-            if self.memory > most:
-                raise InputError(f"{self.path}: takes {self.memory / 2**30:.2g} GiB of memory or more to read, "
-                                 f"{most / 2**30:.2g} GiB may be taken: {REMEDY}")  # fmt: skip
+        if self.memory > TUNING.little and self.memory > (most := TUNING.share * free_memory() * 2**20):
+            raise InputError(f"{self.path}: takes {self.memory / 2**30:.2g} GiB of memory or more to read, "
+                             f"{most / 2**30:.2g} GiB may be taken: {REMEDY}")  # fmt: skip
 
 
 @contextlib.contextmanager
 def reading(path: Path | str, size: int | None = None, fenced: bool = True) -> Iterator[Allowance]:
     """The allowance of a block that reads the file at ``path``. Where memory runs out there that is said, whoever says
     it how; ``fenced``: it does before a library takes what a small file declares."""
-    most = TUNING.fence if fenced else math.inf
     try:
         with fence(TUNING.fence) if fenced else contextlib.nullcontext():
-            yield Allowance(path, TUNING.size if size is None else size, most)
+            yield Allowance(path, TUNING.size if size is None else size)
     except Exception as error:
         if isinstance(error, InputError) or not (isinstance(error, MemoryError) or NO_ROOM.search(str(error))):
             raise

@@ -83,7 +83,7 @@ def _update(found: Any, name: str, value: Any) -> None:
     value, numbers = _plain(value), memoryview(b"")
     if isinstance(value, np.ndarray) and value.dtype.kind != "O":
         content = repr((value.dtype.str, value.shape)).encode()
-        numbers = memoryview(np.ascontiguousarray(value).reshape(-1).view(np.uint8))
+        numbers = np.ascontiguousarray(value).reshape(-1).view(np.uint8).data
     else:
         value = [_plain(item) for item in value] if isinstance(value, list | tuple) else value
         content = repr(list(value) if isinstance(value, np.ndarray | Sequence) else value).encode()

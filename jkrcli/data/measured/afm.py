@@ -116,7 +116,10 @@ def _loaded(path: Path, **options: Any) -> list[Any]:
     """What afmformats loads of a file."""
     import afmformats
     from afmformats import errors
+    from afmformats.formats.fmt_jpk.jpk_reader import ArchiveCache
 
+    if old := ArchiveCache.open_archives.pop(path, None):  # else it goes on to read what was there before
+        old.close()
     with _told(str(path)):
         try:
             return list(afmformats.load_data(path, modality="force-distance", **options))
@@ -187,7 +190,7 @@ def _check_points(where: str, data: Any) -> None:
 
 def _check_count(where: str, declared: int | None, values: Array) -> None:
     if declared not in (None, len(values)):
-        raise InputError(f"{where}: holds {len(values):,} points, not {declared:,} as it says: it is damaged or cut off")
+        raise InputError(f"{where}: is damaged or cut off: holds {len(values):,} points of {declared:,}")
 
 
 def _check_scales(where: str, told: Mapping[str, Any]) -> None:

@@ -17,6 +17,7 @@ from ...base.files import opened
 
 ENDINGS = (".txt", ".csv", ".tsv", ".dat", ".asc", ".tab")
 PIECE = 1 << 16  # choice: bytes read at a time
+LONGEST_END = (1 << 16) + 200  # bytes of the records at the end, with the comment that may follow
 ENTRY = b"PK\1\2"  # how a member begins in the list of members
 PACKED = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)  # the others unpack without a limit, bzip2 a million times as much
 WRONG = (OSError, RuntimeError, EOFError, ValueError, KeyError, struct.error, zipfile.BadZipFile, zlib.error)  # damage
@@ -33,8 +34,11 @@ def members(path: Path, size: int | None = None, chosen: Callable[[str], bool] =
         with opened(path, "zip archive") as whole:  # counted before their list is made
             allowed.take(parts=sum(piece.count(ENTRY) for piece in iter(lambda: whole.read(PIECE), b"")))
         with _opened(path) as file:
-            found = [item for item in file.infolist() if chosen(item.filename)]
+            listed = file.infolist()
+        found = [item for item in listed if chosen(item.filename)]
         allowed.take(sum(item.file_size for item in found))
+    if len(listed) != (declared := _declared(path)):
+        raise InputError(f"{path}: is damaged: its list holds {len(listed):,} members of {declared:,}")
     name, times = next(iter(Counter(item.filename for item in found).most_common(1)), ("", 0))
     if times > 1:
         raise InputError(f"{path}: holds {name} {times} times")
@@ -64,6 +68,15 @@ def titles(chosen: Sequence[zipfile.ZipInfo]) -> list[str]:
     stems = [PurePosixPath(item.filename).stem for item in chosen]
     whole = [str(PurePosixPath(item.filename).with_suffix("")) for item in chosen]
     return stems if len(set(stems)) == len(stems) else whole
+
+
+def _declared(path: Path) -> int:
+    """How many members an archive says that it holds, at its end (APPNOTE of the format, 4.3.14 and 4.3.16)."""
+    with opened(path, "zip archive") as whole:
+        whole.seek(max(0, whole.seek(0, 2) - LONGEST_END))
+        end = whole.read()
+    at, long = end.rfind(b"PK\5\6"), end.rfind(b"PK\6\6")
+    return int.from_bytes(end[at + 10 : at + 12] if long < 0 else end[long + 32 : long + 40], "little")
 
 
 @contextlib.contextmanager

@@ -42,11 +42,12 @@ def _members(path: Path, size: int | None) -> None:
     for item, content in zip(found, archive.contents(path, found), strict=True):
         if item.filename.endswith(".properties"):
             with allowance.reading(path) as allowed:
-                allowed.take(parts=sum(int(many[:20]) * 10 ** int(power[:2] or 0) for many, power in PIXELS.findall(content)))
+                for many, power in PIXELS.findall(content):
+                    allowed.take(parts=int(many[:20]) * 10 ** int(power[:2] or 0))
 
 
 def _wave(path: Path, content: bytes) -> None:
-    """Igor's binary wave of version 5 (its Technical Note 003): words of the heads add up to zero, sizes to the file's."""
+    """Igor's binary wave of version 5 (its Technical Note 003): heads whose words add up to zero, and sizes."""
     order = {b"\5\0": "<", b"\0\5": ">"}.get(content[:2])
     if order is None or len(content) < HEAD:
         raise InputError(f"{path}: is no binary wave of version 5, or cut off: {AGAIN}")
@@ -58,13 +59,11 @@ def _wave(path: Path, content: bytes) -> None:
 
 
 def _export(path: Path, content: bytes) -> None:
-    """A table as afmformats exports it: every row has all cells, and ends."""
+    """A table as afmformats exports it: all rows have as many cells, and end."""
     lines = content.split(b"\n")
-    rows = [(n, line) for n, line in enumerate(lines) if line.strip() and not line.startswith(b"#")]
-    titles = next((line for line in reversed(lines[: rows[0][0]]) if line.startswith(b"#")), b"") if rows else b""
-    wanted = titles.count(b"\t") + 1
-    for n, line in rows:
-        if wanted > 1 and (cells := line.count(b"\t") + 1) != wanted:
-            raise InputError(f"{path}: line {n + 1} holds {cells} cells of {wanted}: {AGAIN}")
+    cells = {n: line.count(b"\t") + 1 for n, line in enumerate(lines, start=1) if line.strip() and line[:1] != b"#"}
+    wanted = next(iter(cells.values()), 1)
+    if short := [n for n, found in cells.items() if found != wanted]:
+        raise InputError(f"{path}: line {short[0]} holds {cells[short[0]]} cells, not {wanted} as the first: {AGAIN}")
     if wanted > 1 and lines[-1]:
         raise InputError(f"{path}: is cut off, its last line does not end: {AGAIN}")

@@ -23,6 +23,7 @@ SEAL = "sha256"  # attribute of a group: the digest of everything else in it
 FILE_FORMAT = ("v110", "v110")  # its metadata carry checksums: damage is found, not followed
 DEEPEST = 4  # choice: groups within groups, so that a group that holds itself ends
 TEXT = 4  # choice: times that a text lies in memory while it is read, beside its own bytes
+KINDS = (h5py.h5t.INTEGER, h5py.h5t.FLOAT, h5py.h5t.STRING, h5py.h5t.ENUM)  # the last: truth values
 RUN_AGAIN = "run the case again"
 UNREADABLE = (OSError, RuntimeError, KeyError, ValueError, TypeError, OverflowError)  # h5py's, of damage
 
@@ -226,22 +227,25 @@ class _Reader:
         chunks = data.chunks or data.shape or ()
         pieces = math.prod(-(-size // of) for size, of in zip(data.shape or (), chunks, strict=True) if of)
         self.allowed.take(parts=pieces)
-        self.count(max(data.size or 0, math.prod(chunks)), data.id.get_type())
+        self.count(where, max(data.size or 0, math.prod(chunks)), data.id.get_type())
         values = self.texts(data) if data.dtype.hasobject and data.shape else _plain(data[()])
         if isinstance(values, np.ndarray) and values.dtype.kind in "OS":
             values = [_plain(item) for item in values.tolist()]
         return Dataset(values, self.attributes(data), data.shape or (), data.dtype)
 
-    def count(self, count: int, kind: h5py.h5t.TypeID) -> None:
-        """Count so many values of a type; what texts of variable length take is known when they are read."""
+    def count(self, where: str, count: int, kind: h5py.h5t.TypeID) -> None:
+        """Count so many values of a type; what texts of variable length take is known when they are read. Types that
+        no file of ours holds are refused: the library itself falls over damaged ones."""
         size, is_text = count * kind.get_size(), kind.get_class() == h5py.h5t.STRING
+        if kind.get_class() not in KINDS:
+            raise InputError(f'{self.path}: "{where}" holds neither numbers nor texts')
         self.allowed.take(size, rows=count * is_text, memory=TEXT * size * is_text)
 
     def texts(self, data: h5py.Dataset) -> list[Any]:
         """A column of texts of variable length, in pieces that cannot take more than is allowed: each of its texts may
         be all that the file holds."""
-        if data.ndim != 1 or h5py.check_string_dtype(data.dtype) is None:
-            raise TypeError("neither numbers nor a column of texts")
+        if data.ndim != 1:
+            raise TypeError("a table of texts")
         held: list[Any] = []
         step = max(1, allowance.TUNING.size // self.whole)
         for first in range(0, data.size, step):
@@ -257,7 +261,7 @@ class _Reader:
         held = item.attrs.get_id(name)
         count = held.get_space().get_simple_extent_npoints()
         self.allowed.take(parts=1)
-        self.count(count, held.get_type())
+        self.count(name, count, held.get_type())
         if count > 1 and held.dtype.hasobject:
             self.allowed.take(count * self.whole)
         value = _plain(item.attrs[name])

@@ -193,7 +193,7 @@ def numbers(path: Path, reading: Reading) -> list[Any]:
     """All that was read of each curve; None for one that was refused."""
     found = [curve if isinstance(curve, Curve) else None for curve in measured.each(path, reading)]
     return [curve and (curve.delta.tobytes(), curve.P.tobytes(), curve.t is None or curve.t.tobytes(),
-                       curve.segment.tolist(), curve.stiffness, curve.pixel) for curve in found]  # fmt: skip
+                       str(curve.segment), curve.stiffness, curve.pixel) for curve in found]  # fmt: skip
 
 
 @pytest.mark.usefixtures("afm")
@@ -328,8 +328,7 @@ def test_an_archive_that_does_not_hold_what_it_says_is_refused(jkr: Run, name: s
     attributes, members = WRONG[name]
     Path("x.h5").write_bytes(hdf5.image(hdf5.Group(attributes, members)))
     done = jkr("show", "x.h5", *as_json)
-    assert (done.code, done.err.splitlines()[-1:]) == (2, done.err.splitlines()[-1:])
-    assert all(line.startswith("jkr: ") for line in done.err.splitlines())
+    assert (done.code, done.err.count("jkr: error: x.h5: "), done.err.count("\n") < 3) == (2, 1, True), done.err
 
 
 @pytest.mark.parametrize("part", ["series", "errors", "facts", "timings_s", "versions", "warnings", "case"])

@@ -43,7 +43,7 @@ def _members(path: Path, size: int | None) -> None:
         if item.filename.endswith(".properties"):
             with allowance.reading(path) as allowed:
                 for many, power in PIXELS.findall(content):
-                    allowed.take(parts=int(many[:20]) * 10 ** int(power[:2] or 0))
+                    allowed.take(parts=min(int(many[:15]) * 10 ** int(power[:2] or 0), 10**15))
 
 
 def _wave(path: Path, content: bytes) -> None:

@@ -5,17 +5,20 @@ from __future__ import annotations
 import contextlib
 import errno
 import functools
+import hashlib
 import os
 import secrets
 import shutil
 import stat
 import time
-from collections.abc import Iterable, Iterator
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
 from contextvars import ContextVar
 from pathlib import Path
 from typing import BinaryIO, TypeAlias
 
-from .errors import InputError, JkrError, nearest
+from . import allowance
+from .errors import InputError, JkrError, nearest, writable
 from .interrupts import Waiting
 from .locks import taken
 
@@ -50,6 +53,7 @@ HEADS = {  # how a file begins, and what then stands near its head
 }
 TAILS = (b"$Comments\njkr ", b"<!-- jkr ")  # of meshes
 PARQUET, PARQUET_MARK = b"PAR1", b"jkr-sweep-table"
+SHORTEST, LONGEST = 20, 80  # choice: letters of what a file is called after that others gave a name
 SERIES_ENDINGS = (".h5", ".hdf5")
 MARK, LOCK = ".jkr-", ".lock"  # of hidden folders and the files beside them
 PENDING = ".jkr-pending"
@@ -59,9 +63,11 @@ LEFT = 86_400.0  # choice: seconds beyond which, where there are no locks, nobod
 Stages: TypeAlias = dict[Path, tuple[Path, BinaryIO]]  # hidden folders and their locks, by the folders written to
 
 
-def read_bytes(path: Path, what: str, limit: int = 1 << 30) -> bytes:
-    """The content of ``path``; InputError where it is missing, a folder, unreadable or beyond ``limit`` bytes."""
-    with opened(path, what) as file:
+def read_bytes(path: Path, what: str, limit: int | None = None) -> bytes:
+    """The content of ``path``; InputError where it is missing, a folder, unreadable or beyond ``limit`` bytes (None:
+    what is allowed of any file)."""
+    limit = allowance.TUNING.size if limit is None else limit
+    with allowance.reading(path), opened(path, what) as file:
         if os.fstat(file.fileno()).st_size > limit:
             raise InputError(f"{path}: {what} is larger than {limit >> 20} MiB")
         return file.read()
@@ -116,6 +122,19 @@ def _parquet_mark(file: BinaryIO) -> bool:
     length = int.from_bytes(file.read(4), "little")
     file.seek(max(0, size - 8 - length))
     return PARQUET_MARK in file.read(min(length, 1 << 24))
+
+
+def beside(stem: Path, names: Sequence[str]) -> list[Path]:
+    """What files are called after ``stem`` and each of the ``names``, which others gave: plain letters, no more than a
+    name may have with its ending, all different."""
+    most = max(SHORTEST, min(LONGEST, 250 - len(os.fsencode(stem.name))))
+    plain = [re.sub(r"[^-_.a-zA-Z0-9]+", "-", name) for name in names]
+    alike, found = Counter(map(str.lower, plain)), []
+    for i, name in enumerate(plain):
+        mark = hashlib.sha256(writable(f"{i} {names[i]}").encode()).hexdigest()[:8]
+        is_fit = len(name) <= most and alike[name.lower()] == 1
+        found.append(stem.with_name(f"{stem.name}-{name if is_fit else f'{name[: most - 9]}-{mark}'}"))
+    return found
 
 
 def check_target(path: Path, force: bool = False, inputs: Iterable[Path] = ()) -> None:

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..base import allowance
 from ..base.arrays import Array
 from ..base.errors import InputError
 from ..base.files import read_bytes
@@ -33,7 +34,7 @@ HEADINGS = ("columns:", "units:")  # before the names and units themselves, in c
 OTHER_UNITS = ("", "-", "1", "V", "mV")
 SHEETS = (".xls", ".xlsx", ".ods")  # choice: endings of spreadsheets, which are no text
 WRONG_LINES_SHOWN = 5
-MOST_BYTES = 256 << 20  # choice: of a table of numbers, ten times as much in memory
+LINE_ENDS = "\n\r\v\f\x1c\x1d\x1e\x85\u2028\u2029"  # as ``str.splitlines`` has them
 MOST_COLUMNS = 10_000  # choice: a map of 64 x 64 curves beside each other and more
 LONGEST_HEAD = 100 * MOST_COLUMNS  # choice: characters of a line of words; longer ones name no columns
 _NUMBER = re.compile(r"[+-]?(\d+(?:[.]\d*)?|[.]\d+)([eEdD][+-]?\d+)?\Z|[+-]?(nan|inf|infinity)\Z", re.IGNORECASE)
@@ -49,11 +50,13 @@ _ROW = re.compile(r"""\s*["']?[+-]?[.,]?\d""")  # a line that begins with a numb
 
 @dataclass(frozen=True)
 class TextTuning:
-    """How much of a file is looked at to find out how it is written."""
+    """How much of a file is looked at to find out how it is written, and what reading it takes."""
 
     first: int = 2000  # choice: bytes, for the encoding
     head: int = 400  # choice: lines at the begin, for the dialect
     spread: int = 200  # choice: about as many of the rest
+    row: int = 400  # choice: bytes of memory of a row, measured 250 to 530 on tables of 2 to 400 columns
+    byte: int = 8  # choice: of each of its bytes, measured 8 to 18
     comments: int = 10_000  # choice: at either end of those that a file begins with; between them nothing is named
 
 
@@ -168,7 +171,25 @@ def read_table(
     the header may come again behind it.
     Raises InputError, a line per mistake, where there is no table or a row differs in its number of cells.
     """
-    whole = decoded(read_bytes(path, "table", MOST_BYTES) if content is None else content)
+    most = allowance.TUNING.text
+    with allowance.reading(path, most, fenced=False) as allowed:
+        whole = decoded(read_bytes(path, "table", most) if content is None else content)
+        rows = sum(map(whole.count, LINE_ENDS)) - whole.count("\r\n")
+        allowed.take(len(whole), rows=rows, memory=TUNING.row * rows + TUNING.byte * len(whole))
+        return _table(path, whole, separator, decimal, least, is_text, finite, is_note)
+
+
+def _table(
+    path: Path,
+    whole: str,
+    separator: str | None,
+    decimal: str | None,
+    least: int,
+    is_text: Callable[[int, str], bool],
+    finite: bool,
+    is_note: Callable[[str], bool],
+) -> TextTable:
+    """The table in the text of a whole file."""
     lines_of_file = _without_long_head(_lines(path, whole))
     head, rest = lines_of_file[: TUNING.head], lines_of_file[TUNING.head :]
     sample = head + rest[:: max(1, len(rest) // TUNING.spread)]

@@ -6,6 +6,8 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+SILENCE = 2.0  # choice: CPU seconds without a word
+
 
 def duration(seconds: float) -> str:
     """A duration in words: ``40 s``, ``12 min``, ``3.4 h``."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,10 +13,9 @@ from ..data.measured import Reading
 from ..data.measured.text import NAMES
 from ..data.text_table import SEPARATORS
 from ..methods import Forecast
-from ..methods.guards import Limits, admit
-from .options import ColumnUnitType, KeyNumberType, KeyValueType, ScaleType, SensitivityType, StiffnessType
+from ..methods.guards import Limits
+from .options import ANY, ColumnUnitType, KeyNumberType, KeyValueType, ScaleType, SensitivityType, StiffnessType, begin
 from .output import Command
-from .voice import announce
 
 
 @dataclass(frozen=True)
@@ -33,7 +31,6 @@ class TableTuning:
 
 
 TUNING = TableTuning()
-ANY = Limits(math.inf, math.inf)  # of verbs that have none
 KEYS = tuple(NAMES.quantities)
 FIELDS = (
     "columns",
@@ -100,5 +97,4 @@ def begin_reading(verb: str, paths: Sequence[Path], per_row: float = 0.0, limits
     rows = sum(map(rows_expected, paths))
     cost = Forecast((TUNING.per_row + per_row) * rows, TUNING.mib_per_row * rows, 0.0)
     what = f"{verb} of about {float(f'{rows:.1g}'):,.0f} rows"
-    admit(what, cost, limits, "fewer rows")
-    announce(what, cost.seconds)
+    begin(what, cost, limits, "fewer rows")

@@ -13,13 +13,13 @@ from ..base.units import show
 from ..case import load_case
 from ..case.numerics import fem_of
 from ..methods.fem.mesh import write_msh, write_vtu
-from ..methods.guards import Limits, admit
+from ..methods.guards import Limits
 from ..report.output import Output
 from ..report.plots.body import mesh_figure
-from .options import limits_options
+from .options import begin, limits_options
 from .output import into_folder, output_options
 from .verb import Verb
-from .voice import note, say
+from .voice import say
 
 # What tells jkr that it wrote a file, where the format keeps comments.
 MARKS = {".msh": f"$Comments\njkr {__version__}\n$EndComments\n", ".vtu": f"\n<!-- jkr {__version__} -->\n"}
@@ -40,8 +40,7 @@ def mesh(case: Path, limits: Limits, output: Output) -> None:
     problem = model.problem()
     targets = output.files(output.folder(Path()) / f"{case.stem}-mesh", (*MARKS, ".png"), [case])
     method = fem_of(model)
-    if cost := admit("method fem on this mesh", method.forecast(problem), limits):
-        note(cost)
+    begin("method fem on this mesh", method.forecast(problem), limits)
     grid, reach = method.mesh(problem), method.reach(problem)
     with together():
         for ending, write in ((".msh", write_msh), (".vtu", write_vtu)):

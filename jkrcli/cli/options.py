@@ -14,8 +14,9 @@ from ..adhesion.device import LOAD_CONTROL
 from ..adhesion.slopes import RULES
 from ..base import units
 from ..base.errors import InputError
-from ..methods.guards import Limits
-from .voice import warn
+from ..methods import Forecast
+from ..methods.guards import LESS, Limits, admit
+from .voice import forewarn, warn
 
 if TYPE_CHECKING:
     ParamType = click.ParamType[Any, Any]
@@ -23,6 +24,7 @@ else:
     ParamType = click.ParamType  # not generic in every version of click
 
 WORKERS = click.IntRange(1, 1024)
+ANY = Limits(math.inf, math.inf)  # of verbs that have none
 
 
 class NumberRange(click.FloatRange):
@@ -50,6 +52,13 @@ def limits_options(command: Callable[..., Any]) -> Callable[..., Any]:
     hours = click.option("--limit-time", type=POSITIVE, default=Limits().hours, show_default=True, metavar="HOURS",
                          help="Most CPU time to begin with.")  # fmt: skip
     return memory(hours(limited))
+
+
+def begin(what: str, cost: Forecast, limits: Limits = ANY, less: str = LESS) -> None:
+    """Say what ``what`` will cost, where that is much; Refusal beyond the ``limits``, with the advice to ask for
+    ``less``."""
+    if said := admit(what, cost, limits, less):
+        forewarn(said)
 
 
 def range_options(command: Callable[..., Any]) -> Callable[..., Any]:

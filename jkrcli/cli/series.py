@@ -13,8 +13,9 @@ from ..base.files import check_series_target
 from ..base.units import show
 from ..case import Case, load_case, store
 from ..methods import Forecast
-from ..methods.guards import Limits, admit
+from ..methods.guards import Limits
 from ..series import Record, Series, Solution
+from .options import begin
 from .voice import command_line, note, warn
 
 if TYPE_CHECKING:
@@ -117,8 +118,7 @@ def begin_curves(
     total = Forecast(sum(cost.seconds for cost in costs), max(cost.memory_mib for cost in costs), 0.0)
     rows = sum(solution.increments.a.size for solution in held)
     what = f"{verb} of {rows:,} rows for {sum(map(len, works)):,} works of adhesion"
-    if said := admit(what, total, limits, "fewer rows, files or works of adhesion, or leave out the plots"):
-        note(said)
+    begin(what, total, limits, "fewer rows, files or works of adhesion, or leave out the plots")
 
 
 def end_of(series: Series) -> dict[str, Any]:

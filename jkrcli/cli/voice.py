@@ -12,12 +12,11 @@ from typing import Any, TextIO
 
 import click
 
-from ..base.clock import duration
+from ..base.clock import SILENCE, duration
 from ..base.errors import printable, writable
 
 LEVEL, SAID, ANNOUNCED = "jkr.level", "jkr.said", "jkr.announced"
 QUIET, USUAL, VERBOSE = range(3)
-SILENCE = 2.0  # choice: CPU seconds without a word
 
 
 def level_options() -> list[click.Option]:
@@ -99,13 +98,18 @@ def warn(text: str) -> None:
 
 
 def announce(what: str, seconds: float) -> None:
-    """Say beforehand what will take so many CPU ``seconds``, where that is long and known; the first time in a command,
-    which tells of all of it."""
+    """Say beforehand what will take so many CPU ``seconds``, where that is long and known."""
+    if SILENCE < seconds < math.inf:
+        forewarn(f"{what}: about {duration(seconds)} of CPU time")
+
+
+def forewarn(words: str) -> None:
+    """A note on what a command will cost; the first one alone, which tells of all of it."""
     ctx = click.get_current_context(silent=True)
     said: dict[str, bool] = {} if ctx is None else ctx.meta
-    if SILENCE < seconds < math.inf and not said.get(ANNOUNCED):
+    if not said.get(ANNOUNCED):
         said[ANNOUNCED] = True
-        note(f"{what}: about {duration(seconds)} of CPU time")
+        note(words)
 
 
 @contextlib.contextmanager

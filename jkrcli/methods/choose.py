@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from ..base.clock import duration
+from ..base.clock import SILENCE, duration
 from ..base.errors import InputError, Refusal
 from ..bodies.problem import Problem
 from . import Forecast, Method, least_first
@@ -25,7 +25,6 @@ class AutoTuning:
 
     patience: float = 10.0  # tuned on the cases, by `make chart`: CPU seconds that a simpler model may take
     looks: int = 3  # at a spectrum, where the largest radius has to be found; choice: for what is told
-    silence: float = 2.0  # choice: CPU seconds that forecasts may take without a word
     noticeable: float = 1e-3  # choice: relative error that is seen beside nothing measured
 
 
@@ -98,7 +97,7 @@ def long_look(problem: Problem) -> str | None:
 
     specimen, looks = problem.specimen, 1 if problem.loading.to == "radius" else TUNING.looks
     seconds = looks * spectrum_seconds(specimen)
-    if seconds < TUNING.silence:
+    if seconds < SILENCE:
         return None
     pieces = f" with {specimen.pieces:,} pieces of E over depth" if specimen.is_graded else ""
     layers = "a layer" if len(specimen.layers) == 1 else f"{len(specimen.layers):,} layers"

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..base.clock import duration
+from ..base.clock import SILENCE, duration
 from ..base.errors import Refusal
 from ..base.memory import free_memory
 from . import Forecast
 
+LARGE = 2048.0  # choice: MiB from which on memory is told
 SHARE = 0.8  # of the free memory that a solve may plan with; choice: the rest is for what forecasts miss
 LESS = "fewer points, larger elements or a cheaper method"  # what makes a solve cheaper
 
@@ -35,7 +36,7 @@ def admit(what: str, forecast: Forecast, limits: Limits, less: str = LESS) -> st
         )
     if not hours <= limits.hours:
         raise Refusal(f"{needs}, the limit is {limits.hours:g} h: {remedy} --limit-time {_raised(hours)}")
-    if forecast.seconds < 20 and forecast.memory_mib < 2048:
+    if forecast.seconds <= SILENCE and forecast.memory_mib < LARGE:
         return None
     return needs.replace("would need", "needs")
 

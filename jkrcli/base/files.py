@@ -7,6 +7,7 @@ import errno
 import functools
 import hashlib
 import os
+import re
 import secrets
 import shutil
 import stat

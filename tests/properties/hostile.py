@@ -147,7 +147,22 @@ def _harm_list(path: Path, chance: random.Random) -> None:
 
 
 # ---------------------------------------------------------------------- JPK
-VALUES = ("", "0", "-1", "1e12", "1e300", "nan", "inf", "force", "volts", "distance", "9" * 5000, "true", "\\u0000", "1,5")
+VALUES = (
+    "",
+    "0",
+    "-1",
+    "1e12",
+    "1e300",
+    "nan",
+    "inf",
+    "force",
+    "volts",
+    "distance",
+    "9" * 5000,
+    "true",
+    "\\u0000",
+    "1,5",
+)
 
 
 def harm_jpk(path: Path, chance: random.Random) -> None:

@@ -61,7 +61,10 @@ def test_long_tables_are_announced_before_they_are_read(
     Path("long.csv").write_text("delta_m,P_N\n" + "1e-6,12345e-6\n" * 1_000_000)
     done = jkr(*verb, "long.csv")
     assert done.code == 130
-    assert f"jkr: {verb[0]} of about 1,000,000 rows needs about 0.684 GiB of memory and {seconds} of CPU time\n" in done.err
+    assert (
+        f"jkr: {verb[0]} of about 1,000,000 rows needs about 0.684 GiB of memory and {seconds} of CPU time\n"
+        in done.err
+    )
 
 
 def test_a_fit_beyond_its_time_is_refused_before_its_tables_are_read(jkr, tmp_path: Path) -> None:

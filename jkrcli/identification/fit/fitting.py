@@ -161,7 +161,13 @@ def _fit(body: FittedBody, curve: Curve, settings: Settings) -> Fit:
         range_left=None if rivals.range is None else rivals.range.most,
     )
     said = warnings_of(found, minimum.objective.body, readings.members.plain, minimum.at_bound, rivals, minimum.ended)
-    return replace(found, warnings=(*_on_record(flags, zero), *words, *said))
+    return replace(found, warnings=(*_on_record(flags, zero), *words, *_on_branches(curve, settings), *said))
+
+
+def _on_branches(curve: Curve, settings: Settings) -> Iterator[str]:
+    """A sentence where prepared readings of both directions are fitted as one branch."""
+    if settings.segment == "both" and {APPROACH, RETRACT} <= set(curve.segments()):
+        yield "one w is fitted to approach and retraction: give --segment retract or approach where theirs differ"
 
 
 def _on_record(flags: Mapping[str, str], zero: Parameter | None) -> Iterator[str]:

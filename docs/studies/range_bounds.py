@@ -27,6 +27,7 @@ from jkrcli.methods.layered.layered import Layered, unbounded
 from jkrcli.series import Series
 
 from .bounds import body as random_body
+from .bounds import kinked
 from .command import call, output_of, parser_of, pool_of
 
 NARROWEST, WIDEST = 1e-3, 10.0  # of the annulus over the contact radius at pull-off, by JKR
@@ -145,7 +146,7 @@ def _columns(curve: FiniteRangeCurve, doubled: Attraction) -> list[tuple[str, fl
 def _pull_off(curve: FiniteRangeCurve, doubled: Attraction) -> list[tuple[str, float, float]]:
     """The pull-off force against the least of a polynomial through exact loads around it."""
     point = curve.pull_off(LOAD_CONTROL)
-    if not isinstance(point, CriticalPoint) or point.a == 0:
+    if not isinstance(point, CriticalPoint) or point.a == 0 or kinked(curve, point, 2 * BESIDE):
         return []
     s, gap = 2 * curve.law.stress / curve.problem.E_star, curve.law.length
     x = np.cos(np.pi * np.arange(NODES) / (NODES - 1))[::-1]
@@ -154,7 +155,7 @@ def _pull_off(curve: FiniteRangeCurve, doubled: Attraction) -> list[tuple[str, f
     fit = np.polynomial.Chebyshev.fit(x, loads, NODES - 1)
     roots = np.real(fit.deriv().roots())
     truth = float(fit(roots[np.argmin(np.abs(roots))]))
-    stated = curve.point_error(point)["P"]
+    stated = curve.point_error(point, LOAD_CONTROL)["P"]
     off = max(abs(point.P - truth) - 10 * ROUNDING * float(np.abs(loads).max()), 0.0)
     return [("pull-off P", off / stated, stated / abs(truth))]
 

@@ -250,7 +250,7 @@ def error_of_point(curve: EquilibriumCurve, point: CriticalPoint, stiffness: flo
     from .finite_range import FiniteRangeCurve
 
     assert isinstance(curve, FiniteRangeCurve)
-    return curve.point_error(point)
+    return curve.point_error(point, stiffness)
 
 
 def nonadhesive(solution: Solution, slopes_name: str = "auto") -> Nonadhesive:

@@ -6,6 +6,7 @@ that begin to attract each other, over surfaces that are drawn together and do n
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -15,6 +16,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from ..base.arrays import Array
+from ..base.cubic import zeros_between
 from ..base.errors import InputError, Refusal
 from ..base.quadrature import composite_gauss
 from ..base.units import show
@@ -45,6 +47,11 @@ class FiniteRangeTuning:
     halved: float = 16.0  # theory: halving the spacing divides the error by 64, by a fourth of it where it is uneven
     touching: float = 1e-9  # choice: of c0, within which the rate at first touch is taken
     rounds: int = 3  # choice: of inserting points where they are too far apart
+    # Radii on either side of a kink, up to a part of its own, the first of that; theory: F bends with the power 3/2
+    beside: int = 24  # choice: 1.8 from one to the next
+    around: float = 0.2  # choice: where the rows of the series are as dense
+    room: float = 1.2  # choice: of that, within which the series' own rows are left out
+    first: float = 1e-6  # theory: its power 3/2 is rounding
     leap: float = 0.4  # choice: of the same, from point to point: a curve that leaps; five times the spacing
     fewest: int = 12  # choice: points of a curve, where some of its beginning are left out
     safety: float = 4.0  # on the change of the second panels; choice: as for series of `layered`
@@ -105,18 +112,22 @@ class FiniteRangeCurve(EquilibriumCurve):
         plain = dict(zip(("delta_H_m", "P_H_N", "S_N_per_m", "dS_da_N_per_m2"), rest, strict=True))
         return {"a_m": self.a, "delta_m": self.delta, "P_N": self.P} | plain | {"c_m": self.places}
 
-    def point_error(self, point: Equilibrium) -> Errors:
-        """Half-widths of "delta" [m] and "P" [N] at a stationary ``point``: those of the curve there, of its
-        interpolation, and of the place, which errs by about the same fraction as the curve."""
+    def point_error(self, point: Equilibrium, stiffness: float) -> Errors:
+        """Half-widths of "delta" [m] and "P" [N] at the lowest ``point`` under a device of a ``stiffness`` [N/m]: those
+        of the curve there, of the place, which errs by about the same fraction, and what every second state changes."""
         here = self.error_at(np.array(point.place))
-        assert isinstance(self.interpolation_error, float)
-        between = self.interpolation_error
-        fraction = between + float(here["P"]) / max(abs(point.P), np.finfo(float).tiny)
+        fraction = float(here["P"]) / max(abs(point.P), np.finfo(float).tiny)
         rates = dict(zip(("delta", "P"), self._rates(np.array(point.place)), strict=True))
+        others = [curve.pull_off(stiffness) for curve in (self.thinned(0), self.thinned(1))]
+        found = [other for other in others if isinstance(other, CriticalPoint)]
+        if len(found) < len(others):
+            assert isinstance(self.interpolation_error, float)
+            fraction += TUNING.halved * self.interpolation_error
         return {
-            name: float(here[name]) + between * abs(getattr(point, name)) + fraction * point.place * abs(float(rate))
+            name: float(here[name]) + fraction * (abs(getattr(point, name)) + point.place * abs(float(rate)))
+            + max((abs(getattr(other, name) - getattr(point, name)) for other in found), default=0.0) / TUNING.halved
             for name, rate in rates.items()
-        }
+        }  # fmt: skip
 
     @property
     def onset(self) -> float:
@@ -178,17 +189,24 @@ class FiniteRangeCurve(EquilibriumCurve):
     def _stretched(self, c: Array) -> Array:
         return np.arccosh(np.sqrt(np.maximum(c / self._c0, 1.0)))
 
-    @cached_property
-    def _spline(self) -> BSpline:
-        """a, delta, P over arcosh sqrt(c/c0)."""
-        from scipy.interpolate import make_interp_spline
+    @property
+    def _bends(self) -> Array:
+        """Numbers of the states in contact at kinks of the profile, where splines end."""
+        near = [
+            np.abs(column[1:-1, None] / np.array(self.problem.indenter.kinks) - 1) < TUNING.touching
+            for column in (self.touching.a, self.touching.c)
+        ]
+        return np.flatnonzero(np.any(near[0] | near[1], axis=1)) + 1
 
+    @cached_property
+    def _spline(self) -> Broken:
+        """a, delta, P over arcosh sqrt(c/c0)."""
         v = self._stretched(self.touching.c)
         columns = np.stack([self.touching.a, self.touching.delta, self.touching.P], axis=1)
-        return make_interp_spline(v, columns, min(TUNING.degree, v.size - 1))
+        return Broken.through(v, columns, self._bends)
 
     @cached_property
-    def _slope(self) -> BSpline:
+    def _slope(self) -> Broken:
         return self._spline.derivative()
 
     @cached_property
@@ -245,7 +263,7 @@ class FiniteRangeCurve(EquilibriumCurve):
 
     def _at_rows(self, rows: Array) -> FiniteRangeCurve:
         """The curve through some of its points in contact, and both ends."""
-        kept = np.unique(np.concatenate([[0], rows, [self.touching.c.size - 1]]))
+        kept = np.unique(np.concatenate([[0], rows, self._bends, [self.touching.c.size - 1]]))
         touching = Rims(*(getattr(self.touching, name)[kept] for name in STATES))
         parts = Parts(*(column[kept] for column in self.parts))
         return FiniteRangeCurve(self.law, self.problem, self.series, self.apart, touching, parts)
@@ -279,6 +297,36 @@ class FiniteRangeCurve(EquilibriumCurve):
             f"the {quantity} is lowest at the largest radius, a = {show(lowest.a, 'length')}: pull-off lies outside "
             "the curve; the series would have to reach a larger radius: load further"
         )
+
+
+@dataclass(frozen=True, eq=False)
+class Broken:
+    """Splines that end at ``breaks``, where the function that they interpolate has kinks."""
+
+    breaks: Array
+    splines: tuple[BSpline, ...]
+
+    @classmethod
+    def through(cls, x: Array, y: Array, bends: Array) -> Broken:
+        """Through the rows of ``y`` at ``x``, with kinks at the rows of the numbers ``bends``."""
+        from scipy.interpolate import make_interp_spline
+
+        ends = itertools.pairwise([0, *bends.tolist(), x.size - 1])
+        parts = (slice(lo, hi + 1) for lo, hi in ends)
+        splines = (make_interp_spline(x[part], y[part], min(TUNING.degree, x[part].size - 1)) for part in parts)
+        return cls(x[bends], tuple(splines))
+
+    def __call__(self, x: Array) -> Array:
+        x = np.asarray(x, dtype=float)
+        part = np.searchsorted(self.breaks, x, side="right")
+        out: Array = self.splines[0](x)
+        for number, spline in enumerate(self.splines[1:], start=1):
+            here = part == number
+            out[here] = spline(x[here])
+        return out
+
+    def derivative(self) -> Broken:
+        return Broken(self.breaks, tuple(spline.derivative() for spline in self.splines))
 
 
 def finite_range_curve(
@@ -324,15 +372,15 @@ class FiniteRangeBody:
 
     def seconds(self, law: Range) -> float:
         """CPU seconds of the curve for a ``law``, about; Refusal where it is known that there is none."""
-        return self.body.seconds(*self._pulled(law))
+        return self.body.seconds(*self.pulled(law))
 
-    def _pulled(self, law: Range) -> tuple[float, float, float]:
+    def pulled(self, law: Range) -> tuple[float, float, float]:
         """The largest contact radius [m], s = 2 sigma/E* and the range [m] of a ``law``."""
         return float(self.series.a[-1]), 2 * law.stress / self.problem.E_star, law.length
 
     def curve(self, law: Range) -> FiniteRangeCurve:
         """The curve for a ``law``, with its errors."""
-        largest, s, gap = self._pulled(law)
+        largest, s, gap = self.pulled(law)
         reach = self.body.reach(largest, s, gap)
         attraction = self.body.attraction(reach)
         whole = self._touching(attraction, s, gap)
@@ -352,8 +400,10 @@ class FiniteRangeBody:
         in arcosh sqrt(c/c0)."""
         from scipy.interpolate import PchipInterpolator
 
-        a = np.concatenate([[0.0], self.series.a])
-        rims = attraction.discs(a).equilibria(s, gap, attraction.reach)
+        rims = attraction.discs(np.concatenate([[0.0], self.series.a])).equilibria(s, gap, attraction.reach)
+        if self.problem.indenter.kinks:
+            rows = self._rows(self._kinks(attraction, s, gap, rims))
+            rims = attraction.discs(rows).equilibria(s, gap, attraction.reach, np.interp(rows, rims.a, rims.c))
         for _ in range(TUNING.rounds):
             v = np.arccosh(np.sqrt(np.maximum.accumulate(rims.c) / rims.c[0]))
             pieces = np.maximum(np.ceil(np.diff(v) / TUNING.spacing), 1).astype(int)
@@ -364,6 +414,29 @@ class FiniteRangeBody:
             near = np.interp(more, rims.a, rims.c)
             rims = _merged(rims, attraction.discs(more).equilibria(s, gap, attraction.reach, near))
         return rims
+
+    def _rows(self, bends: Array) -> Array:
+        """Contact radii [m] of the series, and in their place around each of ``bends`` the radius itself and others at
+        steps that shrink towards it on both sides, halfway to the next."""
+        a, steps = np.concatenate([[0.0], self.series.a]), np.geomspace(TUNING.first, 1, TUNING.beside)
+        for before, bend, after in zip([0.0, *bends], bends, [*bends[1:], a[-1]], strict=False):
+            below, above = (min(TUNING.around * bend, abs(bend - other) / 2) for other in (before, after))
+            away = (a < bend - TUNING.room * below) | (a > bend + TUNING.room * above)
+            a = np.concatenate([a[away], bend - below * steps, [bend], bend + above * steps])
+        return np.unique(a)
+
+    def _kinks(self, attraction: Attraction, s: float, gap: float, first: Rims) -> Array:
+        """Contact radii [m] at which the curve has kinks: those of the profile, and where the surfaces attract each
+        other up to one; ``first``: states to begin with."""
+        kinks = np.array(self.problem.indenter.kinks)
+        reached = kinks[(kinks > first.c[0]) & (kinks < first.c[-1])]
+        row = np.searchsorted(first.c, reached)
+
+        def beyond(a: Array) -> Array:
+            return attraction.discs(a).equilibria(s, gap, attraction.reach, reached).c / reached - 1
+
+        around = zeros_between(beyond, first.a[row - 1], first.a[row], 0.0) if reached.size else reached
+        return np.unique(np.concatenate([kinks[kinks < first.a[-1]], around]))
 
     def _errors(self, curve: FiniteRangeCurve, reach: float, s: float) -> dict[str, Array]:
         """Half-widths of delta and P: the change on other panels at some of the points, and what the kernel leaves."""

@@ -232,13 +232,16 @@ class Solution:
         return self.problem.key
 
     def widened(self) -> Solution:
-        """The same with the error of a profile that is known at points only: of delta, and S times it of P."""
+        """The same with the error of a profile that is known at points only: of delta, or of the radius where that is
+        what errs, and S times it of P."""
         series = self.series
         shift, _ = self.problem.indenter.resolution(series.a)
-        if not shift.any():
+        if not shift.any() or len(series) < 2:
             return self
         S = np.gradient(series.P, series.delta) if series.S is None else series.S
         more, judged = {"delta": shift, "P": S * shift}, series.delta >= JUDGED * series.delta[-1]
+        if "a" in series.errors and series.errors["a"].any():
+            more = {"a": shift / np.gradient(series.delta, series.a), "P": S * shift}
         errors = {name: error + more.get(name, 0.0) for name, error in series.errors.items()}
         relative = max(float(np.max((more[name] / getattr(series, name))[judged])) for name in more)
         own = self.budget.discretisation

@@ -29,7 +29,7 @@ class TableTuning:
     # What every second point changes of F and of its slope, over the error of all of them:
     factors: tuple[float, float] = (5.0, 2.5)  # theory: fourth and third power of the spacing (16, 8), less at ends
     looks: int = 400  # choice: radii at which that is looked at
-    few: int = 7  # choice: of every second of fewer points no spline is left, and then
+    few: int = 7  # choice: points up to a radius, of every second of which no spline is left, and then
     few_factors: tuple[float, float] = (2.0, 1.0)  # theory: of the parabolas that are left
 
 
@@ -131,8 +131,9 @@ class TableProfile(Indenter):
         mean = np.cumsum(change) / np.arange(1.0, x.size + 1)
         last = np.clip(np.searchsorted(x, a), 0, x.size - 1).tolist()
         found = [(change[i // 2 : i + 1].max() + mean[i], slope[i // 2 : i + 1].max()) for i in last]
-        factors = TUNING.factors if len(self.r) >= TUNING.few else TUNING.few_factors
-        return np.array(found).T / np.array(factors)[:, None]
+        few = np.searchsorted(self.r, a) < TUNING.few
+        factors = [np.where(few, *pair) for pair in zip(TUNING.few_factors, TUNING.factors, strict=True)]
+        return np.array(found).T / np.array(factors)
 
     def _thinned(self) -> list[TableProfile]:
         """The profiles through every second point, ends and bends kept."""

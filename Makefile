@@ -9,6 +9,7 @@ RESULTS ?= results
 SEED    ?= 1
 
 JKR     := $(VENV)/bin/jkr
+PYTEST  := OPENBLAS_NUM_THREADS=$${OPENBLAS_NUM_THREADS:-1} PYTHONDONTWRITEBYTECODE= $(VENV)/bin/python -m pytest -n auto
 STUDY   := PYTHONPATH=docs $(VENV)/bin/python -m studies
 READY   := $(VENV)/.ready
 WHEELS  := build/wheels
@@ -47,10 +48,10 @@ run: $(READY) ## solve and transform CASE (default: the half-space), optionally 
 	@echo "look at:"; ls -t $(call QUOTE,$(RESULTS))/$(call QUOTE,$(STEM))-w*.png | head -n $(words $(or $(WORKS),1)) | sed 's/^/  /'
 
 test: $(READY) ## the fast tests
-	$(VENV)/bin/python -m pytest -n auto -m "not slow"
+	$(PYTEST) -m "not slow"
 
 test-all: $(READY) ## every test
-	$(VENV)/bin/python -m pytest -n auto
+	$(PYTEST)
 
 fuzz: $(READY) ## wrong files and random bodies of a SEED that the tests do not try (an hour)
 	$(VENV)/bin/python -m pytest -n auto --fuzz-seed $(call QUOTE,$(SEED)) tests/properties/test_fuzz.py tests/properties/test_fuzz_options.py tests/studies/test_failures.py

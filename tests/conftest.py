@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import signal
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass, is_dataclass, replace
 from pathlib import Path
@@ -26,6 +27,14 @@ def pytest_configure() -> None:
     """Ctrl-C is minded even in the background of a shell, where what is started would ignore it and tests of it pass
     whatever happens."""
     signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+@pytest.fixture(autouse=True)
+def _coarse_pictures(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Pictures of few pixels, but where pictures are what is tested: to encode those of print is a tenth of all."""
+    plots = sys.modules.get("jkrcli.report.plots")
+    if plots is not None and "report" not in request.path.parts:
+        monkeypatch.setattr(plots, "DPI", 40)
 
 
 @pytest.fixture(name="seed")

@@ -9,7 +9,7 @@ RESULTS ?= results
 SEED    ?= 1
 
 JKR     := $(VENV)/bin/jkr
-PYTEST  := OPENBLAS_NUM_THREADS=$${OPENBLAS_NUM_THREADS:-1} PYTHONDONTWRITEBYTECODE= $(VENV)/bin/python -m pytest -n auto
+PYTEST  := OPENBLAS_NUM_THREADS=$${OPENBLAS_NUM_THREADS:-1} $(VENV)/bin/python -m pytest -n auto
 STUDY   := PYTHONPATH=docs $(VENV)/bin/python -m studies
 READY   := $(VENV)/.ready
 WHEELS  := build/wheels

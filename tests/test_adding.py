@@ -8,11 +8,13 @@ import json
 import os
 import subprocess
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
 import numpy as np
 import pytest
+from conftest import Outcome
 
 from jkrcli.base.arrays import Array
 from jkrcli.base.errors import InputError
@@ -51,23 +53,36 @@ class BadDefault:
         check_ranges(self, "bad")
 
 
-def jkr(module: str, *words: object) -> subprocess.CompletedProcess[str]:
-    """``jkr`` with ``words``, once ``module`` is imported."""
-    code = f"import sys, {module}\nfrom jkrcli.cli import call\nsys.exit(call(sys.argv[1:]))"
+RUN = """
+import contextlib, io, json, sys
+import {}
+from jkrcli.cli import call
+for words in json.loads(sys.argv[1]):
+    out, err = io.StringIO(), io.StringIO()
+    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+        code = call(words)
+    print(json.dumps((code, out.getvalue(), err.getvalue())), flush=True)
+"""
+
+
+def jkr(module: str, *commands: Sequence[object]) -> list[Outcome]:
+    """What the ``commands`` of ``jkr`` leave behind, in one process that has imported ``module``."""
     tests = Path(__file__).parent
     env = os.environ | {"PYTHONPATH": os.pathsep.join([str(tests.parent), str(tests)])}
-    return subprocess.run([sys.executable, "-c", code, *map(str, words)], capture_output=True, text=True, env=env)
+    words = [sys.executable, "-c", RUN.format(module), json.dumps([[*map(str, command)] for command in commands])]
+    done = subprocess.run(words, capture_output=True, text=True, env=env, check=True)
+    return [Outcome(*json.loads(line)) for line in done.stdout.splitlines()]
 
 
 def curve(module: str, folder: Path, text: str) -> dict[str, Array]:
     """The columns of the adhesive curve of the case ``text``, by ``jkr run`` and ``jkr transform``."""
     (folder / "my.toml").write_text(text)
-    for words in (
+    for done in jkr(
+        module,
         ("run", folder / "my.toml", "-o", folder / "my.h5"),
         ("transform", folder / "my.h5", "-o", folder / "out", "--no-plots"),
     ):
-        done = jkr(module, *words)
-        assert done.returncode == 0, done.stderr
+        assert done.code == 0, done.err
     with next((folder / "out").glob("*.csv")).open() as file:
         rows = list(csv.DictReader(file))
     return {name: np.array([float(row[name]) for row in rows]) for name in ("a_m", "delta_H_m", "P_H_N", "P_N")}
@@ -92,12 +107,13 @@ def test_an_indenter_of_ones_own(method: str, tmp_path: Path) -> None:
 
 def test_keys_of_an_indenter_of_ones_own_are_checked(tmp_path: Path) -> None:
     (tmp_path / "my.toml").write_text(CASE.format(method="auto", shape="aspheric", keys="kk = 1", thickness="1 mm"))
-    assert jkr("aspheric", "check", tmp_path / "my.toml").stderr == (
+    (tmp_path / "no.toml").write_text(CASE.format(method="auto", shape="asferic", keys="k = -1", thickness="1 mm"))
+    key, shape = jkr("aspheric", ("check", tmp_path / "my.toml"), ("check", tmp_path / "no.toml"))
+    assert key.err == (
         f"jkr: error: {tmp_path}/my.toml: indenter.kk: unknown key, did you mean \"k\"? "
         "(allowed: E, nu, shape, radius, k)\n"
     )  # fmt: skip
-    (tmp_path / "my.toml").write_text(CASE.format(method="auto", shape="asferic", keys="k = -1", thickness="1 mm"))
-    assert jkr("aspheric", "check", tmp_path / "my.toml").stderr.endswith(
+    assert shape.err.endswith(
         "indenter.shape: must be one of sphere, paraboloid, power, cone, flat, table, aspheric, "
         'got "asferic", did you mean "aspheric"?\n'
     )
@@ -114,7 +130,8 @@ def test_a_method_of_ones_own(tmp_path: Path) -> None:
 def test_a_file_needs_no_method_that_it_was_not_made_with(tmp_path: Path) -> None:
     (tmp_path / "my.toml").write_text(CASE.format(method="winkler", shape="paraboloid", keys="", thickness="1 um"))
     words = (tmp_path / "my.toml", "--method", "layered", "-o", tmp_path / "my.h5")
-    assert jkr("winkler", "run", *words).returncode == 0
+    (done,) = jkr("winkler", ("run", *words))
+    assert done.code == 0, done.err
     text = (tmp_path / "my.h5").read_bytes()
     assert b"winkler" not in text
     assert b"[mesh]" not in text
@@ -133,21 +150,23 @@ def test_a_bad_default_is_told_when_its_method_is_used(monkeypatch: pytest.Monke
 def test_options_of_a_method_of_ones_own_are_checked(tmp_path: Path) -> None:
     case = tmp_path / "my.toml"
     case.write_text(CASE.format(method="winkle", shape="sphere", keys="", thickness="1 um") + "[winkler]\nstiffening=0")
-    assert jkr("winkler", "check", case).stderr.splitlines() == [
+    refused, automatic = jkr("winkler", ("check", case), ("check", "cases/thin-layer.toml"))
+    assert refused.err.splitlines() == [
         f"jkr: error: {case}: method: must be one of auto, closed-form, winkler, layered, hybrid, fem, "
         'got "winkle", did you mean "winkler"?',
         f"jkr: error: {case}: winkler.stiffening: must be > 0 and <= 10, got 0",
     ]
-    assert "winkler" not in jkr("winkler", "check", "cases/thin-layer.toml").stdout  # auto may not choose it
+    assert automatic.code == 0
+    assert "winkler" not in automatic.out  # auto may not choose it
 
 
 def test_a_slopes_rule_of_ones_own(tmp_path: Path) -> None:
     (tmp_path / "my.toml").write_text(CASE.format(method="layered", shape="paraboloid", keys="", thickness="1 km"))
     series, out = tmp_path / "my.h5", tmp_path / "out"
-    assert jkr("differences", "run", tmp_path / "my.toml", "-o", series).returncode == 0
-    done = jkr("differences", "transform", series, "--slopes", "differences", "-o", out, "--no-plots")
-    assert done.returncode == 0, done.stderr
-    assert "slopes differences (asked for)" in done.stdout
+    transform = ("transform", series, "--slopes", "differences", "-o", out, "--no-plots")
+    run, done = jkr("differences", ("run", tmp_path / "my.toml", "-o", series), transform)
+    assert (run.code, done.code) == (0, 0), done.err
+    assert "slopes differences (asked for)" in done.out
     with next(out.glob("*.csv")).open() as file:
         rows = list(csv.DictReader(file))
     S, a = (np.array([float(row[name]) for row in rows]) for name in ("S_N_per_m", "a_m"))
@@ -155,32 +174,41 @@ def test_a_slopes_rule_of_ones_own(tmp_path: Path) -> None:
 
 
 def test_a_slopes_rule_of_ones_own_is_named(tmp_path: Path) -> None:
-    assert "[auto|exact|integral|loocv|gcv|differences]" in jkr("differences", "transform", "--help").stdout
     (tmp_path / "my.toml").write_text(CASE.format(method="layered", shape="paraboloid", keys="", thickness="1 mm"))
-    sweep = tmp_path / "sweep.toml"
     text = 'base = "my.toml"\n[[axes]]\nkey = "adhesion.w"\nvalues = [0.01, 0.02]\n[outputs]\nslopes = "{}"\n'
-    sweep.write_text(text.format("difference"))
-    assert jkr("differences", "sweep", sweep, "-o", tmp_path / "swept").stderr == (
-        f"jkr: error: {sweep}: outputs.slopes: must be one of auto, exact, integral, loocv, gcv, differences, "
+    wrong, right = (tmp_path / name for name in ("wrong.toml", "right.toml"))
+    wrong.write_text(text.format("difference"))
+    right.write_text(text.format("differences"))
+    asked, refused, done = jkr(
+        "differences",
+        ("transform", "--help"),
+        ("sweep", wrong, "-o", tmp_path / "swept"),
+        ("sweep", right, "-o", tmp_path / "swept", "--workers", "1"),
+    )
+    assert "[auto|exact|integral|loocv|gcv|differences]" in asked.out
+    assert refused.err == (
+        f"jkr: error: {wrong}: outputs.slopes: must be one of auto, exact, integral, loocv, gcv, differences, "
         'got "difference", did you mean "differences"?\n'
     )
-    sweep.write_text(text.format("differences"))
-    done = jkr("differences", "sweep", sweep, "-o", tmp_path / "swept", "--workers", "1")
-    assert done.returncode == 0, done.stderr
+    assert done.code == 0, done.err
 
 
 def test_a_law_of_speed_of_ones_own(tmp_path: Path) -> None:
     """The power law at n = 1 under another name: the same pull-off force."""
-    series, loads = tmp_path / "my.h5", []
+    series = tmp_path / "my.h5"
     (tmp_path / "my.toml").write_text(CASE.format(method="layered", shape="paraboloid", keys="", thickness="1 mm"))
-    assert jkr("linear_rate", "run", tmp_path / "my.toml", "-o", series).returncode == 0
-    for law in ("law=linear,v0=1 um/s", "law=power,v0=1 um/s,n=1"):
-        words = "--rate", law, "--speed", "1 um/s", "-o", tmp_path / "out", "--no-plots", "--json"
-        done = jkr("linear_rate", "cycle", series, *words)
-        assert done.returncode == 0, done.stderr
-        loads.append(json.loads(done.stdout)["pull_off"]["P_N"])
+    rest = "--speed", "1 um/s", "-o", tmp_path / "out", "--no-plots", "--json"
+    run, ours, power, asked = jkr(
+        "linear_rate",
+        ("run", tmp_path / "my.toml", "-o", series),
+        ("cycle", series, "--rate", "law=linear,v0=1 um/s", *rest),
+        ("cycle", series, "--rate", "law=power,v0=1 um/s,n=1", *rest),
+        ("fit", "--help"),
+    )
+    assert (run.code, ours.code, power.code) == (0, 0, 0), run.err + ours.err + power.err
+    loads = [json.loads(done.out)["pull_off"]["P_N"] for done in (ours, power)]
     assert loads[0] == pytest.approx(loads[1], rel=1e-6)
-    assert "[power|log|linear]" in jkr("linear_rate", "fit", "--help").stdout
+    assert "[power|log|linear]" in asked.out
 
 
 def test_the_names_of_slopes_import_nothing_heavy() -> None:

@@ -37,19 +37,19 @@ SURROUNDINGS = {
 }
 
 
+BOTH = """
+import sys
+from jkrcli.cli import call
+sys.exit(call(["run", sys.argv[1], "-o", "x.h5"]) or call(["transform", "x.h5", "--w", "0.05", "--no-plots"]))
+"""
+
+
 def run(case: Path, folder: Path, **environment: str) -> Path:
     """Solve and transform a case in a process of its own, within ``folder``; returns the folder."""
     folder.mkdir()
-    for words in (("run", str(case), "-o", "x.h5"), ("transform", "x.h5", "--w", "0.05", "--no-plots")):
-        done = subprocess.run(
-            [sys.executable, "-m", "jkrcli", *words],
-            cwd=folder,
-            env=os.environ | environment,
-            capture_output=True,
-            text=True,
-            check=False,
-        )
-        assert done.returncode == 0, done.stderr
+    words, env = [sys.executable, "-c", BOTH, str(case)], os.environ | environment
+    done = subprocess.run(words, cwd=folder, env=env, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
     return folder
 
 

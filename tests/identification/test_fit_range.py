@@ -14,7 +14,7 @@ from jkrcli.adhesion.finite_range import FiniteRangeBody
 from jkrcli.adhesion.law import Range
 from jkrcli.adhesion.slopes.choice import slopes
 from jkrcli.base.errors import InputError, Refusal
-from jkrcli.bodies.indenters import Paraboloid
+from jkrcli.bodies.indenters import Paraboloid, Sphere
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.data.measured import Curve
@@ -107,6 +107,17 @@ def test_derivatives_of_curves(lam: float) -> None:
         high, low = (curve_of(body, lam, **{name: middle * math.exp(side)}).along(u)[0] for side in (1e-3, -1e-3))
         rate = rates[name][1:] * (W if name == "w" else 1)
         assert np.allclose((high - low)[1:] / 2e-3, rate, rtol=0, atol=1e-4 * unit), name  # measured: 2e-5
+
+
+def test_a_curve_ends_where_the_profile_does_in_any_unit() -> None:
+    """Rows whose annulus would reach beyond a sphere of nanometres used to stay, as 1e-8 m apart counted as equal."""
+    ends = []
+    for R in (1.0, 1e-8):
+        problem = Problem(Sphere(R), Specimen((), HalfSpace(Elastic(1e6, 0.3))), Loading("radius", 0.6 * R, 60))
+        series = Layered(1e-9)(problem).series
+        found = FittedBody.of(problem, series, slopes(series, "exact")).attracted.states(0.1, 0.6 * R)
+        ends.append((found.c0 / R, found.end))
+    assert ends[0] == pytest.approx(ends[1], rel=1e-9)
 
 
 @pytest.mark.parametrize("columns", [("delta", "P"), ("a", "P"), ("a", "delta", "P")])

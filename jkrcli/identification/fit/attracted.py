@@ -125,7 +125,7 @@ class AttractedFamily:
         attraction, discs = self._reaching(s, gap)
         rims = discs.equilibria(s, gap, attraction.reach)
         refuse_narrow(rims)
-        held = np.isclose(rims.gap, gap, rtol=1e-6)
+        held = np.isclose(rims.gap, gap, rtol=1e-6, atol=0)  # of nanometres
         count = int(np.argmin(held)) if not held.all() else held.size
         first = 1 + int(np.max(np.flatnonzero(np.diff(rims.c[:count]) <= 0), initial=-1))
         if count - first < TUNING.least:

@@ -20,12 +20,12 @@ from hostile import harm_hdf5, harm_jpk, harm_zip
 from series_files import edit
 
 from jkrcli.base import allowance, hdf5
+from jkrcli.base.allowance import LINE_ENDS
 from jkrcli.base.errors import InputError
 from jkrcli.base.files import SHORTEST, beside
 from jkrcli.data import measured
 from jkrcli.data.measured import Curve, Reading
 from jkrcli.data.measured.amount import rows_expected
-from jkrcli.data.text_table import LINE_ENDS
 from jkrcli.report import archive
 
 Run = Callable[..., Outcome]
@@ -218,7 +218,7 @@ def test_damaged_files_of_microscopes(tmp_path: Path, kind: str, trials: int, se
         found[what] += 1
         assert what == "refused" or not is_cut or kind not in DECLARED, trial
         assert what != "different" or kind not in CHECKED, trial
-    print(kind, found)  # noqa: T201 - pytest shows it with -s
+    print(kind, found)
     assert found["refused"]
 
 
@@ -282,9 +282,7 @@ def test_texts_of_any_length_are_read_in_pieces(tmp_path: Path, tuned) -> None:
         hdf5.parse(tmp_path / "x.h5", content)
 
 
-def test_memory_that_runs_out_is_not_called_damage(
-    tmp_path: Path, tuned, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_memory_that_runs_out_is_not_called_damage(tmp_path: Path, tuned, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "x.h5"
     with h5py.File(path, "w") as file:
         file.create_dataset("zz", (10**7,), "f8", chunks=(10**6,))

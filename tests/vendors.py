@@ -40,9 +40,9 @@ def jpk_members(curves: int = 0) -> dict[str, bytes]:
 
 def _segment(folder: str, segment: int, style: str, number: int) -> dict[str, bytes]:
     rows = slice(segment * ROWS, (segment + 1) * ROWS)
-    settings = {"style": style, "segment-settings.duration": 0.4, "segment-settings.z-start": 2e-6,
-                "segment-settings.z-end": 0, "segment-settings.setpoint": 0.5, "feedback-mode.name": "contact"}  # fmt: skip
-    told = {f"settings.{key}": value for key, value in settings.items()}
+    settings = {"duration": 0.4, "z-start": 2e-6, "z-end": 0, "setpoint": 0.5}
+    told: dict[str, object] = {f"settings.segment-settings.{key}": value for key, value in settings.items()}
+    told |= {"settings.style": style, "settings.feedback-mode.name": "contact"}
     told |= {"duration": 0.4, "num-points": ROWS, "approach-id": "a1", "time-stamp": r"2020-03-12 14\:21\:05 UTC"}
     header = {f"force-segment-header.{key}": value for key, value in told.items()}
     header |= {"force-scan-map.header.position-index": number}

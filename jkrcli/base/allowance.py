@@ -20,12 +20,17 @@ class AllowanceTuning:
     text: int = 1 << 28  # choice: bytes of tables in text, which take some ten times as much in memory
     parts: int = 500_000  # choice: members, groups, data sets with their chunks and attributes, which take 50 us each
     rows: int = 10_000_000  # choice: lines of text, words in columns
+    row: int = 400  # choice: bytes of memory of a row of text, measured 250 to 530 on tables of 2 to 400 columns,
+    byte: int = 8  # choice: and of each of its bytes, measured 8 to 18
+    copies: int = 4  # choice: of a text in a binary file while it is read
+    chunk: int = 4000  # choice: bytes of memory that a library takes for each chunk of a data set, measured
     little: int = 1 << 28  # choice: bytes of memory that are not asked for
     share: float = 0.8  # choice: of the free memory; the rest is for what estimates miss
     fence: int = 2 << 30  # choice: bytes that a library may take for a binary file, whatever that declares
 
 
 TUNING = AllowanceTuning()
+LINE_ENDS = "\n\r\v\f\x1c\x1d\x1e\x85\u2028\u2029"  # as ``str.splitlines`` has them
 REMEDY = "split it, free memory or raise ulimit -v"
 NO_ROOM = re.compile(r"(can't|unable to|cannot|not) allocate|allocation failed", re.IGNORECASE)  # as libraries say it
 
@@ -49,6 +54,11 @@ class Allowance:
         if self.memory > TUNING.little and self.memory > (most := TUNING.share * free_memory() * 2**20):
             raise InputError(f"{self.path}: takes {self.memory / 2**30:.2g} GiB of memory or more to read, "
                              f"{most / 2**30:.2g} GiB may be taken: {REMEDY}")  # fmt: skip
+
+    def take_text(self, text: str) -> None:
+        """Count a text that is about to be taken apart into rows."""
+        rows = sum(map(text.count, LINE_ENDS)) - text.count("\r\n")
+        self.take(len(text), rows=rows, memory=TUNING.row * rows + TUNING.byte * len(text))
 
 
 @contextlib.contextmanager

@@ -22,7 +22,6 @@ SIGNATURE = b"\x89HDF\r\n\x1a\n"
 SEAL = "sha256"  # attribute of a group: the digest of everything else in it
 FILE_FORMAT = ("v110", "v110")  # its metadata carry checksums: damage is found, not followed
 DEEPEST = 4  # choice: groups within groups, so that a group that holds itself ends
-TEXT = 4  # choice: times that a text lies in memory while it is read, beside its own bytes
 KINDS = (h5py.h5t.INTEGER, h5py.h5t.FLOAT, h5py.h5t.STRING, h5py.h5t.ENUM)  # the last: truth values
 RUN_AGAIN = "run the case again"
 UNREADABLE = (OSError, RuntimeError, KeyError, ValueError, TypeError, OverflowError)  # h5py's, of damage
@@ -223,7 +222,7 @@ class _Reader:
             raise InputError(f'{self.path}: "{where}" lies in another file')
         chunks = data.chunks or data.shape or ()
         pieces = math.prod(-(-size // of) for size, of in zip(data.shape or (), chunks, strict=True) if of)
-        self.allowed.take(parts=pieces)
+        self.allowed.take(parts=max(pieces - 1, 0), memory=allowance.TUNING.chunk * pieces)
         self.count(where, max(data.size or 0, math.prod(chunks)), data.id.get_type())
         values = self.texts(data) if data.dtype.hasobject and data.shape else _plain(data[()])
         if isinstance(values, np.ndarray) and values.dtype.kind in "OS":
@@ -236,7 +235,7 @@ class _Reader:
         size, is_text = count * kind.get_size(), kind.get_class() == h5py.h5t.STRING
         if kind.get_class() not in KINDS:
             raise InputError(f'{self.path}: "{where}" holds neither numbers nor texts')
-        self.allowed.take(size, rows=count * is_text, memory=TEXT * size * is_text)
+        self.allowed.take(size, rows=count * is_text, memory=allowance.TUNING.copies * size * is_text)
 
     def texts(self, data: h5py.Dataset) -> list[Any]:
         """A column of texts of variable length, in pieces that cannot take more than is allowed: each of its texts may
@@ -247,7 +246,7 @@ class _Reader:
         step = max(1, allowance.TUNING.size // self.whole)
         for first in range(0, data.size, step):
             piece = [_plain(text) for text in data[first : first + step]]
-            self.allowed.take(size := sum(map(len, piece)), memory=TEXT * size)
+            self.allowed.take(size := sum(map(len, piece)), memory=allowance.TUNING.copies * size)
             held += piece
         return held
 

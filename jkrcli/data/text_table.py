@@ -34,7 +34,6 @@ HEADINGS = ("columns:", "units:")  # before the names and units themselves, in c
 OTHER_UNITS = ("", "-", "1", "V", "mV")
 SHEETS = (".xls", ".xlsx", ".ods")  # choice: endings of spreadsheets, which are no text
 WRONG_LINES_SHOWN = 5
-LINE_ENDS = "\n\r\v\f\x1c\x1d\x1e\x85\u2028\u2029"  # as ``str.splitlines`` has them
 MOST_COLUMNS = 10_000  # choice: a map of 64 x 64 curves beside each other and more
 LONGEST_HEAD = 100 * MOST_COLUMNS  # choice: characters of a line of words; longer ones name no columns
 _NUMBER = re.compile(r"[+-]?(\d+(?:[.]\d*)?|[.]\d+)([eEdD][+-]?\d+)?\Z|[+-]?(nan|inf|infinity)\Z", re.IGNORECASE)
@@ -50,13 +49,11 @@ _ROW = re.compile(r"""\s*["']?[+-]?[.,]?\d""")  # a line that begins with a numb
 
 @dataclass(frozen=True)
 class TextTuning:
-    """How much of a file is looked at to find out how it is written, and what reading it takes."""
+    """How much of a file is looked at to find out how it is written."""
 
     first: int = 2000  # choice: bytes, for the encoding
     head: int = 400  # choice: lines at the begin, for the dialect
     spread: int = 200  # choice: about as many of the rest
-    row: int = 400  # choice: bytes of memory of a row, measured 250 to 530 on tables of 2 to 400 columns
-    byte: int = 8  # choice: of each of its bytes, measured 8 to 18
     comments: int = 10_000  # choice: at either end of those that a file begins with; between them nothing is named
 
 
@@ -174,8 +171,7 @@ def read_table(
     most = allowance.TUNING.text
     with allowance.reading(path, most, fenced=False) as allowed:
         whole = decoded(read_bytes(path, "table", most) if content is None else content)
-        rows = sum(map(whole.count, LINE_ENDS)) - whole.count("\r\n")
-        allowed.take(len(whole), rows=rows, memory=TUNING.row * rows + TUNING.byte * len(whole))
+        allowed.take_text(whole)
         return _table(path, whole, separator, decimal, least, is_text, finite, is_note)
 
 

@@ -20,12 +20,12 @@ from hostile import harm_hdf5, harm_jpk, harm_zip
 from series_files import edit
 
 from jkrcli.base import allowance, hdf5
+from jkrcli.base.allowance import LINE_ENDS
 from jkrcli.base.errors import InputError
 from jkrcli.base.files import SHORTEST, beside
 from jkrcli.data import measured
 from jkrcli.data.measured import Curve, Reading
 from jkrcli.data.measured.amount import rows_expected
-from jkrcli.data.text_table import LINE_ENDS
 from jkrcli.report import archive
 
 Run = Callable[..., Outcome]

@@ -29,9 +29,9 @@ def check(path: Path) -> None:
     elif ending == ".ibw":
         _wave(path, read_bytes(path, WHAT))
     else:
-        with allowance.reading(path) as allowed:
+        with allowance.reading(path, fenced=False) as allowed:
             content = read_bytes(path, WHAT, allowance.TUNING.text)
-            allowed.take(rows=content.count(b"\n"))
+            allowed.take_text(content.decode("latin-1"))
         if ending == ".tab":
             _export(path, content)
 

@@ -12,6 +12,7 @@ from contextvars import ContextVar
 from pathlib import Path
 from typing import BinaryIO
 
+from . import allowance
 from .errors import InputError, JkrError, nearest
 from .interrupts import Waiting
 
@@ -49,9 +50,11 @@ PARQUET, PARQUET_MARK = b"PAR1", b"jkr-sweep-table"
 SERIES_ENDINGS = (".h5", ".hdf5")
 
 
-def read_bytes(path: Path, what: str, limit: int = 1 << 30) -> bytes:
-    """The content of ``path``; InputError where it is missing, a folder, unreadable or beyond ``limit`` bytes."""
-    with opened(path, what) as file:
+def read_bytes(path: Path, what: str, limit: int | None = None) -> bytes:
+    """The content of ``path``; InputError where it is missing, a folder, unreadable or beyond ``limit`` bytes (None:
+    what is allowed of any file)."""
+    limit = allowance.TUNING.size if limit is None else limit
+    with allowance.reading(path), opened(path, what) as file:
         if os.fstat(file.fileno()).st_size > limit:
             raise InputError(f"{path}: {what} is larger than {limit >> 20} MiB")
         return file.read()

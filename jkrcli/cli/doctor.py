@@ -113,7 +113,7 @@ def _threads() -> Finding:
 
 def _memory(least: float = 1.0) -> Finding:
     """What is free for a solve, ``least`` [GiB] of it asked for."""
-    from ..methods.guards import free_memory
+    from ..base.memory import free_memory
 
     free = free_memory() / 1024
     if math.isinf(free):

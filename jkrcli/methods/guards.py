@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import contextlib
-import math
 from dataclasses import dataclass
-from pathlib import Path
 
 from ..base.clock import duration
 from ..base.errors import Refusal
+from ..base.memory import free_memory
 from . import Forecast
 
 SHARE = 0.8  # of the free memory that a solve may plan with; choice: the rest is for what forecasts miss
 LESS = "fewer points, larger elements or a cheaper method"  # what makes a solve cheaper
-CGROUP = Path("/sys/fs/cgroup")
 
 
 @dataclass(frozen=True)
@@ -46,37 +43,3 @@ def admit(what: str, forecast: Forecast, limits: Limits, less: str = LESS) -> st
 def _raised(value: float) -> str:
     """A limit that leaves some room above ``value``."""
     return f"{float(f'{1.3 * value:.1e}'):g}"
-
-
-def free_memory() -> float:
-    """MiB that this process may still use: the least of what machine, container and shell leave; inf if unknown."""
-    return min(_of_machine(), _of_container(), _of_shell())
-
-
-def _of_machine() -> float:
-    with contextlib.suppress(OSError, ValueError, StopIteration):
-        lines = Path("/proc/meminfo").read_text(encoding="ascii").splitlines()
-        return next(float(line.split()[1]) for line in lines if line.startswith("MemAvailable:")) / 1024
-    return math.inf
-
-
-def _of_container() -> float:
-    with contextlib.suppress(OSError, ValueError):  # "max" where there is no limit
-        most, used = (float((CGROUP / name).read_text(encoding="ascii")) for name in ("memory.max", "memory.current"))
-        return (most - used) / 2**20
-    return math.inf
-
-
-def _of_shell() -> float:
-    """What ``ulimit -v`` leaves; systems without it have no such module."""
-    try:
-        import resource
-    except ImportError:
-        return math.inf
-    most, _ = resource.getrlimit(resource.RLIMIT_AS)
-    if most == resource.RLIM_INFINITY:
-        return math.inf
-    used = 0.0
-    with contextlib.suppress(OSError, ValueError):
-        used = float(Path("/proc/self/statm").read_text(encoding="ascii").split()[0]) * resource.getpagesize()
-    return (most - used) / 2**20

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import fcntl
 import hashlib
+import math
 from collections.abc import Container, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -12,6 +13,8 @@ from typing import Any
 import h5py
 import numpy as np
 
+from . import allowance
+from .allowance import Allowance, reading
 from .arrays import Array
 from .errors import InputError, writable
 
@@ -19,16 +22,16 @@ SIGNATURE = b"\x89HDF\r\n\x1a\n"
 SEAL = "sha256"  # attribute of a group: the digest of everything else in it
 FILE_FORMAT = ("v110", "v110")  # its metadata carry checksums: damage is found, not followed
 DEEPEST = 4  # choice: groups within groups, so that a group that holds itself ends
-MOST_BYTES = 800_000_000  # choice: of one dataset
+KINDS = (h5py.h5t.INTEGER, h5py.h5t.FLOAT, h5py.h5t.STRING, h5py.h5t.ENUM)  # the last: truth values
 RUN_AGAIN = "run the case again"
-UNREADABLE = (OSError, RuntimeError, KeyError, ValueError, TypeError, OverflowError, MemoryError)  # h5py's, of damage
+UNREADABLE = (OSError, RuntimeError, KeyError, ValueError, TypeError, OverflowError)  # h5py's, of damage
 
 
 @dataclass(frozen=True, eq=False)
 class Dataset:
-    """Numbers, a text or a list of texts under one name; ``values`` is None where a file holds more than fits."""
+    """Numbers, a text or a list of texts under one name."""
 
-    values: Array | str | Sequence[str] | None
+    values: Array | str | Sequence[str]
     attributes: Mapping[str, Any] = field(default_factory=dict)
     shape: tuple[int, ...] = ()
     dtype: np.dtype[Any] = field(default_factory=lambda: np.dtype(float))
@@ -65,25 +68,27 @@ def digest(group: Group) -> str:
     found = hashlib.sha256()
     for key, value in sorted(group.attributes.items()):
         if key != SEAL:
-            found.update(_canonical(key, value))
+            _update(found, key, value)
     for name, member in sorted(group.members.items()):
         if isinstance(member, Dataset):
-            found.update(_canonical(name, member.values))
+            _update(found, name, member.values)
             member = Group(member.attributes)
         if SEAL not in member.attributes:
-            found.update(_canonical(name, digest(member)))
+            _update(found, name, digest(member))
     return found.hexdigest()
 
 
-def _canonical(name: str, value: Any) -> bytes:
-    """A name with its value as bytes that differ wherever one of them does."""
-    value = _plain(value)
+def _update(found: Any, name: str, value: Any) -> None:
+    """Take a name with its value into the digest ``found``, as bytes that differ wherever one of them does."""
+    value, numbers = _plain(value), memoryview(b"")
     if isinstance(value, np.ndarray) and value.dtype.kind != "O":
-        content = repr((value.dtype.str, value.shape)).encode() + np.ascontiguousarray(value).tobytes()
+        content = repr((value.dtype.str, value.shape)).encode()
+        numbers = np.ascontiguousarray(value).reshape(-1).view(np.uint8).data
     else:
         value = [_plain(item) for item in value] if isinstance(value, list | tuple) else value
         content = repr(list(value) if isinstance(value, np.ndarray | Sequence) else value).encode()
-    return b"%d %s %d " % (len(name.encode()), name.encode(), len(content)) + content
+    found.update(b"%d %s %d " % (len(name.encode()), name.encode(), len(content) + len(numbers)) + content)
+    found.update(numbers)
 
 
 def _plain(value: Any) -> Any:
@@ -143,20 +148,21 @@ def _all_fixed(texts: Sequence[str]) -> Array:
 def kind(path: Path) -> str:
     """The attribute "format" of the file at ``path``; "" where there is none, or the file is damaged."""
     try:
-        with h5py.File(path, "r") as file:
-            return str(_plain(file.attrs.get("format", "")))
-    except UNREADABLE:
+        with reading(path) as allowed, h5py.File(path, "r") as file:
+            return str(_Reader(path, path.stat().st_size, allowed).attribute(file, "format"))
+    except (InputError, *UNREADABLE):
         return ""
 
 
 def parse(path: Path, content: bytes, without: Container[str] = (), remedy: str = RUN_AGAIN) -> Group:
     """The tree in the ``content`` of the file at ``path``, members of the root named in ``without`` left out.
 
-    InputError in one line where it is truncated, damaged, being written by another program, or leads to other files.
+    InputError in one line where it is truncated, damaged, being written by another program, leads to other files, or
+    takes more than is allowed.
     """
     try:
-        with h5py.File(h5py.h5f.open_file_image(content)) as file:
-            return _group(path, file, without)
+        with reading(path) as allowed, h5py.File(h5py.h5f.open_file_image(content)) as file:
+            return _Reader(path, len(content), allowed).group(file, without)
     except InputError:
         raise
     except UNREADABLE:
@@ -184,32 +190,79 @@ def _is_being_written(path: Path) -> bool:
     return False
 
 
-def _group(path: Path, group: h5py.Group, without: Container[str] = (), depth: int = 0) -> Group:
-    if depth > DEEPEST:
-        raise ValueError("groups within groups")
-    members: dict[str, Group | Dataset] = {}
-    for name in group:
-        if name in without:
-            continue
-        where = f"{group.name.strip('/')}/{name}".strip("/")
-        if not isinstance(group.get(name, getlink=True), h5py.HardLink):
-            raise InputError(f'{path}: "{where}" is a link, not data of this file')
-        item = group[name]
-        members[name] = (
-            _values(path, where, item) if isinstance(item, h5py.Dataset) else _group(path, item, depth=depth + 1)
-        )
-    return Group(_attributes(group), members)
+@dataclass(frozen=True)
+class _Reader:
+    """Reads the file at ``path``, of ``whole`` bytes, and counts what that takes; ``seen``: addresses in the file."""
 
+    path: Path
+    whole: int
+    allowed: Allowance
+    seen: set[int] = field(default_factory=set)
 
-def _values(path: Path, where: str, data: h5py.Dataset) -> Dataset:
-    if data.external or data.is_virtual:
-        raise InputError(f'{path}: "{where}" lies in another file')
-    fits = (data.size or 0) * data.dtype.itemsize <= MOST_BYTES
-    values = _plain(data[()]) if fits else None
-    if isinstance(values, np.ndarray) and values.dtype.kind in "OS":
-        values = [_plain(item) for item in values.tolist()]
-    return Dataset(values, _attributes(data), data.shape or (), data.dtype)
+    def group(self, group: h5py.Group, without: Container[str] = (), depth: int = 0) -> Group:
+        if depth > DEEPEST:
+            raise ValueError("groups within groups")
+        members: dict[str, Group | Dataset] = {}
+        for name in group:
+            if name in without:
+                continue
+            where = f"{group.name.strip('/')}/{name}".strip("/")
+            self.enter(where, group.id.links.get_info(name.encode("utf-8", "surrogateescape")))
+            item = group[name]
+            is_data = isinstance(item, h5py.Dataset)
+            members[name] = self.dataset(where, item) if is_data else self.group(item, depth=depth + 1)
+        return Group(self.attributes(group), members)
 
+    def enter(self, where: str, link: h5py.h5l.LinkInfo) -> None:
+        """Count a member; refuse what leads elsewhere, or to what was read: so a small file becomes a huge tree."""
+        self.allowed.take(parts=1)
+        if link.type != h5py.h5l.TYPE_HARD or link.u in self.seen:
+            raise InputError(f'{self.path}: "{where}" is a link, not data of this file')
+        self.seen.add(link.u)
 
-def _attributes(item: h5py.Group | h5py.Dataset) -> dict[str, Any]:
-    return {str(key): _plain(value) for key, value in item.attrs.items()}
+    def dataset(self, where: str, data: h5py.Dataset) -> Dataset:
+        if data.external or data.is_virtual:
+            raise InputError(f'{self.path}: "{where}" lies in another file')
+        chunks = data.chunks or data.shape or ()
+        pieces = math.prod(-(-size // of) for size, of in zip(data.shape or (), chunks, strict=True) if of)
+        self.allowed.take(parts=max(pieces - 1, 0), memory=allowance.TUNING.chunk * pieces)
+        self.count(where, max(data.size or 0, math.prod(chunks)), data.id.get_type())
+        values = self.texts(data) if data.dtype.hasobject and data.shape else _plain(data[()])
+        if isinstance(values, np.ndarray) and values.dtype.kind in "OS":
+            values = [_plain(item) for item in values.tolist()]
+        return Dataset(values, self.attributes(data), data.shape or (), data.dtype)
+
+    def count(self, where: str, count: int, kind: h5py.h5t.TypeID) -> None:
+        """Count so many values of a type; what texts of variable length take is known when they are read. Types that
+        no file of ours holds are refused: the library itself falls over damaged ones."""
+        size, is_text = count * kind.get_size(), kind.get_class() == h5py.h5t.STRING
+        if kind.get_class() not in KINDS:
+            raise InputError(f'{self.path}: "{where}" holds neither numbers nor texts')
+        self.allowed.take(size, rows=count * is_text, memory=allowance.TUNING.copies * size * is_text)
+
+    def texts(self, data: h5py.Dataset) -> list[Any]:
+        """A column of texts of variable length, in pieces that cannot take more than is allowed: each of its texts may
+        be all that the file holds."""
+        if data.ndim != 1:
+            raise TypeError("a table of texts")
+        held: list[Any] = []
+        step = max(1, allowance.TUNING.size // self.whole)
+        for first in range(0, data.size, step):
+            piece = [_plain(text) for text in data[first : first + step]]
+            self.allowed.take(size := sum(map(len, piece)), memory=allowance.TUNING.copies * size)
+            held += piece
+        return held
+
+    def attributes(self, item: h5py.Group | h5py.Dataset) -> dict[str, Any]:
+        return {str(name): self.attribute(item, name) for name in item.attrs}
+
+    def attribute(self, item: h5py.Group | h5py.Dataset, name: str) -> Any:
+        held = item.attrs.get_id(name)
+        count = held.get_space().get_simple_extent_npoints()
+        self.allowed.take(parts=1)
+        self.count(name, count, held.get_type())
+        if count > 1 and held.dtype.hasobject:
+            self.allowed.take(count * self.whole)
+        value = _plain(item.attrs[name])
+        self.allowed.take(len(value) if isinstance(value, str) else 0)
+        return value

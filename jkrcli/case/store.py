@@ -270,7 +270,7 @@ class _Reader:
             kind = "a column of numbers" if ndim == 1 else f"rows of {width} numbers"
             raise InputError(f"{where}: must be {kind}, got {data.dtype} of shape {data.shape}")
         most = BOUNDS.rows if ndim == 1 else BOUNDS.cells // width
-        if data.values is None or not 1 <= data.shape[0] <= most:
+        if not 1 <= data.shape[0] <= most:
             raise InputError(f"{where}: must have 1 to {most} rows, got {data.shape[0]}")
         values = np.asarray(data.values, dtype=float)
         wrong = ~(np.abs(values) <= MOST**2)

@@ -15,6 +15,7 @@ from ..base import hdf5
 from ..base.arrays import Array
 from ..base.errors import InputError
 from ..base.files import read_bytes, write_bytes
+from ..base.table import as_json
 
 FITS, SWEEP_TABLE = FORMATS = ("jkr-fit", "jkr-sweep-table")
 VERSION = 2
@@ -49,12 +50,12 @@ def read(path: Path) -> Archive:
     """The archive at ``path``; InputError in one line where it is damaged or of another release."""
     content = read_bytes(path, "archive")
     root = hdf5.parse(path, content, remedy=WRITE_AGAIN)
-    held, version = root.attributes.get("format", ""), root.attributes.get("version", 0)
+    held, version = (str(root.attributes.get(name, "")) for name in ("format", "version"))  # or an array, or none
     if held not in FORMATS:
         raise InputError(f'{path}: format must be one of {", ".join(FORMATS)}, got "{held}"')
-    if version not in (UNPROTECTED, VERSION):
+    if version not in (str(UNPROTECTED), str(VERSION)):
         raise InputError(f"{path}: version must be {VERSION}, got {version}; this file needs another release of jkr")
-    is_sealed = version == VERSION or hdf5.SEAL in root.attributes
+    is_sealed = version == str(VERSION) or hdf5.SEAL in root.attributes
     if is_sealed and not hdf5.is_sound(root):
         raise hdf5.unreadable(path, content, " (it does not hold what was written)", WRITE_AGAIN)
     return Archive(path, held, root, is_sealed)
@@ -64,12 +65,14 @@ def read(path: Path) -> Archive:
 def summary(archive: Archive) -> dict[str, Any]:
     """What an archive holds, for machines: the fits of all curves, or the columns of a table with their ends."""
     told = archive.root.attributes
-    identity = {"file": str(archive.path), "format": archive.format, "version": told["version"], "jkr": told["jkr"]}
     try:
+        identity = {"file": str(archive.path), "format": archive.format, "version": told["version"], "jkr": told["jkr"]}
         found = _fits(archive.root) if archive.format == FITS else _table(archive.root)
+        held = identity | found | {"warnings": [] if archive.is_protected else [DOUBT]}
+        words(held), as_json(held)  # what cannot be told is none
     except (*hdf5.UNREADABLE, AttributeError, RecursionError):  # a number where a group belongs, and the like
         raise InputError(f"{archive.path}: does not hold what an archive of format {archive.format} does") from None
-    return identity | found | {"warnings": [] if archive.is_protected else [DOUBT]}
+    return held
 
 
 def _fits(root: hdf5.Group) -> dict[str, Any]:

@@ -187,11 +187,6 @@ def _virtual(file: h5py.File) -> None:
     file.create_virtual_dataset("series/P", layout)
 
 
-def _huge_case(file: h5py.File) -> None:
-    del file["case"]
-    file.create_dataset("case", shape=(), dtype=f"S{1 << 30}")
-
-
 def _list_of_facts(file: h5py.File) -> None:
     file["facts"].attrs["nodes"] = np.arange(3)
 
@@ -205,7 +200,6 @@ SERIES = {
     _soft_link: '"errors" is a link, not data of this file',
     _foreign_storage: '"series/P" lies in another file',
     _virtual: '"series/P" lies in another file',
-    _huge_case: "case: must be a text of at most 16 MiB",
     _list_of_facts: "attribute facts.nodes must be a number or a text, got ndarray",
     _absurd: "series/P: row 4 must be a number up to 1e+60, got 1e+308",
 }

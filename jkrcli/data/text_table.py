@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..base import allowance
 from ..base.arrays import Array
 from ..base.errors import InputError
 from ..base.files import read_bytes
@@ -33,7 +34,6 @@ HEADINGS = ("columns:", "units:")  # before the names and units themselves, in c
 OTHER_UNITS = ("", "-", "1", "V", "mV")
 SHEETS = (".xls", ".xlsx", ".ods")  # choice: endings of spreadsheets, which are no text
 WRONG_LINES_SHOWN = 5
-MOST_BYTES = 256 << 20  # choice: of a table of numbers, ten times as much in memory
 MOST_COLUMNS = 10_000  # choice: a map of 64 x 64 curves beside each other and more
 LONGEST_HEAD = 100 * MOST_COLUMNS  # choice: characters of a line of words; longer ones name no columns
 _NUMBER = re.compile(r"[+-]?(\d+(?:[.]\d*)?|[.]\d+)([eEdD][+-]?\d+)?\Z|[+-]?(nan|inf|infinity)\Z", re.IGNORECASE)
@@ -168,7 +168,24 @@ def read_table(
     the header may come again behind it.
     Raises InputError, a line per mistake, where there is no table or a row differs in its number of cells.
     """
-    whole = decoded(read_bytes(path, "table", MOST_BYTES) if content is None else content)
+    most = allowance.TUNING.text
+    with allowance.reading(path, most, fenced=False) as allowed:
+        whole = decoded(read_bytes(path, "table", most) if content is None else content)
+        allowed.take_text(whole)
+        return _table(path, whole, separator, decimal, least, is_text, finite, is_note)
+
+
+def _table(
+    path: Path,
+    whole: str,
+    separator: str | None,
+    decimal: str | None,
+    least: int,
+    is_text: Callable[[int, str], bool],
+    finite: bool,
+    is_note: Callable[[str], bool],
+) -> TextTable:
+    """The table in the text of a whole file."""
     lines_of_file = _without_long_head(_lines(path, whole))
     head, rest = lines_of_file[: TUNING.head], lines_of_file[TUNING.head :]
     sample = head + rest[:: max(1, len(rest) // TUNING.spread)]

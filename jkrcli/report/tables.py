@@ -12,6 +12,7 @@ from ..adhesion.critical import Errors
 from ..adhesion.curve import Equilibrium, EquilibriumCurve
 from ..adhesion.device import CONTROLS, DISPLACEMENT_CONTROL
 from ..adhesion.stability import Behaviour, Jump, behaviour, branch
+from ..base import allowance
 from ..base.arrays import Array
 from ..base.errors import InputError
 from ..base.files import read_bytes
@@ -34,7 +35,10 @@ def curve_columns(curve: EquilibriumCurve) -> dict[str, Array]:
 
 def read_curve(path: Path) -> dict[str, Array]:
     """The columns of numbers in the CSV file of a curve; InputError with the line where a row is wrong."""
-    lines = read_bytes(path, "curve").decode("utf-8", errors="replace").splitlines()
+    with allowance.reading(path, fenced=False) as allowed:
+        text = read_bytes(path, "curve", allowance.TUNING.text).decode("utf-8", errors="replace")
+        allowed.take_text(text)
+    lines = text.splitlines()
     names = lines[0].split(",") if lines else []
     if names[:1] != ["a_m"]:
         raise InputError(f'{path}: line 1 must be the header "a_m,delta_m,P_N,...", got "{(lines or [""])[0][:40]}"')

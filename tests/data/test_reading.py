@@ -14,7 +14,6 @@ import pytest
 from jkrcli.base.errors import InputError
 from jkrcli.data import measured
 from jkrcli.data.measured import Curve, Reading
-from jkrcli.data.measured import archive as archive_room
 from jkrcli.data.measured.curve import AS_DEPTH
 from jkrcli.data.text_table import decoded, read_table
 
@@ -477,8 +476,8 @@ WRONG: dict[str, tuple[Callable[[Path], Path], str]] = {
         "{path}: cannot be read as a zip archive (File is not a zip file)",
     ),
     "an archive that unpacks to too much": (
-        lambda path: archive(path / "m.zip", {"a.txt": bytes(3000)}),
-        "{path}: its tables unpack to 0 MiB, at most 0 MiB are read",
+        lambda path: archive(path / "m.zip", {"a.txt": bytes(60_000), "b.txt": bytes(60_000)}),
+        "{path}: holds 120,000 unpacked bytes or more, at most 100,000 are read of one file",
     ),
     "no archive there": (lambda path: path / "none.zip", "{path}: zip archive not found"),
     "an archive packed otherwise": (
@@ -498,8 +497,8 @@ WRONG: dict[str, tuple[Callable[[Path], Path], str]] = {
 
 
 @pytest.mark.parametrize("mistake", WRONG)
-def test_mistakes_are_told_in_one_line(tmp_path: Path, mistake: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(archive_room, "MOST", 2000)
+def test_mistakes_are_told_in_one_line(tmp_path: Path, mistake: str, tuned) -> None:
+    tuned("jkrcli.base.allowance.TUNING.text", 100_000)
     make, expected = WRONG[mistake]
     path = make(tmp_path)
     with pytest.raises(InputError) as caught:

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import zipfile
 from pathlib import Path
 
 from ...base.errors import InputError
-from .archive import tables
+from . import archive
 
 FIRST = 1 << 16  # choice: bytes from which the length of a row is told
 EACH = 400  # choice: rows that a table of an archive costs beside its own
 WIDE = 160.0  # bytes, from which on a row costs by its length; tuned on tables of 12 to 1000 columns, by `make guards`
-USUAL = 40.0  # choice: bytes of a row where its length is not told so: of archives and files of microscopes
+USUAL = 40.0  # choice: bytes of a row where its length is not told so: of files of microscopes
 
 
 def rows_expected(path: Path) -> float:
@@ -23,12 +22,18 @@ def rows_expected(path: Path) -> float:
         if not path.is_file():
             return 0.0
         if path.suffix.lower() == ".zip":
-            inside = tables(path)
-            with zipfile.ZipFile(path) as file:
-                return sum(file.getinfo(name).file_size / USUAL + EACH for name in inside.names)
+            inside = archive.tables(path)
+            heads = archive.contents(path, inside, FIRST)
+            return sum(_rows(item.file_size, head) + EACH for item, head in zip(inside, heads, strict=True))
+        if path.suffix.lower().startswith(".jpk"):
+            return sum(item.file_size for item in archive.members(path)) / USUAL
         with path.open("rb") as file:
-            first = file.read(FIRST)
-        rows = first.count(b"\n") / max(len(first), 1)  # per byte
-        return path.stat().st_size * (max(rows, 1 / WIDE) if rows else 1 / USUAL)
-    except (InputError, OSError, ValueError, zipfile.BadZipFile):
+            return _rows(path.stat().st_size, file.read(FIRST))
+    except (InputError, OSError, ValueError):
         return 0.0
+
+
+def _rows(size: int, first: bytes) -> float:
+    """About how many rows stand in so many bytes, by those that come ``first``."""
+    rows = first.count(b"\n") / max(len(first), 1)  # per byte
+    return size * (max(rows, 1 / WIDE) if rows else 1 / USUAL)

@@ -73,7 +73,7 @@ def curves(path: Path, reading: Reading) -> Iterator[tuple[Curve | InputError, f
         yield from _curves(path, path, path.stem, reading)
         return
     inside = archive.tables(path)
-    for name, content in inside:
+    for name, content in zip(archive.titles(inside), archive.contents(path, inside), strict=True):
         try:
             yield from _curves(path, path / name, name, reading, content)
         except InputError as error:

@@ -124,17 +124,24 @@ def test_mistakes_are_told_in_one_line(tmp_path: Path, mistake: str) -> None:
     assert str(caught.value) == expected.format(path=path)
 
 
-@pytest.mark.parametrize("ending", [".jpk-force", ".ibw", ".h5", ".tab"])
+JUNK = {
+    ".jpk-force": "cannot be read as a zip archive (File is not a zip file)",
+    ".ibw": "is no binary wave of version 5, or cut off: export it again",
+    ".h5": "the HDF5 file is damaged and cannot be read; export it again",
+    ".tab": "is no file of force curves that afmformats reads (",
+}
+
+
+@pytest.mark.parametrize("ending", JUNK)
 def test_what_is_no_such_file_is_refused_quietly(
     tmp_path: Path, ending: str, capfd: pytest.CaptureFixture[str]
 ) -> None:
     pytest.importorskip("afmformats")
     path = tmp_path / f"junk{ending}"
     path.write_bytes(b"\x89HDF\r\n\x1a\n no file of force curves \x00\x01")
-    with pytest.raises(
-        InputError, match=f"^{path}: (is no file of force curves that|afmformats cannot read this file)"
-    ):
+    with pytest.raises(InputError) as caught:
         measured.read(path)
+    assert caught.value.lines[0].startswith(f"{path}: {JUNK[ending]}")
     assert capfd.readouterr().err == ""
 
 

@@ -2,24 +2,29 @@
 
 from __future__ import annotations
 
+import contextlib
 import logging
 import math
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from ...base import allowance
 from ...base.arrays import Array
 from ...base.errors import InputError, first_line
 from ...base.files import read_bytes
 from ...base.installing import installs
+from . import intact
 from .curve import APPROACH, LEAST_ROWS, RETRACT, Curve, Pixel, Reading, place
 
 HEIGHTS = ("height (measured)", "height (piezo)")  # the better first
 SEGMENTS = {0: APPROACH, 1: RETRACT}
+LACKING = "No data found"  # how afmformats begins to say that a column is not there
+BASE = ".base-calibration-slot"  # of a JPK file: how a property ends that names the scale which another is based on
 
 
 class UnreadableError(InputError):
@@ -41,14 +46,21 @@ def curves(
     for data in held:
         name = path.stem if len(held) == 1 else str(data.enum)
         try:
-            curve = _with_factors(_curve(path, name, data), reading)
-            tip = _holds(data, "tip position")
-            stiffness = None if tip else _stiffness(curve, data, reading)
-            if lack := _lack(lacks, stiffness, reading) if not tip else "":
-                curve = replace(curve, flags=(*curve.flags, lack))
-            yield curve, stiffness
+            with _told(place(path, name)):
+                found = _found(path, name, data, reading, lacks)
+            yield found
         except InputError as error:
             yield error, None
+
+
+def _found(path: Path, name: str, data: Any, reading: Reading, lacks: str) -> tuple[Curve, float | None]:
+    """The curve of one data set and its spring constant, with what is to be said of what 1 stands in for."""
+    curve = _with_factors(_curve(path, name, data), reading)
+    if _holds(data, "tip position"):
+        return curve, None
+    stiffness = _stiffness(curve, data, reading)
+    lack = _lack(lacks, stiffness, reading)
+    return replace(curve, flags=(*curve.flags, lack)) if lack else curve, stiffness
 
 
 def takes_any_three_columns(path: Path) -> bool:
@@ -67,40 +79,68 @@ def load(path: Path, reading: Reading) -> tuple[list[Any], str]:
     """The data sets of a file, whose columns are read when they are asked for; what 1 stands in for, if anything."""
     try:
         import afmformats
-        from afmformats import errors, meta
+        from afmformats import errors
     except ModuleNotFoundError:
         raise UnreadableError(f"{path}: needs the optional package afmformats: {installs('afm')}") from None
     if not path.is_file():
-        read_bytes(path, "file of force curves")  # says what is wrong with it
-    logger = logging.getLogger("afmformats")
-    if not logger.handlers:
-        logger.addHandler(logging.NullHandler())  # its tracebacks are told here in one line
+        read_bytes(path, intact.WHAT)  # says what is wrong with it
+    if path.suffix in afmformats.supported_extensions:
+        intact.check(path)
+    for name in ("afmformats", "igor2"):
+        if not (logger := logging.getLogger(name)).handlers:
+            logger.addHandler(logging.NullHandler())  # their tracebacks are told here in one line
     stiffness = None if reading.stiffness == math.inf else reading.stiffness
     told = {"spring constant": stiffness, "sensitivity": reading.sensitivity}
     override, lacks = {key: value for key, value in told.items() if value is not None}, ""
     try:
         try:
-            held = afmformats.load_data(path, modality="force-distance")
-        except (errors.MissingMetaDataError, meta.MetaDataMissingError):
+            held = _loaded(path)
+        except errors.MissingMetaDataError:
             if reading.incomplete:
                 lacks = " and ".join(key for key in told if key not in override)
                 override = dict.fromkeys(told, 1.0) | override
             if not override:
                 raise
-            held = afmformats.load_data(path, modality="force-distance", meta_override=override)
-    except (errors.MissingMetaDataError, meta.MetaDataMissingError) as error:
-        missing = ", ".join(getattr(error, "meta_keys", ())) or str(error)
+            held = _loaded(path, meta_override=override)
+    except errors.MissingMetaDataError as error:
+        missing = ", ".join(error.meta_keys)
         raise InputError(f"{path}: lacks {missing}: give --stiffness and, if asked for, --sensitivity") from None
-    except errors.FileFormatNotSupportedError:
-        known = ", ".join(afmformats.supported_extensions)
-        raise UnreadableError(f"{path}: is no file of force curves that afmformats reads ({known})") from None
-    except (errors.AFMFileFormatError, Exception) as error:  # readers of damaged files raise anything
-        raise UnreadableError(f"{path}: afmformats cannot read this file ({first_line(error)})") from None
     if not held:
         raise InputError(f"{path}: holds no force-distance record")
     if reading.stiffness == math.inf:
         raise InputError(f"{path}: is of a force microscope, whose lever bends: give its stiffness, not rigid")
     return held, lacks
+
+
+def _loaded(path: Path, **options: Any) -> list[Any]:
+    """What afmformats loads of a file."""
+    import afmformats
+    from afmformats import errors
+    from afmformats.formats.fmt_jpk.jpk_reader import ArchiveCache
+
+    if old := ArchiveCache.open_archives.pop(path, None):  # else it goes on to read what was there before
+        old.close()
+    with _told(str(path)):
+        try:
+            return list(afmformats.load_data(path, modality="force-distance", **options))
+        except errors.FileFormatNotSupportedError:
+            known = ", ".join(afmformats.supported_extensions)
+            raise UnreadableError(f"{path}: is no file of force curves that afmformats reads ({known})") from None
+
+
+@contextlib.contextmanager
+def _told(where: str) -> Iterator[None]:
+    """A block of work by afmformats, whose readers of damaged files raise anything, much of which is no Exception."""
+    from afmformats import errors, meta
+
+    try:
+        with allowance.reading(where), warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            yield
+    except InputError:
+        raise
+    except (Exception, errors.AFMFileFormatError, meta.MetaDataMissingError) as error:
+        raise UnreadableError(f"{where}: afmformats cannot read this file ({first_line(error)})") from None
 
 
 def _lack(lacks: str, stiffness: float | None, reading: Reading) -> str:
@@ -116,6 +156,7 @@ def _lack(lacks: str, stiffness: float | None, reading: Reading) -> str:
 def _curve(path: Path, name: str, data: Any) -> Curve:
     """The curve of one data set: minus the height of the tip, else of the piezo, force, time and segments."""
     where = place(path, name)
+    _check_points(where, data)
     height = next((name for name in ("tip position", *HEIGHTS) if _holds(data, name)), None)
     if height is None or not _holds(data, "force"):
         raise InputError(f"{where}: holds no height or no force (columns: {', '.join(data.columns)})")
@@ -132,9 +173,45 @@ def _curve(path: Path, name: str, data: Any) -> Curve:
     return Curve(name, delta=delta, P=P, t=t, segment=segment, origin=path, flags=flags, pixel=_pixel(data))
 
 
+def _check_points(where: str, data: Any) -> None:
+    """Refuse a data set that does not hold as many points as it says, in any of its segments, before afmformats makes
+    up so many times."""
+    raw = data._raw_data
+    if hasattr(raw, "loaders"):  # of a JPK file
+        get, told = raw.loaders["force"]
+        reader, index = get.__self__, told["index"]
+        for segment in reader.get_index_segment_numbers(index):
+            _check_scales(where, reader._get_index_segment_properties(index, segment))
+            declared = reader.get_metadata(index, segment).get("point count")
+            _check_count(f"{where}: segment {segment}", declared, reader.get_data("force", index, segment))
+    elif _holds(data, "force"):
+        _check_count(where, _metadata(data, "point count"), data["force"])
+
+
+def _check_count(where: str, declared: int | None, values: Array) -> None:
+    if declared not in (None, len(values)):
+        raise InputError(f"{where}: is damaged or cut off: holds {len(values):,} points of {declared:,}")
+
+
+def _check_scales(where: str, told: Mapping[str, Any]) -> None:
+    """Refuse scales of a JPK file that are based on each other in a circle, in which afmformats would stay."""
+    for start in (key for key in told if key.endswith(BASE)):
+        key, known = start, set[str]()
+        while key in told and key not in known:
+            known.add(key)
+            key = f"{key.removesuffix(BASE).rpartition('.')[0]}.{told[key]}{BASE}"
+        if key in known:
+            raise InputError(f"{where}: is damaged: its scale {start.removesuffix(BASE)} is based on itself")
+
+
+def _metadata(data: Any, name: str) -> Any:
+    """What a file tells of a data set, None where it does not; the public copy of it would compute all that can be."""
+    return data._metadata.get(name)
+
+
 def _pixel(data: Any) -> Pixel | None:
     """The place of a data set in a map, where its file tells it."""
-    told = [data.metadata.get(key) for key in ("grid index x", "grid index y", "position x", "position y")]
+    told = [_metadata(data, key) for key in ("grid index x", "grid index y", "position x", "position y")]
     if any(value is None or not math.isfinite(value) for value in told):
         return None
     return Pixel(int(told[0]), int(told[1]), float(told[2]), float(told[3]))
@@ -150,10 +227,14 @@ def _with_factors(curve: Curve, reading: Reading) -> Curve:
 
 def _holds(data: Any, name: str) -> bool:
     """Whether a data set has the column: some readers announce columns that their files lack."""
+    from afmformats.errors import FileFormatNotSupportedError
+
     try:
         return name in data and data[name] is not None
-    except Exception:
-        return False
+    except FileFormatNotSupportedError as error:
+        if str(error).startswith(LACKING):
+            return False
+        raise
 
 
 def _column(where: str, data: Any, name: str) -> Array:
@@ -165,7 +246,7 @@ def _column(where: str, data: Any, name: str) -> Array:
 
 def _stiffness(curve: Curve, data: Any, reading: Reading) -> float | None:
     """The spring constant [N/m] of the file, or the user's where it has none: loads were computed with it."""
-    held = data.metadata.get("spring constant")
+    held = _metadata(data, "spring constant")
     told = reading.stiffness
     if reading.incomplete and told is None and held in (None, 1.0):
         return None

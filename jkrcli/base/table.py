@@ -11,20 +11,21 @@ from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
+from .errors import printable
 from .files import write_text
 
-FORMULA = ("=", "+", "-", "@", "\t", "\r")  # how a cell begins that spreadsheets carry out
+FORMULA = ("=", "+", "-", "@")  # how a cell begins that spreadsheets carry out
 
 
 def write_csv(path: Path, columns: Mapping[str, Iterable[Any]]) -> None:
     """Write columns of one length: a line of their names, then a line per row.
 
     Numbers have full precision; cells without a value (None, NaN, infinite) are empty; words with commas are quoted;
-    words that a spreadsheet would take for a formula are led by an apostrophe.
+    words that a spreadsheet would take for a formula are led by an apostrophe, control characters are escapes.
     """
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(columns)
+    writer.writerow(map(_cell, columns))
     writer.writerows(zip(*(map(_cell, _plain(values)) for values in columns.values()), strict=True))
     write_text(path, text.getvalue())
 
@@ -36,8 +37,8 @@ def _plain(values: Any) -> Iterable[Any]:
 
 
 def _cell(value: Any) -> Any:
-    if isinstance(value, str) and value.startswith(FORMULA):
-        return "'" + value
+    if isinstance(value, str):
+        return "'" * value.startswith(FORMULA) + printable(value)
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 

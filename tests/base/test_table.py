@@ -12,7 +12,7 @@ from jkrcli.base.table import write_csv
 
 
 def test_numbers_keep_every_bit_and_words_their_commas(tmp_path: Path) -> None:
-    numbers, words = np.array([0.1 + 0.2, 1e-300, -5e22]), ["plain", "with, comma", 'with "quotes"\nand lines']
+    numbers, words = np.array([0.1 + 0.2, 1e-300, -5e22]), ["plain", "with, comma", 'with "quotes", ü and µ']
     write_csv(tmp_path / "t.csv", {"x_m": numbers, "words, all": words, "n": (1, 2, 3)})
     with (tmp_path / "t.csv").open(newline="") as file:
         header, *rows = csv.reader(file)

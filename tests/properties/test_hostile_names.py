@@ -40,6 +40,7 @@ FAST = (
     ("look", CSV, "--no-plots"), ("look", CSV, "--column", f"P={WORD}"), ("transform", H5, "-v", "--no-plots"),
     ("cycle", H5, "--no-plots"), ("compare", H5, LAYER), ("sweep", f"{NAME}many.toml", "--show-case", "0"),
     ("pull-off", LAYER, "--load", "0.2 mN", "--uncertain", f"E:{NAME}=5%"), ("new", f"{NAME}n.toml"), ("doctor",),
+    ("work", H5, CSV, "--no-plots"),
 )  # fmt: skip
 SLOW = (
     ("mesh", f"{NAME}f.toml"), ("transform", H5), ("profile", H5, "--a", "50 um"), ("fields", H5, "--a", "50 um"),
@@ -74,6 +75,7 @@ def _folder(jkr, tmp_path: Path) -> Path:
 @pytest.mark.parametrize("words", [*FAST, *(pytest.param(words, marks=pytest.mark.slow) for words in SLOW)],
                          ids=lambda words: words[0])  # fmt: skip
 def test_no_verb_prints_what_steers_a_terminal(folder: Path, words: tuple[str, ...]) -> None:
+    given = set(folder.rglob("*"))
     out, err = io.StringIO(), io.StringIO()
     with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
         code = call(list(words))
@@ -82,6 +84,8 @@ def test_no_verb_prints_what_steers_a_terminal(folder: Path, words: tuple[str, .
     assert all(line.startswith("jkr: ") and line.isprintable() for line in err.getvalue().splitlines())
     for path in folder.rglob("*.svg"):
         minidom.parse(str(path))
+    for path in {*folder.rglob("*.csv"), *folder.rglob("*.json")} - given:
+        assert all(map(str.isprintable, path.read_text(encoding="utf-8").split("\n"))), path.name
 
 
 @pytest.mark.parametrize("word", [NAME, WORD, "$x$", "a$", "\x00", "接着"])

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import contextlib
 import functools
+import hashlib
 import os
 import re
 import secrets
-from collections.abc import Iterable, Iterator
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
 from contextvars import ContextVar
 from pathlib import Path
 from typing import BinaryIO
 
 from . import allowance
-from .errors import InputError, JkrError, nearest
+from .errors import InputError, JkrError, nearest, writable
 from .interrupts import Waiting
 
 CSV_HEADS = (
@@ -47,6 +49,7 @@ HEADS = {  # how a file begins, and what then stands near its head
 }
 TAILS = (b"$Comments\njkr ", b"<!-- jkr ")  # of meshes
 PARQUET, PARQUET_MARK = b"PAR1", b"jkr-sweep-table"
+SHORTEST, LONGEST = 20, 80  # choice: letters of what a file is called after that others gave a name
 SERIES_ENDINGS = (".h5", ".hdf5")
 
 
@@ -108,6 +111,19 @@ def _parquet_mark(file: BinaryIO) -> bool:
     length = int.from_bytes(file.read(4), "little")
     file.seek(max(0, size - 8 - length))
     return PARQUET_MARK in file.read(min(length, 1 << 24))
+
+
+def beside(stem: Path, names: Sequence[str]) -> list[Path]:
+    """What files are called after ``stem`` and each of the ``names``, which others gave: plain letters, no more than a
+    name may have with its ending, all different."""
+    most = max(SHORTEST, min(LONGEST, 250 - len(os.fsencode(stem.name))))
+    plain = [re.sub(r"[^-_.a-zA-Z0-9]+", "-", name) for name in names]
+    alike, found = Counter(map(str.lower, plain)), []
+    for i, name in enumerate(plain):
+        mark = hashlib.sha256(writable(f"{i} {names[i]}").encode()).hexdigest()[:8]
+        is_fit = len(name) <= most and alike[name.lower()] == 1
+        found.append(stem.with_name(f"{stem.name}-{name if is_fit else f'{name[: most - 9]}-{mark}'}"))
+    return found
 
 
 def check_target(path: Path, force: bool = False, inputs: Iterable[Path] = ()) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import re
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,7 +11,7 @@ import click
 
 from ..adhesion.rate.laws import RATE_LAWS
 from ..base.errors import InputError
-from ..base.files import together
+from ..base.files import SHORTEST, beside, together
 from ..methods.guards import Limits
 from ..report.output import PICTURES, Files, Output
 from .body import FLAGS, body_options, given_flags, tables_of
@@ -138,6 +137,8 @@ def fit(
         refuse_unused({**options, "bound": bound, "uncertain": uncertain})
     endings = (".csv", ".json", ".h5") if law is None else (".csv", ".json", *PICTURES)
     targets = output.files(output.folder(body_file.parent) / f"{body_file.stem}-fit", endings, inputs)
+    for longest in beside(targets.stem, ["x" * SHORTEST]) if law is None else []:
+        output.files(longest, PICTURES, inputs)
     begin_reading("fit", paths, TUNING.fit_per_row * len(SURFACES.get(surface or "", ("",))), limits)
     reading = reading_of(options)
     options["noise"], options["contact"] = dict(options["noise"]), reading.contact
@@ -274,7 +275,8 @@ def _pictures(
         for (items, _), body in zip(each, bodies, strict=True)
         for item, name in _named(items)
     ]
-    return [(item, output.files(Path(f"{targets.stem}-{name}"), PICTURES, inputs)) for item, name in named]
+    stems = beside(targets.stem, [name for _, name in named])
+    return [(item, output.files(stem, PICTURES, inputs)) for (item, _), stem in zip(named, stems, strict=True)]
 
 
 def _named(found: list[Fit | Failure]) -> list[tuple[Fit | Failure, str]]:
@@ -289,7 +291,7 @@ def _named(found: list[Fit | Failure]) -> list[tuple[Fit | Failure, str]]:
     held = [(str(item.curve.origin or ""), item.curve.name) if isinstance(item, Failure) else (item.file, item.name)
             for item in drawable]  # fmt: skip
     names = [Path(file).stem if len(held) == 1 else f"{Path(file).stem}-{name}" for file, name in held]
-    return [(item, re.sub(r"[^-_.a-zA-Z0-9]+", "-", name)) for item, name in zip(drawable, names, strict=True)]
+    return list(zip(drawable, names, strict=True))
 
 
 def _draw(drawn: Pictures) -> None:

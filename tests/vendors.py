@@ -179,7 +179,7 @@ KINDS: dict[str, Callable[[Path], Path]] = {
     "jpk map": lambda folder: zipped(folder / "map.jpk-force-map", jpk_members(3)),
     "ibw": lambda folder: ibw(folder / "one.ibw"),
     "tab": lambda folder: exported(folder / "one.tab"),
-    "hdf5": lambda folder: exported(folder / "map.h5", 3),
+    "hdf5": lambda folder: exported(folder / "map.h5", 2),
     "workshop": lambda folder: workshop(folder / "workshop.csv"),
     "workshop map": lambda folder: workshop_map(folder / "map.zip"),
     "ntmdt": lambda folder: ntmdt(folder / "ntmdt.txt"),

@@ -36,7 +36,8 @@ NO_ROOM = re.compile(r"(can't|unable to|cannot|not) allocate|allocation failed",
 
 
 class Allowance:
-    """What is taken of the file at ``path``, of ``size`` bytes at most; InputError in one line where it is too much."""
+    """The allowance of a foreign file at ``path``, ``size`` bytes of it at most, and what is taken of it; InputError in
+    one line where that is too much."""
 
     def __init__(self, path: Path | str, size: int) -> None:
         self.path, self.memory = path, 0

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -34,10 +35,12 @@ def layer(nu: float, bonded: bool = True) -> jkr.Specimen:
 COATING = jkr.Specimen((jkr.Layer(jkr.Elastic(1 - 0.4**2, 0.4), 1.0),), jkr.HalfSpace(jkr.Elastic(10.0, 0.25)))
 
 
+@cache
 def solved(specimen: jkr.Specimen, R: float, a: float, points: int = 100) -> jkr.Solution:
     return jkr.solve(jkr.Problem(jkr.Paraboloid(R), specimen, jkr.Loading("radius", a, points)), "layered")
 
 
+@cache
 def curve_of(specimen: jkr.Specimen, R: float, a: float, w: float, mu: float, points: int = 100) -> FiniteRangeCurve:
     """The curve of a body of E* = 1 for mu = sigma (R/(E*^2 w))^(1/3)."""
     return finite_range_curve(solved(specimen, R, a, points), w, stress=mu * (w / R) ** (1 / 3))

@@ -171,11 +171,11 @@ def test_compliance_of_the_machine_and_bounds() -> None:
     assert "w ends on its bound 200 mJ/m^2" in fit(half_space(), sphere(), Settings(held)).warnings
 
 
-def test_twenty_noisy_sets_with_shifted_origins() -> None:
+def test_ten_noisy_sets_with_shifted_origins() -> None:
     """Perepelkin et al. found 0.9987 MPa and 101.2 mJ/m^2; ours differ by +0.03 % and
     +0.01 %, with standard errors of 0.04 and 0.05 %."""
     found = []
-    for seed in range(20):
+    for seed in range(10):
         shift = np.random.default_rng(1000 + seed).uniform(-0.5, 0.5)
         result = fit(half_space(), sphere(noise=0.01, seed=seed, shift=shift), usual())
         found.append((result.value("E_star") / E_STAR, result.value("w") / W))

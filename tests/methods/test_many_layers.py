@@ -47,7 +47,7 @@ def brute_force(sizes: SizeLaw, width: float, depth: float) -> float:
     return float(1.12 * 4 / np.sqrt(3) * np.trapezoid(lines, r))
 
 
-@pytest.mark.parametrize("thicknesses", [[1.0], [0.2] * 12, [0.02, 0.3] * 6, [0.5, 0.01, 2.0, 0.1]], ids=str)
+@pytest.mark.parametrize("thicknesses", [[1.0], [0.2] * 6, [0.02, 0.3] * 3, [0.5, 0.01, 2.0, 0.1]], ids=str)
 def test_expected_triangles_are_those_of_the_law(thicknesses: list[float]) -> None:
     sizes = law(thicknesses, 0.15)
     for depth in (sum(thicknesses), 50.0):

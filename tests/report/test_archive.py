@@ -39,7 +39,7 @@ count = 8
 "specimen.half_space.nu" = { distribution = "normal", mean = 0.5, sd = 0.1 }
 """
 KINDS = ("fits", "table")
-TRIALS = pytest.mark.parametrize("trials", [200, pytest.param(2000, marks=pytest.mark.slow)])
+TRIALS = pytest.mark.parametrize("trials", [100, pytest.param(2000, marks=pytest.mark.slow)])
 
 
 @pytest.fixture(name="archives")

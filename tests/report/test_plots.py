@@ -210,7 +210,7 @@ def test_many_records_with_long_names_are_drawn_whole(drawn: Callable[..., list[
     z = np.concatenate([np.linspace(-3, 1, 60), np.linspace(1, -3, 60)])
     P = 30 * np.maximum(z, 0) ** 1.5
     noise = np.random.default_rng(1)
-    rows = [f"sample-{i:03}-measured-on-a-day-in-May,{x},{y}" for i in range(100)
+    rows = [f"sample-{i:03}-measured-on-a-day-in-May,{x},{y}" for i in range(30)
             for x, y in zip(z, P + noise.normal(size=z.size), strict=True)]  # fmt: skip
     Path("many.csv").write_text("\n".join(["curve,Piezo (um),Force (nN)", *rows]))
     (figure,) = drawn("look", "many.csv", "--stiffness", "5 N/m")

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from functools import lru_cache
 
 import numpy as np
 
@@ -94,15 +95,14 @@ def _by_others(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> 
     smooth = not isinstance(slopes.error, Unknown) and slopes.error <= CHOICE.negligible
     found = [
         (other, TUNING.order_factor if smooth else 1)
-        for other in (curve.thinned(first).pull_off(stiffness) for first in (0, 1))
+        for other in (_pull_off(half, curve, stiffness) for half in curve.halves)
         if not isinstance(other, Unknown)
     ]
     if slopes.method != "exact":
-        try:
-            integral = slopes_function("integral")(curve.series)
-        except InputError as error:
-            return Unknown(f"unknown: {error}")
-        other = transform(curve.series, integral, curve.w).pull_off(stiffness)
+        by_integral = _by_integral(curve)
+        if isinstance(by_integral, Unknown):
+            return by_integral
+        other = _pull_off(by_integral, curve, stiffness)
         if isinstance(other, Unknown):
             return Unknown("unknown: by the slopes 'integral' the point lies outside the series")
         found.append((other, 1))
@@ -112,3 +112,18 @@ def _by_others(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> 
         name: max(abs(getattr(other, name) - getattr(point, name)) / factor for other, factor in found)
         for name in ("delta", "P")
     }
+
+
+def _pull_off(other: AdhesiveCurve, curve: AdhesiveCurve, stiffness: float) -> CriticalPoint | Unknown:
+    """The pull-off of the ``other`` curve; those under all devices that ``curve`` was asked for are found with it."""
+    other.look_for_critical(curve.devices)
+    return other.pull_off(stiffness)
+
+
+@lru_cache(maxsize=2)
+def _by_integral(curve: AdhesiveCurve) -> AdhesiveCurve | Unknown:
+    """The same curve by the slopes "integral", or why there is none."""
+    try:
+        return transform(curve.series, slopes_function("integral")(curve.series), curve.w)
+    except InputError as error:
+        return Unknown(f"unknown: {error}")

@@ -182,6 +182,7 @@ class CostTuning:
     curve: float = 0.03  # CPU seconds of a curve; tuned on series of 100 rows, by `make bench`
     per_row: float = 4e-5  # and per row; tuned on series of 1e5 rows, by `make bench`
     table_per_row: float = 3e-5  # and of its table; tuned on series of 1e5 rows, by `make bench`
+    device: float = 7e-3  # of what is read off it for a device; tuned on 10 to 2,000 devices, by `make guards`
     figure: float = 0.6  # of its pictures; tuned on series of 100 rows, by `make bench`
 
 
@@ -189,15 +190,16 @@ COST = CostTuning()
 
 
 def forecast(
-    solution: Solution, works: Sequence[float], asked: AskedRange = JKR, tables: bool = True, figures: bool = False
-) -> Forecast:
-    """What the curves of a solution for ``works`` of adhesion [J/m^2] cost, with their tables and pictures or without;
-    ``asked``: of finite range."""
+    solution: Solution, works: Sequence[float], asked: AskedRange = JKR, tables: bool = True, figures: bool = False,
+    devices: int = 0,
+) -> Forecast:  # fmt: skip
+    """What the curves of a solution for ``works`` of adhesion [J/m^2] cost, with their tables and pictures or without,
+    and what is read off for so many ``devices``; ``asked``: of finite range."""
     rows = solution.increments.a.size
     fitted = COST.fit + COST.fit_per_row * rows if solution.series.S is None else 0.0
     per_row, mib = COST.per_row + tables * COST.table_per_row, COST.mib_per_row + tables * COST.table_mib_per_row
-    each = COST.curve + per_row * rows + figures * COST.figure
-    each += _ranged(solution, works, asked) if asked else seconds_of_points(solution)
+    each = COST.curve + per_row * rows + figures * COST.figure + devices * COST.device
+    each += _ranged(solution, works, asked) if asked else seconds_of_points(solution, devices)
     return Forecast(fitted + len(works) * each, COST.mib + mib * rows, 0.0)
 
 

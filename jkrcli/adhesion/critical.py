@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -93,19 +94,17 @@ def _by_others(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> 
     belongs to one energy smooths it away, but not what neighbouring rows share. Smoothing splines do not see what rows
     share: their point is also compared with that of the slopes "integral"."""
     slopes = curve.slopes
-    apart = AdhesiveCurve(replace(curve.nonadhesive, together=False), curve.w)
     smooth = not isinstance(slopes.error, Unknown) and slopes.error <= CHOICE.negligible
     found = [
         (other, 2**TUNING.order if smooth else 1)
-        for other in (apart.thinned(first).pull_off(stiffness) for first in (0, 1))
+        for other in (_pull_off(half, curve, stiffness) for half in _apart(curve).halves)
         if not isinstance(other, Unknown)
     ]
     if slopes.method != "exact":
-        try:
-            integral = slopes_function("integral")(curve.series)
-        except InputError as error:
-            return Unknown(f"unknown: {error}")
-        other = transform(curve.series, integral, curve.w).pull_off(stiffness)
+        by_integral = _by_integral(curve)
+        if isinstance(by_integral, Unknown):
+            return by_integral
+        other = _pull_off(by_integral, curve, stiffness)
         if isinstance(other, Unknown):
             return Unknown("unknown: by the slopes 'integral' the point lies outside the series")
         found.append((other, 1))
@@ -115,3 +114,24 @@ def _by_others(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> 
         name: max(abs(getattr(other, name) - getattr(point, name)) / factor for other, factor in found)
         for name in ("delta", "P")
     }
+
+
+def _pull_off(other: AdhesiveCurve, curve: AdhesiveCurve, stiffness: float) -> CriticalPoint | Unknown:
+    """The pull-off of the ``other`` curve; those under all devices that ``curve`` was asked for are found with it."""
+    other.look_for_critical(curve.devices)
+    return other.pull_off(stiffness)
+
+
+@lru_cache(maxsize=2)
+def _apart(curve: AdhesiveCurve) -> AdhesiveCurve:
+    """The same curve with its functions interpolated each for itself."""
+    return AdhesiveCurve(replace(curve.nonadhesive, together=False), curve.w)
+
+
+@lru_cache(maxsize=2)
+def _by_integral(curve: AdhesiveCurve) -> AdhesiveCurve | Unknown:
+    """The same curve by the slopes "integral", or why there is none."""
+    try:
+        return transform(curve.series, slopes_function("integral")(curve.series), curve.w)
+    except InputError as error:
+        return Unknown(f"unknown: {error}")

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, ClassVar, Literal
@@ -22,7 +22,7 @@ from ..base.units import show
 from ..base.unknown import Estimate, Unknown
 from ..formulas.griffith import shift
 from ..series import Series
-from .device import CONTROLS, DISPLACEMENT_CONTROL, LOAD_CONTROL, position
+from .device import CONTROLS, DISPLACEMENT_CONTROL, LOAD_CONTROL, position, positions
 from .nonadhesive import Nonadhesive
 from .slopes.result import Slopes
 
@@ -196,13 +196,22 @@ class EquilibriumCurve(ABC):
 
         ``stiffness`` [N/m] of the device: 0 is load control, infinity displacement control.
         """
-        if stiffness not in self._critical:
-            zeros = self.zeros(lambda places: position(*self._rates(places), stiffness))
+        self.look_for_critical([stiffness])
+        return self._critical[stiffness]
+
+    def look_for_critical(self, devices: Iterable[float]) -> None:
+        """Find the critical points under ``devices`` of several stiffnesses [N/m] together: one by one takes longer."""
+        new = [stiffness for stiffness in dict.fromkeys(devices) if stiffness not in self._critical]
+        for stiffness, zeros in zip(new, self._zeros(self._rates, new, [0.0] * len(new)), strict=True):
             self._critical[stiffness] = tuple(
                 CriticalPoint(**vars(self.point(place)), kind="minimum" if rising else "maximum")
                 for place, rising in zeros
             )
-        return self._critical[stiffness]
+
+    @property
+    def devices(self) -> tuple[float, ...]:
+        """The stiffnesses [N/m] under which critical points were asked for."""
+        return tuple(self._critical)
 
     @cached_property
     def _critical(self) -> dict[float, tuple[CriticalPoint, ...]]:
@@ -220,22 +229,44 @@ class EquilibriumCurve(ABC):
     def radii_at(self, held: float, stiffness: float) -> tuple[float, ...]:
         """All places [m] on the curve, increasing, at which a device of ``stiffness`` [N/m] stands at ``held``
         (its ``position``)."""
-        return tuple(place for place, _ in self.zeros(lambda places: position(*self._at(places), stiffness) - held))
+        self.look_for_held([(held, stiffness)])
+        return self._held[held, stiffness]
 
-    def zeros(self, function: Callable[[Array], Array]) -> Iterator[tuple[float, bool]]:
-        """Places on the curve where ``function`` of them [m] vanishes, increasing, and whether it rises there."""
-        first, last = self.places[0], self.places[-1]
+    def look_for_held(self, pairs: Iterable[tuple[float, float]]) -> None:
+        """Find the ``radii_at`` of several pairs of what is held and a stiffness together."""
+        new = [pair for pair in dict.fromkeys(pairs) if pair not in self._held]
+        found = self._zeros(self._at, [stiffness for _, stiffness in new], [held for held, _ in new])
+        self._held.update(zip(new, (tuple(place for place, _ in zeros) for zeros in found), strict=True))
 
-        def along(x: Array) -> Array:
-            return function(np.clip(self._place(x), first, last))
+    @cached_property
+    def _held(self) -> dict[tuple[float, float], tuple[float, ...]]:
+        """The places by what was asked to be held."""
+        return {}
 
-        x = self._samples
-        signs = np.sign(along(x))
-        changes = np.flatnonzero(signs[:-1] * signs[1:] <= 0)
-        left = changes[(signs[changes + 1] != 0) | (changes + 2 == signs.size)]  # a zero at a sample is the next pair's
-        found = zeros_between(along, x[left], x[left + 1], TUNING.zero)
-        places = np.clip(self._place(found), first, last)
-        yield from zip(places.tolist(), (signs[left + 1] > signs[left]).tolist(), strict=True)
+    def _zeros(
+        self, values: Callable[[Array], tuple[Array, Array]], devices: Sequence[float], held: Sequence[float]
+    ) -> list[list[tuple[float, bool]]]:
+        """For each of the ``devices`` of a stiffness [N/m] the places on the curve, increasing, where its position,
+        from ``values`` (delta and P, or their rates) at them, is what is ``held``, and whether it rises there."""
+        if not devices:
+            return []
+        first, last, x = self.places[0], self.places[-1], self._samples
+
+        def along(x: Array) -> tuple[Array, Array]:
+            return values(np.clip(self._place(x), first, last))
+
+        samples, lefts, rises = along(x), [], []
+        for stiffness, value in zip(devices, held, strict=True):
+            signs = np.sign(position(*samples, stiffness) - value)
+            changes = np.flatnonzero(signs[:-1] * signs[1:] <= 0)
+            left = changes[(signs[changes + 1] != 0) | (changes + 2 == signs.size)]  # a zero there is the next pair's
+            lefts.append(left)
+            rises.append((signs[left + 1] > signs[left]).tolist())
+        sizes = [left.size for left in lefts]
+        left, stiff, level = np.concatenate(lefts), np.repeat(devices, sizes), np.repeat(held, sizes)
+        found = zeros_between(lambda x: positions(*along(x), stiff) - level, x[left], x[left + 1], TUNING.zero)
+        places = np.split(np.clip(self._place(found), first, last), np.cumsum(sizes)[:-1])
+        return [list(zip(some.tolist(), rising, strict=True)) for some, rising in zip(places, rises, strict=True)]
 
     def pull_off(self, stiffness: float) -> CriticalPoint | Unknown:
         """Pull-off under load control (``stiffness`` 0), pull-off under displacement control (inf), or by a device.
@@ -251,7 +282,7 @@ class EquilibriumCurve(ABC):
             return float(position(point.delta, point.P, stiffness))
 
         minima = [point for point in self.critical(stiffness) if point.kind == "minimum"]
-        ends = {"smallest": self.point(float(self.places[0])), "largest": self.point(float(self.places[-1]))}
+        ends = self._ends
         lowest = min(ends, key=lambda end: held(ends[end]))
         best = min(minima, key=held, default=None)
         if best is None or held(best) > held(ends[lowest]):
@@ -264,16 +295,45 @@ class EquilibriumCurve(ABC):
             )
         return best
 
+    @cached_property
+    def _ends(self) -> dict[str, Equilibrium]:
+        return {"smallest": self.point(float(self.places[0])), "largest": self.point(float(self.places[-1]))}
+
+    def work(self, low: float, high: float) -> float:
+        """Work int P d(delta) [J] along the curve between two places [m]."""
+        places, works = self._work_between
+        first, last = np.searchsorted(places, low, side="right"), np.searchsorted(places, high) - 1
+        if last < first:
+            return float(self._works(low, high).sum())
+        begin, end = self._works(low, places[first]), self._works(places[last], high)
+        return float(begin.sum() + works[first:last].sum() + end.sum())
+
+    @cached_property
+    def _work_between(self) -> tuple[Array, Array]:
+        """Places of the points (n,), and the work between them (n - 1,)."""
+        return np.unique(self.places), self._works(*self.places[[0, -1]])
+
+    def _works(self, low: float, high: float) -> Array:
+        """The work between two places, of each piece of the ``path``."""
+        places, weights = self.path(low, high)
+        return (weights * self.at(places)[1] * self.rates(places)[0]).sum(axis=-1)
+
+    def beyond(self, places: Array) -> Array:
+        """Which places lie outside the curve."""
+        low, high = self.places[[0, -1]]
+        return (places < low * (1 - TUNING.end)) | (places > high * (1 + TUNING.end)) | ~np.isfinite(places)
+
+    def beyond_words(self, place: float) -> str:
+        """What is said of a place outside the curve."""
+        low, high = self.places[[0, -1]]
+        return f"adhesive curve: contact radius {place:g} m lies outside the series, {low:g} to {high:g} m"
+
     def _inside(self, places: Array) -> Array:
         places = np.asarray(places, dtype=float)
-        low, high = self.places[0], self.places[-1]
-        outside = (places < low * (1 - TUNING.end)) | (places > high * (1 + TUNING.end)) | ~np.isfinite(places)
-        if outside.any():
-            wrong = np.atleast_1d(places)[np.atleast_1d(outside)][0]
-            raise InputError(
-                f"adhesive curve: contact radius {wrong:g} m lies outside the series, {low:g} to {high:g} m"
-            )
-        return np.clip(places, low, high)
+        beyond = self.beyond(places)
+        if beyond.any():
+            raise InputError(self.beyond_words(np.atleast_1d(places)[np.atleast_1d(beyond)][0]))
+        return np.clip(places, *self.places[[0, -1]])
 
 
 @dataclass(frozen=True, eq=False)
@@ -394,7 +454,7 @@ class AdhesiveCurve(EquilibriumCurve):
         here, place, gap = self._at(a), _place_between(knots, a - self.series.a0), _gap(knots, a - self.series.a0)
         order = TUNING.order if knots.size >= TUNING.few else 0
         found = {name: np.zeros_like(a) for name in ("delta", "P")}
-        for coarser in self._halves:
+        for coarser in self.halves:
             gaps = coarser.a - self.series.a0
             beside = _place_between(gaps, a - self.series.a0)
             depth = 16 * (beside * (1 - beside)) ** 2
@@ -406,7 +466,8 @@ class AdhesiveCurve(EquilibriumCurve):
         return found
 
     @cached_property
-    def _halves(self) -> tuple[AdhesiveCurve, AdhesiveCurve]:
+    def halves(self) -> tuple[AdhesiveCurve, AdhesiveCurve]:
+        """The curves through every second point."""
         return self.thinned(0), self.thinned(1)
 
     def _at(self, places: Array) -> tuple[Array, Array]:

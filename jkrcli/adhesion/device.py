@@ -5,6 +5,9 @@ from __future__ import annotations
 import math
 from typing import Any
 
+import numpy as np
+
+from ..base.arrays import Array
 from ..base.errors import InputError
 from ..base.units import show
 
@@ -17,6 +20,12 @@ def position(delta: Any, P: Any, stiffness: float) -> Any:
     if math.isnan(stiffness) or stiffness < 0:
         raise InputError(f"stiffness: must be >= 0 N/m (0: load control, infinite: displacement), got {stiffness:g}")
     return P if stiffness == LOAD_CONTROL else delta + P / stiffness
+
+
+def positions(delta: Array, P: Array, stiffness: Array) -> Array:
+    """The ``position`` of each of several devices."""
+    loaded = stiffness == LOAD_CONTROL
+    return np.where(loaded, 0.0, delta) + P / np.where(loaded, 1.0, stiffness)
 
 
 def control(stiffness: float) -> str:

@@ -251,7 +251,7 @@ class FiniteRangeCurve(EquilibriumCurve):
         first = np.unique([min(low, self._c0), *self.apart.c[(self.apart.c > low) & (self.apart.c < high)],
                            min(high, self._c0)])  # fmt: skip
         free, free_weights = composite_gauss(first)
-        inner = self.touching.c[(self.touching.c > low) & (self.touching.c < high)]
+        inner = self.touching.c[(self.touching.c > max(low, self._c0)) & (self.touching.c < high)]
         v = self._stretched(np.concatenate([[max(low, self._c0)], inner, [max(high, self._c0)]]))
         held, weights = composite_gauss(v)
         c = np.clip(self._c0 * np.cosh(held) ** 2, self._c0, max(high, self._c0))

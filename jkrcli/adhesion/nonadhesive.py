@@ -142,7 +142,8 @@ class Nonadhesive:
         """Which rows are not too close to a ``further`` radius."""
         series, columns = further.series, ("delta", "dS")
         wrong = [np.max(series.errors[name] / getattr(series, name), initial=0.0) for name in columns]
-        distance = np.abs(np.subtract.outer(self.a, further.a)).min(axis=1)
+        right = np.searchsorted(further.a, self.a)
+        distance = np.abs(further.a[np.clip([right - 1, right], 0, further.a.size - 1)] - self.a).min(axis=0)
         return distance > math.sqrt(max(wrong)) * (self.a - series.a0)
 
     @property

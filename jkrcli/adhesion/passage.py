@@ -104,10 +104,10 @@ def shrink(curve: EquilibriumCurve, stiffness: float, begin: float) -> Passage:
         stretches.append(Stretch(begin, float(curve.places[0]) if bottom is None else bottom))
         if bottom is None:
             return Passage(curve, stiffness, tuple(stretches), "lost" if curve.complete else "series")
-        hill = max((point.place for point in critical if point.place < bottom), default=0.0)
-        landings = [a for a in _same_position(curve, stiffness, bottom) if a < hill]
+        hill = max((point.place for point in critical if point.place < bottom), default=None)
+        landings = [] if hill is None else [a for a in _same_position(curve, stiffness, bottom) if a < hill]
         if not landings:
-            released = position(*curve.at(np.array(bottom)), stiffness) <= position(curve.onset, 0.0, stiffness)
+            released = position(*curve.at(np.array(bottom)), stiffness) <= held_by_free(curve, stiffness)
             return Passage(curve, stiffness, tuple(stretches), "lost" if released else "jump")
         begin = landings[-1]
 
@@ -122,9 +122,7 @@ def largest_stable(curve: EquilibriumCurve, stiffness: float) -> float | None:
 
 def work(curve: EquilibriumCurve, first: float, last: float) -> float:
     """Work int P d(delta) [J] along the curve between two of its places [m]."""
-    places, weights = curve.path(min(first, last), max(first, last))
-    total = float(np.sum(weights * curve.at(places)[1] * curve.rates(places)[0]))
-    return total if last >= first else -total
+    return curve.work(first, last) if last >= first else -curve.work(last, first)
 
 
 def spring(curve: EquilibriumCurve, stiffness: float, first: float, last: float) -> float:
@@ -142,8 +140,13 @@ def _cut(stretches: tuple[Stretch, ...], a: float) -> tuple[Stretch, ...]:
     raise InputError(f"cycle: the turn at a = {show(a, 'length')} is not passed by stable contact on approach")
 
 
+def held_by_free(curve: EquilibriumCurve, stiffness: float) -> float:
+    """What a device holds as the free bodies begin to attract each other."""
+    return float(position(curve.onset, 0.0, stiffness))
+
+
 def _first_contact(curve: EquilibriumCurve, stiffness: float) -> float | Unknown:
-    held = float(position(curve.onset, 0.0, stiffness))
+    held = held_by_free(curve, stiffness)
     if not curve.complete and position(*curve.at(curve.places[:1]), stiffness)[0] > held:
         smallest = float(curve.contact_radii(curve.places[:1])[0])
         if curve.ranged:

@@ -76,12 +76,13 @@ def _scatter(series: Series, problem: Problem) -> Array:
     return np.stack([(series.errors["delta"] - shift) / series.delta, series.errors["dS"] / series.dS])
 
 
-def seconds_of_points(solution: Solution) -> float:
-    """CPU seconds of the solved pull-off points of a curve, about; 0 where none are."""
+def seconds_of_points(solution: Solution, devices: int = 0) -> float:
+    """CPU seconds of the solved pull-off points of a curve, about, those by so many ``devices`` included; 0 where none
+    are."""
     method = method_behind(solution)
     if method is None or solver_of(solution) is None:
         return 0.0
-    radii = solution.series.a[-1] * np.linspace(0.5, 1, POINTS)
+    radii = solution.series.a[-1] * np.linspace(0.5, 1, POINTS + STEPS.size * devices)
     problem = replace(solution.problem, loading=Loading.given("radius", tuple(radii.tolist())))
     return TUNING.each * method.forecast(problem).seconds
 
@@ -142,6 +143,7 @@ def solved(curve: AdhesiveCurve, further: Further, *devices: float) -> AdhesiveC
 
 def _wanted(curve: AdhesiveCurve, devices: set[float]) -> Array:
     """Radii of the pull-off points; none where they are all solved."""
+    curve.look_for_critical(devices)
     found = (curve.pull_off(stiffness) for stiffness in devices)
     points = [point for point in found if isinstance(point, CriticalPoint)]
     return np.unique([] if all(is_solved(curve, point) for point in points) else [point.a for point in points])

@@ -7,6 +7,7 @@ with jumps in between. Energies are those of quasi-static cycles: what the devic
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -18,7 +19,7 @@ from ..base.units import show
 from ..base.unknown import Estimate, Unknown
 from .curve import NO_ADHESION, CriticalPoint, Equilibrium, EquilibriumCurve
 from .device import DISPLACEMENT_CONTROL, LOAD_CONTROL, control, position
-from .passage import Passage, grow, largest_stable, shrink
+from .passage import Passage, grow, held_by_free, largest_stable, shrink
 
 STABLE, GRIPPED, UNSTABLE = "stable", "displacement-control", "unstable"
 UNBOUNDED = Unknown("under load control the device goes on pulling after contact is lost: there is no bound")
@@ -149,6 +150,14 @@ class Behaviour:
     def control(self) -> str:
         """The control in words."""
         return control(self.stiffness)
+
+
+def behaviours(curve: EquilibriumCurve, devices: Sequence[float]) -> list[Behaviour]:
+    """What ``curve`` says about each of the ``devices`` of a stiffness [N/m]."""
+    if curve.w > 0:
+        curve.look_for_critical(devices)
+        curve.look_for_held([(held_by_free(curve, stiffness), stiffness) for stiffness in devices])
+    return [behaviour(curve, stiffness) for stiffness in devices]
 
 
 def behaviour(curve: EquilibriumCurve, stiffness: float) -> Behaviour:

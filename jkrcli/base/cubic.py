@@ -109,7 +109,7 @@ def _tridiagonal(below: Array, diagonal: Array, above: Array, right: Array) -> A
 
 def zeros_between(function: Callable[[Array], Array], low: Array, high: Array, tolerance: float) -> Array:
     """The zeros of ``function`` (elementwise), one in each bracket from ``low`` to ``high`` (n,), at whose ends its
-    signs differ or it vanishes; to ``tolerance``, or to rounding.
+    signs differ or it vanishes; to ``tolerance``, or to rounding, each as if it were sought alone.
 
     Chandrupatla (1997): inverse quadratic interpolation where three points allow it, else halves.
     """
@@ -119,11 +119,12 @@ def zeros_between(function: Callable[[Array], Array], low: Array, high: Array, t
     for _ in range(HALVINGS):
         best = np.where(np.abs(f1) < np.abs(f2), x1, x2)
         least = (tolerance + 2 * ROUNDING * np.abs(best)) / np.maximum(np.abs(x2 - x1), np.finfo(float).tiny)
-        if np.all((least > 0.5) | (f1 == 0) | (f2 == 0)):
+        found = (least > 0.5) | (f1 == 0) | (f2 == 0)
+        if found.all():
             break
-        x = x1 + np.clip(part, np.minimum(least, 0.5), np.maximum(1 - least, 0.5)) * (x2 - x1)
+        x = np.where(found, x1, x1 + np.clip(part, np.minimum(least, 0.5), np.maximum(1 - least, 0.5)) * (x2 - x1))
         f = function(x)
-        same = np.sign(f) == np.sign(f1)
+        same = found | (np.sign(f) == np.sign(f1))
         x3, f3 = np.where(same, x1, x2), np.where(same, f1, f2)
         x2, f2 = np.where(same, x2, x1), np.where(same, f2, f1)
         x1, f1 = x, f

@@ -24,6 +24,7 @@ from .quotes import UnquotedError, has_unquoted
 Root = TypeVar("Root", bound=RootTable)
 MOST_BYTES = 16 << 20  # read at about 1 MiB/s
 MOST_KEYS = 10_000  # choice: equals signs, read in about a second; a thousand layers have 4,000
+MOST_VALUES = 200_000  # choice: commas, read in a second; a profile's table has 10,000 at most
 MOST_PARTS = 50  # of a dotted key; reading takes the square of it
 MANY_PARTS = re.compile(rb"""^[ \t\[]*(?:[\w"'-]+[ \t]*\.[ \t]*){%d}""" % MOST_PARTS, re.MULTILINE)
 KINDS = {  # what the file must hold where pydantic says so
@@ -115,6 +116,8 @@ def parse_toml(content: bytes, source: str) -> dict[str, Any]:
         raise InputError(f"{source}: is larger than {MOST_BYTES >> 20} MiB; put a long profile into a table of its own")
     if (keys := content.count(b"=")) > MOST_KEYS:
         raise InputError(f"{source}: holds about {keys:,} keys, at most {MOST_KEYS:,} are read")
+    if (values := content.count(b",")) > MOST_VALUES:
+        raise InputError(f"{source}: holds about {values:,} values, at most {MOST_VALUES:,} are read")
     if many := MANY_PARTS.search(content):
         line = content.count(b"\n", 0, many.start()) + 1
         raise InputError(f"{source}: line {line}: a key must not have more than {MOST_PARTS} parts")

@@ -11,9 +11,10 @@ from ..base.errors import InputError
 from ..report import tables
 from ..report.output import PICTURES, Output
 from ..series.differences import Difference, curve_differences, series_differences
+from .measured import begin_reading
 from .options import NumberRange
 from .output import answer, output_options
-from .series import read_series, series_file
+from .series import read_files
 from .verb import Verb
 from .voice import say
 
@@ -76,7 +77,7 @@ def compare(
 
 
 def _series(first: Path, second: Path) -> list[Difference]:
-    held = [read_series(series_file(path)) for path in (first, second)]
+    _, held = read_files("compare", (first, second))
     one, two = (solution.problem for solution in held)
     for name in ("indenter", "specimen"):
         if getattr(one, name) != getattr(two, name):
@@ -85,6 +86,7 @@ def _series(first: Path, second: Path) -> list[Difference]:
 
 
 def _curves(first: Path, second: Path) -> list[Difference]:
+    begin_reading("compare", [first, second])
     return curve_differences(*(tables.read_curve(path) for path in (first, second)))
 
 

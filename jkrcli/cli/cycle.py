@@ -20,6 +20,7 @@ from ..methods.guards import Limits
 from ..report import cycle as report
 from ..report.output import PICTURES, Files, Output
 from .cycle_rate import RateOptions, Turn, rate_options, run
+from .measured import TUNING, begin_reading
 from .options import (
     ControlType,
     LengthType,
@@ -99,6 +100,10 @@ def cycle(
             "cycle: adhesion of finite range loses energy in its jumps alone: give one work of adhesion, got "
             f"{show(works[0], 'work')} on approach and {show(works[1], 'work')} on retraction"
         )
+    if rates.program is not None:
+        per_row = TUNING.cycle_per_row + TUNING.cycle_per_point * points
+        begin_reading("cycle --program", [rates.program], limits, "fewer rows of the program, or fewer --points",
+                      per_row=per_row, mib_per_row=TUNING.cycle_mib_per_row)  # fmt: skip
     stem = output.folder(file.parent) / f"{file.stem}-cycle{asked.suffix}"
     targets = output.files(stem, (".csv", *PICTURES), [file])
     begin_curves("cycle", [solution], [works], [asked], limits)

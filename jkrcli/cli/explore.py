@@ -58,7 +58,7 @@ def explore(
     target = output.file(file.parent / f"{file.stem}-explore.html", [file, *data])
     solution = read_series(file)
     without_range(solution.record, "explore")
-    begin_reading("explore", data, 0.0, limits)
+    begin_reading("explore", data, limits)
     curves = [curve for path in data for curve in measured.read(path, reading_of(dict(reading)))]
     works = (work,) if work is not None else tuple(w for w in solution.record.w if w > 0)[:1]
     begin_curves("explore", [solution], [works or (1.0,)], [AskedRange()], limits)

@@ -12,12 +12,13 @@ import click
 from ..adhesion.rate.laws import RATE_LAWS
 from ..base.errors import InputError
 from ..base.files import SHORTEST, beside, together
+from ..methods import Forecast
 from ..methods.guards import Limits
 from ..report.output import PICTURES, Files, Output
 from .body import FLAGS, body_options, given_flags, tables_of
 from .fit_law import fit_law, refuse_unused
 from .measured import TUNING, begin_reading, reading_of, reading_options
-from .options import NamedType, ParamType, ScaleType, limits_options, parallel_options, slopes_option
+from .options import NamedType, ParamType, ScaleType, begin, limits_options, parallel_options, slopes_option
 from .output import answer, into_folder, output_options
 from .verb import Verb
 from .voice import note, progress, say, warn
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
     Pictures = list[tuple[Fit | Failure, Files]]
 
 SHALLOW = 0.2  # choice: of the tip radius, to which a body by flags is solved first; the data may ask for more
+FEWER = "fewer rows, curves or samples"
 SHOWN = 10  # curves that are told line by line, and drawn
 SURFACES = {"both": ("sliding", "sticking"), "sliding": ("sliding",), "sticking": ("sticking",)}
 NO_RANGE = "knows no adhesion of finite range, which the case asks for: leave adhesion.range, stress and capillary out"
@@ -83,7 +85,7 @@ class NamesType(ParamType):
               show_default=True, help="How the intervals are found.")  # fmt: skip
 @click.option("--level", type=float, default=0.95, show_default=True, help="Of the intervals.")
 @click.option("--samples", type=click.IntRange(20, 100_000), default=200, show_default=True, help="Of the bootstrap.")
-@click.option("--seed", type=int, default=0, show_default=True, help="Of the bootstrap.")
+@click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Of the bootstrap.")
 @click.option("--surface", type=click.Choice(["sliding", "sticking", "both"]),
               help="Of the body, instead of its own; both: under either, and what the data prefer.")  # fmt: skip
 @click.option("--uncertain", multiple=True, type=NamedType(),
@@ -131,6 +133,9 @@ def fit(
     jkr fit --radius "5 um" --nu 0.5 --shape paraboloid curve.jpk-force
     jkr fit data.h5 map.jpk-force-map --workers 2
     """
+    from ..base.executors import executor
+    from ..identification.fit.fitting import Failure, fit_all
+
     flags = {key: options.pop(key) for key in FLAGS}
     source, paths = _given(body_file, measured, flags)
     inputs = (body_file, *measured)
@@ -140,7 +145,10 @@ def fit(
     targets = output.files(output.folder(body_file.parent) / f"{body_file.stem}-fit", endings, inputs)
     for longest in beside(targets.stem, ["x" * SHORTEST]) if law is None else []:
         output.files(longest, PICTURES, inputs)
-    begin_reading("fit", paths, TUNING.fit_per_row * len(SURFACES.get(surface or "", ("",))), limits)
+    refits = _refits(options["confidence"], options["samples"], len(uncertain))
+    surfaces = len(SURFACES.get(surface or "", ("",)))
+    per_row, per_file = TUNING.fit_per_row + refits * TUNING.refit_per_row, refits * TUNING.refit
+    begin_reading("fit", paths, limits, FEWER, per_row=surfaces * per_row, per_file=surfaces * per_file)
     reading = reading_of(options)
     options["noise"], options["contact"] = dict(options["noise"]), reading.contact
     body = _body(source, slopes, limits)
@@ -153,8 +161,17 @@ def fit(
         return
     settings, reading = _settings(body, uncertain, names, fix, start, bound, options), replace(reading, contact="as-is")
     bodies = [body.on_surface(one) for one in SURFACES[surface or body.problem.surface]]
-    each = [_fits(one, paths, reading, settings, workers, scheduler) for one in bodies]
-    found, reasons = [item for items, _ in each for item in items], list(each[0][1])
+    curves, reasons = _curves(paths, reading)
+    seconds = sum(
+        TUNING.fit_per_curve + refits * (TUNING.refit + TUNING.refit_per_row * len(curve)) for curve in curves
+    )
+    begin(f"fit of {len(curves):,} curves", Forecast(surfaces * seconds, 0.0, 0.0), limits, FEWER)
+    each = []
+    for one in bodies:
+        with executor(workers, scheduler, progress, seconds) as pool:
+            each.append(fit_all(one, curves, settings, pool))
+    found = [item for items in each for item in items]
+    reasons += [line for item in each[0] if isinstance(item, Failure) for line in item.lines]
     pictures = _pictures(each, bodies, targets, inputs, output) if output.plots else []
     map_file = _write(found, reasons, targets, pictures, told, output, inputs)
     for line in reasons:
@@ -239,18 +256,15 @@ def _body(source: Path | dict[str, str | None], slopes: str, limits: Limits) -> 
     return replace(body, told=source["modulus"] is not None)
 
 
-def _fits(
-    body: FittedBody,
-    paths: tuple[Path, ...],
-    reading: Any,
-    settings: Settings,
-    workers: int | None,
-    scheduler: str | None,
-) -> tuple[list[Fit | Failure], list[str]]:
-    """Fits of all curves in all files, and why others could not be read or fitted."""
-    from ..base.executors import executor
+def _refits(confidence: str, samples: int, uncertain: int) -> int:
+    """How often a curve is fitted anew for its intervals, and for as many ``uncertain`` inputs."""
+    fits = {"covariance": 0, "profile": TUNING.profiled, "bootstrap": samples}
+    return fits[confidence] + TUNING.carried * uncertain
+
+
+def _curves(paths: tuple[Path, ...], reading: Any) -> tuple[list[Curve], list[str]]:
+    """The curves in all files, and why others could not be read."""
     from ..data.measured import each
-    from ..identification.fit.fitting import Failure, fit_all
 
     curves: list[Curve] = []
     unread: list[str] = []
@@ -260,20 +274,17 @@ def _fits(
                 unread += item.lines
             else:
                 curves.append(item)
-    with executor(workers, scheduler, progress, TUNING.fit_per_curve * len(curves)) as pool:
-        found = fit_all(body, curves, settings, pool)
-    failed = [line for item in found if isinstance(item, Failure) for line in item.lines]
-    return found, [*unread, *failed]
+    return curves, unread
 
 
 def _pictures(
-    each: list[tuple[list[Fit | Failure], list[str]]], bodies: list[FittedBody], targets: Files,
+    each: list[list[Fit | Failure]], bodies: list[FittedBody], targets: Files,
     inputs: tuple[Path, ...], output: Output,
 ) -> Pictures:  # fmt: skip
     """Curves to draw, fitted or not, each with its files, named after the curve and, of several, the surface."""
     named = [
         (item, name if len(bodies) == 1 else f"{name}-{body.problem.surface}")
-        for (items, _), body in zip(each, bodies, strict=True)
+        for items, body in zip(each, bodies, strict=True)
         for item, name in _named(items)
     ]
     stems = beside(targets.stem, [name for _, name in named])

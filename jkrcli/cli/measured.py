@@ -24,8 +24,15 @@ class TableTuning:
 
     per_row: float = 3e-6  # CPU seconds to read; tuned on tables of 1e5 and 1e6 rows, by `make guards`
     mib_per_row: float = 7e-4  # of memory; tuned on the same, by `make guards`
+    cycle_per_row: float = 0.012  # CPU seconds of `jkr cycle --program`; tuned on 100 and 1,000 rows, by `make guards`
+    cycle_mib_per_row: float = 0.05  # of memory; tuned on the same, by `make guards`
+    cycle_per_point: float = 1.2e-5  # CPU seconds of what is written for each; tuned on the same, by `make guards`
     fit_per_row: float = 5e-5  # CPU seconds to fit; tuned on the same, by `make guards`
     work_per_row: float = 8e-6  # CPU seconds of `jkr work`; tuned on the same, by `make guards`
+    refit: float = 6e-3  # CPU seconds of a fit from near its end; tuned on 200 rows, by `make guards`
+    refit_per_row: float = 5e-6  # and per row; tuned on 1e4 rows, by `make guards`
+    profiled: int = 150  # fits of a profile; tuned on 200 and 1,000 rows, by `make guards`
+    carried: int = 6  # fits of an uncertain input; theory: two, of three times as many steps each
     fit_per_curve: float = 0.05  # CPU seconds; choice: of 2,000 rows, for the number of processes
     work_per_curve: float = 5e-3  # CPU seconds; choice: of 300 rows, for the number of processes
 
@@ -89,12 +96,15 @@ def reading_of(values: dict[str, Any]) -> Reading:
     return Reading(**told | {"flip": frozenset(told["flip"])})
 
 
-def begin_reading(verb: str, paths: Sequence[Path], per_row: float = 0.0, limits: Limits = ANY) -> None:
-    """Say what it takes to read measured files, and to do what a ``verb`` does with each row, where that is much;
-    Refusal beyond the ``limits``."""
+def begin_reading(
+    verb: str, paths: Sequence[Path], limits: Limits = ANY, less: str = "fewer rows", *, per_row: float = 0.0,
+    mib_per_row: float = 0.0, per_file: float = 0.0,
+) -> None:  # fmt: skip
+    """Say what it takes to read measured files, and to do what a ``verb`` does with each row and file [CPU s], where
+    that is much; Refusal beyond the ``limits``, with the advice to ask for ``less``."""
     from ..data.measured.amount import rows_expected
 
     rows = sum(map(rows_expected, paths))
-    cost = Forecast((TUNING.per_row + per_row) * rows, TUNING.mib_per_row * rows, 0.0)
-    what = f"{verb} of about {float(f'{rows:.1g}'):,.0f} rows"
-    begin(what, cost, limits, "fewer rows")
+    seconds = (TUNING.per_row + per_row) * rows + per_file * len(paths)
+    cost = Forecast(seconds, (TUNING.mib_per_row + mib_per_row) * rows, 0.0)
+    begin(f"{verb} of about {float(f'{rows:.1g}'):,.0f} rows", cost, limits, less)

@@ -58,7 +58,7 @@ def begin(what: str, cost: Forecast, limits: Limits = ANY, less: str = LESS) -> 
     """Say what ``what`` will cost, where that is much; Refusal beyond the ``limits``, with the advice to ask for
     ``less``."""
     if said := admit(what, cost, limits, less):
-        forewarn(said)
+        forewarn(said, cost.seconds)
 
 
 def range_options(command: Callable[..., Any]) -> Callable[..., Any]:

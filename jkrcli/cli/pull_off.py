@@ -13,7 +13,7 @@ from ..adhesion.analysis import Analysis, analyse, error_of_point, with_solved_p
 from ..adhesion.device import DISPLACEMENT_CONTROL, LOAD_CONTROL
 from ..adhesion.law import AskedRange
 from ..adhesion.sharp import resolved
-from ..adhesion.stability import Behaviour, behaviour
+from ..adhesion.stability import Behaviour, behaviours
 from ..adhesion.sticking import effect_on, sticking_warnings
 from ..base.errors import InputError
 from ..base.unknown import Unknown
@@ -31,7 +31,7 @@ from .options import (
     slopes_option,
 )
 from .output import answer, json_option
-from .series import begin_curves, read_series, series_file, without_range, works_of
+from .series import begin_curves, read_files, without_range, works_of
 from .verb import Verb
 from .voice import say, warn
 
@@ -97,21 +97,24 @@ def pull_off(
         raise InputError("pull-off: --load must not be 0; give the measured pull-off force")
     if uncertain and force is None:
         raise InputError("pull-off: --uncertain says how well a measured force and its body are known: give --load too")
-    files = tuple(map(series_file, files))
-    held = [read_series(path) for path in files]
+    files, held = read_files("pull-off", files)
     if force is not None:
         for solution in held:
             without_range(solution.record, "pull-off: --load")
-    wanted = [works or works_of(solution) if force is None else SEARCHED for solution in held]
     asked = [AskedRange.of(solution.record, stress, length) if force is None else AskedRange() for solution in held]
-    begin_curves("pull-off", held, wanted, asked, limits)
+    if force is None:
+        wanted = [works or works_of(solution) for solution in held]
+        begin_curves("pull-off", held, wanted, asked, limits, devices=len(stiffnesses))
+    else:
+        wanted, beside = _searched(held, len(stiffnesses) or 1, [name for name, _ in uncertain])
+        begin_curves("pull-off --load", held, wanted, asked, limits, beside=beside)
     results: list[Answer] = []
     for solution, some, ranged in zip(held, wanted, asked, strict=True):
         if force is None:
             controls = stiffnesses or (LOAD_CONTROL, DISPLACEMENT_CONTROL)
             for result in analyse(solution, some, slopes, modulus_factor, ranged):
                 solved = with_solved_points(result, *stiffnesses)
-                lost = [_lost(solved, stiffness) for stiffness in controls]
+                lost = [_lost(solved, found) for found in behaviours(solved.curve, controls)]
                 results.append((report.summary(solved, lost), report.words(solved, lost)))
         else:
             means = [
@@ -129,9 +132,20 @@ def pull_off(
         say("\n".join(lines))
 
 
-def _lost(result: Analysis, stiffness: float) -> report.Lost:
+def _searched(
+    held: Sequence[Solution], controls: int, uncertain: Sequence[str]
+) -> tuple[list[tuple[float, ...]], float]:
+    """Works of adhesion that are tried on each body under so many ``controls`` with ``uncertain`` inputs, and the CPU
+    seconds of the bodies that are solved for these."""
+    from ..identification.work_of_adhesion import seconds_of_inputs
+
+    seconds = controls * sum(seconds_of_inputs(solution, uncertain) for solution in held)
+    return [SEARCHED * controls * (1 + 2 * len(uncertain))] * len(held), seconds
+
+
+def _lost(result: Analysis, behaviour: Behaviour) -> report.Lost:
     """What is read off a curve under one control; half-widths of its pull-off point, None where there is none."""
-    found = _above_atoms(behaviour(result.curve, stiffness), result)
+    found = _above_atoms(behaviour, result)
     if isinstance(found.pull_off, Unknown):
         return found, None
     return found, error_of_point(result.curve, found.pull_off, found.stiffness)

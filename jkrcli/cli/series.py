@@ -16,11 +16,12 @@ from ..methods import Forecast
 from ..methods.guards import Limits
 from ..series import Record, Series, Solution
 from .options import begin
-from .voice import command_line, note, warn
+from .voice import announce, command_line, note, warn
 
 if TYPE_CHECKING:
     from ..adhesion.law import AskedRange
 
+PER_FILE = 0.012  # CPU seconds to read a series; tuned on 300 files, by `make guards`
 IMPORTED = "jkr import"  # how the command line of a series begins that no case gives again
 
 
@@ -71,6 +72,18 @@ def _solved(target: Path, case: Case) -> Solution | None:
     return None
 
 
+def read_files(verb: str, paths: Sequence[Path]) -> tuple[tuple[Path, ...], list[Solution]]:
+    """The series files that are meant by ``paths``, and what they hold; said beforehand where they are many."""
+    announce_files(verb, paths)
+    files = tuple(map(series_file, paths))
+    return files, [read_series(path) for path in files]
+
+
+def announce_files(verb: str, paths: Sequence[Path]) -> None:
+    """Say what it takes a ``verb`` to read series files, where that is much."""
+    announce(f"{verb} of {len(paths):,} files", PER_FILE * len(paths))
+
+
 def read_series(path: Path) -> Solution:
     """What the series file at ``path`` holds; a file that damage could have changed unnoticed is warned of."""
     solution = store.read(path)
@@ -110,15 +123,20 @@ def begin_curves(
     limits: Limits,
     tables: bool = False,
     figures: bool = False,
+    devices: int = 0,
+    beside: float = 0.0,
 ) -> None:
-    """Say what the curves of a ``verb`` will cost together, where that is much; Refusal beyond the ``limits``."""
+    """Say what the curves of a ``verb`` will cost together, read off for so many ``devices``, and what takes so many
+    CPU seconds ``beside``, where that is much; Refusal beyond the ``limits``."""
     from ..adhesion.analysis import forecast
 
-    costs = [forecast(*each, tables, figures) for each in zip(held, works, asked, strict=True)]
-    total = Forecast(sum(cost.seconds for cost in costs), max(cost.memory_mib for cost in costs), 0.0)
+    costs = [forecast(*each, tables, figures, devices) for each in zip(held, works, asked, strict=True)]
+    total = Forecast(beside + sum(cost.seconds for cost in costs), max(cost.memory_mib for cost in costs), 0.0)
     rows = sum(solution.increments.a.size for solution in held)
-    what = f"{verb} of {rows:,} rows for {sum(map(len, works)):,} works of adhesion"
-    begin(what, total, limits, "fewer rows, files or works of adhesion, or leave out the plots")
+    under = f" under {devices:,} controls" if devices else ""
+    what = f"{verb} of {rows:,} rows for {sum(map(len, works)):,} works of adhesion{under}"
+    less = f"fewer rows, files{', controls' if devices else ''} or works of adhesion, or leave out the plots"
+    begin(what, total, limits, less)
 
 
 def end_of(series: Series) -> dict[str, Any]:

@@ -13,7 +13,7 @@ from ..case import plain_toml
 from ..report import archive
 from ..series import COLUMNS, Solution
 from .output import answer, json_option
-from .series import read_series, series_file
+from .series import announce_files, read_series, series_file
 from .verb import Verb
 from .voice import warn
 
@@ -31,6 +31,7 @@ def show(files: tuple[Path, ...], case_only: bool, as_json: bool) -> None:
     jkr show data.h5
     jkr show --case data.h5 > again.toml
     """
+    announce_files("show", files)
     held = [_held(path, case_only) for path in files]
     if as_json:
         answer({"files": [_as_dict(item) if isinstance(item, Solution) else item for item in held]})

@@ -20,7 +20,7 @@ from ..report.output import PICTURES, Files, Output
 from ..report.scaling import Scales, own_scales, scales_of
 from .options import ScaleType, WorkType, limits_options, modulus_factor_option, range_options, slopes_option
 from .output import answer, into_folder, output_options, refuse_doubles
-from .series import begin_curves, read_series, series_file, works_of
+from .series import begin_curves, read_files, works_of
 from .verb import Verb
 from .voice import say, warn
 
@@ -74,8 +74,7 @@ def transform(
     if together and dimensionless:
         raise InputError("transform: --together needs one unit for all w: give --scale instead of --dimensionless")
     users = own_scales(dict(own)) if own else None
-    files = tuple(map(series_file, files))
-    held = [read_series(path) for path in files]
+    files, held = read_files("transform", files)
     wanted = [works or works_of(solution) for solution in held]
     asked = [AskedRange.of(solution.record, stress, length) for solution in held]
     figures = output.plots and not together

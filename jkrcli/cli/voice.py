@@ -17,6 +17,7 @@ from ..base.errors import printable, writable
 
 LEVEL, SAID, ANNOUNCED = "jkr.level", "jkr.said", "jkr.announced"
 QUIET, USUAL, VERBOSE = range(3)
+ANEW = 2.0  # choice: factor of what was told from which on more is told anew
 
 
 def level_options() -> list[click.Option]:
@@ -100,15 +101,15 @@ def warn(text: str) -> None:
 def announce(what: str, seconds: float) -> None:
     """Say beforehand what will take so many CPU ``seconds``, where that is long and known."""
     if SILENCE < seconds < math.inf:
-        forewarn(f"{what}: about {duration(seconds)} of CPU time")
+        forewarn(f"{what}: about {duration(seconds)} of CPU time", seconds)
 
 
-def forewarn(words: str) -> None:
-    """A note on what a command will cost; the first one alone, which tells of all of it."""
+def forewarn(words: str, seconds: float) -> None:
+    """A note on what will take so many CPU ``seconds``, unless the command has told of about as many."""
     ctx = click.get_current_context(silent=True)
-    said: dict[str, bool] = {} if ctx is None else ctx.meta
-    if not said.get(ANNOUNCED):
-        said[ANNOUNCED] = True
+    said: dict[str, float] = {} if ctx is None else ctx.meta
+    if seconds > ANEW * said.get(ANNOUNCED, -1.0):
+        said[ANNOUNCED] = seconds
         note(words)
 
 

@@ -78,7 +78,7 @@ def work(
     output.folder(Path())
     series = series_file(series)
     targets = [output.files(stem, (".csv", ".json", *PICTURES), (series, *measured)) for stem in stems]
-    begin_reading("work", measured, TUNING.work_per_row)
+    begin_reading("work", measured, per_row=TUNING.work_per_row)
     solution = read_series(series)
     without_range(solution.record, "work")
     unit = nonadhesive(solution, slopes)

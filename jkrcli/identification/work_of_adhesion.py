@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, cast
 
@@ -108,6 +108,20 @@ def uncertain_inputs(solution: Solution, pairs: Iterable[tuple[str, str]]) -> di
     return found
 
 
+def seconds_of_inputs(solution: Solution, names: Sequence[str]) -> float:
+    """CPU seconds of the bodies that are solved for uncertain inputs of these ``names``, one to either side."""
+    method, solved = method_behind(solution), [name for name in names if name not in (FORCE, MODULI)]
+    if method is None or not solved:
+        return 0.0
+    return 2 * len(solved) * method.forecast(replace(solution.problem, loading=_radii(solution))).seconds
+
+
+def _radii(solution: Solution) -> Loading:
+    """A hundred of the radii of the series, at which moved bodies are solved."""
+    rows = np.unique(np.linspace(0, len(solution.series) - 1, 100).astype(int))
+    return Loading.given("radius", tuple(solution.series.a[rows].tolist()))
+
+
 def _whole(solution: Solution, name: str) -> str:
     """The name with its layer; InputError where the body has no such input."""
     names = layer_names(solution.problem.specimen)
@@ -168,6 +182,5 @@ def _moved(inverse: _Inverse, name: str, value: float) -> _Inverse:
         moved = replace(problem, indenter=cast(Any, replace(cast(Any, problem.indenter), R=value)))
     else:
         moved = changed(problem, {name: value})
-    radii = solution.series.a[np.unique(np.linspace(0, len(solution.series) - 1, 100).astype(int))]
-    again = method(replace(moved, loading=Loading.given("radius", tuple(radii.tolist()))))
+    again = method(replace(moved, loading=_radii(solution)))
     return replace(inverse, solution=again, body=nonadhesive(again))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from pathlib import Path
 from typing import Any
 
@@ -43,24 +44,38 @@ def read_curve(path: Path) -> dict[str, Array]:
     if names[:1] != ["a_m"]:
         raise InputError(f'{path}: line 1 must be the header "a_m,delta_m,P_N,...", got "{(lines or [""])[0][:40]}"')
     numeric = [name for name in names if name not in WORD_COLUMNS]
-    rows = []
-    for number, line in enumerate(lines[1:], start=2):
-        cells = line.split(",")
-        try:
-            row = [float(cell) for name, cell in zip(names, cells, strict=True) if name in numeric]
-        except ValueError:
-            row = []
-        if len(row) != len(numeric) or not np.isfinite(row).all():
-            raise InputError(f'{path}: line {number} must hold {len(numeric)} finite numbers, got "{line[:60]}"')
-        rows.append(row)
-    if len(rows) < 2:
-        raise InputError(f"{path}: holds {len(rows)} rows, at least 2 are needed")
-    table = np.array(rows).T
+    table = _regular(lines[1:], names)
+    if table is None:
+        table = np.array([_row(path, number, line, names) for number, line in enumerate(lines[1:], start=2)]).T
+    if len(lines) < 3:
+        raise InputError(f"{path}: holds {len(lines) - 1} rows, at least 2 are needed")
     along = "c_m" if "c_m" in numeric else "a_m"
     steps = np.diff(table[numeric.index(along)])
     if (steps <= 0).any():
         raise InputError(f"{path}: line {int(np.argmax(steps <= 0)) + 3}: {along} must increase from row to row")
     return dict(zip(numeric, table, strict=True))
+
+
+def _regular(lines: list[str], names: list[str]) -> Array | None:
+    """The columns of numbers by numpy's reader, ten times as fast; None where any line needs a closer look."""
+    columns = [i for i, name in enumerate(names) if name not in WORD_COLUMNS]
+    if not lines or any(line.count(",") != len(names) - 1 for line in lines):
+        return None
+    try:
+        found = np.loadtxt(lines, delimiter=",", comments=None, usecols=columns, ndmin=2, unpack=True)
+    except ValueError:
+        return None
+    return found if found.shape[1] == len(lines) and np.isfinite(found).all() else None
+
+
+def _row(path: Path, number: int, line: str, names: list[str]) -> list[float]:
+    """The numbers of a line."""
+    with contextlib.suppress(ValueError):
+        row = [float(cell) for name, cell in zip(names, line.split(","), strict=True) if name not in WORD_COLUMNS]
+        if np.isfinite(row).all():
+            return row
+    wanted = sum(name not in WORD_COLUMNS for name in names)
+    raise InputError(f'{path}: line {number} must hold {wanted} finite numbers, got "{line[:60]}"')
 
 
 def summary(result: Analysis) -> dict[str, Any]:

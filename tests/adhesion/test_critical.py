@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from scipy.integrate import cumulative_trapezoid
 
+from jkrcli.adhesion import critical
 from jkrcli.adhesion.critical import point_error
 from jkrcli.adhesion.curve import AdhesiveCurve, CriticalPoint, transform
 from jkrcli.adhesion.slopes.choice import slopes, smoothed
@@ -150,14 +151,19 @@ def test_the_summary_and_the_printed_line_hold_it(jkr, points: int, method: str)
     assert f"± {float(f'{percent:.2g}'):g} % " in outcome.out
 
 
-def test_smoothing_splines_are_measured_against_the_other_slopes() -> None:
-    """What neighbouring rows have in common is not seen where every second one is left out."""
+def test_smoothing_splines_are_measured_against_the_other_slopes(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What neighbouring rows have in common is not seen where every second one is left out. The other slopes are found
+    once for all devices."""
     body = Specimen((Layer(Elastic(1.0, 0.499), 0.3),), Rigid())
     exact = Layered()(Problem(Paraboloid(10.0), body, Loading("radius", 2.0, 150))).series
     truth = transform(exact, slopes(exact, "exact"), 1e-5).pull_off(math.inf)
     ours = transform(exact, slopes(exact, "loocv"), 1e-5)
     point, error, stated = missed(ours, truth)
     assert 0.05 * abs(point.P) < error <= stated
+    monkeypatch.setattr(critical, "slopes_function", None)
+    spring = ours.pull_off(2.0)
+    assert isinstance(spring, CriticalPoint)
+    assert point_error(ours, spring, 2.0)["P"] > 0
 
 
 def test_no_adhesion_has_no_such_error(exact: Series) -> None:

@@ -85,3 +85,5 @@ def test_many_zeros_are_found_at_once() -> None:
     found = zeros_between(function, edges[:-1], edges[1:], 1e-14)
     assert found == pytest.approx(math.pi * np.arange(1, 100), rel=1e-14)
     assert len(asked) < 20
+    alone = [zeros_between(np.sin, edges[i : i + 1], edges[i + 1 : i + 2], 1e-14)[0] for i in (0, 40, 98)]
+    assert found[[0, 40, 98]].tolist() == alone  # whatever else is sought beside it

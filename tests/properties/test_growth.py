@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import re
 import zipfile
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from stopwatch import takes_less_than
 
+from jkrcli.adhesion.curve import AdhesiveCurve
 from jkrcli.adhesion.slopes.choice import smoothed
 from jkrcli.base.errors import InputError
 from jkrcli.case import parse_case
@@ -21,7 +23,12 @@ from jkrcli.data.measured import instruments
 from jkrcli.data.measured.amount import rows_expected
 from jkrcli.data.text_table import TUNING as TEXT
 from jkrcli.data.text_table import Dialect, read_table
+from jkrcli.many.sweep.plan import load_plan
+from jkrcli.many.sweep.quantities import Wanted
+from jkrcli.many.sweep.running import forecast
+from jkrcli.many.sweep.solving import solve_group
 from jkrcli.methods.fem.method import FEM
+from jkrcli.report.tables import read_curve
 from jkrcli.series import RawSeries
 
 ROWS = "".join(f"{i}e-6\t{i * i}e-6\n" for i in range(1, 31))
@@ -47,7 +54,14 @@ def test_a_long_command_line_is_refused_before_it_is_taken_apart(jkr) -> None:
 
 
 @pytest.mark.parametrize(
-    ("verb", "seconds"), [(("look",), "3 s"), (("work", "s.toml"), "11 s"), (("fit", "s.toml"), "53 s")], ids=str
+    ("verb", "seconds"),
+    [
+        (("look",), "3 s"),
+        (("work", "s.toml"), "11 s"),
+        (("fit", "s.toml"), "53 s"),
+        (("compare", "none.csv"), "3 s"),
+    ],
+    ids=str,
 )
 def test_long_tables_are_announced_before_they_are_read(
     jkr, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, verb: tuple[str, ...], seconds: str
@@ -56,6 +70,7 @@ def test_long_tables_are_announced_before_they_are_read(
         raise KeyboardInterrupt
 
     monkeypatch.setattr("jkrcli.data.measured.each", reading)
+    monkeypatch.setattr("jkrcli.report.tables.read_curve", reading)
     monkeypatch.setattr("jkrcli.cli.fit._body", reading)
     Path("s.toml").write_text(HALF_SPACE.format(method="closed-form", loading='radius = "0.1 mm"'))
     Path("long.csv").write_text("delta_m,P_N\n" + "1e-6,12345e-6\n" * 1_000_000)
@@ -72,7 +87,137 @@ def test_a_fit_beyond_its_time_is_refused_before_its_tables_are_read(jkr, tmp_pa
     Path("long.csv").write_text("delta_m,P_N\n" + "1e-6,12345e-6\n" * 1_000_000)
     done = jkr("fit", "s.toml", "long.csv", "--limit-time", "0.01")
     assert done.code == 2
-    assert "the limit is 0.01 h: ask for fewer rows, or raise the limit by --limit-time 0.019" in done.err
+    assert (
+        "the limit is 0.01 h: ask for fewer rows, curves or samples, or raise the limit by --limit-time 0.019"
+        in done.err
+    )
+
+
+def stopped(monkeypatch: pytest.MonkeyPatch, *names: str) -> None:
+    """Interrupts at the first call of any of these functions."""
+
+    def interrupt(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    for name in names:
+        monkeypatch.setattr(name, interrupt)
+
+
+@pytest.mark.parametrize(
+    ("verb", "first"),
+    [
+        ("show", "jkrcli.report.archive.is_archive"),
+        ("transform", "jkrcli.cli.series.series_file"),
+        ("pull-off", "jkrcli.cli.series.series_file"),
+    ],
+)
+def test_many_files_are_announced_before_the_first_is_opened(
+    jkr, monkeypatch: pytest.MonkeyPatch, verb: str, first: str
+) -> None:
+    stopped(monkeypatch, first)
+    done = jkr(verb, *(f"{i}.h5" for i in range(3_000)))
+    assert done.err.startswith(f"jkr: {verb} of 3,000 files: about 36 s of CPU time\n")
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (("--confidence", "bootstrap", "--samples", "100000"), " and 10 min of CPU time"),
+        (("--confidence", "bootstrap", "--samples", "100000", "--surface", "both"), " and 21 min of CPU time"),
+        (("--confidence", "profile", "--uncertain", "nu=0.01", "--uncertain", "nu=0.02"), "error: interrupted"),
+    ],
+)
+def test_intervals_are_announced_and_refused_before_anything_is_read(
+    jkr, monkeypatch: pytest.MonkeyPatch, words: tuple[str, ...], told: str
+) -> None:
+    """A bootstrap of 100,000 samples took 22 min without a word."""
+    stopped(monkeypatch, "jkrcli.data.measured.each", "jkrcli.cli.fit._body")
+    Path("s.toml").write_text(HALF_SPACE.format(method="closed-form", loading='radius = "0.1 mm"'))
+    Path("x.csv").write_text("delta_m,P_N\n" + "1e-6,12345e-6\n" * 50)
+    assert told in jkr("fit", "s.toml", "x.csv", *words).err
+    done = jkr("fit", "s.toml", "x.csv", *words, "--limit-time", "1e-4")
+    assert done.code == 2
+    assert "ask for fewer rows, curves or samples, or raise the limit by --limit-time" in done.err
+
+
+def test_intervals_of_many_curves_are_refused_when_these_are_known(jkr) -> None:
+    Path("s.toml").write_text(HALF_SPACE.format(method="closed-form", loading='radius = "0.1 mm"'))
+    with zipfile.ZipFile("map.zip", "w") as file:
+        for i in range(40):
+            file.writestr(f"{i}.csv", f"delta_m\tP_N\n{ROWS}")
+    done = jkr("fit", "s.toml", "map.zip", "--confidence", "bootstrap", "--limit-time", "0.01")
+    assert done.code == 2
+    assert "jkr: error: fit of 40 curves would need about 0 GiB of memory and 51 s of CPU time" in done.err
+
+
+def test_a_long_program_is_announced_and_refused_before_it_is_read(jkr, monkeypatch: pytest.MonkeyPatch) -> None:
+    """30 s for 10,000 rows."""
+    Path("s.toml").write_text(HALF_SPACE.format(method="closed-form", loading='radius = "0.1 mm"'))
+    Path("x.csv").write_text("t_s,x_m\n" + "".join(f"{i:05d},1e-6\n" for i in range(10_000)))
+    stopped(monkeypatch, "jkrcli.data.device_program.read_program")
+    words = ("cycle", "s.toml", "--rate", "v0=1e-6,n=0.6", "--program", "x.csv")
+    assert "cycle --program of about 10,000 rows needs about 0.495 GiB of memory and 2 min" in jkr(*words).err
+    done = jkr(*words, "--limit-time", "0.01")
+    assert done.code == 2
+    assert "fewer rows of the program, or fewer --points, or raise the limit by --limit-time 0.0" in done.err
+
+
+def test_devices_count_in_what_is_announced_and_refused(jkr, monkeypatch: pytest.MonkeyPatch) -> None:
+    """40 s for 2,000 of them."""
+    Path("s.toml").write_text(HALF_SPACE.format(method="closed-form", loading='radius = "0.1 mm"'))
+    stopped(monkeypatch, "jkrcli.cli.pull_off.analyse")
+    words = ("pull-off", "s.toml", *(word for i in range(2_000) for word in ("--stiffness", f"{i + 1}")))
+    assert "pull-off of 100 rows for 1 works of adhesion under 2,000 controls needs about 0.108 GiB" in jkr(*words).err
+    done = jkr(*words, "--limit-time", "1e-3")
+    assert done.code == 2
+    assert "ask for fewer rows, files, controls or works of adhesion, or leave out the plots, or raise" in done.err
+
+
+SWEEP = """
+base = "s.toml"
+outputs.radii = [{}]
+[[axes]]
+key = "specimen.half_space.nu"
+from = 0.1
+to = 0.4
+count = {}
+"""
+
+
+@pytest.mark.parametrize(
+    ("radii", "cases", "said"),
+    [
+        (250_000, 2, "holds about 249,999 values, at most 200,000 are read"),
+        (2_000, 2, "make 12,000 columns, at most 10,000 are written; ask for fewer"),
+        (1_000, 20_000, "20,000 cases of 6,022 columns, 120,440,000 cells, at most 100,000,000 are written"),
+    ],
+)
+def test_tables_of_sweeps_too_large_to_write_are_refused(jkr, radii: int, cases: int, said: str) -> None:
+    Path("s.toml").write_text(HALF_SPACE.format(method="closed-form", loading='radius = "0.1 mm"'))
+    Path("x.toml").write_text(SWEEP.format(",".join(f"{1e-5 + i * 1e-9:.6e}" for i in range(radii)), cases))
+    done = jkr("sweep", "x.toml")
+    assert done.code == 2
+    assert said in done.err
+    assert done.err.count("\n") == 1
+
+
+def test_the_curve_of_a_case_is_read_off_at_all_radii_together(jkr, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A sweep of 1e6 radii: a quarter of a millisecond each in every case, and in no forecast."""
+    calls = []
+    at = AdhesiveCurve.at
+    monkeypatch.setattr(AdhesiveCurve, "at", lambda self, places: calls.append(np.size(places)) or at(self, places))
+    Path("s.toml").write_text(HALF_SPACE.format(method="closed-form", loading='radius = "0.1 mm"'))
+    Path("x.toml").write_text(SWEEP.format(",".join(f"{1e-5 + i * 1e-6:.6e}" for i in range(100)), 2))
+    plan = load_plan(Path("x.toml"))
+    groups, _ = plan.groups(range(2))
+    row = solve_group(plan.recipe, None, groups[0])[0]
+    assert row.status == "ok"
+    assert max(calls) == 91  # those within the series
+    assert len(calls) < 30
+    assert row.reason.count("lies outside the series") == 9
+    wanted = Wanted(plan.recipe.wanted.names)
+    fewer = replace(plan, recipe=replace(plan.recipe, wanted=wanted))
+    assert forecast(plan, groups) - forecast(fewer, groups) == pytest.approx(600 * (6e-4 + 2 * 5e-6), rel=0.2)
 
 
 def test_rows_are_told_from_size_and_first_lines(tmp_path: Path) -> None:
@@ -205,6 +350,17 @@ def test_a_title_of_words_below_numbers_is_refused(tmp_path: Path, title: str) -
     (tmp_path / "x.csv").write_text(f"1;2;x\n{title} (m);delta (m);P (N)\n{numbers * 20}")
     with pytest.raises(InputError, match=rf'column 1 "{title} \(m\)" would hold words, but numbers stand above'):
         measured.read(tmp_path / "x.csv")
+
+
+def test_curves_are_read_as_fast_and_as_exactly(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Cell by cell, 3e6 rows took a minute."""
+    lines = [f"{i / 7e6!r},{i / 3e6!r},stable" for i in range(1, 500)]
+    (tmp_path / "x.csv").write_text("\n".join(["a_m,P_N,branch", *lines]))
+    (tmp_path / "y.csv").write_text("\n".join(["a_m,P_N,branch", "1_0e-12,0,stable", *lines]))  # a number to Python
+    slow = read_curve(tmp_path / "y.csv")
+    stopped(monkeypatch, "jkrcli.report.tables._row")
+    for name, values in read_curve(tmp_path / "x.csv").items():
+        assert np.array_equal(values, slow[name][1:])
 
 
 # ---------------------------------------------------------------------- a mark that may be two things

@@ -63,13 +63,32 @@ class Edge:
 
         U = int P_H d(delta_H) - P_H L + S L^2/2, as dU = P d(delta) + G d(pi a^2); the device's spring has P^2/(2 k).
         """
-        curve = AdhesiveCurve(self.body, 0.0)
-        return work_along(curve, first[0], last[0]) + self._beside(*last) - self._beside(*first)
+        return work_along(self.free, first[0], last[0]) + self._beside(*last) - self._beside(*first)
+
+    @cached_property
+    def free(self) -> AdhesiveCurve:
+        """The contact without adhesion."""
+        return AdhesiveCurve(self.body, 0.0)
 
     def _beside(self, a: float, x: float) -> float:
         here, state = self.body.parts(np.array(a)), self.state(np.array(a), np.array(x))
         spring = 0.0 if self.stiffness in (LOAD_CONTROL, math.inf) else float(state.P) ** 2 / (2 * self.stiffness)
         return float(-here.P_H * state.lag + here.S * state.lag**2 / 2) + spring
+
+    def at(self, u: float, x: float) -> tuple[tuple[float, ...], float, float, float]:
+        """The ``pointwise`` functions at one radius, log a = ``u``, the lag [m] (none below 0), c and G [J/m^2] there
+        while the device holds ``x``: ``state`` in plain floats."""
+        here = self.pointwise(u)
+        delta_H, P_H, S, dS, *_ = here
+        loaded = self.stiffness == LOAD_CONTROL
+        c = S if loaded else 1 + S * self.give
+        lag = max(((P_H if loaded else delta_H + P_H * self.give) - x) / c, 0.0)
+        return here, lag, c, dS * lag * lag / (4 * math.pi * math.exp(u))
+
+    @cached_property
+    def give(self) -> float:
+        """1/k [m/N] of the device; 0 where it is rigid, or prescribes the load."""
+        return 0.0 if self.stiffness in (LOAD_CONTROL, math.inf) else 1 / self.stiffness
 
     @cached_property
     def pointwise(self) -> Pointwise:

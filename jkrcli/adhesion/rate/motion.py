@@ -232,8 +232,7 @@ def _equations(
     edge: Edge, ramp: Ramp, driven: Driven, unit: float, energy: float, most: int
 ) -> Callable[..., list[float]]:
     """d/ds of t/T, log a, the works of device and edge over ``energy``, and the excess of a receding edge."""
-    body, stiffness, rate, x0 = edge.pointwise, edge.stiffness, ramp.rate, ramp.x
-    loaded, give = stiffness == LOAD_CONTROL, 0.0 if math.isinf(stiffness) or stiffness == 0 else 1 / stiffness
+    rate, x0, loaded, give = ramp.rate, ramp.x, edge.stiffness == LOAD_CONTROL, edge.give
     fastest, w = TUNING.fastest, driven.w
 
     count = itertools.count(1)
@@ -243,10 +242,7 @@ def _equations(
             raise _unfollowed(math.exp(float(y[1])))
         tau, u, _, _, excess = y.tolist()
         a = math.exp(u)
-        delta_H, P_H, S, dS, by_u, bend = body(u)
-        x, c = x0 + rate * unit * tau, S if loaded else 1 + S * give
-        lag = max(((P_H if loaded else delta_H + P_H * give) - x) / c, 0.0)
-        G = dS * lag * lag / (4 * math.pi * a)
+        (_, P_H, S, dS, by_u, bend), lag, c, G = edge.at(u, x0 + rate * unit * tau)
         e = excess if driven.receding else G / w - 1
         v = _bounded(driven, e, fastest) * unit
         size = math.hypot(1.0, v / a)
@@ -275,8 +271,7 @@ def _events(edge: Edge, ramp: Ramp, driven: Driven, unit: float) -> list[Callabl
         return float(y[1]) - end
 
     def rests(_: float, y: Any) -> float:
-        a = np.exp(y[1:2])
-        return float(edge.state(a, ramp.x + ramp.rate * unit * y[0]).G[0]) - driven.w
+        return edge.at(float(y[1]), ramp.x + ramp.rate * unit * float(y[0]))[-1] - driven.w
 
     towards = ramp.rate > 0 if driven.receding else ramp.rate < 0
     found: list[Callable[..., float]] = [over, out, *([rests] if towards else [])]

@@ -6,12 +6,14 @@ import contextlib
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from scipy.optimize import brentq
 
 from ...base.arrays import Array
 from ...base.errors import InputError, JkrError
+from ...base.executors import Pool, in_order
 from ...base.unknown import Unknown
 from ...bodies.parts import changed
 from .model import Objective
@@ -20,11 +22,20 @@ from .search import Minimum, minimise
 from .settings import RANGES, Parameter, Settings, dimension_of
 from .statistics import covariance, covariance_of_uneven, larger, t_quantile, variance_factor
 
-FEW = 10  # choice: degrees of freedom, below which residuals do not tell how the noise changes along the curve
-DOUBLINGS = 6  # choice: of the step in which a profile must reach its limit, else it has none
-WIDEST = 100.0  # choice: half-width of a log, from which on nothing is told of a value (and its ends overflow)
-STEP = 1e-5  # theory: of the unknowns, for central differences: about the cube root of round-off
 
+@dataclass(frozen=True)
+class ConfidenceTuning:
+    """How intervals are found."""
+
+    few: int = 10  # choice: degrees of freedom, below which residuals do not tell how the noise changes along the curve
+    doublings: int = 6  # choice: of the step in which a profile must reach its limit, else it has none
+    widest: float = 100.0  # choice: half-width of a log, from which on nothing is told of a value (its ends overflow)
+    step: float = 1e-5  # theory: of the unknowns, for central differences: about the cube root of round-off
+    samples: int = 50  # choice: of a bootstrap, in one task
+    enough: float = 1e-7  # choice: change of a sample's unknowns that is none: some ten thousandths of their scatter
+
+
+TUNING = ConfidenceTuning()
 Interval = tuple[float | None, float | None]
 
 
@@ -40,8 +51,11 @@ class Confidence:
     dof: int
 
 
-def confidence_of(minimum: Minimum, settings: Settings, jkr: JKRBeside | Unknown | None = None) -> Confidence:
-    """All parameters and what follows from them, with intervals as ``settings`` ask for them; ``jkr``: beside a range.
+def confidence_of(
+    minimum: Minimum, settings: Settings, jkr: JKRBeside | Unknown | None = None, pool: Pool | None = None
+) -> Confidence:
+    """All parameters and what follows from them, with intervals as ``settings`` ask for them; ``jkr``: beside a range;
+    ``pool``: for the samples of a bootstrap.
 
     A range that JKR does without is known on one side only, by its profile; nothing where the search was given up.
     """
@@ -55,9 +69,9 @@ def confidence_of(minimum: Minimum, settings: Settings, jkr: JKRBeside | Unknown
     jacobian = minimum.found.jacobian(free)
     inner = covariance(jacobian, factor) if minimum.ended else None
     even = set(objective.points.columns) <= settings.noise.keys()  # else that is more than a record of a sensor tells
-    if settings.loss == "linear" and dof >= FEW and not even:
+    if settings.loss == "linear" and dof >= TUNING.few and not even:
         inner = larger(inner, covariance_of_uneven(jacobian, residuals))
-    samples = _bootstrap(minimum, settings) if settings.confidence == "bootstrap" else None
+    samples = _bootstrap(minimum, settings, pool) if settings.confidence == "bootstrap" else None
     t = t_quantile(settings.level, dof)
     untold = isinstance(jkr, JKRBeside) and jkr.excess < 0.5 * t**2 * factor
     spread = _Spread(minimum, settings, inner, samples, t, factor, untold)
@@ -136,7 +150,7 @@ class _Spread:
             return float(low), float(high)
         if self.settings.confidence == "profile":
             return self._profile(i, -1), self._profile(i, 1)
-        if sigma is None or (self.parameters[i].kind == "log" and self.t * sigma > WIDEST):
+        if sigma is None or (self.parameters[i].kind == "log" and self.t * sigma > TUNING.widest):
             return None, None
         return x - self.t * sigma, x + self.t * sigma
 
@@ -158,7 +172,7 @@ class _Spread:
                 return 0.5 * float(np.sum(objective.distances(start).residuals ** 2)) - limit
             return minimise(objective, start, self.settings.loss, self.minimum.width).settled().cost - limit
 
-        for k in 2.0 ** np.arange(DOUBLINGS):
+        for k in 2.0 ** np.arange(TUNING.doublings):
             if positive and x + k * step < 0:
                 k = -x / step
             try:
@@ -191,11 +205,11 @@ class _Spread:
             if self.parameters[i].kind == "linear":
                 continue
             size = 1.0 if self.parameters[i].kind == "log" else float(x[i])
-            unit = STEP * size * (np.arange(x.size) == i)
+            unit = TUNING.step * size * (np.arange(x.size) == i)
             low, high = _follows(objective, x - unit), _follows(objective, x + unit)
             for name, gradient in found.items():
-                rate = (math.log(high[name]) - math.log(low[name])) / (2 * STEP)
-                gradient[i] = rate / size if abs(rate) >= STEP else 0.0
+                rate = (math.log(high[name]) - math.log(low[name])) / (2 * TUNING.step)
+                gradient[i] = rate / size if abs(rate) >= TUNING.step else 0.0
         return found
 
     def _of_log(self, value: float, gradient: Array, parents: Array) -> tuple[float | None, float | None, float | None]:
@@ -212,7 +226,7 @@ class _Spread:
         if matrix is None:
             return None, None, None
         sigma = float(np.sqrt(gradient[free] @ np.atleast_2d(matrix) @ gradient[free]))
-        if self.t * sigma > WIDEST:
+        if self.t * sigma > TUNING.widest:
             return value * sigma, None, None
         return value * sigma, value * math.exp(-self.t * sigma), value * math.exp(self.t * sigma)
 
@@ -232,19 +246,27 @@ def _follows(objective: Objective, x: Array) -> dict[str, float]:
     return {name: value for name, value in found.items() if name not in values}
 
 
-def _bootstrap(minimum: Minimum, settings: Settings) -> Array:
+def _bootstrap(minimum: Minimum, settings: Settings, pool: Pool | None) -> Array:
     """Free unknowns of fits to rows drawn with replacement, shape (samples, free)."""
-    random = np.random.default_rng(settings.seed)
-    objective = minimum.objective
-    n = len(objective.points)
-    found = []
-    for _ in range(settings.samples):
-        rows = random.integers(0, n, n)
-        values = {name: column[rows] for name, column in objective.points.values.items()}
-        drawn = replace(objective, points=replace(objective.points, values=values))
-        with contextlib.suppress(JkrError):
-            found.append(minimise(drawn, minimum.x, settings.loss, minimum.width).x[objective.free])
-    return np.array(found)
+    free = minimum.objective.free
+    slopes = minimum.found.jacobian(free).reshape(*minimum.found.residuals.shape, free.size)
+    drawn = partial(_resampled, minimum, slopes, settings)
+    found = in_order(pool, drawn, range(settings.samples), "bootstrap", TUNING.samples)
+    return np.array([x for x in found if x is not None])
+
+
+def _resampled(minimum: Minimum, slopes: Array, settings: Settings, number: int) -> Array | None:
+    """The free unknowns of the sample of that ``number``, None where its fit does not converge; ``slopes`` (columns,
+    rows, free) of the residuals, for a first step by Gauss and Newton."""
+    objective, n = minimum.objective, len(minimum.objective.points)
+    rows = np.random.default_rng([settings.seed, number]).integers(0, n, n)
+    values = {name: column[rows] for name, column in objective.points.values.items()}
+    drawn = replace(objective, points=replace(objective.points, values=values))
+    residuals, near = minimum.found.residuals[:, rows].ravel(), minimum.x.copy()
+    near[objective.free] -= np.linalg.lstsq(slopes[:, rows].reshape(residuals.size, -1), residuals, rcond=None)[0]
+    with contextlib.suppress(JkrError):
+        return minimise(drawn, near, settings.loss, minimum.width, TUNING.enough).x[objective.free]
+    return None
 
 
 # ---------------------------------------------------------------------- uncertain inputs of the body, to first order

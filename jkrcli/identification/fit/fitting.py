@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
 
 from ...base.errors import InputError, JkrError, SolveError
-from ...base.executors import Pool, completed
+from ...base.executors import Pool, completed, executor
 from ...data.measured import Curve
 from ...data.measured.contact import with_zero_points
 from ...data.measured.curve import APPROACH, AS_DEPTH, NOT_SUBTRACTED, OVERRULED, RETRACT, Pixel
@@ -76,27 +77,30 @@ def parted(curve: Curve, settings: Settings) -> Curve:
 
 
 def fit_all(body: FittedBody, curves: Sequence[Curve], settings: Settings, pool: Pool) -> list[Fit | Failure]:
-    """Fits of all curves in their order; any exception but the project's own is a bug and shows itself."""
+    """Fits of all curves in their order; any exception but the project's own is a bug and shows itself. Of a single
+    one the pool works on the samples of its bootstrap."""
     found: dict[int, Fit | Failure] = {}
-    work = partial(fit, body, settings=settings)
-    for index, result in completed(pool, work, curves, "fitting", chunk=CHUNK):
-        if isinstance(result, JkrError):
-            lines = result.lines if isinstance(result, InputError) else (str(result),)
-            found[index] = Failure(curves[index], lines)
-        elif isinstance(result, Exception):
-            raise result
-        else:
-            found[index] = result
+    with nullcontext(pool) if len(curves) > 1 else executor(1) as outer:
+        work = partial(fit, body, settings=settings, pool=None if outer is pool else pool)
+        for index, result in completed(outer, work, curves, "fitting", chunk=CHUNK):
+            if isinstance(result, JkrError):
+                lines = result.lines if isinstance(result, InputError) else (str(result),)
+                found[index] = Failure(curves[index], lines)
+            elif isinstance(result, Exception):
+                raise result
+            else:
+                found[index] = result
     return [found[index] for index in sorted(found)]
 
 
-def fit(body: FittedBody, curve: Curve, settings: Settings) -> Fit:
-    """The parameters of ``settings`` that bring the curves of ``body`` nearest to a measured ``curve``.
+def fit(body: FittedBody, curve: Curve, settings: Settings, pool: Pool | None = None) -> Fit:
+    """The parameters of ``settings`` that bring the curves of ``body`` nearest to a measured ``curve``; ``pool``: for
+    the samples of its bootstrap.
 
     Raises InputError where the data do not allow it, SolveError where it does not converge; both name the curve.
     """
     try:
-        found = _fit(body, curve, settings)
+        found = _fit(body, curve, settings, pool)
         kept = [WARNED.get(flag, "") + flag for flag in curve.flags if flag in WARNED or OVERRULED in flag]
         warnings = (*kept, *found.warnings)
         return replace(found, warnings=warnings, pixel=curve.pixel, surface=body.problem.surface)
@@ -108,7 +112,7 @@ def fit(body: FittedBody, curve: Curve, settings: Settings) -> Fit:
         raise SolveError(f"{curve.where}: {error}") from None
 
 
-def _fit(body: FittedBody, curve: Curve, settings: Settings) -> Fit:
+def _fit(body: FittedBody, curve: Curve, settings: Settings, pool: Pool | None) -> Fit:
     check_parameters(body, [parameter.name for parameter in settings.parameters])
     if (record := whole_record(curve, settings)) is not None:
         return fit_record(body, record, settings)
@@ -121,7 +125,7 @@ def _fit(body: FittedBody, curve: Curve, settings: Settings) -> Fit:
     settings, words = _told_by(settings, points)
     minimum = robust(search(body, points, settings), settings.loss)
     sharp = None if settings.range is None else jkr_beside(minimum, body, points, settings)
-    confidence = confidence_of(minimum, settings, sharp)
+    confidence = confidence_of(minimum, settings, sharp, pool)
     rivals = Rivals((), 1.0)
     if settings.range is None and minimum.ended:
         rivals = rivals_of(minimum, confidence.scatter**2, confidence.dof, settings)

@@ -105,8 +105,11 @@ class Minimum:
         return self
 
 
-def minimise(objective: Objective, start: Array, loss: Loss = "linear", width: float = 1.0) -> Minimum:
-    """The least sum of squares (or of a robust ``loss`` that turns at ``width``) from the unknowns ``start``.
+def minimise(
+    objective: Objective, start: Array, loss: Loss = "linear", width: float = 1.0, enough: float = 0.0
+) -> Minimum:
+    """The least sum of squares (or of a robust ``loss`` that turns at ``width``) from the unknowns ``start``; relative
+    changes of unknowns and cost below ``enough`` are none.
 
     SciPy's trust region (method "trf", bounds respected). Where the data do not determine the unknowns it may creep
     along a valley that has no lowest point, and whether it stops there is a matter of round-off: it is given up after
@@ -133,7 +136,7 @@ def minimise(objective: Objective, start: Array, loss: Loss = "linear", width: f
     bounds = low[free] / units, high[free] / units
     splines = objective.ranged or any(objective.parameters[i].of_body for i in free)
     close = TUNING.converged_layers if splines else TUNING.converged
-    close = close if loss == "linear" else TUNING.converged_robust
+    close = max(close if loss == "linear" else TUNING.converged_robust, enough)
     found = least_squares(
         lambda y: at(y).residuals.ravel(), _inside(begin[free] / units, *bounds),
         lambda y: at(y).jacobian(free) * units, bounds=bounds, method="trf", x_scale="jac",

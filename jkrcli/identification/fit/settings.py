@@ -146,6 +146,8 @@ class Settings:
         for name, value in self.noise.items():
             if not (math.isfinite(value) and value > 0):
                 raise InputError(f"fit: the noise of {name} must be > 0, got {value:g}")
+        if self.seed < 0:
+            raise InputError(f"fit: the seed must be >= 0, got {self.seed}")
         if not self.free:
             raise InputError("fit: no parameter is free")
         if not self.range_at_most > 0:

@@ -18,11 +18,13 @@ from ...bodies.problem import Problem
 from ...case import Case
 from ...case.models import CaseModel
 from ...case.sweep import MOST_CASES, SweepModel, load_sweep
+from ...data.text_table import MOST_COLUMNS
 from ..cache import at_unit_modulus
 from .axes import Axis, W, resolve
 from .paths import LAYER_COUNT, Tables, model_of, unit_of, with_values
-from .quantities import Wanted, names_of
+from .quantities import ALONG, POINT, Wanted, names_of
 
+MOST_CELLS = 100_000_000  # choice: of a table, ten gigabytes of memory and an hour to write
 FIRM = ("radius", "thickness", "nu")  # how keys end whose values tell bodies apart
 PHYSICS = {"title", "indenter", "specimen", "loading", "adhesion"}
 
@@ -93,11 +95,13 @@ class Plan:
 
     def identity(self, number: int) -> str:
         """A hash of everything that the row of a case depends on: what journals know it by."""
-        return hashlib.sha256(f"{self._head}\n{self.values(number)!r}".encode()).hexdigest()[:20]
+        found = self._head.copy()
+        found.update(f"\n{self.values(number)!r}".encode())
+        return found.hexdigest()[:20]
 
     @cached_property
-    def _head(self) -> str:
-        return f"{__version__}\n{self.recipe.tables!r}\n{self.recipe.wanted!r}"
+    def _head(self) -> Any:
+        return hashlib.sha256(f"{__version__}\n{self.recipe.tables!r}\n{self.recipe.wanted!r}".encode())
 
     def case(self, number: int) -> Case:
         """Case ``number`` as a case of its own."""
@@ -161,11 +165,22 @@ def load_plan(path: Path) -> Plan:
     plan = Plan(source, model.title, Recipe(tables, wanted, folder), axes, units)
     if plan.count > MOST_CASES:
         raise InputError(f"{source}: makes {plan.count:,} cases, at most {MOST_CASES:,} are allowed in one sweep")
+    if (cells := plan.count * len(wanted.columns)) > MOST_CELLS:
+        raise InputError(
+            f"{source}: makes {plan.count:,} cases of {len(wanted.columns):,} columns, {cells:,} cells, at most "
+            f"{MOST_CELLS:,} are written; ask for fewer cases, quantities, radii or devices"
+        )
     return plan
 
 
 def _wanted(model: SweepModel, source: str) -> Wanted:
     asked = model.outputs
+    columns = len(ALONG) * len(asked.radii) + len(POINT) * len(asked.stiffness)
+    if columns > MOST_COLUMNS:
+        raise InputError(
+            f"{source}: outputs.radii and outputs.stiffness make {columns:,} columns, at most {MOST_COLUMNS:,} are "
+            "written; ask for fewer"
+        )
     rule = checked_rule(asked.slopes, f"{source}: outputs.slopes")
     return Wanted(names_of(asked.quantities, source), asked.radii, asked.stiffness, rule)
 

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 from ...adhesion.analysis import Analysis
-from ...adhesion.curve import Equilibrium
+from ...adhesion.curve import AdhesiveCurve, Equilibrium
 from ...adhesion.device import DISPLACEMENT_CONTROL
 from ...adhesion.stability import behaviour
 from ...base.errors import InputError, did_you_mean
@@ -122,8 +122,7 @@ class Wanted:
             _value(name, sections[section][key]) for name in self.names for section, _, key in [name.partition(".")]
         ]
         devices = [_point("device", result.curve.pull_off(k)) for k in self.stiffness]
-        along = [_along(result, a) for a in self.radii]
-        return [*told, *(value for point in (*devices, *along) for value in point.values())]
+        return [*told, *(value for point in devices for value in point.values()), *_along(result.jkr, self.radii)]
 
 
 def _value(name: str, told: Any) -> Value | Unknown:
@@ -135,15 +134,15 @@ def _value(name: str, told: Any) -> Value | Unknown:
     return float(told) if math.isfinite(told) else Unknown(f"{name} is not finite")
 
 
-def _along(result: Analysis, a: float) -> dict[str, Value | Unknown]:
-    """The curve at contact radius ``a`` [m]; index H: without adhesion."""
-    curve = result.jkr
-    try:
-        delta, P = (float(value) for value in curve.at(np.array(a)))
-    except InputError as error:
-        return dict.fromkeys(ALONG, Unknown(str(error)))
-    delta_H, P_H, S, dS, _ = (float(value) for value in curve.nonadhesive.parts(np.array(a)))
-    return dict(zip(ALONG, (P, delta, P_H, delta_H, S, dS), strict=True))
+def _along(curve: AdhesiveCurve, radii: Sequence[float]) -> Iterator[Value | Unknown]:
+    """``ALONG`` of the curve at each of the contact radii [m]; index H: without adhesion."""
+    a = np.array(radii)
+    beyond = curve.beyond(a)
+    delta, P = curve.at(a[~beyond])
+    delta_H, P_H, S, dS, _ = curve.nonadhesive.parts(a[~beyond])
+    rows = iter(np.stack([P, delta, P_H, delta_H, S, dS], axis=1).tolist())
+    for place, out in zip(radii, beyond.tolist(), strict=True):
+        yield from [Unknown(curve.beyond_words(place))] * len(ALONG) if out else next(rows)
 
 
 def names_of(asked: Sequence[str], source: str) -> tuple[str, ...]:

@@ -29,6 +29,8 @@ class SweepTuning:
     """What a sweep is expected to cost, and in what portions it is handed out."""
 
     per_case: float = 0.012  # CPU seconds of a case besides its solve; tuned on the shipped sweeps, by `make sweep`
+    per_cell: float = 5e-6  # and per column of its row; tuned on 1,000 radii, by `make guards`
+    per_column: float = 6e-4  # CPU seconds of each in the files; tuned on 1,000 radii, by `make guards`
     look: float = 0.0004  # CPU seconds to look at a case; tuned on the shipped sweeps, by `make sweep`
     many: int = 2000  # choice: cases beyond which that is told: about a second
     looked_at: int = 12  # choice: groups whose forecasts stand for all
@@ -108,7 +110,7 @@ def _guard_early(plan: Plan, journal: Journal, hours: float, say: Say) -> None:
     groups, _ = plan.groups([0])
     solve = _solve_seconds(plan, groups[0]) if groups else 0.0
     left = max(0.0, 1 - len(journal.rows) / plan.count)
-    most, least = (left * (TUNING.per_case * plan.count + count * solve) for count in (plan.count, plan.least_solves))
+    most, least = (left * (_beside(plan, plan.count) + count * solve) for count in (plan.count, plan.least_solves))
     say(f"all cases: at most about {duration(most)} of CPU time, were each solved on its own as the first")
     if least > 3600 * hours:
         raise InputError(
@@ -163,7 +165,13 @@ def forecast(plan: Plan, groups: list[Group]) -> float:
     some = groups[:: max(1, len(groups) // TUNING.looked_at)]
     seconds = [_solve_seconds(plan, group) for group in some]
     cases = sum(len(group.cases) for group in groups)
-    return TUNING.per_case * cases + len(groups) * sum(seconds) / max(len(seconds), 1)
+    return _beside(plan, cases) + len(groups) * sum(seconds) / max(len(seconds), 1)
+
+
+def _beside(plan: Plan, cases: int) -> float:
+    """CPU seconds of ``cases`` besides their solves."""
+    columns = len(plan.recipe.wanted.columns)
+    return TUNING.per_column * columns + (TUNING.per_case + TUNING.per_cell * columns) * cases
 
 
 def _solve_seconds(plan: Plan, group: Group) -> float:

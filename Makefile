@@ -47,7 +47,7 @@ test-all: $(READY) ## every test
 	$(VENV)/bin/python -m pytest -n auto
 
 fuzz: $(READY) ## wrong files and random bodies of a SEED that the tests do not try (an hour)
-	$(VENV)/bin/python -m pytest -n auto --fuzz-seed $(SEED) tests/properties/test_fuzz.py tests/properties/test_fuzz_options.py tests/studies/test_failures.py
+	$(VENV)/bin/python -m pytest -n auto --fuzz-seed $(SEED) tests/properties/test_fuzz.py tests/properties/test_fuzz_options.py tests/properties/test_hostile_files.py tests/studies/test_failures.py
 
 test-minimal: $(READY) ## the fast tests with the required packages only, in an environment of their own
 	$(PYTHON) -m venv --clear $(VENV)-minimal

@@ -29,15 +29,15 @@ class HangError(BaseException):
     """Not an Exception, so that nothing below takes it for a mistake of the user."""
 
 
-def _hang(*_: object) -> None:
-    raise HangError(f"one input took more than {CPU_SECONDS:g} CPU seconds")
-
-
 @contextlib.contextmanager
-def bounded() -> Iterator[None]:
+def bounded(seconds: float = CPU_SECONDS) -> Iterator[None]:
     """CPU time of the block limited; works in the main thread, where pytest runs tests."""
-    before = signal.signal(signal.SIGVTALRM, _hang)
-    signal.setitimer(signal.ITIMER_VIRTUAL, CPU_SECONDS)
+
+    def hang(*_: object) -> None:
+        raise HangError(f"one input took more than {seconds:g} CPU seconds")
+
+    before = signal.signal(signal.SIGVTALRM, hang)
+    signal.setitimer(signal.ITIMER_VIRTUAL, seconds)
     try:
         yield
     finally:

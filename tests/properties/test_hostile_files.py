@@ -1,0 +1,431 @@
+"""Files of others, damaged or made to do harm: the same numbers as the sound ones or one line, soon and in little
+memory. The fast tests try some of each kind, the slow ones thousands."""
+
+from __future__ import annotations
+
+import contextlib
+import random
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+import pytest
+import vendors
+from conftest import Outcome
+from fuzzing import address_space, bounded, outcome
+from hostile import harm_hdf5, harm_jpk, harm_zip
+from series_files import edit
+
+from jkrcli.base import allowance, hdf5
+from jkrcli.base.allowance import LINE_ENDS
+from jkrcli.base.errors import InputError
+from jkrcli.base.files import SHORTEST, beside
+from jkrcli.data import measured
+from jkrcli.data.measured import Curve, Reading
+from jkrcli.data.measured.amount import rows_expected
+from jkrcli.report import archive
+
+Run = Callable[..., Outcome]
+SECONDS = 10.0  # of CPU time for any one file
+TABLE = b"delta_m,P_N\n" + b"".join(b"%de-9,%de-9\n" % (i, i * i) for i in range(1, 30))
+CASE = """
+method = "closed-form"
+indenter = { shape = "paraboloid", radius = "1 mm" }
+specimen.half_space = { E = "1 MPa", nu = 0.3 }
+loading = { radius = "0.1 mm", points = 20 }
+adhesion.w = 0.05
+"""
+
+
+@pytest.fixture(name="series")
+def _series(jkr: Run) -> Path:
+    Path("s.toml").write_text(CASE)
+    assert jkr("run", "s.toml").code == 0
+    return Path("s.h5")
+
+
+@pytest.fixture(name="afm")
+def _afm() -> None:
+    pytest.importorskip("afmformats")
+
+
+def refused(done: Outcome, words: str) -> None:
+    """One line that says so."""
+    assert (done.code, done.err.count("\n")) == (2, 1), done.err
+    assert words in done.err
+
+
+# ---------------------------------------------------------------------- force microscopes
+def jpk(path: Path, change: Callable[[dict[str, bytes]], object], curves: int = 0) -> Path:
+    """A JPK file with other members."""
+    members = vendors.jpk_members(curves)
+    change(members)
+    return vendors.zipped(path, members)
+
+
+def without(part: str) -> Callable[[dict[str, bytes]], None]:
+    def change(members: dict[str, bytes]) -> None:
+        for name in [name for name in members if part in name]:
+            del members[name]
+
+    return change
+
+
+def replaced(old: str, new: str) -> Callable[[dict[str, bytes]], None]:
+    def change(members: dict[str, bytes]) -> None:
+        members |= {name: content.replace(old.encode(), new.encode()) for name, content in members.items()}
+
+    return change
+
+
+def with_grid(members: dict[str, bytes]) -> None:
+    members["header.properties"] += b"force-scan-map.position-pattern.grid.ilength=1000000000000\n"
+
+
+JPK = {
+    "no deflection": (without("vDeflection"), "No data found for: ['vDeflection']"),
+    "no shared data": (without("shared-data"), "Could not find property: 'vDeflection multiplier"),
+    "points": (replaced("num-points=40", "num-points=41"), "segment 0: is damaged or cut off: holds 40 points of 41"),
+    "many points": (replaced("num-points=40", "num-points=900000000000"), "holds 40 points of 900,000,000,000"),
+    "a circle": (replaced("distance.base-calibration-slot=volts", "distance.base-calibration-slot=force"),
+                 "is damaged: its scale channel.vDeflection.conversion-set.conversion.distance is based on itself"),
+    "pixels": (with_grid, "holds 1,000,000,000,000 parts or more, at most 500,000 are read of one file"),
+}  # fmt: skip
+
+
+@pytest.mark.usefixtures("afm")
+@pytest.mark.parametrize("name", JPK)
+def test_a_jpk_file_that_lacks_or_invents_something_is_refused_in_one_line(jkr: Run, name: str) -> None:
+    """Tracebacks, a terabyte of memory, a loop without end."""
+    change, words = JPK[name]
+    jpk(Path("x.jpk-force"), change)
+    with address_space(), bounded(SECONDS):
+        refused(jkr("look", "x.jpk-force", "--no-plots"), words)
+
+
+@pytest.mark.usefixtures("afm")
+def test_a_jpk_file_of_measured_heights_alone_is_read(tmp_path: Path) -> None:
+    """The height of the piezo, which nobody asked for, was missed in a traceback."""
+    whole = jpk(tmp_path / "whole.jpk-force", lambda members: None)
+    (curve,), (lame,) = (measured.read(path) for path in (whole, jpk(tmp_path / "x.jpk-force", without("/height.dat"))))
+    assert np.array_equal(curve.delta, lame.delta)
+
+
+@pytest.mark.usefixtures("afm")
+@pytest.mark.parametrize("part", [b"measuredHeight.dat", b"segments/0/channels/PK"])
+def test_a_bit_of_a_jpk_file_is_found_before_another_channel_is_taken_for_the_damaged_one(
+    jkr: Run, part: bytes
+) -> None:
+    """A third of the modulus, without a word: in the content of a channel, and in the name of a folder in the list."""
+    content = bytearray(jpk(Path("x.jpk-force"), lambda members: None).read_bytes())
+    at = content.find(part) + len(part) + 4 if part.endswith(b".dat") else content.rfind(b"segments/0/channels/PK")
+    content[at] ^= 1
+    Path("x.jpk-force").write_bytes(content)
+    refused(jkr("look", "x.jpk-force", "--no-plots"), "cannot be unpacked (")
+
+
+@pytest.mark.usefixtures("afm")
+def test_a_member_lost_from_the_list_is_missed(jkr: Run) -> None:
+    """As the comment of the one before it: the height of the piezo was taken for the measured one."""
+    content = bytearray(jpk(Path("x.jpk-force"), lambda members: None).read_bytes())
+    at = content.rfind(b"PK\1\2", 0, content.rfind(b"PK\1\2"))
+    content[at + 33] ^= 0x80
+    Path("x.jpk-force").write_bytes(content)
+    refused(jkr("look", "x.jpk-force", "--no-plots"), "is damaged: its list holds 15 members of 16")
+
+
+@pytest.mark.usefixtures("afm")
+@pytest.mark.parametrize("ending", ["jpk-force", "zip"])
+def test_what_unpacks_to_much_is_refused_before_it_is_unpacked(jkr: Run, tuned, ending: str) -> None:
+    """7 MB of a JPK file became 6 GB."""
+    tuned("jkrcli.base.allowance.TUNING.size", 1 << 20)
+    tuned("jkrcli.base.allowance.TUNING.text", 1 << 20)
+    vendors.zipped(Path(f"x.{ending}"), vendors.jpk_members() | {"more.csv": bytes(2 << 20)})
+    assert Path(f"x.{ending}").stat().st_size < 1 << 15
+    refused(jkr("look", f"x.{ending}", "--no-plots"), " unpacked bytes or more, at most 1,048,576 are read of one file")
+
+
+@pytest.mark.usefixtures("afm")
+def test_what_igor_declares_is_compared_with_what_is_there(jkr: Run) -> None:
+    whole = vendors.ibw(Path("x.ibw")).read_bytes()
+    Path("x.ibw").write_bytes(whole[:-1])
+    refused(jkr("look", "x.ibw", "--no-plots"), f"is cut off: holds {len(whole) - 1:,} bytes of {len(whole):,}")
+    Path("x.ibw").write_bytes(whole[:80] + b"\1" + whole[81:])
+    refused(jkr("look", "x.ibw", "--no-plots"), "the checksum of its head is wrong")
+
+
+@pytest.mark.usefixtures("afm")
+@pytest.mark.parametrize(("cut", "words"), [
+    (lambda lines: [*lines[:-1], lines[-1][:-1]], "its last line does not end"),
+    (lambda lines: [*lines[:-1], lines[-1][:8] + b"\r\n"], "cells, not 5 as the first"),
+    (lambda lines: lines[:-1], "is damaged or cut off: holds 79 points of 80"),
+], ids=["letter", "cells", "row"])  # fmt: skip
+def test_a_cut_export_is_refused(jkr: Run, cut: Callable[[list[bytes]], list[bytes]], words: str) -> None:
+    lines = vendors.exported(Path("x.tab")).read_bytes().splitlines(keepends=True)
+    Path("x.tab").write_bytes(b"".join(cut(lines)))
+    refused(jkr("look", "x.tab", "--no-plots"), words)
+
+
+@pytest.mark.usefixtures("afm")
+def test_a_file_that_was_replaced_is_read_anew(tmp_path: Path) -> None:
+    """An archive was kept open under its name: the old numbers, without a word."""
+    path = tmp_path / "x.jpk-force"
+    (old,) = measured.read(jpk(path, lambda members: None))
+    path.unlink()
+    (new,) = measured.read(jpk(path, replaced(f"multiplier={vendors.K}", "multiplier=0.5")))
+    np.testing.assert_allclose(new.P, 10 * old.P)
+
+
+TAKEN_AS = {
+    "workshop": Reading(format="afm"),
+    "workshop map": Reading(format="afm"),
+    "ntmdt": Reading(format="afm", stiffness=vendors.K, sensitivity=vendors.SENSITIVITY),
+    "chiaro": Reading(format="afm"),
+}
+CHECKED = ("jpk", "jpk map", "workshop map")  # checksums over all that counts
+DECLARED = (*CHECKED, "ibw", "tab", "hdf5")  # where every cut is seen
+
+
+def numbers(path: Path, reading: Reading) -> list[Any]:
+    """All that was read of each curve; None for one that was refused."""
+    found = [curve if isinstance(curve, Curve) else None for curve in measured.each(path, reading)]
+    return [curve and (curve.delta.tobytes(), curve.P.tobytes(), curve.t is None or curve.t.tobytes(),
+                       str(curve.segment), curve.stiffness, curve.pixel) for curve in found]  # fmt: skip
+
+
+@pytest.mark.usefixtures("afm")
+@pytest.mark.parametrize("trials", [20, pytest.param(1000, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("kind", vendors.KINDS)
+def test_damaged_files_of_microscopes(tmp_path: Path, kind: str, trials: int, seed: int) -> None:
+    """Bits and cuts: with checksums the same numbers or a refusal, else no traceback; cuts are seen where they can."""
+    path, reading, chance = vendors.KINDS[kind](tmp_path), TAKEN_AS.get(kind, Reading()), random.Random(seed)
+    whole, sound = path.read_bytes(), numbers(path, reading)
+    assert None not in sound
+    found = {"same": 0, "refused": 0, "different": 0}
+    for trial in range(trials):
+        content, is_cut = bytearray(whole), trial % 4 == 3
+        content[chance.randrange(len(content))] ^= 1 << chance.randrange(8)
+        damaged = tmp_path / f"{trial}{''.join(path.suffixes)}"
+        damaged.write_bytes(whole[: chance.randrange(1, len(whole))] if is_cut else content)
+        held: list[Any] = [None]
+        with bounded(SECONDS), address_space(), contextlib.suppress(InputError):
+            held = numbers(damaged, reading)
+        damaged.unlink()
+        what = "refused" if None in held else "same" if held == sound else "different"
+        found[what] += 1
+        assert what == "refused" or not is_cut or kind not in DECLARED, trial
+        assert what != "different" or kind not in CHECKED, trial
+    print(kind, found)
+    assert found["refused"]
+
+
+# ---------------------------------------------------------------------- HDF5
+def bomb(file: h5py.File) -> None:
+    for i in range(3):
+        file.create_dataset(f"zz/{i}", (10**6,), "f8", chunks=(10**5,))
+
+
+def doubled(file: h5py.File) -> None:
+    above = file.create_group("zz")
+    for name in "abc":
+        above[name] = file["series"]
+
+
+BYTES, PARTS, ROWS = (f"{what} or more, at most" for what in ("unpacked bytes", "parts", "rows"))
+HDF5: dict[str, tuple[Callable[[h5py.File], object], str]] = {
+    "data sets": (bomb, BYTES),
+    "hard links": (doubled, '"zz/a" is a link, not data of this file'),
+    "one text": (lambda file: file.create_dataset("zz", (), "S1000000000"), BYTES),
+    "texts": (lambda file: file.create_dataset("zz", (1 + 10**7,), "S1", chunks=(10**6,)), ROWS),
+    "free texts": (lambda file: file.create_dataset("zz", (10**8,), h5py.string_dtype(), chunks=(10**6,)), BYTES),
+    "chunks": (lambda file: file.create_dataset("zz", (10**7,), "i1", chunks=(1,)), PARTS),
+    "a chunk": (lambda file: file.create_dataset("zz", (1,), "f8", chunks=(10**8,), maxshape=(None,)), BYTES),
+}
+
+
+@pytest.mark.parametrize("name", HDF5)
+def test_a_small_hdf5_file_that_becomes_large_is_refused_soon(jkr: Run, series: Path, tuned, name: str) -> None:
+    """No end, or all memory, and then it was called damaged."""
+    tuned("jkrcli.base.allowance.TUNING.size", 1 << 24)
+    change, words = HDF5[name]
+    edit(series, change)
+    with bounded(SECONDS), address_space():
+        refused(jkr("show", series), words)
+
+
+@pytest.mark.parametrize("words", [
+    ("transform", "x.h5"), ("fit", "s.h5", "x.h5"), ("import", "x.h5", "--case", "s.toml"), ("look", "x.h5"),
+    ("compare", "x.h5", "s.h5"), ("explore", "x.h5"), ("work", "x.h5", "m.csv"),
+], ids=" ".join)  # fmt: skip
+def test_every_verb_refuses_it(jkr: Run, series: Path, tuned, words: tuple[str, ...]) -> None:
+    Path("x.h5").write_bytes(series.read_bytes())
+    edit(Path("x.h5"), bomb)
+    Path("m.csv").write_bytes(TABLE)
+    tuned("jkrcli.base.allowance.TUNING.size", 1 << 24)
+    done = jkr(*words)
+    assert (done.code, done.err.count("\n"), "damaged" in done.err) == (2, 1, False), done.err
+
+
+def test_texts_of_any_length_are_read_in_pieces(tmp_path: Path, tuned) -> None:
+    """Each of them may be all that the file holds: half a megabyte in 10,000 places."""
+    tuned("jkrcli.base.allowance.TUNING.size", 1 << 21)
+    with h5py.File(tmp_path / "x.h5", "w") as file:
+        file.create_dataset("words", data=["x" * 500, *[""] * 5000], dtype=h5py.string_dtype())
+    content = (tmp_path / "x.h5").read_bytes()
+    held = hdf5.parse(tmp_path / "x.h5", content).members["words"]
+    assert [len(text) for text in held.values[:3]] == [500, 0, 0]
+    tuned("jkrcli.base.allowance.TUNING.size", 400)
+    with pytest.raises(InputError, match="unpacked bytes or more, at most 400 are read"):
+        hdf5.parse(tmp_path / "x.h5", content)
+
+
+def test_memory_that_runs_out_is_not_called_damage(tmp_path: Path, tuned, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "x.h5"
+    with h5py.File(path, "w") as file:
+        file.create_dataset("zz", (10**7,), "f8", chunks=(10**6,))
+    tuned("jkrcli.base.allowance.TUNING.fence", 1 << 24)
+    with pytest.raises(InputError, match="takes more memory to read than may be taken: split it, free memory or raise"):
+        hdf5.parse(path, path.read_bytes())
+    tuned("jkrcli.base.allowance.TUNING.little", 1 << 20)
+    with pytest.raises(InputError, match=r"takes 0\.075 GiB of memory or more to read, 0\.01. GiB may be taken: split"):
+        hdf5.parse(path, path.read_bytes())
+    monkeypatch.setattr(allowance, "free_memory", lambda: 10.0)
+    (tmp_path / "x.csv").write_bytes(b"1,2\n" * 100_000)
+    with pytest.raises(InputError, match=r"x\.csv: takes .* GiB of memory or more to read, 0\.0078 GiB may be taken"):
+        measured.read(tmp_path / "x.csv")
+
+
+def series_of(*columns: Any) -> hdf5.Group:
+    return hdf5.Group({}, {f"c{i}": hdf5.Dataset(column) for i, column in enumerate(columns)})
+
+
+def fits_of(summary: str) -> dict[str, hdf5.Group]:
+    return {"curves": hdf5.Group({}, {"000000": hdf5.Group({"summary": summary})})}
+
+
+WRONG: dict[str, tuple[dict[str, Any], dict[str, hdf5.Group]]] = {
+    "no release": ({"format": archive.SWEEP_TABLE, "version": 2}, {"table": series_of(np.ones(3))}),
+    "first format, no release": ({"format": archive.FITS, "version": 1, "body": "x"}, fits_of("{}")),
+    "an empty fit": ({"format": archive.FITS, "version": 2, "body": "x", "jkr": "1"}, fits_of("{}")),
+    "a fit that is none": ({"format": archive.FITS, "version": 2, "body": "x", "jkr": "1"}, fits_of("[1]")),
+    "complex numbers": ({"format": archive.SWEEP_TABLE, "version": 2, "jkr": "1"},
+                        {"table": series_of(np.ones(3, dtype=complex))}),
+    "a list of releases": ({"format": archive.SWEEP_TABLE, "version": 2, "jkr": np.arange(3)},
+                           {"table": series_of(np.ones(3))}),
+    "a list of versions": ({"format": archive.FITS, "version": np.array([2, 2]), "body": "x", "jkr": "1"}, {}),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("as_json", [(), ("--json",)], ids=["words", "json"])
+@pytest.mark.parametrize("name", WRONG)
+def test_an_archive_that_does_not_hold_what_it_says_is_refused(jkr: Run, name: str, as_json: tuple[str, ...]) -> None:
+    """Tracebacks."""
+    attributes, members = WRONG[name]
+    Path("x.h5").write_bytes(hdf5.image(hdf5.Group(attributes, members)))
+    done = jkr("show", "x.h5", *as_json)
+    assert (done.code, done.err.count("jkr: error: x.h5: "), done.err.count("\n") < 3) == (2, 1, True), done.err
+
+
+@pytest.mark.parametrize("part", ["series", "errors", "facts", "timings_s", "versions", "warnings", "case"])
+def test_a_series_of_the_first_format_without_one_of_its_parts(jkr: Run, series: Path, part: str) -> None:
+    def older(file: h5py.File) -> None:
+        del file[part]
+        file.attrs["version"] = 1
+
+    edit(series, older)
+    done = jkr("show", series)
+    assert done.code == (2 if part in ("series", "errors", "case") else 0), done.err
+    assert all(line.startswith("jkr: ") for line in done.err.splitlines())
+
+
+# ---------------------------------------------------------------------- tables and their archives
+def test_the_rows_of_an_archive_are_told_from_what_it_unpacks_to(tmp_path: Path) -> None:
+    """Six times as many as forecast."""
+    vendors.zipped(tmp_path / "x.zip", {"x.csv": b"1,2\n" * 100_000})
+    assert rows_expected(tmp_path / "x.zip") == pytest.approx(100_000, rel=0.01)
+
+
+@pytest.mark.parametrize("end", [*LINE_ENDS, "\r\n"], ids=ascii)
+def test_more_rows_than_are_read_are_counted_before_they_are_taken_apart(tmp_path: Path, tuned, end: str) -> None:
+    tuned("jkrcli.base.allowance.TUNING.rows", 1000)
+    (tmp_path / "x.csv").write_bytes(f"1,2{end}".encode() * 1001)
+    with pytest.raises(InputError, match=r"x\.csv: holds 1,001 rows or more, at most 1,000 are read of one file"):
+        measured.read(tmp_path / "x.csv")
+
+
+def test_more_members_than_are_read_are_counted_before_they_are_listed(tmp_path: Path, tuned) -> None:
+    tuned("jkrcli.base.allowance.TUNING.parts", 100)
+    vendors.zipped(tmp_path / "x.zip", {f"{i}.csv": TABLE for i in range(101)})
+    with pytest.raises(InputError, match=r"x\.zip: holds 101 parts or more, at most 100 are read of one file"):
+        measured.read(tmp_path / "x.zip")
+
+
+def test_an_archive_of_very_many_members_is_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Their number stands in the long form of the record at the end."""
+    monkeypatch.setattr(zipfile, "ZIP_FILECOUNT_LIMIT", 1)
+    path = vendors.zipped(tmp_path / "x.zip", {"a.csv": TABLE, "b.csv": TABLE})
+    assert path.read_bytes().count(b"PK\6\6") == 1
+    assert len(measured.read(path)) == 2
+
+
+def test_curves_of_long_names_are_fitted_and_drawn(jkr: Run, series: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A name of 300 letters failed after all work."""
+    monkeypatch.setattr("jkrcli.report.plots.fit.fit_figure", lambda item: None)  # its files are named before
+    a = np.linspace(2e-5, 9e-5, 40)
+    P = 4e6 / 0.91 * a**3 / 3e-3 - np.sqrt(8 * np.pi * a**3 * 0.05e6 / 0.91)
+    rows = "".join(f"{x},{y}\n" for x, y in zip(a.tolist(), P.tolist(), strict=True)).encode()
+    vendors.zipped(Path("m.zip"), {f"{name}.csv": b"a_m,P_N\n" + rows for name in ("a" * 300, "x")})
+    done = jkr("fit", series, "m.zip")
+    assert (done.code, done.out.splitlines()[-1]) == (0, "written s-fit{.csv,.json,.h5}, 2 pictures"), done.err
+
+
+def test_names_that_others_gave_become_different_names_of_files(tmp_path: Path) -> None:
+    names = ["a" * 300, "a" * 299 + "b", "x y", "x/y", "X?y", "x", "\udcff", ".."]
+    for stem in ("s", "s" * 230):
+        found = beside(tmp_path / stem, names)
+        assert len({path.name.lower() for path in found}) == len(names)
+        for path in found:
+            path.with_name(path.name + ".svg").touch()
+    assert [path.name for path in beside(tmp_path / "s", ["x", "gel 1"])] == ["s-x", "s-gel-1"]
+
+
+def test_a_body_whose_name_leaves_no_room_for_its_pictures_is_refused_before_work(
+    jkr: Run, series: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("jkrcli.cli.fit._body", lambda *_: pytest.fail("work was begun"))
+    Path("m.csv").write_bytes(TABLE)
+    body = series.rename("b" * (255 - len("-fit-.png") - SHORTEST + 1) + ".h5")
+    refused(jkr("fit", body, "m.csv"), "cannot be written (File name too long)")
+
+
+# ---------------------------------------------------------------------- made to do harm
+FIT = '{"file": "m.csv", "curve": "m", "status": "fitted", "estimates": {"w": {"value": 0.05, "unit": "J/m^2"}}}'
+HARM = {"h5": harm_hdf5, "zip": harm_zip, "jpk-force": harm_jpk}
+
+
+@pytest.mark.usefixtures("afm")
+@pytest.mark.parametrize("trials", [15, pytest.param(3_400, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("ending", HARM)
+def test_hostile_files(series: Path, ending: str, trials: int, seed: int) -> None:
+    """Ten seconds and a gigabyte for each, on top of what the tests take; the slow ones are ten thousand together."""
+    chance, told = random.Random(f"{ending} {seed}"), {"format": archive.FITS, "version": 2, "body": "x", "jkr": "1"}
+    sound = [
+        series.read_bytes(),
+        hdf5.image(hdf5.Group(told, fits_of(FIT))),
+        vendors.exported(Path("e.h5")).read_bytes(),
+    ]
+    for trial in range(trials):
+        path = Path(f"{trial}.{ending}")
+        path.write_bytes(chance.choice(sound))
+        HARM[ending](path, chance)
+        with bounded(SECONDS), address_space():
+            if ending == "h5":
+                outcome("show", path, "--json", json_out=True)
+            rows_expected(path)
+            with contextlib.suppress(InputError):
+                for _ in measured.each(path, Reading(incomplete=True)):
+                    pass
+        path.unlink()

@@ -25,6 +25,7 @@ from jkrcli.case import Case, parse_case
 from jkrcli.case.solving import solve
 from jkrcli.cli import call as jkr
 from jkrcli.cli.measured import TUNING as TABLES
+from jkrcli.cli.series import PER_FILE
 from jkrcli.data.measured import each
 from jkrcli.data.measured.amount import rows_expected
 from jkrcli.many.study import adhesion_map, pull_off_map, rate_map, sticking_map, transition_map
@@ -140,6 +141,7 @@ def rows_of_noisy_series(rows: int) -> Pair:
     return of_curves(replace(held, raw=raw, series=bare), (0.05,))
 
 
+OUT = "[outputs]\nradii = [{}]\n"
 SWEEP = """
 [base]
 {}
@@ -187,6 +189,53 @@ def columns_of_table(count: int) -> Pair:
     path = Path(f"wide{count}.csv")
     path.write_text("\n".join([names, *rows]))
     return TABLES.per_row * rows_expected(path), lambda: list(each(path))
+
+
+def rows_of_compared_curves(rows: int) -> Pair:
+    a, path = np.linspace(1e-6, 1e-4, rows), Path("curve.csv")
+    write_csv(path, {"a_m": a, "delta_m": a**2 / 1e-3, "P_N": 1e9 * a**3})
+    return TABLES.per_row * 2 * rows_expected(path), lambda: jkr(["compare", str(path), str(path)])
+
+
+def files_shown(count: int) -> Pair:
+    Path("s.toml").write_text(text("closed-form", HALF_SPACE))
+    jkr(["run", "s.toml", "-q"])
+    return PER_FILE * count, lambda: jkr(["show", *["s.h5"] * count])
+
+
+def devices_of_pull_off(count: int) -> Pair:
+    Path("s.toml").write_text(text("closed-form", HALF_SPACE, "1e-4", "points = 100"))
+    words = axis("--stiffness", 1.0, 1e6, count)
+    seconds = forecast(solution(100), (0.05,), JKR, False, False, count).seconds
+    return seconds, lambda: jkr(["pull-off", "s.toml", *words])
+
+
+def rows_of_program(rows: int) -> Pair:
+    """To and fro, each row another speed."""
+    Path("s.toml").write_text(text("closed-form", HALF_SPACE, "1.5e-4", "points = 100"))
+    x = 3e-6 + 2e-6 * np.sin(np.linspace(0, 60, rows)) * np.linspace(0.5, 1, rows)
+    np.savetxt("x.csv", np.column_stack([np.linspace(0, 20, rows), x]), "%.8g", ",", header="t_s,x_m", comments="")
+    seconds = (TABLES.per_row + TABLES.cycle_per_row + 200 * TABLES.cycle_per_point) * rows
+    words = ["--rate", "v0=1e-6,n=0.6", "--program", "x.csv", "--no-plots"]
+    return seconds, lambda: jkr(["cycle", "s.toml", *words])
+
+
+def samples_of_bootstrap(count: int) -> Pair:
+    Path("s.toml").write_text(text("closed-form", HALF_SPACE))
+    path = table(200)
+    seconds = (TABLES.per_row + TABLES.fit_per_row + count * TABLES.refit_per_row) * 200 + count * TABLES.refit
+    words = ["--confidence", "bootstrap", "--samples", str(count), "--workers", "1", "--no-plots", "-q"]
+    return seconds, lambda: jkr(["fit", "s.toml", str(path), *words])
+
+
+def radii_of_sweep(count: int) -> Pair:
+    radii = ", ".join(f"{a:.9g}" for a in np.linspace(1e-5, 1e-4, count))
+    Path("many.toml").write_text(
+        SWEEP.format(text("closed-form", HALF_SPACE), 20).replace("[[", f"{OUT.format(radii)}[[", 1)
+    )
+    plan = load_plan(Path("many.toml"))
+    groups, _ = plan.groups(range(plan.count))
+    return forecast_of_sweep(plan, groups), lambda: sweep(plan, Path("swept"), Means(workers=1), False, lambda _: None)
 
 
 def rows_of_fit(rows: int) -> Pair:
@@ -272,6 +321,12 @@ FORECASTS: dict[Callable[[int], Pair], tuple[int, ...]] = {
     columns_of_table: (12, 100, 1_000),
     rows_of_fit: (10_000, 100_000, 1_000_000),
     rows_of_work: (10_000, 100_000, 1_000_000),
+    rows_of_compared_curves: (100_000, 1_000_000),
+    files_shown: (300, 1_000),
+    devices_of_pull_off: (30, 300, 2_000),
+    rows_of_program: (100, 1_000),
+    samples_of_bootstrap: (100, 1_000),
+    radii_of_sweep: (100, 1_000),
 }
 
 
@@ -313,6 +368,15 @@ def too_much() -> Iterator[tuple[str, list[str]]]:
     more = '[[axes]]\nkey = "loading.radius"\nfrom = 5e-5\nto = 1e-4\ncount = 2000\n'
     many = SWEEP.format(text("fem", HALF_SPACE), 1000) + more
     yield "2 million cases", ["sweep", file("many.toml", many), "-o", "swept"]
+    lots = SWEEP.format(text("closed-form", HALF_SPACE), 3) + OUT.format(", ".join(["1e-5"] * 1_000_000))
+    yield "1 million radii of a sweep", ["sweep", file("lots.toml", lots)]
+    yield "2,000 devices", ["pull-off", "s.h5", *axis("--stiffness", 1.0, 1e6, 2_000)]
+    yield "3,000 files", ["show", *["s.h5"] * 3_000]
+    program = file("x.csv", "t_s,x_m\n" + "".join(f"{i:06d},1e-6\n" for i in range(10_000)))
+    yield "a program of 10,000 rows", ["cycle", "s.h5", "--rate", "v0=1e-6,n=0.6", "--program", program]
+    samples = ["--confidence", "bootstrap", "--samples", "100000"]
+    yield "a bootstrap of 100,000 samples", ["fit", "s.h5", str(table(200)), *samples]
+    yield "two curves of 3 million rows", ["compare", str(table(3_000_000)), str(table(3_000_000))]
     with Path("huge.csv").open("wb") as huge:
         huge.truncate(900 << 20)
     yield "a table of 900 MiB", ["look", "huge.csv"]

@@ -133,9 +133,6 @@ def fit(
     jkr fit --radius "5 um" --nu 0.5 --shape paraboloid curve.jpk-force
     jkr fit data.h5 map.jpk-force-map --workers 2
     """
-    from ..base.executors import executor
-    from ..identification.fit.fitting import Failure, fit_all
-
     flags = {key: options.pop(key) for key in FLAGS}
     source, paths = _given(body_file, measured, flags)
     inputs = (body_file, *measured)
@@ -160,6 +157,9 @@ def fit(
         fit_law(body, law, paths, reading, names, fix, start, options, targets, told, output)
         return
     settings, reading = _settings(body, uncertain, names, fix, start, bound, options), replace(reading, contact="as-is")
+    from ..base.executors import executor
+    from ..identification.fit.fitting import Failure, fit_all
+
     bodies = [body.on_surface(one) for one in SURFACES[surface or body.problem.surface]]
     curves, reasons = _curves(paths, reading)
     seconds = sum(

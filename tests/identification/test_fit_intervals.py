@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import replace
 from functools import cache
 
@@ -47,20 +48,11 @@ def noise_of(exact: np.ndarray, kind: str) -> np.ndarray:
     return 0.01 * (np.array([[1.0], [0.1], [0.1]]) * size if kind == "even" else np.abs(exact) + 1e-3 * size)
 
 
-@pytest.mark.parametrize(
-    ("seeds", "least", "most"),
-    [(15, 0.6, 1.0), pytest.param(1000, 0.925, 0.975, marks=pytest.mark.slow)],
-    ids=["15", "1000"],
-)
-@pytest.mark.parametrize("kind", ["even", "relative"])
-@pytest.mark.parametrize("columns", COLUMNS)
-@pytest.mark.parametrize("name", BODIES)
-def test_intervals_hold(name: str, columns: str, kind: str, seeds: int, least: float, most: float) -> None:
-    """E* used to lie in its interval in 73 to 80 of 100 where a is measured: its noise was not told from the curve.
-    0.942 to 0.974 measured; right fits are seldom warned of."""
+def draws(name: str, columns: str, kind: str, seeds: range) -> tuple[np.ndarray, list[bool]]:
+    """Whether the interval of each free parameter holds the truth, (seeds, parameters), and who is warned of."""
     (body, exact), truth = body_and_curve(name), {"modulus": 1.0, "w": BODIES[name][1], "delta0": 0.0}
     names, sigma, held, told = ("a", "delta", "P"), noise_of(exact, kind), [], []
-    for seed in range(30000, 30000 + seeds):
+    for seed in seeds:
         readings = exact + sigma * np.random.default_rng(seed).standard_normal(exact.shape)
         found = fit(body, Curve(name, **{names[i]: readings[i] for i in COLUMNS[columns]}), usual())
         pairs = [(found.estimate(parameter), truth[parameter]) for parameter in found.free]
@@ -69,9 +61,32 @@ def test_intervals_hold(name: str, columns: str, kind: str, seeds: int, least: f
     shares = np.mean(held, axis=0)
     by_name = dict(zip(found.free, shares.tolist(), strict=True))
     print(f"{name}; {columns}; {kind}: {by_name}, warned of {np.mean(told):.3f}")
-    assert (shares >= least).all(), shares
-    assert (shares <= most).all(), shares
-    assert np.mean(told) <= (0.05 if seeds >= 100 else 0.2)  # 0.025 measured
+    return np.array(held), told
+
+
+KINDS = ("even", "relative")
+
+
+def test_intervals_hold() -> None:
+    """E* used to lie in its interval in 73 to 80 of 100 where a is measured: its noise was not told from the curve."""
+    places = enumerate(itertools.product(BODIES, COLUMNS, KINDS))
+    found = [draws(*where, range(30000 + 5 * i, 30005 + 5 * i)) for i, where in places]
+    assert 0.9 <= np.mean(np.concatenate([held.ravel() for held, _ in found])) <= 0.985  # 0.94 of 90 fits measured
+    assert min(np.mean(held, axis=0).min() for held, _ in found) >= 0.6
+    assert np.mean([one for _, told in found for one in told]) <= 0.08  # 0.025 measured
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("columns", COLUMNS)
+@pytest.mark.parametrize("name", BODIES)
+def test_a_thousand_intervals_hold(name: str, columns: str, kind: str) -> None:
+    """0.942 to 0.974 measured; right fits are seldom warned of."""
+    held, told = draws(name, columns, kind, range(30000, 31000))
+    shares = np.mean(held, axis=0)
+    assert (shares >= 0.925).all(), shares
+    assert (shares <= 0.975).all(), shares
+    assert np.mean(told) <= 0.05  # 0.025 measured
 
 
 def test_covariance_of_uneven_noise_is_that_of_many_draws() -> None:

@@ -17,7 +17,7 @@ CASES   := $(notdir $(basename $(wildcard cases/*.toml)))
 SOURCES := $(shell find jkrcli -name '*.py')
 
 .DEFAULT_GOAL := help
-.PHONY: help setup run test test-all test-minimal fuzz lint docs validation gallery benchmarks cases bench figures noise-study chart chart-peers failures bounds range-bounds guards tuning sweep audit clean requirements
+.PHONY: help setup run test test-all test-minimal fuzz lint docs validation gallery benchmarks cases bench figures noise-study chart chart-peers failures bounds range-bounds guards mutants tuning sweep audit clean requirements
 .DELETE_ON_ERROR:
 
 help: ## list the targets
@@ -116,6 +116,9 @@ bounds: $(READY) ## whether stated errors bound the true ones and are near them,
 
 guards: $(READY) ## forecasts against costs over all that grows, and how soon too much is refused (ten minutes)
 	$(STUDY).guards
+
+mutants: $(READY) ## deliberate slips in what is computed, one at a time, which the fast tests must notice (five minutes)
+	$(STUDY).mutants
 
 range-bounds: $(READY) ## whether stated errors of adhesion of finite range bound the true ones, on 200 random bodies
 	$(STUDY).range_bounds --seed $(SEED) -o $(RESULTS)/range-bounds

@@ -24,7 +24,7 @@ CASES   := $(notdir $(basename $(wildcard cases/*.toml)))
 SOURCES := $(shell find jkrcli -name '*.py')
 
 .DEFAULT_GOAL := help
-.PHONY: help setup run test test-all test-minimal wheel fuzz lint docs validation gallery benchmarks cases bench figures noise-study chart chart-peers failures bounds range-bounds record-bounds guards tuning sweep audit clean requirements
+.PHONY: help setup run test test-all test-minimal wheel fuzz lint docs validation gallery benchmarks cases bench figures noise-study chart chart-peers failures bounds range-bounds record-bounds guards mutants tuning sweep audit clean requirements
 .DELETE_ON_ERROR:
 
 help: ## list the targets
@@ -133,7 +133,10 @@ guards: $(READY) ## forecasts against costs over all that grows, and how soon to
 	$(STUDY).guards
 
 record-bounds: $(READY) ## whether 95 % intervals of raw records hold E*, w and w_approach, on 300 made records (ten minutes)
-	PYTHONPATH=docs:tests $(VENV)/bin/python -m studies.record_bounds $(SEED) 300
+	PYTHONPATH=docs:tests $(VENV)/bin/python -m studies.record_bounds $(call QUOTE,$(SEED)) 300
+
+mutants: $(READY) ## deliberate slips in what is computed, one at a time, which the fast tests must notice (five minutes)
+	$(STUDY).mutants
 
 range-bounds: $(READY) ## whether stated errors of adhesion of finite range bound the true ones, on 200 random bodies
 	$(STUDY).range_bounds --seed $(call QUOTE,$(SEED)) -o $(RESULTS)/range-bounds

@@ -52,9 +52,8 @@ def noise_of(exact: np.ndarray, kind: str) -> np.ndarray:
 @pytest.mark.parametrize("columns", COLUMNS)
 @pytest.mark.parametrize("name", BODIES)
 def test_intervals_hold(name: str, columns: str, kind: str) -> None:
-    """Of a thousand fits; a few are in ``test_interval_widths``. E* used to lie in its interval in 73 to 80 of 100
-    where a is measured: its noise was not told from the curve. 0.942 to 0.974 measured; right fits are seldom warned
-    of."""
+    """Of a thousand fits (a few: ``test_interval_widths``). E* used to lie in its interval in 73 to 80 of 100 where
+    a is measured: its noise was not told from the curve. 0.942 to 0.974 measured; right fits are seldom warned of."""
     (body, exact), truth = body_and_curve(name), {"modulus": 1.0, "w": BODIES[name][1], "delta0": 0.0}
     names, sigma, held, told = ("a", "delta", "P"), noise_of(exact, kind), [], []
     for seed in range(30000, 31000):
@@ -66,7 +65,8 @@ def test_intervals_hold(name: str, columns: str, kind: str) -> None:
     shares = np.mean(held, axis=0)
     by_name = dict(zip(found.free, shares.tolist(), strict=True))
     print(f"{name}; {columns}; {kind}: {by_name}, warned of {np.mean(told):.3f}")
-    assert (np.abs(shares - 0.95) <= 0.025).all(), shares
+    assert (shares >= 0.925).all(), shares
+    assert (shares <= 0.975).all(), shares
     assert np.mean(told) <= 0.05  # 0.025 measured
 
 

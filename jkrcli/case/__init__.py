@@ -73,7 +73,7 @@ class Case:
         if self.text:
             return self.text
         tree = self.model.model_dump(exclude_none=True, exclude=set() if method is None else other_tables(method))
-        if method is not None and tree["method"] != "auto":
+        if method in METHODS and tree["method"] != "auto":
             tree["method"] = method
         return tomli_w.dumps(tree)
 

@@ -12,6 +12,7 @@ from ..base.errors import InputError
 from ..base.files import check_series_target
 from ..base.units import show
 from ..case import Case, load_case, store
+from ..case.models import other_tables
 from ..methods import Forecast
 from ..methods.guards import Limits
 from ..series import Record, Series, Solution
@@ -63,7 +64,7 @@ def _solved(target: Path, case: Case) -> Solution | None:
         return None
     if found is None or not isinstance(found.record.case, Case):
         return None
-    apart = {"title", "adhesion"}
+    apart = {"title", "adhesion"} | other_tables(found.method)
     held, wanted = (one.model.model_dump(exclude=apart) for one in (found.record.case, case))
     if held == wanted and found.record.versions.get("jkr") == __version__:
         return found

@@ -84,7 +84,7 @@ def test_white_noise_through_the_coloured_covariance_is_white(rows: int) -> None
     J = np.stack([np.ones(rows), (-1.0) ** i, i / rows], axis=1)
     off = np.random.default_rng(3).standard_normal(rows)
     off -= J @ np.linalg.lstsq(J, off, rcond=None)[0]
-    found, white = spread(off, J, (rows,)), np.linalg.inv(J.T @ J)
+    found, white = spread(off, J, (rows,), (0,)), np.linalg.inv(J.T @ J)
     size = found.covariance[0, 0] / white[0, 0]
     np.testing.assert_allclose(found.covariance, size * white, rtol=0, atol=1e-9 * size * white.max())
     assert size == pytest.approx(off @ off / (rows - 3), rel=0.1)  # 0.04 measured: sums over one sign of frequencies
@@ -99,7 +99,7 @@ def test_lines_through_coloured_noise() -> None:
     noise = lfilter([1.0], [1.0, -0.8], noise, axis=1)[:, 100:]
     off, widths = np.linalg.lstsq(J, noise.T, rcond=None)[0].T, []
     for row, unknowns in zip(noise, off, strict=True):
-        widths.append(np.sqrt(np.diag(spread(row - J @ unknowns, J, (256,)).covariance)))
+        widths.append(np.sqrt(np.diag(spread(row - J @ unknowns, J, (256,), (0,)).covariance)))
     assert_neither_doubled_nor_halved(mean_squares(off, widths))
 
 

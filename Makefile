@@ -24,7 +24,7 @@ CASES   := $(notdir $(basename $(wildcard cases/*.toml)))
 SOURCES := $(shell find jkrcli -name '*.py')
 
 .DEFAULT_GOAL := help
-.PHONY: help setup run test test-all test-minimal wheel fuzz lint docs validation gallery benchmarks cases bench figures noise-study chart chart-peers failures bounds range-bounds record-bounds guards mutants tuning sweep audit clean requirements
+.PHONY: help setup run test test-all test-minimal test-processors wheel fuzz lint docs validation gallery benchmarks cases bench figures noise-study chart chart-peers failures bounds range-bounds record-bounds guards mutants tuning sweep audit clean requirements
 .DELETE_ON_ERROR:
 
 help: ## list the targets
@@ -52,6 +52,9 @@ test: $(READY) ## the fast tests
 
 test-all: $(READY) ## every test
 	$(PYTEST)
+
+test-processors: $(READY) ## the fast tests of TESTS as other processors compute: MOST settings [default: all that this machine has]
+	$(STUDY).processors $(TESTS) $(if $(MOST),--most $(call QUOTE,$(MOST)))
 
 fuzz: $(READY) ## wrong files and random bodies of a SEED that the tests do not try (an hour)
 	$(VENV)/bin/python -m pytest -n auto --fuzz-seed $(call QUOTE,$(SEED)) tests/properties/test_fuzz.py tests/properties/test_fuzz_options.py tests/properties/test_hostile_files.py tests/studies/test_failures.py

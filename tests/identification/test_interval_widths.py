@@ -144,9 +144,9 @@ def clean_record(w_approach: float) -> dict[str, np.ndarray]:
 FORCE = 1.5 * math.pi * 1e-4 * R
 TRUTH = {"E_star": 20e3, "w": 1e-4, "delta0": -FORCE / 0.05, "P0": FORCE, "tilt": 1e5 * FORCE}
 RECORDS = {  # what is asked, and what is in the record beside the truth: colour of the noise, a wave, a drift; a seed
-    "coloured": ({}, 0.8, {}, 23),
+    "coloured": ({}, 0.8, {}, 104),
     "sine": ({"base_line": "sine"}, 0.0, {"wave_period": 0.5e-6, "wave_amplitude": 0.2 * FORCE}, 28),
-    "drift": ({"segment": "both", "free": ["drift"]}, 0.0, {"drift": 1e-9, "w_approach": 6e-5}, 5),
+    "drift": ({"segment": "both", "free": ["drift"]}, 0.0, {"drift": 1e-9, "w_approach": 6e-5}, 44),
 }
 
 

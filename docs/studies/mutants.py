@@ -24,8 +24,17 @@ from .command import call, parser_of, pool_of
 LIST = Path(__file__).with_suffix(".toml")
 ROOT = LIST.parents[2]
 COPIED = ("jkrcli", "tests", "cases", "docs/studies", "pyproject.toml")
-SECONDS = 6.0  # CPU seconds of a slip, for the number of processes; choice: most take 3 to 10
-LONGEST = 1200.0  # seconds after which tests have no end; choice: ten times those of all
+
+
+@dataclass(frozen=True)
+class MutantsTuning:
+    """What a slip takes."""
+
+    seconds: float = 6.0  # choice: CPU seconds, for the number of processes; most take 3 to 10
+    longest: float = 1200.0  # choice: seconds after which tests have no end; ten times those of all
+
+
+TUNING = MutantsTuning()
 
 
 @dataclass(frozen=True)
@@ -70,7 +79,7 @@ def main(words: Sequence[str] | None = None) -> int:
     for slip in asked:
         slip.made(ROOT)
     print(f"{len(asked)} slips; first the tests that they name, without any", flush=True)
-    with tempfile.TemporaryDirectory() as folder, pool_of(given, SECONDS * len(asked)) as pool:
+    with tempfile.TemporaryDirectory() as folder, pool_of(given, TUNING.seconds * len(asked)) as pool:
         base = copied(ROOT, Path(folder))
         refuse_failing(base, asked)
         print("\n| file | slip | noticed by |\n|---|---|---|", flush=True)
@@ -123,10 +132,10 @@ def tested(tree: Path, tests: Sequence[str]) -> tuple[int, str]:
     try:
         done = subprocess.run(
             [sys.executable, "-m", "pytest", *words], cwd=tree, env=kept | ONE_THREAD | {"PYTHONPATH": str(tree)},
-            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=LONGEST,
+            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=TUNING.longest,
         )  # fmt: skip
     except subprocess.TimeoutExpired:
-        raise SolveError(f"mutants: {', '.join(tests)}: no end after {LONGEST:g} s") from None
+        raise SolveError(f"mutants: {', '.join(tests)}: no end after {TUNING.longest:g} s") from None
     failed = re.search(r"^(?:FAILED|ERROR) tests/(.+?)(?: - |$)", done.stdout, re.MULTILINE)
     return done.returncode, failed[1] if failed else " / ".join(done.stdout.strip().splitlines()[-2:])
 

@@ -15,6 +15,7 @@ import time
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from contextvars import ContextVar
+from dataclasses import dataclass
 from pathlib import Path
 from typing import BinaryIO, TypeAlias
 
@@ -23,6 +24,18 @@ from .errors import InputError, JkrError, nearest, writable
 from .interrupts import Waiting
 from .locks import taken
 
+
+@dataclass(frozen=True)
+class FilesTuning:
+    """Names that others gave, and how long others are waited for."""
+
+    shortest: int = 20  # choice: letters that a name keeps of what a file is called after
+    longest: int = 80  # choice: the same, at most
+    tries: int = 1000  # choice: to come first with a result among those of other processes
+    left: float = 86_400.0  # choice: seconds after which, where there are no locks, nobody is taken to be writing
+
+
+TUNING = FilesTuning()
 CSV_HEADS = (
     b"number,method,column,ratio,stated",  # our tables carry no mark but their own header
     b"a_m,delta_m,P_N,delta_H_m,P_H_N,S_N_per_m",
@@ -54,13 +67,10 @@ HEADS = {  # how a file begins, and what then stands near its head
 }
 TAILS = (b"$Comments\njkr ", b"<!-- jkr ")  # of meshes
 PARQUET, PARQUET_MARK = b"PAR1", b"jkr-sweep-table"
-SHORTEST, LONGEST = 20, 80  # choice: letters of what a file is called after that others gave a name
 SERIES_ENDINGS = (".h5", ".hdf5")
 MARK, LOCK = ".jkr-", ".lock"  # of hidden folders and the files beside them
 PENDING = ".jkr-pending"
 PART, WHOLE, NEW = "part", "whole", "new"  # folders in a hidden one
-TRIES = 1000  # choice: to come first with a result among those of other processes
-LEFT = 86_400.0  # choice: seconds beyond which, where there are no locks, nobody is taken to be writing any more
 Stages: TypeAlias = dict[Path, tuple[Path, BinaryIO]]  # hidden folders and their locks, by the folders written to
 
 
@@ -128,7 +138,7 @@ def _parquet_mark(file: BinaryIO) -> bool:
 def beside(stem: Path, names: Sequence[str]) -> list[Path]:
     """What files are called after ``stem`` and each of the ``names``, which others gave: plain letters, no more than a
     name may have with its ending, all different."""
-    most = max(SHORTEST, min(LONGEST, 250 - len(os.fsencode(stem.name))))
+    most = max(TUNING.shortest, min(TUNING.longest, 250 - len(os.fsencode(stem.name))))
     plain = [re.sub(r"[^-_.a-zA-Z0-9]+", "-", name) for name in names]
     alike, found = Counter(map(str.lower, plain)), []
     for i, name in enumerate(plain):
@@ -273,7 +283,7 @@ def _tidy(folder: Path) -> None:
     for path in folder.glob(f"{MARK}*{LOCK}"):
         with contextlib.suppress(OSError), path.open("r+b") as lock:
             is_free = taken(lock)
-            if is_free or (is_free is None and time.time() - path.stat().st_mtime > LEFT):
+            if is_free or (is_free is None and time.time() - path.stat().st_mtime > TUNING.left):
                 _drop({folder: (path.with_suffix(""), lock)})
 
 
@@ -284,7 +294,7 @@ def _commit(folder: Path, whole: Path) -> None:
             known = whole / str((folder / new.name).stat().st_ino)
             known.mkdir(exist_ok=True)
             new.rename(known / new.name)
-    for _ in range(TRIES):
+    for _ in range(TUNING.tries):
         _finish(folder)
         with contextlib.suppress(OSError):  # another process may come first
             whole.rename(folder / PENDING)

@@ -11,7 +11,8 @@ import click
 
 from ..adhesion.rate.laws import RATE_LAWS
 from ..base.errors import InputError
-from ..base.files import SHORTEST, beside, together
+from ..base.files import TUNING as FILES
+from ..base.files import beside, together
 from ..methods import Forecast
 from ..methods.guards import Limits
 from ..report.output import PICTURES, Files, Output
@@ -140,7 +141,7 @@ def fit(
         refuse_unused({**options, "bound": bound, "uncertain": uncertain})
     endings = (".csv", ".json", ".h5") if law is None else (".csv", ".json", *PICTURES)
     targets = output.files(output.folder(body_file.parent) / f"{body_file.stem}-fit", endings, inputs)
-    for longest in beside(targets.stem, ["x" * SHORTEST]) if law is None else []:
+    for longest in beside(targets.stem, ["x" * FILES.shortest]) if law is None else []:
         output.files(longest, PICTURES, inputs)
     refits = _refits(options["confidence"], options["samples"], len(uncertain))
     surfaces = len(SURFACES.get(surface or "", ("",)))

@@ -22,7 +22,7 @@ from series_files import edit
 from jkrcli.base import allowance, hdf5
 from jkrcli.base.allowance import LINE_ENDS
 from jkrcli.base.errors import InputError
-from jkrcli.base.files import SHORTEST, beside
+from jkrcli.base.files import TUNING, beside
 from jkrcli.data import measured
 from jkrcli.data.measured import Curve, Reading
 from jkrcli.data.measured.amount import rows_expected
@@ -397,7 +397,7 @@ def test_a_body_whose_name_leaves_no_room_for_its_pictures_is_refused_before_wor
 ) -> None:
     monkeypatch.setattr("jkrcli.cli.fit._body", lambda *_: pytest.fail("work was begun"))
     Path("m.csv").write_bytes(TABLE)
-    body = series.rename("b" * (255 - len("-fit-.png") - SHORTEST + 1) + ".h5")
+    body = series.rename("b" * (255 - len("-fit-.png") - TUNING.shortest + 1) + ".h5")
     refused(jkr("fit", body, "m.csv"), "cannot be written (File name too long)")
 
 

@@ -289,7 +289,9 @@ def test_a_long_series_is_announced_or_refused_before_it_is_begun(jkr, series: P
     lengthened(series, 100_000)
     done = jkr(verb[0], series.name, *verb[1:], "--limit-memory", 0.3)
     assert done.code == 2
-    assert done.err.startswith(f"jkr: error: {verb[0]} of 100,000 rows for ")
+    assert done.err.startswith(
+        f"jkr: error: {verb[0]}{' --load' * (verb[:2] == ('pull-off', '--load'))} of 100,000 rows"
+    )
     assert f" would need about {'0.986' if verb[0] == 'transform' else '0.4'} GiB of memory and " in done.err
 
 

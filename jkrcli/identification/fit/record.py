@@ -146,6 +146,8 @@ def fit_record(body: FittedBody, record: ForceCurve, settings: Settings) -> Fit:
 
     Where one modulus does not describe both directions, the retraction's answer with that of the approach beside it.
     """
+    if (reason := record.flags.get("no contact")) is not None:
+        raise InputError(f"{record.curve.where}: no contact: {reason}")
     curve = record.curve
     record, waves = straightened(record) if settings.base_line == "sine" else (record, {})
     body = body.with_values({p.name: float(p.value) for p in settings.parameters if p.of_body and p.value is not None})

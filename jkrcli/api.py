@@ -43,7 +43,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .adhesion.analysis import Analysis, adhesive, analyse, nonadhesive, with_solved_points
+from .adhesion.analysis import Analysis, analyse, with_solved_points
 from .adhesion.device import DISPLACEMENT_CONTROL, LOAD_CONTROL
 from .adhesion.law import AskedRange
 from .base.arrays import Array
@@ -185,7 +185,7 @@ def cycle_at_speed(
     w_a = w0 if w_approach is None else _number("w_approach", w_approach, "work")
     inwards = None if law_approach is None else _law(law_approach)
     solution = _solution(solved, None)
-    result = with_solved_points(adhesive(solution, nonadhesive(solution, slopes), w0), k)
+    result = with_solved_points(analyse(solution, [w0], slopes)[0], k)
     contact = RateContact(result.jkr.nonadhesive, _law(law), w0, w_a, k, inwards)
     if (speed is None) == (program is None):
         raise InputError("cycle_at_speed: give either the speed of the device or its program")

@@ -81,14 +81,14 @@ class _Between:
 
     @property
     def logs(self) -> Logs | None:
-        """Cubics on the table; None where delta_H or S falls somewhere."""
+        """Cubics on the table; None where delta_H or S falls somewhere, or a load is none."""
         z, first = self.table
         delta, by_z = self.delta(z, np.append(first, first[-1]))
         x = np.log(self.rows.a0 + np.exp(z))
         log_S, rate, bend = (self.log_S(x, order) for order in range(3))
-        if not ((by_z > 0).all() and (rate > 0).all()):
-            return None
         S, P = np.exp(log_S), self.loads
+        if not all((values > 0).all() for values in (by_z, rate, delta, P)):
+            return None
         log_dS = log_S + np.log(rate) - x
         by_P = S / P * by_z
         return Logs(

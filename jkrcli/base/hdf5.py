@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import math
+import re
 from collections.abc import Container, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -23,6 +24,7 @@ SEAL = "sha256"  # attribute of a group: the digest of everything else in it
 FILE_FORMAT = ("v110", "v110")  # its metadata carry checksums: damage is found, not followed
 DEEPEST = 4  # choice: groups within groups, so that a group that holds itself ends
 KINDS = (h5py.h5t.INTEGER, h5py.h5t.FLOAT, h5py.h5t.STRING, h5py.h5t.ENUM)  # the last: truth values
+HEAP = re.compile(b"GCOL\1\0\0\0(.{8})", re.DOTALL)  # how a heap of texts begins, and its size
 RUN_AGAIN = "run the case again"
 UNREADABLE = (OSError, RuntimeError, KeyError, ValueError, TypeError, OverflowError)  # h5py's, of damage
 
@@ -146,10 +148,11 @@ def _all_fixed(texts: Sequence[str]) -> Array:
 
 # ---------------------------------------------------------------------- reading
 def kind(path: Path) -> str:
-    """The attribute "format" of the file at ``path``; "" where there is none, or the file is damaged."""
+    """The attribute "format" of the file at ``path``; "" where there is none of fixed length or it is damaged."""
     try:
         with reading(path) as allowed, h5py.File(path, "r") as file:
-            return str(_Reader(path, path.stat().st_size, allowed).attribute(file, "format"))
+            is_free = file.attrs.get_id("format").dtype.hasobject
+            return "" if is_free else str(_Reader(path, path.stat().st_size, allowed).attribute(file, "format"))
     except (InputError, *UNREADABLE):
         return ""
 
@@ -161,12 +164,29 @@ def parse(path: Path, content: bytes, without: Container[str] = (), remedy: str 
     takes more than is allowed.
     """
     try:
-        with reading(path) as allowed, h5py.File(h5py.h5f.open_file_image(content)) as file:
-            return _Reader(path, len(content), allowed).group(file, without)
+        with reading(path) as allowed:
+            _check_heaps(content, allowed)
+            with h5py.File(h5py.h5f.open_file_image(content)) as file:
+                return _Reader(path, len(content), allowed).group(file, without)
     except InputError:
         raise
     except UNREADABLE:
         raise unreadable(path, content, remedy=remedy) from None
+
+
+def _check_heaps(content: bytes, allowed: Allowance) -> None:
+    """ValueError where a heap of texts of variable length holds free space of no length, over which the library would
+    go on without end (HDF5 file format, III.E)."""
+    for heap in HEAP.finditer(content):
+        at, rows = heap.end(), 0
+        end = min(heap.start() + int.from_bytes(heap[1], "little"), len(content))
+        while at + 16 <= end:
+            size, rows = int.from_bytes(content[at + 8 : at + 16], "little"), rows + 1
+            step = 16 + -(-size // 8) * 8 if any(content[at : at + 2]) else size
+            if step < 16:
+                raise ValueError("free space of no length")
+            at += step
+        allowed.take(rows=rows)
 
 
 def unreadable(path: Path, content: bytes, why: str = "", remedy: str = RUN_AGAIN) -> InputError:

@@ -282,6 +282,23 @@ def test_texts_of_any_length_are_read_in_pieces(tmp_path: Path, tuned) -> None:
         hdf5.parse(tmp_path / "x.h5", content)
 
 
+def test_what_the_library_falls_over_is_refused_before_it_reads_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Found by flipping bits: a type of variable length ended the process, free space of no length never ended."""
+    path = tmp_path / "x.h5"
+    with h5py.File(path, "w") as file:
+        file.create_dataset("list", (1,), dtype=h5py.vlen_dtype("i4"))[0] = np.arange(3)
+    with pytest.raises(InputError, match='"list" holds neither numbers nor texts'):
+        hdf5.parse(path, path.read_bytes())
+    content = bytearray(path.read_bytes())
+    heap = content.find(b"GCOL")
+    content[heap + 16 : heap + 32] = bytes(16)
+    monkeypatch.setattr(h5py.h5f, "open_file_image", lambda content: pytest.fail("the library was asked"))
+    with pytest.raises(InputError, match="the HDF5 file is damaged and cannot be read"):
+        hdf5.parse(path, bytes(content))
+
+
 def test_memory_that_runs_out_is_not_called_damage(tmp_path: Path, tuned, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "x.h5"
     with h5py.File(path, "w") as file:

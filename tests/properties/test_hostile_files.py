@@ -303,9 +303,12 @@ def test_memory_that_runs_out_is_not_called_damage(tmp_path: Path, tuned, monkey
     path = tmp_path / "x.h5"
     with h5py.File(path, "w") as file:
         file.create_dataset("zz", (10**7,), "f8", chunks=(10**6,))
+    with h5py.File(tmp_path / "large.h5", "w") as file:  # more than what other tests may have left free in the heap
+        file.create_dataset("zz", (9 * 10**6,), "S100", chunks=(10**6,))
     tuned("jkrcli.base.allowance.TUNING.fence", 1 << 24)
+    tuned("jkrcli.base.allowance.TUNING.little", 1 << 40)
     with pytest.raises(InputError, match="takes more memory to read than may be taken: split it, free memory or raise"):
-        hdf5.parse(path, path.read_bytes())
+        hdf5.parse(tmp_path / "large.h5", (tmp_path / "large.h5").read_bytes())
     tuned("jkrcli.base.allowance.TUNING.little", 1 << 20)
     with pytest.raises(InputError, match=r"takes 0\.075 GiB of memory or more to read, 0\.01. GiB may be taken: split"):
         hdf5.parse(path, path.read_bytes())

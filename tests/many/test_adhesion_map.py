@@ -28,6 +28,7 @@ def test_a_thick_layer_is_a_half_space(mu: float) -> None:
     assert found.share[:, 0] == pytest.approx(1 - np.array(loads) * np.pi * q / (4 / 3 * a**3), rel=0.03, abs=1e-3)
 
 
+@pytest.mark.slow
 def test_zones_follow_from_range_and_load() -> None:
     found = adhesion_map(0.499, True, 1e-4, (0.02, 1.0, 50.0), (0.1, 1.0))
     assert [ZONES[i] for i in found.zone[0]] == ["DMT", "Maugis", "JKR"]

@@ -43,7 +43,6 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .adhesion.analysis import Analysis, analyse, with_solved_points
 from .adhesion.device import DISPLACEMENT_CONTROL, LOAD_CONTROL
 from .adhesion.law import AskedRange
 from .base.arrays import Array
@@ -52,6 +51,7 @@ from .base.files import check_series_target
 from .base.installing import installs
 from .base.threads import one_thread
 from .base.units import parse
+from .beside.analysis import Analysis, analyse, with_solved_points
 from .bodies.problem import Problem
 from .case import Case, load_case, store
 from .case import parse_case as _parse_case

@@ -18,8 +18,8 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from jkrcli.adhesion.analysis import JKR, analyse, forecast
 from jkrcli.base.table import write_csv
+from jkrcli.beside.analysis import JKR, analyse, forecast
 from jkrcli.bodies.problem import Problem
 from jkrcli.case import Case, parse_case
 from jkrcli.case.solving import solve

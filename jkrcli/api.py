@@ -43,7 +43,6 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .adhesion.analysis import Analysis, analyse, with_solved_points
 from .adhesion.device import DISPLACEMENT_CONTROL, LOAD_CONTROL
 from .adhesion.law import AskedRange
 from .base.arrays import Array
@@ -52,6 +51,7 @@ from .base.files import check_series_target
 from .base.installing import installs
 from .base.threads import one_thread
 from .base.units import parse
+from .beside.analysis import Analysis, analyse, with_solved_points
 from .bodies.problem import Problem
 from .case import Case, load_case, store
 from .case import parse_case as _parse_case
@@ -71,6 +71,7 @@ if TYPE_CHECKING:
     from .adhesion.rate.program import Program
     from .identification.fit import Fit
     from .identification.rate.fitting import RateFit
+    from .many.study.maps import MapResult
     from .report.plots import Figure
 
 __all__ = [
@@ -84,6 +85,7 @@ __all__ = [
     "read",
     "save",
     "solve",
+    "study_map",
     "summary",
     "table",
     "to_pandas",
@@ -283,6 +285,14 @@ def _only_curve(path: Path) -> Curve:
 def measured_curves(path: str | Path, **reading: Any) -> list[Curve]:
     """The measured curves in a file; ``reading``: how to read it, see jkrcli.data.measured.Reading."""
     return read_curves(Path(path), Reading(**reading))
+
+
+def study_map(name: str, **axes: Any) -> MapResult:
+    """The map called ``name`` ("pull-off", "sticking", "transition", "adhesion", "rate") over its ``axes``, as of ``jkr
+    study <name>-map``: study_map("pull-off", nu=[0.3], q=[0.1, 1]); its ``columns``, ``summary()`` and ``figure()``."""
+    from .many.study.maps import map_of
+
+    return one_thread()(map_of(name).over)(**axes)
 
 
 def table(curve: Analysis) -> dict[str, Array]:

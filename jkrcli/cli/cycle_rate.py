@@ -21,9 +21,9 @@ from .output import answer
 from .voice import say, warn
 
 if TYPE_CHECKING:
-    from ..adhesion.analysis import Analysis
     from ..adhesion.rate.history import History, RateContact
     from ..adhesion.rate.program import Program
+    from ..beside.analysis import Analysis
 
 
 class PairsType(ParamType):

@@ -13,7 +13,6 @@ import click
 from ..adhesion.device import LOAD_CONTROL
 from ..adhesion.slopes import RULES
 from ..base import units
-from ..base.errors import InputError
 from ..methods import Forecast
 from ..methods.guards import LESS, Limits, admit
 from .voice import forewarn, warn
@@ -85,13 +84,6 @@ def parallel_options(command: Callable[..., Any]) -> Callable[..., Any]:
         "--scheduler", metavar="ADDRESS", help="Dask scheduler that you run, such as tcp://node1:8786."
     )
     return workers(scheduler(command))
-
-
-def check_nu(*nus: float) -> None:
-    """InputError where a Poisson's ratio of ``--nu`` is none of an elastic material."""
-    for nu in nus:
-        if not -1 < nu <= 0.5:
-            raise InputError(f"--nu: must be > -1 and <= 0.5, got {nu:g}")
 
 
 class QuantityType(ParamType):

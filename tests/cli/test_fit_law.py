@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from rate_records import retraction
 
-from jkrcli.adhesion.analysis import nonadhesive
+from jkrcli.beside.analysis import nonadhesive
 from jkrcli.case import store
 
 CASE = """

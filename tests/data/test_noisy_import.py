@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from jkrcli.adhesion.analysis import analyse
 from jkrcli.base.errors import InputError
+from jkrcli.beside.analysis import analyse
 from jkrcli.data.foreign import SeriesReading, read_series
 from jkrcli.data.noisy_rows import is_noise
 from jkrcli.series import Solution

@@ -16,10 +16,10 @@ import pytest
 from series_files import edit
 from stopwatch import seconds_of, takes_less_than
 
-from jkrcli.adhesion.analysis import JKR, analyse, forecast
 from jkrcli.adhesion.law import AskedRange
 from jkrcli.base.errors import InputError
 from jkrcli.base.table import as_json, write_csv
+from jkrcli.beside.analysis import JKR, analyse, forecast
 from jkrcli.case import parse_case, plain_toml, store
 from jkrcli.case.solving import solve
 from jkrcli.many.sweep.plan import load_plan

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from jkrcli.adhesion.comparison import exact_curve
 from jkrcli.adhesion.curve import CriticalPoint, transform
 from jkrcli.adhesion.slopes.choice import slopes
+from jkrcli.beside.comparison import exact_curve
 from jkrcli.bodies.indenters import Sphere
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Specimen

@@ -23,8 +23,8 @@ from matplotlib.legend import Legend
 from matplotlib.text import Text
 from matplotlib.transforms import Bbox
 
-from jkrcli.adhesion.analysis import Analysis, analyse
 from jkrcli.adhesion.curve import CriticalPoint, transform
+from jkrcli.beside.analysis import Analysis, analyse
 from jkrcli.case import store
 from jkrcli.many.cost import Cost
 from jkrcli.report import plots

@@ -59,37 +59,6 @@ class Relaxation(Protocol):
         """r over the times up to ``lasting`` [s]."""
 
 
-@relaxation_law("prony")
-@dataclass(frozen=True)
-class Prony:
-    """r = 1 - sum of g_i (1 - exp(-t/t_i)): ``weights`` g_i > 0 of sum at most 1, relaxation ``times`` t_i [s]; E is
-    the instant modulus."""
-
-    weights: tuple[Share, ...]
-    times: tuple[Time, ...]
-
-    def __post_init__(self) -> None:
-        if len(self.weights) != len(self.times) or not self.weights:
-            raise InputError(
-                f"relaxation: needs as many times as weights, got {len(self.weights)} weights, {len(self.times)} times"
-            )
-        if not min(self.weights) > 0 or sum(self.weights) > 1 + 1e-12:
-            raise InputError(f"relaxation: the weights must be > 0, their sum at most 1, got {list(self.weights)}")
-        if not min(self.times) > 0:
-            raise InputError(f"relaxation: the times must be > 0 s, got {list(self.times)}")
-
-    @property
-    def relaxed(self) -> float | None:
-        return max(0.0, 1 - sum(self.weights))
-
-    def modes(self, lasting: float) -> Modes:
-        return Modes(self.relaxed or 0.0, np.array(self.weights), 1 / np.array(self.times))
-
-    def __str__(self) -> str:
-        pairs = zip(self.weights, self.times, strict=True)
-        return "prony, " + ", ".join(f"{weight:.4g} within {show(time, 'time')}" for weight, time in pairs)
-
-
 @relaxation_law("sls")
 @dataclass(frozen=True)
 class StandardSolid:
@@ -146,6 +115,40 @@ class PowerRelaxation:
         return f"power law, exponent = {self.exponent:.4g}, E at {show(self.time, 'time')}"
 
 
-def relaxation_words(law: Relaxation) -> str:
-    """The law and its parameters as people write them."""
-    return str(law)
+@relaxation_law("prony")
+@dataclass(frozen=True)
+class Prony:
+    """r = 1 - sum of g_i (1 - exp(-t/t_i)): ``weights`` g_i > 0 of sum at most 1, relaxation ``times`` t_i [s]; E is
+    the instant modulus."""
+
+    weights: tuple[Share, ...]
+    times: tuple[Time, ...]
+
+    def __post_init__(self) -> None:
+        if len(self.weights) != len(self.times) or not self.weights:
+            raise InputError(
+                f"relaxation: needs as many times as weights, got {len(self.weights)} weights, {len(self.times)} times"
+            )
+        if not min(self.weights) > 0 or sum(self.weights) > 1 + 1e-12:
+            raise InputError(f"relaxation: the weights must be > 0, their sum at most 1, got {list(self.weights)}")
+        if not min(self.times) > 0:
+            raise InputError(f"relaxation: the times must be > 0 s, got {list(self.times)}")
+
+    @property
+    def relaxed(self) -> float | None:
+        return max(0.0, 1 - sum(self.weights))
+
+    def modes(self, lasting: float) -> Modes:
+        return Modes(self.relaxed or 0.0, np.array(self.weights), 1 / np.array(self.times))
+
+    def __str__(self) -> str:
+        pairs = zip(self.weights, self.times, strict=True)
+        return "prony, " + ", ".join(f"{weight:.4g} within {show(time, 'time')}" for weight, time in pairs)
+
+
+def relaxing_words(law: Relaxation) -> str:
+    """What a result of moduli that do not change says about a body that relaxes by ``law``."""
+    if law.relaxed is None:
+        return "the moduli here are those at the law's time; jkr cycle --speed follows them over time"
+    slow = f", that of very slow cycles has {law.relaxed:.3g} of them" if law.relaxed > 0 else ""
+    return f"this is the limit of very fast cycles, with the moduli at t = 0{slow}; jkr cycle --speed is between"

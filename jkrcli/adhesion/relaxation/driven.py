@@ -98,28 +98,48 @@ class Kernel:
 
 @dataclass(frozen=True, eq=False)
 class Drive:
-    """The device of ``stiffness`` [N/m] that holds ``x`` at the times ``t`` [s], 0 at first, and what it presses."""
+    """The device of ``stiffness`` [N/m] that holds ``x`` at the times ``t`` [s], 0 at first, and what it presses;
+    ``ratio`` of times after a corner from step to step."""
 
     depths: Depths
     modes: Modes
     stiffness: float
     t: Array
     x: Array
+    ratio: float = TUNING.ratio
 
     def path(self) -> RelaxedPath:
         """What happens."""
-        none = np.zeros(self.modes.rates.size)
-        steps, now, turned, i = list[Step](), Now(float(self.t[0]), 0.0, 0.0, 0.0, none, none), False, -1
-        while not turned and i < self.t.size - 2:
-            i += 1
-            turned, now = self._piece(steps, now, i, self._grown)
-        load, depth = self._steps(steps, "load"), self._steps(steps, "depth")
-        grown, lost = RelaxedPath(self.depths, depth, load), False
+        steps, now, i, turned = self._growth(math.inf)
+        grown, lost = RelaxedPath(self.depths, self._steps(steps, "depth"), self._steps(steps, "load")), False
         while turned and not lost and i < self.t.size - 1:
             lost, now = self._piece(steps, now, i, Falling(self, grown).step)
             i += 1
         lost |= turned and self.stiffness == LOAD_CONTROL and self.x[-1] == 0
         return replace(grown, depth=self._steps(steps, "depth"), lost=now.t if lost else math.inf)
+
+    def grown(self, deepest: float) -> RelaxedPath | None:
+        """The growth of the contact up to the depth ``deepest`` [m]; None where it ends before."""
+        steps, now, _, turned = self._growth(deepest)
+        if not turned or now.depth < deepest * (1 - TUNING.grows):
+            return None
+        return RelaxedPath(self.depths, self._steps(steps, "depth"), self._steps(steps, "load"))
+
+    def _growth(self, deepest: float) -> tuple[list[Step], Now, int, bool]:
+        """The steps up to where the contact stops to grow or comes to the depth ``deepest`` [m], the state there, the
+        piece of the program, and whether it came to that before the end."""
+        none = np.zeros(self.modes.rates.size)
+        steps, now = list[Step](), Now(float(self.t[0]), 0.0, 0.0, 0.0, none, none)
+
+        def solved(now: Now, end: float, x: Array) -> tuple[Step, Polynomial]:
+            step, left = self._grown(now, end, x)
+            return step, Polynomial((deepest - step.depth) @ POWERS) if step.depth[-1] > deepest else left
+
+        for i in range(self.t.size - 1):
+            turned, now = self._piece(steps, now, i, solved)
+            if turned:
+                return steps, now, i, True
+        return steps, now, self.t.size - 1, False
 
     def _steps(self, steps: list[Step], name: str) -> Steps:
         t = np.array([self.t[0], *(step.end for step in steps)])
@@ -138,7 +158,7 @@ class Drive:
                     break
                 end = now.t + part * (end - now.t)
                 step, left = solved(now, end, self._held(i, now.t, end))
-                part = min(max(1 - left(1.0) / left.deriv()(1.0), 1 / TUNING.far), TUNING.far)
+                part = _zero_near_end(left)
             if not ends or end < whole:
                 steps.append(step)
                 now = self._after(now, step)
@@ -152,10 +172,15 @@ class Drive:
         return Now(step.end, float(step.depth[-1]), float(step.contact[-1]), float(step.load[-1]), *memories)
 
     def _ends(self, t: float, i: int) -> Array:
-        """Ends of the steps from the time ``t`` [s] on to the end of piece ``i``, closer to each other at first."""
-        count = math.ceil(math.log(1 / TUNING.first) / math.log(TUNING.ratio))
+        """Ends of the steps from the time ``t`` [s] on to the end of piece ``i``, closer to each other at first, and
+        where a load comes to 0: the contact does as its power 2/3."""
         left = self.t[i + 1] - t
-        return t + left * TUNING.ratio ** -np.arange(count, -1.0, -1) if left > 0 else self.t[i + 1 : i + 2]
+        if left <= 0:
+            return self.t[i + 1 : i + 2]
+        parts = self.ratio ** -np.arange(math.ceil(math.log(1 / TUNING.first) / math.log(self.ratio)), -1.0, -1)
+        if self.stiffness == LOAD_CONTROL and self.x[i + 1] == 0:
+            parts = np.concatenate([parts / 2, 1 - parts[-2::-1] / 2, [1.0]])
+        return np.asarray(t + left * parts)
 
     def _held(self, i: int, t: float, end: float) -> Array:
         """What the device holds at the inner places of a step."""
@@ -211,6 +236,12 @@ def _first_fall(left: Polynomial) -> float:
     if not falls.size or falls[0] == 0:
         return 0.0 if falls.size else 1.0
     return float(zeros_between(left, y[falls[:1] - 1], y[falls[:1]], 0.0)[0])
+
+
+def _zero_near_end(left: Polynomial) -> float:
+    """Where a step ends at which nothing is ``left``, that ends near there."""
+    rate = float(left.deriv()(1.0))
+    return 1.0 if rate == 0 else min(max(1 - float(left(1.0)) / rate, 1 / TUNING.far), TUNING.far)
 
 
 @dataclass(frozen=True, eq=False)

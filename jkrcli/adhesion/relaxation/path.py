@@ -57,6 +57,11 @@ class RelaxedPath:
             )
 
     @property
+    def begin(self) -> float:
+        """The time of first contact [s]."""
+        return float(self.depth.t[0])
+
+    @property
     def last(self) -> float:
         """The place at which the contact stops to grow."""
         return float(self.load.t.size - 1)
@@ -86,7 +91,7 @@ class RelaxedPath:
         """The places at which the contact grew through depths [m] (n,)."""
         knots = self.depth.values(np.arange(self.last + 1))
         k = np.clip(np.searchsorted(knots, depth) - 1, 0, knots.size - 2)
-        found = zeros_between(lambda y: self.depth.values(k + y) - depth, 0.0 * depth, 0.0 * depth + 1, 0.0)
+        found = zeros_between(lambda y: self.depth.values(k + y) - depth, 0.0 * depth, 0.0 * depth + 1, TUNING.places)
         return np.asarray(k + found)
 
     def states(self, t: Array) -> tuple[Array, Array, Array]:
@@ -98,22 +103,23 @@ class RelaxedPath:
         return a, self.depth.values(self.depth.places(t)), P
 
 
-def given_depth(depths: Depths, modes: Modes, t: Array, x: Array) -> RelaxedPath:
-    """What happens where the device holds the depths ``x`` [m] at the times ``t`` [s], even between, from 0 on."""
+def given_depth(depths: Depths, modes: Modes, t: Array, x: Array, ratio: float = TUNING.ratio) -> RelaxedPath:
+    """What happens where the device holds the depths ``x`` [m] at the times ``t`` [s], even between, from 0 on;
+    ``ratio`` of depths from step to step."""
     falls = np.flatnonzero(np.diff(x) < 0)
     top = int(falls[0]) if falls.size else t.size - 1
-    grown, deep = finer(t[: top + 1], x[: top + 1])
+    grown, deep = finer(t[: top + 1], x[: top + 1], ratio)
     load = Steps(modes, grown, depths.loads(deep[:-1, None] + np.diff(deep)[:, None] * PLACES) @ POWERS)
     t, x = np.append(grown, t[top + 1 :]), np.append(deep, x[top + 1 :])
     depth = Steps(modes, t, np.stack([x[:-1], np.diff(x)], 1))
     return RelaxedPath(depths, depth, load, _lost(depth, grown.size - 1))
 
 
-def finer(t: Array, x: Array) -> tuple[Array, Array]:
-    """Depths ``x`` that never fall, and their times, with more between them, so that none is much above the one
-    before."""
-    count = math.ceil(math.log(1 / TUNING.first) / math.log(TUNING.ratio))
-    levels = x[-1] * TUNING.ratio ** -np.arange(1.0, count + 1)
+def finer(t: Array, x: Array, ratio: float) -> tuple[Array, Array]:
+    """Depths ``x`` that never fall, and their times, with more between them, so that none is more than ``ratio``
+    times the one before."""
+    count = math.ceil(math.log(1 / TUNING.first) / math.log(ratio))
+    levels = x[-1] * ratio ** -np.arange(1.0, count + 1)
     after = np.searchsorted(x, levels)
     part = (levels - x[after - 1]) / (x[after] - x[after - 1])
     order = np.argsort(np.append(np.arange(x.size), after - 1 + part), kind="stable")

@@ -296,7 +296,7 @@ class FiniteRangeCurve(EquilibriumCurve):
             )
         return (
             f"the {quantity} is lowest at the largest radius, a = {show(lowest.a, 'length')}: pull-off lies outside "
-            "the curve; the series would have to reach a larger radius: load further"
+            "the curve; the series would have to reach a larger radius: increase [loading] radius"
         )
 
 
@@ -499,8 +499,8 @@ def _growing(rims: Rims) -> Rims:
         raise Refusal(
             f"adhesion of finite range: up to the contact radius {show(float(rims.a[first]), 'length')} the radius to "
             "which the surfaces attract each other falls as the contact grows: a stiff coating, or a layer so soft "
-            "that it leaps up to the indenter, is not touched in a disc that grows; load further, or give another "
-            "stress or range"
+            "that it leaps up to the indenter, is not touched in a disc that grows; increase [loading] radius, or "
+            "give another stress or range"
         )
     return Rims(*(getattr(rims, name)[first:] for name in STATES))
 

@@ -85,8 +85,10 @@ class NamesType(ParamType):
 @click.option("--confidence", type=click.Choice(["covariance", "profile", "bootstrap"]), default="covariance",
               show_default=True, help="How the intervals are found.")  # fmt: skip
 @click.option("--level", type=float, default=0.95, show_default=True, help="Of the intervals.")
-@click.option("--samples", type=click.IntRange(20, 100_000), default=200, show_default=True, help="Of the bootstrap.")
-@click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Of the bootstrap.")
+@click.option(
+    "--samples", type=click.IntRange(20, 100_000), default=200, show_default=True, help="Number of bootstrap resamples."
+)
+@click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Seed of the bootstrap.")
 @click.option("--surface", type=click.Choice(["sliding", "sticking", "both"]),
               help="Of the body, instead of its own; both: under either, and what the data prefer.")  # fmt: skip
 @click.option("--uncertain", multiple=True, type=NamedType(),

@@ -272,7 +272,7 @@ BEHIND = (  # never seen, as something else is told before, or seen as no refusa
 
 BY_OTHER_VERBS = (  # refused to transform, or at sizes that take long: tests of finite range and of surfaces that stick
     "adhesion of finite range",
-    "there is no formula for surfaces that stick",
+    "no formula is known for no slip",
     "the contact is not a growing disc of nodes (violation {}), so that it is not known where points stuck",
     "the correction is that of surfaces that slide",
     "rows where the surfaces stick (limit {})",

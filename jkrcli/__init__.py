@@ -16,13 +16,17 @@ if TYPE_CHECKING:
     from .adhesion.rate.laws import LogRate, PowerRate
     from .adhesion.rate.program import Program
     from .api import (
+        check,
         cycle_at_speed,
         identify,
         identify_law,
         load_case,
+        look,
         measured_curves,
         parse_case,
         plot,
+        profile,
+        pull_off,
         read,
         save,
         solve,
@@ -31,7 +35,7 @@ if TYPE_CHECKING:
         table,
         to_pandas,
         transform,
-    )
+    )  # fmt: skip
     from .base.errors import InputError, JkrError, Refusal
     from .base.unknown import Unknown
     from .bodies.grading import Exponential, Linear, Power, Tabulated
@@ -46,52 +50,13 @@ if TYPE_CHECKING:
 
 __version__ = "0.2.0"
 __all__ = [
-    "FEM",
-    "ClosedForm",
-    "Elastic",
-    "Exponential",
-    "Graded",
-    "HalfSpace",
-    "Hybrid",
-    "InputError",
-    "JkrError",
-    "Layer",
-    "Layered",
-    "Limits",
-    "Linear",
-    "Loading",
-    "LogRate",
-    "Paraboloid",
-    "Power",
-    "PowerLaw",
-    "PowerRate",
-    "Problem",
-    "Program",
-    "Refusal",
-    "Rigid",
-    "RoundedFlat",
-    "Specimen",
-    "Sphere",
-    "TableProfile",
-    "Tabulated",
-    "TransverselyIsotropic",
-    "Unknown",
-    "cycle_at_speed",
-    "identify",
-    "identify_law",
-    "load_case",
-    "measured_curves",
-    "parse_case",
-    "plot",
-    "read",
-    "save",
-    "solve",
-    "study_map",
-    "summary",
-    "table",
-    "to_pandas",
-    "transform",
-]
+    "FEM", "ClosedForm", "Elastic", "Exponential", "Graded", "HalfSpace", "Hybrid", "InputError", "JkrError", "Layer",
+    "Layered", "Limits", "Linear", "Loading", "LogRate", "Paraboloid", "Power", "PowerLaw", "PowerRate", "Problem",
+    "Program", "Refusal", "Rigid", "RoundedFlat", "Specimen", "Sphere", "TableProfile", "Tabulated",
+    "TransverselyIsotropic", "Unknown", "check", "cycle_at_speed", "identify", "identify_law", "load_case", "look",
+    "measured_curves", "parse_case", "plot", "profile", "pull_off", "read", "save", "solve", "study_map", "summary",
+    "table", "to_pandas", "transform",
+]  # fmt: skip
 _HOMES = {  # of what is not in jkrcli.api
     ".adhesion.rate.laws": ("LogRate", "PowerRate"),
     ".adhesion.rate.program": ("Program",),

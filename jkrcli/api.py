@@ -35,11 +35,19 @@ Adhesion that depends on the speed of the contact's edge, over time:
 >>> history = jkr.cycle_at_speed(solved, 0.05, jkr.PowerRate(v0=1e-6, n=0.5), speed="10 um/s", to_load="1 uN")
 >>> f"{history.pull_off.P * 1e6:.2f} uN after {history.pull_off.t:.3f} s"
 '-12.98 uN after 0.126 s'
+
+Bodies that relax, without adhesion:
+
+>>> solid = jkr.StandardSolid(ratio=0.25, time=1.0)
+>>> history = jkr.cycle_relaxing(solved, solid, speed="10 um/s", to_depth="1 um", hold="3 s")
+>>> [f"{corner.P * 1e6:.3f} uN" for corner in history.corners], f"lost after {history.lost:.3f} s"
+(['14.983 uN', '4.395 uN'], 'lost after 3.129 s')
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -69,8 +77,11 @@ if TYPE_CHECKING:
     from .adhesion.rate.history import History
     from .adhesion.rate.laws import RateLaw
     from .adhesion.rate.program import Program
+    from .adhesion.relaxation.history import RelaxedHistory
+    from .bodies.relaxation import Relaxation
     from .identification.fit import Fit
     from .identification.rate.fitting import RateFit
+    from .identification.relaxation import RelaxationFit
     from .many.study.maps import MapResult
     from .report.check import Check
     from .report.look import Look
@@ -79,8 +90,9 @@ if TYPE_CHECKING:
     from .report.pull_off import MeasuredPullOff, PullOff
 
 __all__ = [
-    "check", "cycle_at_speed", "identify", "identify_law", "load_case", "look", "measured_curves", "parse_case",
-    "plot", "profile", "pull_off", "read", "save", "solve", "study_map", "summary", "table", "to_pandas", "transform",
+    "check", "cycle_at_speed", "cycle_relaxing", "identify", "identify_law", "identify_relaxation", "load_case",
+    "look", "measured_curves", "parse_case", "plot", "profile", "pull_off", "read", "save", "solve", "study_map",
+    "summary", "table", "to_pandas", "transform",
 ]  # fmt: skip
 
 
@@ -203,6 +215,53 @@ def _range(solution: Solution, stress: float | str | None, length: float | str |
     return AskedRange.of(solution.record, tension, None if length is None else _number("length", length, "length"))
 
 
+@one_thread()
+def cycle_relaxing(
+    solved: Solution | Case | Problem | str | Path,
+    relaxation: Relaxation | None = None,
+    speed: float | str | None = None,
+    *,
+    program: Program | None = None,
+    speed_approach: float | str | None = None,
+    to_load: float | str | None = None,
+    to_depth: float | str | None = None,
+    hold: float | str = 0.0,
+    stiffness: float | str = DISPLACEMENT_CONTROL,
+    slopes: str = "auto",
+) -> RelaxedHistory:
+    """What a device records over time while the moduli of the specimen relax, without adhesion.
+
+    ``relaxation``: StandardSolid(ratio=0.25, time=1.0), PowerRelaxation, Prony; default: that of the specimen. The
+    device presses, waits and goes back as in ``cycle_at_speed``, or does what a ``program`` says.
+
+    The result's ``peak``, ``corners``, ``turn``, ``lost`` and ``error`` tell what happened, ``table(points)`` gives its
+    columns. Raises InputError where the contact leaves the series, or is loaded again onto its dent.
+    """
+    from .adhesion.rate.program import there_and_back
+    from .adhesion.relaxation.history import RelaxingContact
+    from .beside.analysis import nonadhesive
+
+    solution, k = _solution(solved, None), _number("stiffness", stiffness, "stiffness")
+    law = relaxation or solution.problem.specimen.relaxation
+    if law is None:
+        raise InputError(
+            "cycle_relaxing: the specimen has no relaxation: give one, StandardSolid(ratio=0.25, time=1.0)"
+        )
+    if (speed is None) == (program is None):
+        raise InputError("cycle_relaxing: give either the speed of the device or its program")
+    relaxing = replace(solution.problem, specimen=replace(solution.problem.specimen, relaxation=law))  # may refuse
+    contact = RelaxingContact(nonadhesive(replace(solution, problem=relaxing), slopes), law, k)
+    if speed is not None:
+        rate = "load rate" if k == LOAD_CONTROL else "speed"
+        back = _number("speed", speed, rate)
+        there = back if speed_approach is None else _number("speed_approach", speed_approach, rate)
+        load = None if to_load is None else _number("to_load", to_load, "load")
+        depth = None if to_depth is None else _number("to_depth", to_depth, "length")
+        program = there_and_back(contact.turning(load, depth, there), there, back, _number("hold", hold, "time"))
+    assert program is not None
+    return contact.history(program)
+
+
 def _law(law: RateLaw | Mapping[str, Any]) -> RateLaw:
     from .adhesion.rate.laws import rate_law_of
 
@@ -270,6 +329,27 @@ def identify_law(
     settings = rate_settings(source, law, free, (fix or {}).items(), start, **options)
     curves = [curve for each in measured for curve in ([each] if isinstance(each, Curve) else measured_curves(each))]
     return one_thread()(rate_fit)(source, curves, settings)
+
+
+def identify_relaxation(
+    body: Case | Solution | str | Path,
+    measured: Curve | str | Path,
+    law: str = "sls",
+    fix: Mapping[str, str] | None = None,
+    slopes: str = "auto",
+    **options: Any,
+) -> RelaxationFit:
+    """The modulus, the parameters of a ``law`` of relaxation and the zero point, from a record with time.
+
+    ``measured``: one curve of t, delta, P, or its file; ``fix``: known ones, {"ratio": "0.3"}; ``options``: level,
+    terms as of ``jkr fit --relaxation``. Raises InputError where the record cannot be fitted.
+    """
+    from .identification.fit.body import body_of
+    from .identification.relaxation import relaxation_fit, relaxation_settings
+
+    source = body_of(Path(body) if isinstance(body, str) else body, slopes)
+    curve = measured if isinstance(measured, Curve) else _only_curve(Path(measured))
+    return one_thread()(relaxation_fit)(source, curve, relaxation_settings(law, (fix or {}).items(), **options))
 
 
 def _only_curve(path: Path) -> Curve:

@@ -20,6 +20,7 @@ from ..base.errors import InputError
 from ..base.units import MOST
 from ..base.unknown import Estimate, Unknown, known
 from ..bodies.problem import Problem
+from ..bodies.relaxation import relaxing_words
 from ..methods import Forecast
 from ..series import ErrorBudget, Series, Solution, is_series
 from .comparison import Comparison, compare_half_space
@@ -134,7 +135,9 @@ class Analysis:
         if self.curve.slopes.method != "exact":
             flags += unresolved(self.problem.indenter, self.curve.a)
         doubts = getattr(self.curve, "doubts", ())
-        found = [*self.solution.warnings, *flags, *check(self.validity), *doubts]
+        law = self.problem.specimen.relaxation
+        relaxes = [] if law is None else [f"the specimen relaxes: {relaxing_words(law)}"]
+        found = [*relaxes, *self.solution.warnings, *flags, *check(self.validity), *doubts]
         found += [*yielding(self.problem, self.curve), *outside]
         difference = None if self.comparison is None else known(self.comparison.pull_off)
         budget = self.budget

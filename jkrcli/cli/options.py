@@ -241,6 +241,20 @@ class NamedType(ParamType):
         return name, text
 
 
+class RowsType(ParamType):
+    """FIRST..LAST, whole numbers from 1 on."""
+
+    name = "FIRST..LAST"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[int, int]:
+        if isinstance(value, tuple):
+            return value
+        first, mark, last = str(value).partition("..")
+        if not (mark and first.isdecimal() and last.isdecimal() and 0 < int(first[:9]) < int(last[:9])):
+            self.fail(f'must be FIRST..LAST, two rows counted from 1, such as 100..900, got "{value}"', param, ctx)
+        return int(first[:9]), int(last[:9])
+
+
 class ScaleType(KeyValueType):
     """KEY=VALUE with a key among a, delta, P: a length or a load."""
 

@@ -31,6 +31,7 @@ def test_a_thick_layer_is_a_half_space(mu: float) -> None:
     )
 
 
+@pytest.mark.slow
 def test_zones_follow_from_range_and_load() -> None:
     mus = (0.02, 1.0, 50.0)
     thick = jkrcli.study_map("adhesion", q=1e-4, mu=mus, load=(0.1, 1.0)).columns["zone"]

@@ -85,6 +85,7 @@ def test_workers_and_scheduler_exclude_each_other(study) -> None:
     )
 
 
+@pytest.mark.slow
 def test_noise_study_writes_its_table_and_picture(study, tmp_path: Path) -> None:
     words = ("noise", "--seeds", 2, "--body", "hertz", "--points", 30, "-o", "out")
     assert study(*words).code == 0

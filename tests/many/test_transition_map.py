@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 
+@pytest.mark.slow
 def test_map_holds_the_ridge_above_both_limits(jkr, tmp_path: Path) -> None:
     words = ("study", "transition-map", "--nu", 0.499, "--q", 100, "--mu", 1, "--mu", 3, "-o", tmp_path, "--workers", 1)
     outcome = jkr(*words)

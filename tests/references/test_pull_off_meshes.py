@@ -46,5 +46,6 @@ def test_pull_off_over_twenty_meshes(contact: str, median: float, worst: float) 
     assert errors.max() <= worst
 
 
+@pytest.mark.slow
 def test_pull_off_of_nested_contact_on_one_mesh() -> None:
     assert pull_off_errors("nested", 1)[0] <= 1e-3  # measured: 2e-5, median of twenty meshes

@@ -216,3 +216,8 @@ def _hint(unit: str, dimension: str) -> str:
     if not allowed:
         return ", no unit is allowed here"
     return f"{did_you_mean(unit, allowed, 0.6)} (allowed: {', '.join(allowed)})"
+
+
+def reached(a: float, delta: float, P: float) -> str:
+    """A state of contact as people read it."""
+    return f"a = {show(a, 'length')}, delta = {show(delta, 'length')}, P = {show(P, 'load')}"

@@ -25,7 +25,6 @@ from .verb import Verb
 from .voice import note, progress, say, warn
 
 if TYPE_CHECKING:
-    from ..data.measured import Curve
     from ..identification.fit import Fit, FittedBody, Settings
     from ..identification.fit.fitting import Failure
 
@@ -161,10 +160,11 @@ def fit(
         return
     settings, reading = _settings(body, uncertain, names, fix, start, bound, options), replace(reading, contact="as-is")
     from ..base.executors import executor
+    from ..data.measured import usable
     from ..identification.fit.fitting import Failure, fit_all
 
     bodies = [body.on_surface(one) for one in SURFACES[surface or body.problem.surface]]
-    curves, reasons = _curves(paths, reading)
+    curves, reasons = usable(paths, reading)
     seconds = sum(
         TUNING.fit_per_curve + refits * (TUNING.refit + TUNING.refit_per_row * len(curve)) for curve in curves
     )
@@ -263,21 +263,6 @@ def _refits(confidence: str, samples: int, uncertain: int) -> int:
     """How often a curve is fitted anew for its intervals, and for as many ``uncertain`` inputs."""
     fits = {"covariance": 0, "profile": TUNING.profiled, "bootstrap": samples}
     return fits[confidence] + TUNING.carried * uncertain
-
-
-def _curves(paths: tuple[Path, ...], reading: Any) -> tuple[list[Curve], list[str]]:
-    """The curves in all files, and why others could not be read."""
-    from ..data.measured import each
-
-    curves: list[Curve] = []
-    unread: list[str] = []
-    for path in paths:
-        for item in each(path, reading):
-            if isinstance(item, InputError):
-                unread += item.lines
-            else:
-                curves.append(item)
-    return curves, unread
 
 
 def _pictures(

@@ -34,7 +34,15 @@ if TYPE_CHECKING:
     from .base.errors import InputError, JkrError, Refusal
     from .base.unknown import Unknown
     from .bodies.grading import Exponential, Linear, Power, Tabulated
-    from .bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
+    from .bodies.indenters import (
+        EqualAreaCone,
+        Paraboloid,
+        PowerLaw,
+        RoundedCone,
+        RoundedFlat,
+        Sphere,
+        TableProfile,
+    )
     from .bodies.materials import Elastic, Graded, TransverselyIsotropic
     from .bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
     from .methods.closed_form.method import ClosedForm
@@ -68,6 +76,7 @@ __all__ = [
     "Program",
     "Refusal",
     "Rigid",
+    "RoundedCone",
     "RoundedFlat",
     "Specimen",
     "Sphere",
@@ -96,7 +105,15 @@ _HOMES = {  # of what is not in jkrcli.api
     ".base.errors": ("InputError", "JkrError", "Refusal"),
     ".base.unknown": ("Unknown",),
     ".bodies.grading": ("Exponential", "Linear", "Power", "Tabulated"),
-    ".bodies.indenters": ("Paraboloid", "PowerLaw", "RoundedFlat", "Sphere", "TableProfile"),
+    ".bodies.indenters": (
+        "EqualAreaCone",
+        "Paraboloid",
+        "PowerLaw",
+        "RoundedCone",
+        "RoundedFlat",
+        "Sphere",
+        "TableProfile",
+    ),
     ".bodies.materials": ("Elastic", "Graded", "TransverselyIsotropic"),
     ".bodies.problem": ("HalfSpace", "Layer", "Loading", "Problem", "Rigid", "Specimen"),
     ".methods.closed_form.method": ("ClosedForm",),

@@ -56,6 +56,7 @@ __all__ = [
     "FEM",
     "ClosedForm",
     "Elastic",
+    "EqualAreaCone",
     "Exponential",
     "Graded",
     "HalfSpace",

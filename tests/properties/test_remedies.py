@@ -17,7 +17,6 @@ from refusals import (
     BASE,
     CLOSE,
     COARSE,
-    ELASTIC,
     GRADED,
     KINDS,
     LAYERED,

@@ -68,8 +68,8 @@ GROUPS = {
 VERBS = {verb: text for group in GROUPS.values() for verb, text in group.items()}
 # Verbs whose result is a file, or an exit code: what they print can be left out. What the others print is the result.
 VOICED = frozenset({
-    "new", "run", "import", "mesh", "transform", "cycle", "profile", "fields", "export", "explore", "look", "fit", "work",
-    "compare", "sweep",
+    "new", "run", "import", "mesh", "transform", "cycle", "profile", "fields", "export", "explore", "look", "fit",
+    "work", "compare", "sweep",
 })  # fmt: skip
 
 

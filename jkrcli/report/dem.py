@@ -80,8 +80,8 @@ def header(law: DemLaw, result: Analysis) -> str:
     return "\n".join([
         f"/* Written by jkr: adhesive contact of {result.problem.words.replace('*/', '* /')};",
         f"   w = {result.w!r} J/m^2. SI units; overlap and compressive force positive; the force of one contact.",
-        "   TOUCH: after first contact; TEAR: contact lost under displacement control, as in a particle code whose time",
-        "   step resolves it; LOAD: under load control. The interpolation is good to "
+        "   TOUCH: after first contact; TEAR: contact lost under displacement control, as in a particle code whose",
+        "   time step resolves it; LOAD: under load control. The interpolation is good to "
         f"{law.error:.1g} of the largest force and radius. */",
         "#ifndef JKR_CONTACT_H", "#define JKR_CONTACT_H", "#include <math.h>",
         f"#define JKR_ROWS {law.delta.size}", f"#define JKR_VECTORS {len(law.vectors)}",

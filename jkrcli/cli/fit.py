@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     Pictures = list[tuple[Fit | Failure, Files]]
 
 SHALLOW = 0.2  # choice: of the tip radius, to which a body by flags is solved first; the data may ask for more
+POINTED = 5e-6  # choice: [m], in place of the radius of a tip that has none
 FEWER = "fewer rows, curves or samples"
 SHOWN = 10  # curves that are told line by line, and drawn
 SURFACES = {"both": ("sliding", "sticking"), "sliding": ("sliding",), "sticking": ("sticking",)}
@@ -252,8 +253,7 @@ def _body(source: Path | dict[str, str | None], slopes: str, limits: Limits) -> 
 
     tables = tables_of("fit", source, "a case or series file", {"radius": 1.0}, "1 MPa")
     radius = parse_case(tomli_w.dumps(tables).encode(), "fit").model.problem().indenter.tip_radius
-    assert radius is not None  # of sphere and paraboloid
-    tables["loading"]["radius"] = SHALLOW * radius
+    tables["loading"]["radius"] = SHALLOW * (radius or POINTED)
     tables["method"] = "closed-form" if source["thickness"] is None else "layered"  # so that no other is imported
     body = body_of(parse_case(tomli_w.dumps(tables).encode(), "fit"), slopes, limits)
     return replace(body, told=source["modulus"] is not None)

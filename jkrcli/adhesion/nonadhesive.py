@@ -124,8 +124,8 @@ class Nonadhesive:
     def knots(self) -> Nonadhesive:
         """The functions with all radii at which they are known as those of the series, without errors.
 
-        A row closer to a further radius than the root of their errors e gives way to it: the slope e/x that the two
-        would make over their distance x is more than x leaves of any other.
+        A row closer to a further radius than the fourth root of their errors e gives way to it: the slope e/x that the
+        two would make over their distance x is more than the x^3 that cubics leave of any other.
         """
         if self.further is None:
             return self
@@ -144,7 +144,7 @@ class Nonadhesive:
         wrong = [np.max(series.errors[name] / getattr(series, name), initial=0.0) for name in columns]
         right = np.searchsorted(further.a, self.a)
         distance = np.abs(further.a[np.clip([right - 1, right], 0, further.a.size - 1)] - self.a).min(axis=0)
-        return distance > math.sqrt(max(wrong)) * (self.a - series.a0)
+        return distance > max(wrong) ** 0.25 * (self.a - series.a0)
 
     @property
     def _known_rates(self) -> Array:

@@ -102,8 +102,8 @@ def method_behind(solution: Solution) -> Method | None:
 
 
 def _in_the_middle(solution: Solution, sevens: Array) -> Nonadhesive:
-    """The functions at the ``sevens``, rows (n, 7) of ``solution`` at ``STEPS``, with slopes and the joint covariance of
-    columns and slopes at the middle of each: those around it say how the slopes change."""
+    """The functions at the ``sevens``, rows (n, 7) of ``solution`` at ``STEPS``, with slopes and the joint covariance
+    of columns and slopes at the middle of each: those around it say how the slopes change."""
     series, problem = solution.series, solution.problem
     assert series.S is not None
     assert series.dS is not None

@@ -73,9 +73,9 @@ class Slopes:
 def covariance_from_errors(series: Series, S: Array, dS: Array, signs: Array = SPRING) -> Array | None:
     """Covariance (n, 4, 4) of (delta_H, P_H, S, S') from the series' own errors, read as 90 % half-widths.
 
-    ``signs``: of what columns share. Errors of one body's compliance, as those of meshes and cuts mostly are, move S and
-    S' up and delta down together and leave P, like a spring in series. An error of the radius acts on the curve through
-    t = sqrt(4 pi w a/S'): a contact radius that is wrong by a fraction e makes S' = dS/da wrong by -e too, so t by e.
+    ``signs``: of what columns share. Errors of one body's compliance, as those of meshes and cuts mostly are, move S
+    and S' up and delta down together and leave P, like a spring in series. An error of the radius acts on the curve
+    through t = sqrt(4 pi w a/S'): a contact radius that is wrong by a fraction e makes S' = dS/da wrong by -e too, so t by e.
     It is carried as an error 2 e of S', which does the same.
     """
     if not series.errors:

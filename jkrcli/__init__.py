@@ -17,8 +17,10 @@ if TYPE_CHECKING:
     from .adhesion.rate.program import Program
     from .api import (
         cycle_at_speed,
+        cycle_relaxing,
         identify,
         identify_law,
+        identify_relaxation,
         load_case,
         measured_curves,
         parse_case,
@@ -26,6 +28,7 @@ if TYPE_CHECKING:
         read,
         save,
         solve,
+        study_map,
         summary,
         table,
         to_pandas,
@@ -37,6 +40,7 @@ if TYPE_CHECKING:
     from .bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
     from .bodies.materials import Elastic, Graded, TransverselyIsotropic
     from .bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
+    from .bodies.relaxation import PowerRelaxation, Prony, StandardSolid
     from .methods.closed_form.method import ClosedForm
     from .methods.fem.method import FEM
     from .methods.guards import Limits
@@ -64,20 +68,25 @@ __all__ = [
     "Power",
     "PowerLaw",
     "PowerRate",
+    "PowerRelaxation",
     "Problem",
     "Program",
+    "Prony",
     "Refusal",
     "Rigid",
     "RoundedFlat",
     "Specimen",
     "Sphere",
+    "StandardSolid",
     "TableProfile",
     "Tabulated",
     "TransverselyIsotropic",
     "Unknown",
     "cycle_at_speed",
+    "cycle_relaxing",
     "identify",
     "identify_law",
+    "identify_relaxation",
     "load_case",
     "measured_curves",
     "parse_case",
@@ -85,6 +94,7 @@ __all__ = [
     "read",
     "save",
     "solve",
+    "study_map",
     "summary",
     "table",
     "to_pandas",
@@ -99,6 +109,7 @@ _HOMES = {  # of what is not in jkrcli.api
     ".bodies.indenters": ("Paraboloid", "PowerLaw", "RoundedFlat", "Sphere", "TableProfile"),
     ".bodies.materials": ("Elastic", "Graded", "TransverselyIsotropic"),
     ".bodies.problem": ("HalfSpace", "Layer", "Loading", "Problem", "Rigid", "Specimen"),
+    ".bodies.relaxation": ("PowerRelaxation", "Prony", "StandardSolid"),
     ".methods.closed_form.method": ("ClosedForm",),
     ".methods.fem.method": ("FEM",),
     ".methods.guards": ("Limits",),

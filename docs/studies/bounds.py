@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 
-from jkrcli.adhesion.analysis import analyse, error_of_point, with_solved_points
 from jkrcli.adhesion.critical import Errors
 from jkrcli.adhesion.curve import CriticalPoint
 from jkrcli.adhesion.device import CONTROLS
@@ -22,6 +21,7 @@ from jkrcli.base.errors import JkrError
 from jkrcli.base.executors import completed
 from jkrcli.base.table import as_json
 from jkrcli.base.unknown import Unknown
+from jkrcli.beside.analysis import analyse, error_of_point, with_solved_points
 from jkrcli.bodies.indenters import Indenter, Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Side, Spacing, Specimen

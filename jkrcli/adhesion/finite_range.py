@@ -22,6 +22,7 @@ from ..base.quadrature import composite_gauss
 from ..base.units import show
 from ..base.unknown import Estimate
 from ..bodies.problem import Problem
+from ..methods import METHODS
 from ..methods.attraction import AttractedBody
 from ..methods.integral.attraction import Attraction, Rims, refuse_narrow
 from ..methods.layered.contact import checked
@@ -355,7 +356,7 @@ def unable(problem: Problem, method: str) -> str | None:
             "adhesion of finite range is known of surfaces that slide alone: solve the case with "
             'specimen.surface = "sliding", or leave range and stress out'
         )
-    if method not in KNOWN:
+    if method not in METHODS or not METHODS[method].kernel:
         return (
             f"adhesion of finite range needs the kernel of the contact equation, which the method {method} does not "
             "have: solve the case with the method layered or hybrid"
@@ -550,6 +551,3 @@ def _begins(rims: Rims) -> tuple[str, ...]:
         f"finite range: at contact radii below {where} the radius to which the surfaces attract each other falls as "
         "the contact grows: they leap together, and the curve begins there",
     )
-
-
-KNOWN = ("closed-form", "layered", "hybrid")  # methods whose bodies have a kernel

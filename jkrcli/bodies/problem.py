@@ -13,6 +13,7 @@ from ..base.errors import InputError, positive
 from ..base.units import show
 from .indenter import Indenter
 from .materials import Elastic, Graded, Material, TransverselyIsotropic, contact_modulus
+from .relaxation import Relaxation
 
 Quantity = Literal["depth", "load", "radius"]
 Spacing = Literal["radius", "depth", "log", "given"]
@@ -66,12 +67,16 @@ class HalfSpace:
 
 @dataclass(frozen=True)
 class Specimen:
-    """Layers from the contact surface down, and a base; ``radius`` [m] and ``side`` for a really finite body only."""
+    """Layers from the contact surface down, and a base; ``radius`` [m] and ``side`` for a really finite body only.
+
+    ``relaxation``: of all moduli together, which are those at t = 0 (or where the law says); no part of what is solved.
+    """
 
     layers: tuple[Layer, ...]
     base: Rigid | HalfSpace
     radius: float | None = None
     side: Side | None = None
+    relaxation: Relaxation | None = field(default=None, compare=False, repr=False)
 
     def __post_init__(self) -> None:
         if not self.layers and isinstance(self.base, Rigid):
@@ -211,6 +216,17 @@ class Problem:
     specimen: Specimen
     loading: Loading
     sticks: bool = field(default=False, repr=False)
+
+    def __post_init__(self) -> None:
+        if self.specimen.relaxation is not None and self.indenter.material is not None:
+            raise InputError(
+                "specimen.relaxation: goes with a rigid indenter: an elastic one does not relax with the specimen; "
+                "leave out indenter.E and nu, or the relaxation"
+            )
+        if self.specimen.relaxation is not None and self.sticks:
+            raise InputError(
+                'specimen.relaxation: is known of surfaces that slide: leave surface = "sticking" out, or relaxation'
+            )
 
     @property
     def E_star(self) -> float:

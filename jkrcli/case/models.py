@@ -39,6 +39,7 @@ from .fields import (
 )
 from .indenter import IndenterTable, any_indenter
 from .materials import AnyHalfSpace, AnyLayer
+from .relaxation import AnyRelaxation
 
 GOALS: tuple[Quantity, ...] = ("depth", "load", "radius")
 
@@ -48,7 +49,8 @@ class SpecimenTable(Table):
     ``half_space`` (alone: no layers).
 
     ``radius`` and ``side`` (its support) make it a cylinder; left out: it is wide. ``surface``: what its points do that
-    the indenter touches.
+    the indenter touches. ``relaxation``: all moduli, the half-space's too, relax by one function of time; E is the
+    instant modulus.
     """
 
     layers: Annotated[tuple[AnyLayer, ...], BeforeValidator(as_tuple)] = ()
@@ -57,6 +59,7 @@ class SpecimenTable(Table):
     radius: Length | None = None
     side: Literal["free", "roller", "clamped"] | None = None
     surface: Literal["sliding", "sticking"] = "sliding"
+    relaxation: AnyRelaxation | None = None
 
     @model_validator(mode="wrap")
     @classmethod
@@ -72,6 +75,8 @@ class SpecimenTable(Table):
             return "is empty: give [specimen.half_space] with E and nu, or [[specimen.layers]]"
         if "half_space" in given and ("radius" in given or "side" in given):
             return "a cylinder (radius and side) stands on a rigid base: leave out half_space"
+        if "relaxation" in given and "surface_tension" in given:
+            return "relaxation and surface_tension together are not solved: leave one of them out"
         if ("radius" in given) != ("side" in given):
             return "a cylinder needs both radius and side (free, roller or clamped), leave both out for a wide body"
         return None
@@ -84,7 +89,8 @@ class SpecimenTable(Table):
 
     def build(self) -> Specimen:
         base = Rigid(self.base != "frictionless") if self.half_space is None else HalfSpace(self.half_space.material)
-        return Specimen(tuple(table.build() for table in self.layers), base, self.radius, self.side)
+        relaxation = None if self.relaxation is None else self.relaxation.built(None)
+        return Specimen(tuple(table.build() for table in self.layers), base, self.radius, self.side, relaxation)
 
 
 class LoadingTable(Table):
@@ -225,6 +231,13 @@ class CaseModel(RootTable):
     specimen: SpecimenTable
     loading: LoadingTable
     adhesion: AdhesionTable = AdhesionTable()
+
+    @model_validator(mode="after")
+    def _relaxes(self) -> Self:
+        if self.specimen.relaxation is not None:
+            with findings():
+                self.problem()
+        return self
 
     def problem(self) -> Problem:
         """The physics of the case."""

@@ -10,12 +10,12 @@ import click
 
 from ..adhesion import validity
 from ..adhesion.curve import CriticalPoint
-from ..adhesion.expectation import Expectation, expect
 from ..adhesion.finite_range import unable
-from ..adhesion.sticking import StickingEffect, as_told, sticking_effect, sticking_warnings
 from ..base.errors import Refusal
 from ..base.units import show
 from ..base.unknown import Estimate, Unknown
+from ..beside.expectation import Expectation, expect
+from ..beside.sticking import StickingEffect, as_told, sticking_effect, sticking_warnings
 from ..case import load_case
 from ..case.models import CaseModel
 from ..case.numerics import method_of

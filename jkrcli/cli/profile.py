@@ -8,11 +8,11 @@ from typing import cast
 import click
 import numpy as np
 
-from ..adhesion.analysis import analyse
 from ..adhesion.law import AskedRange, Range
 from ..adhesion.stability import stable_radius
 from ..base.errors import InputError
 from ..base.units import show
+from ..beside.analysis import analyse
 from ..bodies.problem import Problem
 from ..case import Case
 from ..methods.guards import Limits

@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..adhesion.analysis import Analysis, analyse, error_of_point, with_solved_points
 from ..adhesion.device import DISPLACEMENT_CONTROL, LOAD_CONTROL
 from ..adhesion.law import AskedRange
 from ..adhesion.sharp import resolved
 from ..adhesion.stability import Behaviour, behaviours
-from ..adhesion.sticking import effect_on, sticking_warnings
 from ..base.errors import InputError
 from ..base.unknown import Unknown
+from ..beside.analysis import Analysis, analyse, error_of_point, with_solved_points
+from ..beside.sticking import effect_on, sticking_warnings
 from ..methods.guards import Limits
 from ..report import pull_off as report
 from ..series import Solution

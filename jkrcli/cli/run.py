@@ -8,9 +8,9 @@ from pathlib import Path
 
 import click
 
-from ..adhesion.sticking import as_told, effect_facts, sticking_effect, sticking_warnings
 from ..adhesion.validity import check, end_of_body, judge
 from ..base.unknown import Estimate, Unknown
+from ..beside.sticking import as_told, effect_facts, sticking_effect, sticking_warnings
 from ..bodies.problem import Problem
 from ..case import Case, load_case, store
 from ..case.solving import solve

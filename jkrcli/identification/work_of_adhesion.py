@@ -9,14 +9,14 @@ from typing import Any, cast
 
 import numpy as np
 
-from ..adhesion.analysis import Analysis, adhesive, nonadhesive, with_solved_points
 from ..adhesion.critical import point_error
 from ..adhesion.nonadhesive import Nonadhesive
-from ..adhesion.solved import method_behind
 from ..adhesion.stability_inverse import FoundWork, work_from_pull_off
 from ..base.errors import InputError
 from ..base.units import parse
 from ..base.unknown import Estimate, Unknown
+from ..beside.again import method_behind
+from ..beside.analysis import Analysis, adhesive, nonadhesive, with_solved_points
 from ..bodies.parts import changed, checked_names, layer_names, nominal
 from ..bodies.problem import Loading
 from ..series import Solution

@@ -5,16 +5,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from ..adhesion.analysis import Analysis
 from ..adhesion.critical import Errors
 from ..adhesion.curve import Equilibrium
 from ..adhesion.device import LOAD_CONTROL, control
 from ..adhesion.sharp import yielding
-from ..adhesion.solved import is_solved
 from ..adhesion.stability import Behaviour
 from ..adhesion.validity import check
 from ..base.units import show
 from ..base.unknown import Estimate, Unknown, known
+from ..beside.analysis import Analysis
+from ..beside.solved import is_solved
 from . import tables
 
 if TYPE_CHECKING:

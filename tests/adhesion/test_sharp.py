@@ -6,10 +6,10 @@ import math
 
 import pytest
 
-from jkrcli.adhesion.analysis import analyse
 from jkrcli.adhesion.curve import CriticalPoint
 from jkrcli.adhesion.sharp import TUNING
 from jkrcli.base.unknown import Unknown
+from jkrcli.beside.analysis import analyse
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen

@@ -248,8 +248,8 @@ REFUSALS = [
         "p.h5: contact at delta = 0 spreads beyond the largest radius of the series, a = 1.73e-05 m: the series would "
         "have to reach a larger radius: load further",
     ),
-    (("study", "pull-off-map", "--nu", "0.6"), "--nu: must be > -1 and <= 0.5, got 0.6"),
-    (("study", "pull-off-map", "--q", "1e9"), "q: must be between 1e-06 and 1e+07, got 1e+09"),
+    (("study", "pull-off-map", "--nu", "0.6"), "pull-off map: nu must be > -1 and <= 0.5, got 0.6"),
+    (("study", "pull-off-map", "--q", "1e9"), "pull-off map: q must be >= 1e-06 and <= 1e+07, got 1000000000.0"),
 ]
 
 

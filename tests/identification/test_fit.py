@@ -75,6 +75,7 @@ def check(found, **truth: float) -> None:
         assert found.value(name) == pytest.approx(value, rel=EXACT), name
 
 
+@pytest.mark.first(3)
 @pytest.mark.parametrize("seed", range(10))
 def test_half_space_without_noise_from_random_starts(seed: int) -> None:
     truth = {"modulus": 0.5, "w": W, "delta0": 0.3 * DELTA_C}
@@ -99,6 +100,7 @@ def test_a_search_that_is_given_up_tells_no_interval(
     )
 
 
+@pytest.mark.first(3)
 @pytest.mark.parametrize("seed", range(10))
 def test_thin_nearly_incompressible_layer_without_noise_from_random_starts(seed: int) -> None:
     truth = {"modulus": 1.7, "w": 0.04, "delta0": 3e-6}
@@ -173,6 +175,7 @@ def test_compliance_of_the_machine_and_bounds() -> None:
     assert "w ends on its bound 200 mJ/m^2" in fit(half_space(), sphere(), Settings(held)).warnings
 
 
+@pytest.mark.slow
 def test_ten_noisy_sets_with_shifted_origins() -> None:
     """Perepelkin et al. found 0.9987 MPa and 101.2 mJ/m^2; ours differ by +0.03 % and
     +0.01 %, with standard errors of 0.04 and 0.05 %."""

@@ -47,6 +47,14 @@ SLOW = {
     "hybrid: a plate on its rim",
     "hybrid: cost",
     "fem: tolerance with radii of vertices",
+    "hybrid: cost under an elastic indenter",
+    "hybrid: cost on a cylinder",
+    "hybrid: accuracy",
+    "fem: tolerance under a cut",
+    "fem: refined zone, thin layer",
+    "fem: below the first vertex",
+    "hybrid: rows on a cylinder",
+    "hybrid: side, by load",
 }
 
 
@@ -210,6 +218,7 @@ def test_a_profile_that_is_not_accurate_enough(jkr) -> None:
     assert jkr(*words, "10 um").code == 0
 
 
+@pytest.mark.slow
 def test_fields_under_an_elastic_indenter(jkr) -> None:
     """The method of the series does not matter: another one is no remedy."""
     tables = merged(BASE, {"method": "layered", "indenter": ELASTIC})
@@ -234,6 +243,7 @@ def test_the_reference_of_a_chart() -> None:
     assert reference_of(problem_of({}), 0.01)
 
 
+@pytest.mark.slow
 def test_a_chart_that_finds_no_reference_names_what_it_can_follow() -> None:
     """The reference has tolerances of its own: the case's does not matter."""
     with pytest.raises(Refusal) as refused:

@@ -26,5 +26,7 @@ register(
         "jkrcli.methods.layered.layered:Layered",
         effort=20,
         options=LayeredOptions,
+        exact=True,
+        kernel=True,
     )
 )

@@ -101,10 +101,10 @@ def _load(series: Series, depth: float) -> float:
 
 
 def _pull_off(sticking: Series, w: float, sliding: Series) -> Estimate:
-    from .curve import AdhesiveCurve, CriticalPoint
-    from .device import LOAD_CONTROL
-    from .nonadhesive import Nonadhesive
-    from .slopes.choice import slopes
+    from ..adhesion.curve import AdhesiveCurve, CriticalPoint
+    from ..adhesion.device import LOAD_CONTROL
+    from ..adhesion.nonadhesive import Nonadhesive
+    from ..adhesion.slopes.choice import slopes
 
     bodies = [Nonadhesive(one, slopes(one, "exact")) for one in (sticking, sliding)]
     first, second = (AdhesiveCurve(body, w).pull_off(LOAD_CONTROL) for body in bodies)

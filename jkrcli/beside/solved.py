@@ -16,20 +16,18 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ..adhesion.curve import TUNING as CURVE
+from ..adhesion.curve import AdhesiveCurve, CriticalPoint, Equilibrium, EquilibriumCurve
+from ..adhesion.device import CONTROLS
+from ..adhesion.nonadhesive import Nonadhesive
+from ..adhesion.slopes.exact import exact
+from ..adhesion.slopes.result import TWO_SIDED_90, covariance_from_errors
 from ..base.arrays import Array
 from ..base.errors import JkrError
 from ..base.quadrature import composite_gauss
 from ..bodies.problem import Loading, Problem
-from ..case import Case
-from ..case.numerics import method_of
-from ..methods import METHODS, Method, method_class
 from ..series import Series, Solution
-from .curve import TUNING as CURVE
-from .curve import AdhesiveCurve, CriticalPoint, Equilibrium, EquilibriumCurve
-from .device import CONTROLS
-from .nonadhesive import Nonadhesive
-from .slopes.exact import exact
-from .slopes.result import TWO_SIDED_90, covariance_from_errors
+from .again import again, method_behind
 
 POINTS = 14  # radii that are solved at once for a curve: seven around each of two pull-off points
 Further = Callable[[Array], Nonadhesive]  # the functions at other radii [m], solved
@@ -68,8 +66,7 @@ def solver_of(solution: Solution) -> Further | None:
     def further(a: Array) -> Nonadhesive:
         beyond = np.outer(a - series.a0, np.exp(TUNING.step * STEPS))
         radii, order = np.unique(series.a0 + beyond, return_inverse=True)
-        loading = Loading.given("radius", tuple(radii.tolist()))
-        return _in_the_middle(method(replace(problem, loading=loading)), order.reshape(-1, STEPS.size))
+        return _in_the_middle(again(problem, radii, method), order.reshape(-1, STEPS.size))
 
     return further
 
@@ -90,15 +87,6 @@ def seconds_of_points(solution: Solution, devices: int = 0) -> float:
     radii = solution.series.a[-1] * np.linspace(0.5, 1, POINTS + STEPS.size * devices)
     problem = replace(solution.problem, loading=Loading.given("radius", tuple(radii.tolist())))
     return TUNING.each * method.forecast(problem).seconds
-
-
-def method_behind(solution: Solution) -> Method | None:
-    """The method that made ``solution``, with the options of its case."""
-    name, case = solution.method, solution.record.case
-    if name not in METHODS:
-        return None
-    method: Method = method_of(case.model, name) if isinstance(case, Case) else method_class(name)()
-    return method
 
 
 def _in_the_middle(solution: Solution, sevens: Array) -> Nonadhesive:

@@ -416,10 +416,11 @@ class AdhesiveCurve(EquilibriumCurve):
         return Equilibrium(place, float(delta), float(P))
 
     def thinned(self, first: int) -> AdhesiveCurve:
-        """The curve through every second point that is known from ``first`` on, and the ends."""
-        last = self.nonadhesive.knots.a.size - 1
-        rows = np.unique(np.append(np.arange(first, last + 1, 2), [0, last]))
-        return AdhesiveCurve(self.nonadhesive.knots.at_rows(rows), self.w)
+        """The curve through every second point that is known from ``first`` on, the ends and the kinks."""
+        knots = self.nonadhesive.knots
+        last = knots.a.size - 1
+        rows = np.unique(np.concatenate([np.arange(first, last + 1, 2), [0, last], knots.bends]))
+        return AdhesiveCurve(knots.at_rows(rows), self.w)
 
     @cached_property
     def interpolation_error(self) -> Estimate:

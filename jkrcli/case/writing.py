@@ -47,7 +47,7 @@ def _specimen(specimen: Specimen) -> dict[str, Any]:
             tree["base"] = "bonded" if bonded else "frictionless"
     if specimen.radius is not None:
         tree |= {"radius": specimen.radius, "side": specimen.side}
-    return tree
+    return tree | ({"surface_tension": specimen.surface_tension} if specimen.surface_tension else {})
 
 
 def _layer(layer: Layer) -> dict[str, Any]:

@@ -11,7 +11,7 @@ from ...base.threads import one_thread
 from ...base.unknown import Unknown
 from ...bodies.problem import HalfSpace, Problem
 from ...series import ErrorBudget, Solution
-from .. import Forecast, without_tension
+from .. import Forecast
 from .adapt import adapted, first
 from .body import at_surface, half_space_like
 from .budget import Assessment, assessed, truncation_of
@@ -50,8 +50,6 @@ class FEM(FEMOptions):
     def _unable(self, problem: Problem) -> str | None:
         """Why no mesh can represent the problem."""
         specimen = problem.specimen
-        if reason := without_tension(problem):
-            return reason
         if problem.sticks and (reason := self._unable_to_stick(problem)):
             return reason
         if problem.indenter.material is not None and not specimen.is_half_space:

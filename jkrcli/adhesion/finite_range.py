@@ -21,7 +21,7 @@ from ..base.errors import InputError, Refusal
 from ..base.quadrature import composite_gauss
 from ..base.units import show
 from ..base.unknown import Estimate
-from ..bodies.problem import Problem
+from ..bodies.problem import NO_FINITE_RANGE, Problem
 from ..methods import METHODS
 from ..methods.attraction import AttractedBody
 from ..methods.integral.attraction import Attraction, Rims, refuse_narrow
@@ -356,6 +356,8 @@ def unable(problem: Problem, method: str) -> str | None:
             "adhesion of finite range is known of surfaces that slide alone: solve the case with "
             'specimen.surface = "sliding", or leave range and stress out'
         )
+    if problem.specimen.surface_tension:
+        return NO_FINITE_RANGE
     if method not in METHODS or not METHODS[method].kernel:
         return (
             f"adhesion of finite range needs the kernel of the contact equation, which the method {method} does not "

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -32,6 +32,7 @@ class Panel:
     """One pair of axes; limits None: all of the data.
 
     ``logs``: logarithmic axes, "", "x", "y" or "xy"; a logarithmic x axis has its ticks at the first line's points.
+    ``right``: a line of another quantity, and the label of its own axis.
     """
 
     xlabel: str
@@ -41,6 +42,7 @@ class Panel:
     logs: str = ""
     xlim: tuple[float | None, float | None] | None = None
     ylim: tuple[float | None, float | None] | None = None
+    right: tuple[str, Line] | None = None
 
 
 def panels_figure(panels: Sequence[Panel], title: str = "") -> Figure:
@@ -76,10 +78,23 @@ def _draw(axes: Axes, panel: Panel, letter: str) -> None:
         axes.axvline(0, color="0.7", lw=0.6)
         axes.axhline(0, color="0.7", lw=0.6)
     for line in panel.lines:
-        every = max(1, len(line.x) // 30)  # at most so many markers on a line
-        axes.plot(line.x, line.y, line.style, color=line.color, label=line.label, ms=3.5, mfc="none", lw=1.0,
-                  markevery=every)  # fmt: skip
+        _line(axes, line)
+    if panel.right is not None:
+        label, line = panel.right
+        other = axes.twinx()
+        other.set_yscale(axes.get_yscale())
+        other.set_ylabel(label)
+        other.grid(visible=False)
+        other.spines["right"].set_visible(True)
+        _line(other, line)
+        _line(axes, replace(line, x=np.empty(0), y=np.empty(0)))  # for the legend
     axes.set(xlabel=panel.xlabel, ylabel=panel.ylabel, title=letter + panel.title, xlim=panel.xlim, ylim=panel.ylim)
+
+
+def _line(axes: Axes, line: Line) -> None:
+    every = max(1, len(line.x) // 30)  # at most so many markers on a line
+    axes.plot(line.x, line.y, line.style, color=line.color, label=line.label, ms=3.5, mfc="none", lw=1.0,
+              markevery=every)  # fmt: skip
 
 
 def differences_figure(found: Sequence[Difference], rtol: float) -> Figure:

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.patheffects import withStroke
 
 from ...base.arrays import Array
 from . import COLORS, MIDDLE, NARROW, Axes, Figure, drawing, legend_below
@@ -73,9 +74,12 @@ def _panel(axes: Axes, rows: Mapping[str, Array], levels: Array) -> ContourSet:
     short, long = (np.abs(np.nan_to_num(force / limit - 1)) for limit in (sharp, 2))
     short = np.maximum.accumulate(short[:, ::-1], axis=1)[:, ::-1]  # from there on, as the force crosses limits
     long = np.maximum.accumulate(long, axis=1)
-    for values, style, words in ((short, "--", "JKR to 1 % (white)"), (long, ":", "long range to 1 % (white)")):
-        axes.contour(mu, q, values, levels=[NEAR], colors="white", linestyles=style, linewidths=1.2)
-        axes.plot([], [], style, color="0.5", label=words)
+    for values, style, words in ((short, "--", "JKR to 1 %"), (long, ":", "long range to 1 %")):
+        edged = [withStroke(linewidth=2.4, foreground="0.2")]  # white on any ground, that of the legend too
+        axes.contour(mu, q, values, levels=[NEAR], colors="white", linestyles=style, linewidths=1.2).set(
+            path_effects=edged
+        )
+        axes.plot([], [], style, color="white", lw=1.2, path_effects=edged, label=words)
     excess = np.nan_to_num(force / np.maximum(sharp, 2) - 1)
     if excess.max() > NEAR / 10:
         axes.contour(mu, q, excess, levels=[NEAR / 10], colors=COLORS[1], linewidths=1.6)

@@ -35,15 +35,22 @@ Adhesion that depends on the speed of the contact's edge, over time:
 >>> history = jkr.cycle_at_speed(solved, 0.05, jkr.PowerRate(v0=1e-6, n=0.5), speed="10 um/s", to_load="1 uN")
 >>> f"{history.pull_off.P * 1e6:.2f} uN after {history.pull_off.t:.3f} s"
 '-12.98 uN after 0.126 s'
+
+Bodies that relax, without adhesion:
+
+>>> solid = jkr.StandardSolid(ratio=0.25, time=1.0)
+>>> history = jkr.cycle_relaxing(solved, solid, speed="10 um/s", to_depth="1 um", hold="3 s")
+>>> [f"{corner.P * 1e6:.3f} uN" for corner in history.corners], f"lost after {history.lost:.3f} s"
+(['14.983 uN', '4.395 uN'], 'lost after 3.129 s')
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .adhesion.analysis import Analysis, analyse, with_solved_points
 from .adhesion.device import DISPLACEMENT_CONTROL, LOAD_CONTROL
 from .adhesion.law import AskedRange
 from .base.arrays import Array
@@ -52,6 +59,7 @@ from .base.files import check_series_target
 from .base.installing import installs
 from .base.threads import one_thread
 from .base.units import parse
+from .beside.analysis import Analysis, analyse, with_solved_points
 from .bodies.problem import Problem
 from .case import Case, load_case, store
 from .case import parse_case as _parse_case
@@ -69,26 +77,23 @@ if TYPE_CHECKING:
     from .adhesion.rate.history import History
     from .adhesion.rate.laws import RateLaw
     from .adhesion.rate.program import Program
+    from .adhesion.relaxation.history import RelaxedHistory
+    from .bodies.relaxation import Relaxation
     from .identification.fit import Fit
     from .identification.rate.fitting import RateFit
+    from .identification.relaxation import RelaxationFit
+    from .many.study.maps import MapResult
+    from .report.check import Check
+    from .report.look import Look
     from .report.plots import Figure
+    from .report.profile import Profile
+    from .report.pull_off import MeasuredPullOff, PullOff
 
 __all__ = [
-    "cycle_at_speed",
-    "identify",
-    "identify_law",
-    "load_case",
-    "measured_curves",
-    "parse_case",
-    "plot",
-    "read",
-    "save",
-    "solve",
-    "summary",
-    "table",
-    "to_pandas",
-    "transform",
-]
+    "check", "cycle_at_speed", "cycle_relaxing", "identify", "identify_law", "identify_relaxation", "load_case",
+    "look", "measured_curves", "parse_case", "plot", "profile", "pull_off", "read", "save", "solve", "study_map",
+    "summary", "table", "to_pandas", "transform",
+]  # fmt: skip
 
 
 def parse_case(text: str, folder: str | Path = ".") -> Case:
@@ -133,8 +138,8 @@ def transform(
     modulus_factor: float = 1.0,
     method: str | Method | None = None,
     *,
-    stress: float | None = None,
-    length: float | None = None,
+    stress: float | str | None = None,
+    length: float | str | None = None,
 ) -> Analysis:
     """The adhesive curve for the work of adhesion ``w`` [J/m^2], with pull-off, errors, validity and warnings.
 
@@ -144,7 +149,7 @@ def transform(
     else what the case says.
     """
     solution = _solution(solved, method)
-    asked = AskedRange.of(solution.record, stress, length)
+    asked = _range(solution, stress, length)
     return analyse(solution, [_number("w", w, "work")], slopes, modulus_factor, asked)[0]
 
 
@@ -202,6 +207,59 @@ def cycle_at_speed(
     if history.out_of_series is not None:
         raise InputError(f"cycle_at_speed: {history.out_of_series}")
     return history
+
+
+def _range(solution: Solution, stress: float | str | None, length: float | str | None) -> AskedRange:
+    """Adhesion of finite range as it is asked for, in numbers or text."""
+    tension = None if stress is None else _number("stress", stress, "modulus")
+    return AskedRange.of(solution.record, tension, None if length is None else _number("length", length, "length"))
+
+
+@one_thread()
+def cycle_relaxing(
+    solved: Solution | Case | Problem | str | Path,
+    relaxation: Relaxation | None = None,
+    speed: float | str | None = None,
+    *,
+    program: Program | None = None,
+    speed_approach: float | str | None = None,
+    to_load: float | str | None = None,
+    to_depth: float | str | None = None,
+    hold: float | str = 0.0,
+    stiffness: float | str = DISPLACEMENT_CONTROL,
+    slopes: str = "auto",
+) -> RelaxedHistory:
+    """What a device records over time while the moduli of the specimen relax, without adhesion.
+
+    ``relaxation``: StandardSolid(ratio=0.25, time=1.0), PowerRelaxation, Prony; default: that of the specimen. The
+    device presses, waits and goes back as in ``cycle_at_speed``, or does what a ``program`` says.
+
+    The result's ``peak``, ``corners``, ``turn``, ``lost`` and ``error`` tell what happened, ``table(points)`` gives its
+    columns. Raises InputError where the contact leaves the series, or is loaded again onto its dent.
+    """
+    from .adhesion.rate.program import there_and_back
+    from .adhesion.relaxation.history import RelaxingContact
+    from .beside.analysis import nonadhesive
+
+    solution, k = _solution(solved, None), _number("stiffness", stiffness, "stiffness")
+    law = relaxation or solution.problem.specimen.relaxation
+    if law is None:
+        raise InputError(
+            "cycle_relaxing: the specimen has no relaxation: give one, StandardSolid(ratio=0.25, time=1.0)"
+        )
+    if (speed is None) == (program is None):
+        raise InputError("cycle_relaxing: give either the speed of the device or its program")
+    relaxing = replace(solution.problem, specimen=replace(solution.problem.specimen, relaxation=law))  # may refuse
+    contact = RelaxingContact(nonadhesive(replace(solution, problem=relaxing), slopes), law, k)
+    if speed is not None:
+        rate = "load rate" if k == LOAD_CONTROL else "speed"
+        back = _number("speed", speed, rate)
+        there = back if speed_approach is None else _number("speed_approach", speed_approach, rate)
+        load = None if to_load is None else _number("to_load", to_load, "load")
+        depth = None if to_depth is None else _number("to_depth", to_depth, "length")
+        program = there_and_back(contact.turning(load, depth, there), there, back, _number("hold", hold, "time"))
+    assert program is not None
+    return contact.history(program)
 
 
 def _law(law: RateLaw | Mapping[str, Any]) -> RateLaw:
@@ -273,6 +331,27 @@ def identify_law(
     return one_thread()(rate_fit)(source, curves, settings)
 
 
+def identify_relaxation(
+    body: Case | Solution | str | Path,
+    measured: Curve | str | Path,
+    law: str = "sls",
+    fix: Mapping[str, str] | None = None,
+    slopes: str = "auto",
+    **options: Any,
+) -> RelaxationFit:
+    """The modulus, the parameters of a ``law`` of relaxation and the zero point, from a record with time.
+
+    ``measured``: one curve of t, delta, P, or its file; ``fix``: known ones, {"ratio": "0.3"}; ``options``: level,
+    terms as of ``jkr fit --relaxation``. Raises InputError where the record cannot be fitted.
+    """
+    from .identification.fit.body import body_of
+    from .identification.relaxation import relaxation_fit, relaxation_settings
+
+    source = body_of(Path(body) if isinstance(body, str) else body, slopes)
+    curve = measured if isinstance(measured, Curve) else _only_curve(Path(measured))
+    return one_thread()(relaxation_fit)(source, curve, relaxation_settings(law, (fix or {}).items(), **options))
+
+
 def _only_curve(path: Path) -> Curve:
     curves = measured_curves(path)
     if len(curves) > 1:
@@ -283,6 +362,90 @@ def _only_curve(path: Path) -> Curve:
 def measured_curves(path: str | Path, **reading: Any) -> list[Curve]:
     """The measured curves in a file; ``reading``: how to read it, see jkrcli.data.measured.Reading."""
     return read_curves(Path(path), Reading(**reading))
+
+
+def check(case: Case | str | Path) -> Check:
+    """Which method a case needs, what each would cost, and what to expect, as ``jkr check`` says it; nothing is
+    solved."""
+    from .report.check import Check
+
+    loaded = load_case(case) if isinstance(case, str | Path) else case
+    return one_thread()(Check.of)(Path(case) if isinstance(case, str | Path) else Path("case"), loaded)
+
+
+def look(path: str | Path, **reading: Any) -> Look:
+    """What a measured file holds, as ``jkr look`` says it: segments, base line, contact, jumps, adhesion; no body is
+    needed. ``reading``: see jkrcli.data.measured.Reading."""
+    from .report.look import Look
+
+    return one_thread()(Look.at)(Path(path), Reading(**reading))
+
+
+@one_thread()
+def profile(
+    solved: Solution | Case | Problem | str | Path,
+    a: float | str | None = None,
+    load: float | str | None = None,
+    w: float | str = 0.0,
+    *,
+    stress: float | str | None = None,
+    length: float | str | None = None,
+) -> Profile:
+    """Pressure, displacement and gap around one contact, of radius ``a`` [m] or under a ``load`` [N], with the work of
+    adhesion ``w`` [J/m^2] (default: none); ``stress`` and ``length`` as of ``transform``."""
+    from .beside.profile import profile_columns, radius_under
+    from .report.profile import Profile
+
+    if (a is None) == (load is None):
+        raise InputError("profile: give exactly one of a and load")
+    solution, work = _solution(solved, None), _number("w", w, "work")
+    asked = _range(solution, stress, length)
+    if load is not None:
+        radius = radius_under(solution, _number("load", load, "load"), work, asked)
+    else:
+        assert a is not None
+        radius = _number("a", a, "length")
+    return Profile(solution.record.path, radius, work, profile_columns(solution, radius, work, asked))
+
+
+@one_thread()
+def pull_off(
+    solved: Solution | Case | Problem | str | Path,
+    w: float | str | None = None,
+    load: float | str | None = None,
+    stiffness: Sequence[float | str] = (),
+    slopes: str = "auto",
+    modulus_factor: float = 1.0,
+    *,
+    stress: float | str | None = None,
+    length: float | str | None = None,
+    uncertain: Mapping[str, str] | None = None,
+) -> PullOff | MeasuredPullOff:
+    """Where contact is lost with the work of adhesion ``w`` [J/m^2] under load and displacement control or by devices
+    of a ``stiffness`` [N/m]; or which w a measured pull-off ``load`` [N] means, its inputs
+    ``uncertain``: {"R": "2%"}."""
+    from .beside.lost import where_lost
+    from .identification.work_of_adhesion import measured_work
+    from .report.pull_off import MeasuredPullOff, PullOff
+
+    if (w is None) == (load is None):
+        raise InputError("pull_off: give exactly one of w and load")
+    solution, devices = _solution(solved, None), [_number("stiffness", k, "stiffness") for k in stiffness]
+    if load is not None:
+        force, pairs = abs(_number("load", load, "load")), (uncertain or {}).items()
+        under = (devices or [LOAD_CONTROL])[0]
+        return MeasuredPullOff(measured_work(solution, force, under, slopes, modulus_factor, pairs))
+    assert w is not None
+    asked = _range(solution, stress, length)
+    return PullOff(*where_lost(solution, [_number("w", w, "work")], devices, slopes, modulus_factor, asked)[0])
+
+
+def study_map(name: str, **axes: Any) -> MapResult:
+    """The map called ``name`` ("pull-off", "sticking", "transition", "adhesion", "rate") over its ``axes``, as of ``jkr
+    study <name>-map``: study_map("pull-off", nu=[0.3], q=[0.1, 1]); its ``columns``, ``summary()`` and ``figure()``."""
+    from .many.study.maps import map_of
+
+    return one_thread()(map_of(name).over)(**axes)
 
 
 def table(curve: Analysis) -> dict[str, Array]:

@@ -46,6 +46,8 @@ CSV_HEADS = (
     b"a_m,delta_m,P_N,phase",  # under load control
     b"t_s,a_m,delta_m,P_N,device_m,speed_m_per_s",
     b"t_s,a_m,delta_m,P_N,speed_m_per_s",  # the same
+    b"t_s,a_m,delta_m,P_N,device_m,phase",  # of a specimen that relaxes
+    b"t_s,a_m,delta_m,P_N,phase",  # the same
     b"curve,t_s,P_N,P_fit_N,a_fit_m",
     b"nu,base,w_R2_over_Estar_h3",
     b"nu,a_over_h,S_ratio,load_ratio",

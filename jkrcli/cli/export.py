@@ -6,10 +6,10 @@ from pathlib import Path
 
 import click
 
-from ..adhesion.analysis import analyse
 from ..adhesion.law import AskedRange
 from ..base.errors import InputError
 from ..base.files import together, write_text
+from ..beside.analysis import analyse
 from ..methods.guards import Limits
 from ..report.output import Output
 from .options import WorkType, limits_options, slopes_option

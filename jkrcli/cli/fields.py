@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any, cast
 import click
 import numpy as np
 
-from ..adhesion.analysis import analyse
 from ..adhesion.stability import stable_radius
 from ..base.errors import InputError
 from ..base.files import atomic, together
 from ..base.units import show
+from ..beside.analysis import analyse
 from ..case import Case
 from ..report.output import PICTURES, Files, Output
 from .mesh import MARKS

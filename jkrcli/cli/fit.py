@@ -25,7 +25,6 @@ from .verb import Verb
 from .voice import note, progress, say, warn
 
 if TYPE_CHECKING:
-    from ..data.measured import Curve
     from ..identification.fit import Fit, FittedBody, Settings
     from ..identification.fit.fitting import Failure
 
@@ -85,9 +84,12 @@ class NamesType(ParamType):
               show_default=True, help="Anything but linear is robust against outliers.")  # fmt: skip
 @click.option("--confidence", type=click.Choice(["covariance", "profile", "bootstrap"]), default="covariance",
               show_default=True, help="How the intervals are found.")  # fmt: skip
+@click.option("--rivals", is_flag=True, help="Print what the data of a raw record say of each other model.")
 @click.option("--level", type=float, default=0.95, show_default=True, help="Of the intervals.")
-@click.option("--samples", type=click.IntRange(20, 100_000), default=200, show_default=True, help="Of the bootstrap.")
-@click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Of the bootstrap.")
+@click.option(
+    "--samples", type=click.IntRange(20, 100_000), default=200, show_default=True, help="Number of bootstrap resamples."
+)
+@click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Seed of the bootstrap.")
 @click.option("--surface", type=click.Choice(["sliding", "sticking", "both"]),
               help="Of the body, instead of its own; both: under either, and what the data prefer.")  # fmt: skip
 @click.option("--uncertain", multiple=True, type=NamedType(),
@@ -109,6 +111,7 @@ def fit(
     surface: str | None,
     slopes: str,
     law: str | None,
+    rivals: bool,
     workers: int | None,
     scheduler: str | None,
     limits: Limits,
@@ -139,7 +142,7 @@ def fit(
     source, paths = _given(body_file, measured, flags)
     inputs = (body_file, *measured)
     if law is not None:
-        refuse_unused({**options, "bound": bound, "uncertain": uncertain})
+        refuse_unused({**options, "rivals": rivals, "bound": bound, "uncertain": uncertain})
     endings = (".csv", ".json", ".h5") if law is None else (".csv", ".json", *PICTURES)
     targets = output.files(output.folder(body_file.parent) / f"{body_file.stem}-fit", endings, inputs)
     for longest in beside(targets.stem, ["x" * FILES.shortest]) if law is None else []:
@@ -160,10 +163,11 @@ def fit(
         return
     settings, reading = _settings(body, uncertain, names, fix, start, bound, options), replace(reading, contact="as-is")
     from ..base.executors import executor
+    from ..data.measured import usable
     from ..identification.fit.fitting import Failure, fit_all
 
     bodies = [body.on_surface(one) for one in SURFACES[surface or body.problem.surface]]
-    curves, reasons = _curves(paths, reading)
+    curves, reasons = usable(paths, reading)
     seconds = sum(
         TUNING.fit_per_curve + refits * (TUNING.refit + TUNING.refit_per_row * len(curve)) for curve in curves
     )
@@ -178,7 +182,7 @@ def fit(
     map_file = _write(found, reasons, targets, pictures, told, output, inputs)
     for line in reasons:
         warn(f"skipped: {line}")
-    _tell(found, output.json, told)
+    _tell(found, output.json, told, rivals)
     _tell_surfaces(found, body, bodies, output.json)
     if not output.json:
         drawn = f", {len(pictures)} picture{'s' if len(pictures) > 1 else ''}" if pictures else ""
@@ -263,21 +267,6 @@ def _refits(confidence: str, samples: int, uncertain: int) -> int:
     return fits[confidence] + TUNING.carried * uncertain
 
 
-def _curves(paths: tuple[Path, ...], reading: Any) -> tuple[list[Curve], list[str]]:
-    """The curves in all files, and why others could not be read."""
-    from ..data.measured import each
-
-    curves: list[Curve] = []
-    unread: list[str] = []
-    for path in paths:
-        for item in each(path, reading):
-            if isinstance(item, InputError):
-                unread += item.lines
-            else:
-                curves.append(item)
-    return curves, unread
-
-
 def _pictures(
     each: list[list[Fit | Failure]], bodies: list[FittedBody], targets: Files,
     inputs: tuple[Path, ...], output: Output,
@@ -322,7 +311,7 @@ def _draw(drawn: Pictures) -> None:
             target.write(figure=record_figure([examine(item.curve)]))
 
 
-def _tell(found: list[Fit | Failure], as_json: bool, body: str) -> None:
+def _tell(found: list[Fit | Failure], as_json: bool, body: str, rivals: bool) -> None:
     from ..identification.fit import Fit
     from ..report import fit as report
 
@@ -331,7 +320,7 @@ def _tell(found: list[Fit | Failure], as_json: bool, body: str) -> None:
         answer(report.summary(found, body))
     else:
         for item in fits[:SHOWN]:
-            say("\n".join(report.words(item)))
+            say("\n".join(report.words(item) + (report.rivals_table(item) if rivals else [])))
         if len(fits) > SHOWN:
             say(f"... and {len(fits) - SHOWN} more curves")
     both = len({item.surface for item in fits}) > 1

@@ -63,7 +63,7 @@ def work(
     jkr work gel.h5 probe.csv --unit P=mN --flip delta --stiffness "2 kN/m" --zero delta="-310 um"
     jkr work data.h5 map.jpk-force-map --contact estimate --segment retract
     """
-    from ..adhesion.analysis import adhesive, nonadhesive
+    from ..beside.analysis import adhesive, nonadhesive
     from ..identification.fit.body import body_of
     from ..identification.fit.settings import settings_of
     from ..identification.rate.through import law_along

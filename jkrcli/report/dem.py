@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from ..adhesion.analysis import Analysis
 from ..adhesion.dem import DemLaw
 from ..base.arrays import Array
 from ..base.units import show
+from ..beside.analysis import Analysis
 from ..formulas.half_space import jkr
 
 CODE = """

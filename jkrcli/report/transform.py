@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from ..adhesion.analysis import Analysis
 from ..adhesion.curve import CriticalPoint
-from ..adhesion.solved import is_solved
 from ..base.units import show
 from ..base.unknown import Estimate, Unknown
+from ..beside.analysis import Analysis
+from ..beside.solved import is_solved
 from . import tables
 
 

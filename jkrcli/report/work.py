@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from ..adhesion.analysis import Analysis
 from ..adhesion.validity import check
 from ..base.arrays import Array
 from ..base.units import show
+from ..beside.analysis import Analysis
 from ..data.measured.contact import saturation
 from ..identification.work import ABOVE, BELOW, NONE, OK, WorkAlong
 

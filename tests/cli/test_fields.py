@@ -132,6 +132,7 @@ def test_the_surface_touches_the_indenter_and_leaves_it() -> None:
     assert np.abs(u[outside] - expected).max() < 1e-6 * A**2 / R  # measured 3e-7
 
 
+@pytest.mark.slow
 def test_a_coating_against_layered() -> None:
     state, film = coating()
     line = state.lines["surface"]
@@ -164,6 +165,7 @@ def test_both_sides_of_an_interface_agree_on_its_tractions() -> None:
     assert np.abs(across[0] - across[1]).max() > 5 * np.abs(line.zz).max()  # sigma_rr jumps, and is not averaged
 
 
+@pytest.mark.slow
 def test_two_equal_layers_are_one_body() -> None:
     split = problem(Specimen((Layer(Elastic(E, NU), A / 2),), HalfSpace(Elastic(E, NU))))
     line = contact_state(FEM(), split, A, DELTA).lines["interface 1"]
@@ -188,6 +190,7 @@ AT_THE_RADIUS = {  # interfaces as deep as the contact is wide, and other depths
 SLOW = AT_THE_RADIUS.keys() - {"stiff film", "soft film"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [pytest.param(n, marks=[pytest.mark.slow] * (n in SLOW)) for n in AT_THE_RADIUS])
 def test_interfaces_against_a_quadrature_over_hankel_space(name: str) -> None:
     """Stresses and displacements at every interface within 1e-3 of their peak there (sigma_rz was 4e-2 off), and stated

@@ -1,9 +1,9 @@
-"""Figures of comparisons and studies: panels of lines given as data, differences of two results, the pull-off map."""
+"""Figures of comparisons and studies: panels of lines given as data, differences of two results."""
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -13,7 +13,6 @@ from ...series.differences import Difference
 from . import COLORS, MIDDLE, NARROW, WIDE, Axes, Figure, drawing, legend_below
 
 UNNAMED = "_nolegend_"  # label of a line that the legend leaves out
-LIMITS = {1.5: "thick: 3/2", 2.0: "thin, compressible: 2", 3.0: "thin, incompressible: 3"}  # of the pull-off map
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,40 +114,3 @@ def differences_figure(found: Sequence[Difference], rtol: float) -> Figure:
 def _symbol(column: str) -> str:
     """The symbol of a column: "delta_m" is δ."""
     return column.removesuffix("_m").replace("delta", "δ")
-
-
-def map_figure(columns: Mapping[str, Array]) -> Figure:
-    """The pull-off map: -P_min/(pi w R) over w R^2/(E* h^3), one line per Poisson's ratio, with its limits."""
-    with drawing(MIDDLE, 3.4) as figure:
-        axes = figure.subplots()
-        q, force = columns["w_R2_over_Estar_h3"], columns["minus_P_over_pi_w_R"]
-        for value, words in LIMITS.items():
-            axes.axhline(value, color="0.6", lw=0.8, ls="--")
-            axes.annotate(words, (0.99, value), xycoords=("axes fraction", "data"), ha="right", va="bottom", size=8,
-                          color="0.4")  # fmt: skip
-        for i, nu in enumerate(dict.fromkeys(columns["nu"].tolist())):
-            rows = columns["nu"] == nu
-            axes.semilogx(q[rows], force[rows], ".-", color=COLORS[i % len(COLORS)], ms=4, label=f"ν = {nu:g}")
-        axes.set_xlabel("w R² / (E* h³)")
-        axes.set_ylabel("pull-off force / (π w R)")
-        axes.set_ylim(1.4, 3.15)
-        axes.set_title(f"layer on a rigid base, {columns['base'][0]}")
-        legend_below(figure, [axes], 4)
-        return figure
-
-
-def sticking_figure(columns: Mapping[str, Array]) -> Figure:
-    """The map of what sticking changes: ratios of S and of the load at equal depth over a/h, a line for each nu."""
-    with drawing(WIDE, 3.4) as figure:
-        pair = figure.subplots(1, 2, sharey=True)
-        titles = {"S_ratio": "S at equal radius", "load_ratio": "load at equal depth"}
-        for axes, (name, title) in zip(pair, titles.items(), strict=True):
-            for i, nu in enumerate(dict.fromkeys(columns["nu"].tolist())):
-                rows = columns["nu"] == nu
-                x, y = columns["a_over_h"][rows], columns[name][rows]
-                axes.semilogx(x, y, ".-", color=COLORS[i % len(COLORS)], ms=4, label=f"ν = {nu:g}")
-            axes.set_xlabel("a / h")
-            axes.set_title(title)
-        pair[0].set_ylabel("sticking / sliding")
-        legend_below(figure, [pair[1]], 6)
-        return figure

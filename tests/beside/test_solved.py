@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from jkrcli.adhesion.analysis import analyse
 from jkrcli.adhesion.curve import CriticalPoint
-from jkrcli.adhesion.solved import is_solved
 from jkrcli.base.unknown import Unknown
+from jkrcli.beside.analysis import analyse
+from jkrcli.beside.solved import is_solved
 from jkrcli.bodies.indenters import Indenter, PowerLaw, Sphere, TableProfile
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen

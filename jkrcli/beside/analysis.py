@@ -7,25 +7,26 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
+from ..adhesion.critical import Errors, point_error
+from ..adhesion.curve import AdhesiveCurve, CriticalPoint, EquilibriumCurve
+from ..adhesion.device import CONTROLS
+from ..adhesion.law import AskedRange, Range
+from ..adhesion.nonadhesive import Nonadhesive
+from ..adhesion.sharp import resolved, yielding
+from ..adhesion.slopes.choice import slopes, smoothed
+from ..adhesion.slopes.result import Slopes
+from ..adhesion.validity import Validity, check, end_of_body, judge, unresolved
 from ..base.errors import InputError
 from ..base.units import MOST
 from ..base.unknown import Estimate, Unknown, known
 from ..bodies.problem import Problem
+from ..bodies.relaxation import relaxing_words
 from ..methods import Forecast
 from ..series import ErrorBudget, Series, Solution, is_series
 from .comparison import Comparison, compare_half_space
-from .critical import Errors, point_error
-from .curve import AdhesiveCurve, CriticalPoint, EquilibriumCurve
-from .device import CONTROLS
-from .law import AskedRange, Range
-from .nonadhesive import Nonadhesive
 from .own_body import own_solution
 from .range_effect import effect_of_range
-from .sharp import resolved, yielding
-from .slopes.choice import slopes, smoothed
-from .slopes.result import Slopes
 from .solved import seconds_of_points, solved, solver_of
-from .validity import Validity, check, end_of_body, judge, unresolved
 
 SURE = 2.0  # theory: 90 % half-widths of a normal error that one in a thousand exceeds
 JKR = AskedRange()
@@ -134,7 +135,9 @@ class Analysis:
         if self.curve.slopes.method != "exact":
             flags += unresolved(self.problem.indenter, self.curve.a)
         doubts = getattr(self.curve, "doubts", ())
-        found = [*self.solution.warnings, *flags, *check(self.validity), *doubts]
+        law = self.problem.specimen.relaxation
+        relaxes = [] if law is None else [f"the specimen relaxes: {relaxing_words(law)}"]
+        found = [*relaxes, *self.solution.warnings, *flags, *check(self.validity), *doubts]
         found += [*yielding(self.problem, self.curve), *outside]
         difference = None if self.comparison is None else known(self.comparison.pull_off)
         budget = self.budget
@@ -205,7 +208,7 @@ def forecast(
 
 def _ranged(solution: Solution, works: Sequence[float], asked: AskedRange) -> float:
     """CPU seconds of the dearest of the curves of finite range: the least or the largest w reaches farthest."""
-    from .finite_range import FiniteRangeBody
+    from ..adhesion.finite_range import FiniteRangeBody
 
     body = FiniteRangeBody.of(solution)
     return max(body.seconds(asked.law(w)) for w in {min(works), max(works)})
@@ -234,7 +237,7 @@ def _of_finite_range(
     """The curves of finite range of a solution."""
     if slopes_name not in ("auto", "exact"):
         raise InputError(f"slopes: {slopes_name} has no part in adhesion of finite range, whose kernel is exact")
-    from .finite_range import FiniteRangeBody
+    from ..adhesion.finite_range import FiniteRangeBody
 
     laws = [asked.law(w) for w in works]
     body = FiniteRangeBody.of(solution)
@@ -249,7 +252,7 @@ def error_of_point(curve: EquilibriumCurve, point: CriticalPoint, stiffness: flo
     """90 % half-widths of a pull-off ``point`` under a device of ``stiffness`` [N/m], on curves of either kind."""
     if isinstance(curve, AdhesiveCurve):
         return point_error(curve, point, stiffness)
-    from .finite_range import FiniteRangeCurve
+    from ..adhesion.finite_range import FiniteRangeCurve
 
     assert isinstance(curve, FiniteRangeCurve)
     return curve.point_error(point, stiffness)
@@ -273,7 +276,7 @@ def _series_and_slopes(solution: Solution, name: str) -> tuple[Series, Slopes]:
     own = own_solution(solution.problem, solution.series.a) if read else None
     if solution.raw is not None and name in ("auto", "integral") and not is_series(solution.raw):
         return smoothed(solution.raw, solution.series.a0, solution.series.S0, own=own)
-    series = replace(solution.filtered, own=own)
+    series = replace(solution.filtered, own=own, kinks=solution.problem.indenter.kinks)
     if name not in ("auto", "exact"):
         series = replace(series, S=None, dS=None)
     return series, slopes(series, name)

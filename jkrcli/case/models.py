@@ -77,8 +77,6 @@ class SpecimenTable(Table):
             return "is empty: give [specimen.half_space] with E and nu, or [[specimen.layers]]"
         if "half_space" in given and ("radius" in given or "side" in given):
             return "a cylinder (radius and side) stands on a rigid base: leave out half_space"
-        if "relaxation" in given and "surface_tension" in given:
-            return "relaxation and surface_tension together are not solved: leave one of them out"
         if ("radius" in given) != ("side" in given):
             return "a cylinder needs both radius and side (free, roller or clamped), leave both out for a wide body"
         return None

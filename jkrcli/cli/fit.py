@@ -13,11 +13,13 @@ from ..adhesion.rate.laws import RATE_LAWS
 from ..base.errors import InputError
 from ..base.files import TUNING as FILES
 from ..base.files import beside, together
+from ..bodies.relaxation import RELAXATIONS
 from ..methods import Forecast
 from ..methods.guards import Limits
 from ..report.output import PICTURES, Files, Output
 from .body import FLAGS, body_options, given_flags, tables_of
 from .fit_law import fit_law, refuse_unused
+from .fit_relaxation import fit_relaxation, refuse_others
 from .measured import TUNING, begin_reading, reading_of, reading_options
 from .options import NamedType, ParamType, ScaleType, begin, limits_options, parallel_options, slopes_option
 from .output import answer, into_folder, output_options
@@ -72,6 +74,9 @@ class NamesType(ParamType):
     help="Adhesion depends on the speed of the edge: w0 and "
     "the law's v0, n (or v0, b) are free too, all records are fitted together; needs t, delta, P.",
 )
+@click.option("--relaxation", type=click.Choice(list(RELAXATIONS)), help="The body relaxes: its modulus, the law's "
+              "parameters and delta0 from t, delta, P of pressing, waiting and retracting, no adhesion.")  # fmt: skip
+@click.option("--terms", type=click.IntRange(1, 4), help="Of --relaxation prony [default: 2].")
 @click.option("--segment", type=click.Choice(["approach", "retract", "both"]),
               help="Rows to fit [default: retract where the file names segments, else all].")  # fmt: skip
 @click.option("--base-line", type=click.Choice(["straight", "sine"]), default="straight", show_default=True,
@@ -112,6 +117,7 @@ def fit(
     slopes: str,
     law: str | None,
     rivals: bool,
+    relaxation: str | None,
     workers: int | None,
     scheduler: str | None,
     limits: Limits,
@@ -137,15 +143,22 @@ def fit(
     jkr fit gel.toml probe.csv --surface both
     jkr fit --radius "5 um" --nu 0.5 --shape paraboloid curve.jpk-force
     jkr fit data.h5 map.jpk-force-map --workers 2
+    jkr fit gel.toml held.csv --relaxation sls
     """
     flags = {key: options.pop(key) for key in FLAGS}
     source, paths = _given(body_file, measured, flags)
     inputs = (body_file, *measured)
-    if law is not None:
+    names = [name for group in free for name in group]
+    if relaxation is None and (options["terms"] is not None or "relaxation" in names):
+        raise InputError(f"fit: the law is not named: give --relaxation {', '.join(RELAXATIONS)}")
+    if relaxation is not None:
+        refuse_others({**options, "rivals": rivals, "bound": bound, "uncertain": uncertain}, start, law, surface)
+    elif law is not None:
         refuse_unused({**options, "rivals": rivals, "bound": bound, "uncertain": uncertain})
-    endings = (".csv", ".json", ".h5") if law is None else (".csv", ".json", *PICTURES)
+    timed = law or relaxation
+    endings = (".csv", ".json", ".h5") if timed is None else (".csv", ".json", *PICTURES)
     targets = output.files(output.folder(body_file.parent) / f"{body_file.stem}-fit", endings, inputs)
-    for longest in beside(targets.stem, ["x" * FILES.shortest]) if law is None else []:
+    for longest in beside(targets.stem, ["x" * FILES.shortest]) if timed is None else []:
         output.files(longest, PICTURES, inputs)
     refits = _refits(options["confidence"], options["samples"], len(uncertain))
     surfaces = len(SURFACES.get(surface or "", ("",)))
@@ -155,10 +168,13 @@ def fit(
     options["noise"], options["contact"] = dict(options["noise"]), reading.contact
     body = _body(source, slopes, limits)
     told = str(source) if isinstance(source, Path) else body.problem.words
-    names = [name for group in free for name in group]
+    if timed is not None and body.asked:
+        raise InputError(f"fit: --{'law' if law else 'relaxation'} {NO_RANGE}")
+    if relaxation is not None:
+        fit_relaxation(body, relaxation, paths, reading, names, fix, options, targets, told, output)
+        return
+    options.pop("terms")
     if law is not None:
-        if body.asked:
-            raise InputError(f"fit: --law {NO_RANGE}")
         fit_law(body, law, paths, reading, names, fix, start, options, targets, told, output)
         return
     settings, reading = _settings(body, uncertain, names, fix, start, bound, options), replace(reading, contact="as-is")

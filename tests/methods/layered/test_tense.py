@@ -2,13 +2,13 @@
 
 import numpy as np
 import pytest
-from jkrcli.adhesion.solved import solved, solver_of
 from scipy.special import jv
 
 from jkrcli.adhesion.curve import transform
 from jkrcli.adhesion.device import LOAD_CONTROL
 from jkrcli.adhesion.slopes.choice import slopes
 from jkrcli.base.errors import Refusal
+from jkrcli.beside.solved import solved, solver_of
 from jkrcli.bodies.grading import Exponential
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere
 from jkrcli.bodies.materials import Elastic, Graded, TransverselyIsotropic

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -10,8 +11,9 @@ import numpy as np
 
 from ...base.arrays import Array
 from ...series.differences import Difference
-from . import COLORS, MIDDLE, NARROW, WIDE, Axes, Figure, drawing, legend_below
+from . import COLORS, MIDDLE, NARROW, WIDE, Axes, Figure, drawing, legend_below, log_ticks
 
+ROOM = 0.15  # choice: of an axis, for the label of a tick
 UNNAMED = "_nolegend_"  # label of a line that the legend leaves out
 
 
@@ -67,7 +69,8 @@ def panels_figure(panels: Sequence[Panel], title: str = "") -> Figure:
 def _draw(axes: Axes, panel: Panel, letter: str) -> None:
     if "x" in panel.logs:
         axes.set_xscale("log")
-        axes.set_xticks(panel.lines[0].x, [f"{x:.3g}" if x < 1000 else f"{x:,.0f}" for x in panel.lines[0].x])
+        ticks = _apart(panel.lines[0].x)
+        axes.set_xticks(ticks, [f"{x:.3g}" if x < 1000 else f"{x:,.0f}" for x in ticks])
         axes.minorticks_off()
     if "y" in panel.logs:
         axes.set_yscale("log")
@@ -86,8 +89,21 @@ def _draw(axes: Axes, panel: Panel, letter: str) -> None:
         other.grid(visible=False)
         other.spines["right"].set_visible(True)
         _line(other, line)
+        if "y" in panel.logs:
+            log_ticks(other.yaxis)
         _line(axes, replace(line, x=np.empty(0), y=np.empty(0)))  # for the legend
+    if "y" in panel.logs:
+        log_ticks(axes.yaxis)
     axes.set(xlabel=panel.xlabel, ylabel=panel.ylabel, title=letter + panel.title, xlim=panel.xlim, ylim=panel.ylim)
+
+
+def _apart(x: Array) -> list[float]:
+    """Those of the points on a logarithmic axis whose labels have room beside each other."""
+    room, kept = ROOM * math.log(float(x.max() / x.min())), [float(x.max())]
+    for value in sorted(x.tolist(), reverse=True):
+        if math.log(kept[-1] / value) > room:
+            kept.append(value)
+    return kept
 
 
 def _line(axes: Axes, line: Line) -> None:

@@ -49,7 +49,12 @@ def check(case: Path, as_json: bool) -> None:
     effect = _effect(model, expected)
     if as_json:
         data = {"case": str(case), "problem": problem.words, "method": choice.name, "reason": choice.reason}
-        data |= {"surface": problem.surface, "sticking": as_told(effect)}
+        law = problem.specimen.relaxation
+        data |= {
+            "relaxation": None if law is None else str(law),
+            "surface": problem.surface,
+            "sticking": as_told(effect),
+        }
         answer(data | {"options": [asdict(o) for o in options]} | _as_dict(expected))
         return
     say(problem.words)
@@ -58,6 +63,9 @@ def check(case: Path, as_json: bool) -> None:
         say(f"            {option.name:<12} {_option(option)}")
     range_ = _range(model, choice.name)
     _print(expected, range_)
+    if (law := problem.specimen.relaxation) is not None:
+        loads = "t = 0" if law.relaxed is not None else "the law's time"
+        say(f"  relaxes   {law}; loads here are those of {loads}")
     if not isinstance(effect, Unknown):
         say(f"  sticking  against sliding makes {effect.words} as large")
     refused = [f"jkr transform will refuse: {range_}"] if isinstance(range_, Unknown) else []

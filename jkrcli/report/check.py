@@ -51,7 +51,9 @@ class Check(Result):
 
     def summary(self) -> dict[str, Any]:
         data = {"case": str(self.path), "problem": self.problem.words, "method": self.choice.name}
-        data |= {"reason": self.choice.reason, "surface": self.problem.surface, "sticking": as_told(self.effect)}
+        law = self.problem.specimen.relaxation
+        data |= {"reason": self.choice.reason, "relaxation": None if law is None else str(law)}
+        data |= {"surface": self.problem.surface, "sticking": as_told(self.effect)}
         return data | {"options": [asdict(option) for option in self.options]} | _as_dict(self.expected)
 
     def words(self) -> list[str]:
@@ -66,6 +68,7 @@ class Check(Result):
             f"  method    {self.choice.name}: {self.choice.brief}",
             *options,
             *self._reaches(),
+            *self._relaxes(),
             *sticking,
         ]
 
@@ -74,6 +77,10 @@ class Check(Result):
         judged = dict.fromkeys(text for _, _, judged in adhesion for text in validity.check(judged))
         refused = [f"jkr transform will refuse: {self.range_}"] if isinstance(self.range_, Unknown) else []
         return [*judged, *refused, *self.remarks, *sticking_warnings(self.problem, self.effect)]
+
+    def _relaxes(self) -> Iterator[str]:
+        if (law := self.problem.specimen.relaxation) is not None:
+            yield f"  relaxes   {law}; loads here are those of {'t = 0' if law.relaxed is not None else 'its own time'}"
 
     def _reaches(self) -> Iterator[str]:
         expected, range_ = self.expected, self.range_

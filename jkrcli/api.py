@@ -64,7 +64,7 @@ from .bodies.problem import Problem
 from .case import Case, load_case, store
 from .case import parse_case as _parse_case
 from .case.solving import solve as _solve
-from .data.measured import Curve, Reading
+from .data.measured import Curve, Reading, from_columns
 from .data.measured import read as read_curves
 from .methods import Method
 from .methods.guards import Limits
@@ -285,13 +285,21 @@ def _number(name: str, value: float | str, dimension: str) -> float:
 
 def identify(
     body: Case | Solution | str | Path,
-    measured: Curve | str | Path,
+    measured: Curve | DataFrame | Mapping[str, Any] | str | Path | None = None,
     free: Iterable[str] = (),
     fix: Mapping[str, str] | None = None,
     slopes: str = "auto",
+    *,
+    reading: Reading | None = None,
+    a: Any = None,
+    delta: Any = None,
+    P: Any = None,
+    t: Any = None,
     **options: Any,
 ) -> Fit:
-    """E*, w and the zero points that bring the adhesive curve of ``body`` nearest to one ``measured`` curve.
+    """E*, w and the zero points that bring the adhesive curve of ``body`` nearest to one ``measured`` curve: of a file,
+    a data frame with columns named as in a table ("delta_um", "P (nN)"), or arrays of ``a, delta, P, t`` [SI]. In these
+    ``reading``, Reading(units={"P": "nN"}), tells units, signs and the device.
 
     ``body``: a case (solved to the radii that the data ask for), a solved series, or the file of either. ``free``: more
     parameters ("P0", "E:film"); ``fix``: known ones, {"w": "50 mJ/m^2"}; ``options``: see
@@ -301,8 +309,12 @@ def identify(
     from .identification.fit.body import body_of
     from .identification.fit.settings import settings_of
 
+    arrays = {"a": a, "delta": delta, "P": P, "t": t}
+    given = {name: values for name, values in arrays.items() if values is not None}
+    if (measured is None) == (not given):
+        raise InputError("identify: give either what was measured or arrays of a, delta, P, t")
+    curve = _curve_of(given if measured is None else measured, reading)
     source = body_of(Path(body) if isinstance(body, str) else body, slopes)
-    curve = measured if isinstance(measured, Curve) else _only_curve(Path(measured))
     return one_thread()(fit)(source, curve, settings_of(source, free, (fix or {}).items(), **options))
 
 
@@ -348,14 +360,21 @@ def identify_relaxation(
     from .identification.relaxation import relaxation_fit, relaxation_settings
 
     source = body_of(Path(body) if isinstance(body, str) else body, slopes)
-    curve = measured if isinstance(measured, Curve) else _only_curve(Path(measured))
+    curve = _curve_of(measured, None)
     return one_thread()(relaxation_fit)(source, curve, relaxation_settings(law, (fix or {}).items(), **options))
 
 
-def _only_curve(path: Path) -> Curve:
-    curves = measured_curves(path)
+def _curve_of(measured: Any, reading: Reading | None) -> Curve:
+    """One curve, of what may be a curve, a file, a data frame or arrays by name."""
+    if isinstance(measured, Curve):
+        return measured
+    if not isinstance(measured, str | Path):
+        names = {"a": "a (m)", "delta": "delta (m)", "P": "P (N)", "t": "t (s)"}  # SI where nothing else is told
+        units = () if reading is None else reading.units
+        return from_columns({names.get(k, k) if k not in units else k: measured[k] for k in measured}, reading)
+    curves = read_curves(Path(measured), reading)
     if len(curves) > 1:
-        raise InputError(f"{path}: holds {len(curves)} curves, one is wanted: give one of measured_curves(path)")
+        raise InputError(f"{measured}: holds {len(curves)} curves, one is wanted: give one of measured_curves(path)")
     return curves[0]
 
 

@@ -37,6 +37,7 @@ if TYPE_CHECKING:
         table,
         to_pandas,
         transform,
+        work,
     )  # fmt: skip
     from .base.errors import InputError, JkrError, Refusal
     from .base.unknown import Unknown
@@ -60,7 +61,7 @@ __all__ = [
     "Sphere", "StandardSolid", "TableProfile", "Tabulated", "TransverselyIsotropic", "Unknown", "check",
     "cycle_at_speed", "cycle_relaxing", "identify", "identify_law", "identify_relaxation", "load_case", "look",
     "measured_curves", "parse_case", "plot", "profile", "pull_off", "read", "save", "solve", "study_map", "summary",
-    "table", "to_pandas", "transform",
+    "table", "to_pandas", "transform", "work",
 ]  # fmt: skip
 _HOMES = {  # of what is not in jkrcli.api
     ".adhesion.rate.laws": ("LogRate", "PowerRate"),

@@ -59,7 +59,7 @@ from .base.files import check_series_target
 from .base.installing import installs
 from .base.threads import one_thread
 from .base.units import parse
-from .beside.analysis import Analysis, analyse, with_solved_points
+from .beside.analysis import Analysis, analyse, nonadhesive, with_solved_points
 from .bodies.problem import Problem
 from .case import Case, load_case, store
 from .case import parse_case as _parse_case
@@ -88,11 +88,12 @@ if TYPE_CHECKING:
     from .report.plots import Figure
     from .report.profile import Profile
     from .report.pull_off import MeasuredPullOff, PullOff
+    from .report.work import Work
 
 __all__ = [
     "check", "cycle_at_speed", "cycle_relaxing", "identify", "identify_law", "identify_relaxation", "load_case",
     "look", "measured_curves", "parse_case", "plot", "profile", "pull_off", "read", "save", "solve", "study_map",
-    "summary", "table", "to_pandas", "transform",
+    "summary", "table", "to_pandas", "transform", "work",
 ]  # fmt: skip
 
 
@@ -239,7 +240,6 @@ def cycle_relaxing(
     """
     from .adhesion.rate.program import there_and_back
     from .adhesion.relaxation.history import RelaxingContact
-    from .beside.analysis import nonadhesive
 
     solution, k = _solution(solved, None), _number("stiffness", stiffness, "stiffness")
     law = relaxation or solution.problem.specimen.relaxation
@@ -457,6 +457,29 @@ def pull_off(
     assert w is not None
     asked = _range(solution, stress, length)
     return PullOff(*where_lost(solution, [_number("w", w, "work")], devices, slopes, modulus_factor, asked)[0])
+
+
+@one_thread()
+def work(
+    solved: Solution | Case | Problem | str | Path,
+    measured: str | Path,
+    slopes: str = "auto",
+    modulus_factor: float = 1.0,
+    *,
+    reading: Reading | None = None,
+    **options: Any,
+) -> Work:
+    """The work of adhesion along the curves of a ``measured`` file, as ``jkr work`` says it; ``options``: use ("a,P"),
+    segment, noise {"P": 2e-9}, window."""
+    from .base.executors import executor
+    from .identification.work_of_files import along_file, evaluation_of
+    from .report.work import Work
+
+    solution, path, reading = _solution(solved, None), Path(measured), reading or Reading()
+    unit = nonadhesive(solution, slopes)
+    evaluation = evaluation_of(solution, unit, reading, modulus_factor, **options)
+    with executor(1) as pool:
+        return Work.of(path, *along_file(path, reading, evaluation, pool), solution, unit, modulus_factor)
 
 
 def study_map(name: str, **axes: Any) -> MapResult:

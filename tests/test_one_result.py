@@ -20,6 +20,9 @@ RECORD = CASES / "measured" / "raw-force-curve.txt"
 @pytest.fixture(name="gel")
 def _gel(jkr: Callable, tmp_path: Path) -> str:
     assert jkr("run", CASES / "gel.toml", "-o", "gel.h5").code == 0
+    curve = python.transform("gel.h5", "40 mJ/m^2").curve
+    rows = np.column_stack([curve.a, curve.delta, curve.P])[20:]
+    np.savetxt("gel.csv", rows, delimiter=",", header="a_m,delta_m,P_N", comments="")
     return "gel.h5"
 
 
@@ -40,6 +43,11 @@ MADE: dict[str, tuple[tuple[object, ...], Callable[[], Result], str]] = {
     "w of a pull-off": (
         ("pull-off", "gel.h5", "--load", "1.2 mN", "--uncertain", "R=1%"),
         lambda: python.pull_off("gel.h5", load="1.2 mN", uncertain={"R": "1%"}),
+        "results",
+    ),
+    "work": (
+        ("work", "gel.h5", "gel.csv", "--noise", "P=2 uN", "--force", "--no-plots"),
+        lambda: python.work("gel.h5", "gel.csv", noise={"P": 2e-6}),
         "results",
     ),
     "pull-off map": (

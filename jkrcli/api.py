@@ -53,13 +53,11 @@ from typing import TYPE_CHECKING, Any
 
 from .adhesion.device import DISPLACEMENT_CONTROL, LOAD_CONTROL
 from .adhesion.law import AskedRange
-from .base.arrays import Array
 from .base.errors import InputError
 from .base.files import check_series_target
-from .base.installing import installs
 from .base.threads import one_thread
 from .base.units import parse
-from .beside.analysis import Analysis, analyse, nonadhesive, with_solved_points
+from .beside.analysis import analyse, nonadhesive, with_solved_points
 from .bodies.problem import Problem
 from .case import Case, load_case, store
 from .case import parse_case as _parse_case
@@ -68,7 +66,7 @@ from .data.measured import Curve, Reading, from_columns
 from .data.measured import read as read_curves
 from .methods import Method
 from .methods.guards import Limits
-from .report import tables
+from .report.result import Result
 from .series import Solution
 
 if TYPE_CHECKING:
@@ -88,6 +86,7 @@ if TYPE_CHECKING:
     from .report.plots import Figure
     from .report.profile import Profile
     from .report.pull_off import MeasuredPullOff, PullOff
+    from .report.transform import Transformed
     from .report.work import Work
 
 __all__ = [
@@ -141,7 +140,7 @@ def transform(
     *,
     stress: float | str | None = None,
     length: float | str | None = None,
-) -> Analysis:
+) -> Transformed:
     """The adhesive curve for the work of adhesion ``w`` [J/m^2], with pull-off, errors, validity and warnings.
 
     ``solved``: a solution or its file; a case, its file or a problem is solved first, by ``method``. ``w``: a number,
@@ -151,7 +150,9 @@ def transform(
     """
     solution = _solution(solved, method)
     asked = _range(solution, stress, length)
-    return analyse(solution, [_number("w", w, "work")], slopes, modulus_factor, asked)[0]
+    from .report.transform import Transformed
+
+    return Transformed.of(analyse(solution, [_number("w", w, "work")], slopes, modulus_factor, asked)[0])
 
 
 @one_thread()
@@ -490,31 +491,27 @@ def study_map(name: str, **axes: Any) -> MapResult:
     return one_thread()(map_of(name).over)(**axes)
 
 
-def table(curve: Analysis) -> dict[str, Array]:
-    """The columns of the curve's CSV file: names with units, one value per contact radius."""
-    return tables.curve_columns(curve.curve)
+def table(curve: Result) -> Mapping[str, Any]:
+    """The columns of a result's CSV file: names with units, one value per contact radius of a curve."""
+    return curve.columns
 
 
-def to_pandas(curve: Analysis) -> DataFrame:
+def to_pandas(curve: Result) -> DataFrame:
     """The columns as a data frame (needs the optional package pandas)."""
-    try:
-        from pandas import DataFrame
-    except ModuleNotFoundError:
-        raise InputError(f"to_pandas needs the optional package pandas: {installs('pandas')}") from None
-    return DataFrame(table(curve))
+    return curve.to_pandas()
 
 
-def plot(curve: Analysis, path: str | Path | None = None) -> Figure:
-    """Load over displacement and contact radius over load; also written to ``path`` (.png, .svg, .pdf) where given."""
+def plot(curve: Result, path: str | Path | None = None) -> Figure:
+    """The picture of a result, of a curve load over displacement and contact radius over load; also written to ``path``
+    (.png, .svg, .pdf) where given."""
     from .report import plots
-    from .report.plots import curve as plots_curve
 
-    figure = plots_curve.curve_figure(curve, plots_curve.physical_units(curve.curve))
+    figure = curve.figure()
     if path is not None:
         plots.save(figure, [Path(path)])
     return figure
 
 
-def summary(curve: Analysis) -> dict[str, Any]:
-    """What the curve's JSON file says."""
-    return tables.summary(curve)
+def summary(curve: Result) -> dict[str, Any]:
+    """What the result's JSON file says."""
+    return curve.summary()

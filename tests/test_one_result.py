@@ -45,6 +45,11 @@ MADE: dict[str, tuple[tuple[object, ...], Callable[[], Result], str]] = {
         lambda: python.pull_off("gel.h5", load="1.2 mN", uncertain={"R": "1%"}),
         "results",
     ),
+    "transform": (
+        ("transform", "gel.h5", "--w", "40 mJ/m^2", "--no-plots"),
+        lambda: python.transform("gel.h5", "40 mJ/m^2"),
+        "results",
+    ),
     "work": (
         ("work", "gel.h5", "gel.csv", "--noise", "P=2 uN", "--force", "--no-plots"),
         lambda: python.work("gel.h5", "gel.csv", noise={"P": 2e-6}),

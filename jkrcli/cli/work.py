@@ -79,7 +79,7 @@ def work(
         target.write(result.columns, result.summary(), target.draw(result.figure))
         if not output.json:
             say(f"{result}\n  written {target}")
-        for warning in result.warnings():
+        for warning in result.warnings:
             warn(warning)
     if output.json:
         answer({"results": [result.summary() for result in results]})

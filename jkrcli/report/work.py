@@ -66,6 +66,7 @@ class Work(Result):
             lines.append(f"  ... and {len(self.found) - SHOWN} more curves")
         return lines + ([] if self.law is None else [f"  {through_words(self.law)}"])
 
+    @property
     def warnings(self) -> list[str]:
         said = [f"skipped: {line}" for line in some(list(self.skipped))]
         said += [f"{item.curve.where}: {flag}" for item in self.found[:SHOWN] for flag in flags(item)]

@@ -238,7 +238,8 @@ def _columns(solution: Solution) -> list[Judged]:
             _ratio(f"{name} at equal delta", series, exact, name, series.errors[name], rows, exact.accuracy)
             for name in ("a", "P")
         ]
-    worst, total = max((ratio * stated for _, ratio, stated, _ in found[-2:]), default=0.0), solution.budget.total
+    alike = found[-2:] if at_depth else found
+    worst, total = max((ratio * stated for _, ratio, stated, _ in alike), default=0.0), solution.budget.total
     if isinstance(total, float) and total > 0:
         found.append(("total", worst / total, total, worst > max(SMALL, 3 * exact.accuracy)))
     return found

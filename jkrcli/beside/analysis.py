@@ -276,7 +276,7 @@ def _series_and_slopes(solution: Solution, name: str) -> tuple[Series, Slopes]:
     own = own_solution(solution.problem, solution.series.a) if read else None
     if solution.raw is not None and name in ("auto", "integral") and not is_series(solution.raw):
         return smoothed(solution.raw, solution.series.a0, solution.series.S0, own=own)
-    series = replace(solution.filtered, own=own)
+    series = replace(solution.filtered, own=own, kinks=solution.problem.indenter.kinks)
     if name not in ("auto", "exact"):
         series = replace(series, S=None, dS=None)
     return series, slopes(series, name)

@@ -135,7 +135,7 @@ def _said(item: Direction) -> str:
         return f"{item.touch.reason}; {line}"
     if not item.based:
         where = "begins and the largest load" if approach else "ends and the adhesion force"
-        return f"in contact from end to end, or nowhere straight: where contact {where} are not told"
+        return f"no straight base line: where contact {where} are unknown"
     touch = f"{show(item.touch, 'length')} ± {show(item.touch_err, 'length', 3)}"
     tension = (
         item.adhesion.reason

@@ -72,6 +72,7 @@ class Check(Result):
             *sticking,
         ]
 
+    @property
     def warnings(self) -> list[str]:
         adhesion = () if isinstance(self.expected, Unknown) else self.expected.adhesion
         judged = dict.fromkeys(text for _, _, judged in adhesion for text in validity.check(judged))

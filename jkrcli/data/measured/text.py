@@ -65,14 +65,16 @@ class UnknownColumnsError(InputError):
     """A table without enough columns of known names: another program may know the file."""
 
 
-def curves(path: Path, reading: Reading) -> Iterator[tuple[Curve | InputError, float | None]]:
-    """The curves in the table at ``path``, or in the tables of a zip archive, with the stiffness of their device [N/m];
-    one that cannot be used comes as its error, the others follow.
+def curves(
+    path: Path, reading: Reading, content: bytes | None = None
+) -> Iterator[tuple[Curve | InputError, float | None]]:
+    """The curves in the table at ``path`` (its ``content``, where that is at hand), or in the tables of a zip archive,
+    with the stiffness of their device [N/m]; one that cannot be used comes as its error, the others follow.
 
     Raises InputError where the table as a whole cannot be read.
     """
     if path.suffix.lower() != ".zip":
-        yield from _curves(path, path, path.stem, reading)
+        yield from _curves(path, path, path.stem, reading, content)
         return
     inside = archive.tables(path)
     for name, content in zip(archive.titles(inside), archive.contents(path, inside), strict=True):

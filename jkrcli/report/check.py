@@ -50,7 +50,7 @@ class Check(Result):
         return cls(path, problem, choice, options, expected, effect, _range(model, choice.name), case.remarks)
 
     def summary(self) -> dict[str, Any]:
-        data = {"case": str(self.path), "problem": self.problem.words, "method": self.choice.name}
+        data: dict[str, Any] = {"case": str(self.path), "problem": self.problem.words, "method": self.choice.name}
         law = self.problem.specimen.relaxation
         data |= {"reason": self.choice.reason, "relaxation": None if law is None else str(law)}
         data |= {"surface": self.problem.surface, "sticking": as_told(self.effect)}

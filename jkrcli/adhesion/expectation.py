@@ -14,7 +14,7 @@ from .device import LOAD_CONTROL
 from .range_effect import effect_of_range
 from .sharp import resolved
 from .slopes.choice import slopes
-from .validity import Validity, judge
+from .validity import Validity, judge, refuse_wetting, sizes
 
 COARSE = Layered(1e-5)
 LONGEST = 3.0  # CPU seconds that an expectation may take; choice: it is asked for before anything is solved
@@ -54,16 +54,14 @@ def expect(problem: Problem, works: tuple[float, ...], z0: float) -> Expectation
     a, delta, P = (float(column[-1]) for column in (series.a, series.delta, series.P))
     adhesion = []
     for w in works:
+        refuse_wetting(w, specimen.surface_tension)
         curve = transform(series, found, w)
         point = resolved(curve.pull_off(LOAD_CONTROL), curve, LOAD_CONTROL, z0)
         judged = judge(
             a=a,
             delta=delta,
-            E_star=problem.E_star,
             w=w,
-            R=problem.indenter.tip_radius,
-            h=problem.specimen.top_thickness,
-            depth=problem.specimen.yielding_depth,
+            **sizes(problem),
             L=problem.specimen.radius,
             end_is_cut=False,
             z0=z0,

@@ -13,6 +13,8 @@ from ..adhesion.curve import CriticalPoint
 from ..adhesion.expectation import Expectation, expect
 from ..adhesion.finite_range import unable
 from ..adhesion.sticking import StickingEffect, as_told, sticking_effect, sticking_warnings
+from ..adhesion.tension_effect import TUNING as TENSION
+from ..adhesion.tension_effect import noticed_tension
 from ..base.errors import Refusal
 from ..base.units import show
 from ..base.unknown import Estimate, Unknown
@@ -46,10 +48,16 @@ def check(case: Path, as_json: bool) -> None:
     choice = choose(problem, model.method, lambda name: method_of(model, name))
     options = choice.options or survey(problem, lambda name: method_of(model, name))
     expected = _expected(model)
-    effect = _effect(model, expected)
+    effect, tension = _effect(model, expected), _tension(model, expected)
     if as_json:
-        data = {"case": str(case), "problem": problem.words, "method": choice.name, "reason": choice.reason}
+        data: dict[str, Any] = {
+            "case": str(case),
+            "problem": problem.words,
+            "method": choice.name,
+            "reason": choice.reason,
+        }
         data |= {"surface": problem.surface, "sticking": as_told(effect)}
+        data |= {"noticed_surface_tension_N_per_m": tension}
         answer(data | {"options": [asdict(o) for o in options]} | _as_dict(expected))
         return
     say(problem.words)
@@ -60,6 +68,9 @@ def check(case: Path, as_json: bool) -> None:
     _print(expected, range_)
     if not isinstance(effect, Unknown):
         say(f"  sticking  against sliding makes {effect.words} as large")
+    if not isinstance(tension, Unknown):
+        changed = f"{TENSION.changed:.0%} in load or pull-off force"
+        say(f"  tension   none; from {show(tension, 'tension', 2)} on, that of the solid would change {changed}")
     refused = [f"jkr transform will refuse: {range_}"] if isinstance(range_, Unknown) else []
     for warning in (*refused, *loaded.remarks, *sticking_warnings(problem, effect)):
         warn(warning)
@@ -80,6 +91,11 @@ def _effect(model: CaseModel, expected: Expectation | Unknown) -> StickingEffect
     if isinstance(expected, Unknown):
         return expected
     return sticking_effect(model.problem(), expected.a, model.adhesion.w)
+
+
+def _tension(model: CaseModel, expected: Expectation | Unknown) -> Estimate:
+    """The surface tension that would be noticed, at the largest radius expected."""
+    return expected if isinstance(expected, Unknown) else noticed_tension(model.problem(), expected.a, model.adhesion.w)
 
 
 def _expected(model: CaseModel) -> Expectation | Unknown:

@@ -20,7 +20,8 @@ from . import tables
 if TYPE_CHECKING:
     from ..identification.work_of_adhesion import MeasuredWork
 
-SIZES = {"a/R": "a_over_R", "a/R at pull-off": "a_over_R_pull_off", "a/h": "a_over_h", "a/L": "a_over_L"}
+SIZES = {"a/R": "a_over_R", "a/R at pull-off": "a_over_R_pull_off", "a/h": "a_over_h", "a/L": "a_over_L",
+         "theta": "edge_angle"}  # fmt: skip
 ABOVE = "Tabor", "at the range"  # how the warnings begin that say again what the line of the Tabor number says
 Lost = tuple[Behaviour, Errors | Unknown | None]  # of one control: what is read off, half-widths of its pull-off point
 

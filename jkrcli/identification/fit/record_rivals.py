@@ -17,6 +17,7 @@ import numpy as np
 from scipy.integrate import cumulative_trapezoid
 from scipy.interpolate import CubicSpline
 
+from ...adhesion.validity import LIMITS
 from ...base.arrays import Array
 from ...base.errors import JkrError
 from ...bodies.indenters import Paraboloid, Sphere
@@ -45,7 +46,7 @@ class RecordRivalTuning:
     steps: int = 12  # choice: of Newton's method for it; it needs four
     times: int = 150  # choice: instants at which hereditary integrals are taken
     longest: float = 10e-9  # choice: [m], range of adhesion that is likely; of molecules a nanometre, of hairs more
-    shape: float = 0.02  # choice: exponent of the profile within which a tip is what it is called
+    shape: float = 0.005  # choice: exponent of the profile within which a tip is what it is called
 
 
 TUNING = RecordRivalTuning()
@@ -340,8 +341,7 @@ def tension(at: Situation) -> Array | None:
     kappa = TUNING.skin * at.widest
     a = np.maximum(np.exp(grid(at.model.family)), TUNING.finest * kappa)
     x, log = kappa / (math.pi * a), np.log(2 * a / kappa) + float(np.euler_gamma)
-    T = -np.log1p(x) / 2
-    changes = np.stack([np.log1p(2 * x * (log - 1)), T, np.log1p(3 * x * log), np.log1p(x * (log + 1)) + T])
+    changes = np.stack([2 * x * (log - 1), -x / 2, 3 * x * log, x * (log + 1) - x / 2])
     return at.on(TUNING.little * changes) / (TUNING.little * TUNING.skin)
 
 
@@ -516,6 +516,9 @@ def known_amount(at: Situation, rival: Rival, longest: float) -> float:
     """The amount of a rival in either direction that is likely; ``longest``: range of adhesion [m] that is."""
     if rival.column is finite_range and at.work:
         return (min(longest, TUNING.longest) / narrow_range(at)) ** 2
+    R = at.body.problem.indenter.tip_radius
+    if rival.column is strains and R is not None and at.widest <= LIMITS.a_over_R * R:
+        return 0.0  # linear theory is taken as good up to there, as everywhere else
     return rival.likely
 
 

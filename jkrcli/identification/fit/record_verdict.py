@@ -16,6 +16,7 @@ from .record_scores import RecordRivals, Verdict, rivals_of_record
 from .result import Fit, FittedValue
 
 REJECTED = "model rejected"
+RADII = (1 + 1e-9, 1e4)  # choice: over that without adhesion, between which the contact radius of a formula is sought
 LARGE = 0.3  # choice: share of E* or w that rivals may move it by, above which it is flagged
 
 
@@ -80,5 +81,5 @@ def half_space_modulus(P: float, delta: float, R: float, w: float) -> float:
         E = modulus(a)
         return 4 * E * a**3 / (3 * R) - math.sqrt(8 * math.pi * w * E * a**3) - P
 
-    touching = math.sqrt(R * delta)
-    return modulus(float(brentq(excess, touching * (1 + 1e-9), 1.5 * touching)))
+    touching, (least, most) = math.sqrt(R * delta), RADII
+    return modulus(touching * float(brentq(lambda x: excess(touching * x), least, most)))

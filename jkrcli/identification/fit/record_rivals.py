@@ -194,7 +194,8 @@ class Rival:
     is the derivative by, in words; ``column``: None where the rival has no meaning for this record.
 
     ``likely``: amount in either direction that is expected unless the user or the data say otherwise: 0 of what the
-    description of the body rules out. ``of_directions``: whether it sets one direction against the other.
+    description of the body rules out; ``positive``: in that direction only. ``of_directions``: whether it sets one
+    direction against the other.
     """
 
     name: str
@@ -202,6 +203,7 @@ class Rival:
     amount: str
     column: Column
     likely: float = 0.0
+    positive: bool = False
     of_directions: bool = False
 
 
@@ -489,16 +491,17 @@ BODY, TIP, ADHESION, DEVICE, MEMORY = "layer or base", "shape of the tip", "adhe
 RIVALS: tuple[Rival, ...] = (
     Rival("w over the contact radius", ADHESION, "relative rise towards pull-off", work_over_radius),
     Rival("w over the speed of the edge", ADHESION, "relative rise per factor e of the speed", work_over_speed),
-    Rival("adhesion of finite range", ADHESION, "square of the range over that of a narrow ring", finite_range),
+    Rival("adhesion of finite range", ADHESION, "square of the range over that of a narrow ring", finite_range,
+          positive=True),
     Rival("a rigid base below", BODY, "contact radius over depth", layer_below),
     Rival("thickness of the layer", BODY, "relative change", of_layer("h")),
     Rival("nu of the layer", BODY, "relative change", of_layer("nu")),
     Rival("moduli that change with the contact radius", BODY, "relative rise", graded),
     Rival("exponent of the tip", TIP, "change of the exponent", exponent, TUNING.shape),
     Rival("sphere or paraboloid", TIP, "share of the sphere's quartic term", quartic),
-    Rival("no slip", BODY, "from none to full", no_slip, 1.0),
-    Rival("surface tension", BODY, "2 tension/E* over the contact radius", tension),
-    Rival("large strains", BODY, "of what is known of them", strains, 1.0),
+    Rival("no slip", BODY, "from none to full", no_slip, 1.0, True),
+    Rival("surface tension", BODY, "2 tension/E* over the contact radius", tension, positive=True),
+    Rival("large strains", BODY, "of what is known of them", strains, 1.0, True),
     Rival("relaxation over a factor of time", MEMORY, "fall per factor e", relaxing(lambda t: np.log1p(100 * t))),
     Rival("relaxation of one time", MEMORY, "fall", relaxing(lambda t: 1 - np.exp(-4 * t))),
     Rival("residual depth", MEMORY, "of the depth of contact", of_return(_dent), of_directions=True),

@@ -3,7 +3,7 @@
 ``RIVALS`` is the list: an entry is a name, its family, what its amount is, how much of it is likely before the data,
 and a function from the fit to a column: the derivative of the loads [N] by the amount, at fixed positions of the
 device. Most columns are one more evaluation of the path of the device: on a body whose functions differ a little
-(``bent``), at other positions, at another stiffness. ``scores`` asks the data for each.
+(``Bent``), at other positions, at another stiffness. ``scores`` asks the data for each.
 """
 
 from __future__ import annotations
@@ -50,8 +50,8 @@ class RecordRivalTuning:
 
 
 TUNING = RecordRivalTuning()
-# Section 17 of the record's own kind: linear theory over the load of a neo-Hookean half-space at equal depth, less 1,
-# over the contact radius by the tip's; theory: finite elements, theory page "identification".
+# Linear theory over the load of a neo-Hookean half-space under a rigid tip at equal depth, less 1, over the contact radius
+# by the tip's, without friction; theory: finite elements, nu = 0.49, on two meshes.
 STRAINS = {
     Paraboloid: ((0.0, 0.2, 0.3, 0.5, 0.7, 0.8), (0.0, 0.015, 0.026, 0.056, 0.108, 0.15)),
     Sphere: ((0.0, 0.2, 0.3, 0.5, 0.7, 0.8), (0.0, 0.010, 0.016, 0.029, 0.047, 0.061)),

@@ -28,7 +28,6 @@ from jkrcli.identification.fit import Fit, FittedBody, fit, record_verdict
 from jkrcli.identification.fit.settings import settings_of, uncertain_of
 from jkrcli.methods.layered.layered import Layered
 
-ROOM = 1.2  # choice: of a layer's thickness, the radius to which it is solved first
 CALIBRATED = ("stiffness +10 %", "R +10 %", "nu .3 as .5 on a layer")
 spent = [0.0, 0.0]  # seconds of all fits, of their scores
 
@@ -39,7 +38,7 @@ def body(R: float, h: float | None, nu: float, sphere: bool) -> FittedBody:
     material = Elastic((1 - nu**2) * 1e4, nu)
     specimen = Specimen((), HalfSpace(material)) if h is None else Specimen((Layer(material, h),), Rigid())
     tip = Sphere(R) if sphere else Paraboloid(R)
-    problem = Problem(tip, specimen, Loading("radius", 0.2 * R if h is None else ROOM * h, 60))
+    problem = Problem(tip, specimen, Loading("radius", 0.2 * R if h is None else h, 60))
     series = Layered()(problem).series
     return FittedBody.of(problem, series, slopes(series), extensible=True)
 

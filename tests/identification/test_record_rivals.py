@@ -162,6 +162,7 @@ def test_a_wrong_model_is_rejected(kind: str, family: str) -> None:
     assert found.verdict is not None
     assert family in found.verdict.rivals.families
     assert "model rejected" in found.flags
+    assert ("directions differ" in found.flags) == (kind == "plastic")
     assert summary([found], "body")["curves"][0]["status"] == "doubtful"
     assert "rejected for" in words(found)[0]
 

@@ -50,8 +50,8 @@ class RecordRivalTuning:
 
 
 TUNING = RecordRivalTuning()
-# Linear theory over the load of a neo-Hookean half-space under a rigid tip at equal depth, less 1, over the contact radius
-# by the tip's, without friction; theory: finite elements, nu = 0.49, on two meshes.
+# Linear theory over the load of a neo-Hookean half-space under a rigid tip at equal depth, less 1, over the contact
+# radius by the tip's, without friction; theory: finite elements, nu = 0.49, on two meshes.
 STRAINS = {
     Paraboloid: ((0.0, 0.2, 0.3, 0.5, 0.7, 0.8), (0.0, 0.015, 0.026, 0.056, 0.108, 0.15)),
     Sphere: ((0.0, 0.2, 0.3, 0.5, 0.7, 0.8), (0.0, 0.010, 0.016, 0.029, 0.047, 0.061)),

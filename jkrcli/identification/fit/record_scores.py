@@ -139,7 +139,7 @@ def rivals_of_record(body: FittedBody, found: ForceCurveFit, longest: float) -> 
     sizes = np.linalg.norm(beyond, axis=0)
     left = beyond / np.maximum(sizes, np.finfo(float).tiny)
     moves = -np.linalg.lstsq(triangle, Q.T @ wide, rcond=None)[0] / scale[:, None]
-    dof = max(np.count_nonzero(keep) - J.shape[1], 1)
+    dof = max(int(np.count_nonzero(keep)) - J.shape[1], 1)
     misfit, errors = float(r @ r), _errors(found)
     scores = [
         _score(rival, float(size), float(along), whole, _rates(found, move), errors, (misfit, dof, len(names)),

@@ -43,7 +43,17 @@ def point_error(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) ->
         moved, at_radius = _propagated(curve, point, stiffness, joint), {"delta": 0.0, "P": 0.0}
     if isinstance(moved, Unknown):
         return moved
-    return {name: float(here[name]) + at_radius[name] + moved[name] for name in here}
+    unsettled = _unsettled(curve, point)
+    return {name: float(here[name]) + at_radius[name] + moved[name] + unsettled[name] for name in here}
+
+
+def _unsettled(curve: AdhesiveCurve, point: CriticalPoint) -> dict[str, float]:
+    """What is left where the search for a point that is solved has not settled on it: its last steps halve at best."""
+    further = curve.nonadhesive.further
+    if further is None:
+        return {"delta": 0.0, "P": 0.0}
+    there = curve.point(float(further.a[np.argmin(np.abs(further.a - point.a))]))
+    return {name: 2 * abs(getattr(there, name) - getattr(point, name)) for name in ("delta", "P")}
 
 
 def _joint(curve: AdhesiveCurve, a: float) -> Array | None:

@@ -32,7 +32,7 @@ from .again import again, method_behind
 POINTS = 14  # radii that are solved at once for a curve: seven around each of two pull-off points
 Further = Callable[[Array], Nonadhesive]  # the functions at other radii [m], solved
 STEPS = np.arange(-3, 4)
-MIDDLE = 3  # of ``STEPS``
+MIDDLE = STEPS.size // 2
 # Rows: derivatives of the polynomials through all values at ``STEPS``, the inner five, the inner three, by the step.
 WEIGHTS = np.array([[-1, 9, -45, 0, 45, -9, 1], [0, 5, -40, 0, 40, -5, 0], [0, 0, -30, 0, 30, 0, 0]]) / 60
 

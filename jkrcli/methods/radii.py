@@ -32,7 +32,7 @@ class SearchTuning:
     table: int = 48  # radii of the first response to all targets; choice: what costs least
     # Times the accuracy, from where a Newton step leads well within it:
     near: float = 30.0  # choice: what costs least
-    above_kink: int = 14  # rows, twice as far from one to the next; tuned on a table that bends, by its test
+    above_kink: int = 14  # choice: 1.95 from one to the next, where cubics follow a root to 1e-4
     nearest: float = 1e-4  # of the distance to the next row, the first of them; theory: its root is 1e-2
     farthest: float = 0.6  # the last; choice: half way
     on_kink: float = 1e-6  # relative distance up to which a row gives way to a kink; choice: no two rows alike

@@ -194,6 +194,8 @@ class RelaxedHistory:
         ends, held = _ended(self.program)
         parts = [np.linspace(a, b, points) for a, b in itertools.pairwise(ends) if b > a]
         t, number = np.concatenate(parts), np.repeat(np.arange(1, len(parts) + 1), points)
+        once = np.append(True, np.diff(t) > 0)  # where pieces meet
+        t, number = t[once], number[once]
         a, delta, P = self.states(t)
         columns = {"t_s": t, "a_m": a, "delta_m": delta, "P_N": P}
         if self.contact.stiffness != LOAD_CONTROL:

@@ -24,7 +24,8 @@ from .events import has_plateaus, touch_events
 from .model import LogSplineModel, OnGrid, Shape, interpolate
 from .penalised import TUNING as PENALTIES
 from .penalised import PenalisedFit, likeliest_correlation, minimise, posterior
-from .result import STIFFNESS, TWO_SIDED_90, Slopes, covariance_from_errors, shift_error
+from .result import TUNING as ERRORS
+from .result import TWO_SIDED_90, Slopes, covariance_from_errors, shift_error
 from .scatter import Scatter, correlation_length, estimate, floored, whitener
 
 TOO_FEW = "how errors of neighbouring rows go together is not known from so few points"
@@ -50,7 +51,8 @@ class IntegralTuning:
     beside: int = 4  # choice: rows on either side that tell a radius far off; three outliers among them do no harm
     far: float = 8.0  # choice: standard deviations; the fit itself finds what is nearer
     # Of the errors of the radii, each the largest of many rows, what is left of them in a smooth fit:
-    radii: float = 0.25  # tuned on random bodies, by `make bounds`
+    radii: float = 0.15  # tuned on random bodies, by `make bounds`
+    rates: float = 0.5  # and of the rates; tuned on random bodies, by `make bounds`
     floor: float = 1e-7  # theory: of the scatter, accuracy of the model's own integrals and linear algebra
 
 
@@ -125,14 +127,17 @@ def _slopes(
             there |= {"S": there["P"] / P_H * S, "dS": there["P"] / P_H * dS}
         if "a" in there:
             there["a"] = TUNING.radii * there["a"]
-        given = covariance_from_errors(Series(wanted, delta_H, P_H, errors=there, a0=a0, S0=S0), S, dS, STIFFNESS)
+        given = covariance_from_errors(
+            Series(wanted, delta_H, P_H, errors=there, a0=a0, S0=S0), S, dS, ERRORS.at_displacement
+        )
         assert given is not None
         shared = max(0.0, 1 - fit.phi) * given  # what the scatter does not show is shared by all points
         joint[:, :4, :4] += shared
         # rates in their logs err as columns do that err smoothly: d(delta_H)/da as the radius, S'' as S'
-        of_radius = there.get("a", 0.0) / wanted / TWO_SIDED_90
-        joint[:, 4, 4] += np.gradient(delta_H, wanted) ** 2 * of_radius**2 if wanted.size > 1 else 0.0
-        joint[:, 5, 5] += shared[:, 3, 3] / wanted**2
+        if wanted.size > 1 and "a" in there:
+            of_radius = TUNING.rates / TUNING.radii * there["a"] / wanted / TWO_SIDED_90
+            joint[:, 4, 4] += (np.gradient(delta_H, wanted) * of_radius) ** 2
+            joint[:, 5, 5] += (2 * dS / wanted * of_radius) ** 2
         covariance += shared
     quantile = float(stdtrit(_freedom(fit), 0.95))
     known = not settled.hidden

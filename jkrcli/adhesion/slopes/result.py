@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from statistics import NormalDist
+from typing import TypeAlias
 
 import numpy as np
 
@@ -11,6 +12,7 @@ from ...base.arrays import Array
 from ...base.unknown import Estimate
 from ...series import COLUMNS, Series
 
+Signs: TypeAlias = tuple[int, int, int, int]
 TWO_SIDED_90 = NormalDist().inv_cdf(0.95)  # half-width of a 90 % interval in standard deviations
 
 
@@ -20,11 +22,12 @@ class ErrorTuning:
 
     # Of the variances, what is common to columns that err together:
     common: float = 0.95  # tuned on random bodies, by `make bounds`
+    # Signs of common errors of (delta_H, P_H, S, S'):
+    at_radius: Signs = (-1, 0, 1, 1)  # theory: a spring in series
+    at_displacement: Signs = (0, 1, 1, 1)  # theory: a stiffness that is too large
 
 
 TUNING = ErrorTuning()
-SPRING = np.array([-1.0, 0.0, 1.0, 1.0])  # signs of common errors of (delta_H, P_H, S, S') at given radius
-STIFFNESS = np.array([0.0, 1.0, 1.0, 1.0])  # at given displacement
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,13 +73,13 @@ class Slopes:
         return None if self.covariance is None else self.quantile * np.sqrt(self.covariance[:, 3, 3])
 
 
-def covariance_from_errors(series: Series, S: Array, dS: Array, signs: Array = SPRING) -> Array | None:
+def covariance_from_errors(series: Series, S: Array, dS: Array, signs: Signs = TUNING.at_radius) -> Array | None:
     """Covariance (n, 4, 4) of (delta_H, P_H, S, S') from the series' own errors, read as 90 % half-widths.
 
     ``signs``: of what columns share. Errors of one body's compliance, as those of meshes and cuts mostly are, move S
     and S' up and delta down together and leave P, like a spring in series. An error of the radius acts on the curve
-    through t = sqrt(4 pi w a/S'): a contact radius that is wrong by a fraction e makes S' = dS/da wrong by -e too, so t by e.
-    It is carried as an error 2 e of S', which does the same.
+    through t = sqrt(4 pi w a/S'): a contact radius that is wrong by a fraction e makes S' = dS/da wrong by -e too, so t
+    by e. It is carried as an error 2 e of S', which does the same.
     """
     if not series.errors:
         return None

@@ -52,7 +52,7 @@ NAMES = Vocabulary(CONTACT | {
     "P": CONTACT["P"].also(
         "normal force", "axial force", "kraft", "prüfkraft", "standardkraft", "normalkraft", "effort"),
     "t": Quantity("time", "time", ("t", "time", "zeit", "prüfzeit", "elapsed time", "temps", *WHOLE)),
-    "segment": Quantity("segment", "", ("segment", "phase", "direction", "richtung")),
+    "segment": Quantity("segment", "", ("segment", "phase", "branch", "direction", "richtung", "ast", "branche")),
     "curve": Quantity("curve", "", ("curve", "curve number", "curve_number", "cycle", "zyklus")),
 })  # fmt: skip
 BARE = "; or --format afm, if a microscope's program wrote three columns without names"

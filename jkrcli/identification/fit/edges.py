@@ -15,7 +15,7 @@ import numpy as np
 from ...base.arrays import Array
 from .family import Drift, Family, JKRMember
 
-ADVANCING, RESTING, RECEDING, FREE = range(4)  # what the edge does at a row; FREE: out of contact
+ADVANCING, RESTING, RECEDING = range(3)  # what the edge does at a row
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,24 +62,3 @@ class RestingMember:
         rD, rT, rH, rV = self.family.relative_rates(np.log([self.turn]))[..., 0].T[..., None]
         v = self.unit * u
         return np.stack([v * 0 * rD, D * rD - v * T * rT, self.s * (H * rH - v * V * rV)], axis=1)
-
-
-@dataclass(frozen=True)
-class FreeMember:
-    """The readings out of contact: no load at any displacement, u in metres."""
-
-    def ends(self, below_fold: float, beyond_last: float, least: float | None) -> tuple[float, float]:
-        return -1.0, 1.0
-
-    def refuse_beyond(self, a: float) -> None:
-        """Nothing is refused."""
-
-    def along(self, u: Array) -> tuple[Array, Array, Array]:
-        zero = np.zeros_like(u)
-        return np.stack([zero, u, zero]), np.stack([zero, zero + 1, zero]), np.zeros((3, u.size))
-
-    def rates(self, u: Array) -> Mapping[str, Array]:
-        return {}
-
-    def own_rates(self, u: Array) -> Array:
-        return np.zeros((0, 3, u.size))

@@ -20,7 +20,7 @@ from scipy.spatial import cKDTree
 
 from ...base.arrays import Array
 from .body import FittedBody
-from .edges import ADVANCING, FREE, RECEDING, RESTING, FreeMember, RestingMember
+from .edges import ADVANCING, RECEDING, RESTING, RestingMember
 from .family import Drift, Member, Members
 from .points import Points
 from .settings import RANGES, Parameter
@@ -67,8 +67,6 @@ class Readings:
     def member(self) -> Member:
         """The curve behind the readings."""
         values = self.values
-        if self.edge == FREE:
-            return FreeMember()
         if self.edge == RESTING:
             return RestingMember(self.members.plain, values["modulus"], values["a_turn"], self.drift)
         w = values["w_approach" if self.edge == ADVANCING else "w"]
@@ -103,7 +101,7 @@ class Readings:
         found = []
         for parameter in self.parameters:
             rows = rates.get(parameter.name, np.zeros((3, u.size)))
-            if parameter.of_body and parameter.free and self.edge != FREE:
+            if parameter.of_body and parameter.free:
                 a, delta, P = next(of_body)
                 rows = np.stack([a, delta + compliance * P, P])
             found.append(self._scaled(*rows))

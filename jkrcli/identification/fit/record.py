@@ -353,6 +353,7 @@ def _outcome(found: ForceCurveFit, x: Array, body: FittedBody) -> dict[str, floa
     return told
 
 
+GIVEN_UP = "the search was given up after {} steps, the rows do not determine the unknowns: fix one (--fix w=...)"
 RESTS = "w: the edge of the contact rests in all rows of the retraction, w is at least what the last holds"
 NAMES = {APPROACH: APPROACH, RETRACT: "retraction"}
 WORKS = {APPROACH: "w_approach", RETRACT: "w"}
@@ -374,6 +375,8 @@ def _result(body: FittedBody, record: ForceCurve, curve: Curve, settings: Settin
               {source: change[name] for source, change in carried.items()}, t)
         for i, (name, value) in enumerate(values.items())
     )  # fmt: skip
+    if not found.ended:
+        estimates = tuple(replace(item, error=None, low=None, high=None) for item in estimates)
     free = tuple(item.name for item in estimates if item.free and item.name != "E_star" and ":" not in item.name
                  and (item.error is not None or item.name != WORKS[RETRACT]))  # fmt: skip
     held = [list(values).index(name) for name in free]
@@ -389,7 +392,7 @@ def _result(body: FittedBody, record: ForceCurve, curve: Curve, settings: Settin
         where=curve.where,
         estimates=estimates,
         free=free,
-        covariance=covariance[np.ix_(held, held)],
+        covariance=covariance[np.ix_(held, held)] if found.ended else None,
         samples=None,
         data={"delta": curve.delta[rows[order]], "P": curve.P[rows[order]]},
         rows=rows[order],
@@ -530,7 +533,7 @@ def _judged(record: ForceCurve, found: ForceCurveFit, a: Array) -> tuple[dict[st
     depth = max(part.reach for part in found.model.stretches)
     contact = found.error("z0") / depth if "z0" in found.names else 0.0
     wavy = max(side.base.waviness for side in record.directions) / span
-    flags = {}
+    flags = {} if found.ended else {"not determined": GIVEN_UP.format(found.evaluations)}
     beyond = (found.spread.excess - 1) / TUNING.excess
     if beyond > 1:
         flags["misfit"] = (

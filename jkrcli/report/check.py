@@ -65,7 +65,7 @@ class Check(Result):
         sticking = (
             []
             if isinstance(self.effect, Unknown)
-            else [f"  sticking  against sliding makes {self.effect.words} as large"]
+            else [f"  no slip   makes {self.effect.words} as large"]
         )
         options = (f"            {option.name:<12} {_option(option)}" for option in self.options)
         return [

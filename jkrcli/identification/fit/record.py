@@ -577,7 +577,7 @@ def _words(found: ForceCurveFit, settings: Settings) -> Iterator[str]:
         yield "no free rows tell the noise: it cannot be told from misfit"
     if found.spread.tau > TUNING.dependent:
         yield (
-            f"residuals follow their neighbours: {found.spread.tau:.1f} rows count as one, "
+            f"residuals are autocorrelated (effective sample size n/{found.spread.tau:.1f}), "
             f"which widens the intervals by {math.sqrt(found.spread.tau):.1f}"
         )
 

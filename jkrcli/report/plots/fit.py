@@ -11,7 +11,22 @@ from ...base.arrays import Array
 from ...base.units import scale
 from ...identification.fit.result import Fit
 from ...identification.fit.statistics import rise
-from . import BLACK, BLUE, GREEN, MIDDLE, ORANGE, SKY, WIDE, Axes, Figure, drawing, few_ticks, legend_below, pretty
+from . import (
+    BLACK,
+    BLUE,
+    GREEN,
+    LARGER,
+    MIDDLE,
+    ORANGE,
+    SKY,
+    WIDE,
+    Axes,
+    Figure,
+    drawing,
+    enlarged,
+    legend_below,
+    pretty,
+)
 
 LABELS = {"a": "contact radius a", "delta": "displacement δ", "P": "load P"}
 DIMENSIONS = {"a": "length", "delta": "length", "P": "load"}
@@ -23,7 +38,6 @@ MARKS = {"a": (GREEN, "s"), "delta": (BLUE, "^"), "P": (ORANGE, "o")}
 class FitPicture:
     """What is drawn where in the figure of a fit."""
 
-    inset: float = 0.4  # choice: of the way, below which the contact is drawn once more, larger
     beside: float = 0.6  # choice: width of the rows out of contact, beside the others, in largest contact radii
 
 
@@ -51,8 +65,8 @@ def _curve(axes: Axes, found: Fit) -> None:
     line = [_broken(found.line[name][near] / units[name][0], found.line["a"][near]) for name in (x, y)]
     places = [axes]
     touched = found.a > 0
-    if touched.any() and np.ptp(measured[0][touched]) < TUNING.inset * np.ptp(measured[0]):
-        places.append(_contact_inset(axes, *(values[touched] for values in measured)))
+    if touched.any() and np.ptp(measured[0][touched]) < LARGER * np.ptp(measured[0]):
+        places.append(enlarged(axes, *(values[touched] for values in measured)))
     for place in places:
         place.plot(*measured, "o", color=SKY, ms=3, mfc="none", label="measured")
         place.plot(*line, "-", color=BLACK, lw=1.0, label="fitted")
@@ -63,16 +77,6 @@ def _curve(axes: Axes, found: Fit) -> None:
 def _broken(values: Array, a: Array) -> Array:
     """A fitted line without its jumps: a gap wherever contact begins or ends."""
     return np.insert(values, np.flatnonzero(np.diff((a > 0).astype(int))) + 1, np.nan)
-
-
-def _contact_inset(axes: Axes, x: Array, y: Array) -> Axes:
-    """An inset over the long free way of a record, in which the contact alone is seen."""
-    inset = axes.inset_axes((0.16, 0.42, 0.5, 0.55))
-    for values, limit in ((x, inset.set_xlim), (y, inset.set_ylim)):
-        limit(values.min() - 0.08 * np.ptp(values), values.max() + 0.08 * np.ptp(values))
-    inset.tick_params(labelsize=6, pad=1.5, length=2)
-    few_ticks(inset, 3)
-    return inset
 
 
 def _distance(found: Fit) -> str:

@@ -51,7 +51,7 @@ def check(case: Path, as_json: bool) -> None:
         data = {"case": str(case), "problem": problem.words, "method": choice.name, "reason": choice.reason}
         law = problem.specimen.relaxation
         data |= {
-            "relaxation": None if law is None else str(law),
+            "relaxation": "" if law is None else str(law),
             "surface": problem.surface,
             "sticking": as_told(effect),
         }

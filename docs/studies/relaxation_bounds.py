@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import sys
 from collections import defaultdict
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -22,9 +23,18 @@ from jkrcli.identification.fit.body import FittedBody, body_of
 from jkrcli.identification.relaxation import relaxation_fit, relaxation_settings
 
 TRUTH = {"E_star": 1.0, "ratio": 0.25, "time": 1.0}
-LENGTHS = (3.0, 6.0, 12.0, 30.0)  # of the records, in relaxation times
-RISE = 0.4  # of a press and of a retraction, in the same
-SHOWN = 20  # records between two reports
+
+
+@dataclass(frozen=True)
+class Records:
+    """How the records are made; times in relaxation times."""
+
+    lengths: tuple[float, ...] = (3.0, 6.0, 12.0, 30.0)  # choice: what records last
+    rise: float = 0.4  # choice: of a press and of a retraction
+    shown: int = 20  # choice: records between two reports
+
+
+RECORDS = Records()
 
 
 def bodies() -> list[FittedBody]:
@@ -41,8 +51,8 @@ def main(seed: int, count: int) -> None:
     loads = [Depths(Nonadhesive(body.series, body.slopes)).loads for body in held]
     settings, found = relaxation_settings("sls"), defaultdict[str, list[tuple[bool, float]]](list)
     for i in range(count):
-        body, length = i % len(held), LENGTHS[i // len(held) % len(LENGTHS)]
-        corners = np.array([0.0, RISE, length - RISE, length]), np.array([0.0, 1.0, 1.0, 0.0])
+        body, length = i % len(held), RECORDS.lengths[i // len(held) % len(RECORDS.lengths)]
+        corners = np.array([0.0, RECORDS.rise, length - RECORDS.rise, length]), np.array([0.0, 1.0, 1.0, 0.0])
         made = record(loads[body], 1.2, (0.25, (0.75,), (1.0,)), corners, seed=seed + i, zero=0.1, clean=clean)
         try:
             fit = relaxation_fit(held[body], made, settings)
@@ -55,7 +65,7 @@ def main(seed: int, count: int) -> None:
             assert item.low is not None
             assert item.high is not None
             found[name].append((item.low <= true <= item.high, (item.value - true) / item.error))
-        if (i + 1) % SHOWN == 0:
+        if (i + 1) % RECORDS.shown == 0:
             told(found)
 
 

@@ -27,6 +27,8 @@ SHOWN = ("nu", "w_R2_over_Estar_h3", "minus_P_over_pi_w_R", "a_over_h")
 @click.option("--nu", "nus", type=float, multiple=True, default=(0.3, 0.499), show_default=True, help="Repeatable.")
 @click.option("--base", type=click.Choice(["bonded", "frictionless"]), default="bonded", show_default=True)
 @click.option("--q", "qs", type=float, multiple=True, help="Values of w R^2/(E* h^3) [default: 1e-3 to 1e4].")
+@click.option("--beta", type=float, default=0.0, show_default=True,
+              help="Surface tension Ups/(E* a0), a0 = (w R^2/E*)^(1/3).")  # fmt: skip
 @parallel_options
 @into_folder("Folder [default: .].", default=Path())
 @output_options(plots="Write the CSV only.", json="Print the table as JSON.")
@@ -34,6 +36,7 @@ def study_pull_off_map(
     nus: tuple[float, ...],
     base: str,
     qs: tuple[float, ...],
+    beta: float,
     workers: int | None,
     scheduler: str | None,
     output: Output,
@@ -45,17 +48,19 @@ def study_pull_off_map(
     \b
     jkr study pull-off-map --nu 0.3 --nu 0.5 -o map
     jkr study pull-off-map --nu 0.45 --q 0.02 --base frictionless
+    jkr study pull-off-map --nu 0.5 --q 1 --q 10 --beta 0.1
     """
     check_nu(*nus)
     files = output.files(output.folder(Path()) / "pull-off-map", (".csv", *PICTURES))
     wanted = qs or tuple(10.0 ** (np.arange(-12, 17) / 4))
-    with executor(workers, scheduler, progress, forecast(nus, wanted)) as pool:
-        columns = map_columns(pull_off_map(nus, base == "bonded", wanted, pool))
+    with executor(workers, scheduler, progress, forecast(nus, wanted, beta)) as pool:
+        columns = map_columns(pull_off_map(nus, base == "bonded", wanted, pool, beta))
     files.write(columns, figure=files.draw(lambda: _figure(columns)))
     if output.json:
         answer({name: values.tolist() for name, values in columns.items()})
         return
-    say(f"{base} layer on a rigid base, paraboloid: pull-off force in pi w R")
+    tension = f", surface tension {beta:g} E* a0" if beta else ""
+    say(f"{base} layer on a rigid base, paraboloid{tension}: pull-off force in pi w R")
     say(f"  {'nu':>6} {'w R^2/(E* h^3)':>15} {'force':>8} {'a/h':>9}")
     for nu, q, pulled, a in zip(*(columns[name] for name in SHOWN), strict=True):
         say(f"  {nu:>6g} {q:>15.4g} {pulled:>8.4f} {a:>9.4g}")

@@ -14,6 +14,7 @@ from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere
 from jkrcli.bodies.materials import Elastic, Graded, TransverselyIsotropic
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.formulas import surface_tension as formulas
+from jkrcli.many.study.pull_off_map import pull_off_map
 from jkrcli.methods.layered.angles import Angles
 from jkrcli.methods.layered.layered import Layered
 from jkrcli.methods.layered.product import lagrange
@@ -94,6 +95,11 @@ def test_pull_off_over_tension_and_thickness(beta):
     specimens = [half_space(2 * beta), *(bonded(nu, 2 * beta, q ** (-1 / 3)) for nu, q in BODIES[1:])]
     found = [pull_off(specimen, 2.2) for specimen in specimens]
     np.testing.assert_allclose(found, PULL_OFF[beta], rtol=1e-6)  # their digits
+
+
+def test_the_map_of_the_study_has_the_same_values():
+    points = pull_off_map([0.5], True, [1.0, 10.0], beta=0.1)
+    np.testing.assert_allclose([point.force for point in points], PULL_OFF[0.1][1:3], rtol=1e-6)
 
 
 def slope(values, step):

@@ -74,3 +74,11 @@ def test_sizes_of_another_layout_are_refused() -> None:
     assert caught.value.lines == (
         'my.toml: mesh: zone_sizes belong to layout "zones"; the layout "scaled" takes spacing',
     )
+
+
+@pytest.mark.parametrize("line", ["spacing = 0.05", "growth = 0.3"])
+def test_sizes_beside_a_tolerance_are_refused(line: str) -> None:
+    problem = parse_case(f"{CASE}[mesh]\ntolerance = 1e-3\n{line}\n".encode(), "my.toml").model
+    reason = method_of(problem, "fem").refusal(problem.problem())
+    assert reason is not None
+    assert "mesh.spacing and mesh.growth follow from mesh.tolerance: leave them out" in reason

@@ -46,7 +46,7 @@ Bodies that relax, without adhesion:
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -83,27 +83,17 @@ if TYPE_CHECKING:
     from .identification.rate.fitting import RateFit
     from .identification.relaxation import RelaxationFit
     from .many.study.maps import MapResult
+    from .report.check import Check
+    from .report.look import Look
     from .report.plots import Figure
+    from .report.profile import Profile
+    from .report.pull_off import MeasuredPullOff, PullOff
 
 __all__ = [
-    "cycle_at_speed",
-    "cycle_relaxing",
-    "identify",
-    "identify_law",
-    "identify_relaxation",
-    "load_case",
-    "measured_curves",
-    "parse_case",
-    "plot",
-    "read",
-    "save",
-    "solve",
-    "study_map",
-    "summary",
-    "table",
-    "to_pandas",
-    "transform",
-]
+    "check", "cycle_at_speed", "cycle_relaxing", "identify", "identify_law", "identify_relaxation", "load_case",
+    "look", "measured_curves", "parse_case", "plot", "profile", "pull_off", "read", "save", "solve", "study_map",
+    "summary", "table", "to_pandas", "transform",
+]  # fmt: skip
 
 
 def parse_case(text: str, folder: str | Path = ".") -> Case:
@@ -148,8 +138,8 @@ def transform(
     modulus_factor: float = 1.0,
     method: str | Method | None = None,
     *,
-    stress: float | None = None,
-    length: float | None = None,
+    stress: float | str | None = None,
+    length: float | str | None = None,
 ) -> Analysis:
     """The adhesive curve for the work of adhesion ``w`` [J/m^2], with pull-off, errors, validity and warnings.
 
@@ -159,7 +149,7 @@ def transform(
     else what the case says.
     """
     solution = _solution(solved, method)
-    asked = AskedRange.of(solution.record, stress, length)
+    asked = _range(solution, stress, length)
     return analyse(solution, [_number("w", w, "work")], slopes, modulus_factor, asked)[0]
 
 
@@ -217,6 +207,12 @@ def cycle_at_speed(
     if history.out_of_series is not None:
         raise InputError(f"cycle_at_speed: {history.out_of_series}")
     return history
+
+
+def _range(solution: Solution, stress: float | str | None, length: float | str | None) -> AskedRange:
+    """Adhesion of finite range as it is asked for, in numbers or text."""
+    tension = None if stress is None else _number("stress", stress, "modulus")
+    return AskedRange.of(solution.record, tension, None if length is None else _number("length", length, "length"))
 
 
 @one_thread()
@@ -366,6 +362,82 @@ def _only_curve(path: Path) -> Curve:
 def measured_curves(path: str | Path, **reading: Any) -> list[Curve]:
     """The measured curves in a file; ``reading``: how to read it, see jkrcli.data.measured.Reading."""
     return read_curves(Path(path), Reading(**reading))
+
+
+def check(case: Case | str | Path) -> Check:
+    """Which method a case needs, what each would cost, and what to expect, as ``jkr check`` says it; nothing is
+    solved."""
+    from .report.check import Check
+
+    loaded = load_case(case) if isinstance(case, str | Path) else case
+    return one_thread()(Check.of)(Path(case) if isinstance(case, str | Path) else Path("case"), loaded)
+
+
+def look(path: str | Path, **reading: Any) -> Look:
+    """What a measured file holds, as ``jkr look`` says it: segments, base line, contact, jumps, adhesion; no body is
+    needed. ``reading``: see jkrcli.data.measured.Reading."""
+    from .report.look import Look
+
+    return one_thread()(Look.at)(Path(path), Reading(**reading))
+
+
+@one_thread()
+def profile(
+    solved: Solution | Case | Problem | str | Path,
+    a: float | str | None = None,
+    load: float | str | None = None,
+    w: float | str = 0.0,
+    *,
+    stress: float | str | None = None,
+    length: float | str | None = None,
+) -> Profile:
+    """Pressure, displacement and gap around one contact, of radius ``a`` [m] or under a ``load`` [N], with the work of
+    adhesion ``w`` [J/m^2] (default: none); ``stress`` and ``length`` as of ``transform``."""
+    from .beside.profile import profile_columns, radius_under
+    from .report.profile import Profile
+
+    if (a is None) == (load is None):
+        raise InputError("profile: give exactly one of a and load")
+    solution, work = _solution(solved, None), _number("w", w, "work")
+    asked = _range(solution, stress, length)
+    if load is not None:
+        radius = radius_under(solution, _number("load", load, "load"), work, asked)
+    else:
+        assert a is not None
+        radius = _number("a", a, "length")
+    return Profile(solution.record.path, radius, work, profile_columns(solution, radius, work, asked))
+
+
+@one_thread()
+def pull_off(
+    solved: Solution | Case | Problem | str | Path,
+    w: float | str | None = None,
+    load: float | str | None = None,
+    stiffness: Sequence[float | str] = (),
+    slopes: str = "auto",
+    modulus_factor: float = 1.0,
+    *,
+    stress: float | str | None = None,
+    length: float | str | None = None,
+    uncertain: Mapping[str, str] | None = None,
+) -> PullOff | MeasuredPullOff:
+    """Where contact is lost with the work of adhesion ``w`` [J/m^2] under load and displacement control or by devices
+    of a ``stiffness`` [N/m]; or which w a measured pull-off ``load`` [N] means, its inputs
+    ``uncertain``: {"R": "2%"}."""
+    from .beside.lost import where_lost
+    from .identification.work_of_adhesion import measured_work
+    from .report.pull_off import MeasuredPullOff, PullOff
+
+    if (w is None) == (load is None):
+        raise InputError("pull_off: give exactly one of w and load")
+    solution, devices = _solution(solved, None), [_number("stiffness", k, "stiffness") for k in stiffness]
+    if load is not None:
+        force, pairs = abs(_number("load", load, "load")), (uncertain or {}).items()
+        under = (devices or [LOAD_CONTROL])[0]
+        return MeasuredPullOff(measured_work(solution, force, under, slopes, modulus_factor, pairs))
+    assert w is not None
+    asked = _range(solution, stress, length)
+    return PullOff(*where_lost(solution, [_number("w", w, "work")], devices, slopes, modulus_factor, asked)[0])
 
 
 def study_map(name: str, **axes: Any) -> MapResult:

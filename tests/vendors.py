@@ -225,7 +225,7 @@ PER_COUNT = 0.000375  # V
 def export(path: Path, maker: str) -> Path:
     """The record as the program of a ``maker`` exports it."""
     head, columns, rows = EXPORTS[maker]
-    mark, decimal = ("\t", ".") if maker not in MARKS else MARKS[maker]
+    mark, decimal = MARKS.get(maker, ("\t", "."))
     body = [mark.join(f"{cell:.9g}".replace(".", decimal) for cell in row) for row in rows]
     parts = head(body[:ROWS], body[ROWS:]) if callable(head) else [*head, columns, *body]
     path.write_bytes(("\r\n".join(parts) + "\r\n").encode("cp1252"))

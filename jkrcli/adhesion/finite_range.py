@@ -21,7 +21,7 @@ from ..base.errors import InputError, Refusal
 from ..base.quadrature import composite_gauss
 from ..base.units import show
 from ..base.unknown import Estimate
-from ..bodies.problem import Problem
+from ..bodies.problem import NO_FINITE_RANGE, Problem
 from ..methods import METHODS
 from ..methods.attraction import AttractedBody
 from ..methods.integral.attraction import Attraction, Rims, refuse_narrow
@@ -304,7 +304,7 @@ class FiniteRangeCurve(EquilibriumCurve):
             )
         return (
             f"the {quantity} is lowest at the largest radius, a = {show(lowest.a, 'length')}: pull-off lies outside "
-            "the curve; the series would have to reach a larger radius: load further"
+            "the curve; the series would have to reach a larger radius: increase [loading] radius"
         )
 
 
@@ -356,6 +356,8 @@ def unable(problem: Problem, method: str) -> str | None:
             "adhesion of finite range is known of surfaces that slide alone: solve the case with "
             'specimen.surface = "sliding", or leave range and stress out'
         )
+    if problem.specimen.surface_tension:
+        return NO_FINITE_RANGE
     if method not in METHODS or not METHODS[method].kernel:
         return (
             f"adhesion of finite range needs the kernel of the contact equation, which the method {method} does not "
@@ -538,8 +540,8 @@ def _growing(rims: Rims) -> Rims:
         raise Refusal(
             f"adhesion of finite range: up to the contact radius {show(float(rims.a[first]), 'length')} the radius to "
             "which the surfaces attract each other falls as the contact grows: a stiff coating, or a layer so soft "
-            "that it leaps up to the indenter, is not touched in a disc that grows; load further, or give another "
-            "stress or range"
+            "that it leaps up to the indenter, is not touched in a disc that grows; increase [loading] radius, or "
+            "give another stress or range"
         )
     return Rims(*(getattr(rims, name)[first:] for name in STATES))
 

@@ -77,7 +77,8 @@ def _layers_matter(problem: Problem, delta: float, P: float) -> float | None:
     """Relative difference of the load to that of a half-space of the top material at the same displacement."""
     if not problem.specimen.layers:
         return None
-    half_space = Specimen((), HalfSpace(problem.specimen.surface))
+    tension = problem.specimen.surface_tension
+    half_space = Specimen((), HalfSpace(problem.specimen.surface), surface_tension=tension)
     try:
         reference = again(Problem(problem.indenter, half_space, Loading("depth", delta, 1)), method=COARSE).series.P[-1]
     except Refusal:  # a half-space would need more of the profile than there is

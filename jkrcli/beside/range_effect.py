@@ -40,6 +40,8 @@ def effect_of_range(problem: Problem, series: Series, w: float, z0: float, point
     """
     if problem.sticks:
         return Unknown("adhesion of finite range is one of surfaces that slide")
+    if problem.specimen.surface_tension:
+        return Unknown("adhesion of finite range is not derived with surface tension")
     h = min(point.a, problem.specimen.top_thickness)
     if math.pi * z0**2 * problem.E_star / (4 * w) < TUNING.narrow * h:
         return 0.0

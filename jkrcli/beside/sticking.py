@@ -69,6 +69,8 @@ class StickingEffect:
 
 def sticking_effect(problem: Problem, largest: float, works: Sequence[float]) -> StickingEffect | Unknown:
     """Effect on ``problem`` at the contact radius ``largest`` [m], or why it is not known."""
+    if problem.specimen.surface_tension:
+        return Unknown("by how much sticking would differ is not known: it is not derived with surface tension")
     body = unbounded(problem)
     if reason := unable(body.indenter, body.specimen):
         return Unknown(f"by how much sticking would differ is not known: {reason}")

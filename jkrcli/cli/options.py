@@ -47,9 +47,9 @@ def limits_options(command: Callable[..., Any]) -> Callable[..., Any]:
         return command(*words, limits=Limits(limit_memory, limit_time), **others)
 
     memory = click.option("--limit-memory", type=POSITIVE, metavar="GIB",
-                          help="Most memory to begin with [default: 80 % of what is free].")  # fmt: skip
+                          help="Refuse runs that need more memory [default: 80 % of what is free].")  # fmt: skip
     hours = click.option("--limit-time", type=POSITIVE, default=Limits().hours, show_default=True, metavar="HOURS",
-                         help="Most CPU time to begin with.")  # fmt: skip
+                         help="Refuse runs that need more CPU time.")  # fmt: skip
     return memory(hours(limited))
 
 

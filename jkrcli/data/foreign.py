@@ -206,7 +206,7 @@ def _check_kept(path: Path, kept: RawSeries, dropped: int, indenter: Indenter) -
         lines = ", ".join(map(str, kept.rows))
         raise InputError(
             f"{path}: holds {kept.a.size} different contact radii (lines {lines}; {dropped} rows repeat them), "
-            f"at least {LEAST_ROWS} are needed: refine the mesh or load further"
+            f"at least {LEAST_ROWS} are needed: refine the mesh or load to a larger depth"
         )
     for line, a in zip(kept.rows, kept.a, strict=True):
         if a >= indenter.r_max:

@@ -133,7 +133,9 @@ def test_radii_far_beyond_the_case_are_solved_for() -> None:
     made = transform(body.series, body.slopes, 0.04)
     curve = Curve("optical", a=made.a[20:], delta=made.delta[20:], P=made.P[20:])
     check(fit(replace(body_of(small), extensible=True), curve, usual()), w=0.04)
-    with pytest.raises(InputError, match=r"the data reach contact radii of .*, the series ends at .*: load further"):
+    with pytest.raises(
+        InputError, match=r"the data reach contact radii of .*, the series ends at .*: increase \[loading\] radius"
+    ):
         fit(body_of(small), curve, usual())
 
 
@@ -334,7 +336,8 @@ def test_the_body_is_solved_to_the_radii_that_the_data_ask_for() -> None:
     values = [fit(body, curve, usual()).value("w") for body in (half_space(), short, long)]
     assert values[1:] == pytest.approx([values[0]] * 2, rel=2e-8)  # 3e-9 measured
     with pytest.raises(
-        InputError, match=r"sphere: the data reach contact radii of .* the series ends at 3.41[0-9] um: load further"
+        InputError,
+        match=r"sphere: the data reach contact radii of .* ends at 3.41[0-9] um: increase \[loading\] radius",
     ):
         fit(half_space(reach=0.5 * A_END), curve, usual())
 

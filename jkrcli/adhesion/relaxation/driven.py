@@ -23,6 +23,7 @@ from ..device import LOAD_CONTROL, position
 from .depths import Depths
 from .memory import Steps, moments
 from .path import AGAIN, PLACES, POWERS, RelaxedPath
+from .path import TUNING as PATH
 
 INNER = PLACES[1:]
 DEGREE = INNER.size
@@ -39,7 +40,6 @@ class DrivenTuning:
     falls: float = 1e-10  # theory: of the depth, what is no round-off
     ends: float = 1e-9  # choice: of the last step of growth or of contact, by which its end may be missed
     cuts: int = 30  # choice: guard, of the same step
-    grows: float = 1e-7  # choice: of the depth, by which a contact may grow again before that is said
     far: float = 2.0  # choice: guard, of the log depth in an iteration
 
 
@@ -99,7 +99,7 @@ class Kernel:
 @dataclass(frozen=True, eq=False)
 class Drive:
     """The device of ``stiffness`` [N/m] that holds ``x`` at the times ``t`` [s], 0 at first, and what it presses;
-    ``ratio`` of times after a corner from step to step."""
+    ``ratio`` of times after a corner from step to step; ``grows``: see ``RelaxedPath``."""
 
     depths: Depths
     modes: Modes
@@ -107,11 +107,15 @@ class Drive:
     t: Array
     x: Array
     ratio: float = TUNING.ratio
+    grows: float = PATH.grows
 
     def path(self) -> RelaxedPath:
         """What happens."""
         steps, now, i, turned = self._growth(math.inf)
-        grown, lost = RelaxedPath(self.depths, self._steps(steps, "depth"), self._steps(steps, "load")), False
+        grown, lost = (
+            RelaxedPath(self.depths, self._steps(steps, "depth"), self._steps(steps, "load"), grows=self.grows),
+            False,
+        )
         while turned and not lost and i < self.t.size - 1:
             lost, now = self._piece(steps, now, i, Falling(self, grown).step)
             i += 1
@@ -121,7 +125,7 @@ class Drive:
     def grown(self, deepest: float) -> RelaxedPath | None:
         """The growth of the contact up to the depth ``deepest`` [m]; None where it ends before."""
         steps, now, _, turned = self._growth(deepest)
-        if not turned or now.depth < deepest * (1 - TUNING.grows):
+        if not turned or now.depth < deepest * (1 - PATH.grows):
             return None
         return RelaxedPath(self.depths, self._steps(steps, "depth"), self._steps(steps, "load"))
 
@@ -267,7 +271,7 @@ class Falling:
             if np.max(np.abs(change)) < TUNING.converged * self.top:
                 break
         whole = np.append(now.contact, contact)
-        if (np.diff(whole) > TUNING.grows * self.top).any():
+        if (np.diff(whole) > self.drive.grows * self.top).any():
             raise InputError(f"program: at t = {show(end, 'time')} the contact {AGAIN}")
         return Step(end, np.append(now.depth, delta), whole, np.zeros(DEGREE + 1)), Polynomial(whole @ POWERS)
 

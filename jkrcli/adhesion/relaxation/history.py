@@ -30,12 +30,13 @@ LOOKED_AT = 400  # choice: states of an approach among which a load or depth is 
 @dataclass(frozen=True, eq=False)
 class RelaxingContact:
     """A contact without adhesion whose moduli relax by ``law``, in a device of ``stiffness`` [N/m]; ``coarser``: how
-    many times its steps are joined."""
+    many of its steps are joined; ``grows``: see ``RelaxedPath``."""
 
     body: Nonadhesive
     law: Relaxation
     stiffness: float = DISPLACEMENT_CONTROL
     coarser: int = 1
+    grows: float = TUNING.grows
 
     @cached_property
     def depths(self) -> Depths:
@@ -49,8 +50,8 @@ class RelaxingContact:
     def _path(self, t: Array, x: Array) -> RelaxedPath:
         modes = self._modes(t)
         if math.isinf(self.stiffness):
-            return given_depth(self.depths, modes, t, x, TUNING.ratio**self.coarser)
-        return Drive(self.depths, modes, self.stiffness, t, x, DRIVEN.ratio**self.coarser).path()
+            return given_depth(self.depths, modes, t, x, TUNING.ratio**self.coarser, self.grows)
+        return Drive(self.depths, modes, self.stiffness, t, x, DRIVEN.ratio**self.coarser, self.grows).path()
 
     def _modes(self, t: Array) -> Modes:
         return self.law.modes(float(t[-1] - t[0]))
@@ -190,14 +191,22 @@ class RelaxedHistory:
     def table(self, points: int) -> dict[str, Array]:
         """Rows of the whole program, ``points`` to a piece: "t_s", "a_m" (0 out of contact), "delta_m", "P_N",
         "device_m" (not under load control), "phase", "part"; at a step the state behind it."""
-        loaded, (ends, held) = self.contact.stiffness == LOAD_CONTROL, _ended(self.program)
+        ends, held = _ended(self.program)
         parts = [np.linspace(a, b, points) for a, b in itertools.pairwise(ends) if b > a]
         t, number = np.concatenate(parts), np.repeat(np.arange(1, len(parts) + 1), points)
-        x = np.interp(t, ends, held)  # of equal times the last
-        touches = (t >= self.path.begin) & (t < self.path.lost)
-        a, delta, P = np.zeros_like(t), np.zeros_like(t) if loaded else x.copy(), np.zeros_like(t)
-        if touches.any():
-            a[touches], delta[touches], P[touches] = self.path.states(t[touches])
-        columns = {"t_s": t, "a_m": a, "delta_m": delta, "P_N": P} | ({} if loaded else {"device_m": x})
+        a, delta, P = self.states(t)
+        columns = {"t_s": t, "a_m": a, "delta_m": delta, "P_N": P}
+        if self.contact.stiffness != LOAD_CONTROL:
+            columns["device_m"] = np.interp(t, ends, held)
         phases = np.where(a == 0, "free", np.where(t <= self.turn, "advance", "recede"))
         return columns | {"phase": phases, "part": number}
+
+    def states(self, t: Array) -> tuple[Array, Array, Array]:
+        """a [m], delta [m], P [N] at the rising times ``t`` [s] of the program; out of contact a = P = 0, and the tip
+        is where the device is."""
+        loaded, touches = self.contact.stiffness == LOAD_CONTROL, (t >= self.path.begin) & (t < self.path.lost)
+        a, P = np.zeros_like(t), np.zeros_like(t)
+        delta = np.zeros_like(t) if loaded else np.interp(t, *_ended(self.program))  # of equal times the last
+        if touches.any():
+            a[touches], delta[touches], P[touches] = self.path.states(t[touches])
+        return a, delta, P

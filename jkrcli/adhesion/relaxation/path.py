@@ -23,7 +23,7 @@ class PathTuning:
     first: float = 1e-6  # theory: of the largest depth; the load there, 1e-9 of the largest, is interpolated to 1e-2
     ratio: float = 1.4  # theory: of depths from step to step; depth^1.5 is interpolated to 1e-11 of itself
     degree: int = 6  # theory: of the load over a step, see ``ratio``
-    grows: float = 1e-7  # choice: of the duration, by which t1 may rise before the contact is said to grow again
+    grows: float = 1e-7  # choice: of the depth, by which a contact may grow again before that is refused
     places: float = 1e-12  # theory: of a step, round-off
     beyond: float = 1e-9  # choice: of the largest depth of the series, for round-off
 
@@ -41,19 +41,20 @@ AGAIN = (
 class RelaxedPath:
     """A contact over time: ``depth`` delta of the device's tip from first contact on, and ``load``: P_H, what it would
     bear without relaxation, in the same steps while it grows. ``lost``: when contact is lost [s]; infinite where it is
-    not."""
+    not. ``grows``: of the largest depth, by which the contact may grow again before that is refused."""
 
     depths: Depths
     depth: Steps
     load: Steps
     lost: float = math.inf
+    grows: float = TUNING.grows
 
     def __post_init__(self) -> None:
         deepest, most = float(self.depth.values(np.array([self.last]))[0]), self.depths.most
         if deepest > most * (1 + TUNING.beyond):
             raise InputError(
                 f"program: the contact comes to a depth of {show(deepest, 'length')}, beyond the largest of the "
-                f"series, {show(most, 'length')}: turn before, or load further"
+                f"series, {show(most, 'length')}: turn before, or increase [loading] radius"
             )
 
     @property
@@ -83,7 +84,7 @@ class RelaxedPath:
         return found
 
     def _check(self, t: Array, places: Array) -> None:
-        rises = np.flatnonzero(np.diff(self.depth.values(places)) > TUNING.grows * self.depths.most)
+        rises = np.flatnonzero(np.diff(self.depth.values(places)) > self.grows * self.depths.most)
         if rises.size:
             raise InputError(f"program: at t = {show(float(t[rises[0] + 1]), 'time')} the contact {AGAIN}")
 
@@ -103,16 +104,18 @@ class RelaxedPath:
         return a, self.depth.values(self.depth.places(t)), P
 
 
-def given_depth(depths: Depths, modes: Modes, t: Array, x: Array, ratio: float = TUNING.ratio) -> RelaxedPath:
+def given_depth(
+    depths: Depths, modes: Modes, t: Array, x: Array, ratio: float = TUNING.ratio, grows: float = TUNING.grows
+) -> RelaxedPath:  # fmt: skip
     """What happens where the device holds the depths ``x`` [m] at the times ``t`` [s], even between, from 0 on;
-    ``ratio`` of depths from step to step."""
+    ``ratio`` of depths from step to step; ``grows``: see ``RelaxedPath``."""
     falls = np.flatnonzero(np.diff(x) < 0)
     top = int(falls[0]) if falls.size else t.size - 1
     grown, deep = finer(t[: top + 1], x[: top + 1], ratio)
     load = Steps(modes, grown, depths.loads(deep[:-1, None] + np.diff(deep)[:, None] * PLACES) @ POWERS)
     t, x = np.append(grown, t[top + 1 :]), np.append(deep, x[top + 1 :])
     depth = Steps(modes, t, np.stack([x[:-1], np.diff(x)], 1))
-    return RelaxedPath(depths, depth, load, _lost(depth, grown.size - 1))
+    return RelaxedPath(depths, depth, load, _lost(depth, grown.size - 1), grows)
 
 
 def finer(t: Array, x: Array, ratio: float) -> tuple[Array, Array]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -14,7 +14,7 @@ from .contact import with_zero_points
 from .curve import LEAST_ROWS, Curve, Reading
 from .instruments import SEGMENTS
 
-__all__ = ["Curve", "Reading", "each", "read"]
+__all__ = ["Curve", "Reading", "each", "read", "usable"]
 SHOWN = 20  # choice: names of curves in a message
 # Endings of force microscopes' files. Of .csv and .txt only the user knows: --format afm.
 AFM_ENDINGS = (".jpk-force", ".jpk-force-map", ".jpk-qi-data", ".jpk-qi-series", ".ibw", ".h5", ".tab")
@@ -22,10 +22,17 @@ AFM_ENDINGS = (".jpk-force", ".jpk-force-map", ".jpk-qi-data", ".jpk-qi-series",
 
 def read(path: Path, reading: Reading | None = None) -> list[Curve]:
     """All curves in the file at ``path``; InputError, a line per curve, where any of them cannot be used."""
-    found = list(each(path, reading))
-    if errors := [item for item in found if isinstance(item, InputError)]:
-        raise InputError([line for error in errors for line in error.lines])
-    return [item for item in found if isinstance(item, Curve)]
+    curves, lines = usable([path], reading or Reading())
+    if lines:
+        raise InputError(lines)
+    return curves
+
+
+def usable(paths: Iterable[Path], reading: Reading) -> tuple[list[Curve], list[str]]:
+    """All curves in files, in their order, and a line on each that cannot be used."""
+    found = [item for path in paths for item in each(path, reading)]
+    lines = [line for item in found if isinstance(item, InputError) for line in item.lines]
+    return [item for item in found if isinstance(item, Curve)], lines
 
 
 def each(path: Path, reading: Reading | None = None) -> Iterator[Curve | InputError]:

@@ -148,7 +148,7 @@ def _lack(lacks: str, stiffness: float | None, reading: Reading) -> str:
     """What is missing to read an incomplete file, and the remedy; "" where nothing is."""
     if lacks:
         options = "--stiffness and --sensitivity" if "sensitivity" in lacks else "--stiffness"
-        return f"the file lacks {lacks}: 1 in SI units stands in, loads are no forces yet; give {options}"
+        return f"the file lacks {lacks}: arbitrary units until it is given by {options}"
     if stiffness is None and reading.incomplete:
         return "the file lacks its spring constant: the deflection is not subtracted from the height; give --stiffness"
     return ""

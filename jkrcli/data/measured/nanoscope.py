@@ -121,7 +121,7 @@ class File:
             if told is None and not _is_size(held[key]):
                 if not reading.incomplete:
                     raise InputError(f"{self.path}: names no {key}: give --{key}")
-                said.append(f"the file lacks its {key}: 1 in SI units stands in, loads are no forces yet; give --{key}")
+                said.append(f"the file lacks its {key}: arbitrary units until it is given by --{key}")
                 found.append(1.0)
                 continue
             found.append(told or held[key])

@@ -300,10 +300,7 @@ def _load_of_deflection(
     factor = math.prod(1.0 if value is None else value for value in known.values())
     load = numbers(table, index) * 10.0 ** unit[1] * factor
     if missing:
-        return (
-            load,
-            f"{title} is {kind}: 1 in SI units stands in for what is missing, loads are no forces yet; give {options}",
-        )
+        return load, f"{title} is {kind}: loads in arbitrary units until it is given by {options}"
     with_ = ", ".join(f"{key} {value:g} {UNITS_OF[key]}" for key, value in known.items())
     return load, f"load from {title}, {kind}, with {with_}"
 
@@ -419,7 +416,7 @@ def _displacement(table: TextTable, taken: set[int], stiffness: float | None) ->
     if stiffness == math.inf:
         return None if prepared else (tip, "")
     if stiffness is not None:
-        return device, f"the position of the device was taken, not {_column(table, tip)}: its stiffness is known"
+        return device, f"the piezo position z was taken, not {_column(table, tip)}: its stiffness is known"
     why = f"the position of the tip was taken, not {_column(table, device)}: the stiffness of the device is not known"
     return (NAMES.guess(table, "delta") if prepared else tip), why
 

@@ -31,6 +31,7 @@ from .force_curve import (
     windowed,
 )
 from .interference import Wave, straightened
+from .record_verdict import judged
 from .result import Fit, FittedValue
 from .settings import CALIBRATED, Settings
 from .statistics import structure, t_quantile
@@ -157,14 +158,15 @@ def fit_record(body: FittedBody, record: ForceCurve, settings: Settings) -> Fit:
         return _fitted(body, _model(body, record, settings, waves, kinds), settings)
 
     deeper, found = of(*kinds)
+    whole, joint = deeper, found
     result = _result(deeper, record, curve, settings, found)
     if len(kinds) < 2 or not _apart(found):
-        return result
+        return judged(result, whole, joint)
     (_, into), (deeper, back) = of(APPROACH), of(RETRACT)
     if not _differ(into, back):
-        return result
+        return judged(result, whole, joint)
     alone = _result(deeper, record, curve, settings, into)
-    return _beside(_result(deeper, record, curve, settings, back), alone, result)
+    return judged(_beside(_result(deeper, record, curve, settings, back), alone, result), whole, joint)
 
 
 def receding(body: FittedBody, curve: Curve, settings: Settings) -> Curve:

@@ -18,6 +18,7 @@ from ...base.table import lists
 from ...base.units import Ranged
 from ...bodies.materials import Elastic
 from ...bodies.problem import Layer, Rigid, Specimen
+from ...report.result import Result
 from . import MAPS
 
 if TYPE_CHECKING:
@@ -114,7 +115,7 @@ class Map:
 
 
 @dataclass(frozen=True, eq=False)
-class MapResult:
+class MapResult(Result):
     """A map over the ``values`` of its axes: ``columns`` of one length, NaN and a ``reason`` where nothing is known."""
 
     map: Map
@@ -122,21 +123,18 @@ class MapResult:
     columns: Columns
 
     def summary(self) -> dict[str, Any]:
-        """The columns for machines."""
         return lists(self.columns)
 
     def warnings(self) -> list[str]:
-        """How many points are not known, and why the first is not."""
         reasons = [reason for reason in self.columns.get("reason", np.array([])).tolist() if reason]
         return [f"{len(reasons)} points are not known, the first: {reasons[0]}"] if reasons else []
 
-    def __str__(self) -> str:
+    def words(self) -> list[str]:
         shown = self.map.shown
         lines = shown(self.columns) if callable(shown) else _table(self.columns, shown)
-        return "\n".join([self.map.title.format(**self.values), *lines])
+        return [self.map.title.format(**self.values), *lines]
 
     def figure(self) -> Figure:
-        """The picture of the map."""
         return self.map.draw(self.columns)
 
 

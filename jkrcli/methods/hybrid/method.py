@@ -13,7 +13,7 @@ from ...base.units import show
 from ...bodies.materials import Graded, TransverselyIsotropic
 from ...bodies.problem import HalfSpace, Problem
 from ...series import ErrorBudget, Solution
-from .. import Forecast
+from .. import Forecast, without_tension
 from ..integral.contact import FLOPS_PER_SECOND, first_stiffness, largest_for_contact, radii_for_contact, series_of
 from ..integral.disc import disc_warnings, refuse_shrinking
 from ..integral.equation import EquationResult
@@ -167,6 +167,8 @@ def _not_found(problem: Problem, reach: float) -> str:
 
 def _unable(problem: Problem) -> str | None:
     specimen = problem.specimen
+    if reason := without_tension(problem):
+        return reason
     if problem.sticks:
         other = "layered" if specimen.radius is None else fem_for(problem.indenter)
         return f"the correction is that of surfaces that slide: use method {other}"

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
+from matplotlib.patheffects import withStroke
 
 from ...base.arrays import Array
 from . import COLORS, MIDDLE, NARROW, WIDE, Axes, Figure, drawing, legend_below, log_ticks
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
 
 FEWEST = 4  # choice: values on both axes from which a map is filled
 NEAR = 0.01  # choice: of a limit, within which it is drawn to hold
+MU = r"$\sigma\,(R / E^{*2} w)^{1/3}$"  # words of an axis
 STEP = 0.05  # choice: of the force, from colour to colour
 Words: TypeAlias = Callable[[float], str]  # of a line, by its value
 LINES = ("-", "--", ":", "-.")
@@ -91,9 +93,9 @@ def filled_figure(columns: Mapping[str, Array]) -> Figure:
         for axes, nu in zip(panels, nus, strict=True):
             drawn = _filled(axes, {name: values[columns["nu"] == nu] for name, values in columns.items()}, levels)
             axes.set_title(f"ν = {nu:g}, {columns['base'][0]}")
-            axes.set_xlabel("σ (R / (E*² w))^(1/3)")
-        panels[0].set_ylabel("w R² / (E* h³)")
-        figure.colorbar(drawn, ax=list(panels), label="pull-off force / (π w R)")
+            axes.set_xlabel(MU)
+        panels[0].set_ylabel(r"$w R^2 / (E^* h^3)$")
+        figure.colorbar(drawn, ax=list(panels), label=r"pull-off force / $\pi w R$")
         legend_below(figure, list(panels), 3)
         return figure
 
@@ -107,9 +109,11 @@ def _filled(axes: Axes, rows: Mapping[str, Array], levels: Array) -> ContourSet:
     short, long = (np.abs(np.nan_to_num(force / limit - 1)) for limit in (sharp, 2))
     short = np.maximum.accumulate(short[:, ::-1], axis=1)[:, ::-1]  # from there on, as the force crosses limits
     long = np.maximum.accumulate(long, axis=1)
-    for values, style, words in ((short, "--", "JKR to 1 % (white)"), (long, ":", "long range to 1 % (white)")):
-        axes.contour(mu, q, values, levels=[NEAR], colors="white", linestyles=style, linewidths=1.2)
-        axes.plot([], [], style, color="0.5", label=words)
+    for values, style, words in ((short, "--", "JKR to 1 %"), (long, ":", "long range to 1 %")):
+        edged = [withStroke(linewidth=2.4, foreground="0.2")]  # white on any ground, that of the legend too
+        line = axes.contour(mu, q, values, levels=[NEAR], colors="white", linestyles=style, linewidths=1.2)
+        line.set(path_effects=edged)
+        axes.plot([], [], style, color="white", lw=1.2, path_effects=edged, label=words)
     excess = np.nan_to_num(force / np.maximum(sharp, 2) - 1)
     if excess.max() > NEAR / 10:
         axes.contour(mu, q, excess, levels=[NEAR / 10], colors=COLORS[1], linewidths=1.6)
@@ -117,9 +121,15 @@ def _filled(axes: Axes, rows: Mapping[str, Array], levels: Array) -> ContourSet:
         ridge = excess.argmax(axis=1)
         there = excess[np.arange(q.size), ridge] > NEAR / 10
         axes.plot(mu[ridge][there], q[there], "o", color=COLORS[1], ms=3, label="largest excess")
+    _log_axes(axes)
+    return drawn
+
+
+def _log_axes(axes: Axes) -> None:
     axes.set_xscale("log")
     axes.set_yscale("log")
-    return drawn
+    log_ticks(axes.xaxis)
+    log_ticks(axes.yaxis)
 
 
 def zones_figure(columns: Mapping[str, Array], names: Sequence[str]) -> Figure:
@@ -133,15 +143,14 @@ def zones_figure(columns: Mapping[str, Array], names: Sequence[str]) -> Figure:
         axes = figure.subplots()
         axes.pcolormesh(mus, loads, zone, cmap=ListedColormap(shades), vmin=-0.5, vmax=len(names) - 0.5,
                         shading="nearest")  # fmt: skip
-        axes.set_xscale("log")
-        axes.set_yscale("log")
+        _log_axes(axes)
         for number, name in enumerate(names):
             row, column = np.nonzero(zone == number)
             if row.size:
                 middle = int(np.argmin(np.hypot(row - np.median(row), column - np.median(column))))
                 axes.annotate(name, (mus[column[middle]], loads[row[middle]]), ha="center", va="center", size=9)
-        axes.set_xlabel("σ (R / (E*² w))^(1/3)")
-        axes.set_ylabel("load / (π w R)")
+        axes.set_xlabel(MU)
+        axes.set_ylabel(r"load / $\pi w R$")
         axes.set_title(
             "ν = {:g}, w R²/(E* h³) = {:g}".format(*(columns[name][0] for name in ("nu", "w_R2_over_Estar_h3")))
         )

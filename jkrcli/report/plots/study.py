@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ...base.arrays import Array
 from ...series.differences import Difference
-from . import COLORS, MIDDLE, NARROW, WIDE, Axes, Figure, drawing, legend_below
+from . import COLORS, MIDDLE, NARROW, WIDE, Axes, Figure, drawing, legend_below, log_ticks
 
+ROOM = 0.15  # choice: of an axis, for the label of a tick
 UNNAMED = "_nolegend_"  # label of a line that the legend leaves out
 
 
@@ -31,6 +33,7 @@ class Panel:
     """One pair of axes; limits None: all of the data.
 
     ``logs``: logarithmic axes, "", "x", "y" or "xy"; a logarithmic x axis has its ticks at the first line's points.
+    ``right``: a line of another quantity, and the label of its own axis.
     """
 
     xlabel: str
@@ -40,6 +43,7 @@ class Panel:
     logs: str = ""
     xlim: tuple[float | None, float | None] | None = None
     ylim: tuple[float | None, float | None] | None = None
+    right: tuple[str, Line] | None = None
 
 
 def panels_figure(panels: Sequence[Panel], title: str = "") -> Figure:
@@ -65,7 +69,8 @@ def panels_figure(panels: Sequence[Panel], title: str = "") -> Figure:
 def _draw(axes: Axes, panel: Panel, letter: str) -> None:
     if "x" in panel.logs:
         axes.set_xscale("log")
-        axes.set_xticks(panel.lines[0].x, [f"{x:.3g}" if x < 1000 else f"{x:,.0f}" for x in panel.lines[0].x])
+        ticks = _apart(panel.lines[0].x)
+        axes.set_xticks(ticks, [f"{x:.3g}" if x < 1000 else f"{x:,.0f}" for x in ticks])
         axes.minorticks_off()
     if "y" in panel.logs:
         axes.set_yscale("log")
@@ -75,10 +80,36 @@ def _draw(axes: Axes, panel: Panel, letter: str) -> None:
         axes.axvline(0, color="0.7", lw=0.6)
         axes.axhline(0, color="0.7", lw=0.6)
     for line in panel.lines:
-        every = max(1, len(line.x) // 30)  # at most so many markers on a line
-        axes.plot(line.x, line.y, line.style, color=line.color, label=line.label, ms=3.5, mfc="none", lw=1.0,
-                  markevery=every)  # fmt: skip
+        _line(axes, line)
+    if panel.right is not None:
+        label, line = panel.right
+        other = axes.twinx()
+        other.set_yscale(axes.get_yscale())
+        other.set_ylabel(label)
+        other.grid(visible=False)
+        other.spines["right"].set_visible(True)
+        _line(other, line)
+        if "y" in panel.logs:
+            log_ticks(other.yaxis)
+        _line(axes, replace(line, x=np.empty(0), y=np.empty(0)))  # for the legend
+    if "y" in panel.logs:
+        log_ticks(axes.yaxis)
     axes.set(xlabel=panel.xlabel, ylabel=panel.ylabel, title=letter + panel.title, xlim=panel.xlim, ylim=panel.ylim)
+
+
+def _apart(x: Array) -> list[float]:
+    """Those of the points on a logarithmic axis whose labels have room beside each other."""
+    room, kept = ROOM * math.log(float(x.max() / x.min())), [float(x.max())]
+    for value in sorted(x.tolist(), reverse=True):
+        if math.log(kept[-1] / value) > room:
+            kept.append(value)
+    return kept
+
+
+def _line(axes: Axes, line: Line) -> None:
+    every = max(1, len(line.x) // 30)  # at most so many markers on a line
+    axes.plot(line.x, line.y, line.style, color=line.color, label=line.label, ms=3.5, mfc="none", lw=1.0,
+              markevery=every)  # fmt: skip
 
 
 def differences_figure(found: Sequence[Difference], rtol: float) -> Figure:

@@ -44,7 +44,7 @@ class SolvedTuning:
     step: float = 0.02  # of log(a - a0) between the seven; tuned on random bodies, by `make bounds`
     # Error of a rate, in logs, over that of its column: one kernel errs smoothly
     steeper: float = 1.5  # tuned on random bodies, by `make bounds`
-    scatter: float = 6e-11  # of the columns from radius to radius; tuned on random bodies, by `make bounds`
+    scatter: float = 1e-11  # of the columns from radius to radius; tuned on random bodies, by `make bounds`
     rounds: int = 8  # of solves; choice: fine series need two, 20 rows over four decades six
     each: float = 0.3  # of that of a solve, the cost of a curve's points; tuned on 1 to 1000 layers, by `make bench`
 

@@ -37,6 +37,7 @@ if TYPE_CHECKING:
         table,
         to_pandas,
         transform,
+        work,
     )  # fmt: skip
     from .base.errors import InputError, JkrError, Refusal
     from .base.unknown import Unknown
@@ -53,6 +54,7 @@ if TYPE_CHECKING:
     from .bodies.materials import Elastic, Graded, TransverselyIsotropic
     from .bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
     from .bodies.relaxation import PowerRelaxation, Prony, StandardSolid
+    from .data.measured.curve import Reading
     from .methods.closed_form.method import ClosedForm
     from .methods.fem.method import FEM
     from .methods.guards import Limits
@@ -63,11 +65,11 @@ __version__ = "0.2.0"
 __all__ = [
     "FEM", "ClosedForm", "Elastic", "EqualAreaCone", "Exponential", "Graded", "HalfSpace", "Hybrid", "InputError",
     "JkrError", "Layer", "Layered", "Limits", "Linear", "Loading", "LogRate", "Paraboloid", "Power", "PowerLaw",
-    "PowerRate", "PowerRelaxation", "Problem", "Program", "Prony", "Refusal", "Rigid", "RoundedCone", "RoundedFlat",
-    "Specimen", "Sphere", "StandardSolid", "TableProfile", "Tabulated", "TransverselyIsotropic", "Unknown", "check",
-    "cycle_at_speed", "cycle_relaxing", "identify", "identify_law", "identify_relaxation", "load_case", "look",
-    "measured_curves", "parse_case", "plot", "profile", "pull_off", "read", "save", "solve", "study_map", "summary",
-    "table", "to_pandas", "transform",
+    "PowerRate", "PowerRelaxation", "Problem", "Program", "Prony", "Reading", "Refusal", "Rigid", "RoundedCone",
+    "RoundedFlat", "Specimen", "Sphere", "StandardSolid", "TableProfile", "Tabulated", "TransverselyIsotropic",
+    "Unknown", "check", "cycle_at_speed", "cycle_relaxing", "identify", "identify_law", "identify_relaxation",
+    "load_case", "look", "measured_curves", "parse_case", "plot", "profile", "pull_off", "read", "save", "solve",
+    "study_map", "summary", "table", "to_pandas", "transform", "work",
 ]  # fmt: skip
 _HOMES = {  # of what is not in jkrcli.api
     ".adhesion.rate.laws": ("LogRate", "PowerRate"),
@@ -87,6 +89,7 @@ _HOMES = {  # of what is not in jkrcli.api
     ".bodies.materials": ("Elastic", "Graded", "TransverselyIsotropic"),
     ".bodies.problem": ("HalfSpace", "Layer", "Loading", "Problem", "Rigid", "Specimen"),
     ".bodies.relaxation": ("PowerRelaxation", "Prony", "StandardSolid"),
+    ".data.measured.curve": ("Reading",),
     ".methods.closed_form.method": ("ClosedForm",),
     ".methods.fem.method": ("FEM",),
     ".methods.guards": ("Limits",),

@@ -30,4 +30,4 @@ def record(
     at, rng = np.linspace(t[0], t[-1], rows), np.random.default_rng(seed)
     delta, load = (np.interp(at, times, column) for column in (tip, P))
     delta, load = (c + noise * np.ptp(c) * rng.standard_normal(rows) for c in (delta, load))
-    return Curve("made", t=at, delta=delta + zero, P=load, stiffness=None if np.isinf(stiffness) else stiffness)
+    return Curve("made", t=at, delta=delta + zero, P=load, stiffness=stiffness if 0 < stiffness < np.inf else None)

@@ -33,5 +33,5 @@ def check(case: Path, as_json: bool) -> None:
         answer(result.summary())
         return
     say(str(result))
-    for warning in result.warnings():
+    for warning in result.warnings:
         warn(warning)

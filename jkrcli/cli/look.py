@@ -51,7 +51,7 @@ def look(files: tuple[Path, ...], output: Output, **options: Any) -> None:
             say(f"{result}\n  drawn in {target}" if drawn else str(result))
     if output.json:
         answer({"files": [result.summary() for result in results]})
-    failures = [line for result in results for line in result.warnings()]
+    failures = [line for result in results for line in result.warnings]
     if not any(result.records for result in results):
         raise InputError(failures)
     for line in failures:

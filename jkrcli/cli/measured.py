@@ -45,7 +45,6 @@ class TableTuning:
     profiled: int = 150  # fits of a profile; tuned on 200 and 1,000 rows, by `make guards`
     carried: int = 6  # fits of an uncertain input; theory: two, of three times as many steps each
     fit_per_curve: float = 0.05  # CPU seconds; choice: of 2,000 rows, for the number of processes
-    work_per_curve: float = 5e-3  # CPU seconds; choice: of 300 rows, for the number of processes
 
 
 TUNING = TableTuning()

@@ -81,7 +81,7 @@ def _command(row: Map) -> click.Command:
         files = output.files(output.folder(Path()) / f"{row.name}-map", (".csv", *PICTURES))
         with executor(workers, scheduler, progress, row.forecast(**given)) as pool:
             result = row.over(pool, **given)
-        for words in result.warnings():
+        for words in result.warnings:
             warn(words)
         files.write(result.columns, figure=files.draw(result.figure))
         if output.json:

@@ -43,9 +43,10 @@ class RelaxationFitTuning:
     depths: tuple[float, ...] = (0.0, 0.03, 0.1)  # choice: starts of the depth at which contact shows, over the range
     contact: float = 5.0  # theory: standard deviations of a load that shows contact
     reach: float = 12.0  # choice: guard, how far logs may move from their start
+    apart: float = 2.5  # theory: rows between two corners, within which no row tells when a step was
     step: float = 1e-6  # theory: of the unknowns, for derivatives: the root of what the histories err by
     converged: float = 1e-9  # choice: relative, far below any standard error
-    coarser: int = 2  # choice: steps joined in the histories of a spring or a load, 1e-5 of the loads
+    coarser: int = 3  # choice: steps joined in the histories of a spring or a load, 1e-4 of the loads
     floor: float = 1e-6  # choice: of a column's range, no smaller noise is taken
     grows: float = 0.02  # choice: of the depth, by which a contact may grow again: corners have the noise of readings
     rounds: int = 2  # choice: fits, each with the noise by what the one before left
@@ -228,13 +229,22 @@ class _Problem:
         """All parameters, SI."""
         free = self.settings.free
         fixed = {"delta0": 0.0, "P0": 0.0, "modulus": 1.0} | dict(self.settings.fixed)
-        own = {name: _outer(name, float(x)) for name, x in zip(free, theta, strict=False)}
-        return fixed | own
+        own = zip(free, theta, self.scales, strict=False)
+        return fixed | {name: _outer(name, float(x)) * scale for name, x, scale in own}
+
+    @cached_property
+    def scales(self) -> Array:
+        """Units of the free parameters: zeros count in ranges of their columns."""
+        curve = self.record.curve
+        units = {"delta0": float(np.ptp(curve.device)), "P0": float(np.ptp(curve.P if curve.P is not None else 1.0))}
+        return np.array([units.get(name, 1.0) for name in self.settings.free])
 
     @cached_property
     def moving(self) -> Array:
         """Which corners may move in time: not the ends, and not those of a step between two rows."""
-        t, spacing = self.record.knots[0], 2.5 * float(np.median(np.diff(self.record.t)))
+        times = self.record.curve.t
+        assert times is not None
+        t, spacing = self.record.knots[0], TUNING.apart * float(np.median(np.diff(times)))
         gaps = np.diff(t) > spacing
         return np.flatnonzero(np.concatenate([[False], gaps[:-1] & gaps[1:], [False]]))
 
@@ -280,9 +290,17 @@ class _Problem:
     def minimise(self, start: Array) -> OptimizeResult:
         low, high = self._bounds(start)
         return least_squares(
-            self.residuals, np.clip(start, low, high), bounds=(low, high), x_scale="jac", diff_step=TUNING.step,
+            self.residuals, np.clip(start, low, high), self._rates, bounds=(low, high), x_scale="jac",
             ftol=TUNING.converged, xtol=TUNING.converged, gtol=TUNING.converged,
         )  # fmt: skip
+
+    def _rates(self, theta: Array) -> Array:
+        """Derivatives of the residuals, backwards where an unknown is a share."""
+        base, shares = self.residuals(theta), [_is_share(name) for name in self.settings.free]
+        steps = np.full(theta.size, TUNING.step)
+        steps[: len(shares)] *= np.where(shares, -np.sign(theta[: len(shares)] - TUNING.step), 1.0)
+        columns = [(self.residuals(theta + step) - base) / step.sum() for step in np.diag(steps)]
+        return np.stack(columns, axis=1)
 
     def _bounds(self, start: Array) -> tuple[Array, Array]:
         """Logs stay near their start, shares within 0 and 1, corners between their neighbours."""
@@ -348,7 +366,7 @@ class _Problem:
     def _from(self, values: Mapping[str, float]) -> Array:
         x = self.record.knots[1]
         own = [_inner(name, values.get(name, 1.0 if name == "modulus" else 0.0)) for name in self.settings.free]
-        return np.array([*own, *(x / np.ptp(x)), *np.zeros(self.moving.size)])
+        return np.array([*(own / self.scales), *(x / np.ptp(x)), *np.zeros(self.moving.size)])
 
     def _with_modulus(self, theta: Array, values: Mapping[str, float]) -> Array:
         """The unknowns with the modulus that brings the loads nearest; of a load, the depth where it is largest."""
@@ -377,7 +395,7 @@ class _Problem:
         dof = max(found.fun.size - found.x.size, 1)
         factor = 2 * found.cost / dof
         whole, n = covariance(found.jac, factor), len(settings.free)
-        inner = None if whole is None else whole[:n, :n]
+        inner = None if whole is None else whole[:n, :n] * np.outer(self.scales, self.scales)
         t = t_quantile(settings.level, dof)
         estimates = [_estimate(name, values[name], settings.free, inner, t) for name in self.names]
         own = estimates[0]

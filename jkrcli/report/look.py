@@ -56,6 +56,7 @@ class Look(Result):
         more = len(self.records) - SHOWN
         return lines + ([f"  ... and {more} more curves (--json tells all)"] if more > 0 else [])
 
+    @property
     def warnings(self) -> Sequence[str]:
         return self.unusable
 

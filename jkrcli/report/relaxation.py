@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from ..adhesion.rate.history import TimedState
-from ..adhesion.relaxation.history import RelaxedHistory
+from ..adhesion.relaxation.history import HISTORY, RelaxedHistory
 from ..base.units import SI, show
 from ..bodies.relaxation import RELAXATIONS, Relaxation
 from .tables import point, stiffness
@@ -14,7 +14,6 @@ NEGLECTED = (
     "one relaxation function for all layers, and for the half-space below them, at constant Poisson's ratios; no "
     "adhesion, inertia or friction"
 )
-ACCURATE = 1e-4  # choice: error of the loads beyond which a reader is warned
 
 
 def law_summary(law: Relaxation) -> dict[str, Any]:
@@ -60,7 +59,7 @@ def words(history: RelaxedHistory) -> list[str]:
 
 def warnings_of(history: RelaxedHistory) -> list[str]:
     """What a reader should know, each with its number."""
-    return [f"the loads err by about {history.error:.1g} of the largest"] if history.error > ACCURATE else []
+    return [f"the loads err by about {history.error:.1g} of the largest"] if history.error > HISTORY.accurate else []
 
 
 def _state(state: TimedState) -> dict[str, Any]:

@@ -28,6 +28,7 @@ class Result:
         """Lines of text."""
         raise NotImplementedError
 
+    @property
     def warnings(self) -> Sequence[str]:
         """What a reader of the numbers should know."""
         return ()

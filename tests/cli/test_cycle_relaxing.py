@@ -192,3 +192,17 @@ def test_every_law_comes_back_from_its_file(tmp_path: Path) -> None:
         jkr_.save(solved, tmp_path / "gel.h5", force=True)
         assert jkr_.read(tmp_path / "gel.h5").problem.specimen.relaxation == law
         assert "the specimen relaxes: " in jkr_.transform(solved, 0.01).warnings[0]
+
+
+def test_the_shipped_case_comes_to_rest(jkr: Callable) -> None:
+    """After 25 relaxation times its load is the elastic one times the ratio."""
+    case = jkr_.load_case(Path(__file__).parents[2] / "cases" / "relaxing-gel.toml")
+    solved = jkr_.solve(case)
+    held = jkr_.cycle_relaxing(solved, speed="1 mm/s", to_depth="80 um", hold="200 s").corners[1]
+    elastic = np.exp(np.interp(np.log(80e-6), np.log(solved.series.delta), np.log(solved.series.P)))
+    assert held.P / elastic == pytest.approx(0.35, rel=1e-4)  # of the straight line between rows
+
+
+def test_check_says_that_a_specimen_relaxes(jkr: Callable, series: Path) -> None:
+    done = jkr("check", series.with_suffix(".toml"))
+    assert "  relaxes   standard linear solid, ratio = 0.25, time = 1 s; loads here are those of t = 0" in done.out

@@ -265,7 +265,7 @@ def test_rows_out_of_contact_and_other_segments_are_left_out() -> None:
         P=np.concatenate([curve.P + P_C, curve.P[::-1], 0.01 * P_C * random.standard_normal(40)]),
         segment=np.repeat(["approach", "retract"], [200, 240]),
     )
-    found = fit(half_space(), whole, usual())
+    found = fit(half_space(), whole, usual(segment="retract"))
     assert found.left_out == ("200 rows of other segments", "40 rows out of contact")
     assert found.rows[0] == 200
     assert found.value("w") == pytest.approx(W, rel=0.01)  # 1 % noise: five standard errors

@@ -11,7 +11,15 @@ from ...base.arrays import Array
 from ...base.cubic import PiecewiseCubic
 from ..nonadhesive import Nonadhesive
 
-BELOW = 60.0  # of log depth below the first row, down to which the contact goes on as a power law; theory: 1e-26
+
+@dataclass(frozen=True)
+class DepthsTuning:
+    """How far the contact goes on below the first row."""
+
+    below: float = 60.0  # theory: of log depth, down to a depth of 1e-26 of that row's
+
+
+TUNING = DepthsTuning()
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,7 +36,7 @@ class Depths:
         values, slopes = (self.body.logs.columns(z, order) for order in (0, 1))
         x, by_x = values[:, 0], np.stack([slopes[:, 1], np.ones_like(z)], 1) / slopes[:, :1]
         y = np.stack([values[:, 1], z], 1)
-        ends = np.array([x[0] - BELOW]), y[:1] - BELOW * by_x[:1], by_x[:1]
+        ends = np.array([x[0] - TUNING.below]), y[:1] - TUNING.below * by_x[:1], by_x[:1]
         return PiecewiseCubic(*(np.concatenate(pair) for pair in zip(ends, (x, y, by_x), strict=True)))
 
     @property

@@ -23,8 +23,17 @@ from .driven import TUNING as DRIVEN
 from .driven import Drive
 from .path import TUNING, RelaxedPath, given_depth
 
-LONGER = 60  # choice: guard, doublings of an approach until it comes to its turn
-LOOKED_AT = 400  # choice: states of an approach among which a load or depth is looked for
+
+@dataclass(frozen=True)
+class HistoryTuning:
+    """How turns and largest loads are looked for."""
+
+    longer: int = 60  # choice: guard, doublings of an approach until it comes to its turn
+    looked_at: int = 400  # choice: states of a piece among which a load or depth is looked for
+    accurate: float = 1e-4  # choice: error of the loads beyond which a reader is warned
+
+
+HISTORY = HistoryTuning()
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +81,7 @@ class RelaxingContact:
             loads = path.load.held(places, path.load.times(places))
             return np.asarray((loads if load is not None else path.depth.values(places)) - wanted)
 
-        places = np.linspace(0, path.last, LOOKED_AT)
+        places = np.linspace(0, path.last, HISTORY.looked_at)
         met = np.flatnonzero(reached(places) >= 0)[:1]
         if not met.size or met[0] == 0:
             raise InputError(
@@ -86,7 +95,7 @@ class RelaxingContact:
         most = self.depths.most
         P = float(self.depths.loads(np.array([most]))[0])
         lasting = float(position(most, P, self.stiffness)) / speed
-        for _ in range(LONGER):
+        for _ in range(HISTORY.longer):
             t, x = np.array([0.0, lasting]), np.array([0.0, speed * lasting])
             if math.isinf(self.stiffness):
                 return given_depth(self.depths, self._modes(t), t, x)
@@ -153,7 +162,7 @@ class RelaxedHistory:
     @cached_property
     def peak(self) -> TimedState:
         """The state of the largest load, to a part of a program's piece."""
-        t = np.append(self._times(LOOKED_AT), self.turn)
+        t = np.append(self._times(HISTORY.looked_at), self.turn)
         a, delta, P = self.path.states(np.sort(t))
         i = int(np.argmax(P))
         return TimedState(a=float(a[i]), delta=float(delta[i]), P=float(P[i]), t=float(np.sort(t)[i]))
@@ -194,6 +203,8 @@ class RelaxedHistory:
         ends, held = _ended(self.program)
         parts = [np.linspace(a, b, points) for a, b in itertools.pairwise(ends) if b > a]
         t, number = np.concatenate(parts), np.repeat(np.arange(1, len(parts) + 1), points)
+        once = np.append(True, np.diff(t) > 0)  # where pieces meet
+        t, number = t[once], number[once]
         a, delta, P = self.states(t)
         columns = {"t_s": t, "a_m": a, "delta_m": delta, "P_N": P}
         if self.contact.stiffness != LOAD_CONTROL:

@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from ...base.errors import InputError, did_you_mean
 from . import nanoscope
 from .contact import with_zero_points
-from .curve import LEAST_ROWS, Curve, Reading
+from .curve import LEAST_ROWS, SHOWN, Curve, Reading
 from .instruments import SEGMENTS
 
-__all__ = ["Curve", "Reading", "each", "read", "usable"]
-SHOWN = 20  # choice: names of curves in a message
+__all__ = ["Curve", "Reading", "each", "from_columns", "read", "usable"]
 # Endings of force microscopes' files. Of .csv and .txt only the user knows: --format afm.
 AFM_ENDINGS = (".jpk-force", ".jpk-force-map", ".jpk-qi-data", ".jpk-qi-series", ".ibw", ".h5", ".tab")
 
@@ -26,6 +26,24 @@ def read(path: Path, reading: Reading | None = None) -> list[Curve]:
     if lines:
         raise InputError(lines)
     return curves
+
+
+def from_columns(columns: Mapping[str, Any], reading: Reading | None = None, name: str = "data") -> Curve:
+    """The curve in arrays or the columns of a data frame: by their names as those of a table ("delta_um", "P (nN)"),
+    SI where they name no unit; InputError as of a file."""
+    arrays = {str(key): np.asarray(values) for key, values in columns.items()}
+    if len({array.shape for array in arrays.values()}) != 1 or next(iter(arrays.values())).ndim != 1:
+        raise InputError(f"{name}: all columns must be one-dimensional and of one length, got "
+                         f"{ {key: array.shape for key, array in arrays.items()} }")  # fmt: skip
+    table = zip(*(array.tolist() for array in arrays.values()), strict=True)
+    lines = [",".join(arrays), *(",".join(map(str, row)) for row in table)]
+    reading = replace(reading or Reading(), separator="comma", decimal=".")
+    from . import text
+
+    (found, stiffness), *others = text.curves(Path(name), reading, "\n".join(lines).encode())
+    if others or isinstance(found, InputError):
+        raise found if isinstance(found, InputError) else InputError(f"{name}: holds several curves, one is wanted")
+    return _by_convention(found, reading, stiffness)
 
 
 def usable(paths: Iterable[Path], reading: Reading) -> tuple[list[Curve], list[str]]:

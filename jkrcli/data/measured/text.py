@@ -28,7 +28,19 @@ from ..columns import (
 from ..text_table import TextTable, read_table, unit_power
 from . import archive
 from .beside import one_under_the_other
-from .curve import APPROACH, AS_DEPTH, LEAST_ROWS, NOT_SUBTRACTED, OVERRULED, QUANTITIES, RETRACT, Curve, Reading, place
+from .curve import (
+    APPROACH,
+    AS_DEPTH,
+    LEAST_ROWS,
+    NOT_SUBTRACTED,
+    OVERRULED,
+    QUANTITIES,
+    RETRACT,
+    SHOWN,
+    Curve,
+    Reading,
+    place,
+)
 from .instruments import (
     DEFLECTIONS,
     DEPTHS,
@@ -57,7 +69,6 @@ NAMES = Vocabulary(CONTACT | {
         "segment", "phase", "direction", "richtung", "branch", "branche", "ast", "zweig", "abschnitt")),
     "curve": Quantity("curve", "", ("curve", "curve number", "curve_number", "cycle", "zyklus")),
 })  # fmt: skip
-SHOWN = 6  # choice: words for segments that are told
 BARE = "; or --format afm, if a microscope's program wrote three columns without names"
 
 
@@ -65,14 +76,16 @@ class UnknownColumnsError(InputError):
     """A table without enough columns of known names: another program may know the file."""
 
 
-def curves(path: Path, reading: Reading) -> Iterator[tuple[Curve | InputError, float | None]]:
-    """The curves in the table at ``path``, or in the tables of a zip archive, with the stiffness of their device [N/m];
-    one that cannot be used comes as its error, the others follow.
+def curves(
+    path: Path, reading: Reading, content: bytes | None = None
+) -> Iterator[tuple[Curve | InputError, float | None]]:
+    """The curves in the table at ``path`` (its ``content``, where that is at hand), or in the tables of a zip archive,
+    with the stiffness of their device [N/m]; one that cannot be used comes as its error, the others follow.
 
     Raises InputError where the table as a whole cannot be read.
     """
     if path.suffix.lower() != ".zip":
-        yield from _curves(path, path, path.stem, reading)
+        yield from _curves(path, path, path.stem, reading, content)
         return
     inside = archive.tables(path)
     for name, content in zip(archive.titles(inside), archive.contents(path, inside), strict=True):

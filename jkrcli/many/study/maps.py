@@ -125,6 +125,7 @@ class MapResult(Result):
     def summary(self) -> dict[str, Any]:
         return lists(self.columns)
 
+    @property
     def warnings(self) -> list[str]:
         reasons = [reason for reason in self.columns.get("reason", np.array([])).tolist() if reason]
         return [f"{len(reasons)} points are not known, the first: {reasons[0]}"] if reasons else []

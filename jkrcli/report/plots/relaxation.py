@@ -10,12 +10,10 @@ from ...base.units import scale
 from ...identification.relaxation import RelaxationFit
 from . import BLUE, ORANGE, WIDE, Figure, drawing, legend_below, pretty, scaled
 
-MOST = 6  # choice: records that are drawn
-
 
 def relaxation_fit_figure(fits: Sequence[RelaxationFit]) -> Figure:
-    """What each record held and what that made, over time, readings and model."""
-    shown = fits[:MOST]
+    """What each of the first records held and what that made, over time, readings and model."""
+    shown = fits[:6]
     with drawing(WIDE, 2.8 * len(shown)) as figure:
         axes = figure.subplots(len(shown), 2, squeeze=False)
         for (left, right), fit in zip(axes, shown, strict=True):

@@ -24,7 +24,7 @@ CASES   := $(notdir $(basename $(wildcard cases/*.toml)))
 SOURCES := $(shell find jkrcli -name '*.py')
 
 .DEFAULT_GOAL := help
-.PHONY: help setup run test test-all test-minimal test-processors wheel fuzz lint docs validation gallery benchmarks cases bench figures noise-study chart chart-peers failures bounds range-bounds record-bounds guards mutants tuning sweep audit clean requirements
+.PHONY: help setup run test test-all test-minimal test-processors wheel fuzz lint docs validation gallery benchmarks cases bench figures noise-study chart chart-peers failures bounds range-bounds record-bounds relaxation-bounds guards mutants tuning sweep audit clean requirements
 .DELETE_ON_ERROR:
 
 help: ## list the targets
@@ -137,6 +137,9 @@ guards: $(READY) ## forecasts against costs over all that grows, and how soon to
 
 record-bounds: $(READY) ## whether 95 % intervals of raw records hold E*, w and w_approach, on 300 made records (ten minutes)
 	PYTHONPATH=docs:tests $(VENV)/bin/python -m studies.record_bounds $(call QUOTE,$(SEED)) 300
+
+relaxation-bounds: $(READY) ## whether 95 % intervals of records that relax hold E*, ratio and time, on 1,000 made records (half an hour)
+	PYTHONPATH=docs:tests $(VENV)/bin/python -m studies.relaxation_bounds $(call QUOTE,$(SEED)) 1000
 
 mutants: $(READY) ## deliberate slips in what is computed, one at a time, which the fast tests must notice (five minutes)
 	$(STUDY).mutants

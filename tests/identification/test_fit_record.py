@@ -76,6 +76,7 @@ def judged(found: Fit, truth: dict[str, float]) -> dict[str, tuple[float, bool]]
     return told
 
 
+@pytest.mark.first(6)
 @pytest.mark.parametrize("seed", range(12))
 def test_modulus_and_work_of_records_with_all_dirt(seed: int) -> None:
     curve, E_star, w = made(np.random.default_rng(seed))

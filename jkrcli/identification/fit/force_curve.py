@@ -497,8 +497,8 @@ def nearest(model: ForceCurveModel, loss: Loss = "linear") -> ForceCurveFit:
         except SolveError as error:
             best = error if isinstance(best, SolveError) else best
             continue
-        better = isinstance(best, SolveError) or (not found.ended, found.sigma) < (not best.ended, best.sigma)
-        best = found if better else best
+        if isinstance(best, SolveError) or (not found.ended, found.sigma) < (not best.ended, best.sigma):
+            best = found
         if "turn" not in model.names and best.sigma <= TUNING.enough * max(part.line.noise for part in model.stretches):
             break
     if isinstance(best, SolveError):

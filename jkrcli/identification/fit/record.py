@@ -32,6 +32,7 @@ from .force_curve import (
 )
 from .interference import Wave, straightened
 from .points import third_differences
+from .record_verdict import judged
 from .result import Fit, FittedValue
 from .settings import CALIBRATED, Settings
 from .statistics import structure, t_quantile
@@ -164,15 +165,16 @@ def fit_record(body: FittedBody, record: ForceCurve, settings: Settings) -> Fit:
         return _fitted(body, _model(body, record, settings, waves, kinds), settings)
 
     deeper, found = of(*kinds)
+    whole, joint = deeper, found
     result = _result(deeper, record, curve, settings, found)
     if len(kinds) < 2 or not _apart(found):
-        return result
+        return judged(result, whole, joint)
     (_, into), (deeper, back) = of(APPROACH), of(RETRACT)
     error = math.hypot(*(found.error("ln_s") * found.spread.excess for found in (into, back)))
     if not differ(math.exp(into.value("ln_s")), math.exp(back.value("ln_s")), error):
-        return result
+        return judged(result, whole, joint)
     alone = _result(deeper, record, curve, settings, into)
-    return beside(_result(deeper, record, curve, settings, back), alone, result)
+    return judged(beside(_result(deeper, record, curve, settings, back), alone, result), whole, joint)
 
 
 def receding(body: FittedBody, curve: Curve, settings: Settings) -> Curve:

@@ -492,7 +492,7 @@ def _check_reach(body: FittedBody, least: float, reach: float) -> None:
     above = reach > high * TUNING.past_end
     if low / TUNING.past_end <= least and not above:
         return
-    end, remedy = (high, "load further") if above else (low, "begin at smaller radii")
+    end, remedy = (high, "increase [loading] radius") if above else (low, "begin at smaller radii")
     raise InputError(
         f"the data reach contact radii of {show(least, 'length')} to {show(reach, 'length')}, the series ends at "
         f"{show(end, 'length')}: {remedy}, or fit with the case file; or units or signs are wrong"

@@ -20,9 +20,9 @@ def again(
     problem: Problem, radii: Array | None = None, method: Method | None = None, longest: float = math.inf,
     **otherwise: Any,
 ) -> Solution:  # fmt: skip
-    """The solution of a ``problem`` with ``otherwise`` in place of its fields, over ``radii`` [m] (default: as it is
-    loaded), by ``method`` or the first exact one that represents it; JkrError where none does, or not within
-    ``longest`` [CPU s]."""
+    """A body solved again: the solution of a ``problem`` with ``otherwise`` in place of its fields, over ``radii`` [m]
+    (default: as it is loaded), by ``method`` or the first exact one that represents it; JkrError where none does, or
+    not within ``longest`` [CPU s]."""
     if radii is not None:
         otherwise["loading"] = Loading.given("radius", tuple(radii.tolist()))
     changed = replace(problem, **otherwise)

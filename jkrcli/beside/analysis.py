@@ -15,7 +15,7 @@ from ..adhesion.nonadhesive import Nonadhesive
 from ..adhesion.sharp import resolved, yielding
 from ..adhesion.slopes.choice import slopes, smoothed
 from ..adhesion.slopes.result import Slopes
-from ..adhesion.validity import Validity, check, end_of_body, judge, unresolved
+from ..adhesion.validity import Validity, check, end_of_body, judge, refuse_wetting, sizes, unresolved
 from ..base.errors import InputError
 from ..base.units import MOST
 from ..base.unknown import Estimate, Unknown, known
@@ -95,11 +95,8 @@ class Analysis:
         judged = judge(
             a=float(series.a[-1]),
             delta=float(series.delta[-1]),
-            E_star=problem.E_star,
             w=self.w,
-            R=problem.indenter.tip_radius,
-            h=problem.specimen.top_thickness,
-            depth=problem.specimen.yielding_depth,
+            **sizes(problem),
             L=end_of_body(problem, self.solution.facts),
             z0=self.solution.record.z0 if self.law is None else self.law.length,
             a_pull_off=point.a if isinstance(point, CriticalPoint) else None,
@@ -111,7 +108,8 @@ class Analysis:
     @cached_property
     def comparison(self) -> Comparison | None:
         """The distance to the exact solution of the same indenter; None but for a half-space that slides."""
-        half_space = self.problem.specimen.is_half_space and not self.problem.sticks
+        specimen = self.problem.specimen
+        half_space = specimen.is_half_space and not (self.problem.sticks or specimen.surface_tension)
         if not half_space or not isinstance(self.curve, AdhesiveCurve):
             return None
         return compare_half_space(self.curve, self.problem)
@@ -218,6 +216,10 @@ def adhesive(solution: Solution, body: Nonadhesive, w: float, modulus_factor: fl
     """The adhesive curve for the work of adhesion ``w`` [J/m^2] on bodies ``modulus_factor`` times as stiff."""
     if not 0 <= w <= MOST:
         raise InputError(f"w: must lie within 0 and {MOST:g} J/m^2, got {w:g}")
+    tension = solution.problem.specimen.surface_tension
+    refuse_wetting(w, tension)
+    if tension and modulus_factor != 1:
+        raise InputError("moduli cannot be scaled under surface tension, which stays: solve the case with other moduli")
     curve = AdhesiveCurve(body.scaled(modulus_factor), w)
     return Analysis(solution.scaled(modulus_factor), curve, _budget(solution.budget, curve), modulus_factor)
 

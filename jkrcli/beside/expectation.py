@@ -8,7 +8,7 @@ from ..adhesion.curve import CriticalPoint, transform
 from ..adhesion.device import LOAD_CONTROL
 from ..adhesion.sharp import resolved
 from ..adhesion.slopes.choice import slopes
-from ..adhesion.validity import Validity, judge
+from ..adhesion.validity import Validity, judge, refuse_wetting, sizes
 from ..base.errors import Refusal
 from ..base.unknown import Unknown
 from ..bodies.problem import HalfSpace, Loading, Problem, Specimen
@@ -51,16 +51,14 @@ def expect(problem: Problem, works: tuple[float, ...], z0: float) -> Expectation
     a, delta, P = (float(column[-1]) for column in (series.a, series.delta, series.P))
     adhesion = []
     for w in works:
+        refuse_wetting(w, specimen.surface_tension)
         curve = transform(series, found, w)
         point = resolved(curve.pull_off(LOAD_CONTROL), curve, LOAD_CONTROL, z0)
         judged = judge(
             a=a,
             delta=delta,
-            E_star=problem.E_star,
             w=w,
-            R=problem.indenter.tip_radius,
-            h=problem.specimen.top_thickness,
-            depth=problem.specimen.yielding_depth,
+            **sizes(problem),
             L=problem.specimen.radius,
             end_is_cut=False,
             z0=z0,

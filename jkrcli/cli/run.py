@@ -8,7 +8,7 @@ from pathlib import Path
 
 import click
 
-from ..adhesion.validity import check, end_of_body, judge
+from ..adhesion.validity import check, end_of_body, judge, sizes
 from ..base.units import reached
 from ..base.unknown import Estimate, Unknown
 from ..beside.sticking import as_told, effect_facts, sticking_effect, sticking_warnings
@@ -93,11 +93,8 @@ def _geometry(problem: Problem, solution: Solution) -> list[str]:
     judged = judge(
         a=float(series.a[-1]),
         delta=float(series.delta[-1]),
-        E_star=problem.E_star,
         w=0.0,
-        R=problem.indenter.tip_radius,
-        h=problem.specimen.top_thickness,
-        depth=problem.specimen.yielding_depth,
+        **sizes(problem),
         L=end_of_body(problem, solution.facts),
         z0=None,
         end_is_cut=problem.specimen.radius is None,

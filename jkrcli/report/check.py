@@ -15,6 +15,8 @@ from ..base.units import reached, show
 from ..base.unknown import Estimate, Unknown
 from ..beside.expectation import Expectation, expect
 from ..beside.sticking import StickingEffect, as_told, sticking_effect, sticking_warnings
+from ..beside.tension_effect import TUNING as TENSION
+from ..beside.tension_effect import noticed_tension
 from ..bodies.problem import Problem
 from ..case import Case
 from ..case.models import CaseModel
@@ -35,6 +37,7 @@ class Check(Result):
     options: Sequence[Option]
     expected: Expectation | Unknown
     effect: StickingEffect | Unknown
+    tension: Estimate
     range_: str | Unknown
     remarks: Sequence[str]
 
@@ -46,14 +49,16 @@ class Check(Result):
         choice = choose(problem, model.method, lambda name: method_of(model, name))
         options = choice.options or survey(problem, lambda name: method_of(model, name))
         expected = _expected(model)
-        effect = _effect(model, expected)
-        return cls(path, problem, choice, options, expected, effect, _range(model, choice.name), case.remarks)
+        effect, tension = _effect(model, expected), _tension(model, expected)
+        range_ = _range(model, choice.name)
+        return cls(path, problem, choice, options, expected, effect, tension, range_, case.remarks)
 
     def summary(self) -> dict[str, Any]:
         data: dict[str, Any] = {"case": str(self.path), "problem": self.problem.words, "method": self.choice.name}
         law = self.problem.specimen.relaxation
         data |= {"reason": self.choice.reason, "relaxation": None if law is None else str(law)}
         data |= {"surface": self.problem.surface, "sticking": as_told(self.effect)}
+        data |= {"noticed_surface_tension_N_per_m": self.tension}
         return data | {"options": [asdict(option) for option in self.options]} | _as_dict(self.expected)
 
     def words(self) -> list[str]:
@@ -70,6 +75,7 @@ class Check(Result):
             *self._reaches(),
             *self._relaxes(),
             *sticking,
+            *self._tension(),
         ]
 
     @property
@@ -82,6 +88,12 @@ class Check(Result):
     def _relaxes(self) -> Iterator[str]:
         if (law := self.problem.specimen.relaxation) is not None:
             yield f"  relaxes   {law}; loads here are those of {'t = 0' if law.relaxed is not None else 'its own time'}"
+
+    def _tension(self) -> Iterator[str]:
+        if not isinstance(self.tension, Unknown):
+            changed = f"{TENSION.changed:.0%} in load or pull-off force"
+            least = show(self.tension, "tension", 2)
+            yield f"  tension   none; from {least} on, that of the solid would change {changed}"
 
     def _reaches(self) -> Iterator[str]:
         expected, range_ = self.expected, self.range_
@@ -118,6 +130,11 @@ def _effect(model: CaseModel, expected: Expectation | Unknown) -> StickingEffect
     if isinstance(expected, Unknown):
         return expected
     return sticking_effect(model.problem(), expected.a, model.adhesion.w)
+
+
+def _tension(model: CaseModel, expected: Expectation | Unknown) -> Estimate:
+    """The surface tension that would be noticed, at the largest radius expected."""
+    return expected if isinstance(expected, Unknown) else noticed_tension(model.problem(), expected.a, model.adhesion.w)
 
 
 def _expected(model: CaseModel) -> Expectation | Unknown:

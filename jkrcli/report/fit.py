@@ -32,6 +32,7 @@ ALWAYS = ("file", "curve", "status", "reason", "points")
 SYMBOLS = {"E_star": "E*", "modulus": "moduli over the case's"}
 FITTED, DOUBTFUL, UNUSABLE = "fitted", "doubtful", "unusable"
 DIMENSIONS = {"a": "length", "delta": "length", "P": "load"}
+VAGUE = "not determined"  # how flags end of what rivals may change by much
 NOTICEABLE = 0.01  # choice: of the standard error; smaller systematic parts are not told in words
 
 
@@ -180,7 +181,8 @@ def verdict_words(item: Fit) -> list[str]:
         told.append(f"{formula} at the deepest row would give {show(by, 'modulus', 3)} ({by / E_star - 1:+.0%})")
     rivals = item.verdict.rivals
     judged = "no other model is asked for" if not rivals.named else f"rejected for {' or '.join(rivals.families)}"
-    return [f"{item.where}: {'; '.join([*told, judged])}"]
+    vague = [flag for flag in item.flags if flag.endswith(VAGUE)]
+    return [f"{item.where}: {'; '.join([*told, judged, *vague])}"]
 
 
 def _parts_words(item: FittedValue) -> str:

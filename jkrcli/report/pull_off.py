@@ -23,7 +23,8 @@ from .result import Result
 if TYPE_CHECKING:
     from ..identification.work_of_adhesion import MeasuredWork
 
-SIZES = {"a/R": "a_over_R", "a/R at pull-off": "a_over_R_pull_off", "a/h": "a_over_h", "a/L": "a_over_L"}
+SIZES = {"a/R": "a_over_R", "a/R at pull-off": "a_over_R_pull_off", "a/h": "a_over_h", "a/L": "a_over_L",
+         "theta": "edge_angle"}  # fmt: skip
 OF_SERIES = "90 % half-width from the error of the series alone; --uncertain load=5% and others add theirs"
 ABOVE = "Tabor", "at the range"  # how the warnings begin that say again what the line of the Tabor number says
 

@@ -261,6 +261,7 @@ BY_OTHER_VERBS = (  # refused to transform, or at sizes that take long: tests of
     "the contact is not a growing disc of nodes (violation {}), so that it is not known where points stuck",
     "the correction is that of surfaces that slide",
     "rows where the surfaces stick (limit {})",
+    "surface tension",  # and tests of it
 )
 
 

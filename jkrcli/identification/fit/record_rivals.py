@@ -3,7 +3,7 @@
 ``RIVALS`` is the list: an entry is a name, its family, what its amount is, how much of it is likely before the data,
 and a function from the fit to a column: the derivative of the loads [N] by the amount, at fixed positions of the
 device. Most columns are one more evaluation of the path of the device: on a body whose functions differ a little
-(``bent``), at other positions, at another stiffness. ``scores`` asks the data for each.
+(``Bent``), at other positions, at another stiffness. ``scores`` asks the data for each.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ import numpy as np
 from scipy.integrate import cumulative_trapezoid
 from scipy.interpolate import CubicSpline
 
+from ...adhesion.validity import LIMITS
 from ...base.arrays import Array
 from ...base.errors import JkrError
 from ...bodies.indenters import Paraboloid, Sphere
@@ -45,12 +46,12 @@ class RecordRivalTuning:
     steps: int = 12  # choice: of Newton's method for it; it needs four
     times: int = 150  # choice: instants at which hereditary integrals are taken
     longest: float = 10e-9  # choice: [m], range of adhesion that is likely; of molecules a nanometre, of hairs more
-    shape: float = 0.02  # choice: exponent of the profile within which a tip is what it is called
+    shape: float = 0.005  # choice: exponent of the profile within which a tip is what it is called
 
 
 TUNING = RecordRivalTuning()
-# Section 17 of the record's own kind: linear theory over the load of a neo-Hookean half-space at equal depth, less 1,
-# over the contact radius by the tip's; theory: finite elements, theory page "identification".
+# Linear theory over the load of a neo-Hookean half-space under a rigid tip at equal depth, less 1, over the contact
+# radius by the tip's, without friction; theory: finite elements, nu = 0.49, on two meshes.
 STRAINS = {
     Paraboloid: ((0.0, 0.2, 0.3, 0.5, 0.7, 0.8), (0.0, 0.015, 0.026, 0.056, 0.108, 0.15)),
     Sphere: ((0.0, 0.2, 0.3, 0.5, 0.7, 0.8), (0.0, 0.010, 0.016, 0.029, 0.047, 0.061)),
@@ -193,7 +194,8 @@ class Rival:
     is the derivative by, in words; ``column``: None where the rival has no meaning for this record.
 
     ``likely``: amount in either direction that is expected unless the user or the data say otherwise: 0 of what the
-    description of the body rules out. ``of_directions``: whether it sets one direction against the other.
+    description of the body rules out; ``positive``: in that direction only. ``of_directions``: whether it sets one
+    direction against the other.
     """
 
     name: str
@@ -201,6 +203,7 @@ class Rival:
     amount: str
     column: Column
     likely: float = 0.0
+    positive: bool = False
     of_directions: bool = False
 
 
@@ -340,8 +343,7 @@ def tension(at: Situation) -> Array | None:
     kappa = TUNING.skin * at.widest
     a = np.maximum(np.exp(grid(at.model.family)), TUNING.finest * kappa)
     x, log = kappa / (math.pi * a), np.log(2 * a / kappa) + float(np.euler_gamma)
-    T = -np.log1p(x) / 2
-    changes = np.stack([np.log1p(2 * x * (log - 1)), T, np.log1p(3 * x * log), np.log1p(x * (log + 1)) + T])
+    changes = np.stack([2 * x * (log - 1), -x / 2, 3 * x * log, x * (log + 1) - x / 2])
     return at.on(TUNING.little * changes) / (TUNING.little * TUNING.skin)
 
 
@@ -489,16 +491,17 @@ BODY, TIP, ADHESION, DEVICE, MEMORY = "layer or base", "shape of the tip", "adhe
 RIVALS: tuple[Rival, ...] = (
     Rival("w over the contact radius", ADHESION, "relative rise towards pull-off", work_over_radius),
     Rival("w over the speed of the edge", ADHESION, "relative rise per factor e of the speed", work_over_speed),
-    Rival("adhesion of finite range", ADHESION, "square of the range over that of a narrow ring", finite_range),
+    Rival("adhesion of finite range", ADHESION, "square of the range over that of a narrow ring", finite_range,
+          positive=True),
     Rival("a rigid base below", BODY, "contact radius over depth", layer_below),
     Rival("thickness of the layer", BODY, "relative change", of_layer("h")),
     Rival("nu of the layer", BODY, "relative change", of_layer("nu")),
     Rival("moduli that change with the contact radius", BODY, "relative rise", graded),
     Rival("exponent of the tip", TIP, "change of the exponent", exponent, TUNING.shape),
     Rival("sphere or paraboloid", TIP, "share of the sphere's quartic term", quartic),
-    Rival("no slip", BODY, "from none to full", no_slip, 1.0),
-    Rival("surface tension", BODY, "2 tension/E* over the contact radius", tension),
-    Rival("large strains", BODY, "of what is known of them", strains, 1.0),
+    Rival("no slip", BODY, "from none to full", no_slip, 1.0, True),
+    Rival("surface tension", BODY, "2 tension/E* over the contact radius", tension, positive=True),
+    Rival("large strains", BODY, "of what is known of them", strains, 1.0, True),
     Rival("relaxation over a factor of time", MEMORY, "fall per factor e", relaxing(lambda t: np.log1p(100 * t))),
     Rival("relaxation of one time", MEMORY, "fall", relaxing(lambda t: 1 - np.exp(-4 * t))),
     Rival("residual depth", MEMORY, "of the depth of contact", of_return(_dent), of_directions=True),
@@ -516,6 +519,9 @@ def known_amount(at: Situation, rival: Rival, longest: float) -> float:
     """The amount of a rival in either direction that is likely; ``longest``: range of adhesion [m] that is."""
     if rival.column is finite_range and at.work:
         return (min(longest, TUNING.longest) / narrow_range(at)) ** 2
+    R = at.body.problem.indenter.tip_radius
+    if rival.column is strains and R is not None and at.widest <= LIMITS.a_over_R * R:
+        return 0.0  # linear theory is taken as good up to there, as everywhere else
     return rival.likely
 
 

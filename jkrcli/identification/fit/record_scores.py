@@ -38,6 +38,7 @@ class ScoreTuning:
     normal: float = 1.96  # theory: 95 % of a normal value
     alike: float = 0.9  # choice: correlation of what is left of two columns, from which they are named together
     singular: float = 1e-4  # choice: share of a column beyond the model's own, below which no data tell it
+    slow: float = 2.0  # choice: periods in the free rows below which noise is taken to rise as 1/f^2, as a drift's
     fold: float = 0.02  # choice: of the way in contact about folds, where columns diverge
 
 
@@ -50,7 +51,7 @@ class Score:
 
     ``error``: standard error of the amount, infinite where no row tells it; ``chance`` of as much from noise; ``taken``
     from chi^2, and the ``share`` of all that is; ``E_star``, ``w``: by how much they move per amount, relative.
-    ``known``: the amount that is likely before the data, in either direction; ``word``: one of three.
+    ``least, known``: the amounts that are likely before the data; ``word``: one of three.
     """
 
     name: str
@@ -64,6 +65,7 @@ class Score:
     share: float
     E_star: float
     w: float
+    least: float
     known: float
     word: str
 
@@ -80,7 +82,7 @@ class Score:
         if math.isinf(self.error):
             return self.known
         reach = (self.amount - TUNING.normal * self.error, self.amount + TUNING.normal * self.error)
-        return max(abs(min(max(end, -self.known), self.known)) for end in reach)
+        return max(abs(min(max(end, self.least), self.known)) for end in reach)
 
 
 @dataclass(frozen=True)
@@ -137,7 +139,7 @@ def rivals_of_record(body: FittedBody, found: ForceCurveFit, longest: float) -> 
     sizes = np.linalg.norm(beyond, axis=0)
     left = beyond / np.maximum(sizes, np.finfo(float).tiny)
     moves = -np.linalg.lstsq(triangle, Q.T @ wide, rcond=None)[0] / scale[:, None]
-    dof = max(np.count_nonzero(keep) - J.shape[1], 1)
+    dof = max(int(np.count_nonzero(keep)) - J.shape[1], 1)
     misfit, errors = float(r @ r), _errors(found)
     scores = [
         _score(rival, float(size), float(along), whole, _rates(found, move), errors, (misfit, dof, len(names)),
@@ -162,15 +164,16 @@ def _named(scores: Sequence[Score], left: Array) -> tuple[Score, ...]:
 
 def _score(
     rival: Rival, size: float, along: float, whole: float, rates: tuple[float, float], errors: tuple[float, float],
-    judged: tuple[float, int, int], known: float,
+    judged: tuple[float, int, int], most: float,
 ) -> Score:  # fmt: skip
     """The score of a rival whose weighted column is ``whole`` long, ``size`` of it beyond the model's own, with the
     product ``along`` of that direction and the residuals; ``errors`` of E* and w, relative; ``judged``: chi^2, its
-    degrees of freedom, and how many rivals there are."""
+    degrees of freedom, and how many rivals there are; ``most``: what is likely of it."""
     misfit, dof, count = judged
     told = (rival.name, rival.family, rival.amount, rival.of_directions)
+    known = (0.0 if rival.positive else -most, most)
     if size <= TUNING.singular * whole:
-        return Score(*told, 0.0, math.inf, 1.0, 0.0, 0.0, *rates, known, UNTOLD)
+        return Score(*told, 0.0, math.inf, 1.0, 0.0, 0.0, *rates, *known, UNTOLD)
     amount, error, taken = -along / size, 1 / size, along**2
     chance = float(fdtrc(1, dof, taken))
     asked = chance * count < TUNING.chance and any(
@@ -178,7 +181,7 @@ def _score(
     )
     ends = abs(amount) + t_quantile(0.95, dof) * error
     word = ASKED if asked else EXCLUDED if max(map(abs, rates)) * ends < TUNING.matters else UNTOLD
-    return Score(*told, amount, error, chance, taken, taken / max(misfit, taken), *rates, known, word)
+    return Score(*told, amount, error, chance, taken, taken / max(misfit, taken), *rates, *known, word)
 
 
 def _rates(found: ForceCurveFit, moves: Array) -> tuple[float, float]:
@@ -230,6 +233,8 @@ def _weighted(at: Situation, table: Array, keep: Array) -> tuple[Array, bool]:
             continue
         waves = np.fft.rfft(rows, axis=0, norm="ortho")
         waves[1 : (len(rows) + 1) // 2] *= math.sqrt(2)  # both signs of a frequency
-        waves /= np.sqrt(spectrum(np.arange(len(waves)) / len(rows)))[:, None]
+        f = np.maximum(np.arange(len(waves)), 0.5) / len(rows)
+        slower = np.maximum(TUNING.slow / (max(loose, 1) * f), 1) ** 2
+        waves /= np.sqrt(spectrum(f) * slower)[:, None]
         blocks += [waves.real, waves.imag]
     return np.concatenate(blocks), told

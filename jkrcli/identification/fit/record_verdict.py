@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.optimize import brentq
@@ -12,17 +12,28 @@ from scipy.optimize import brentq
 from ...bodies.problem import Problem
 from .body import FittedBody
 from .force_curve import ForceCurveFit, base_line
+from .record_rivals import MEMORY
 from .record_scores import RecordRivals, Verdict, rivals_of_record
 from .result import Fit, FittedValue
 
-REJECTED = "model rejected"
-LARGE = 0.3  # choice: share of E* or w that rivals may move it by, above which it is flagged
+REJECTED, DIFFER = "model rejected", "directions differ"
+
+
+@dataclass(frozen=True)
+class VerdictTuning:
+    """When rivals leave nothing determined, and where the formula's contact radius is sought."""
+
+    large: float = 0.3  # choice: share of E* or w that rivals may move it by, above which it is flagged
+    radii: tuple[float, float] = (1 + 1e-9, 1e4)  # choice: over the contact radius without adhesion
+
+
+TUNING = VerdictTuning()
 
 
 def judged(result: Fit, body: FittedBody, found: ForceCurveFit) -> Fit:
     """The fit with its verdict: that of ``found``, which is of all directions of the record."""
     rivals = rivals_of_record(body, found, result.settings.range_at_most)
-    said = dict(_flags(rivals))
+    said = {name: sentence for name, sentence in _flags(rivals) if name not in result.flags}
     estimates = tuple(_with_part(item, rivals) for item in result.estimates)
     warnings = tuple(f"{name}: {sentence}" for name, sentence in said.items())
     return replace(
@@ -37,8 +48,12 @@ def _flags(rivals: RecordRivals) -> Iterator[tuple[str, str]]:
         names = " or ".join(f"{one.name} (E* {one.amount * one.E_star:+.1%})" for one in rivals.named)
         apart = ", which one step cannot tell apart" if len(rivals.named) > 1 else ""
         yield REJECTED, f"p = {rivals.chance:.1g}, the residuals ask for {names}{apart}"
+    if rivals.named and rivals.named[0].of_directions:
+        compared = (one for one in rivals.scores if one.of_directions and one.family == MEMORY)
+        found = ", ".join(f"{one.name} {one.amount:+.1%} ± {one.error:.1%} ({one.words})" for one in compared)
+        yield DIFFER, f"approach and retraction ask for {found}; {', '.join(rivals.families)} would explain it"
     for quantity, symbol in (("E_star", "E*"), ("w", "w")):
-        if (worst := rivals.worst(quantity)) is not None and worst[1] > LARGE:
+        if (worst := rivals.worst(quantity)) is not None and worst[1] > TUNING.large:
             yield f"{symbol} not determined", f"{worst[0]} may change it by {worst[1]:.0%}"
 
 
@@ -80,5 +95,5 @@ def half_space_modulus(P: float, delta: float, R: float, w: float) -> float:
         E = modulus(a)
         return 4 * E * a**3 / (3 * R) - math.sqrt(8 * math.pi * w * E * a**3) - P
 
-    touching = math.sqrt(R * delta)
-    return modulus(float(brentq(excess, touching * (1 + 1e-9), 1.5 * touching)))
+    touching, (least, most) = math.sqrt(R * delta), TUNING.radii
+    return modulus(touching * float(brentq(lambda x: excess(touching * x), least, most)))

@@ -78,7 +78,7 @@ def _row(body: FiniteRangeBody, values: Values, mu: float) -> Columns:
 
 
 def _zone(adhesive: Array, elastic: Array, share: Array) -> Array:
-    """Which of ``ZONES`` a contact lies in."""
+    """Which of ``ZONES`` a contact lies in (Johnson and Greenwood)."""
     small, rigid = adhesive <= TUNING.little, np.maximum(elastic, adhesive) <= TUNING.little
     inside = np.where(adhesive >= TUNING.many, 1, np.where(rigid, 4, np.where(small, 3, 2)))
     return np.where(share <= TUNING.little, 0, inside)

@@ -28,6 +28,7 @@ class BudgetTuning:
     # accident:
     plausible: float = 12.0  # of loads; tuned on random bodies, by `make bounds`
     plausible_radii: float = 4.0  # of radii; tuned on random bodies, by `make bounds`
+    tension: float = 2.0  # times that of radii; choice: calibrated radii then err by up to the estimate itself
     round_off: float = 1e-12  # of radii; theory: 1e4 eps, as they come from a search
 
 
@@ -57,6 +58,7 @@ def assessed(
     fine, (a, delta, P) = run.level, run.columns
     judged = delta >= TUNING.judged_depth * delta[-1]
     loads, radii = TUNING.loads / (ratio - 1), TUNING.radii / (ratio - 1)
+    radii *= TUNING.tension if fine.model.body.tension else 1.0
     if coarsest is not None and (coarsest.touches.a.size < 4 or not (coarsest.touches.valid and coarse.touches.valid)):
         coarsest = None
     there, radius = _on_coarse(run, coarse, radii, coarsest)

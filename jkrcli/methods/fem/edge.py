@@ -9,6 +9,7 @@ a / r for every vertex.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -21,9 +22,17 @@ from .body import at_surface
 from .contact import SurfaceContact, nested_events
 from .model import Model
 
-NEAR = 0.8  # of the vertices' radii, beyond which their contact radii do not lie; choice: spare
-POINTS = 60  # exact radii of a half-space under tension; choice: a tenth of a second
-ACCURACY = 1e-7  # of them; choice: far below that of elements
+
+@dataclass(frozen=True)
+class EdgeTuning:
+    """The exact half-space under surface tension."""
+
+    near: float = 0.8  # of the vertices' radii, beyond which their contact radii do not lie; choice: spare
+    points: int = 60  # radii; choice: a tenth of a second
+    accuracy: float = 1e-7  # choice: far below that of elements
+
+
+TUNING = EdgeTuning()
 
 
 def edge_correction(model: Model, indenter: Indenter) -> Array:
@@ -43,8 +52,8 @@ def _under_tension(model: Model, profile: Indenter, radii: Array) -> Callable[[A
 
     specimen = Specimen((), HalfSpace(_homogeneous(model)), surface_tension=model.body.tension)
     contact, a0 = TenseContact(profile, specimen), profile.a0
-    beyond = np.geomspace(NEAR * (radii[0] - a0), (radii[-1] - a0) / NEAR, POINTS)
-    result = contact.solved(a0 + beyond, contact.plan(a0 + beyond, ACCURACY))
+    beyond = np.geomspace(TUNING.near * (radii[0] - a0), (radii[-1] - a0) / TUNING.near, TUNING.points)
+    result = contact.solved(a0 + beyond, contact.plan(a0 + beyond, TUNING.accuracy))
     spline = CubicSpline(np.log(beyond), np.log(result.delta))
     return lambda a: np.exp(spline(np.log(a - a0)))
 

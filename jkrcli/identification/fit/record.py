@@ -167,6 +167,8 @@ def fit_record(body: FittedBody, record: ForceCurve, settings: Settings) -> Fit:
     deeper, found = of(*kinds)
     whole, joint = deeper, found
     result = _result(deeper, record, curve, settings, found)
+    if not found.ended:
+        return result
     if len(kinds) < 2 or not _apart(found):
         return judged(result, whole, joint)
     (_, into), (deeper, back) = of(APPROACH), of(RETRACT)

@@ -114,7 +114,8 @@ def test_keys_of_an_indenter_of_ones_own_are_checked(tmp_path: Path) -> None:
         "(allowed: E, nu, shape, radius, k)\n"
     )  # fmt: skip
     assert shape.err.endswith(
-        "indenter.shape: must be one of sphere, paraboloid, power, cone, flat, table, aspheric, "
+        "indenter.shape: must be one of sphere, paraboloid, power, cone, flat, table, rounded-cone, pyramid, "
+        "three-sided-pyramid, aspheric, "
         'got "asferic", did you mean "aspheric"?\n'
     )
 

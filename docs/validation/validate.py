@@ -18,7 +18,6 @@ import numpy as np
 
 import jkrcli as jkr
 from jkrcli.adhesion.stability import behaviour
-from jkrcli.many.study.pull_off_map import pull_off_map
 
 HERE = Path(__file__).parent
 HAYES = "Hayes, Keer, Herrmann and Mockros, J. Biomech. 5 (1972) 541, digits beyond theirs by two programs"
@@ -125,9 +124,9 @@ def layers() -> Iterator[Row]:
 def thin() -> Iterator[Row]:
     """Thin and thick limits of the pull-off force on a layer."""
     for nu, q, force, tolerance in ((0.3, 1e-6, 1.5, 1e-5), (0.3, 1e6, 2.0, 1e-2)):
-        (found,) = pull_off_map([nu], True, (q,))
+        (found,) = jkr.study_map("pull-off", nu=[nu], q=[q]).columns["minus_P_over_pi_w_R"]
         name = f"pull-off force / π w R, ν = {nu:g}, w R²/E* h³ = {q:g}"
-        yield Row(name, found.force, force, "limits: half-space 3/2; Eq. 20, thin compressible layer 2", tolerance)
+        yield Row(name, found, force, "limits: half-space 3/2; Eq. 20, thin compressible layer 2", tolerance)
 
 
 def others() -> Iterator[Row]:

@@ -16,11 +16,13 @@ from typing import Any
 
 import numpy as np
 
-from ..base.errors import InputError
+from ..base.errors import InputError, Refusal
+from ..base.units import show
 from ..base.unknown import Estimate, Unknown
 from ..bodies.indenter import Indenter
 from ..bodies.problem import HalfSpace, Problem
 from ..formulas.half_space import tabor
+from ..formulas.surface_tension import edge_angle
 
 
 @dataclass(frozen=True)
@@ -31,6 +33,8 @@ class TheoryLimits:
     tabor_dmt: float = 0.1  # theory: the same, rigid-body (DMT, Bradley) limit below it
     effect: float = 0.01  # choice: of the pull-off force, that a range may change unsaid; no more model than needed
     a_over_R: float = 0.3  # choice: strains and slopes of order a/R
+    edge_angle: float = 0.5  # choice: [rad], small slopes of Young and Dupre's law: tan errs by 9 %
+    steepest: float = 2.0  # theory: [rad], theta = 2 at w = 2 Ups, complete wetting: no angle beyond
     delta_over_h: float = 0.1  # choice: strains of a tenth
     a_over_L: float = 0.1  # choice: nearer, the end of a mesh is felt
     slack: float = 1e-6  # choice: a ratio that just meets its limit, but for round-off, gives no warning
@@ -39,6 +43,15 @@ class TheoryLimits:
 
 LIMITS = TheoryLimits()
 NO_TIP_RADIUS = Unknown("the indenter has no tip radius (pointed, flat or blunter than a parabola)")
+NO_TENSION = Unknown("no surface tension")
+# P of small strains over that of a neo-Hookean half-space pressed as deep by a rigid sphere without friction, less 1,
+# over a/R: finite elements, nu = 0.49
+STRAINED = np.array([0.0, 0.2, 0.3, 0.5, 0.7, 0.8])
+EXCESS = {
+    "sphere": np.array([0.0, 0.010, 0.016, 0.029, 0.047, 0.061]),
+    "paraboloid": np.array([0.0, 0.015, 0.026, 0.056, 0.108, 0.15]),
+}
+NO_EXCESS = Unknown("large strains are known of spheres on half-spaces and layers as thick, up to a/R = 0.8")
 NOT_SOLVED = Unknown("adhesion of the range z0 was not solved for")
 NO_RANGE, NO_ADHESION = Unknown("no equilibrium distance z0 given"), Unknown("no adhesion (w = 0)")
 
@@ -50,6 +63,8 @@ class Validity:
     ``a_over_R``, ``delta_over_h``, ``a_over_h``, ``a_over_L``: at the largest radius of the series, L being the lateral
     or vertical size at which the body or its mesh ends. ``a_over_R_pull_off``: at pull-off under load control.
     ``end_is_cut``: the specimen goes on where the model ends; the ends of a finite specimen are part of its solution.
+    ``edge_angle``: between the surfaces at the edge under surface tension [rad]. ``strained``: the load at the largest
+    depth over that of a rubber at large strains, less 1; ``sphere``: that of the exact sphere where it is better.
     ``effect_of_range``: the pull-off force under load control at the range z0 over JKR's, less 1.
     """
 
@@ -62,6 +77,25 @@ class Validity:
     a_over_L: Estimate
     end_is_cut: bool = True
     effect_of_range: Estimate = NOT_SOLVED
+    edge_angle: Estimate = NO_TENSION
+    strained: Estimate = NO_EXCESS
+    sphere: Estimate = NO_EXCESS
+
+
+def sizes(problem: Problem) -> dict[str, Any]:
+    """What ``judge`` asks of the bodies themselves."""
+    specimen, indenter = problem.specimen, problem.indenter
+    found = {"E_star": problem.E_star, "R": indenter.tip_radius, "h": specimen.top_thickness}
+    return found | {"depth": specimen.yielding_depth, "tension": specimen.surface_tension, "profile": indenter.noun}
+
+
+def refuse_wetting(w: float, tension: float) -> None:
+    """Refusal of a work of adhesion ``w`` [J/m^2] that a surface ``tension`` [N/m] > 0 leaves no contact angle to."""
+    if tension and edge_angle(w, tension) > LIMITS.steepest:
+        raise Refusal(
+            f"w = {show(w, 'work')} is more than twice the surface tension, {show(tension, 'tension')}: it wets the "
+            f"indenter, no angle exists at the edge (Young and Dupre); give w up to {show(2 * tension, 'work')}"
+        )
 
 
 def end_of_body(problem: Problem, facts: Mapping[str, Any]) -> float | None:
@@ -86,6 +120,8 @@ def judge(
     L: float | None,
     z0: float | None,
     depth: float | None = None,
+    tension: float = 0.0,
+    profile: str = "",
     a_pull_off: float | None = None,
     end_is_cut: bool = True,
     effect_of_range: Estimate = NOT_SOLVED,
@@ -95,7 +131,8 @@ def judge(
     ``R``: tip radius [m], None where the indenter has none. ``h``: thickness [m] of the layer that the contact feels,
     None or infinite for a half-space. ``L``: size [m] of the body or mesh, None for an unbounded exact solution.
     ``depth``: that to which the body is squeezed [m], ``h`` if not given (``Specimen.yielding_depth``).
-    ``z0``: equilibrium distance of the adhesive forces [m]; ``w`` in J/m^2, ``E_star`` in Pa.
+    ``tension``: of the surface [N/m]; ``profile``: noun of the indenter. ``z0``: equilibrium distance of the adhesive
+    forces [m]; ``w`` in J/m^2, ``E_star`` in Pa.
     """
     no_layer = Unknown("no layer: the specimen is a half-space")
     thickness = None if h is None or math.isinf(h) else h
@@ -111,7 +148,17 @@ def judge(
         _ratio(a, L, Unknown("the body is unbounded in this method")),
         end_is_cut,
         effect_of_range,
+        edge_angle(w, tension) if tension else NO_TENSION,
+        *(NO_EXCESS if tension else _excess(a, R, depth, name) for name in (profile, "sphere")),
     )
+
+
+def _excess(a: float, R: float | None, depth: float | None, profile: str) -> Estimate:
+    """P of small strains over that of large ones at equal depth, less 1, at the radius ``a`` [m] under a tip ``R`` [m]
+    on a half-space (``depth`` None) or a layer as thick."""
+    if R is None or profile not in EXCESS or a > STRAINED[-1] * R or (depth is not None and depth < R):
+        return NO_EXCESS
+    return float(np.interp(a / R, STRAINED, EXCESS[profile]))
 
 
 REMEDY = "give --range or --stress, or adhesion.range, for adhesion of finite range (Maugis-Dugdale)"
@@ -139,10 +186,9 @@ def _words(number: Estimate, effect: Estimate) -> str:
 def check(judged: Validity) -> list[str]:
     """Warnings, each with its number and limit; empty where all is well or nothing is known."""
     return [
-        *_above(
-            judged.a_over_R, LIMITS.a_over_R, "a/R", "the geometrically linear theory and the indenter's profile err"
-        ),
+        *_above(judged.a_over_R, LIMITS.a_over_R, "a/R", _strains(judged)),
         *_above(judged.delta_over_h, LIMITS.delta_over_h, "delta/h", "small strains no longer hold in the layer"),
+        *_steep(judged.edge_angle),
         *_cut_warning(judged),
         *_range_warning(judged),
     ]
@@ -152,6 +198,26 @@ def _above(value: Estimate, limit: float, name: str, meaning: str) -> list[str]:
     if isinstance(value, Unknown) or value <= limit * (1 + LIMITS.slack):
         return []
     return [f"{name} = {value:.3g} at the largest contact radius is above {limit:g}: {meaning}"]
+
+
+def _strains(judged: Validity) -> str:
+    """What large strains do to the load, in per cent where that is known."""
+    if isinstance(judged.strained, Unknown) or isinstance(judged.sphere, Unknown):
+        return "the geometrically linear theory and the indenter's profile err"
+    better = f'; the exact sphere errs by {judged.sphere:.1%}: take indenter.shape = "sphere"'
+    return (
+        f"P at this depth is about {judged.strained:.1%} too large against a rubber at large strains (neo-Hookean "
+        f"half-space){better if judged.sphere < judged.strained else ''}"
+    )
+
+
+def _steep(angle: Estimate) -> list[str]:
+    if isinstance(angle, Unknown) or angle <= LIMITS.edge_angle:
+        return []
+    return [
+        f"theta = sqrt(2 w/Ups) = {angle:.3g} rad at the edge is above {LIMITS.edge_angle:g}: pull-off is one of small "
+        "slopes of the surface"
+    ]
 
 
 def _cut_warning(judged: Validity) -> list[str]:

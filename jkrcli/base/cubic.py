@@ -47,6 +47,27 @@ class PiecewiseCubic(PiecewisePolynomial):
         super().__init__(x, np.stack([bend / h, (secant - dydx[:-1]) / h - bend, dydx[:-1], y[:-1]]))
 
 
+class EvenCubic:
+    """Cubic splines between equally spaced knots, ten times as fast as one that has to look for its pieces.
+
+    ``first, step``: of the knots; ``c`` (4, ..., n - 1): coefficients of falling powers of the distance from the left.
+    """
+
+    def __init__(self, first: float, step: float, c: Array):
+        self.first, self.step, self.c = first, step, np.ascontiguousarray(c)
+
+    def __call__(self, x: Array) -> Array:
+        """Values (..., *x.shape) at ``x`` of any shape, between the first and the last knot."""
+        s = (x - self.first) / self.step
+        at = np.minimum(s.astype(np.intp), self.c.shape[-1] - 1)
+        s = (s - at) * self.step
+        found = self.c[0].take(at, axis=-1)
+        for c in self.c[1:]:
+            found *= s
+            found += c.take(at, axis=-1)
+        return found
+
+
 class PiecewiseQuintic(PiecewisePolynomial):
     """The quintics that have given values, slopes and second derivatives (n,) at increasing knots ``x`` (n,)."""
 

@@ -60,6 +60,7 @@ CSV_HEADS = (
     b"algorithm,field,shipped",
     b"method,setting,slopes,unknowns",
     b"method,outcome,nu,a_over_h",
+    b"fraction,delta_m,P_N,a_m",
     b"curve,segment,state,a_m,w_J_per_m2",
     b"file,curve,status,reason,points",
 )
@@ -67,6 +68,7 @@ HEADS = {  # how a file begins, and what then stands near its head
     b"\x89PNG": b"Software\0jkr ",
     b"<?xml": b"<dc:title>jkr ",
     b"{": b'"format": "jkr-',
+    b"/* Written by jkr: ": b"#ifndef JKR_CONTACT_H",
 }
 TAILS = (b"$Comments\njkr ", b"<!-- jkr ")  # of meshes
 PARQUET, PARQUET_MARK = b"PAR1", b"jkr-sweep-table"

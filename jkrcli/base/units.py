@@ -31,6 +31,7 @@ UNITS: dict[str, dict[str, int]] = {
     "modulus": _family("Pa", "kMGT") | {"N/m^2": 0, "kN/m^2": 3, "N/mm^2": 6},
     "load": _family("N", "pnumk"),
     "work": _family("J/m^2", "num") | _family("N/m", "m") | {"erg/cm^2": -3},
+    "tension": _family("N/m", "um") | _family("J/m^2", "um") | {"dyn/cm": -3, "erg/cm^2": -3},
     "stiffness": _family("N/m", "umk")
     | {"N/mm": 3, "N/um": 6, "mN/um": 3, "uN/um": 0, "nN/um": -3, "nN/nm": 0}
     | {"uN/nm": 3, "pN/nm": -3},
@@ -44,6 +45,7 @@ WORDS = {
     "modulus": "a modulus",
     "load": "a force",
     "work": "a work of adhesion",
+    "tension": "a surface tension",
     "stiffness": "a stiffness",
     "speed": "a speed",
     "time": "a time",
@@ -53,7 +55,7 @@ WORDS = {
     "number": "a plain number",
 }
 SI = {"length": "m", "modulus": "Pa", "load": "N", "work": "J/m^2", "stiffness": "N/m", "angle": "rad", "number": ""}
-SI |= {"speed": "m/s", "time": "s", "load rate": "N/s", "sensitivity": "m/V"}
+SI |= {"tension": "N/m", "speed": "m/s", "time": "s", "load rate": "N/s", "sensitivity": "m/V"}
 MOST = 1e30  # of a quantity in SI, its inverse the least: beyond what exists, and products of a few stay finite
 LARGE_WORK = 1.0  # choice: J/m^2, above what gels, polymers and contaminated metals have; remarked, never refused
 LONGEST = 100  # characters of a quantity
@@ -129,6 +131,7 @@ AnyLength: TypeAlias = Annotated[float, Ranged("length")]
 Modulus: TypeAlias = Annotated[float, Ranged("modulus", above=0)]
 Force: TypeAlias = Annotated[float, Ranged("load", above=0)]
 Work: TypeAlias = Annotated[float, Ranged("work", least=0)]
+Tension: TypeAlias = Annotated[float, Ranged("tension", least=0)]
 Poisson: TypeAlias = Annotated[float, Ranged("number", above=-1, most=0.5)]
 
 
@@ -207,7 +210,13 @@ def _normalise(unit: str) -> str:
 
 def _example(dimension: str) -> str:
     examples = {"length": "100 um", "modulus": "5 GPa", "load": "12 uN", "work": "50 mJ/m^2", "stiffness": "0.2 N/m"}
-    examples |= {"speed": "10 um/s", "time": "20 ms", "load rate": "1 mN/s", "sensitivity": "45 nm/V"}
+    examples |= {
+        "tension": "30 mN/m",
+        "speed": "10 um/s",
+        "time": "20 ms",
+        "load rate": "1 mN/s",
+        "sensitivity": "45 nm/V",
+    }
     return examples.get(dimension, "70 deg" if dimension == "angle" else "0.3")
 
 
@@ -215,4 +224,10 @@ def _hint(unit: str, dimension: str) -> str:
     allowed = list(UNITS.get(dimension, ())) or (["rad", "deg"] if dimension == "angle" else [])
     if not allowed:
         return ", no unit is allowed here"
-    return f"{did_you_mean(unit, allowed, 0.6)} (allowed: {', '.join(allowed)})"
+    pressure = ", a pressure is no force per length" if dimension == "tension" and unit in UNITS["modulus"] else ""
+    return f"{pressure or did_you_mean(unit, allowed, 0.6)} (allowed: {', '.join(allowed)})"
+
+
+def reached(a: float, delta: float, P: float) -> str:
+    """A state of contact as people read it."""
+    return f"a = {show(a, 'length')}, delta = {show(delta, 'length')}, P = {show(P, 'load')}"

@@ -18,6 +18,10 @@ from .relaxation import Relaxation
 Quantity = Literal["depth", "load", "radius"]
 Spacing = Literal["radius", "depth", "log", "given"]
 Side = Literal["free", "roller", "clamped"]
+NO_FINITE_RANGE = (
+    "adhesion of finite range is not derived with surface tension: leave range, stress and capillary out, or "
+    "specimen.surface_tension"
+)
 MOST_PIECES = 1000  # of E over depth, in all layers; choice: minutes, each is solved by sublayers of its own
 ROUND_OFF = 1e-9  # relative, of a thickness against the depths of its material's law
 
@@ -69,16 +73,20 @@ class HalfSpace:
 class Specimen:
     """Layers from the contact surface down, and a base; ``radius`` [m] and ``side`` for a really finite body only.
 
-    ``relaxation``: of all moduli together, which are those at t = 0 (or where the law says); no part of what is solved.
+    ``surface_tension`` [N/m]: of the solid, a constant stress of its whole surface. ``relaxation``: of all moduli
+    together, which are those at t = 0 (or where the law says); no part of what is solved.
     """
 
     layers: tuple[Layer, ...]
     base: Rigid | HalfSpace
     radius: float | None = None
     side: Side | None = None
+    surface_tension: float = field(default=0.0, repr=False)
     relaxation: Relaxation | None = field(default=None, compare=False, repr=False)
 
     def __post_init__(self) -> None:
+        if not (math.isfinite(self.surface_tension) and self.surface_tension >= 0):
+            raise InputError(f"specimen.surface_tension: must be finite and >= 0, got {self.surface_tension:g} N/m")
         if not self.layers and isinstance(self.base, Rigid):
             raise InputError("specimen: a rigid base needs at least one layer on it")
         if self.radius is not None:
@@ -132,6 +140,11 @@ class Specimen:
         return self.layers[0].thickness if self.layers else math.inf
 
     @property
+    def tension_length(self) -> float:
+        """kappa = 2 Ups/E* of the material at the surface [m], below which its tension carries more than it does."""
+        return 2 * self.surface_tension / self.surface.E_star
+
+    @property
     def yielding_depth(self) -> float:
         """Depth [m] down to the first material that is stiffer than the one above it, or the rigid base: what is
         squeezed; infinite where there is none, as below a stiff skin."""
@@ -145,6 +158,8 @@ class Specimen:
     def words(self) -> str:
         """``a layer (E = 1 MPa, nu = 0.4, h = 1 um) on a rigid base``."""
         surface = self.materials[0].words
+        if self.surface_tension:
+            surface += f", surface tension {show(self.surface_tension, 'tension')}"
         if self.is_half_space:
             return f"a half-space ({surface})"
         count = len(self.layers)
@@ -165,12 +180,13 @@ class Specimen:
                 return "a rigid base" if bonded else "a rigid frictionless base"
 
     def scaled(self, factor: float) -> Specimen:
-        """The same specimen with every modulus multiplied by ``factor``."""
+        """The same specimen with every modulus, and the surface tension, multiplied by ``factor``: the same
+        displacements."""
         layers = tuple(replace(layer, material=layer.material.scaled(factor)) for layer in self.layers)
         base = self.base
         if isinstance(base, HalfSpace):
             base = HalfSpace(base.material.scaled(factor))
-        return replace(self, layers=layers, base=base)
+        return replace(self, layers=layers, base=base, surface_tension=self.surface_tension * factor)
 
 
 @dataclass(frozen=True)
@@ -218,14 +234,37 @@ class Problem:
     sticks: bool = field(default=False, repr=False)
 
     def __post_init__(self) -> None:
-        if self.specimen.relaxation is not None and self.indenter.material is not None:
+        if self.specimen.relaxation is not None:
+            self._refuse_relaxation()
+        if self.specimen.surface_tension:
+            self._refuse_tension()
+
+    def _refuse_relaxation(self) -> None:
+        if self.indenter.material is not None:
             raise InputError(
                 "specimen.relaxation: goes with a rigid indenter: an elastic one does not relax with the specimen; "
                 "leave out indenter.E and nu, or the relaxation"
             )
-        if self.specimen.relaxation is not None and self.sticks:
+        if self.sticks:
             raise InputError(
                 'specimen.relaxation: is known of surfaces that slide: leave surface = "sticking" out, or relaxation'
+            )
+        if self.specimen.surface_tension:
+            raise InputError(
+                "specimen.relaxation: contact of a body that relaxes is not derived with surface tension: leave "
+                "specimen.surface_tension out, or the relaxation"
+            )
+
+    def _refuse_tension(self) -> None:
+        if self.sticks:
+            raise InputError(
+                "specimen.surface_tension: contact of surfaces that stick is not derived with surface tension: leave "
+                'it out, or take specimen.surface = "sliding"'
+            )
+        if self.indenter.material is not None:
+            raise InputError(
+                "specimen.surface_tension: contact of an elastic indenter is not derived with surface tension: leave "
+                "it out, or take a rigid indenter (no indenter.E and indenter.nu)"
             )
 
     @property
@@ -248,7 +287,7 @@ class Problem:
         return f"{elastic}{self.indenter.words} on {self.specimen.words}{stuck} to a {goal} of {end}"
 
     def scaled(self, factor: float) -> Problem:
-        """The same problem with every modulus multiplied by ``factor``, and with it what is prescribed as a load."""
+        """The same problem with every modulus, tension and prescribed load multiplied by ``factor``."""
         indenter, loading = self.indenter, self.loading
         if indenter.material is not None:
             indenter = replace(cast(Any, indenter), material=indenter.material.scaled(factor))
@@ -261,4 +300,5 @@ class Problem:
     def key(self) -> str:
         """A hash of the physics: equal for equal problems, whatever method solves them."""
         words = f"{self!r}, sticks" if self.sticks else repr(self)
+        words += f", surface tension {tension!r}" if (tension := self.specimen.surface_tension) else ""
         return hashlib.sha256(words.encode()).hexdigest()[:16]

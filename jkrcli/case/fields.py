@@ -97,8 +97,8 @@ def quantity(dimension: str, **bounds: float) -> Any:
     return readable(Annotated[float, Ranged(dimension, **bounds)])
 
 
-Length, AnyLength, Modulus, Force, Work, Poisson = map(
-    readable, (units.Length, units.AnyLength, units.Modulus, units.Force, units.Work, units.Poisson)
+Length, AnyLength, Modulus, Force, Work, Tension, Poisson = map(
+    readable, (units.Length, units.AnyLength, units.Modulus, units.Force, units.Work, units.Tension, units.Poisson)
 )
 
 

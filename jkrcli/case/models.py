@@ -19,7 +19,7 @@ from pydantic import (
 
 from ..base.errors import InputError
 from ..bodies.indenters import SHAPES
-from ..bodies.problem import HalfSpace, Loading, Problem, Quantity, Rigid, Specimen
+from ..bodies.problem import NO_FINITE_RANGE, HalfSpace, Loading, Problem, Quantity, Rigid, Specimen
 from ..formulas.capillary import capillary, kelvin_radius
 from ..methods import METHODS, Descriptor
 from ..series import Record
@@ -28,6 +28,7 @@ from .fields import (
     Length,
     Modulus,
     Table,
+    Tension,
     Work,
     as_tuple,
     findings,
@@ -48,9 +49,9 @@ class SpecimenTable(Table):
     """Layers from the contact surface down on a rigid ``base`` (bonded, if left out), or on an elastic
     ``half_space`` (alone: no layers).
 
-    ``radius`` and ``side`` (its support) make it a cylinder; left out: it is wide. ``surface``: what its points do that
-    the indenter touches. ``relaxation``: all moduli, the half-space's too, relax by one function of time; E is the
-    instant modulus.
+    ``radius`` and ``side`` (its support) make it a cylinder; left out: it is wide. ``surface_tension``: of the solid,
+    all over its top. ``surface``: what its points do that the indenter touches. ``relaxation``: all moduli, the
+    half-space's too, relax by one function of time; E is the instant modulus.
     """
 
     layers: Annotated[tuple[AnyLayer, ...], BeforeValidator(as_tuple)] = ()
@@ -58,6 +59,7 @@ class SpecimenTable(Table):
     half_space: AnyHalfSpace | None = None
     radius: Length | None = None
     side: Literal["free", "roller", "clamped"] | None = None
+    surface_tension: Tension = 0.0
     surface: Literal["sliding", "sticking"] = "sliding"
     relaxation: AnyRelaxation | None = None
 
@@ -75,8 +77,6 @@ class SpecimenTable(Table):
             return "is empty: give [specimen.half_space] with E and nu, or [[specimen.layers]]"
         if "half_space" in given and ("radius" in given or "side" in given):
             return "a cylinder (radius and side) stands on a rigid base: leave out half_space"
-        if "relaxation" in given and "surface_tension" in given:
-            return "relaxation and surface_tension together are not solved: leave one of them out"
         if ("radius" in given) != ("side" in given):
             return "a cylinder needs both radius and side (free, roller or clamped), leave both out for a wide body"
         return None
@@ -89,8 +89,9 @@ class SpecimenTable(Table):
 
     def build(self) -> Specimen:
         base = Rigid(self.base != "frictionless") if self.half_space is None else HalfSpace(self.half_space.material)
+        layers = tuple(table.build() for table in self.layers)
         relaxation = None if self.relaxation is None else self.relaxation.built(None)
-        return Specimen(tuple(table.build() for table in self.layers), base, self.radius, self.side, relaxation)
+        return Specimen(layers, base, self.radius, self.side, self.surface_tension, relaxation)
 
 
 class LoadingTable(Table):
@@ -233,10 +234,12 @@ class CaseModel(RootTable):
     adhesion: AdhesionTable = AdhesionTable()
 
     @model_validator(mode="after")
-    def _relaxes(self) -> Self:
-        if self.specimen.relaxation is not None:
+    def _derived(self) -> Self:
+        if self.specimen.surface_tension or self.specimen.relaxation is not None:
             with findings():
                 self.problem()
+        if self.specimen.surface_tension and (self.adhesion.range or self.adhesion.stress or self.adhesion.capillary):
+            raise wrong(f"adhesion: {NO_FINITE_RANGE}")
         return self
 
     def problem(self) -> Problem:

@@ -48,6 +48,8 @@ def _specimen(specimen: Specimen) -> dict[str, Any]:
             tree["base"] = "bonded" if bonded else "frictionless"
     if specimen.radius is not None:
         tree |= {"radius": specimen.radius, "side": specimen.side}
+    if specimen.surface_tension:
+        tree["surface_tension"] = specimen.surface_tension
     if specimen.relaxation is not None:
         name, keys = RELAXATIONS.keys_in_file(specimen.relaxation)
         tree["relaxation"] = {"law": name} | keys

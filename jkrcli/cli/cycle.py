@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 
 import click
 
-from ..adhesion.analysis import Analysis, analyse, with_solved_points
 from ..adhesion.device import control
 from ..adhesion.law import AskedRange
 from ..adhesion.stability import cycle as run_cycle
@@ -17,6 +16,7 @@ from ..adhesion.stability import trace, turning_radius
 from ..base.errors import InputError
 from ..base.units import show
 from ..base.unknown import Unknown
+from ..beside.analysis import Analysis, analyse, with_solved_points
 from ..methods.guards import Limits
 from ..report import cycle as report
 from ..report.output import PICTURES, Files, Output

@@ -19,9 +19,9 @@ from ..report.output import Files
 from .options import ParamType
 
 if TYPE_CHECKING:
-    from ..adhesion.analysis import Analysis
     from ..adhesion.rate.history import History, RateContact
     from ..adhesion.rate.program import Program
+    from ..beside.analysis import Analysis
     from ..report.plots import Figure
 
 

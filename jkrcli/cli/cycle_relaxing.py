@@ -11,7 +11,7 @@ from ..report.output import Files
 from .cycle_rate import RateOptions, Told, Turn, flag, program_of
 
 if TYPE_CHECKING:
-    from ..adhesion.analysis import Analysis
+    from ..beside.analysis import Analysis
     from ..report.plots import Figure
 
 

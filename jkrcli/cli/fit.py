@@ -27,13 +27,13 @@ from .verb import Verb
 from .voice import note, progress, say, warn
 
 if TYPE_CHECKING:
-    from ..data.measured import Curve
     from ..identification.fit import Fit, FittedBody, Settings
     from ..identification.fit.fitting import Failure
 
     Pictures = list[tuple[Fit | Failure, Files]]
 
 SHALLOW = 0.2  # choice: of the tip radius, to which a body by flags is solved first; the data may ask for more
+POINTED = 5e-6  # choice: [m], in place of the radius of a tip that has none
 FEWER = "fewer rows, curves or samples"
 SHOWN = 10  # curves that are told line by line, and drawn
 SURFACES = {"both": ("sliding", "sticking"), "sliding": ("sliding",), "sticking": ("sticking",)}
@@ -89,9 +89,12 @@ class NamesType(ParamType):
               show_default=True, help="Anything but linear is robust against outliers.")  # fmt: skip
 @click.option("--confidence", type=click.Choice(["covariance", "profile", "bootstrap"]), default="covariance",
               show_default=True, help="How the intervals are found.")  # fmt: skip
+@click.option("--rivals", is_flag=True, help="Print what the data of a raw record say of each other model.")
 @click.option("--level", type=float, default=0.95, show_default=True, help="Of the intervals.")
-@click.option("--samples", type=click.IntRange(20, 100_000), default=200, show_default=True, help="Of the bootstrap.")
-@click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Of the bootstrap.")
+@click.option(
+    "--samples", type=click.IntRange(20, 100_000), default=200, show_default=True, help="Number of bootstrap resamples."
+)
+@click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Seed of the bootstrap.")
 @click.option("--surface", type=click.Choice(["sliding", "sticking", "both"]),
               help="Of the body, instead of its own; both: under either, and what the data prefer.")  # fmt: skip
 @click.option("--uncertain", multiple=True, type=NamedType(),
@@ -113,6 +116,7 @@ def fit(
     surface: str | None,
     slopes: str,
     law: str | None,
+    rivals: bool,
     relaxation: str | None,
     workers: int | None,
     scheduler: str | None,
@@ -148,9 +152,9 @@ def fit(
     if relaxation is None and (options["terms"] is not None or "relaxation" in names):
         raise InputError(f"fit: the law is not named: give --relaxation {', '.join(RELAXATIONS)}")
     if relaxation is not None:
-        refuse_others({**options, "bound": bound, "uncertain": uncertain}, start, law, surface)
+        refuse_others({**options, "rivals": rivals, "bound": bound, "uncertain": uncertain}, start, law, surface)
     elif law is not None:
-        refuse_unused({**options, "bound": bound, "uncertain": uncertain})
+        refuse_unused({**options, "rivals": rivals, "bound": bound, "uncertain": uncertain})
     timed = law or relaxation
     endings = (".csv", ".json", ".h5") if timed is None else (".csv", ".json", *PICTURES)
     targets = output.files(output.folder(body_file.parent) / f"{body_file.stem}-fit", endings, inputs)
@@ -175,10 +179,11 @@ def fit(
         return
     settings, reading = _settings(body, uncertain, names, fix, start, bound, options), replace(reading, contact="as-is")
     from ..base.executors import executor
+    from ..data.measured import usable
     from ..identification.fit.fitting import Failure, fit_all
 
     bodies = [body.on_surface(one) for one in SURFACES[surface or body.problem.surface]]
-    curves, reasons = _curves(paths, reading)
+    curves, reasons = usable(paths, reading)
     seconds = sum(
         TUNING.fit_per_curve + refits * (TUNING.refit + TUNING.refit_per_row * len(curve)) for curve in curves
     )
@@ -193,7 +198,7 @@ def fit(
     map_file = _write(found, reasons, targets, pictures, told, output, inputs)
     for line in reasons:
         warn(f"skipped: {line}")
-    _tell(found, output.json, told)
+    _tell(found, output.json, told, rivals)
     _tell_surfaces(found, body, bodies, output.json)
     if not output.json:
         drawn = f", {len(pictures)} picture{'s' if len(pictures) > 1 else ''}" if pictures else ""
@@ -266,8 +271,7 @@ def _body(source: Path | dict[str, str | None], slopes: str, limits: Limits) -> 
 
     tables = tables_of("fit", source, "a case or series file", {"radius": 1.0}, "1 MPa")
     radius = parse_case(tomli_w.dumps(tables).encode(), "fit").model.problem().indenter.tip_radius
-    assert radius is not None  # of sphere and paraboloid
-    tables["loading"]["radius"] = SHALLOW * radius
+    tables["loading"]["radius"] = SHALLOW * (radius or POINTED)
     tables["method"] = "closed-form" if source["thickness"] is None else "layered"  # so that no other is imported
     body = body_of(parse_case(tomli_w.dumps(tables).encode(), "fit"), slopes, limits)
     return replace(body, told=source["modulus"] is not None)
@@ -277,21 +281,6 @@ def _refits(confidence: str, samples: int, uncertain: int) -> int:
     """How often a curve is fitted anew for its intervals, and for as many ``uncertain`` inputs."""
     fits = {"covariance": 0, "profile": TUNING.profiled, "bootstrap": samples}
     return fits[confidence] + TUNING.carried * uncertain
-
-
-def _curves(paths: tuple[Path, ...], reading: Any) -> tuple[list[Curve], list[str]]:
-    """The curves in all files, and why others could not be read."""
-    from ..data.measured import each
-
-    curves: list[Curve] = []
-    unread: list[str] = []
-    for path in paths:
-        for item in each(path, reading):
-            if isinstance(item, InputError):
-                unread += item.lines
-            else:
-                curves.append(item)
-    return curves, unread
 
 
 def _pictures(
@@ -338,7 +327,7 @@ def _draw(drawn: Pictures) -> None:
             target.write(figure=record_figure([examine(item.curve)]))
 
 
-def _tell(found: list[Fit | Failure], as_json: bool, body: str) -> None:
+def _tell(found: list[Fit | Failure], as_json: bool, body: str, rivals: bool) -> None:
     from ..identification.fit import Fit
     from ..report import fit as report
 
@@ -347,7 +336,7 @@ def _tell(found: list[Fit | Failure], as_json: bool, body: str) -> None:
         answer(report.summary(found, body))
     else:
         for item in fits[:SHOWN]:
-            say("\n".join(report.words(item)))
+            say("\n".join(report.words(item) + (report.rivals_table(item) if rivals else [])))
         if len(fits) > SHOWN:
             say(f"... and {len(fits) - SHOWN} more curves")
     both = len({item.surface for item in fits}) > 1

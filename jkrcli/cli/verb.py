@@ -14,7 +14,8 @@ GROUPS = {
         "window",
     ),
     "Speed and time": (
-        "rate", "rate-advance", "speed", "speed-approach", "hold", "dwell", "dwell-time", "program",
+        "law", "relaxation", "terms", "rate", "rate-advance", "speed", "speed-approach", "hold", "dwell", "dwell-time",
+        "program",
     ),
     "Numerics": ("tolerance", "slopes", "modulus-factor", "points", "rtol", "repeat"),
     "Limits": ("limit-memory", "limit-time", "hours", "workers", "scheduler"),

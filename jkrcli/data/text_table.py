@@ -133,6 +133,11 @@ class TextTable:
     notes: Mapping[int, str] = field(default_factory=dict)
     remarks: Mapping[int, str] = field(default_factory=dict)
 
+    def rows(self, chosen: Array) -> TextTable:
+        """The table at ``chosen`` rows alone (a mask)."""
+        text = {i: tuple(np.array(cells)[chosen].tolist()) for i, cells in self.text.items()}
+        return replace(self, values=self.values[chosen], lines=self.lines[chosen], text=text)
+
 
 def decoded(content: bytes) -> str:
     """The text in ``content``: UTF-8 or UTF-16, with a mark or without one, else Windows-1252, else Latin-1."""

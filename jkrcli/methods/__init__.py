@@ -64,7 +64,9 @@ class Descriptor:
     ``sentence``: what it does. ``solver``: its class, or "module:class", imported when called. ``effort``: the least
     model that represents a body is tried first. ``options``: a dataclass of the method's options, with a default each
     and ranges in the annotations, which stand in the case file's table ``table`` (its name where empty; or
-    ``InTable``). ``automatic``: whether "auto" may choose it.
+    ``InTable``). ``automatic``: whether "auto" may choose it. ``exact``: to round-off or its tolerance, at next to no
+    cost; ``kernel``: its bodies have the kernel of the contact equation (see ``methods.attraction``); ``tension``:
+    whether it represents surface tension.
     """
 
     name: str
@@ -74,6 +76,9 @@ class Descriptor:
     options: type | None = None
     table: str = ""
     automatic: bool = True
+    exact: bool = False
+    kernel: bool = False
+    tension: bool = False
 
     @cached_property
     def places(self) -> dict[str, Place]:
@@ -106,6 +111,22 @@ def method_class(name: str) -> Any:
         return solver
     module, attribute = solver.split(":")
     return getattr(importlib.import_module(module), attribute)
+
+
+def refusal_of(name: str, method: Method, problem: Problem) -> str | None:
+    """Why the ``method`` called ``name`` cannot represent the problem, and the remedy; None where it can."""
+    tense = name in METHODS and METHODS[name].tension
+    return (None if tense else without_tension(problem)) or method.refusal(problem)
+
+
+def without_tension(problem: Problem) -> str | None:
+    """Why a method that knows no surface tension refuses the problem; None where it has none."""
+    if not problem.specimen.surface_tension:
+        return None
+    able = [method.name for method in METHODS.values() if method.tension]
+    if problem.specimen.radius is not None:
+        able.remove("layered")
+    return f"does not represent surface tension: use method {' or '.join(able)}, or leave specimen.surface_tension out"
 
 
 def least_first() -> tuple[str, ...]:

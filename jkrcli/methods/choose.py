@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from ..base.clock import SILENCE, duration
 from ..base.errors import InputError, Refusal
 from ..bodies.problem import Problem
-from . import Forecast, Method, least_first
+from . import Forecast, Method, least_first, refusal_of
 
 
 @dataclass(frozen=True)
@@ -108,7 +108,7 @@ def choose(problem: Problem, wanted: str | Method, build: Callable[[str], Method
     """The method ``wanted``, by name or itself; for "auto" the first of ``least_first`` that is accurate enough."""
     if wanted != "auto":
         name, method = (wanted, build(wanted)) if isinstance(wanted, str) else (type(wanted).__name__, wanted)
-        if reason := method.refusal(problem):
+        if reason := refusal_of(name, method, problem):
             raise Refusal(f"method {name}: {reason}")
         return Choice(name, method, "as the case says")
     options = survey(problem, build)
@@ -125,7 +125,7 @@ def survey(problem: Problem, build: Callable[[str], Method], names: Sequence[str
     options = []
     for name in names or least_first():
         method = build(name)
-        refusal, forecast = method.refusal(problem), None
+        refusal, forecast = refusal_of(name, method, problem), None
         try:
             forecast = None if refusal else method.forecast(problem)
         except Refusal as error:  # so much that it cannot even be counted

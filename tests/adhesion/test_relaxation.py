@@ -10,13 +10,13 @@ import pytest
 from relaxing_rings import stepped
 
 import jkrcli as jkr
-from jkrcli.adhesion.analysis import nonadhesive
 from jkrcli.adhesion.relaxation.depths import Depths
 from jkrcli.adhesion.relaxation.driven import Drive
 from jkrcli.adhesion.relaxation.memory import moments
 from jkrcli.adhesion.relaxation.path import RelaxedPath, given_depth
 from jkrcli.base.arrays import Array
 from jkrcli.base.errors import InputError
+from jkrcli.beside.analysis import nonadhesive
 from jkrcli.bodies.indenter import Indenter
 from jkrcli.bodies.relaxation import PowerRelaxation, Prony, Relaxation, StandardSolid
 
@@ -146,7 +146,9 @@ def test_a_loading_after_contact_was_lost_is_refused() -> None:
 
 @pytest.mark.parametrize("stiffness", [math.inf, 1.0, 0.0])
 def test_a_depth_beyond_the_series_is_refused(stiffness: float) -> None:
-    with pytest.raises(InputError, match=r"beyond the largest of the series, 1.5 m: turn before, or load further"):
+    with pytest.raises(
+        InputError, match=r"beyond the largest of the series, 1.5 m: turn before, or increase \[loading\] radius"
+    ):
         path(SOLID, TRIANGLE[0], 4 * TRIANGLE[1], stiffness=stiffness)
 
 

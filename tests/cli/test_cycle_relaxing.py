@@ -120,7 +120,7 @@ REFUSED = {
     "too deep": (
         ("--speed", "1", "--to-depth", "2 m"),
         "gel.h5: program: the contact comes to a depth of 2 m, beyond the largest of the series, 1 m: turn before, or "
-        "load further",
+        "increase [loading] radius",
     ),
     "too strong": (
         ("--speed", "1", "--to-load", "5 N"),

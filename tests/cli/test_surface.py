@@ -101,6 +101,7 @@ def test_pull_off_changes_by_little_where_the_load_changes_by_much():
     assert forces[0] / forces[1] == pytest.approx(0.9561, abs=1e-3)
 
 
+@pytest.mark.slow
 def test_a_fit_under_both_assumptions_finds_which_one_made_the_data(jkr, folder):
     curve = transform(parse_case(layer("sticking").replace("points = 20", "points = 80")), 0.04).curve
     noise = 1 + 0.005 * np.random.default_rng(1).standard_normal((3, 80))

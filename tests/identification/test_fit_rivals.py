@@ -100,6 +100,7 @@ MISFITS: dict[str, tuple[Callable[[], FittedBody], Callable[[], Curve], float, f
 }
 
 
+@pytest.mark.first(3)
 @pytest.mark.parametrize("seeds", SEEDS)
 @pytest.mark.parametrize("name", MISFITS)
 def test_a_misfit_is_warned_of_or_held(name: str, seeds: int) -> None:
@@ -134,6 +135,7 @@ def _without_model(found: Fit) -> tuple:
     return tuple(replace(item, model=None) for item in found.estimates)
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize("seeds", SEEDS)
 @pytest.mark.parametrize(
     ("body", "exact"),

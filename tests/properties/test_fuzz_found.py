@@ -407,6 +407,7 @@ def test_a_mesh_of_more_points_than_fit_is_refused_and_other_methods_are_told(jk
     assert "fem          cannot: mesh: " in done.out
 
 
+@pytest.mark.slow
 def test_a_profile_of_many_points_takes_little_memory(jkr: Callable) -> None:
     """2,000 points took 10 GB and 35 s, 100,000 asked for 2 TB."""
     r = np.linspace(0, 2e-5, 601)

@@ -54,7 +54,7 @@ class RelaxedPath:
         if deepest > most * (1 + TUNING.beyond):
             raise InputError(
                 f"program: the contact comes to a depth of {show(deepest, 'length')}, beyond the largest of the "
-                f"series, {show(most, 'length')}: turn before, or load further"
+                f"series, {show(most, 'length')}: turn before, or increase [loading] radius"
             )
 
     @property

@@ -191,6 +191,7 @@ def _validity(found: Fit, body: FittedBody, family: Family) -> list[str]:
         a=a, delta=float(D[0]), E_star=found.value("E_star"), w=found.work.value if _adhesion(found) else 0.0,
         R=problem.indenter.tip_radius, h=thickness, depth=thickness if depth == top else depth,
         L=problem.specimen.radius, z0=THRESHOLDS.z0 if found.jkr is None else None, end_is_cut=False,
+        tension=problem.specimen.surface_tension, profile=problem.indenter.noun,
     )  # fmt: skip
     return [line.replace(REMEDY, "fit with --free range (or stress)") for line in check(judged)]
 

@@ -17,7 +17,7 @@ from ...bodies.materials import Elastic
 from ...bodies.problem import Layer, Loading, Problem, Rigid
 from ...formulas import thin_layer
 from ...series import COLUMNS, ErrorBudget, Series, Solution
-from .. import Forecast
+from .. import Forecast, without_tension
 from ..layered.layered import Layered, unbounded
 from ..radii import half_space_guess, radii_of_loading
 
@@ -96,9 +96,11 @@ def _radii(problem: Problem, formula: Formula) -> Array:
 
 def _formula(problem: Problem) -> Formula:
     """The formula for this body; Refusal where there is none, with what to use instead."""
+    if reason := without_tension(problem):
+        raise Refusal(reason)
     if problem.sticks and not _slides_all_the_same(problem):
         other = "layered" if problem.specimen.radius is None else "fem"
-        raise Refusal(f"there is no formula for surfaces that stick: use method {other}")
+        raise Refusal(f"no formula is known for no slip: use method {other}")
     if problem.specimen.is_half_space:
         return _half_space(problem)
     match problem.specimen.layers, problem.specimen.base, problem.specimen.radius:

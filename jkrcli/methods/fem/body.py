@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -31,7 +32,7 @@ class MeshedBody:
 
     ``bonded``: the base holds the body, else it only supports it; ``cut_below``: the lowest layer stands for a
     half-space; ``cut_beside``: the specimen is wider than the body; ``completed``: the displacement that a cut-out
-    half-space lacks is added.
+    half-space lacks is added; ``tension`` of the whole surface [N/m].
     """
 
     thicknesses: tuple[float, ...]
@@ -42,6 +43,7 @@ class MeshedBody:
     cut_below: bool
     cut_beside: bool
     completed: bool = False
+    tension: float = 0.0
 
     @property
     def depth(self) -> float:
@@ -85,13 +87,15 @@ def cut_out(problem: Problem, reach: float, depth: float | None, width: float | 
         cut_below=isinstance(base, HalfSpace),
         cut_beside=not finite,
         completed=isinstance(base, HalfSpace) and depth is None and width is None,
+        tension=specimen.surface_tension,
     )
 
 
 def half_space_like(body: MeshedBody, reach: float) -> MeshedBody:
     """A homogeneous half-space of the uppermost material at the surface, for contact radii up to ``reach`` [m]."""
-    size = TUNING.calibration * reach
-    return MeshedBody((size,), (at_surface(body.materials[0]),), size, True, "free", True, True, completed=True)
+    top = at_surface(body.materials[0])
+    size = TUNING.calibration * max(reach, 2 * body.tension / top.surface.E_star)
+    return MeshedBody((size,), (top,), size, True, "free", True, True, completed=True, tension=body.tension)
 
 
 def at_surface(material: Material) -> Material:
@@ -124,14 +128,16 @@ def _width(specimen: Specimen, reach: float, width: float | None, far: float) ->
 
 def _decay_length(specimen: Specimen, reach: float) -> float:
     """Length over which the field changes far from the contact [m]: the layers' thickness, longer under a stiff plate
-    (of moduli E1 on E2 like (E1/E2)^(1/3) on a half-space, and like (E1/E2)^(1/4) on a layer, as Winkler's)."""
+    (of moduli E1 on E2 like (E1/E2)^(1/3) on a half-space, and like (E1/E2)^(1/4) on a layer, as Winkler's) or under
+    a tension, that carries over kappa = 2 Ups/E* on a half-space, and sqrt(kappa h) on a layer."""
+    kappa = specimen.tension_length
     moduli = [modulus for layer in specimen.layers for modulus in layer.moduli]
     total = sum(layer.thickness for layer in specimen.layers)
     if isinstance(specimen.base, HalfSpace):
         E = specimen.base.material.surface.E
         contrast = max([*moduli, E]) / E
-        return max(reach, total * contrast ** (1 / 3))
-    return total * (max(moduli) / min(moduli)) ** (1 / 4)
+        return max(reach, total * contrast ** (1 / 3), kappa)
+    return max(total * (max(moduli) / min(moduli)) ** (1 / 4), math.sqrt(kappa * total))
 
 
 def _with_equivalent_modulus(problem: Problem) -> Specimen:

@@ -19,7 +19,7 @@ from typing import Any, Literal
 
 import numpy as np
 import skfem
-from scipy.sparse import bmat, csr_matrix
+from scipy.sparse import block_diag, bmat, csr_matrix
 
 from ...base.arrays import Array
 from ...base.errors import Refusal
@@ -115,6 +115,13 @@ def force_z(v: Any, w: Any) -> Any:
 def measure(v: Any, w: Any) -> Any:
     """Integral of v: on the surface the area that belongs to each node."""
     return v
+
+
+@skfem.BilinearForm
+@ring
+def membrane(u: Any, v: Any, w: Any) -> Any:
+    """Stiffness u_z-u_z of a surface of the tension 1 N/m: its energy is half of the tension times (du_z/dr)^2."""
+    return u.grad[0] * v.grad[0]
 
 
 # ---------------------------------------------------------------------- the system
@@ -239,16 +246,23 @@ def assemble(
     bonded: bool = True,
     side: Side = "free",
     mixed: Sequence[int] = (),
+    tension: float = 0.0,
 ) -> ElasticSystem:
     """The elastic system of ``grid``; ``materials[i]`` belongs to layer i; ``mixed``: layers with a pressure unknown.
 
-    The base is held (``bonded``) or slides (normal displacement held); the axis holds u_r.
+    The base is held (``bonded``) or slides (normal displacement held); the axis holds u_r. ``tension`` [N/m] of the
+    whole surface.
     """
     basis = _basis(grid, order, 2 * order + (GRADED_DEGREE if any(isinstance(m, Graded) for m in materials) else 0))
     K, pressure_nodes = _stiffness(basis, grid, materials, tuple(mixed))
     surface = basis.get_dofs("surface").all()
     surface = surface[np.argsort(basis.doflocs[0, surface], kind="stable")]
     top = skfem.FacetBasis(basis.mesh, basis.elem, facets="surface", intorder=2 * order + 1)
+    if tension:
+        rest = K.shape[0] - 2 * basis.N
+        K = K + block_diag(
+            [csr_matrix((basis.N, basis.N)), tension * membrane.assemble(top), csr_matrix((rest, rest))], "csr"
+        )
     return ElasticSystem(
         grid=grid,
         materials=materials,

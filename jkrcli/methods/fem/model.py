@@ -72,7 +72,10 @@ class Discretisation:
         with clock("mesh"):
             grid = self.layout.grid()
         with clock("assembly"):
-            system = assemble(grid, body.materials, self.order, bonded=body.bonded, side=body.side, mixed=self.mixed)
+            system = assemble(
+                grid, body.materials, self.order,
+                bonded=body.bonded, side=body.side, mixed=self.mixed, tension=body.tension,
+            )  # fmt: skip
         return self.condensed(system, clock)
 
     def condensed(self, system: ElasticSystem, clock: StageClock) -> Model:

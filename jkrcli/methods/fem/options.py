@@ -82,5 +82,6 @@ register(
         effort=40,
         options=FEMOptions,
         table="mesh",
+        tension=True,
     )
 )

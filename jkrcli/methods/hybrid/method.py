@@ -13,7 +13,7 @@ from ...base.units import show
 from ...bodies.materials import Graded, TransverselyIsotropic
 from ...bodies.problem import HalfSpace, Problem
 from ...series import ErrorBudget, Solution
-from .. import Forecast
+from .. import Forecast, without_tension
 from ..integral.contact import FLOPS_PER_SECOND, first_stiffness, largest_for_contact, radii_for_contact, series_of
 from ..integral.disc import disc_warnings, refuse_shrinking
 from ..integral.equation import EquationResult
@@ -106,14 +106,14 @@ class Hybrid(HybridOptions):
         else:
             raise Refusal(_not_found(problem, reach))
         with clock("solve"):
-            result = contact.solved(radii, contact.plan(radii, SEARCH * self.tolerance))
+            result, unsettled = contact.settled(radii, SEARCH * self.tolerance)
             S0 = first_stiffness(contact, SEARCH * self.tolerance)
         with clock("full disc"):
             refuse_shrinking(radii, result.delta)
             warnings = disc_warnings(contact, problem.specimen, float(radii[-1]), lambda _: contact.kernel)
         return Solution(
             problem,
-            series_of(result, errors.at(radii), problem.indenter.a0, S0),
+            series_of(result, errors.at(radii) + unsettled, problem.indenter.a0, S0),
             ErrorBudget(float((errors.elements + errors.parameters).max()), float(errors.cut.max()), radius=0.0),
             "hybrid",
             facts=_facts(levels, degree, result),
@@ -167,6 +167,8 @@ def _not_found(problem: Problem, reach: float) -> str:
 
 def _unable(problem: Problem) -> str | None:
     specimen = problem.specimen
+    if reason := without_tension(problem):
+        return reason
     if problem.sticks:
         other = "layered" if specimen.radius is None else fem_for(problem.indenter)
         return f"the correction is that of surfaces that slide: use method {other}"

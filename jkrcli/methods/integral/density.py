@@ -148,6 +148,8 @@ def _angle(r: float, t: Array) -> Array:
 
 def unsmooth(specimen: Specimen) -> str | None:
     """Why pressures and gaps on the ``specimen`` cannot be found from its density; None where they can."""
+    if specimen.surface_tension:
+        return "profile: pressures under surface tension are not implemented: leave specimen.surface_tension out"
     if isinstance(specimen.materials[0], Graded):
         return (
             "profile: under a modulus that varies right below the contact phi is not smooth at the edge, and its "

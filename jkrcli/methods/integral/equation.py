@@ -13,6 +13,7 @@ means, and S' = (pi^2 E*/2) phi_1(a)^2 = 2 E* y(a)^2.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -146,7 +147,7 @@ def solve(equation: DiscreteEquation, indenter: Indenter, E_star: float, inner: 
     """
     panels = equation.panels
     a, last = panels.radii, panels.stops - 1
-    F = panel_means(indenter, panels, inner)
+    F = panel_means(indenter.abel, np.array(indenter.joints), panels.edges, panels.order, inner)
     sides, ends = np.array([np.ones_like(F), F]), np.array([np.ones_like(a), indenter.abel(a)])
     (y, z), (y_edge, z_edge) = equation.forward(sides, ends)
     if not (y_edge > 0).all():
@@ -158,15 +159,15 @@ def solve(equation: DiscreteEquation, indenter: Indenter, E_star: float, inner: 
     return EquationResult(panels, delta, scale * P, scale * S, scale * y_edge**2, rounding, equation, F)
 
 
-def panel_means(indenter: Indenter, panels: Panels, inner: int) -> Array:
-    """F of an indenter at the nodes, replaced on each panel by its projection on polynomials of degree order - 1 [m].
+def panel_means(f: Callable[[Array], Array], cuts: Array, edges: Array, order: int, inner: int) -> Array:
+    """Values of ``f`` at ``order`` Gauss nodes on each panel between the increasing ``edges``, replaced there by its
+    projection on polynomials of degree order - 1.
 
-    Sums of w F q over the nodes are then exact integrals of F q for such polynomials q, whatever kinks F has: only
-    the kernel limits the accuracy. The integrals cut panels at the kinks of F and place nodes quadratically above each
-    left end, where F may begin like (x - b)^(3/2) or x^d.
+    Sums of w f q over the nodes are then exact integrals of f q for such polynomials q, whatever kinks f has at the
+    ``cuts``: only the kernel limits the accuracy. The integrals place ``inner`` nodes quadratically above each cut and
+    edge, where f may begin like (x - b)^(3/2) or x^d.
     """
-    edges, order = panels.edges, panels.order
-    cuts = np.unique(np.concatenate([edges, [b for b in indenter.joints if b < edges[-1]]]))
+    cuts = np.unique(np.concatenate([edges, cuts[cuts < edges[-1]]]))
     lo, hi = cuts[:-1], cuts[1:]
     owner = np.searchsorted(edges, lo, side="right") - 1
     u, v = crowded_rule(inner, 2)
@@ -174,7 +175,7 @@ def panel_means(indenter: Indenter, panels: Panels, inner: int) -> Array:
     w = (hi - lo)[:, None] * v
     width = np.diff(edges)
     local = np.clip(2 * (x - edges[owner][:, None]) / width[owner][:, None] - 1, -1, 1)
-    moments = np.einsum("pq,pqn->pn", w * indenter.abel(x), np.polynomial.legendre.legvander(local, order - 1))
+    moments = np.einsum("pq,pqn->pn", w * f(x), np.polynomial.legendre.legvander(local, order - 1))
     per_panel = np.zeros((width.size, order))
     np.add.at(per_panel, owner, moments)
     nodes, _ = rule(order)

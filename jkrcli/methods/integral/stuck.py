@@ -39,8 +39,8 @@ Pair: TypeAlias = tuple[Array, Array]
 
 @dataclass(frozen=True, eq=False)
 class StuckKernel:
-    """Kernel of both densities: ``weights`` (3, k) are those of quadrature at the wave numbers ``k`` [1/m] times d_zz,
-    d_zr, d_rr; ``beta``: Dundurs's constant."""
+    """The no-slip kernel, of both densities: ``weights`` (3, k) are those of quadrature at the wave numbers ``k`` [1/m]
+    times d_zz, d_zr, d_rr; ``beta``: Dundurs's constant."""
 
     k: Array
     weights: Array

@@ -6,7 +6,7 @@ import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from ...bodies.indenters import Indenter
 from ...bodies.materials import Elastic, contact_modulus
 from ...bodies.problem import Specimen
 from ..integral.contact import InaccurateError, tolerance_remedy
-from ..integral.equation import DiscreteEquation, EquationResult, solve
+from ..integral.equation import ContactResult, DiscreteEquation, EquationResult, solve
 from ..integral.kernel import FredholmKernel, SumKernel
 from ..integral.quadrature import Panels, Quadrature
 from .product import product_matrix
@@ -69,6 +69,45 @@ class IndenterOnLayers(ABC):
     def scale(self) -> float:
         """The length over which the kernel varies [m]; infinite for a homogeneous half-space."""
         return self.spectrum.scale
+
+
+@dataclass(frozen=True, eq=False)
+class ResolvedTwice(IndenterOnLayers):
+    """An indenter on layers whose errors are found from a second discretisation that differs in every part;
+    ``what`` is solved."""
+
+    what: ClassVar[str]
+
+    @abstractmethod
+    def plan(self, radii: Array, tolerance: float) -> Any:
+        """The plan expected to be accurate to ``tolerance`` at the increasing ``radii`` [m]."""
+
+    @abstractmethod
+    def solved(self, radii: Array, plan: Any) -> ContactResult:
+        """Contact at the increasing ``radii`` [m]."""
+
+    def refined(self, radii: Array, tolerance: float) -> tuple[ContactResult, Array]:
+        """The result at ``radii`` and its estimated relative error at each, below ``tolerance``, from a second
+        discretisation that differs in every part; Refusal where refinement does not reach it."""
+        plan, best = self.plan(radii, tolerance / TUNING.margin), math.inf
+        some = checked(radii)
+        for step in range(1, TUNING.refinements + 1):
+            finer = plan.finer()
+            try:
+                main, other = self.solved(radii, plan), self.solved(radii[some], finer)
+            except SolveError:
+                if math.isinf(best) and step == TUNING.refinements:
+                    raise
+            else:
+                errors = _errors(main, other, some) + tolerance * TUNING.no_claim
+                best = min(best, float(errors.max()))
+                if best <= tolerance:
+                    return main, errors
+            plan = finer
+        smaller = "ask for a smaller contact radius"
+        missed = f"layered: the estimated relative error of {self.what} is {best:.1e} with {plan.nodes} rows, "
+        missed += f"above the tolerance {tolerance:.1e}; "
+        raise InaccurateError(f"{missed}{tolerance_remedy('layered', best)}{smaller}", f"{missed}{smaller}")
 
 
 @dataclass(frozen=True, eq=False)
@@ -195,7 +234,7 @@ def _inaccurate(error: float, nodes: int, tolerance: float) -> InaccurateError:
     return InaccurateError(f"{missed}{tolerance_remedy('layered', error)}{smaller}", f"{missed}{smaller}")
 
 
-def _errors(main: EquationResult, other: EquationResult, some: Array) -> Array:
+def _errors(main: ContactResult, other: ContactResult, some: Array) -> Array:
     """Relative error of any column at every radius: the largest difference, with a safety, and rounding."""
     seen = np.max(np.abs(other.columns / main.columns[:, some] - 1))
     return TUNING.safety * seen + main.rounding

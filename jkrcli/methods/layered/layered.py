@@ -21,11 +21,14 @@ from .contact import TUNING, LayeredContact, checked
 from .options import LayeredOptions
 from .spectrum import spectrum_seconds
 from .stuck import StuckLayeredContact, unable
+from .tense import TenseContact
 
 SEARCH = 1e-10  # relative accuracy to which a prescribed depth or load is met; choice: finer than any tolerance in use
 SEARCHED = 20.0  # radius over the kernel's scale up to which forecasts search; choice: a tenth of a second
 SEARCHES = 4  # solves in which all radii of prescribed depths or loads are found; choice: for forecasts
 GRADED = 1e-5  # the least tolerance under a modulus that varies over depth; tuned on graded layers, by `make failures`
+TENSE = 5e-8  # the same under surface tension; choice: rounding leaves some 1e-9 on thin incompressible layers
+SolvedContact = LayeredContact | StuckLayeredContact | TenseContact
 
 
 @dataclass(frozen=True)
@@ -34,23 +37,26 @@ class Layered(LayeredOptions):
 
     Valid for any stack of bonded layers, isotropic (-1 < nu <= 1/2), graded over depth or transversely isotropic, on a
     rigid base, bonded or frictionless, or on an elastic half-space, wider than the contact by so much that its sides do
-    not matter; any convex indenter, rigid or elastic. ``tolerance``: relative error of delta, P, S and S' at every
-    radius, estimated by a second quadrature; no smaller than ``GRADED`` where any layer is graded.
+    not matter, with surface tension or without; any convex indenter, rigid or elastic. ``tolerance``: relative error of
+    delta, P, S and S' at every radius, estimated by a second quadrature; no smaller than ``GRADED`` where any layer is
+    graded, or ``TENSE`` under surface tension.
     """
 
     def refusal(self, problem: Problem) -> str | None:
         """Why the problem is none of a laterally unbounded stack, with the remedy; None where it is one."""
         radius = problem.specimen.radius
         if radius is not None:
+            other = "fem" if problem.sticks or problem.specimen.surface_tension else "hybrid"
             return (
                 f"the specimen has a finite radius of {radius:g} m, this method knows only laterally "
-                f"unbounded ones; use the method {'fem' if problem.sticks else 'hybrid'}, or leave the radius out"
+                f"unbounded ones; use the method {other}, or leave the radius out"
             )
         return unable(problem.indenter, problem.specimen) if problem.sticks else None
 
     def attainable(self, specimen: Specimen) -> float:
         """The tolerance that holds for ``specimen``."""
-        return max(self.tolerance, GRADED) if specimen.is_graded else self.tolerance
+        least = max(GRADED if specimen.is_graded else 0.0, TENSE if specimen.surface_tension else 0.0)
+        return max(self.tolerance, least)
 
     def forecast(self, problem: Problem) -> Forecast:
         """Seconds and memory of the solve, from its node counts; finding the largest radius is part of the forecast.
@@ -118,31 +124,31 @@ def _largest(problem: Problem) -> float:
     return expected_radius(_contact(problem), problem.loading, SEARCH)
 
 
-def expected_radius(contact: LayeredContact | StuckLayeredContact, loading: Loading, accuracy: float) -> float:
+def expected_radius(contact: SolvedContact, loading: Loading, accuracy: float) -> float:
     """The contact radius [m] at which ``loading`` ends, extrapolated where it is many times the layers' length."""
     return largest_for_contact(replace(contact, limit=SEARCHED * contact.scale), loading, accuracy)
 
 
 def unbounded(problem: Problem) -> Problem:
     """The same problem without the sides of the specimen."""
-    return replace(problem, specimen=Specimen(problem.specimen.layers, problem.specimen.base))
+    return replace(problem, specimen=replace(problem.specimen, radius=None, side=None))
 
 
-def _contact(problem: Problem) -> LayeredContact | StuckLayeredContact:
-    kind = StuckLayeredContact if problem.sticks else LayeredContact
-    return kind(problem.indenter, problem.specimen)
+def _contact(problem: Problem) -> SolvedContact:
+    kind: Any = StuckLayeredContact if problem.sticks else LayeredContact
+    kind = TenseContact if problem.specimen.surface_tension else kind
+    found: SolvedContact = kind(problem.indenter, problem.specimen)
+    return found
 
 
-def _disc_warnings(
-    contact: LayeredContact | StuckLayeredContact, specimen: Specimen, largest: float
-) -> tuple[str, ...]:
+def _disc_warnings(contact: SolvedContact, specimen: Specimen, largest: float) -> tuple[str, ...]:
     """What is wrong with the contact as a disc; one that sticks has been refused where it does not grow."""
     if isinstance(contact, StuckLayeredContact):
         return ()
     return disc_warnings(contact, specimen, largest, contact.spectrum.kernel)
 
 
-def _facts(contact: LayeredContact | StuckLayeredContact, result: ContactResult) -> dict[str, float | int]:
+def _facts(contact: SolvedContact, result: ContactResult) -> dict[str, float | int]:
     panels = result.panels
     facts: dict[str, float | int] = {"nodes": panels.x.size, "panels": panels.edges.size - 1, "order": panels.order}
     if contact.specimen.layers:

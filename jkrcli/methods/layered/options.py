@@ -25,6 +25,9 @@ register(
         "The exact contact equation of any stack of layers much wider than the contact; no mesh.",
         "jkrcli.methods.layered.layered:Layered",
         effort=20,
+        tension=True,
         options=LayeredOptions,
+        exact=True,
+        kernel=True,
     )
 )

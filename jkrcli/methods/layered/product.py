@@ -21,6 +21,7 @@ from functools import cache
 import numpy as np
 
 from ...base.arrays import Array
+from ...base.cubic import EvenCubic
 from ..integral.quadrature import Panels, crowded_rule, rule
 
 Transform = Callable[[Array], Array]
@@ -59,10 +60,15 @@ def _tabulated(transform: Transform, panels: Panels) -> Transform:
     from scipy.interpolate import CubicSpline
 
     smallest = float(np.diff(panels.edges).min()) * crowded_rule(TUNING.alone, 3)[0][0]
-    decades = math.log10(2 * panels.edges[-1] / smallest)
-    ln_s = np.linspace(math.log(smallest), math.log(2 * panels.edges[-1]), math.ceil(TUNING.per_decade * decades))
-    spline = CubicSpline(ln_s, transform(np.exp(ln_s)))
+    ln_s = logarithms(smallest, 2 * float(panels.edges[-1]))
+    spline = EvenCubic(ln_s[0], ln_s[1] - ln_s[0], CubicSpline(ln_s, transform(np.exp(ln_s))).c)
     return lambda s: spline(np.log(s))
+
+
+def logarithms(smallest: float, largest: float) -> Array:
+    """Evenly spaced knots ln(s) with which a spline of tau is good to 1e-9."""
+    ends = math.log(smallest), math.log(largest)
+    return np.linspace(*ends, math.ceil(TUNING.per_decade * (ends[1] - ends[0]) / math.log(10)))
 
 
 def _entries(transform: Transform, panels: Panels, mirrored: bool) -> Array:
@@ -114,7 +120,7 @@ def _symmetric(transform: Transform, x: Array, mirrored: bool) -> Array:
 def _projection(order: int, points: int) -> Array:
     """(1/w_i) int l_i f = sum over the crowded nodes q of f_q times this (q, i)."""
     u, v = crowded_rule(points, 3)
-    return v[:, None] * _lagrange(order, u) / (rule(order)[1] / 2)
+    return v[:, None] * lagrange(order, u) / (rule(order)[1] / 2)
 
 
 @cache
@@ -123,12 +129,12 @@ def _alone(order: int, points: int) -> tuple[Array, Array]:
     s, v = crowded_rule(points, 3)
     nodes, w = rule(order)
     inside = np.outer(1 - s, (nodes + 1) / 2)
-    first, second = _lagrange(order, inside), _lagrange(order, inside + s[:, None])
+    first, second = lagrange(order, inside), lagrange(order, inside + s[:, None])
     overlap = np.einsum("q,s,sqi,sqj->sij", w / 2, v * (1 - s), first, second, optimize=True)
     return s, (overlap + overlap.transpose(0, 2, 1)) / np.outer(w / 2, w / 2)
 
 
-def _lagrange(order: int, u: Array) -> Array:
+def lagrange(order: int, u: Array) -> Array:
     """l_i(u) on [0, 1] for the Gauss nodes, last axis i."""
     nodes, w = rule(order)
     degrees = np.arange(order)

@@ -13,17 +13,16 @@ from functools import cached_property, partial
 import numpy as np
 
 from ...base.arrays import Array
-from ...base.errors import Refusal, SolveError
+from ...base.errors import Refusal
 from ...bodies.indenters import Indenter
 from ...bodies.materials import Graded, Material, TransverselyIsotropic
 from ...bodies.problem import Specimen
-from ..integral.contact import InaccurateError, tolerance_remedy
 from ..integral.equation import ContactResult
 from ..integral.growth import Growth, Pieces
 from ..integral.quadrature import Panels, Quadrature, gauss, phase_allowed, rule, split
 from ..integral.stuck import StuckDisc, StuckKernel
 from .contact import TUNING as REFINING
-from .contact import IndenterOnLayers, checked
+from .contact import ResolvedTwice
 from .minors import Medium, minors_of, shear_moduli
 from .spectrum import TUNING as SPECTRUM
 from .spectrum import LayeredSpectrum, resolved
@@ -150,8 +149,10 @@ def half_space_compliances(material: Material) -> tuple[float, float, float]:
 
 
 @dataclass(frozen=True, eq=False)
-class StuckLayeredContact(IndenterOnLayers):
+class StuckLayeredContact(ResolvedTwice):
     """An indenter that sticks to a layered specimen, solved at given radii."""
+
+    what = "surfaces that stick"
 
     @cached_property
     def spectrum(self) -> StuckSpectrum:
@@ -209,30 +210,6 @@ class StuckLayeredContact(IndenterOnLayers):
         worst = np.full_like(radii, disc.rounding.max())
         columns = growth.displacement(radii), factor * growth.load(radii), factor * S, factor * dS
         return ContactResult(replace(panels, radii=radii), *columns, worst)
-
-    def refined(self, radii: Array, tolerance: float) -> tuple[ContactResult, Array]:
-        """The result at ``radii`` and its estimated relative error at each, below ``tolerance``, from a second
-        discretisation that differs in every part; Refusal where refinement does not reach it."""
-        plan, best = self.plan(radii, tolerance / REFINING.margin), math.inf
-        some = checked(radii)
-        for step in range(1, REFINING.refinements + 1):
-            finer = plan.finer()
-            try:
-                main, other = self.solved(radii, plan), self.solved(radii[some], finer)
-            except SolveError:
-                if math.isinf(best) and step == REFINING.refinements:
-                    raise
-            else:
-                seen = np.max(np.abs(other.columns / main.columns[:, some] - 1))
-                errors = REFINING.safety * seen + main.rounding + tolerance * REFINING.no_claim
-                best = min(best, float(errors.max()))
-                if best <= tolerance:
-                    return main, errors
-            plan = finer
-        smaller = "ask for a smaller contact radius"
-        missed = f"layered: the estimated relative error of surfaces that stick is {best:.1e} with {plan.nodes} rows, "
-        missed += f"above the tolerance {tolerance:.1e}; "
-        raise InaccurateError(f"{missed}{tolerance_remedy('layered', best)}{smaller}", f"{missed}{smaller}")
 
 
 def unable(indenter: Indenter, specimen: Specimen) -> str | None:

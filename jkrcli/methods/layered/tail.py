@@ -52,7 +52,7 @@ class Tail:
             return None
         _, smooth = next(smooth_parts(material.law, specimen.top_thickness))
         factor = contact_modulus(specimen.surface, indenter) / specimen.surface.E_star
-        return cls(factor * _regularised(c, rate), rate, min(smooth, 1 / rate))
+        return cls(factor * regularised(c, rate), rate, min(smooth, 1 / rate))
 
     @property
     def strength(self) -> float:
@@ -112,7 +112,7 @@ def _product(a: Array, b: Array) -> Array:
     return np.convolve(a, b)[: a.size]
 
 
-def _regularised(c: Array, rate: float) -> Array:
+def regularised(c: Array, rate: float) -> Array:
     """Coefficients b with sum b_n (k^2 + q^2)^(-n/2) = sum c_n k^-n up to the last term."""
     b = c.copy()
     for n in range(1, c.size + 1):

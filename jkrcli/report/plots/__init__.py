@@ -50,7 +50,7 @@ STYLE: dict[Any, Any] = {
     "axes.spines.right": False,
     "lines.linewidth": 1.4,
     "svg.hashsalt": "jkr",
-    "svg.fonttype": "path",
+    "svg.fonttype": "none",  # text stays text: it can be searched, copied and set in another font
 }
 # Okabe and Ito's palette: told apart by colour-blind readers, and by line style or marker in grey.
 BLUE, ORANGE, GREEN, BLACK = "#0072B2", "#D55E00", "#009E73", "#000000"

@@ -36,7 +36,7 @@ def record_figure(records: Sequence[ForceCurve]) -> Figure:
         panels = figure.subplots(rows, columns, squeeze=False).ravel()
         for i, (panel, record) in enumerate(zip(panels, shown, strict=False)):
             _panel(panel, record, x, y, round(LETTERS / columns))
-            what = "displacement" if record.curve.stiffness is None else "position of the device"
+            what = "displacement" if record.curve.stiffness is None else "position z of the device"
             panel.set_xlabel(fill(f"{what} ({length})", LETTERS // columns) if i + columns >= len(shown) else "")
             panel.set_ylabel(f"load ({load})" if i % columns == 0 else "")
         for panel in panels[len(shown) :]:

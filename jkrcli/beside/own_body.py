@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from ..base.arrays import Array
 from ..base.errors import JkrError
-from ..bodies.problem import Loading, Problem
-from ..methods import method_class
+from ..bodies.problem import Problem
 from ..series import Series
-
-EXACT = ("closed-form", "layered")  # exact ones that cost next to nothing
+from .again import again
 
 
 @dataclass(frozen=True)
@@ -32,12 +30,7 @@ def own_solution(problem: Problem, a: Array) -> Series | None:
     not soon."""
     beyond = a - problem.indenter.a0
     steps = np.geomspace(beyond.min() * np.exp(-TUNING.below), beyond.max(), TUNING.radii)
-    alone = replace(problem, loading=Loading.given("radius", tuple(problem.indenter.a0 + steps)))
-    for name in EXACT:
-        method = method_class(name)()
-        try:
-            if method.refusal(alone) is None and method.forecast(alone).seconds < TUNING.longest:
-                return method(alone).series
-        except JkrError:
-            continue
-    return None
+    try:
+        return again(problem, problem.indenter.a0 + steps, longest=TUNING.longest).series
+    except JkrError:
+        return None

@@ -69,6 +69,8 @@ class StickingEffect:
 
 def sticking_effect(problem: Problem, largest: float, works: Sequence[float]) -> StickingEffect | Unknown:
     """Effect on ``problem`` at the contact radius ``largest`` [m], or why it is not known."""
+    if problem.specimen.surface_tension:
+        return Unknown("by how much sticking would differ is not known: it is not derived with surface tension")
     body = unbounded(problem)
     if reason := unable(body.indenter, body.specimen):
         return Unknown(f"by how much sticking would differ is not known: {reason}")
@@ -101,10 +103,10 @@ def _load(series: Series, depth: float) -> float:
 
 
 def _pull_off(sticking: Series, w: float, sliding: Series) -> Estimate:
-    from .curve import AdhesiveCurve, CriticalPoint
-    from .device import LOAD_CONTROL
-    from .nonadhesive import Nonadhesive
-    from .slopes.choice import slopes
+    from ..adhesion.curve import AdhesiveCurve, CriticalPoint
+    from ..adhesion.device import LOAD_CONTROL
+    from ..adhesion.nonadhesive import Nonadhesive
+    from ..adhesion.slopes.choice import slopes
 
     bodies = [Nonadhesive(one, slopes(one, "exact")) for one in (sticking, sliding)]
     first, second = (AdhesiveCurve(body, w).pull_off(LOAD_CONTROL) for body in bodies)

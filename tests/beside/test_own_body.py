@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from jkrcli.adhesion.analysis import nonadhesive
-from jkrcli.adhesion.own_body import own_solution
 from jkrcli.adhesion.slopes.integral import integral
 from jkrcli.base.arrays import Array
+from jkrcli.beside.analysis import nonadhesive
+from jkrcli.beside.own_body import own_solution
 from jkrcli.bodies.indenters import RoundedFlat
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Specimen

@@ -7,6 +7,15 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
+from ..adhesion.critical import Errors, point_error
+from ..adhesion.curve import AdhesiveCurve, CriticalPoint, EquilibriumCurve
+from ..adhesion.device import CONTROLS
+from ..adhesion.law import AskedRange, Range
+from ..adhesion.nonadhesive import Nonadhesive
+from ..adhesion.sharp import resolved, yielding
+from ..adhesion.slopes.choice import slopes, smoothed
+from ..adhesion.slopes.result import Slopes
+from ..adhesion.validity import Validity, check, end_of_body, judge, refuse_wetting, sizes, unresolved
 from ..base.errors import InputError
 from ..base.units import MOST
 from ..base.unknown import Estimate, Unknown, known
@@ -15,18 +24,9 @@ from ..bodies.relaxation import relaxing_words
 from ..methods import Forecast
 from ..series import ErrorBudget, Series, Solution, is_series
 from .comparison import Comparison, compare_half_space
-from .critical import Errors, point_error
-from .curve import AdhesiveCurve, CriticalPoint, EquilibriumCurve
-from .device import CONTROLS
-from .law import AskedRange, Range
-from .nonadhesive import Nonadhesive
 from .own_body import own_solution
 from .range_effect import effect_of_range
-from .sharp import resolved, yielding
-from .slopes.choice import slopes, smoothed
-from .slopes.result import Slopes
 from .solved import seconds_of_points, solved, solver_of
-from .validity import Validity, check, end_of_body, judge, unresolved
 
 SURE = 2.0  # theory: 90 % half-widths of a normal error that one in a thousand exceeds
 JKR = AskedRange()
@@ -95,11 +95,8 @@ class Analysis:
         judged = judge(
             a=float(series.a[-1]),
             delta=float(series.delta[-1]),
-            E_star=problem.E_star,
             w=self.w,
-            R=problem.indenter.tip_radius,
-            h=problem.specimen.top_thickness,
-            depth=problem.specimen.yielding_depth,
+            **sizes(problem),
             L=end_of_body(problem, self.solution.facts),
             z0=self.solution.record.z0 if self.law is None else self.law.length,
             a_pull_off=point.a if isinstance(point, CriticalPoint) else None,
@@ -111,7 +108,8 @@ class Analysis:
     @cached_property
     def comparison(self) -> Comparison | None:
         """The distance to the exact solution of the same indenter; None but for a half-space that slides."""
-        half_space = self.problem.specimen.is_half_space and not self.problem.sticks
+        specimen = self.problem.specimen
+        half_space = specimen.is_half_space and not (self.problem.sticks or specimen.surface_tension)
         if not half_space or not isinstance(self.curve, AdhesiveCurve):
             return None
         return compare_half_space(self.curve, self.problem)
@@ -208,7 +206,7 @@ def forecast(
 
 def _ranged(solution: Solution, works: Sequence[float], asked: AskedRange) -> float:
     """CPU seconds of the dearest of the curves of finite range: the least or the largest w reaches farthest."""
-    from .finite_range import FiniteRangeBody
+    from ..adhesion.finite_range import FiniteRangeBody
 
     body = FiniteRangeBody.of(solution)
     return max(body.seconds(asked.law(w)) for w in {min(works), max(works)})
@@ -218,6 +216,10 @@ def adhesive(solution: Solution, body: Nonadhesive, w: float, modulus_factor: fl
     """The adhesive curve for the work of adhesion ``w`` [J/m^2] on bodies ``modulus_factor`` times as stiff."""
     if not 0 <= w <= MOST:
         raise InputError(f"w: must lie within 0 and {MOST:g} J/m^2, got {w:g}")
+    tension = solution.problem.specimen.surface_tension
+    refuse_wetting(w, tension)
+    if tension and modulus_factor != 1:
+        raise InputError("moduli cannot be scaled under surface tension, which stays: solve the case with other moduli")
     curve = AdhesiveCurve(body.scaled(modulus_factor), w)
     return Analysis(solution.scaled(modulus_factor), curve, _budget(solution.budget, curve), modulus_factor)
 
@@ -237,7 +239,7 @@ def _of_finite_range(
     """The curves of finite range of a solution."""
     if slopes_name not in ("auto", "exact"):
         raise InputError(f"slopes: {slopes_name} has no part in adhesion of finite range, whose kernel is exact")
-    from .finite_range import FiniteRangeBody
+    from ..adhesion.finite_range import FiniteRangeBody
 
     laws = [asked.law(w) for w in works]
     body = FiniteRangeBody.of(solution)
@@ -252,7 +254,7 @@ def error_of_point(curve: EquilibriumCurve, point: CriticalPoint, stiffness: flo
     """90 % half-widths of a pull-off ``point`` under a device of ``stiffness`` [N/m], on curves of either kind."""
     if isinstance(curve, AdhesiveCurve):
         return point_error(curve, point, stiffness)
-    from .finite_range import FiniteRangeCurve
+    from ..adhesion.finite_range import FiniteRangeCurve
 
     assert isinstance(curve, FiniteRangeCurve)
     return curve.point_error(point, stiffness)
@@ -276,7 +278,7 @@ def _series_and_slopes(solution: Solution, name: str) -> tuple[Series, Slopes]:
     own = own_solution(solution.problem, solution.series.a) if read else None
     if solution.raw is not None and name in ("auto", "integral") and not is_series(solution.raw):
         return smoothed(solution.raw, solution.series.a0, solution.series.S0, own=own)
-    series = replace(solution.filtered, own=own)
+    series = replace(solution.filtered, own=own, kinks=solution.problem.indenter.kinks)
     if name not in ("auto", "exact"):
         series = replace(series, S=None, dS=None)
     return series, slopes(series, name)

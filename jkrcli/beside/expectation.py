@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from ..base.clock import duration
+from ..adhesion.curve import CriticalPoint, transform
+from ..adhesion.device import LOAD_CONTROL
+from ..adhesion.sharp import resolved
+from ..adhesion.slopes.choice import slopes
+from ..adhesion.validity import Validity, judge, refuse_wetting, sizes
 from ..base.errors import Refusal
 from ..base.unknown import Unknown
 from ..bodies.problem import HalfSpace, Loading, Problem, Specimen
 from ..methods.layered.layered import Layered
-from .curve import CriticalPoint, transform
-from .device import LOAD_CONTROL
+from .again import again
 from .range_effect import effect_of_range
-from .sharp import resolved
-from .slopes.choice import slopes
-from .validity import Validity, judge
 
 COARSE = Layered(1e-5)
 LONGEST = 3.0  # CPU seconds that an expectation may take; choice: it is asked for before anything is solved
@@ -46,24 +46,19 @@ def expect(problem: Problem, works: tuple[float, ...], z0: float) -> Expectation
     if loading.spacing != "radius":
         loading = Loading(loading.to, loading.maximum)
     unbounded = replace(problem, specimen=specimen, loading=replace(loading, points=max(loading.points, 100)))
-    seconds = COARSE.forecast(unbounded).seconds
-    if seconds > LONGEST:
-        raise Refusal(f"the coarse solution would take about {duration(seconds)}")
-    series = COARSE(unbounded).series
+    series = again(unbounded, method=COARSE, longest=LONGEST).series
     found = slopes(series, "exact")
     a, delta, P = (float(column[-1]) for column in (series.a, series.delta, series.P))
     adhesion = []
     for w in works:
+        refuse_wetting(w, specimen.surface_tension)
         curve = transform(series, found, w)
         point = resolved(curve.pull_off(LOAD_CONTROL), curve, LOAD_CONTROL, z0)
         judged = judge(
             a=a,
             delta=delta,
-            E_star=problem.E_star,
             w=w,
-            R=problem.indenter.tip_radius,
-            h=problem.specimen.top_thickness,
-            depth=problem.specimen.yielding_depth,
+            **sizes(problem),
             L=problem.specimen.radius,
             end_is_cut=False,
             z0=z0,
@@ -80,9 +75,10 @@ def _layers_matter(problem: Problem, delta: float, P: float) -> float | None:
     """Relative difference of the load to that of a half-space of the top material at the same displacement."""
     if not problem.specimen.layers:
         return None
-    half_space = Specimen((), HalfSpace(problem.specimen.surface))
+    tension = problem.specimen.surface_tension
+    half_space = Specimen((), HalfSpace(problem.specimen.surface), surface_tension=tension)
     try:
-        reference = COARSE(Problem(problem.indenter, half_space, Loading("depth", delta, 1))).series.P[-1]
+        reference = again(Problem(problem.indenter, half_space, Loading("depth", delta, 1)), method=COARSE).series.P[-1]
     except Refusal:  # a half-space would need more of the profile than there is
         return None
     return float(P / reference - 1)

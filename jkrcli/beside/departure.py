@@ -14,11 +14,11 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import CubicSpline
 
+from ..adhesion.slopes.scatter import estimate, whitener
 from ..base.arrays import Array
 from ..bodies.problem import Problem
 from ..series import RawSeries
 from .own_body import own_solution
-from .slopes.scatter import estimate, whitener
 
 
 @dataclass(frozen=True)

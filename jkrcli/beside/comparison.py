@@ -7,6 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..adhesion.curve import AdhesiveCurve, CriticalPoint, transform
+from ..adhesion.device import LOAD_CONTROL
+from ..adhesion.slopes.result import Slopes
 from ..base.arrays import Array
 from ..base.unknown import Estimate, Unknown
 from ..bodies.indenters import Indenter, Sphere
@@ -14,9 +17,6 @@ from ..bodies.problem import Problem
 from ..formulas.griffith import shift
 from ..formulas.half_space import adhesive_half_space
 from ..series import Series
-from .curve import AdhesiveCurve, CriticalPoint, transform
-from .device import LOAD_CONTROL
-from .slopes.result import Slopes
 
 OUTSIDE = Unknown("pull-off lies outside the series")
 

@@ -1,0 +1,294 @@
+"""Surface tension, E*, w and zero points from records by indenters of one or more radii on the same body, together.
+
+One radius tells them apart poorly: what tension carries goes like a, what elasticity carries like a^2 and more, and E*
+and the zero point make up for most of it. Two radii do. The family of curves is tabulated over the length 2 Ups/E* and
+the contact radius; residuals are those of the load at the displacement that was read.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Any, cast
+
+import numpy as np
+from scipy.interpolate import RectBivariateSpline
+from scipy.optimize import least_squares
+from scipy.stats import t as student
+
+from ..adhesion.validity import LIMITS
+from ..base.arrays import Array
+from ..base.errors import InputError, SolveError
+from ..base.units import show
+from ..bodies.problem import Loading, Problem
+from ..data.measured import Curve
+from ..formulas.griffith import shift
+from ..formulas.surface_tension import edge_angle
+from ..methods.layered.layered import Layered, largest_radius, unbounded
+from .fit.result import FittedValue
+
+NAMES = ("modulus", "surface_tension", "w")  # of all records together; each has a zero point delta0 beside them
+
+
+@dataclass(frozen=True)
+class TensionFitTuning:
+    """The tabulated family, and the search."""
+
+    lengths: int = 14  # of 2 Ups/E*; choice: curves between them err by 1e-4
+    least: float = 1e-3  # of it over the largest contact radius; choice: less changes loads by 1e-3
+    most: float = 1e2  # choice: beyond, tension alone carries
+    radii: int = 50  # choice: as dense as curves are smooth
+    smallest: float = 0.02  # of the largest, the least of them; choice: where w may let the contact go
+    beyond: float = 3.0  # times the range of the displacement, to which it reaches; choice: spare for w
+    accuracy: float = 1e-6  # choice: far below the noise of any record
+    points: int = 800  # of a curve; choice: interpolated to 1e-5
+    step: float = 1e-4  # of logs, for derivatives; choice: the square root of the accuracy is coarser
+    starts: tuple[float, ...] = (0.03, 0.5, 8.0)  # 2 Ups/E* over the largest radius; choice: one in each regime
+    fewest: int = 8  # rows of a record; choice: four parameters
+
+
+TUNING = TensionFitTuning()
+
+
+@dataclass(frozen=True, eq=False)
+class Record:
+    """The readings of one record: displacement [m] and load [N], with the ranges of both."""
+
+    name: str
+    delta: Array
+    P: Array
+
+    @classmethod
+    def of(cls, curve: Curve) -> Record:
+        """The readings of a ``curve``; InputError where it has too few."""
+        if curve.delta is None or curve.P is None:
+            raise InputError(f"{curve.where}: a fit of surface tension needs displacement and load (delta, P)")
+        if len(curve) < TUNING.fewest:
+            raise InputError(f"{curve.where}: {len(curve)} rows, a fit of surface tension needs {TUNING.fewest}")
+        return cls(curve.name, curve.delta, curve.P)
+
+    @property
+    def depth(self) -> float:
+        return float(np.ptp(self.delta))
+
+    @property
+    def load(self) -> float:
+        return float(np.ptp(self.P))
+
+
+@dataclass(frozen=True)
+class TensionFit:
+    """``estimates``: E_star, surface_tension, w and the zero points, by name; ``correlation`` of those that are free,
+    in the order of ``free``; ``scatter`` of the load [N]; ``loads``: fitted loads [N] of each of the ``records``."""
+
+    estimates: tuple[FittedValue, ...]
+    free: tuple[str, ...]
+    correlation: Array
+    scatter: float
+    records: tuple[Record, ...]
+    loads: tuple[Array, ...]
+    warnings: tuple[str, ...]
+
+    def estimate(self, name: str) -> FittedValue:
+        """The estimate called ``name``."""
+        return next(item for item in self.estimates if item.name == name)
+
+
+@dataclass(frozen=True, eq=False)
+class TenseFamily:
+    """Logs of delta_H, sqrt(4 pi a/S'), P_H and S over the logs of 2 Ups/E* and of the contact radius [m], for the
+    moduli of ``problem``."""
+
+    problem: Problem
+    splines: tuple[RectBivariateSpline, ...]
+    lengths: tuple[float, float]
+    radii: tuple[float, float]
+
+    @classmethod
+    def of(cls, problem: Problem, depth: float) -> TenseFamily:
+        """The family of curves as deep as ``depth`` [m] and beyond."""
+        rounded = 10 ** (math.ceil(20 * math.log10(depth)) / 20)  # so that records share it
+        return _tabulated(replace(unbounded(problem), loading=Loading("depth", rounded, 1)))
+
+    def loads(self, delta: Array, s: float, kappa: float, w: float) -> Array:
+        """P [N] on the stable branch under a given displacement ``delta`` [m], moduli ``s`` times the problem's; held
+        beyond its ends."""
+        low, high = np.log(self.radii)
+        u = np.linspace(low, high, TUNING.points)
+        D, T, H, S = np.exp([spline(math.log(kappa), u)[0] for spline in self.splines])
+        back = math.sqrt(w / s) * T
+        depth, load = D - back, s * (H - S * back)
+        first = int(np.argmin(depth))
+        found: Array = np.interp(delta, depth[first:], load[first:])
+        return found
+
+
+@lru_cache(maxsize=16)
+def _tabulated(problem: Problem) -> TenseFamily:
+    plain = replace(problem, specimen=replace(problem.specimen, surface_tension=0.0))
+    largest = min(largest_radius(plain), 0.95 * problem.indenter.r_max)
+    radii = largest * np.geomspace(TUNING.smallest, 1.0, TUNING.radii)
+    lengths = largest * np.geomspace(TUNING.least, TUNING.most, TUNING.lengths)
+    given = replace(problem, loading=Loading.given("radius", tuple(radii)))
+    columns = []
+    for kappa in lengths:
+        specimen = replace(problem.specimen, surface_tension=kappa * problem.E_star / 2)
+        series = Layered(TUNING.accuracy)(replace(given, specimen=specimen)).series
+        assert series.S is not None and series.dS is not None  # noqa: PT018 - of the method layered
+        columns.append(np.log([series.delta, shift(1.0, series.a, series.dS), series.P, series.S]))
+    table = np.array(columns).transpose(1, 0, 2)
+    splines = tuple(RectBivariateSpline(np.log(lengths), np.log(radii), values, s=0) for values in table)
+    return TenseFamily(problem, splines, (lengths[0], lengths[-1]), (radii[0], radii[-1]))
+
+
+def tension_fit(
+    problem: Problem, curves: Sequence[Curve], radii: Sequence[float], fixed: Mapping[str, float], level: float = 0.95
+) -> TensionFit:
+    """One fit of all ``curves``, each by an indenter of one of the ``radii`` [m]; ``fixed``: values of those of
+    ``NAMES`` that are known (modulus: E* [Pa]). InputError where a record cannot be used, SolveError."""
+    records = tuple(map(Record.of, curves))
+    families = [
+        TenseFamily.of(_with_radius(problem, R), TUNING.beyond * record.depth)
+        for R, record in zip(radii, records, strict=True)
+    ]
+    model = _Model(problem.E_star, records, families, fixed)
+    searches = [model.search(start) for start in TUNING.starts]
+    best = min(searches, key=lambda found: float(found.cost))
+    return _result(model, best, radii, level)
+
+
+def _with_radius(problem: Problem, R: float) -> Problem:
+    return replace(problem, indenter=replace(cast(Any, problem.indenter), R=R))
+
+
+@dataclass(frozen=True, eq=False)
+class _Model:
+    """The unknowns x: logs of E* and of the surface tension and w, as far as they are not ``fixed``, and the zero
+    points in units of each record's range."""
+
+    E_star: float
+    records: tuple[Record, ...]
+    families: list[TenseFamily]
+    fixed: Mapping[str, float]
+
+    @property
+    def free(self) -> list[str]:
+        return [name for name in NAMES if name not in self.fixed]
+
+    def values(self, x: Array) -> dict[str, float]:
+        """Modulus and tension and w, SI."""
+        found = dict(zip(self.free, x.tolist(), strict=False))
+        values = {name: math.exp(found[name]) for name in ("modulus", "surface_tension") if name in found}
+        return values | ({"w": abs(found["w"]) * self._work} if "w" in found else {}) | dict(self.fixed)
+
+    @property
+    def _work(self) -> float:
+        """A unit of w [J/m^2]: load over radius of the first record."""
+        radius = self.families[0].problem.indenter.tip_radius
+        assert radius is not None
+        return self.records[0].load / (math.pi * radius)
+
+    def zeros(self, x: Array) -> Array:
+        """Zero points [m] of the records."""
+        return x[len(self.free) :] * np.array([record.depth for record in self.records])
+
+    def loads(self, x: Array) -> list[Array]:
+        """Loads [N] of all records."""
+        values, found = self.values(x), []
+        for record, family, zero in zip(self.records, self.families, self.zeros(x), strict=True):
+            kappa = float(np.clip(2 * values["surface_tension"] / values["modulus"], *family.lengths))
+            s = values["modulus"] / self.E_star
+            found.append(family.loads(record.delta - zero, s, kappa, values["w"]))
+        return found
+
+    def residuals(self, x: Array) -> Array:
+        """Loads less those read, in units of each record's largest."""
+        parts = zip(self.loads(x), self.records, strict=True)
+        return np.concatenate([(load - record.P) / record.load for load, record in parts])
+
+    def search(self, start: float) -> Any:
+        """Least squares from 2 Ups/E* = ``start`` times the largest radius."""
+        a = max(family.radii[1] for family in self.families)
+        E = self.fixed.get("modulus", self._first_modulus(start))
+        guess = {"modulus": math.log(E), "surface_tension": math.log(start * a * E / 2), "w": 0.05}
+        least = [float(np.min(r.delta)) / r.depth for r in self.records]
+        x = np.array([*(guess[name] for name in self.free), *least])
+        try:
+            return least_squares(self.residuals, x, diff_step=TUNING.step, x_scale="jac", max_nfev=200)
+        except ValueError as error:
+            raise SolveError(f"fit of surface tension: {error}") from None
+
+    def _first_modulus(self, start: float) -> float:
+        """E* that gives the first record its range of loads."""
+        record, family = self.records[0], self.families[0]
+        one = family.loads(np.array([record.depth]), 1.0, start * family.radii[1], 0.0)
+        return self.E_star * record.load / float(one[0])
+
+
+def _result(model: _Model, best: Any, radii: Sequence[float], level: float) -> TensionFit:
+    x, J = best.x, best.jac
+    dof = max(best.fun.size - x.size, 1)
+    variance = 2 * float(best.cost) / dof
+    covariance = variance * np.linalg.pinv(J.T @ J)
+    sigma = np.sqrt(np.diag(covariance))
+    names = [*model.free, *(f"delta0:{record.name}" for record in model.records)]
+    correlation = covariance / np.maximum(np.outer(sigma, sigma), 1e-300)
+    half = float(student.ppf((1 + level) / 2, dof)) * sigma
+    told = len(set(radii)) > 1
+    values = model.values(x) | dict(zip(names[len(model.free) :], model.zeros(x).tolist(), strict=True))
+    spans = {f"delta0:{r.name}": r.depth for r in model.records}
+    estimates = []
+    for name, value in values.items():
+        error = low = high = None
+        if name in names:
+            i = names.index(name)
+            error, low, high = _interval(name, value, float(sigma[i]), float(half[i]), spans.get(name, model._work))
+            if name == "surface_tension" and not told:
+                error = low = high = None
+        dimension = {"modulus": "modulus", "surface_tension": "tension", "w": "work"}.get(name, "length")
+        shown = "E_star" if name == "modulus" else name
+        estimates.append(FittedValue(shown, value, name in names, dimension, error, low, high))
+    warnings = (*_untold(names, correlation, sigma, told), *_steep(values))
+    size = float(np.mean([record.load for record in model.records]))
+    loads = tuple(model.loads(x))
+    return TensionFit(
+        tuple(estimates), tuple(names), correlation, math.sqrt(variance) * size, model.records, loads, warnings
+    )
+
+
+def _interval(name: str, value: float, sigma: float, half: float, unit: float) -> tuple[float, float, float]:
+    """Standard error and ends of the interval: of logs where the unknown is one, else in the ``unit``."""
+    if name in ("modulus", "surface_tension"):
+        return value * sigma, value * math.exp(-half), value * math.exp(half)
+    low = value - half * unit
+    return sigma * unit, max(low, 0.0) if name == "w" else low, value + half * unit
+
+
+def _untold(names: list[str], correlation: Array, sigma: Array, told: bool) -> list[str]:
+    """What records of one radius do not tell, and from what."""
+    if told or "surface_tension" not in names:
+        return []
+    i = names.index("surface_tension")
+    others = np.abs(np.delete(correlation[i], i))
+    rest = [name for name in names if name != "surface_tension"]
+    worst = [f"{_word(rest[j])} ({others[j]:.3f})" for j in np.argsort(-others)[:2]]
+    return [
+        f"records of one radius cannot tell surface_tension from {' and '.join(worst)} (correlations; standard error "
+        f"{sigma[i]:.0%} if the model were exact): give records of another radius (--tip-radius), or --fix one of them"
+    ]
+
+
+def _word(name: str) -> str:
+    return "E*" if name == "modulus" else name
+
+
+def _steep(values: Mapping[str, float]) -> list[str]:
+    w, tension = values["w"], values["surface_tension"]
+    if w == 0 or edge_angle(w, tension) <= LIMITS.edge_angle:
+        return []
+    return [
+        f"theta = sqrt(2 w/Ups) = {edge_angle(w, tension):.3g} rad (w = {show(w, 'work')}) is above "
+        f"{LIMITS.edge_angle:g}: slopes are not small"
+    ]

@@ -1,0 +1,300 @@
+"""One indenter on one layered specimen whose surface has a tension Ups: its spectrum, and contact at any radii.
+
+The tension adds Ups k^2 to the surface stiffness in Hankel space: g becomes g/(1 + kappa g k), kappa = 2 Ups/E*, and
+the contact equation one of the first kind, with the kernel
+
+    k(s) = int_0^inf g/(1 + kappa g k) cos(ks) dk = A(s/kappa)/kappa + int_0^inf (g - 1)/((1 + kappa g k)(1 + kappa k))
+    cos(ks) dk
+
+(``formulas/surface_tension.py: displacement``). With phi = psi(tau)/sqrt(a^2 - t^2), t = a cos(tau), psi(0) is a load
+on the ring of the edge, Ups times the jump of the slope there, and the energy of the field, a positive quadratic form,
+gives for the solutions psi_1 of the right side 1 and psi_F of F
+
+    S = pi E* int psi_1,   S' = pi^3 E* psi_1(0)^2/(4 a kappa),   delta_H = Q'/S' = psi_F(0)/psi_1(0),
+    P_H = S delta_H - Q,   Q = pi E* int psi_1 F.
+
+psi_F is as rough as F'. So it is not solved for: Q' = pi E* int (psi_1 F)' needs the derivative of psi_1 over a alone,
+which is the solution for the right side -K' psi_1, and F enters in integrals only.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from itertools import pairwise
+
+import numpy as np
+
+from ...base.arrays import Array
+from ...base.cubic import EvenCubic
+from ...base.errors import Refusal
+from ...base.units import show
+from ...bodies.materials import Graded
+from ...bodies.problem import Specimen
+from ...formulas import surface_tension as formulas
+from ..integral.equation import ContactResult, panel_means
+from ..integral.quadrature import Panels, crowded_rule, phase_allowed
+from .angles import Angles, Function
+from .contact import TUNING as REFINING
+from .contact import ResolvedTwice
+from .product import logarithms
+from .spectrum import LayeredSpectrum, deviation, resolved
+from .tail import COUNT, Tail, regularised, surface_series
+
+
+@dataclass(frozen=True)
+class TenseTuning:
+    """How the equation of the first kind is discretised for an accuracy."""
+
+    levels: int = 7  # halvings towards the edge for a = kappa; choice: one less errs by 1e-8
+    least_order: int = 6  # nodes on a panel at the accuracy 1e-4; choice: one more for each decade
+    most_order: int = 14  # choice: beyond, rounding counts
+    per_decade: int = 5  # of a/kappa, points near a singularity, beside 2.5 times the order; choice: good to 1e-9
+    frequency: float = 5.0  # times the scale of the layers: highest wave number noticed; theory: as for ``Quadrature``
+    knots: int = 60  # of the smooth part's spline of degree 7, per scale; choice: good to 1e-12
+    finer: int = 12  # of the cubic that stands for it, ten times as fast; choice: good to 1e-11
+    least: float = 1e-6  # kappa/a of layers; choice: below, tension changes nothing by 1e-5
+    inner: int = 20  # nodes per panel in integrals of F; choice: exact for powers
+    per_entry: int = 60  # operations per entry of the matrix; tuned on half-spaces and layers, by `make bench`
+
+
+TUNING = TenseTuning()
+
+
+@dataclass(frozen=True)
+class TensePlan:
+    """``order`` nodes on panels in the angle no wider than ``widest`` [m] at the edge's radius, halved ``extra`` times
+    more than needed; ``accuracy``: up to which a slight tension is a correction; ``nodes`` at the largest radius."""
+
+    order: int
+    widest: float
+    accuracy: float
+    nodes: int
+    extra: int = 0
+
+    def finer(self) -> TensePlan:
+        """A plan that is more accurate in every part and shares no node with this one."""
+        nodes = self.nodes // self.order * (self.order + 2)
+        return TensePlan(self.order + 2, self.widest * 0.9, self.accuracy / 10, nodes, self.extra + 1)
+
+
+@dataclass(frozen=True, eq=False)
+class TenseSpectrum(LayeredSpectrum):
+    """The part (g - 1)/((1 + kappa g k)(1 + kappa k)) that layers add to the kernel, less its ``tail``."""
+
+    def __call__(self, k: Array) -> Array:
+        excess, y = deviation(self.specimen, k), self.kappa * k
+        added = excess / ((1 + y + y * excess) * (1 + y))
+        return added if self.tail is None else added - self.tail(k)
+
+    @property
+    def kappa(self) -> float:
+        """2 Ups/E* [m]."""
+        return self.specimen.tension_length
+
+    @cached_property
+    def tail(self) -> Tail | None:
+        """What is left of the tail of g - 1: it decays like 1/k^3."""
+        plain, top = Tail.of(self.specimen), self.specimen.materials[0]
+        if plain is None or not isinstance(top, Graded):
+            return None
+        c = _tense_series(surface_series(top, COUNT), self.kappa)
+        rate = float(np.max(np.abs(c) ** (1 / np.arange(1, c.size + 1))))
+        return Tail(regularised(c, rate), rate, min(plain.finest, 1 / rate))
+
+    @cached_property
+    def panels(self) -> tuple[Array, Array, Array]:
+        k_max = self.bandwidth(self.floor)
+        edges = np.concatenate([[0.0], k_max * 2.0 ** np.arange(-6, 1)])
+        rest = (lambda k: 0 * k) if self.tail is None else self.tail
+        return resolved(self, edges[:-1], edges[1:], lambda k: rest(k) - self.kappa * k / (1 + self.kappa * k))
+
+    def singular(self, s: Array) -> Array:
+        """The part of the kernel [1/m] with a logarithm at s = 0, s > 0 [m]."""
+        plain = formulas.displacement(s / self.kappa) / self.kappa
+        return plain if self.tail is None else plain + self.tail.transform(s)
+
+    def tabulated(self, smallest: float, largest: float) -> Function:
+        """Splines in place of ``singular`` and its s d/ds (2, ...) between these s [m]."""
+        from scipy.interpolate import CubicSpline
+
+        ln_s = logarithms(smallest, largest)
+        plain = CubicSpline(ln_s, self.singular(np.exp(ln_s)))
+        both = EvenCubic(ln_s[0], ln_s[1] - ln_s[0], np.stack([plain.c, CubicSpline(ln_s, plain(ln_s, 1)).c], axis=1))
+        return lambda s: both(np.log(s))
+
+    def smooth(self, reach: float, order: int) -> Function:
+        """The rest of the kernel [1/m] for 0 <= s <= ``reach`` [m], and its s d/ds (2, ...), from ``order`` Gauss nodes
+        in k on every panel."""
+        if self.bandwidth(self.floor) == 0:
+            return lambda s: np.zeros((2, 1))
+        from scipy.interpolate import CubicSpline, make_interp_spline
+
+        step = self.scale / TUNING.knots
+        s = step * np.arange(-8, math.ceil(reach / step) + 9)
+        kernel = self.kernel(float(s[-1]), order)
+        values = np.concatenate([np.cos(np.outer(part, kernel.k)) @ kernel.weights for part in _parts(s)])
+        spline, finer = make_interp_spline(s, values, k=7), np.linspace(0.0, s[-8], TUNING.finer * (s.size - 16) + 1)
+        both = [CubicSpline(finer, f).c for f in (spline(finer), finer * spline(finer, 1))]
+        return EvenCubic(0.0, finer[1], np.stack(both, axis=1))
+
+
+def _parts(s: Array) -> list[Array]:
+    return np.array_split(s, s.size // 256 + 1)
+
+
+def _tense_series(c: Array, kappa: float) -> Array:
+    """Coefficients [m^-n], n = 1, 2, ..., of (g - 1)/((1 + kappa g k)(1 + kappa k)) for g = sum c_n/k^n, n >= 0."""
+    y = np.eye(1, c.size, 1)[0]
+    first, second = kappa * c + y, kappa * np.eye(1, c.size)[0] + y
+    quotient = np.append(c[1:], 0.0)
+    for divisor in (first, second):
+        for n in range(c.size):
+            quotient[n] = (quotient[n] - divisor[1 : n + 1] @ quotient[:n][::-1]) / divisor[0]
+    return np.concatenate([[0.0, 0.0], quotient[:-1]])
+
+
+@dataclass(frozen=True, eq=False)
+class TenseContact(ResolvedTwice):
+    """A rigid indenter on a layered specimen with surface tension, solved at given radii."""
+
+    what = "contact under surface tension"
+
+    @cached_property
+    def spectrum(self) -> TenseSpectrum:
+        return _spectrum(self.specimen)
+
+    @property
+    def kappa(self) -> float:
+        """2 Ups/E* [m]."""
+        return self.specimen.tension_length
+
+    def prepare(self) -> None:
+        """Resolve the spectrum now rather than at the first solve."""
+        if self.specimen.layers:
+            _ = self.spectrum.panels
+
+    def plan(self, radii: Array, tolerance: float) -> TensePlan:
+        """The plan expected to be accurate to ``tolerance`` up to the last of the ``radii`` [m]."""
+        order = TUNING.least_order + math.ceil(max(-math.log10(tolerance) - 4, 0))
+        order = min(order, TUNING.most_order)
+        widest = float(phase_allowed(order, tolerance)) * self.scale / TUNING.frequency
+        plan = TensePlan(order, widest, tolerance, 0)
+        levels, cuts = self._panels(float(radii[-1]), plan)
+        return TensePlan(order, widest, tolerance, order * (2**cuts + levels - cuts))
+
+    def _panels(self, a: float, plan: TensePlan) -> tuple[int, int]:
+        """Halvings towards the edge, and of the quarter circle into equal panels, at the radius ``a`` [m]."""
+        cuts = max(math.ceil(math.log2(math.pi / 2 * a / plan.widest)), 0) if math.isfinite(plan.widest) else 0
+        halvings = math.ceil(max(math.log2(a / self.kappa), 0.0) / 2)
+        return max(TUNING.levels + halvings, cuts) + plan.extra, cuts
+
+    def flops(self, radii: Array, plan: TensePlan) -> float:
+        """Floating-point operations of one solve, about."""
+        waves = self.spectrum.bandwidth(self.spectrum.floor) * 2 * radii[-1]
+        table = 0.0 if waves == 0 else 20 * (400 + waves) * TUNING.knots * 2 * radii[-1] / self.scale
+        return float(radii.size * plan.nodes**2 * (plan.nodes + TUNING.per_entry * plan.order) + table)
+
+    def guard(self, radii: Array, plan: TensePlan) -> None:
+        """Refuse what would take minutes or gigabytes, and layers on which tension is too slight to be solved for."""
+        slight = self.kappa / float(radii[-1])
+        if self.specimen.layers and slight < TUNING.least:
+            raise Refusal(
+                f"layered: the surface tension acts over 2 Ups/E* = {show(self.kappa, 'length')}, {slight:.0e} of the "
+                f"contact radius, and changes the solution by less than {10 * TUNING.least:.0e}: leave "
+                "specimen.surface_tension out"
+            )
+        if plan.nodes > REFINING.most_nodes or self.flops(radii, plan) > REFINING.most_flops:
+            raise Refusal(
+                f"layered: a = {radii[-1]:g} m is {radii[-1] / self.scale:.4g} times the length over which the layers "
+                f"act and needs {plan.nodes} nodes under surface tension for {radii.size} radii (limit "
+                f"{REFINING.most_nodes}); ask for a smaller contact or fewer points, or use method fem"
+            )
+
+    def solved(self, radii: Array, plan: TensePlan) -> ContactResult:
+        """Contact at the increasing ``radii`` [m]."""
+        self.guard(radii, plan)
+        half_space = not self.specimen.layers
+        slight = half_space & ((self.kappa / radii * formulas.logarithm(radii, self.kappa)) ** 2 <= plan.accuracy)
+        columns = np.empty((4, radii.size))
+        for n in np.flatnonzero(slight):
+            columns[:, n] = self._slight(float(radii[n]))
+        if not slight.all():
+            columns[:, ~slight] = self._first_kind(radii[~slight], plan)
+        delta, P, S, dS = columns
+        return ContactResult(self._of_largest(radii, plan), delta, P, S, dS, np.zeros_like(radii))
+
+    def _of_largest(self, radii: Array, plan: TensePlan) -> Panels:
+        """The nodes at the largest radius, from the axis outwards."""
+        a, grid = float(radii[-1]), self._angles(float(radii[-1]), plan)
+        x, w = a * np.cos(grid.tau[::-1]), a * (np.sin(grid.tau) * grid.w)[::-1]
+        return Panels(a * np.cos(grid.edges[::-1]), grid.order, radii, x, w, np.searchsorted(x, radii))
+
+    def _angles(self, a: float, plan: TensePlan) -> Angles:
+        points = 5 * plan.order // 2 + math.ceil(TUNING.per_decade * max(math.log10(a / self.kappa), 0.0))
+        return Angles.of(*self._panels(a, plan), plan.order, points + points % 2)
+
+    def _first_kind(self, radii: Array, plan: TensePlan) -> Array:
+        """Rows delta, P, S, S' from the contact equation."""
+        grids = [self._angles(float(a), plan) for a in radii]
+        nearest = min(float(a) * grid.nearest for a, grid in zip(radii, grids, strict=True))
+        reach = 2 * float(radii[-1])
+        singular = self.spectrum.tabulated(nearest / 2, 1.01 * reach)
+        smooth = self.spectrum.smooth(reach, plan.order + 14)
+        return np.stack(
+            [self._at(float(a), grid, singular, smooth) for a, grid in zip(radii, grids, strict=True)], axis=1
+        )
+
+    def _at(self, a: float, grid: Angles, singular: Function, smooth: Function) -> Array:
+        """Delta, P, S, S' at the radius ``a`` [m] from the two parts of the kernel and their s d/ds."""
+        from scipy.linalg import lu_factor, lu_solve
+
+        K, rate = grid.matrices(singular, smooth, a)
+        factor = lu_factor(K, check_finite=False)
+        one = lu_solve(factor, np.ones(grid.tau.size), check_finite=False)
+        grown = -lu_solve(factor, rate @ one, check_finite=False)  # a d(psi_1)/da
+        F, steep = self._sides(a, grid)
+        scale = math.pi * self.E_star
+        S, dS = scale * (grid.w @ one), scale * (math.pi * float(grid.edge @ one)) ** 2 / (4 * a * self.kappa)
+        Q, dQ = scale * ((grid.w * one) @ F), scale / a * ((grid.w * grown) @ F + (grid.w * one) @ steep)
+        return np.array([dQ / dS, S * dQ / dS - Q, S, dS])
+
+    def _sides(self, a: float, grid: Angles) -> Array:
+        """F and x F' [m] at the nodes, their means on the panels."""
+        joints = np.array([joint for joint in self.indenter.joints if joint < a])
+        edges = math.pi / 2 - grid.edges[::-1]  # angles from the axis: F begins at its kinks
+        cuts = edges, grid.order, TUNING.inner
+        F = panel_means(lambda x: self.indenter.abel(a * np.sin(x)), np.arcsin(joints / a), *cuts)
+        slope = panel_means(lambda x: self.indenter.abel_slope(a * np.sin(x)), np.arcsin(joints / a), *cuts)
+        return np.array([F[::-1], a * np.cos(grid.tau) * slope[::-1]])
+
+    def _slight(self, a: float) -> Array:
+        """Delta, P, S, S' on a half-space at the radius ``a`` [m] >> kappa: the solution without tension and what it
+        adds to first order, any profile:
+
+            Q = 2 E* {int_0^a F dx + (kappa/pi) [(l + 1) F(a) - 2 int_0^a a (F(a) - F)/(a^2 - x^2) dx]},
+            delta_H = Q'/S'.
+        """
+        cuts = np.array([joint / a for joint in self.indenter.joints if joint < a])
+        edges = np.linspace(0.0, 1.0, 3)
+        u, w = (np.concatenate(parts) for parts in zip(*_pieces(np.union1d(edges, cuts)), strict=True))
+        F, slope = self.indenter.abel(a * u), self.indenter.abel_slope(a * u)
+        (F_a,), (slope_a,) = self.indenter.abel(np.array([a])), self.indenter.abel_slope(np.array([a]))
+        ring, share = formulas.logarithm(np.array(a), self.kappa) + 1, self.kappa / math.pi
+        S, dS = formulas.stiffness(np.array(a), self.E_star, self.kappa)
+        inner = 2 * (w @ ((F_a - F) / (1 - u**2))), 2 * (w @ ((slope_a - u * slope) / (1 - u**2)))
+        Q = 2 * self.E_star * (a * (w @ F) + share * (ring * F_a - inner[0]))
+        dQ = 2 * self.E_star * (F_a + share * (ring * slope_a + F_a / a - inner[1]))
+        delta = dQ / dS
+        return np.array([delta, S * delta - Q, S, dS])
+
+
+def _pieces(cuts: Array) -> list[tuple[Array, Array]]:
+    u, v = crowded_rule(TUNING.inner, 2)
+    return [(lo + (hi - lo) * u, (hi - lo) * v) for lo, hi in pairwise(cuts)]
+
+
+@lru_cache(maxsize=8)
+def _spectrum(specimen: Specimen) -> TenseSpectrum:
+    return TenseSpectrum(specimen)

@@ -1,0 +1,100 @@
+"""Surface tension from the command line: what is refused and why, what is stated, what check tells where it is none."""
+
+import json
+
+import pytest
+
+GEL = """
+[indenter]
+shape = "sphere"
+radius = "5 um"
+[specimen]
+surface_tension = "30 mN/m"
+[[specimen.layers]]
+E = "5 kPa"
+nu = 0.5
+thickness = "10 um"
+[loading]
+radius = "1.2 um"
+points = 30
+[adhesion]
+w = "1 mJ/m^2"
+"""
+TENSION = 'surface_tension = "30 mN/m"'
+
+
+@pytest.fixture(name="gel")
+def _gel(tmp_path):
+    def write(*changes):
+        text = GEL
+        for old, new in changes:
+            assert old in text
+            text = text.replace(old, new)
+        (tmp_path / "gel.toml").write_text(text)
+
+    return write
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (
+            ("30 mN/m", "30 kPa"),
+            'must be a surface tension, got "30 kPa": unknown unit "kPa", a pressure is no force per',
+        ),
+        (("30 mN/m", "-1 mN/m"), "specimen.surface_tension: must be >= 0, got -1 mN/m"),
+        ((TENSION, TENSION + '\nsurface = "sticking"'), 'leave it out, or take specimen.surface = "sliding"'),
+        (('radius = "5 um"', 'radius = "5 um"\nE = "1 MPa"\nnu = 0.3'), "leave it out, or take a rigid indenter"),
+        (("[adhesion]", '[adhesion]\nrange = "10 nm"'), "leave range, stress and capillary out, or specimen.surface"),
+        (
+            ("[indenter]", 'method = "hybrid"\n[indenter]'),
+            "method hybrid: does not represent surface tension: use method",
+        ),
+        (
+            ("[indenter]", 'method = "closed-form"\n[indenter]'),
+            "use method layered or fem, or leave specimen.surface_tension",
+        ),
+        ((TENSION, TENSION + '\nradius = "20 um"\nside = "free"\n[layered]'), "[layered]"),
+    ][:-1],
+)
+def test_refused_in_one_line_with_a_remedy(jkr, gel, change, said):
+    gel(change)
+    outcome = jkr("run", "gel.toml")
+    assert outcome.code == 2
+    assert said in outcome.err
+    assert outcome.err.count("\n") == 1
+
+
+def test_a_gel_with_surface_tension(jkr, gel):
+    gel()
+    assert jkr("run", "gel.toml").code == 0
+    found = json.loads(jkr("pull-off", "gel.h5", "--json").out)
+    assert found["results"][0]["validity"]["edge_angle"] == pytest.approx((2 / 30) ** 0.5)
+    assert "theta = 0.258" in jkr("pull-off", "gel.h5").out
+    steep = jkr("pull-off", "gel.h5", "--w", "10 mJ/m^2")
+    assert "theta = sqrt(2 w/Ups) = 0.816 rad at the edge is above 0.5" in steep.out
+    wet = jkr("transform", "gel.h5", "--w", "61 mJ/m^2")
+    assert wet.code == 2
+    assert "more than twice the surface tension, 30 mN/m" in wet.err
+    assert "give w up to 60 mJ/m^2" in wet.err
+    assert "under surface tension" in jkr("profile", "gel.h5", "--a", "1 um", "--w", "0").err
+
+
+def test_check_tells_which_surface_tension_would_be_noticed(jkr, gel):
+    """Half-space: P at equal depth changes by 3 kappa/(pi a), kappa = 2 Ups/E*, to first order."""
+    gel((TENSION + "\n[[specimen.layers]]", "[specimen.half_space]"), ('thickness = "10 um"\n', ""),
+        ('radius = "1.2 um"', 'radius = "0.3 um"'), ('w = "1 mJ/m^2"', "w = 0"))  # fmt: skip
+    found = json.loads(jkr("check", "gel.toml", "--json").out)
+    expected = 0.01 * 3.141593 * 0.3e-6 / 3 * 5e3 / 0.75 / 2
+    assert found["noticed_surface_tension_N_per_m"] == pytest.approx(expected, rel=0.1)
+    assert "of the solid would change 1%" in jkr("check", "gel.toml").out
+    gel()
+    assert "30 mN/m" in jkr("check", "gel.toml").out
+
+
+def test_large_strains_in_per_cent(jkr, gel):
+    gel((TENSION + "\n[[specimen.layers]]", "[specimen.half_space]"), ('thickness = "10 um"\n', ""),
+        ('radius = "1.2 um"', 'radius = "2.5 um"'), ('"sphere"', '"paraboloid"'))  # fmt: skip
+    err = jkr("run", "gel.toml").err
+    assert "P at this depth is about 5.6% too large against a rubber at large strains" in err
+    assert 'the exact sphere errs by 2.9%: take indenter.shape = "sphere"' in err

@@ -1,0 +1,57 @@
+"""Surface tension by finite elements: a membrane on the whole top, against the contact equation on ten bodies."""
+
+import numpy as np
+import pytest
+
+from jkrcli.bodies.grading import Exponential
+from jkrcli.bodies.indenters import Paraboloid, RoundedFlat
+from jkrcli.bodies.materials import Elastic, Graded, TransverselyIsotropic
+from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
+from jkrcli.methods.fem.method import FEM
+from jkrcli.methods.layered.layered import Layered
+
+SOFT, STIFF, RUBBER = Elastic(0.84, 0.4), Elastic(10.0, 0.25), Elastic(0.75, 0.5)
+GRADED = Graded(Exponential(0.84, 8.4, 1.0), 0.4)
+LAMELLAR = TransverselyIsotropic(E_p=2.0, E_z=1.0, nu_p=0.3, nu_zp=0.2, G_z=0.5)
+TIP = Paraboloid(1.0)
+BODIES = {  # kappa = 2 Ups for E* = 1
+    "half-space, slight": (Specimen((), HalfSpace(SOFT), surface_tension=0.05), TIP),
+    "half-space, strong": (Specimen((), HalfSpace(SOFT), surface_tension=1.5), TIP),
+    "half-space, flat end": (Specimen((), HalfSpace(SOFT), surface_tension=0.1), RoundedFlat(0.4, 1.0)),
+    "layer": (Specimen((Layer(SOFT, 1.0),), Rigid(), surface_tension=0.05), TIP),
+    "layer under a membrane": (Specimen((Layer(SOFT, 1.0),), Rigid(), surface_tension=5.0), TIP),
+    "rubber": (Specimen((Layer(RUBBER, 1.0),), Rigid(), surface_tension=0.5), TIP),
+    "coating": (Specimen((Layer(SOFT, 1.0),), HalfSpace(STIFF), surface_tension=0.15), TIP),
+    "graded": (Specimen((Layer(GRADED, 1.0),), Rigid(), surface_tension=0.15), TIP),
+    "lamellar": (Specimen((Layer(LAMELLAR, 1.0),), Rigid(False), surface_tension=0.15), TIP),
+    "wide cylinder": (Specimen((Layer(SOFT, 1.0),), Rigid(), 12.0, "free", surface_tension=0.15), TIP),
+}
+
+
+@pytest.mark.parametrize("name", BODIES)
+def test_elements_agree_within_their_stated_error(name):
+    specimen, tip = BODIES[name]
+    series = FEM()(Problem(tip, specimen, Loading("radius", 1.0, 10))).series
+    wide = Specimen(specimen.layers, specimen.base, surface_tension=specimen.surface_tension)
+    a = series.a[2:]
+    exact = Layered(1e-6)(Problem(tip, wide, Loading.given("radius", tuple(a)))).series
+    steep = np.gradient(exact.P, a), np.gradient(exact.delta, a)
+    stated_a = series.errors["a"][2:]
+    assert (np.abs(series.P[2:] - exact.P) <= series.errors["P"][2:] + steep[0] * stated_a).all()
+    assert (np.abs(series.delta[2:] - exact.delta) <= steep[1] * stated_a + 1e-6 * exact.delta).all()
+    for column in ("S", "dS"):
+        gap = np.abs(getattr(series, column)[2:] - getattr(exact, column))
+        assert (gap <= series.errors[column][2:] + np.gradient(getattr(exact, column), a) * stated_a).all()
+
+
+def test_a_narrow_cylinder_gives_way_more_easily_than_a_wide_one_and_tension_holds_it():
+    """Its side is free: the load at equal depth falls, with tension by less."""
+    loads = {}
+    for tension in (0.0, 0.5):
+        for radius in (1.5, 12.0):
+            specimen = Specimen((Layer(SOFT, 1.0),), Rigid(), radius, "free", surface_tension=tension)
+            loads[tension, radius] = FEM(estimate_error=False)(
+                Problem(TIP, specimen, Loading("depth", 0.3, 4))
+            ).series.P[-1]
+    loss = {tension: loads[tension, 1.5] / loads[tension, 12.0] for tension in (0.0, 0.5)}
+    assert loss[0.0] < loss[0.5] < 1

@@ -89,7 +89,7 @@ class Check(Result):
         if not isinstance(self.tension, Unknown):
             changed = f"{TENSION.changed:.0%} in load or pull-off force"
             least = show(self.tension, "tension", 2)
-            yield f"  tension   none; from {least} on, that of the solid would change {changed}"
+            yield f"  tension   left out: from {least} on it would change {changed}"
 
     def _reaches(self) -> Iterator[str]:
         expected, range_ = self.expected, self.range_

@@ -67,6 +67,7 @@ VERBS = {
     "study transition-map": ("study", "transition-map", "-o", "map"),
     "bench": ("bench", "s.toml"),
     "show": ("show", "s.h5"),
+    "export": ("export", "s.h5", "--w", "50 mJ/m^2", "--dem"),
     "doctor": ("doctor",),
     "completion": ("completion", "bash"),
 }

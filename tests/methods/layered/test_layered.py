@@ -262,7 +262,9 @@ def test_targets_are_met_where_the_slope_of_a_profile_changes_at_once(indenter: 
     """Plain Newton steps over all targets cycle at its kinks. On a half-space F(a) is the depth."""
     series = Layered()(Problem(indenter, Specimen((), HalfSpace(Elastic(1e6, 0.3))), loading)).series
     values = loading.values or tuple(0.0104 * np.arange(1, 21) / 20)
-    assert (series.P if loading.to == "load" else series.delta) == pytest.approx(values, rel=1e-9)
+    found = series.P if loading.to == "load" else series.delta  # with rows at the kinks where none were given
+    nearest = found[np.abs(found[:, None] / values - 1).argmin(axis=0)]
+    assert nearest == pytest.approx(values, rel=1e-9)
     assert indenter.abel(series.a) == pytest.approx(series.delta, rel=1e-12)
 
 

@@ -24,7 +24,7 @@ from jkrcli.bodies.indenters import Paraboloid, Sphere
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.data.measured import Curve
-from jkrcli.identification.fit import Fit, FittedBody, fit, record_scores, record_verdict
+from jkrcli.identification.fit import Fit, FittedBody, fit, record_verdict
 from jkrcli.identification.fit.settings import settings_of, uncertain_of
 from jkrcli.methods.layered.layered import Layered
 

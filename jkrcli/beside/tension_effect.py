@@ -41,7 +41,7 @@ def noticed_tension(problem: Problem, largest: float, works: Sequence[float]) ->
     radii = a0 + (largest - a0) * np.geomspace(TUNING.smallest, 1.0, TUNING.radii)
     trial = TUNING.slight * largest * problem.E_star / 2
     body = replace(unbounded(problem), loading=Loading.given("radius", tuple(radii)))
-    tense = replace(body, specimen=replace(body.specimen, surface_tension=trial))
+    tense = replace(body, specimen=replace(body.specimen, surface_tension=trial, relaxation=None))
     try:
         plain, other = (Layered(TUNING.accuracy)(one).series for one in (body, tense))
         changes = [_load(other, float(plain.delta[-2])) / float(plain.P[-2]) - 1]

@@ -50,9 +50,10 @@ def point_error(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) ->
 def _unsettled(curve: AdhesiveCurve, point: CriticalPoint) -> dict[str, float]:
     """What is left where the search for a point that is solved has not settled on it: its last steps halve at best."""
     further = curve.nonadhesive.further
-    if further is None:
+    away = np.array([0.0]) if further is None else np.abs(further.a - point.a)
+    if further is None or np.min(away) <= TUNING.solved * (point.a - curve.series.a0):
         return {"delta": 0.0, "P": 0.0}
-    there = curve.point(float(further.a[np.argmin(np.abs(further.a - point.a))]))
+    there = curve.point(float(further.a[np.argmin(away)]))
     return {name: 2 * abs(getattr(there, name) - getattr(point, name)) for name in ("delta", "P")}
 
 

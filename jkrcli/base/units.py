@@ -31,7 +31,7 @@ UNITS: dict[str, dict[str, int]] = {
     "modulus": _family("Pa", "kMGT") | {"N/m^2": 0, "kN/m^2": 3, "N/mm^2": 6},
     "load": _family("N", "pnumk"),
     "work": _family("J/m^2", "num") | _family("N/m", "m") | {"erg/cm^2": -3},
-    "tension": _family("N/m", "um") | _family("J/m^2", "um") | {"dyn/cm": -3, "erg/cm^2": -3},
+    "tension": _family("N/m", "um") | {"dyn/cm": -3},
     "stiffness": _family("N/m", "umk")
     | {"N/mm": 3, "N/um": 6, "mN/um": 3, "uN/um": 0, "nN/um": -3, "nN/nm": 0}
     | {"uN/nm": 3, "pN/nm": -3},

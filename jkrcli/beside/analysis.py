@@ -216,10 +216,7 @@ def adhesive(solution: Solution, body: Nonadhesive, w: float, modulus_factor: fl
     """The adhesive curve for the work of adhesion ``w`` [J/m^2] on bodies ``modulus_factor`` times as stiff."""
     if not 0 <= w <= MOST:
         raise InputError(f"w: must lie within 0 and {MOST:g} J/m^2, got {w:g}")
-    tension = solution.problem.specimen.surface_tension
-    refuse_wetting(w, tension)
-    if tension and modulus_factor != 1:
-        raise InputError("moduli cannot be scaled under surface tension, which stays: solve the case with other moduli")
+    refuse_wetting(w, modulus_factor * solution.problem.specimen.surface_tension)
     curve = AdhesiveCurve(body.scaled(modulus_factor), w)
     return Analysis(solution.scaled(modulus_factor), curve, _budget(solution.budget, curve), modulus_factor)
 

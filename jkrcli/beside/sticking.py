@@ -120,9 +120,9 @@ def sticking_warnings(problem: Problem, effect: StickingEffect | Unknown) -> Ite
     if isinstance(effect, Unknown) or effect.largest <= TUNING.told:
         return
     other = "sliding" if problem.sticks else "sticking"
-    assumed = "that the surfaces stick" if problem.sticks else "that the surfaces slide without friction"
+    assumed = "no slip" if problem.sticks else "no friction"
     yield (
-        f"it is assumed {assumed}: against sliding, sticking makes {effect.words} as large (a = "
+        f"{assumed} is assumed: against no friction, no slip makes {effect.words} as large (a = "
         f'{show(effect.a, "length")}); compare specimen.surface = "{other}"'
     )
 

@@ -258,7 +258,7 @@ class Problem:
     def _refuse_tension(self) -> None:
         if self.sticks:
             raise InputError(
-                "specimen.surface_tension: contact of surfaces that stick is not derived with surface tension: leave "
+                "specimen.surface_tension: contact without slip is not derived with surface tension: leave "
                 'it out, or take specimen.surface = "sliding"'
             )
         if self.indenter.material is not None:
@@ -283,7 +283,7 @@ class Problem:
         loading, elastic = self.loading, "" if self.indenter.material is None else "elastic "
         goal = "contact radius" if loading.to == "radius" else loading.to
         end = show(loading.maximum, "load" if loading.to == "load" else "length")
-        stuck = ", surfaces that stick," if self.sticks else ""
+        stuck = ", no slip," if self.sticks else ""
         return f"{elastic}{self.indenter.words} on {self.specimen.words}{stuck} to a {goal} of {end}"
 
     def scaled(self, factor: float) -> Problem:

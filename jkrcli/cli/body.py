@@ -20,10 +20,10 @@ SHAPES = {  # by flags, and which of them each needs
 LARGE = 0.1  # choice: [m], from which on a bare number is remarked
 Command = Callable[..., Any]
 OPTIONS = (
-    click.option("--shape", type=click.Choice(list(SHAPES)),
-                 help="Indenter, without a case [default: sphere]; pyramids by their equal-area cone."),
+    click.option("--shape", type=click.Choice(list(SHAPES)), metavar="SHAPE",
+                 help=f"{', '.join(SHAPES)} [default: sphere]; pyramids by their equal-area cone."),
     click.option("--radius", help='Its radius, "100 um".'),
-    click.option("--half-angle", help='Of a cone, between axis and surface; of a pyramid to a face: "35 deg".'),
+    click.option("--half-angle", help='Of a cone, of a pyramid to a face: "35 deg".'),
     click.option("--E", "modulus", help='Young\'s modulus of the specimen, "5 GPa".'),
     click.option("--nu", help="Its Poisson's ratio."),
     click.option("--thickness", help="A layer of this thickness [default: a half-space]."),

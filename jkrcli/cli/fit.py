@@ -20,8 +20,18 @@ from ..report.output import PICTURES, Files, Output
 from .body import FLAGS, body_options, given_flags, tables_of
 from .fit_law import fit_law, refuse_unused
 from .fit_relaxation import fit_relaxation, refuse_others
+from .fit_tension import fit_tension, is_asked
 from .measured import TUNING, begin_reading, reading_of, reading_options
-from .options import NamedType, ParamType, ScaleType, begin, limits_options, parallel_options, slopes_option
+from .options import (
+    NamedType,
+    ParamType,
+    RangeType,
+    ScaleType,
+    begin,
+    limits_options,
+    parallel_options,
+    slopes_option,
+)
 from .output import answer, into_folder, output_options
 from .verb import Verb
 from .voice import note, progress, say, warn
@@ -60,7 +70,7 @@ class NamesType(ParamType):
     multiple=True,
     type=NamesType(),
     help="Also free: P0, compliance, E:LAYER, h:LAYER (thickness), range or stress (adhesion of finite range), drift "
-    "(of the depth over time: with --segment both).",
+    "(of the depth over time: with --segment both), surface_tension (all records together).",
 )
 @click.option(
     "--fix", multiple=True, type=NamedType(), help='Known: w="50 mJ/m^2", delta0=0, modulus=1, E_star="1 MPa".'
@@ -94,7 +104,13 @@ class NamesType(ParamType):
 @click.option(
     "--samples", type=click.IntRange(20, 100_000), default=200, show_default=True, help="Number of bootstrap resamples."
 )
-@click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Seed of the bootstrap.")
+@click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Seed of the resamples.")
+@click.option(
+    "--tip-radius",
+    multiple=True,
+    type=RangeType(),
+    help="With --free surface_tension: of each MEASURED file, in order, or of all [default: BODY's].",
+)
 @click.option("--surface", type=click.Choice(["sliding", "sticking", "both"]),
               help="Of the body, instead of its own; both: under either, and what the data prefer.")  # fmt: skip
 @click.option("--uncertain", multiple=True, type=NamedType(),
@@ -114,6 +130,7 @@ def fit(
     bound: tuple[tuple[str, str], ...],
     uncertain: tuple[tuple[str, str], ...],
     surface: str | None,
+    tip_radius: tuple[float, ...],
     slopes: str,
     law: str | None,
     rivals: bool,
@@ -141,6 +158,7 @@ def fit(
     jkr fit tip.toml curve.csv --free range
     jkr fit coating.toml probe.csv --free E:skin --bound E:skin="1 MPa..1 GPa"
     jkr fit gel.toml probe.csv --surface both
+    jkr fit gel.toml small.csv large.csv --free surface_tension --tip-radius "5 um" --tip-radius "30 um"
     jkr fit --radius "5 um" --nu 0.5 --shape paraboloid curve.jpk-force
     jkr fit data.h5 map.jpk-force-map --workers 2
     jkr fit gel.toml held.csv --relaxation sls
@@ -174,6 +192,13 @@ def fit(
         fit_relaxation(body, relaxation, paths, reading, names, fix, options, targets, told, output)
         return
     options.pop("terms")
+    if is_asked(body, names, fix):
+        unused = {**options, "bound": bound, "uncertain": uncertain}
+        targets = output.files(targets.stem, (".csv", ".json"), inputs)
+        fit_tension(body, paths, tip_radius, reading, names, fix, start, unused, targets, told, output)
+        return
+    if tip_radius:
+        raise InputError("fit: --tip-radius: goes with --free surface_tension alone: leave it out")
     if law is not None:
         fit_law(body, law, paths, reading, names, fix, start, options, targets, told, output)
         return

@@ -193,7 +193,7 @@ modulus_factor_option = click.option(
     type=FactorType(),
     default="1",
     show_default=True,
-    help="All moduli this many times the case's; nothing is solved anew.",
+    help="All moduli, and a surface tension, this many times the case's; nothing is solved anew.",
 )
 
 

@@ -42,7 +42,7 @@ def profile(
     state.
 
     The state is solved exactly on the laterally unbounded body of the file's case, whatever method wrote the series.
-    Of surfaces that stick it is solved by finite elements, with a column for the shear. With --stress or --range the
+    Without slip it is solved by finite elements, with a column for the shear. With --stress or --range the
     surfaces attract each other around the contact, and the body is that of the file, cylinders too.
     Writes <stem>-profile.csv, .png and .svg.
 

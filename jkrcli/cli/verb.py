@@ -7,7 +7,7 @@ import click
 GROUPS = {
     "Reading": (
         "column", "unit", "factor", "flip", "zero", "contact", "stiffness", "sensitivity", "format", "separator",
-        "decimal", "sign", "area", "sort",
+        "decimal", "rows", "where", "sign", "area", "sort",
     ),
     "Statistics": (
         "start", "bound", "branch", "base-line", "noise", "loss", "confidence", "level", "samples", "seed", "uncertain",

@@ -52,7 +52,7 @@ def _rounded(value: Any) -> Any:
 
 def solve_key(problem: Problem, method: Method) -> str:
     """A hash of all that a solve depends on: the physics, the method with its options, the release."""
-    return hashlib.sha256(f"{problem!r}\n{method!r}\n{__version__}".encode()).hexdigest()[:24]
+    return hashlib.sha256(f"{problem.key}\n{method!r}\n{__version__}".encode()).hexdigest()[:24]
 
 
 def solved(problem: Problem, method: Method, folder: Path | None = None) -> Solution:

@@ -56,17 +56,13 @@ class Check(Result):
     def summary(self) -> dict[str, Any]:
         data: dict[str, Any] = {"case": str(self.path), "problem": self.problem.words, "method": self.choice.name}
         law = self.problem.specimen.relaxation
-        data |= {"reason": self.choice.reason, "relaxation": None if law is None else str(law)}
+        data |= {"reason": self.choice.reason, "relaxation": "" if law is None else str(law)}
         data |= {"surface": self.problem.surface, "sticking": as_told(self.effect)}
         data |= {"noticed_surface_tension_N_per_m": self.tension}
         return data | {"options": [asdict(option) for option in self.options]} | _as_dict(self.expected)
 
     def words(self) -> list[str]:
-        sticking = (
-            []
-            if isinstance(self.effect, Unknown)
-            else [f"  sticking  against sliding makes {self.effect.words} as large"]
-        )
+        sticking = [] if isinstance(self.effect, Unknown) else [f"  no slip   makes {self.effect.words} as large"]
         options = (f"            {option.name:<12} {_option(option)}" for option in self.options)
         return [
             self.problem.words,

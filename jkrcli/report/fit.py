@@ -152,7 +152,7 @@ def words(item: Fit) -> list[str]:
     out = f" ({', '.join(item.left_out)} left out)" if item.left_out else ""
     status = f"{_status(item)}, " if item.quality is not None or item.flags else ""
     ways = f", {item.directions}" if item.directions else ""
-    stuck = ", surfaces that stick" if item.surface == "sticking" else ""
+    stuck = ", no slip" if item.surface == "sticking" else ""
     lines = verdict_words(item)
     lines += [f"{item.where}: {status}{item.a.size} rows of {', '.join(item.data)}{ways}{out}{stuck}"]
     for estimate in item.estimates:
@@ -236,7 +236,7 @@ def _range_words(item: Fit) -> list[str]:
     part = (w.model or {}).get(RANGE, 0.0)
     if left is None or w.low is None or w.high is None or part < w.high - w.low:
         return []
-    moved = f"up to {show(left, 'length', 2)} not excluded by these rows, with it w moves by {show(part, 'work', 2)}"
+    moved = f"the data allow up to {show(left, 'length', 2)}, which would change w by {show(part, 'work', 2)}"
     return [f"  {'range':<12} {moved}; if it is known to be shorter: --bound range=..LENGTH"]
 
 
@@ -254,7 +254,9 @@ def estimate_words(estimate: FittedValue, level: float) -> str:
     named = (estimate.systematic or {}).items()
     least = NOTICEABLE * (estimate.error or 0.0)
     parts = [f"{name} {show(value, dimension, 2)}" for name, value in named if value > least]
-    model = f"; model ± {show(math.hypot(*estimate.model.values()), dimension, 2)}" if estimate.model else ""
+    model = (
+        f"; systematic (model) ± {show(math.hypot(*estimate.model.values()), dimension, 2)}" if estimate.model else ""
+    )
     return text + (f" (of which {', '.join(parts)})" if parts else "") + model
 
 

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import ast
 import inspect
+import re
 import textwrap
 from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
 
 import click
 import pytest
@@ -74,3 +77,84 @@ def test_sizes_of_another_layout_are_refused() -> None:
     assert caught.value.lines == (
         'my.toml: mesh: zone_sizes belong to layout "zones"; the layout "scaled" takes spacing',
     )
+
+
+@pytest.mark.parametrize("line", ["spacing = 0.05", "growth = 0.3"])
+def test_sizes_beside_a_tolerance_are_refused(line: str) -> None:
+    problem = parse_case(f"{CASE}[mesh]\ntolerance = 1e-3\n{line}\n".encode(), "my.toml").model
+    reason = method_of(problem, "fem").refusal(problem.problem())
+    assert reason is not None
+    assert "mesh.spacing and mesh.growth follow from mesh.tolerance: leave them out" in reason
+
+
+# ---------------------------------------------------------------------- what an option of a verb changes
+SMALL = """
+[indenter]
+shape = "paraboloid"
+radius = "1 mm"
+[specimen]
+half_space = { E = "1 MPa", nu = 0.3 }
+[loading]
+radius = "0.1 mm"
+points = 12
+[adhesion]
+w = "50 mJ/m^2"
+"""
+BASES: dict[str, tuple[str, ...]] = {  # verbs, with what they are given in every run
+    "run": ("small.toml",), "transform": ("small.h5",), "pull-off": ("small.h5",), "mesh": ("small.toml",),
+    "cycle": ("small.h5", "--w-approach", "20 mJ/m^2"), "profile": ("small.h5", "--a", "0.05 mm"),
+    "compare": ("small-w0.05.csv", "other-w0.05.csv"),
+}  # fmt: skip
+VALUES: dict[str, tuple[str, ...]] = {  # what another value of an option is, where it is the same for all verbs
+    "--w": ("30 mJ/m^2",), "--stress": ("1 kPa",), "--range": ("2 um",), "--slopes": ("integral",),
+    "--modulus-factor": ("2",), "--stiffness": ("1 N/m",), "--load": ("1 mN",), "--method": ("layered",),
+    "--tolerance": ("1e-4",), "--output": ("there",), "--dimensionless": ("dimensionless",), "--scale": ("radius",),
+    "--a": ("0.06 mm",), "--w-approach": ("10 mJ/m^2",), "--w-retract": ("70 mJ/m^2",), "--to-load": ("0.1 mN",),
+    "--to-depth": ("1 um",), "--points": ("9",), "--uncertain": ("E=5%",), "--rtol": ("0.9",),
+    "--column": ("a",), "--overlap": ("0.5",), "--plot": ("there.png",), "--limit-time": ("1e-9 s",),
+    "--limit-memory": ("1 KiB",), "--rate": ("v0=1 um/s,n=0.6",), "--rate-advance": ("v0=1 um/s,n=0.6",),
+    "--speed": ("1 um/s",), "--speed-approach": ("1 um/s",), "--hold": ("1 s",), "--dwell": ("1 mN",),
+    "--dwell-time": ("1 s",), "--program": ("no.csv",), "--relaxation": ("no.csv",),
+}  # fmt: skip
+# How much is said, and whether a file of another's is replaced: neither changes what is computed.
+EXEMPT = {"--force", "--quiet", "--verbose"}
+
+
+def _options(verb: str) -> list[click.Option]:
+    command = dict(_commands(cli.jkr))[(verb,)]
+    return [each for each in command.params if isinstance(each, click.Option) and each.opts[-1] not in EXEMPT]
+
+
+def _left(folder: Path) -> dict[str, bytes]:
+    return {str(path.relative_to(folder)): path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("verb", BASES)
+def test_every_option_of_a_verb_changes_what_it_says_or_leaves_or_is_refused(
+    jkr: Any, tmp_path: Path, verb: str
+) -> None:
+    (tmp_path / "small.toml").write_text(SMALL)
+    (tmp_path / "other.toml").write_text(SMALL.replace("1 MPa", "1.5 MPa").replace("0.1 mm", "0.06 mm"))
+    assert jkr("run", "small.toml", "--method", "closed-form").code == 0
+    assert jkr("run", "other.toml", "--method", "closed-form").code == 0
+    if verb == "compare":
+        assert jkr("transform", "small.h5", "other.h5", "--no-plots").code == 0
+    before = _left(tmp_path)
+
+    def tried(*words: str) -> tuple[int, str, dict[str, bytes]]:
+        """Exit code, output, and the files, but for those of the series and pictures, which hold times."""
+        for name in set(_left(tmp_path)) - set(before):
+            (tmp_path / name).unlink()
+        outcome = jkr(verb, *words)
+        left = {name: b"" if name.endswith((".h5", ".png", ".svg")) else text for name, text in _left(tmp_path).items()}
+        return outcome.code, re.sub(r"[\d.]+ m?s\b", "", outcome.out + outcome.err), left
+
+    plain = tried(*BASES[verb])
+    without = []
+    for option in _options(verb):
+        name = option.opts[-1]
+        words = () if option.is_flag else VALUES[name]
+        if tried(*BASES[verb], name, *words) == plain:
+            without.append(name)
+    assert without == []

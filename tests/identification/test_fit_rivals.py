@@ -73,7 +73,7 @@ def coating_as_half_space() -> FittedBody:
 
 
 def warned(found: Fit) -> bool:
-    return any("speak against this model" in text or "are structured" in text for text in found.warnings)
+    return any("model rejected" in text or "are structured" in text for text in found.warnings)
 
 
 def held(found: Fit, name: str, truth: float) -> bool:

@@ -81,7 +81,7 @@ def test_each_value_once_in_order() -> None:
 def test_columns() -> None:
     found = columns(0.3)
     assert list(found) == [
-        "nu", "base", "w_R2_over_Estar_h3", "minus_P_over_pi_w_R", "a_over_h", "delta_R_over_h2", "solved_by",
+        "nu", "base", "w_R2_over_Estar_h3", "minus_P_over_pi_w_R", "a_over_h", "delta_R_over_h2", "beta", "solved_by",
     ]  # fmt: skip
     assert {len(values) for values in found.values()} == {len(QS)}
 
@@ -99,7 +99,7 @@ def test_values_outside_the_range_are_refused(q: float) -> None:
         ({"nu": [0.6]}, "pull-off map: nu must be > -1 and <= 0.5, got 0.6"),
         ({"q": [float("nan")]}, "pull-off map: q must be a finite number, got nan"),
         ({"base": "wet"}, 'pull-off map: base must be bonded or frictionless, got "wet"'),
-        ({"mu": [1.0]}, 'pull-off map: has no axis "mu" (axes: nu, base, q)'),
+        ({"mu": [1.0]}, 'pull-off map: has no axis "mu" (axes: nu, base, q, beta)'),
     ],
 )
 def test_what_the_map_has_not_is_refused(axes: dict, said: str) -> None:

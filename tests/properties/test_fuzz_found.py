@@ -382,7 +382,7 @@ def test_a_sticking_layer_thinner_than_anything_is_refused_before_it_is_laid_out
     Path("x.toml").write_text(text.replace("0.36 mm", "1e-9 um"), encoding="utf-8")
     done = jkr("run", "x.toml")
     assert done.code == 2
-    assert "rows where the surfaces stick (limit " in done.err or "would need about" in done.err, done.err
+    assert "rows without slip (limit " in done.err or "would need about" in done.err, done.err
     assert jkr("check", "x.toml").code in (0, 2)
 
 

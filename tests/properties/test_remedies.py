@@ -253,6 +253,7 @@ BEHIND = (  # never seen, as something else is told before, or seen as no refusa
     "needs a contact beyond the profile: load less, or give a larger profile",  # found on the wide body first
     "method {}: {}",  # of jkrcli.methods.choose: leads the reasons above
     "the coarse solution would take about {}",  # of jkr check, which goes on without
+    "no exact method represents these bodies",  # the reason of the last one is told
 )
 
 BY_OTHER_VERBS = (  # refused to transform, or at sizes that take long: tests of finite range and of surfaces that stick
@@ -260,7 +261,7 @@ BY_OTHER_VERBS = (  # refused to transform, or at sizes that take long: tests of
     "no formula is known for no slip",
     "the contact is not a growing disc of nodes (violation {}), so that it is not known where points stuck",
     "the correction is that of surfaces that slide",
-    "rows where the surfaces stick (limit {})",
+    "rows without slip (limit {})",
     "surface tension",  # and tests of it
 )
 

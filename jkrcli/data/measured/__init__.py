@@ -12,11 +12,10 @@ import numpy as np
 from ...base.errors import InputError, did_you_mean
 from . import nanoscope
 from .contact import with_zero_points
-from .curve import LEAST_ROWS, Curve, Reading
+from .curve import LEAST_ROWS, SHOWN, Curve, Reading
 from .instruments import SEGMENTS
 
 __all__ = ["Curve", "Reading", "each", "from_columns", "read", "usable"]
-SHOWN = 20  # choice: names of curves in a message
 # Endings of force microscopes' files. Of .csv and .txt only the user knows: --format afm.
 AFM_ENDINGS = (".jpk-force", ".jpk-force-map", ".jpk-qi-data", ".jpk-qi-series", ".ibw", ".h5", ".tab")
 

@@ -16,11 +16,10 @@ import numpy as np
 from ...base.arrays import Array
 from ...base.errors import InputError
 from ..columns import choice, split_name
-from ..text_table import TextTable, unit_power
+from ..text_table import TUNING, TextTable, unit_power
 from .curve import APPROACH, RETRACT
 from .instruments import DIRECTIONS, VOLTS
 
-ROUNDED = 1e-6  # choice: of the range of a column, by which copies differ as text
 DEFINING = {"a", "area", "delta", "P"}  # two of them make a curve
 QuantityOf = Callable[[str], str | None]  # the quantity that a header cell names, "a", "delta", "P", "t" ...
 
@@ -243,7 +242,7 @@ def _agree(one: Array, other: Array) -> bool:
     if not known.any() or (known != np.isfinite(other)).any():
         return False
     span = float(np.ptp(one[known]))
-    return 0 < span and bool((np.abs(one[known] - other[known]) <= ROUNDED * span).all())
+    return 0 < span and bool((np.abs(one[known] - other[known]) <= TUNING.rounded * span).all())
 
 
 def _rise(P: Array) -> float:

@@ -15,6 +15,7 @@ from ...base.errors import InputError
 QUANTITIES = ("a", "delta", "P", "t")
 APPROACH, RETRACT = "approach", "retract"
 LEAST_ROWS = 3  # choice: of a curve
+SHOWN = 20  # choice: names and words in a message
 
 
 @dataclass(frozen=True)

@@ -18,11 +18,10 @@ VOLTS = {"V": 0, "mV": -3, "uV": -6}
 DIRECTIONS = {
     **dict.fromkeys((
         "extend", "extension", "approach", "trace", "forward", "advance", "advancing", "ex", "ext", "loading", "hin",
-        "hinweg", "annäherung", "belastung", "belasten", "aller", "charge", "chargement", "approche"), APPROACH),
+        "hinweg", "annäherung", "belastung", "aller", "chargement", "approche"), APPROACH),
     **dict.fromkeys((
         "retract", "retraction", "withdraw", "retrace", "backward", "receding", "rt", "ret", "unloading", "zurück",
-        "zurueck", "rück", "rückweg", "rückzug", "entlastung", "entlasten", "retour", "décharge", "decharge",
-        "déchargement", "dechargement", "retrait"), RETRACT),
+        "zurueck", "rück", "rückweg", "rückzug", "entlastung", "retour", "déchargement", "retrait"), RETRACT),
 }  # fmt: skip
 SEGMENTS = {  # of cells and notes: beside the directions what as a title is a load, and numbers
     **DIRECTIONS,

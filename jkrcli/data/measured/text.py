@@ -28,7 +28,19 @@ from ..columns import (
 from ..text_table import TextTable, read_table, unit_power
 from . import archive
 from .beside import one_under_the_other
-from .curve import APPROACH, AS_DEPTH, LEAST_ROWS, NOT_SUBTRACTED, OVERRULED, QUANTITIES, RETRACT, Curve, Reading, place
+from .curve import (
+    APPROACH,
+    AS_DEPTH,
+    LEAST_ROWS,
+    NOT_SUBTRACTED,
+    OVERRULED,
+    QUANTITIES,
+    RETRACT,
+    SHOWN,
+    Curve,
+    Reading,
+    place,
+)
 from .instruments import (
     DEFLECTIONS,
     DEPTHS,
@@ -57,7 +69,6 @@ NAMES = Vocabulary(CONTACT | {
         "segment", "phase", "direction", "richtung", "branch", "branche", "ast", "zweig", "abschnitt")),
     "curve": Quantity("curve", "", ("curve", "curve number", "curve_number", "cycle", "zyklus")),
 })  # fmt: skip
-SHOWN = 6  # choice: words for segments that are told
 BARE = "; or --format afm, if a microscope's program wrote three columns without names"
 
 

@@ -66,7 +66,7 @@ class RangeRival:
         """A sentence where the data tell a range from none."""
         if self.told:
             yield (
-                f"the data speak against this model (by chance: {self.chance:.1g}) and for adhesion with a range of "
+                f"model rejected, p = {self.chance:.1g}, in favour of adhesion with a range of "
                 f"about {show(self.best, 'length', 2)}: fit with --free range"
             )
 

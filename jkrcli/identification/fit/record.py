@@ -167,6 +167,8 @@ def fit_record(body: FittedBody, record: ForceCurve, settings: Settings) -> Fit:
     deeper, found = of(*kinds)
     whole, joint = deeper, found
     result = _result(deeper, record, curve, settings, found)
+    if not found.ended:
+        return result
     if len(kinds) < 2 or not _apart(found):
         return judged(result, whole, joint)
     (_, into), (deeper, back) = of(APPROACH), of(RETRACT)
@@ -577,7 +579,7 @@ def _words(found: ForceCurveFit, settings: Settings) -> Iterator[str]:
         yield "no free rows tell the noise: it cannot be told from misfit"
     if found.spread.tau > TUNING.dependent:
         yield (
-            f"residuals follow their neighbours: {found.spread.tau:.1f} rows count as one, "
+            f"residuals are autocorrelated (effective sample size n/{found.spread.tau:.1f}), "
             f"which widens the intervals by {math.sqrt(found.spread.tau):.1f}"
         )
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -24,6 +24,7 @@ from ...base.errors import SolveError
 from ...base.unknown import Unknown
 from ...bodies.indenters import Paraboloid
 from ...bodies.problem import Loading, Problem
+from ...formulas.surface_tension import wetting_radius
 from ...methods.layered.layered import Layered
 from ...series import Series
 from .maps import BASE, POISSON, SHOWN_NU, SHOWN_Q, Axis, Columns, Map, Q, Values, Work, layer, rows, within
@@ -41,6 +42,8 @@ class MapTuning:
     least: float = 1e-6  # choice: q, where a/h at pull-off is 0.015
     largest: float = 1e7  # choice: q, where a/h at pull-off is 90
     per_nu: float = 4e-3  # CPU seconds; tuned on maps of 30 and 300 ratios of Poisson, by `make guards`
+    per_tense: float = 0.3  # CPU seconds of a q under surface tension; tuned on maps of 30, by `make guards`
+    most_beta: float = 100.0  # choice: beyond, pull-off is pi w R within 1e-4
     per_point: float = 1e-3  # CPU seconds of a q; tuned on maps of 1000, by `make guards`
 
 
@@ -51,20 +54,27 @@ LIMITS = {1.5: "thick: 3/2", 2.0: "thin, compressible: 2", 3.0: "thin, incompres
 
 
 def _work(values: Values) -> Work:
-    """One unit series per Poisson's ratio serves every q."""
-    return partial(_points, values["base"], values["q"]), values["nu"]
+    """One unit series per Poisson's ratio serves every q, unless the surface has a tension."""
+    cells = [(nu, beta) for nu in values["nu"] for beta in values["beta"]]
+    return partial(_cell, values["base"], values["q"]), cells
 
 
-def _points(base: str, qs: Sequence[float], nu: float) -> Columns:
+def _cell(base: str, qs: Sequence[float], cell: tuple[float, float]) -> Columns:
+    nu, beta = cell
+    parts = [_points(base, group, nu, beta) for group in ([[q] for q in qs] if beta else [qs])]
+    return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+
+
+def _points(base: str, qs: Sequence[float], nu: float, beta: float) -> Columns:
     """The points of one Poisson's ratio, in units of h = R = 1 m, E* = 1 Pa.
 
     The paraboloid's problem is linear in R, so that no small strain is needed.
     """
-    series = _unit_series(nu, base == "bonded", qs)
+    series = _unit_series(nu, base == "bonded", qs, beta * qs[0] ** (1 / 3))
     body = Nonadhesive(series, slopes(series, "exact"))
     q, P, a, delta = np.transpose([_pull_off(nu, q, AdhesiveCurve(body, q)) for q in qs])
     return rows(nu=nu, base=base, w_R2_over_Estar_h3=q, minus_P_over_pi_w_R=-P / (math.pi * q), a_over_h=a,
-                delta_R_over_h2=delta, solved_by=f"jkr {__version__} layered")  # fmt: skip
+                delta_R_over_h2=delta, beta=beta, solved_by=f"jkr {__version__} layered")  # fmt: skip
 
 
 def _pull_off(nu: float, q: float, curve: AdhesiveCurve) -> tuple[float, float, float, float]:
@@ -74,23 +84,28 @@ def _pull_off(nu: float, q: float, curve: AdhesiveCurve) -> tuple[float, float, 
     return q, point.P, point.a, point.delta
 
 
-def _unit_series(nu: float, bonded: bool, qs: Sequence[float]) -> Series:
+def _unit_series(nu: float, bonded: bool, qs: Sequence[float], tension: float) -> Series:
     # From well below to well above a/h at pull-off: (9 pi q/8)^(1/3) for thick layers, for thin ones between
     # (96 q)^(1/6) and (384 q)^(1/6) where they are incompressible, and up to (8 q)^(1/4).
     thick = [(9 * math.pi * q / 8) ** (1 / 3) for q in (qs[0], qs[-1])]
     low, high = 0.4 * min(thick[0], (96 * qs[0]) ** (1 / 6)), 1.5 * min(thick[1], (8 * qs[-1]) ** (1 / 4) + 1)
+    if tension:
+        low = min(low, 0.5 * wetting_radius(1.0, qs[0], tension))
     count = max(8, math.ceil(TUNING.per_decade * math.log10(high / low)))
     radii = tuple(float(a) for a in np.geomspace(low, high, count))
-    problem = Problem(Paraboloid(1.0), layer(nu, bonded), Loading.given("radius", radii))
-    return Layered(TUNING.tolerance)(problem).series
+    specimen = replace(layer(nu, bonded), surface_tension=tension)
+    return Layered(TUNING.tolerance)(Problem(Paraboloid(1.0), specimen, Loading.given("radius", radii))).series
 
 
 def _figure(columns: Columns) -> Figure:
     from ...report.plots.maps import Panel, lines_figure
 
     title = f"layer on a rigid base, {columns['base'][0]}"
+    families = {"nu": "ν = {:g}".format}
+    if columns["beta"].any():
+        families["beta"] = "β = {:g}".format
     panel = Panel("minus_P_over_pi_w_R", "pull-off force / (π w R)", title, LIMITS, (1.4, 3.15))
-    return lines_figure(columns, (Q, "w R² / (E* h³)"), [panel], {"nu": "ν = {:g}".format})
+    return lines_figure(columns, (Q, "w R² / (E* h³)"), [panel], families)
 
 
 MAP = Map(
@@ -102,16 +117,21 @@ MAP = Map(
     \b
     jkr study pull-off-map --nu 0.3 --nu 0.5 -o map
     jkr study pull-off-map --nu 0.45 --q 0.02 --base frictionless
+    jkr study pull-off-map --nu 0.5 --q 1 --q 10 --beta 0 --beta 0.1
     """,
     {
         "nu": Axis((0.3, 0.499), "Repeatable.", POISSON, family=True),
         "base": BASE,
         "q": Axis(tuple((10.0 ** (np.arange(-12, 17) / 4)).tolist()), "Values of w R^2/(E* h^3)",
                   within(TUNING.least, TUNING.largest), "1e-3 to 1e4"),
+        "beta": Axis((0.0,), "Surface tension over E* a0, a0 = (w R^2/E*)^(1/3); repeatable.",
+                     within(0.0, TUNING.most_beta), family=True),
     },
     _work,
-    lambda values: len(values["nu"]) * (TUNING.per_nu + TUNING.per_point * len(values["q"])),
+    lambda values: len(values["nu"]) * sum(
+        TUNING.per_nu + (TUNING.per_tense if beta else TUNING.per_point) * len(values["q"]) for beta in values["beta"]
+    ),
     "{base} layer on a rigid base, paraboloid: pull-off force in pi w R",
-    [SHOWN_NU, SHOWN_Q, ("minus_P_over_pi_w_R", "force", "8.4f"), ("a_over_h", "a/h", "9.4g")],
+    [SHOWN_NU, ("beta", "beta", "6g"), SHOWN_Q, ("minus_P_over_pi_w_R", "force", "8.4f"), ("a_over_h", "a/h", "9.4g")],
     _figure,
 )  # fmt: skip

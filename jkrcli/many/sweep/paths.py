@@ -16,7 +16,7 @@ KeyPath = tuple[str | int, ...]
 Tables = dict[str, Any]
 LAYER_COUNT = "specimen.layers.count"  # a key of sweeps alone: the first so many layers of the base case
 _KEY = re.compile(r"[A-Za-z_]\w*(\[\d+\])?(\.[A-Za-z_]\w*(\[\d+\])?)*")
-UNITS = {"m": "m", "Pa": "Pa", "N": "N", "J/m^2": "J_per_m2", "rad": "rad"}
+UNITS = {"m": "m", "Pa": "Pa", "N": "N", "J/m^2": "J_per_m2", "N/m": "N_per_m", "rad": "rad"}
 
 
 def parse(key: str) -> KeyPath:

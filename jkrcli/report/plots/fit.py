@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from matplotlib.ticker import MaxNLocator
 
@@ -9,14 +11,37 @@ from ...base.arrays import Array
 from ...base.units import scale
 from ...identification.fit.result import Fit
 from ...identification.fit.statistics import rise
-from . import BLACK, BLUE, GREEN, MIDDLE, ORANGE, SKY, WIDE, Axes, Figure, drawing, few_ticks, legend_below, pretty
+from . import (
+    BLACK,
+    BLUE,
+    GREEN,
+    LARGER,
+    MIDDLE,
+    ORANGE,
+    SKY,
+    WIDE,
+    Axes,
+    Figure,
+    drawing,
+    enlarged,
+    legend_below,
+    pretty,
+)
 
-INSET = 0.4  # choice: of the way, below which the contact is drawn once more, larger
-BESIDE = 0.6  # choice: width of the rows out of contact, beside the others, in largest contact radii
 LABELS = {"a": "contact radius a", "delta": "displacement δ", "P": "load P"}
 DIMENSIONS = {"a": "length", "delta": "length", "P": "load"}
 AXES = {"delta,P": ("delta", "P"), "a,P": ("P", "a"), "a,delta": ("delta", "a"), "a,delta,P": ("delta", "P")}
 MARKS = {"a": (GREEN, "s"), "delta": (BLUE, "^"), "P": (ORANGE, "o")}
+
+
+@dataclass(frozen=True)
+class FitPicture:
+    """What is drawn where in the figure of a fit."""
+
+    beside: float = 0.6  # choice: width of the rows out of contact, beside the others, in largest contact radii
+
+
+TUNING = FitPicture()
 
 
 def fit_figure(found: Fit) -> Figure:
@@ -40,8 +65,8 @@ def _curve(axes: Axes, found: Fit) -> None:
     line = [_broken(found.line[name][near] / units[name][0], found.line["a"][near]) for name in (x, y)]
     places = [axes]
     touched = found.a > 0
-    if touched.any() and np.ptp(measured[0][touched]) < INSET * np.ptp(measured[0]):
-        places.append(_contact_inset(axes, *(values[touched] for values in measured)))
+    if touched.any() and np.ptp(measured[0][touched]) < LARGER * np.ptp(measured[0]):
+        places.append(enlarged(axes, *(values[touched] for values in measured)))
     for place in places:
         place.plot(*measured, "o", color=SKY, ms=3, mfc="none", label="measured")
         place.plot(*line, "-", color=BLACK, lw=1.0, label="fitted")
@@ -54,16 +79,6 @@ def _broken(values: Array, a: Array) -> Array:
     return np.insert(values, np.flatnonzero(np.diff((a > 0).astype(int))) + 1, np.nan)
 
 
-def _contact_inset(axes: Axes, x: Array, y: Array) -> Axes:
-    """An inset over the long free way of a record, in which the contact alone is seen."""
-    inset = axes.inset_axes((0.16, 0.42, 0.5, 0.55))
-    for values, limit in ((x, inset.set_xlim), (y, inset.set_ylim)):
-        limit(values.min() - 0.08 * np.ptp(values), values.max() + 0.08 * np.ptp(values))
-    inset.tick_params(labelsize=6, pad=1.5, length=2)
-    few_ticks(inset, 3)
-    return inset
-
-
 def _distance(found: Fit) -> str:
     """What one residual per row is: of raw records all scatter is in the load."""
     return "normal distance" if found.quality is None else LABELS["P"]
@@ -72,7 +87,7 @@ def _distance(found: Fit) -> str:
 def _residuals(axes: Axes, found: Fit) -> None:
     factor, unit = scale(float(found.a.max()), "length")
     free, places = found.a == 0, found.a / factor
-    places[free] = places.max() * BESIDE * (np.linspace(-1, 0, int(free.sum()) + 1)[:-1])
+    places[free] = places.max() * TUNING.beside * (np.linspace(-1, 0, int(free.sum()) + 1)[:-1])
     names = [_distance(found)] if found.residuals.shape[0] == 1 else [LABELS[name] for name in found.data]
     marks = [MARKS["delta"]] if len(names) == 1 else [MARKS[name] for name in found.data]
     for values, name, (colour, mark) in zip(found.residuals, names, marks, strict=True):
@@ -81,7 +96,8 @@ def _residuals(axes: Axes, found: Fit) -> None:
     if free.any():
         axes.axvline(0, color="0.6", lw=0.8)
         axes.set_xticks([tick for tick in axes.get_xticks() if 0 <= tick <= places.max() * 1.05])
-        axes.annotate("base line", (BESIDE / (1 + BESIDE) / 2, 1.0), xycoords="axes fraction", ha="center", va="bottom",
+        middle = TUNING.beside / (1 + TUNING.beside) / 2
+        axes.annotate("base line", (middle, 1.0), xycoords="axes fraction", ha="center", va="bottom",
                       size=7, color="0.4")  # fmt: skip
     axes.set_xlabel(f"contact radius a ({pretty(unit)})")
     axes.set_ylabel("residual / standard deviation")

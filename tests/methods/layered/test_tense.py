@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy.special import jv
 
+from jkrcli import study_map
 from jkrcli.adhesion.curve import transform
 from jkrcli.adhesion.device import LOAD_CONTROL
 from jkrcli.adhesion.slopes.choice import slopes
@@ -94,6 +95,11 @@ def test_pull_off_over_tension_and_thickness(beta):
     specimens = [half_space(2 * beta), *(bonded(nu, 2 * beta, q ** (-1 / 3)) for nu, q in BODIES[1:])]
     found = [pull_off(specimen, 2.2) for specimen in specimens]
     np.testing.assert_allclose(found, PULL_OFF[beta], rtol=1e-6)  # their digits
+
+
+def test_the_map_of_the_study_has_the_same_values():
+    found = study_map("pull-off", nu=[0.5], q=[1.0, 10.0], beta=[0.1]).columns["minus_P_over_pi_w_R"]
+    np.testing.assert_allclose(found, PULL_OFF[0.1][1:3], rtol=1e-6)
 
 
 def slope(values, step):

@@ -11,7 +11,7 @@ from .fit import estimate_summary, estimate_words
 from .relaxation import NEGLECTED, law_summary
 from .tables import stiffness
 
-FORMAT, VERSION = "jkr-relaxation-fit", 1
+FORMAT = "jkr-relaxation-fit"
 
 
 def columns(fits: Sequence[RelaxationFit]) -> dict[str, list[Any]]:
@@ -31,7 +31,7 @@ def summary(fits: Sequence[RelaxationFit], body: str) -> dict[str, Any]:
     """What stands in the JSON file."""
     return {
         "format": FORMAT,
-        "version": VERSION,
+        "version": 1,
         "body": body,
         "level": fits[0].settings.level,
         "fits": [_fit(fit) for fit in fits],

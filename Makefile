@@ -24,7 +24,7 @@ CASES   := $(notdir $(basename $(wildcard cases/*.toml)))
 SOURCES := $(shell find jkrcli -name '*.py')
 
 .DEFAULT_GOAL := help
-.PHONY: help setup run test test-all test-minimal test-processors wheel fuzz lint docs validation gallery benchmarks cases bench figures noise-study chart chart-peers failures bounds range-bounds record-bounds guards mutants tuning sweep audit clean requirements
+.PHONY: help setup run test test-all test-minimal test-processors wheel fuzz lint docs validation gallery benchmarks cases bench figures noise-study chart chart-peers failures bounds range-bounds record-bounds relaxation-bounds record-rivals guards mutants tuning sweep audit clean requirements
 .DELETE_ON_ERROR:
 
 help: ## list the targets
@@ -137,6 +137,12 @@ guards: $(READY) ## forecasts against costs over all that grows, and how soon to
 
 record-bounds: $(READY) ## whether 95 % intervals of raw records hold E*, w and w_approach, on 300 made records (ten minutes)
 	PYTHONPATH=docs:tests $(VENV)/bin/python -m studies.record_bounds $(call QUOTE,$(SEED)) 300
+
+relaxation-bounds: $(READY) ## whether 95 % intervals of records that relax hold E*, ratio and time, on 1,000 made records (half an hour)
+	PYTHONPATH=docs:tests $(VENV)/bin/python -m studies.relaxation_bounds $(call QUOTE,$(SEED)) 1000
+
+record-rivals: $(READY) ## whether wrong models of raw records are told and right ones are not accused, on 20 records of each kind (fifteen minutes)
+	PYTHONPATH=docs:tests $(VENV)/bin/python -m studies.record_rivals $(call QUOTE,$(SEED)) 20
 
 mutants: $(READY) ## deliberate slips in what is computed, one at a time, which the fast tests must notice (five minutes)
 	$(STUDY).mutants

@@ -16,27 +16,45 @@ if TYPE_CHECKING:
     from .adhesion.rate.laws import LogRate, PowerRate
     from .adhesion.rate.program import Program
     from .api import (
+        check,
         cycle_at_speed,
+        cycle_relaxing,
         identify,
         identify_law,
+        identify_relaxation,
         load_case,
+        look,
         measured_curves,
         parse_case,
         plot,
+        profile,
+        pull_off,
         read,
         save,
         solve,
+        study_map,
         summary,
         table,
         to_pandas,
         transform,
-    )
+        work,
+    )  # fmt: skip
     from .base.errors import InputError, JkrError, Refusal
     from .base.unknown import Unknown
     from .bodies.grading import Exponential, Linear, Power, Tabulated
-    from .bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
+    from .bodies.indenters import (
+        EqualAreaCone,
+        Paraboloid,
+        PowerLaw,
+        RoundedCone,
+        RoundedFlat,
+        Sphere,
+        TableProfile,
+    )
     from .bodies.materials import Elastic, Graded, TransverselyIsotropic
     from .bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
+    from .bodies.relaxation import PowerRelaxation, Prony, StandardSolid
+    from .data.measured.curve import Reading
     from .methods.closed_form.method import ClosedForm
     from .methods.fem.method import FEM
     from .methods.guards import Limits
@@ -45,60 +63,33 @@ if TYPE_CHECKING:
 
 __version__ = "0.2.0"
 __all__ = [
-    "FEM",
-    "ClosedForm",
-    "Elastic",
-    "Exponential",
-    "Graded",
-    "HalfSpace",
-    "Hybrid",
-    "InputError",
-    "JkrError",
-    "Layer",
-    "Layered",
-    "Limits",
-    "Linear",
-    "Loading",
-    "LogRate",
-    "Paraboloid",
-    "Power",
-    "PowerLaw",
-    "PowerRate",
-    "Problem",
-    "Program",
-    "Refusal",
-    "Rigid",
-    "RoundedFlat",
-    "Specimen",
-    "Sphere",
-    "TableProfile",
-    "Tabulated",
-    "TransverselyIsotropic",
-    "Unknown",
-    "cycle_at_speed",
-    "identify",
-    "identify_law",
-    "load_case",
-    "measured_curves",
-    "parse_case",
-    "plot",
-    "read",
-    "save",
-    "solve",
-    "summary",
-    "table",
-    "to_pandas",
-    "transform",
-]
+    "FEM", "ClosedForm", "Elastic", "EqualAreaCone", "Exponential", "Graded", "HalfSpace", "Hybrid", "InputError",
+    "JkrError", "Layer", "Layered", "Limits", "Linear", "Loading", "LogRate", "Paraboloid", "Power", "PowerLaw",
+    "PowerRate", "PowerRelaxation", "Problem", "Program", "Prony", "Reading", "Refusal", "Rigid", "RoundedCone",
+    "RoundedFlat", "Specimen", "Sphere", "StandardSolid", "TableProfile", "Tabulated", "TransverselyIsotropic",
+    "Unknown", "check", "cycle_at_speed", "cycle_relaxing", "identify", "identify_law", "identify_relaxation",
+    "load_case", "look", "measured_curves", "parse_case", "plot", "profile", "pull_off", "read", "save", "solve",
+    "study_map", "summary", "table", "to_pandas", "transform", "work",
+]  # fmt: skip
 _HOMES = {  # of what is not in jkrcli.api
     ".adhesion.rate.laws": ("LogRate", "PowerRate"),
     ".adhesion.rate.program": ("Program",),
     ".base.errors": ("InputError", "JkrError", "Refusal"),
     ".base.unknown": ("Unknown",),
     ".bodies.grading": ("Exponential", "Linear", "Power", "Tabulated"),
-    ".bodies.indenters": ("Paraboloid", "PowerLaw", "RoundedFlat", "Sphere", "TableProfile"),
+    ".bodies.indenters": (
+        "EqualAreaCone",
+        "Paraboloid",
+        "PowerLaw",
+        "RoundedCone",
+        "RoundedFlat",
+        "Sphere",
+        "TableProfile",
+    ),
     ".bodies.materials": ("Elastic", "Graded", "TransverselyIsotropic"),
     ".bodies.problem": ("HalfSpace", "Layer", "Loading", "Problem", "Rigid", "Specimen"),
+    ".bodies.relaxation": ("PowerRelaxation", "Prony", "StandardSolid"),
+    ".data.measured.curve": ("Reading",),
     ".methods.closed_form.method": ("ClosedForm",),
     ".methods.fem.method": ("FEM",),
     ".methods.guards": ("Limits",),

@@ -35,32 +35,38 @@ Adhesion that depends on the speed of the contact's edge, over time:
 >>> history = jkr.cycle_at_speed(solved, 0.05, jkr.PowerRate(v0=1e-6, n=0.5), speed="10 um/s", to_load="1 uN")
 >>> f"{history.pull_off.P * 1e6:.2f} uN after {history.pull_off.t:.3f} s"
 '-12.98 uN after 0.126 s'
+
+Bodies that relax, without adhesion:
+
+>>> solid = jkr.StandardSolid(ratio=0.25, time=1.0)
+>>> history = jkr.cycle_relaxing(solved, solid, speed="10 um/s", to_depth="1 um", hold="3 s")
+>>> [f"{corner.P * 1e6:.3f} uN" for corner in history.corners], f"lost after {history.lost:.3f} s"
+(['14.983 uN', '4.395 uN'], 'lost after 3.129 s')
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .adhesion.analysis import Analysis, analyse, with_solved_points
 from .adhesion.device import DISPLACEMENT_CONTROL, LOAD_CONTROL
 from .adhesion.law import AskedRange
-from .base.arrays import Array
 from .base.errors import InputError
 from .base.files import check_series_target
-from .base.installing import installs
 from .base.threads import one_thread
 from .base.units import parse
+from .beside.analysis import analyse, nonadhesive, with_solved_points
 from .bodies.problem import Problem
 from .case import Case, load_case, store
 from .case import parse_case as _parse_case
 from .case.solving import solve as _solve
-from .data.measured import Curve, Reading
+from .data.measured import Curve, Reading, from_columns
 from .data.measured import read as read_curves
 from .methods import Method
 from .methods.guards import Limits
-from .report import tables
+from .report.result import Result
 from .series import Solution
 
 if TYPE_CHECKING:
@@ -69,26 +75,25 @@ if TYPE_CHECKING:
     from .adhesion.rate.history import History
     from .adhesion.rate.laws import RateLaw
     from .adhesion.rate.program import Program
+    from .adhesion.relaxation.history import RelaxedHistory
+    from .bodies.relaxation import Relaxation
     from .identification.fit import Fit
     from .identification.rate.fitting import RateFit
+    from .identification.relaxation import RelaxationFit
+    from .many.study.maps import MapResult
+    from .report.check import Check
+    from .report.look import Look
     from .report.plots import Figure
+    from .report.profile import Profile
+    from .report.pull_off import MeasuredPullOff, PullOff
+    from .report.transform import Transformed
+    from .report.work import Work
 
 __all__ = [
-    "cycle_at_speed",
-    "identify",
-    "identify_law",
-    "load_case",
-    "measured_curves",
-    "parse_case",
-    "plot",
-    "read",
-    "save",
-    "solve",
-    "summary",
-    "table",
-    "to_pandas",
-    "transform",
-]
+    "check", "cycle_at_speed", "cycle_relaxing", "identify", "identify_law", "identify_relaxation", "load_case",
+    "look", "measured_curves", "parse_case", "plot", "profile", "pull_off", "read", "save", "solve", "study_map",
+    "summary", "table", "to_pandas", "transform", "work",
+]  # fmt: skip
 
 
 def parse_case(text: str, folder: str | Path = ".") -> Case:
@@ -133,9 +138,9 @@ def transform(
     modulus_factor: float = 1.0,
     method: str | Method | None = None,
     *,
-    stress: float | None = None,
-    length: float | None = None,
-) -> Analysis:
+    stress: float | str | None = None,
+    length: float | str | None = None,
+) -> Transformed:
     """The adhesive curve for the work of adhesion ``w`` [J/m^2], with pull-off, errors, validity and warnings.
 
     ``solved``: a solution or its file; a case, its file or a problem is solved first, by ``method``. ``w``: a number,
@@ -144,8 +149,10 @@ def transform(
     else what the case says.
     """
     solution = _solution(solved, method)
-    asked = AskedRange.of(solution.record, stress, length)
-    return analyse(solution, [_number("w", w, "work")], slopes, modulus_factor, asked)[0]
+    asked = _range(solution, stress, length)
+    from .report.transform import Transformed
+
+    return Transformed.of(analyse(solution, [_number("w", w, "work")], slopes, modulus_factor, asked)[0])
 
 
 @one_thread()
@@ -204,6 +211,58 @@ def cycle_at_speed(
     return history
 
 
+def _range(solution: Solution, stress: float | str | None, length: float | str | None) -> AskedRange:
+    """Adhesion of finite range as it is asked for, in numbers or text."""
+    tension = None if stress is None else _number("stress", stress, "modulus")
+    return AskedRange.of(solution.record, tension, None if length is None else _number("length", length, "length"))
+
+
+@one_thread()
+def cycle_relaxing(
+    solved: Solution | Case | Problem | str | Path,
+    relaxation: Relaxation | None = None,
+    speed: float | str | None = None,
+    *,
+    program: Program | None = None,
+    speed_approach: float | str | None = None,
+    to_load: float | str | None = None,
+    to_depth: float | str | None = None,
+    hold: float | str = 0.0,
+    stiffness: float | str = DISPLACEMENT_CONTROL,
+    slopes: str = "auto",
+) -> RelaxedHistory:
+    """What a device records over time while the moduli of the specimen relax, without adhesion.
+
+    ``relaxation``: StandardSolid(ratio=0.25, time=1.0), PowerRelaxation, Prony; default: that of the specimen. The
+    device presses, waits and goes back as in ``cycle_at_speed``, or does what a ``program`` says.
+
+    The result's ``peak``, ``corners``, ``turn``, ``lost`` and ``error`` tell what happened, ``table(points)`` gives its
+    columns. Raises InputError where the contact leaves the series, or is loaded again onto its dent.
+    """
+    from .adhesion.rate.program import there_and_back
+    from .adhesion.relaxation.history import RelaxingContact
+
+    solution, k = _solution(solved, None), _number("stiffness", stiffness, "stiffness")
+    law = relaxation or solution.problem.specimen.relaxation
+    if law is None:
+        raise InputError(
+            "cycle_relaxing: the specimen has no relaxation: give one, StandardSolid(ratio=0.25, time=1.0)"
+        )
+    if (speed is None) == (program is None):
+        raise InputError("cycle_relaxing: give either the speed of the device or its program")
+    relaxing = replace(solution.problem, specimen=replace(solution.problem.specimen, relaxation=law))  # may refuse
+    contact = RelaxingContact(nonadhesive(replace(solution, problem=relaxing), slopes), law, k)
+    if speed is not None:
+        rate = "load rate" if k == LOAD_CONTROL else "speed"
+        back = _number("speed", speed, rate)
+        there = back if speed_approach is None else _number("speed_approach", speed_approach, rate)
+        load = None if to_load is None else _number("to_load", to_load, "load")
+        depth = None if to_depth is None else _number("to_depth", to_depth, "length")
+        program = there_and_back(contact.turning(load, depth, there), there, back, _number("hold", hold, "time"))
+    assert program is not None
+    return contact.history(program)
+
+
 def _law(law: RateLaw | Mapping[str, Any]) -> RateLaw:
     from .adhesion.rate.laws import rate_law_of
 
@@ -227,13 +286,21 @@ def _number(name: str, value: float | str, dimension: str) -> float:
 
 def identify(
     body: Case | Solution | str | Path,
-    measured: Curve | str | Path,
+    measured: Curve | DataFrame | Mapping[str, Any] | str | Path | None = None,
     free: Iterable[str] = (),
     fix: Mapping[str, str] | None = None,
     slopes: str = "auto",
+    *,
+    reading: Reading | None = None,
+    a: Any = None,
+    delta: Any = None,
+    P: Any = None,
+    t: Any = None,
     **options: Any,
 ) -> Fit:
-    """E*, w and the zero points that bring the adhesive curve of ``body`` nearest to one ``measured`` curve.
+    """E*, w and the zero points that bring the adhesive curve of ``body`` nearest to one ``measured`` curve: of a file,
+    a data frame with columns named as in a table ("delta_um", "P (nN)"), or arrays of ``a, delta, P, t`` [SI]. In these
+    ``reading``, Reading(units={"P": "nN"}), tells units, signs and the device.
 
     ``body``: a case (solved to the radii that the data ask for), a solved series, or the file of either. ``free``: more
     parameters ("P0", "E:film"); ``fix``: known ones, {"w": "50 mJ/m^2"}; ``options``: see
@@ -243,8 +310,12 @@ def identify(
     from .identification.fit.body import body_of
     from .identification.fit.settings import settings_of
 
+    arrays = {"a": a, "delta": delta, "P": P, "t": t}
+    given = {name: values for name, values in arrays.items() if values is not None}
+    if (measured is None) == (not given):
+        raise InputError("identify: give either what was measured or arrays of a, delta, P, t")
+    curve = _curve_of(given if measured is None else measured, reading)
     source = body_of(Path(body) if isinstance(body, str) else body, slopes)
-    curve = measured if isinstance(measured, Curve) else _only_curve(Path(measured))
     return one_thread()(fit)(source, curve, settings_of(source, free, (fix or {}).items(), **options))
 
 
@@ -273,10 +344,38 @@ def identify_law(
     return one_thread()(rate_fit)(source, curves, settings)
 
 
-def _only_curve(path: Path) -> Curve:
-    curves = measured_curves(path)
+def identify_relaxation(
+    body: Case | Solution | str | Path,
+    measured: Curve | str | Path,
+    law: str = "sls",
+    fix: Mapping[str, str] | None = None,
+    slopes: str = "auto",
+    **options: Any,
+) -> RelaxationFit:
+    """The modulus, the parameters of a ``law`` of relaxation and the zero point, from a record with time.
+
+    ``measured``: one curve of t, delta, P, or its file; ``fix``: known ones, {"ratio": "0.3"}; ``options``: level,
+    terms as of ``jkr fit --relaxation``. Raises InputError where the record cannot be fitted.
+    """
+    from .identification.fit.body import body_of
+    from .identification.relaxation import relaxation_fit, relaxation_settings
+
+    source = body_of(Path(body) if isinstance(body, str) else body, slopes)
+    curve = _curve_of(measured, None)
+    return one_thread()(relaxation_fit)(source, curve, relaxation_settings(law, (fix or {}).items(), **options))
+
+
+def _curve_of(measured: Any, reading: Reading | None) -> Curve:
+    """One curve, of what may be a curve, a file, a data frame or arrays by name."""
+    if isinstance(measured, Curve):
+        return measured
+    if not isinstance(measured, str | Path):
+        names = {"a": "a (m)", "delta": "delta (m)", "P": "P (N)", "t": "t (s)"}  # SI where nothing else is told
+        units = () if reading is None else reading.units
+        return from_columns({names.get(k, k) if k not in units else k: measured[k] for k in measured}, reading)
+    curves = read_curves(Path(measured), reading)
     if len(curves) > 1:
-        raise InputError(f"{path}: holds {len(curves)} curves, one is wanted: give one of measured_curves(path)")
+        raise InputError(f"{measured}: holds {len(curves)} curves, one is wanted: give one of measured_curves(path)")
     return curves[0]
 
 
@@ -285,31 +384,134 @@ def measured_curves(path: str | Path, **reading: Any) -> list[Curve]:
     return read_curves(Path(path), Reading(**reading))
 
 
-def table(curve: Analysis) -> dict[str, Array]:
-    """The columns of the curve's CSV file: names with units, one value per contact radius."""
-    return tables.curve_columns(curve.curve)
+def check(case: Case | str | Path) -> Check:
+    """Which method a case needs, what each would cost, and what to expect, as ``jkr check`` says it; nothing is
+    solved."""
+    from .report.check import Check
+
+    loaded = load_case(case) if isinstance(case, str | Path) else case
+    return one_thread()(Check.of)(Path(case) if isinstance(case, str | Path) else Path("case"), loaded)
 
 
-def to_pandas(curve: Analysis) -> DataFrame:
+def look(path: str | Path, **reading: Any) -> Look:
+    """What a measured file holds, as ``jkr look`` says it: segments, base line, contact, jumps, adhesion; no body is
+    needed. ``reading``: see jkrcli.data.measured.Reading."""
+    from .report.look import Look
+
+    return one_thread()(Look.at)(Path(path), Reading(**reading))
+
+
+@one_thread()
+def profile(
+    solved: Solution | Case | Problem | str | Path,
+    a: float | str | None = None,
+    load: float | str | None = None,
+    w: float | str = 0.0,
+    *,
+    stress: float | str | None = None,
+    length: float | str | None = None,
+) -> Profile:
+    """Pressure, displacement and gap around one contact, of radius ``a`` [m] or under a ``load`` [N], with the work of
+    adhesion ``w`` [J/m^2] (default: none); ``stress`` and ``length`` as of ``transform``."""
+    from .beside.profile import profile_columns, radius_under
+    from .report.profile import Profile
+
+    if (a is None) == (load is None):
+        raise InputError("profile: give exactly one of a and load")
+    solution, work = _solution(solved, None), _number("w", w, "work")
+    asked = _range(solution, stress, length)
+    if load is not None:
+        radius = radius_under(solution, _number("load", load, "load"), work, asked)
+    else:
+        assert a is not None
+        radius = _number("a", a, "length")
+    return Profile(solution.record.path, radius, work, profile_columns(solution, radius, work, asked))
+
+
+@one_thread()
+def pull_off(
+    solved: Solution | Case | Problem | str | Path,
+    w: float | str | None = None,
+    load: float | str | None = None,
+    stiffness: Sequence[float | str] = (),
+    slopes: str = "auto",
+    modulus_factor: float = 1.0,
+    *,
+    stress: float | str | None = None,
+    length: float | str | None = None,
+    uncertain: Mapping[str, str] | None = None,
+) -> PullOff | MeasuredPullOff:
+    """Where contact is lost with the work of adhesion ``w`` [J/m^2] under load and displacement control or by devices
+    of a ``stiffness`` [N/m]; or which w a measured pull-off ``load`` [N] means, its inputs
+    ``uncertain``: {"R": "2%"}."""
+    from .beside.lost import where_lost
+    from .identification.work_of_adhesion import measured_work
+    from .report.pull_off import MeasuredPullOff, PullOff
+
+    if (w is None) == (load is None):
+        raise InputError("pull_off: give exactly one of w and load")
+    solution, devices = _solution(solved, None), [_number("stiffness", k, "stiffness") for k in stiffness]
+    if load is not None:
+        force, pairs = abs(_number("load", load, "load")), (uncertain or {}).items()
+        under = (devices or [LOAD_CONTROL])[0]
+        return MeasuredPullOff(measured_work(solution, force, under, slopes, modulus_factor, pairs))
+    assert w is not None
+    asked = _range(solution, stress, length)
+    return PullOff(*where_lost(solution, [_number("w", w, "work")], devices, slopes, modulus_factor, asked)[0])
+
+
+@one_thread()
+def work(
+    solved: Solution | Case | Problem | str | Path,
+    measured: str | Path,
+    slopes: str = "auto",
+    modulus_factor: float = 1.0,
+    *,
+    reading: Reading | None = None,
+    **options: Any,
+) -> Work:
+    """The work of adhesion along the curves of a ``measured`` file, as ``jkr work`` says it; ``options``: use ("a,P"),
+    segment, noise {"P": 2e-9}, window."""
+    from .base.executors import executor
+    from .identification.work_of_files import along_file, evaluation_of
+    from .report.work import Work
+
+    solution, path, reading = _solution(solved, None), Path(measured), reading or Reading()
+    unit = nonadhesive(solution, slopes)
+    evaluation = evaluation_of(solution, unit, reading, modulus_factor, **options)
+    with executor(1) as pool:
+        return Work.of(path, *along_file(path, reading, evaluation, pool), solution, unit, modulus_factor)
+
+
+def study_map(name: str, **axes: Any) -> MapResult:
+    """The map called ``name`` ("pull-off", "sticking", "transition", "adhesion", "rate") over its ``axes``, as of ``jkr
+    study <name>-map``: study_map("pull-off", nu=[0.3], q=[0.1, 1]); its ``columns``, ``summary()`` and ``figure()``."""
+    from .many.study.maps import map_of
+
+    return one_thread()(map_of(name).over)(**axes)
+
+
+def table(curve: Result) -> Mapping[str, Any]:
+    """The columns of a result's CSV file: names with units, one value per contact radius of a curve."""
+    return curve.columns
+
+
+def to_pandas(curve: Result) -> DataFrame:
     """The columns as a data frame (needs the optional package pandas)."""
-    try:
-        from pandas import DataFrame
-    except ModuleNotFoundError:
-        raise InputError(f"to_pandas needs the optional package pandas: {installs('pandas')}") from None
-    return DataFrame(table(curve))
+    return curve.to_pandas()
 
 
-def plot(curve: Analysis, path: str | Path | None = None) -> Figure:
-    """Load over displacement and contact radius over load; also written to ``path`` (.png, .svg, .pdf) where given."""
+def plot(curve: Result, path: str | Path | None = None) -> Figure:
+    """The picture of a result, of a curve load over displacement and contact radius over load; also written to ``path``
+    (.png, .svg, .pdf) where given."""
     from .report import plots
-    from .report.plots import curve as plots_curve
 
-    figure = plots_curve.curve_figure(curve, plots_curve.physical_units(curve.curve))
+    figure = curve.figure()
     if path is not None:
         plots.save(figure, [Path(path)])
     return figure
 
 
-def summary(curve: Analysis) -> dict[str, Any]:
-    """What the curve's JSON file says."""
-    return tables.summary(curve)
+def summary(curve: Result) -> dict[str, Any]:
+    """What the result's JSON file says."""
+    return curve.summary()

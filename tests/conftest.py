@@ -6,6 +6,7 @@ import importlib
 import os
 import signal
 import sys
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, is_dataclass, replace
 from pathlib import Path
@@ -31,6 +32,16 @@ def pytest_configure() -> None:
     signal.signal(signal.SIGINT, signal.default_int_handler)
     sys.dont_write_bytecode = False
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Of a test marked ``first(n)`` the fast tests take the first n sets of parameters."""
+    taken: Counter[str] = Counter()
+    for item in items:
+        if (mark := item.get_closest_marker("first")) is not None:
+            taken[(test := item.nodeid.partition("[")[0])] += 1
+            if taken[test] > mark.args[0]:
+                item.add_marker("slow")
 
 
 @pytest.fixture(autouse=True)

@@ -114,7 +114,8 @@ def test_keys_of_an_indenter_of_ones_own_are_checked(tmp_path: Path) -> None:
         "(allowed: E, nu, shape, radius, k)\n"
     )  # fmt: skip
     assert shape.err.endswith(
-        "indenter.shape: must be one of sphere, paraboloid, power, cone, flat, table, aspheric, "
+        "indenter.shape: must be one of sphere, paraboloid, power, cone, flat, table, rounded-cone, pyramid, "
+        "three-sided-pyramid, aspheric, "
         'got "asferic", did you mean "aspheric"?\n'
     )
 
@@ -231,3 +232,17 @@ def test_a_run_imports_no_solver_that_it_does_not_use(tmp_path: Path) -> None:
     words = [sys.executable, "-c", code, "run", case, "-o", tmp_path / "my.h5"]
     done = subprocess.run(words, capture_output=True, text=True, check=True)
     assert done.stdout.splitlines()[-1] == "UNUSED False False False"
+
+
+def test_a_relaxation_of_ones_own(tmp_path: Path) -> None:
+    text = CASE.format(method="layered", shape="paraboloid", keys="", thickness="1 mm")
+    relaxation = '[specimen]\nrelaxation = {{ law = "{}", time = "1 s"{} }}\n[[specimen.layers]]'
+    found = []
+    for law, more in (("maxwell", ""), ("sls", ", ratio = 0.0")):
+        (tmp_path / f"{law}.toml").write_text(text.replace("[[specimen.layers]]", relaxation.format(law, more)))
+        series = tmp_path / f"{law}.h5"
+        cycle = ("cycle", series, "--w-approach", 0, "--speed", "1 um/s", "--no-plots", "--json")
+        run, done = jkr("maxwell", ("run", tmp_path / f"{law}.toml", "-o", series), cycle)
+        assert run.code == done.code == 0, run.err + done.err
+        found.append(json.loads(done.out)["largest_load"])
+    assert found[0] == found[1]

@@ -178,6 +178,7 @@ def test_linear_algebra_runs_on_one_thread_whatever_the_environment_says(tmp_pat
     assert len(found) == 1
 
 
+@pytest.mark.first(3)
 @pytest.mark.parametrize("script", sorted(EXAMPLES.glob("*.py")), ids=lambda path: path.stem)
 def test_the_example_scripts_run(
     script: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]

@@ -14,8 +14,8 @@ from sources import nodes
 PACKAGE = Path(__file__).parent.parent / "jkrcli"
 # The rooms, each above those that may import from it; what stands at the top of the package may import from all.
 ROOMS = (
-    "base", "formulas", "bodies", "series", "methods", "case", "adhesion", "data", "identification", "report", "many",
-    "cli",
+    "base", "formulas", "bodies", "series", "methods", "case", "adhesion", "beside", "data", "identification", "report",
+    "many", "cli",
 )  # fmt: skip
 MOST_AT_TOP = 4
 # Libraries and the one folder or module that may import each.

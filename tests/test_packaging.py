@@ -78,3 +78,25 @@ def test_make_run_hands_works_on_as_they_stand(works: str, words: list[str] | No
     assert words is None or given == words
     assert "".join(given) == works.replace(" ", "")
     assert not (tmp_path / "made").exists()
+
+
+def test_the_container_copies_what_is_there_and_installs_by_hashes() -> None:
+    lines = (ROOT / "docs/install/Containerfile").read_text(encoding="utf-8").splitlines()
+    steps = [line.split(maxsplit=1) for line in lines if line and not line.startswith("#")]
+    assert {name for name, _ in steps} == {"FROM", "WORKDIR", "COPY", "RUN", "ENTRYPOINT"}
+    copied = [path for name, words in steps if name == "COPY" for path in words.split()[:-1]]
+    assert copied
+    assert all((ROOT / path).exists() for path in copied)
+    installs = [words for name, words in steps if name == "RUN" and "pip install" in words]
+    assert len(installs) == 2
+    assert all(any(option in words for option in CHECKED) for words in installs)
+
+
+def test_the_conda_environment_has_the_pinned_packages_and_every_python() -> None:
+    yaml = pytest.importorskip("yaml")
+    path = ROOT / "docs/install/environment.yml"
+    told = yaml.safe_load(path.read_text(encoding="utf-8"))
+    (python,) = (word for word in told["dependencies"] if str(word).startswith("python "))
+    assert python.split()[1].split(",")[0] == PROJECT["project"]["requires-python"]
+    (pip,) = (entry["pip"] for entry in told["dependencies"] if isinstance(entry, dict))
+    assert [(path.parent / line.split()[1]).resolve() for line in pip] == [ROOT / "requirements.txt"]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import struct
 import zipfile
 from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -94,13 +95,16 @@ def zipped(path: Path, members: Mapping[str, bytes]) -> Path:
 
 
 # ---------------------------------------------------------------------- others
-def ibw(path: Path) -> Path:
-    """A binary wave of Igor, version 5, as Asylum's microscopes write it."""
+def ibw(path: Path, pixel: tuple[int, int] | None = None) -> Path:
+    """A binary wave of Igor, version 5, as Asylum's microscopes write it; ``pixel``: column and row in a map."""
     data = np.column_stack([-1.1 * HEIGHT, FORCE / K, -HEIGHT]).astype("<f4")
     told = {"Wave": 1, "ImagingMode": "Contact", "NumPtsPerSec": 100, "InvOLS": SENSITIVITY, "TriggerChannel": "Force",
             "TriggerPoint": 1e-9, "SpringConstant": K, "InputTime": 0.8, "ApproachVelocity": 5e-6,
             "RetractVelocity": 5e-6, "MicroscopeModel": "MFP3D", "Version": "1", "Date": "2020-03-12",
             "Time": "2:21:05 PM"}  # fmt: skip
+    if pixel is not None:
+        told |= {"XLVDT": f"{1e-6 * pixel[0]:g}", "YLVDT": f"{1e-6 * pixel[1]:g}"}
+        told |= {"FMapLineCounter": pixel[1], "FMapPointCounter": pixel[0]}
     note = "".join(f"{key}: {value}\r" for key, value in told.items()).encode()
     labels = b"".join(word.ljust(32, b"\0") for word in (b"", b"Raw", b"Defl", b"ZSnsr"))
     values = data.tobytes(order="F")
@@ -174,6 +178,99 @@ def exported(path: Path, curves: int = 1) -> Path:
     return path
 
 
+# ---------------------------------------------------------------------- Bruker's Nanoscope
+def nanoscope(path: Path, curves: int = 1, capture: bool = False, least: int = 0, **changed: str) -> Path:
+    """A binary file: of one curve with a height sensor in two bytes, of a map over a ramp in four, shifted by one, or
+    a ``capture`` of PeakForce. ``least``: rows of each direction beside those that are filled. ``changed``: lines of
+    the head."""
+    size, shift = (2, 1) if curves == 1 else (4, 256)
+    stride = ROWS + least
+    z = 1e-6 - HEIGHT if not capture else 1e-7 * np.cos(2 * np.pi * (np.arange(2 * ROWS) - ROWS) / (2 * ROWS))
+    channels = {"DeflectionError": (FORCE / K / SENSITIVITY, "DeflSens")}
+    if curves == 1 and not capture:
+        channels["ZSensor"] = (z / 1e-6, "ZsensSens")
+    blocks = []
+    for values, _ in channels.values():
+        counts = np.full((2, stride), 77)
+        counts[:, :ROWS] = shift * np.round(np.stack([values[:ROWS][::-1], values[ROWS:]]) / PER_COUNT)
+        blocks.append(np.tile(counts.ravel(), curves).astype(f"<i{size}").tobytes())
+    scan = {"Operating mode": "Force" if curves == 1 else "Force Volume", "Samps/line": "2", "Lines": str(curves // 2),
+            "Scan Size": "2000 nm", "PeakForce Capture": "Allow" if capture else "Never", "Peak Force Amplitude": "100",
+            "PFT Freq": "2 KHz", "Sample Points": str(4 * ROWS), "Sync Distance QNM": str(2 * ROWS),
+            "@Sens. DeflSens": f"V {SENSITIVITY * 1e9:g} " + "nm/V" * (curves == 1), "@Sens. Zsens": "V 10.00000 nm/V",
+            "@Sens. ZsensSens": "V 1000.000 nm/V"}  # fmt: skip
+    if capture:
+        scan |= {"Samps/line": "1", "Lines": "1"}
+    force = {"Forward vel.": "200", "Reverse vel.": "200", "Samps/line, retrace": str(ROWS)}
+    sections = [("Force file list", {"Version": "0x09200000"}), ("Ciao scan list", scan), ("Ciao force list", force)]
+    start = 6000
+    for (name, (_, sens)), block in zip(channels.items(), blocks, strict=True):
+        told = {"Data offset": str(start), "Data length": str(len(block)), "Bytes/pixel": "2",
+                "Samps/line": f"{stride} {ROWS}", "Spring Constant": str(K), "@4:Image Data": f'S [{name}] "{name}"',
+                "@4:Z scale": f"V [Sens. {sens}] ({PER_COUNT} V/LSB) 3.5 V",
+                "@4:Ramp size": "V [Sens. Zsens] (0.006713867 V/LSB) 200.0000 V"}  # fmt: skip
+        sections.append(("Ciao force image list", told))
+        start += len(block)
+    lines = [line for name, told in sections for line in (f"\\*{name}", *(
+        f"\\{key}: {changed.get(key, text)}" for key, text in told.items()))]  # fmt: skip
+    head = "\r\n".join([*lines, "\\*File list end", "\x1a"]).encode("cp1252")
+    path.write_bytes(head.ljust(6000, b"\0") + b"".join(blocks))
+    return path
+
+
+PER_COUNT = 0.000375  # V
+
+
+# ---------------------------------------------------------------------- exports in text, by the makers' layouts
+def export(path: Path, maker: str) -> Path:
+    """The record as the program of a ``maker`` exports it."""
+    head, columns, rows = EXPORTS[maker]
+    mark, decimal = MARKS.get(maker, ("\t", "."))
+    body = [mark.join(f"{cell:.9g}".replace(".", decimal) for cell in row) for row in rows]
+    parts = head(body[:ROWS], body[ROWS:]) if callable(head) else [*head, columns, *body]
+    path.write_bytes(("\r\n".join(parts) + "\r\n").encode("cp1252"))
+    return path
+
+
+TIME = np.linspace(0, 1, 2 * ROWS)
+Z = 3e-6 - HEIGHT  # toward the specimen
+MARKS = {"instron": (",", "."), "zwick": (";", ","), "zhn": ("\t", ","), "jpk": (" ", ".")}
+
+
+def _jpk_text(approach: list[str], retract: list[str]) -> list[str]:
+    """The retraction as JPK writes it, its last row first, and the time of each segment begins anew."""
+    names = ["# columns: height vDeflection seriesTime time", "# units: m N s s", f"# springConstant: {K}", "#"]
+    return ["# direction: trace", *names, *approach, "", "# direction: retrace", *names, *retract[::-1]]
+
+
+_SIDES = np.column_stack([TIME[:ROWS], TIME[:ROWS], 1e9 * HEIGHT[:ROWS][::-1], 1e9 * HEIGHT[ROWS:],
+                          (FORCE / K / SENSITIVITY)[:ROWS][::-1], (FORCE / K / SENSITIVITY)[ROWS:],
+                          1e12 * FORCE[:ROWS][::-1], 1e12 * FORCE[ROWS:]])  # fmt: skip
+_TITLES = "Time_s_Ex\tTime_s_Rt\tHeight_Sensor_nm_Ex\tHeight_Sensor_nm_Rt\tDefl_V_Ex\tDefl_V_Rt\tDefl_pN_Ex\tDefl_pN_Rt"
+_HEAD = ["\\*Force file list", f"\\@Sens. DeflSens: V {SENSITIVITY * 1e9:.5f} nm/V", f"\\Spring Constant: {K}",
+         "\\*File list end"]  # fmt: skip
+EXPORTS: dict[str, tuple[Any, str, np.ndarray]] = {
+    "nanoscope": ([f'"{line}"' for line in _HEAD], _TITLES + "\tDefl_V_Ex\tDefl_V_Rt",
+                  np.column_stack([_SIDES, _SIDES[:, 4:6]])),
+    "nanoscope volts": (_HEAD, "\t".join(_TITLES.split("\t")[2:6]), _SIDES[:, 2:6]),
+    "jpk": (_jpk_text, "", np.column_stack([HEIGHT, FORCE, TIME, np.tile(TIME[:ROWS], 2)])),
+    "optics11": (["Tip radius (um)\t48.5", f"k (N/m)\t{K}", "Calibration factor\t2.5", ""],
+                 "Time (s)\tLoad (uN)\tIndentation (nm)\tCantilever (nm)\tPiezo (nm)\tAuxiliary", np.column_stack(
+        [TIME, 1e6 * FORCE, 1e9 * (Z - FORCE / K), 1e9 * FORCE / K, 1e9 * Z, 0 * TIME])),
+    "hysitron": (["", f"Number of Points = {2 * ROWS}", ""], "Depth (nm)\tLoad (µN)\tTime (s)\tDepth (V)\tLoad (V)",
+                 np.column_stack([1e9 * (Z - FORCE / K), 1e6 * FORCE, TIME, 1e6 * Z, 1e9 * FORCE])),
+    "zhn": (["Eindringkörper: Kugel 50 µm", ""], "Zeit\tEindringtiefe\tNormalkraft\r\ns\tµm\tmN",
+            np.column_stack([TIME, 1e6 * (Z - FORCE / K), 1e3 * FORCE])),
+    "instron": ([], '"Time","Compressive extension","Load"\r\n"(s)","(mm)","(N)"',
+                np.column_stack([TIME, 1e3 * Z, FORCE])),
+    "zwick": ([], '"Prüfzeit";"Standardweg";"Standardkraft"\r\n"s";"mm";"N"', np.column_stack([TIME, 1e3 * Z, FORCE])),
+}  # fmt: skip
+
+
+def _exported(maker: str, folder: Path) -> Path:
+    return export(folder / f"{maker}.txt", maker)
+
+
 KINDS: dict[str, Callable[[Path], Path]] = {
     "jpk": lambda folder: zipped(folder / "one.jpk-force", jpk_members()),
     "jpk map": lambda folder: zipped(folder / "map.jpk-force-map", jpk_members(3)),
@@ -184,4 +281,8 @@ KINDS: dict[str, Callable[[Path], Path]] = {
     "workshop map": lambda folder: workshop_map(folder / "map.zip"),
     "ntmdt": lambda folder: ntmdt(folder / "ntmdt.txt"),
     "chiaro": lambda folder: chiaro(folder / "chiaro.txt"),
+    "nanoscope": lambda folder: nanoscope(folder / "one.000"),
+    "nanoscope map": lambda folder: nanoscope(folder / "map.spm", 4),
+    "nanoscope capture": lambda folder: nanoscope(folder / "one.pfc", capture=True),
+    **{f"{maker} in text": partial(_exported, maker) for maker in EXPORTS},
 }  # a file of each format in a folder

@@ -13,6 +13,7 @@ from pydantic import BeforeValidator
 from jkrcli.base.units import SI, WORDS, Ranged
 from jkrcli.bodies.grading import LAWS
 from jkrcli.bodies.indenters import SHAPES
+from jkrcli.bodies.relaxation import RELAXATIONS
 from jkrcli.case.fields import Read, Table, as_several
 from jkrcli.case.materials import LawTable, LayerTable, TransverseLayerTable
 from jkrcli.case.models import AdhesionTable, CapillaryTable, LoadingTable, SpecimenTable
@@ -39,7 +40,11 @@ def _sections() -> Iterator[str]:
         yield f'### `shape = "{name}"`'
         yield _prose(builder)
         yield _registered(SHAPES, name)
-    yield from _model("[specimen]", SpecimenTable, leave=("layers", "half_space"))
+    yield from _model("[specimen]", SpecimenTable, leave=("layers", "half_space", "relaxation"))
+    for name, builder in RELAXATIONS.items():
+        yield f'### `relaxation = {{ law = "{name}", ... }}`'
+        yield _prose(builder)
+        yield _registered(RELAXATIONS, name)
     yield from _model("[[specimen.layers]]", LayerTable, note="An isotropic layer; the first is at the contact.")
     for name, builder in LAWS.items():
         yield f'### `E = {{ law = "{name}", ... }}`'

@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 
-from jkrcli.adhesion.analysis import analyse, error_of_point, with_solved_points
 from jkrcli.adhesion.critical import Errors
 from jkrcli.adhesion.curve import CriticalPoint
 from jkrcli.adhesion.device import CONTROLS
@@ -22,6 +21,7 @@ from jkrcli.base.errors import JkrError
 from jkrcli.base.executors import completed
 from jkrcli.base.table import as_json
 from jkrcli.base.unknown import Unknown
+from jkrcli.beside.analysis import analyse, error_of_point, with_solved_points
 from jkrcli.bodies.indenters import Indenter, Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Side, Spacing, Specimen
@@ -238,7 +238,8 @@ def _columns(solution: Solution) -> list[Judged]:
             _ratio(f"{name} at equal delta", series, exact, name, series.errors[name], rows, exact.accuracy)
             for name in ("a", "P")
         ]
-    worst, total = max((ratio * stated for _, ratio, stated, _ in found[-2:]), default=0.0), solution.budget.total
+    alike = found[-2:] if at_depth else found
+    worst, total = max((ratio * stated for _, ratio, stated, _ in alike), default=0.0), solution.budget.total
     if isinstance(total, float) and total > 0:
         found.append(("total", worst / total, total, worst > max(SMALL, 3 * exact.accuracy)))
     return found

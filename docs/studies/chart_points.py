@@ -10,10 +10,10 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from jkrcli.adhesion.analysis import analyse
 from jkrcli.base.errors import InputError, JkrError
 from jkrcli.base.files import read_bytes
 from jkrcli.base.unknown import Estimate
+from jkrcli.beside.analysis import analyse
 from jkrcli.bodies.problem import Problem
 from jkrcli.case import Case, store
 from jkrcli.case.models import CaseModel

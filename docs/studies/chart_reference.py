@@ -7,11 +7,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
-from jkrcli.adhesion.comparison import curve_distance
 from jkrcli.adhesion.curve import AdhesiveCurve, CriticalPoint, EquilibriumCurve, transform
 from jkrcli.adhesion.slopes.choice import slopes
 from jkrcli.base.arrays import Array
 from jkrcli.base.errors import JkrError, Refusal
+from jkrcli.beside.comparison import curve_distance
 from jkrcli.bodies.problem import Loading, Problem
 from jkrcli.methods import Method, method_class
 from jkrcli.methods.integral.contact import InaccurateError

@@ -18,12 +18,12 @@ from pathlib import Path
 
 import numpy as np
 
-from jkrcli.adhesion.analysis import analyse
 from jkrcli.adhesion.curve import CriticalPoint, transform
 from jkrcli.adhesion.slopes.choice import slopes
 from jkrcli.base.arrays import Array
 from jkrcli.base.errors import InputError
 from jkrcli.base.unknown import Unknown
+from jkrcli.beside.analysis import analyse
 from jkrcli.data.foreign import SeriesReading, read_series
 from jkrcli.series import Record, Series
 

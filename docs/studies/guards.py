@@ -8,18 +8,18 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import replace
 from multiprocessing import get_context
 from pathlib import Path
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 
-from jkrcli.adhesion.analysis import JKR, analyse, forecast
 from jkrcli.base.table import write_csv
+from jkrcli.beside.analysis import JKR, analyse, forecast
 from jkrcli.bodies.problem import Problem
 from jkrcli.case import Case, parse_case
 from jkrcli.case.solving import solve
@@ -28,7 +28,7 @@ from jkrcli.cli.measured import TUNING as TABLES
 from jkrcli.cli.series import PER_FILE
 from jkrcli.data.measured import each
 from jkrcli.data.measured.amount import rows_expected
-from jkrcli.many.study import adhesion_map, pull_off_map, rate_map, sticking_map, transition_map
+from jkrcli.many.study.maps import map_of
 from jkrcli.many.sweep.plan import load_plan
 from jkrcli.many.sweep.running import Means, sweep
 from jkrcli.many.sweep.running import forecast as forecast_of_sweep
@@ -205,7 +205,7 @@ def files_shown(count: int) -> Pair:
 
 def devices_of_pull_off(count: int) -> Pair:
     Path("s.toml").write_text(text("closed-form", HALF_SPACE, "1e-4", "points = 100"))
-    words = axis("--stiffness", 1.0, 1e6, count)
+    words = several("--stiffness", np.geomspace(1.0, 1e6, count))
     seconds = forecast(solution(100), (0.05,), JKR, False, False, count).seconds
     return seconds, lambda: jkr(["pull-off", "s.toml", *words])
 
@@ -253,49 +253,43 @@ def rows_of_work(rows: int) -> Pair:
 
 
 # ---------------------------------------------------------------------- forecasts of maps
-def axis(option: str, low: float, high: float, count: int) -> list[str]:
-    return [word for value in np.geomspace(low, high, count) for word in (option, f"{value:.6g}")]
+def several(option: str, values: Iterable[float]) -> list[str]:
+    return [word for value in values for word in (option, f"{value:.6g}")]
 
 
-def study(name: str, *words: str) -> Callable[[], object]:
-    """The map in this process alone, so that its CPU time is counted."""
-    alone = () if name == "adhesion-map" else ("--workers", "1")
-    return lambda: jkr(["study", name, "--no-plots", *alone, *words])
+def mapped(name: str, **axes: Any) -> Pair:
+    """A map in this process alone, so that its CPU time is counted."""
+    words = [word for key, values in axes.items() for word in several(f"--{key}", values)]
+    return map_of(name).forecast(**axes), lambda: jkr(["study", f"{name}-map", "--no-plots", "--workers", "1", *words])
 
 
 def speeds_of_rate_map(count: int) -> Pair:
-    """On a half-space and a layer, of a rigid device."""
-    words = ["--stiffness", "rigid", *axis("--speed", 1e-4, 100, count)]
-    return rate_map.forecast([0.3], [1.0], [1.0] * count), study("rate-map", *words)
+    """On a half-space and a layer, of two devices."""
+    return mapped("rate", speed=np.geomspace(1e-4, 100, count))
 
 
 def ranges_of_transition_map(count: int) -> Pair:
-    return transition_map.forecast([0.499], [1.0], [1.0] * count), study(
-        "transition-map", "--q", "1", *axis("--mu", 0.1, 30, count)
-    )
+    return mapped("transition", q=[1.0], mu=np.geomspace(0.1, 30, count))
 
 
 def ranges_of_adhesion_map(count: int) -> Pair:
-    return adhesion_map.forecast([1.0] * count), study("adhesion-map", *axis("--mu", 0.02, 50, count))
+    return mapped("adhesion", mu=np.geomspace(0.02, 50, count))
 
 
 def ratios_of_poisson_of_sticking_map(count: int) -> Pair:
-    words = [*axis("--nu", 0.1, 0.5, count), *axis("--ratio", 0.05, 10, 9)]
-    return sticking_map.forecast([0.3] * count, [1.0] * 9), study("sticking-map", *words)
+    return mapped("sticking", nu=np.geomspace(0.1, 0.5, count), ratio=np.geomspace(0.05, 10, 9))
 
 
 def radii_of_sticking_map(count: int) -> Pair:
-    return sticking_map.forecast([0.3] * 6, [1.0] * count), study("sticking-map", *axis("--ratio", 0.05, 10, count))
+    return mapped("sticking", ratio=np.geomspace(0.05, 10, count))
 
 
 def ratios_of_poisson_of_pull_off_map(count: int) -> Pair:
-    words = [*axis("--nu", 0.1, 0.5, count), "--q", "1"]
-    return pull_off_map.forecast([0.3] * count, [1.0]), study("pull-off-map", *words)
+    return mapped("pull-off", nu=np.geomspace(0.1, 0.5, count), q=[1.0])
 
 
 def works_of_pull_off_map(count: int) -> Pair:
-    words = axis("--q", 1e-3, 1e4, count)
-    return pull_off_map.forecast([0.3, 0.499], [1.0] * count), study("pull-off-map", *words)
+    return mapped("pull-off", q=np.geomspace(1e-3, 1e4, count))
 
 
 FORECASTS: dict[Callable[[int], Pair], tuple[int, ...]] = {
@@ -370,7 +364,7 @@ def too_much() -> Iterator[tuple[str, list[str]]]:
     yield "2 million cases", ["sweep", file("many.toml", many), "-o", "swept"]
     lots = SWEEP.format(text("closed-form", HALF_SPACE), 3) + OUT.format(", ".join(["1e-5"] * 1_000_000))
     yield "1 million radii of a sweep", ["sweep", file("lots.toml", lots)]
-    yield "2,000 devices", ["pull-off", "s.h5", *axis("--stiffness", 1.0, 1e6, 2_000)]
+    yield "2,000 devices", ["pull-off", "s.h5", *several("--stiffness", np.geomspace(1.0, 1e6, 2_000))]
     yield "3,000 files", ["show", *["s.h5"] * 3_000]
     program = file("x.csv", "t_s,x_m\n" + "".join(f"{i:06d},1e-6\n" for i in range(10_000)))
     yield "a program of 10,000 rows", ["cycle", "s.h5", "--rate", "v0=1e-6,n=0.6", "--program", program]

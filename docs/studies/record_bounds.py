@@ -2,7 +2,7 @@
 
 Records of half-spaces and nine layers by the generator of the tests, which shares no code with the fit. Per kind of
 noise: how many of the 95 % intervals of E*, w and w_approach hold, and how many records are off by more than three
-intervals without a flag.
+intervals without a flag. Then the same of tables of a lens on a layer with both branches, a fifth as many of each kind.
 """
 
 from __future__ import annotations
@@ -10,9 +10,12 @@ from __future__ import annotations
 import math
 import sys
 from collections import defaultdict
+from functools import cache
+from typing import Any
 
+import lens_tables  # type: ignore[import-not-found]
 import numpy as np
-from cycle_records import NOISES, Cycle, drawn  # type: ignore[import-not-found]
+from cycle_records import NOISES, drawn  # type: ignore[import-not-found]
 from layer_contact import BondedLayer, half_space  # type: ignore[import-not-found]
 
 from jkrcli.adhesion.slopes.choice import slopes
@@ -21,12 +24,14 @@ from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.data.measured import Curve
+from jkrcli.data.measured.curve import APPROACH, RETRACT
 from jkrcli.identification.fit import FittedBody, fit
 from jkrcli.identification.fit.settings import settings_of
 from jkrcli.methods.layered.layered import Layered
 
 R = 5e-6
 LAYERS = [(h, nu) for h in (0.5e-6, 1.5e-6, 5e-6) for nu in (0.3, 0.45, 0.5)]
+TABLES = [(columns, rest) for columns in ("a,P", "delta,P", "a,delta,P") for rest in (True, False)]
 OFF = 3.0  # intervals' half-widths beyond which an answer without a flag counts as wrong
 
 
@@ -40,13 +45,22 @@ def body(layer: tuple[float, float] | None) -> FittedBody:
     return FittedBody.of(problem, series, slopes(series), extensible=True)
 
 
-def judged(held: FittedBody, made: Cycle) -> dict[str, float]:
+@cache
+def lens_body() -> FittedBody:
+    """The layer under a lens, of half of the modulus that tables are made with."""
+    material = Elastic((1 - lens_tables.NU**2) * lens_tables.E_STAR / 2, lens_tables.NU)
+    specimen = Specimen((Layer(material, lens_tables.H),), Rigid())
+    problem = Problem(Paraboloid(lens_tables.R), specimen, Loading("radius", 1e-3, 80))
+    series = Layered()(problem).series
+    return FittedBody.of(problem, series, slopes(series), extensible=True)
+
+
+def judged(held: FittedBody, curve: Curve, truth: dict[str, float], **options: Any) -> dict[str, float]:
     """By name: 1 where the interval holds the truth; "silent": 1 where an answer is far off without a flag."""
-    z, P = made.columns["z"], made.columns["P"]
-    found = fit(held, Curve("made", delta=z - P / made.k, P=P, stiffness=made.k), settings_of(held))
+    found = fit(held, curve, settings_of(held, **options))
     told, silent = {}, 0.0
     for item in found.estimates:
-        true = made.truth.get(item.name)
+        true = truth.get(item.name)
         if true is None or item.low is None or item.high is None:
             continue
         told[item.name] = float(item.low <= true <= item.high)
@@ -65,19 +79,27 @@ def main(seed: int, count: int) -> None:
         kind = "white" if rng.random() < 0.5 else str(rng.choice(NOISES[1:]))
         made = drawn(rng, R, None if layer is None else layer[0], exact[layer], kind)
         try:
-            told = judged(bodies[layer], made)
+            z, P = made.columns["z"], made.columns["P"]
+            curve = Curve("made", delta=z - P / made.k, P=P, stiffness=made.k)
+            told = judged(bodies[layer], curve, made.truth)
         except JkrError as error:
             told = {"refused": 1.0}
             print(f"{i}: {error}")
         for name, value in told.items():
             found[kind][name].append(value)
             found["all"][name].append(value)
-    for kind, columns in found.items():
+    for i in range(count // 5 * len(TABLES)):
+        columns, rest = TABLES[i % len(TABLES)]
+        lens = lens_tables.lens(np.random.default_rng((seed, i)), columns, rest, (APPROACH, RETRACT))
+        told = judged(lens_body(), lens.curve, lens.truth, bound=[("range", "..1 nm")])  # no range is looked for
+        for name, value in told.items():
+            found[f"{columns}{' with rest' * rest}"][name].append(value)
+    for kind, parts in found.items():
         held = ", ".join(
             f"{name} {np.mean(values):.3f} of {len(values)} (± {math.sqrt(0.05 * 0.95 / len(values)):.3f})"
-            for name, values in columns.items() if name != "silent"
+            for name, values in parts.items() if name != "silent"
         )  # fmt: skip
-        print(f"{kind:<6} {held}; silent and far off {np.sum(columns['silent']):.0f}")
+        print(f"{kind:<6} {held}; silent and far off {np.sum(parts['silent']):.0f}")
 
 
 if __name__ == "__main__":

@@ -18,7 +18,6 @@ import numpy as np
 
 import jkrcli as jkr
 from jkrcli.adhesion.stability import behaviour
-from jkrcli.many.study.pull_off_map import pull_off_map
 
 HERE = Path(__file__).parent
 HAYES = "Hayes, Keer, Herrmann and Mockros, J. Biomech. 5 (1972) 541, digits beyond theirs by two programs"
@@ -143,9 +142,9 @@ def layers() -> Iterator[Row]:
 def thin() -> Iterator[Row]:
     """Thin and thick limits of the pull-off force on a layer."""
     for nu, q, force, tolerance in ((0.3, 1e-6, 1.5, 1e-5), (0.3, 1e6, 2.0, 1e-2)):
-        (found,) = pull_off_map([nu], True, (q,))
+        (found,) = jkr.study_map("pull-off", nu=[nu], q=[q]).columns["minus_P_over_pi_w_R"]
         name = f"pull-off force / π w R, ν = {nu:g}, w R²/E* h³ = {q:g}"
-        yield Row(name, found.force, force, "limits: half-space 3/2; Eq. 20, thin compressible layer 2", tolerance)
+        yield Row(name, found, force, "limits: half-space 3/2; Eq. 20, thin compressible layer 2", tolerance)
 
 
 def others() -> Iterator[Row]:
@@ -172,8 +171,28 @@ def tension() -> Iterator[Row]:
         soft = jkr.Specimen((), jkr.HalfSpace(jkr.Elastic(E=0.91, nu=0.3)), surface_tension=kappa / 2)
         found = at(soft, 1.0).S[-1] / 2
         yield Row(f"S/2E*a, half-space, 2 Υ/E*a = {kappa:g}", found, plain_tension(kappa), QUADRATURE, 1e-5)
-    (point,) = pull_off_map([0.5], True, [1.0], beta=100.0)
-    yield Row("pull-off force / π w R, Υ = 100 E* a0", point.force, 1.0, f"limit: wetting, {HUI}", 3e-3)
+    (force,) = jkr.study_map("pull-off", nu=[0.5], q=[1.0], beta=100.0).columns["minus_P_over_pi_w_R"]
+    yield Row("pull-off force / π w R, Υ = 100 E* a0", force, 1.0, f"limit: wetting, {HUI}", 3e-3)
+
+
+def relaxation() -> Iterator[Row]:
+    """A body that relaxes: depth 1 at t = 1 and back, r = 1/4 + 3/4 exp(-t), E* = R = 1."""
+    solid, apart = jkr.StandardSolid(0.25, 1.0), "two derivations apart from this program, eight digits"
+    half = jkr.Specimen((), jkr.HalfSpace(jkr.Elastic(1.0, 0.0)))
+    exact = {1.0: 1.02621407, 1.25: 0.45146169, 1.5: 0.08167490}
+    bodies = (("half-space", half, 1.0, exact, 1e-7), ("bonded layer, ν = 1/2, h = 0.8", bonded(0.5, 0.8, 0.75),
+              0.436692733, {1.0: 1.19977308, 1.25: 0.40694176, 1.5: 0.04468622}, 1e-6))  # fmt: skip
+    for name, specimen, depth, loads, tolerance in bodies:
+        problem = jkr.Problem(jkr.Paraboloid(1.0), specimen, jkr.Loading("depth", 1.001 * depth))
+        history = jkr.cycle_relaxing(jkr.solve(problem), solid, depth, to_depth=depth)
+        for t, load in loads.items():
+            yield Row(f"load at t = {t:g}, {name}", float(history.states(np.array([t]))[2][0]), load, apart, tolerance)
+        if depth == 1:
+            yield Row("contact is lost at t, half-space", history.lost or math.nan, 1.62384979, apart, 1e-8)
+            y, weight = np.polynomial.legendre.leggauss(60)
+            s = (1 + y) / 2  # of s = x^2, in which the loads are smooth
+            plain = 4 * float(np.sum(weight / 2 * s**2 * (0.25 + 0.75 * np.exp(s**2 - 1))))
+            yield Row("load at t = 1, the same", float(history.states(np.array([1.0]))[2][0]), plain, QUADRATURE, 1e-9)
 
 
 def paper() -> Iterator[Row]:
@@ -187,7 +206,7 @@ def paper() -> Iterator[Row]:
         )
 
 
-SECTIONS = (classical, sphere, layers, thin, others, tension, paper)
+SECTIONS = (classical, sphere, layers, thin, others, tension, relaxation, paper)
 HEAD = "| quantity | here | elsewhere | relative difference | allowed | source |\n|---|---|---|---|---|---|"
 
 

@@ -8,7 +8,8 @@ any number of rows. All of it is tabulated once, so finely that cubics between t
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import itertools
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import NamedTuple
 
@@ -40,7 +41,8 @@ class Logs(NamedTuple):
 @dataclass(frozen=True, eq=False)
 class Rows:
     """The functions at radii ``a`` [m], in SI, all (n,); ``rates`` (n, 2): slopes of log delta_H and of log S' over the
-    logarithms of ``Logs``, NaN where they are not known. ``a0``: radius of first contact [m]."""
+    logarithms of ``Logs``, NaN where they are not known. ``a0``: radius of first contact [m]. ``bends``: numbers of the
+    rows at which delta_H is not smooth: splines of it end there."""
 
     a: Array
     a0: float
@@ -49,6 +51,7 @@ class Rows:
     S: Array
     dS: Array
     rates: Array
+    bends: Array = field(default_factory=lambda: np.empty(0, int))
 
     @cached_property
     def logs(self) -> Logs:
@@ -57,7 +60,7 @@ class Rows:
         x, z = np.log(self.a), np.log(self.a - self.a0)
         rates = self.rates
         if np.isnan(rates).any():
-            fitted = np.stack([spline_slopes(z, np.log(self.delta)), spline_slopes(x, np.log(self.dS))], 1)
+            fitted = np.stack([self._pieces(z, np.log(self.delta)), spline_slopes(x, np.log(self.dS))], 1)
             rates = np.where(np.isnan(rates), fitted, rates)
         rate, rate_dS = rates.T
         by_P, by_S = self.S * self.delta / self.P * rate, self.a * self.dS / self.S
@@ -65,6 +68,13 @@ class Rows:
             PiecewiseCubic(z, np.log(np.stack([self.delta, self.P], 1)), np.stack([rate, by_P], 1)),
             PiecewiseCubic(x, np.log(np.stack([self.S, self.dS], 1)), np.stack([by_S, rate_dS], 1)),
         )
+
+    def _pieces(self, x: Array, y: Array) -> Array:
+        """Slopes of splines through ``y`` that end at the bends; there that of the piece before, where y is smooth."""
+        slopes = np.empty_like(y)
+        for lo, hi in itertools.pairwise([y.size - 1, *self.bends[::-1].tolist(), 0]):
+            slopes[hi : lo + 1] = spline_slopes(x[hi : lo + 1], y[hi : lo + 1])
+        return slopes
 
 
 def between(rows: Rows) -> Logs:

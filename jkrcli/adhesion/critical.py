@@ -43,7 +43,17 @@ def point_error(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) ->
         moved, at_radius = _propagated(curve, point, stiffness, joint), {"delta": 0.0, "P": 0.0}
     if isinstance(moved, Unknown):
         return moved
-    return {name: float(here[name]) + at_radius[name] + moved[name] for name in here}
+    unsettled = _unsettled(curve, point)
+    return {name: float(here[name]) + at_radius[name] + moved[name] + unsettled[name] for name in here}
+
+
+def _unsettled(curve: AdhesiveCurve, point: CriticalPoint) -> dict[str, float]:
+    """What is left where the search for a point that is solved has not settled on it: its last steps halve at best."""
+    further = curve.nonadhesive.further
+    if further is None:
+        return {"delta": 0.0, "P": 0.0}
+    there = curve.point(float(further.a[np.argmin(np.abs(further.a - point.a))]))
+    return {name: 2 * abs(getattr(there, name) - getattr(point, name)) for name in ("delta", "P")}
 
 
 def _joint(curve: AdhesiveCurve, a: float) -> Array | None:
@@ -110,10 +120,27 @@ def _by_others(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> 
         found.append((other, 1))
     if not found:
         return Unknown("unknown: with every second row left out the point lies outside the series")
+    flat = _as_low(curve, point, stiffness) if slopes.method == "exact" and not smooth else np.array([point.a])
+    level = dict(zip(("delta", "P"), curve.at(flat), strict=True))
     return {
         name: max(abs(getattr(other, name) - getattr(point, name)) / factor for other, factor in found)
+        + float(np.max(np.abs(level[name] - getattr(point, name))))
         for name in ("delta", "P")
     }
+
+
+def _as_low(curve: AdhesiveCurve, point: CriticalPoint, stiffness: float) -> Array:
+    """Radii [m] of the neighbouring rows at which the scatter of the rows does not tell whether a device stands lower
+    than at the ``point``, and that of the point."""
+
+    def held(other: AdhesiveCurve, a: Array) -> Array:
+        return np.asarray(position(*other.at(a), stiffness))
+
+    rows = curve.a[(curve.a > point.a / TUNING.widest) & (curve.a < point.a * TUNING.widest)]
+    away, here = np.abs(rows - point.a), float(held(curve, np.array(point.a)))
+    scatter = max(np.max(np.abs(held(half, rows) - held(curve, rows))[away <= np.sort(away)[min(4, rows.size - 1)]])
+                  for half in _apart(curve).halves)  # fmt: skip
+    return np.append(rows[held(curve, rows) < here + 2 * scatter], point.a)
 
 
 def _pull_off(other: AdhesiveCurve, curve: AdhesiveCurve, stiffness: float) -> CriticalPoint | Unknown:

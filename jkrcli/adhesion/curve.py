@@ -416,10 +416,11 @@ class AdhesiveCurve(EquilibriumCurve):
         return Equilibrium(place, float(delta), float(P))
 
     def thinned(self, first: int) -> AdhesiveCurve:
-        """The curve through every second point that is known from ``first`` on, and the ends."""
-        last = self.nonadhesive.knots.a.size - 1
-        rows = np.unique(np.append(np.arange(first, last + 1, 2), [0, last]))
-        return AdhesiveCurve(self.nonadhesive.knots.at_rows(rows), self.w)
+        """The curve through every second point that is known from ``first`` on, the ends and the kinks."""
+        knots = self.nonadhesive.knots
+        last = knots.a.size - 1
+        rows = np.unique(np.concatenate([np.arange(first, last + 1, 2), [0, last], knots.bends]))
+        return AdhesiveCurve(knots.at_rows(rows), self.w)
 
     @cached_property
     def interpolation_error(self) -> Estimate:
@@ -502,7 +503,7 @@ class AdhesiveCurve(EquilibriumCurve):
             'ask for smaller radii: loading.spacing = "log", by fem a smaller mesh.smallest '
             "(or contact shrinks to a point before it is lost)"
             if end == "smallest"
-            else "the series would have to reach a larger radius: load further"
+            else "the series would have to reach a larger radius: increase [loading] radius"
         )
         return (
             f"the {quantity} is lowest at the {end} radius of the series, a = {show(lowest.a, 'length')} "

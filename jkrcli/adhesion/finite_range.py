@@ -22,6 +22,7 @@ from ..base.quadrature import composite_gauss
 from ..base.units import show
 from ..base.unknown import Estimate
 from ..bodies.problem import NO_FINITE_RANGE, Problem
+from ..methods import METHODS
 from ..methods.attraction import AttractedBody
 from ..methods.integral.attraction import Attraction, Rims, refuse_narrow
 from ..methods.layered.contact import checked
@@ -54,6 +55,9 @@ class FiniteRangeTuning:
     first: float = 1e-6  # theory: its power 3/2 is rounding
     leap: float = 0.4  # choice: of the same, from point to point: a curve that leaps; five times the spacing
     fewest: int = 12  # choice: points of a curve, where some of its beginning are left out
+    # Steps to both sides of pull-off, fractions of its radius, at which it is solved:
+    close: tuple[float, ...] = (0.01, 0.02, 0.03, 0.045, 0.065, 0.1)  # choice: to where rows of a series lie
+    solved: float = 1e-4  # choice: of its radius, from where the error of the splines is rounding
     safety: float = 4.0  # on the change of the second panels; choice: as for series of `layered`
     looked_at: int = 8  # contact radii at which separations are looked at; choice: for a warning
     samples: int = 4  # choice: per interval, where zeros are looked for
@@ -118,9 +122,10 @@ class FiniteRangeCurve(EquilibriumCurve):
         here = self.error_at(np.array(point.place))
         fraction = float(here["P"]) / max(abs(point.P), np.finfo(float).tiny)
         rates = dict(zip(("delta", "P"), self._rates(np.array(point.place)), strict=True))
-        others = [curve.pull_off(stiffness) for curve in (self.thinned(0), self.thinned(1))]
-        found = [other for other in others if isinstance(other, CriticalPoint)]
-        if len(found) < len(others):
+        halves = [[other for other in curve.critical(stiffness) if other.kind == "minimum"]
+                  for curve in (self.thinned(0), self.thinned(1))]  # fmt: skip
+        found = [min(half, key=lambda other: abs(other.place - point.place)) for half in halves if half]
+        if len(found) < len(halves):
             assert isinstance(self.interpolation_error, float)
             fraction += TUNING.halved * self.interpolation_error
         return {
@@ -167,6 +172,10 @@ class FiniteRangeCurve(EquilibriumCurve):
         v = self._stretched(np.maximum(places, self._c0))
         found = np.maximum(self._spline(v)[..., 0], 0.0)
         return found if not self.complete else np.where(places > self._c0, found, 0.0)
+
+    def places_of(self, a: Array) -> Array:
+        """The places of the contact radii ``a`` [m], about."""
+        return np.interp(a, self.touching.a, self.touching.c)
 
     def place_of(self, a: float) -> float:
         """The place of the contact radius ``a`` [m]."""
@@ -295,7 +304,7 @@ class FiniteRangeCurve(EquilibriumCurve):
             )
         return (
             f"the {quantity} is lowest at the largest radius, a = {show(lowest.a, 'length')}: pull-off lies outside "
-            "the curve; the series would have to reach a larger radius: load further"
+            "the curve; the series would have to reach a larger radius: increase [loading] radius"
         )
 
 
@@ -349,7 +358,7 @@ def unable(problem: Problem, method: str) -> str | None:
         )
     if problem.specimen.surface_tension:
         return NO_FINITE_RANGE
-    if method not in KNOWN:
+    if method not in METHODS or not METHODS[method].kernel:
         return (
             f"adhesion of finite range needs the kernel of the contact equation, which the method {method} does not "
             "have: solve the case with the method layered or hybrid"
@@ -392,8 +401,19 @@ class FiniteRangeBody:
             apart = _with_begin(attraction.apart(np.linspace(0, rims.c[0], TUNING.apart + 1)[1:-1], s, gap), gap)
         else:
             apart = Rims(*(np.empty(0) for _ in STATES))
+        found = FiniteRangeCurve(law, self.problem, self.series, apart, rims, _no_parts(rims))
+        for _ in range(TUNING.rounds):
+            near = _around_pull_off(found)
+            if not near.size:
+                break
+            states = attraction.discs(near).equilibria(s, gap, attraction.reach, found.places_of(near))
+            merged = _merged(rims, states)
+            if np.min(np.diff(merged.c)) <= 0:
+                break
+            rims = merged
+            found = replace(found, touching=rims, parts=_no_parts(rims))
         parts = Parts(*attraction.discs(rims.a).nonadhesive, np.zeros(rims.a.size))
-        found = FiniteRangeCurve(law, self.problem, self.series, apart, rims, parts)
+        found = replace(found, parts=parts)
         doubts = _doubts(attraction, rims, s, gap) if complete else (*_begins(rims), *_doubts(attraction, rims, s, gap))
         return replace(found, half_widths=self._errors(found, reach, s), doubts=doubts)
 
@@ -458,6 +478,26 @@ class FiniteRangeBody:
         return errors
 
 
+def _no_parts(rims: Rims) -> Parts:
+    return Parts(*(np.zeros(rims.a.size) for _ in Parts._fields))
+
+
+def _around_pull_off(curve: FiniteRangeCurve) -> Array:
+    """Contact radii [m] at the points where contact is lost and close around them, but for those that were solved
+    before, next to a kink or a state, or beyond the curve."""
+    steps, rows, kinks = np.array(TUNING.close), curve.touching.a, np.array(curve.problem.indenter.kinks)
+    found = np.empty(0)
+    for point in (curve.pull_off(stiffness) for stiffness in CONTROLS.values()):
+        if isinstance(point, CriticalPoint) and point.a > 0 and np.min(np.abs(rows / point.a - 1)) > TUNING.solved:
+            if any(abs(kink / r - 1) < 2 * steps[-1] for kink in kinks for r in (point.a, point.place)):
+                continue
+            around = point.a * (1 + np.append(-steps, steps))
+            known = np.concatenate([rows, found])
+            apart = np.min(np.abs(around[:, None] - known), axis=1) > steps[0] / 2 * point.a
+            found = np.concatenate([found, [point.a], around[apart & (around < rows[-1])]])
+    return np.unique(found)
+
+
 def _doubts(attraction: Attraction, rims: Rims, s: float, gap: float) -> tuple[str, ...]:
     """What speaks against some of the states, with the contact radius."""
     for n in np.unique(np.linspace(0, rims.a.size - 1, TUNING.looked_at).astype(int)):
@@ -500,8 +540,8 @@ def _growing(rims: Rims) -> Rims:
         raise Refusal(
             f"adhesion of finite range: up to the contact radius {show(float(rims.a[first]), 'length')} the radius to "
             "which the surfaces attract each other falls as the contact grows: a stiff coating, or a layer so soft "
-            "that it leaps up to the indenter, is not touched in a disc that grows; load further, or give another "
-            "stress or range"
+            "that it leaps up to the indenter, is not touched in a disc that grows; increase [loading] radius, or "
+            "give another stress or range"
         )
     return Rims(*(getattr(rims, name)[first:] for name in STATES))
 
@@ -513,6 +553,3 @@ def _begins(rims: Rims) -> tuple[str, ...]:
         f"finite range: at contact radii below {where} the radius to which the surfaces attract each other falls as "
         "the contact grows: they leap together, and the curve begins there",
     )
-
-
-KNOWN = ("closed-form", "layered", "hybrid")  # methods whose bodies have a kernel

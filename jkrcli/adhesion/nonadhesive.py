@@ -6,7 +6,6 @@ delta = delta_H - sqrt(w) t, P = P_H - sqrt(w) S t (Eq. 13).
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, NamedTuple, TypeVar
@@ -21,6 +20,16 @@ from .between import Logs, Rows, between
 from .slopes.result import Slopes
 
 Columns = TypeVar("Columns", Series, Slopes)
+
+
+@dataclass(frozen=True)
+class NonadhesiveTuning:
+    """Where rows lie at kinks."""
+
+    kink: float = 1e-9  # relative distance; theory: rounding of radii and units
+
+
+TUNING = NonadhesiveTuning()
 
 
 class Parts(NamedTuple):
@@ -124,8 +133,8 @@ class Nonadhesive:
     def knots(self) -> Nonadhesive:
         """The functions with all radii at which they are known as those of the series, without errors.
 
-        A row closer to a further radius than the root of their errors e gives way to it: the slope e/x that the two
-        would make over their distance x is more than x leaves of any other.
+        A row closer to a further radius than the fourth root of their errors e gives way to it: the slope e/x that the
+        two would make over their distance x is more than the x^3 that cubics leave of any other.
         """
         if self.further is None:
             return self
@@ -144,7 +153,14 @@ class Nonadhesive:
         wrong = [np.max(series.errors[name] / getattr(series, name), initial=0.0) for name in columns]
         right = np.searchsorted(further.a, self.a)
         distance = np.abs(further.a[np.clip([right - 1, right], 0, further.a.size - 1)] - self.a).min(axis=0)
-        return distance > math.sqrt(max(wrong)) * (self.a - series.a0)
+        return distance > max(wrong) ** 0.25 * (self.a - series.a0)
+
+    @cached_property
+    def bends(self) -> Array:
+        """Numbers of the rows at kinks of the profile."""
+        kinks = np.array(self.series.kinks)
+        at = np.any(np.abs(self.a[1:-1, None] / kinks - 1) < TUNING.kink, axis=1)
+        return np.flatnonzero(at) + 1
 
     @property
     def _known_rates(self) -> Array:
@@ -157,7 +173,7 @@ class Nonadhesive:
             return self.knots.logs
         if len(self.series) < 2:
             raise InputError("adhesive curve: a series of one point has no values between points")
-        rows = Rows(self.a, self.series.a0, *self.points[:4], self._known_rates)
+        rows = Rows(self.a, self.series.a0, *self.points[:4], self._known_rates, self.bends)
         return between(rows) if self.together else rows.logs
 
 

@@ -164,7 +164,7 @@ def _first_contact(curve: EquilibriumCurve, stiffness: float) -> float | Unknown
         largest = curve.contact_radii(curve.places[-1:])[0]
         return Unknown(
             f"contact at {where} spreads beyond the largest radius of the series, a = {largest:.4g} m: "
-            "the series would have to reach a larger radius: load further"
+            "the series would have to reach a larger radius: increase [loading] radius"
         )
     return radii[0]
 

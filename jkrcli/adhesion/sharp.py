@@ -39,7 +39,7 @@ def resolved(
     if a is None or a >= z0:
         return found
     return Unknown(
-        f"contact would shrink below the distance of atoms, z0 = {show(z0, 'length')}, before it is lost, where "
+        f"contact would shrink below the interatomic spacing, z0 = {show(z0, 'length')}, before it is lost, where "
         'nothing is a continuum: give the radius that every real tip has (shape = "sphere", or a profile as "table"); '
         "of a tip so small that its Tabor number is below 0.1, forces of finite range pull off at about 2 pi w R"
     )

@@ -22,7 +22,7 @@ from .device import DISPLACEMENT_CONTROL, LOAD_CONTROL, control, position
 from .passage import Passage, grow, held_by_free, largest_stable, shrink
 
 STABLE, GRIPPED, UNSTABLE = "stable", "displacement-control", "unstable"
-UNBOUNDED = Unknown("under load control the device goes on pulling after contact is lost: there is no bound")
+UNBOUNDED = Unknown("not defined under load control")
 
 
 def branch(curve: EquilibriumCurve) -> Array:
@@ -101,7 +101,7 @@ class Cycle:
             return self.retraction.beyond(free[0]).work
         high, low = self._held
         if not high.P > 0 >= low.P:
-            return Unknown("no state of zero load is passed on retraction: load further")
+            return Unknown("no state of zero load is passed on retraction: increase [loading] radius")
         unloaded = Equilibrium(low.a, low.delta - low.P * (high.delta - low.delta) / (high.P - low.P), 0.0)
         return self._straight(unloaded, low) + self.retraction.work
 

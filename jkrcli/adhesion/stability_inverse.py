@@ -70,7 +70,7 @@ def work_from_pull_off(
         for w in works:
             if isinstance(point(float(w)), CriticalPoint):
                 return math.log(w)
-        raise InputError("load: this series holds no pull-off for any work of adhesion: load further")
+        raise InputError("load: this series holds no pull-off for any work of adhesion: increase [loading] radius")
 
     def widened(log_w: float, step: float) -> float:
         """``log_w`` moved step by step: beyond the last stationary radius the pull-off may lie between two points."""
@@ -107,7 +107,7 @@ def _stationary(body: Nonadhesive, stiffness: float) -> Array:
 
 
 def _out_of_reach(load: float, least: float, greatest: float) -> str:
-    remedy = "load further" if load > greatest else "begin the series at a smaller radius"
+    remedy = "increase [loading] radius" if load > greatest else "begin the series at a smaller radius"
     return (
         f"load: a pull-off force of {show(load, 'load')} lies outside the series, which can tell forces from "
         f"{show(least, 'load')} to {show(greatest, 'load')}: {remedy}"

@@ -203,7 +203,7 @@ def _above(value: Estimate, limit: float, name: str, meaning: str) -> list[str]:
 def _strains(judged: Validity) -> str:
     """What large strains do to the load, in per cent where that is known."""
     if isinstance(judged.strained, Unknown) or isinstance(judged.sphere, Unknown):
-        return "the geometrically linear theory and the indenter's profile err"
+        return "small-strain theory becomes inaccurate"
     better = f'; the exact sphere errs by {judged.sphere:.1%}: take indenter.shape = "sphere"'
     return (
         f"P at this depth is about {judged.strained:.1%} too large against a rubber at large strains (neo-Hookean "

@@ -46,7 +46,10 @@ CSV_HEADS = (
     b"a_m,delta_m,P_N,phase",  # under load control
     b"t_s,a_m,delta_m,P_N,device_m,speed_m_per_s",
     b"t_s,a_m,delta_m,P_N,speed_m_per_s",  # the same
+    b"t_s,a_m,delta_m,P_N,device_m,phase",  # of a specimen that relaxes
+    b"t_s,a_m,delta_m,P_N,phase",  # the same
     b"curve,t_s,P_N,P_fit_N,a_fit_m",
+    b"curve,law,",
     b"nu,base,w_R2_over_Estar_h3",
     b"nu,a_over_h,S_ratio,load_ratio",
     b"h_over_R,k_over_Estar_R,V_over_v0",
@@ -57,6 +60,7 @@ CSV_HEADS = (
     b"algorithm,field,shipped",
     b"method,setting,slopes,unknowns",
     b"method,outcome,nu,a_over_h",
+    b"fraction,delta_m,P_N,a_m",
     b"curve,segment,state,a_m,w_J_per_m2",
     b"file,curve,status,reason,points",
 )
@@ -64,6 +68,7 @@ HEADS = {  # how a file begins, and what then stands near its head
     b"\x89PNG": b"Software\0jkr ",
     b"<?xml": b"<dc:title>jkr ",
     b"{": b'"format": "jkr-',
+    b"/* Written by jkr: ": b"#ifndef JKR_CONTACT_H",
 }
 TAILS = (b"$Comments\njkr ", b"<!-- jkr ")  # of meshes
 PARQUET, PARQUET_MARK = b"PAR1", b"jkr-sweep-table"

@@ -36,10 +36,19 @@ def _plain(values: Any) -> Iterable[Any]:
     return plain
 
 
+def lists(columns: Mapping[str, Iterable[Any]]) -> dict[str, list[Any]]:
+    """Columns for JSON: None where a number is NaN or infinite."""
+    return {name: [_finite(value) for value in _plain(values)] for name, values in columns.items()}
+
+
+def _finite(value: Any) -> Any:
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
 def _cell(value: Any) -> Any:
     if isinstance(value, str):
         return "'" * value.startswith(FORMULA) + printable(value)
-    return None if isinstance(value, float) and not math.isfinite(value) else value
+    return _finite(value)
 
 
 def as_json(data: Mapping[str, Any]) -> str:

@@ -226,3 +226,8 @@ def _hint(unit: str, dimension: str) -> str:
         return ", no unit is allowed here"
     pressure = ", a pressure is no force per length" if dimension == "tension" and unit in UNITS["modulus"] else ""
     return f"{pressure or did_you_mean(unit, allowed, 0.6)} (allowed: {', '.join(allowed)})"
+
+
+def reached(a: float, delta: float, P: float) -> str:
+    """A state of contact as people read it."""
+    return f"a = {show(a, 'length')}, delta = {show(delta, 'length')}, P = {show(P, 'load')}"

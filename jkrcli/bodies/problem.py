@@ -13,6 +13,7 @@ from ..base.errors import InputError, positive
 from ..base.units import show
 from .indenter import Indenter
 from .materials import Elastic, Graded, Material, TransverselyIsotropic, contact_modulus
+from .relaxation import Relaxation
 
 Quantity = Literal["depth", "load", "radius"]
 Spacing = Literal["radius", "depth", "log", "given"]
@@ -70,14 +71,18 @@ class HalfSpace:
 
 @dataclass(frozen=True)
 class Specimen:
-    """Layers from the contact surface down, and a base; ``radius`` [m] and ``side`` for a really finite body only;
-    ``surface_tension`` [N/m] of the solid, a constant stress of its whole surface."""
+    """Layers from the contact surface down, and a base; ``radius`` [m] and ``side`` for a really finite body only.
+
+    ``surface_tension`` [N/m]: of the solid, a constant stress of its whole surface. ``relaxation``: of all moduli
+    together, which are those at t = 0 (or where the law says); no part of what is solved.
+    """
 
     layers: tuple[Layer, ...]
     base: Rigid | HalfSpace
     radius: float | None = None
     side: Side | None = None
     surface_tension: float = field(default=0.0, repr=False)
+    relaxation: Relaxation | None = field(default=None, compare=False, repr=False)
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.surface_tension) and self.surface_tension >= 0):
@@ -229,12 +234,34 @@ class Problem:
     sticks: bool = field(default=False, repr=False)
 
     def __post_init__(self) -> None:
-        if self.specimen.surface_tension and self.sticks:
+        if self.specimen.relaxation is not None:
+            self._refuse_relaxation()
+        if self.specimen.surface_tension:
+            self._refuse_tension()
+
+    def _refuse_relaxation(self) -> None:
+        if self.indenter.material is not None:
             raise InputError(
-                "specimen.surface_tension: contact of surfaces that stick is not derived with surface tension: leave "
+                "specimen.relaxation: goes with a rigid indenter: an elastic one does not relax with the specimen; "
+                "leave out indenter.E and nu, or the relaxation"
+            )
+        if self.sticks:
+            raise InputError(
+                'specimen.relaxation: is known of surfaces that slide: leave surface = "sticking" out, or relaxation'
+            )
+        if self.specimen.surface_tension:
+            raise InputError(
+                "specimen.relaxation: contact of a body that relaxes is not derived with surface tension: leave "
+                "specimen.surface_tension out, or the relaxation"
+            )
+
+    def _refuse_tension(self) -> None:
+        if self.sticks:
+            raise InputError(
+                "specimen.surface_tension: contact without slip is not derived with surface tension: leave "
                 'it out, or take specimen.surface = "sliding"'
             )
-        if self.specimen.surface_tension and self.indenter.material is not None:
+        if self.indenter.material is not None:
             raise InputError(
                 "specimen.surface_tension: contact of an elastic indenter is not derived with surface tension: leave "
                 "it out, or take a rigid indenter (no indenter.E and indenter.nu)"
@@ -256,7 +283,7 @@ class Problem:
         loading, elastic = self.loading, "" if self.indenter.material is None else "elastic "
         goal = "contact radius" if loading.to == "radius" else loading.to
         end = show(loading.maximum, "load" if loading.to == "load" else "length")
-        stuck = ", surfaces that stick," if self.sticks else ""
+        stuck = ", no slip," if self.sticks else ""
         return f"{elastic}{self.indenter.words} on {self.specimen.words}{stuck} to a {goal} of {end}"
 
     def scaled(self, factor: float) -> Problem:

@@ -40,6 +40,7 @@ from .fields import (
 )
 from .indenter import IndenterTable, any_indenter
 from .materials import AnyHalfSpace, AnyLayer
+from .relaxation import AnyRelaxation
 
 GOALS: tuple[Quantity, ...] = ("depth", "load", "radius")
 
@@ -49,7 +50,8 @@ class SpecimenTable(Table):
     ``half_space`` (alone: no layers).
 
     ``radius`` and ``side`` (its support) make it a cylinder; left out: it is wide. ``surface_tension``: of the solid,
-    all over its top. ``surface``: what its points do that the indenter touches.
+    all over its top. ``surface``: what its points do that the indenter touches. ``relaxation``: all moduli, the
+    half-space's too, relax by one function of time; E is the instant modulus.
     """
 
     layers: Annotated[tuple[AnyLayer, ...], BeforeValidator(as_tuple)] = ()
@@ -59,6 +61,7 @@ class SpecimenTable(Table):
     side: Literal["free", "roller", "clamped"] | None = None
     surface_tension: Tension = 0.0
     surface: Literal["sliding", "sticking"] = "sliding"
+    relaxation: AnyRelaxation | None = None
 
     @model_validator(mode="wrap")
     @classmethod
@@ -87,7 +90,8 @@ class SpecimenTable(Table):
     def build(self) -> Specimen:
         base = Rigid(self.base != "frictionless") if self.half_space is None else HalfSpace(self.half_space.material)
         layers = tuple(table.build() for table in self.layers)
-        return Specimen(layers, base, self.radius, self.side, self.surface_tension)
+        relaxation = None if self.relaxation is None else self.relaxation.built(None)
+        return Specimen(layers, base, self.radius, self.side, self.surface_tension, relaxation)
 
 
 class LoadingTable(Table):
@@ -231,11 +235,11 @@ class CaseModel(RootTable):
 
     @model_validator(mode="after")
     def _derived(self) -> Self:
-        if self.specimen.surface_tension:
+        if self.specimen.surface_tension or self.specimen.relaxation is not None:
             with findings():
                 self.problem()
-            if self.adhesion.range or self.adhesion.stress or self.adhesion.capillary:
-                raise wrong(f"adhesion: {NO_FINITE_RANGE}")
+        if self.specimen.surface_tension and (self.adhesion.range or self.adhesion.stress or self.adhesion.capillary):
+            raise wrong(f"adhesion: {NO_FINITE_RANGE}")
         return self
 
     def problem(self) -> Problem:

@@ -7,6 +7,7 @@ from typing import Any
 from ..bodies.grading import LAWS, Law
 from ..bodies.materials import Elastic, Graded, Material, TransverselyIsotropic
 from ..bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
+from ..bodies.relaxation import RELAXATIONS
 from . import Case, validated
 from .models import case_model
 
@@ -47,7 +48,12 @@ def _specimen(specimen: Specimen) -> dict[str, Any]:
             tree["base"] = "bonded" if bonded else "frictionless"
     if specimen.radius is not None:
         tree |= {"radius": specimen.radius, "side": specimen.side}
-    return tree | ({"surface_tension": specimen.surface_tension} if specimen.surface_tension else {})
+    if specimen.surface_tension:
+        tree["surface_tension"] = specimen.surface_tension
+    if specimen.relaxation is not None:
+        name, keys = RELAXATIONS.keys_in_file(specimen.relaxation)
+        tree["relaxation"] = {"law": name} | keys
+    return tree
 
 
 def _layer(layer: Layer) -> dict[str, Any]:

@@ -45,6 +45,7 @@ GROUPS = {
         "cycle": "The approach-retract trace that a device of given stiffness records.",
         "profile": "Contact pressure, surface shape and gap at one state.",
         "fields": "Displacement and stress in the body at one state, for ParaView; tractions on interfaces.",
+        "export": "The contact law for particle codes: a C header and a table.",
         "explore": "One page with sliders for w, modulus, machine and zero point, data overlaid.",
     },
     "A measurement": {
@@ -67,8 +68,8 @@ GROUPS = {
 VERBS = {verb: text for group in GROUPS.values() for verb, text in group.items()}
 # Verbs whose result is a file, or an exit code: what they print can be left out. What the others print is the result.
 VOICED = frozenset({
-    "new", "run", "import", "mesh", "transform", "cycle", "profile", "fields", "explore", "look", "fit", "work",
-    "compare", "sweep",
+    "new", "run", "import", "mesh", "transform", "cycle", "profile", "fields", "export", "explore", "look", "fit",
+    "work", "compare", "sweep",
 })  # fmt: skip
 
 

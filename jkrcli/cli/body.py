@@ -11,13 +11,19 @@ import click
 from ..base.errors import InputError, writable
 from .voice import warn
 
-FLAGS = ("shape", "radius", "modulus", "nu", "thickness", "base")
+FLAGS = ("shape", "radius", "half_angle", "modulus", "nu", "thickness", "base")
+SHAPES = {  # by flags, and which of them each needs
+    **dict.fromkeys(("sphere", "paraboloid"), ("radius",)),
+    "rounded-cone": ("radius", "half_angle"),
+    **dict.fromkeys(("cone", "pyramid", "three-sided-pyramid"), ("half_angle",)),
+}
 LARGE = 0.1  # choice: [m], from which on a bare number is remarked
 Command = Callable[..., Any]
 OPTIONS = (
-    click.option("--shape", type=click.Choice(["sphere", "paraboloid"]),
-                 help="Indenter, without a case [default: sphere]."),
+    click.option("--shape", type=click.Choice(list(SHAPES)), metavar="SHAPE",
+                 help=f"{', '.join(SHAPES)} [default: sphere]; pyramids by their equal-area cone."),
     click.option("--radius", help='Its radius, "100 um".'),
+    click.option("--half-angle", help='Of a cone, of a pyramid to a face: "35 deg".'),
     click.option("--E", "modulus", help='Young\'s modulus of the specimen, "5 GPa".'),
     click.option("--nu", help="Its Poisson's ratio."),
     click.option("--thickness", help="A layer of this thickness [default: a half-space]."),
@@ -34,7 +40,7 @@ def body_options(command: Command) -> Command:
 
 def flag(name: str) -> str:
     """What a flag is called on the command line."""
-    return "--E" if name == "modulus" else f"--{name}"
+    return "--E" if name == "modulus" else f"--{name.replace('_', '-')}"
 
 
 def given_flags(body: Mapping[str, str | None]) -> str:
@@ -51,7 +57,11 @@ def tables_of(
     """
     told = {**body, "modulus": body["modulus"] or modulus}
     held = {name: None if value is None else writable(value) for name, value in told.items()}
-    missing = [flag(name) for name in ("radius", "modulus", "nu") if held[name] is None]
+    shape = held["shape"] or "sphere"
+    sizes = SHAPES[shape]
+    if unused := [flag(name) for name in ("radius", "half_angle") if held[name] is not None and name not in sizes]:
+        raise InputError(f"{verb}: a {shape} has no {unused[0]}: leave it out, or give another --shape")
+    missing = [flag(name) for name in (*sizes, "modulus", "nu") if held[name] is None]
     if missing:
         raise InputError(f"{verb}: needs {instead}, or the bodies by flags: {', '.join(missing)} missing")
     if held["base"] is not None and held["thickness"] is None:
@@ -67,7 +77,7 @@ def tables_of(
     else:
         layer = material | {"thickness": number_or_text(held["thickness"])}
         specimen = {"base": held["base"] or "bonded", "layers": [layer]}
-    indenter = {"shape": held["shape"] or "sphere", "radius": number_or_text(held["radius"])}
+    indenter = {"shape": shape} | {name: number_or_text(held[name]) for name in sizes}
     return {"indenter": indenter, "specimen": specimen, "loading": dict(loading)}
 
 

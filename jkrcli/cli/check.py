@@ -2,29 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
 from pathlib import Path
-from typing import Any
 
 import click
 
-from ..adhesion import validity
-from ..adhesion.curve import CriticalPoint
-from ..adhesion.expectation import Expectation, expect
-from ..adhesion.finite_range import unable
-from ..adhesion.sticking import StickingEffect, as_told, sticking_effect, sticking_warnings
-from ..adhesion.tension_effect import TUNING as TENSION
-from ..adhesion.tension_effect import noticed_tension
-from ..base.errors import Refusal
-from ..base.units import show
-from ..base.unknown import Estimate, Unknown
 from ..case import load_case
-from ..case.models import CaseModel
-from ..case.numerics import method_of
-from ..methods.choose import Option, choose, long_look, survey
-from ..report import tables
+from ..methods.choose import long_look
+from ..report.check import Check
 from .output import answer, json_option
-from .series import reached
 from .verb import Verb
 from .voice import note, say, warn
 
@@ -41,119 +26,12 @@ def check(case: Path, as_json: bool) -> None:
     jkr check cases/thin-layer.toml
     """
     loaded = load_case(case)
-    model = loaded.model
-    problem = model.problem()
-    if words := long_look(problem):
+    if words := long_look(loaded.model.problem()):
         note(words)
-    choice = choose(problem, model.method, lambda name: method_of(model, name))
-    options = choice.options or survey(problem, lambda name: method_of(model, name))
-    expected = _expected(model)
-    effect, tension = _effect(model, expected), _tension(model, expected)
+    result = Check.of(case, loaded)
     if as_json:
-        data: dict[str, Any] = {
-            "case": str(case),
-            "problem": problem.words,
-            "method": choice.name,
-            "reason": choice.reason,
-        }
-        data |= {"surface": problem.surface, "sticking": as_told(effect)}
-        data |= {"noticed_surface_tension_N_per_m": tension}
-        answer(data | {"options": [asdict(o) for o in options]} | _as_dict(expected))
+        answer(result.summary())
         return
-    say(problem.words)
-    say(f"  method    {choice.name}: {choice.brief}")
-    for option in options:
-        say(f"            {option.name:<12} {_option(option)}")
-    range_ = _range(model, choice.name)
-    _print(expected, range_)
-    if not isinstance(effect, Unknown):
-        say(f"  sticking  against sliding makes {effect.words} as large")
-    if not isinstance(tension, Unknown):
-        changed = f"{TENSION.changed:.0%} in load or pull-off force"
-        say(f"  tension   none; from {show(tension, 'tension', 2)} on, that of the solid would change {changed}")
-    refused = [f"jkr transform will refuse: {range_}"] if isinstance(range_, Unknown) else []
-    for warning in (*refused, *loaded.remarks, *sticking_warnings(problem, effect)):
+    say(str(result))
+    for warning in result.warnings:
         warn(warning)
-
-
-def _range(model: CaseModel, method: str) -> str | Unknown:
-    """What is said of the range of adhesion that a case asks for, empty where it asks for none; or why it has no
-    curve."""
-    adhesion = model.adhesion
-    if not (adhesion.range or adhesion.stress or adhesion.capillary):
-        return ""
-    reason = unable(model.problem(), method)
-    return Unknown(reason) if reason else "its range will be solved; the force here is that of JKR"
-
-
-def _effect(model: CaseModel, expected: Expectation | Unknown) -> StickingEffect | Unknown:
-    """What it matters whether the surfaces stick, at the largest radius expected."""
-    if isinstance(expected, Unknown):
-        return expected
-    return sticking_effect(model.problem(), expected.a, model.adhesion.w)
-
-
-def _tension(model: CaseModel, expected: Expectation | Unknown) -> Estimate:
-    """The surface tension that would be noticed, at the largest radius expected."""
-    return expected if isinstance(expected, Unknown) else noticed_tension(model.problem(), expected.a, model.adhesion.w)
-
-
-def _expected(model: CaseModel) -> Expectation | Unknown:
-    """What to expect, or why that is not known."""
-    try:
-        return expect(model.problem(), model.adhesion.w, model.adhesion.z0)
-    except Refusal as error:
-        return Unknown(str(error))
-
-
-def _option(option: Option) -> str:
-    if option.forecast is None:
-        return f"cannot: {option.refusal}"
-    note = f" ({option.forecast.note})" if option.forecast.note else ""
-    against = f"; {words}" if (words := option.objection) else ""
-    return f"about {option.cost}, {option.forecast.memory_mib:.0f} MiB{note}{against}"
-
-
-def _as_dict(expected: Expectation | Unknown) -> dict[str, Any]:
-    if isinstance(expected, Unknown):
-        return {"expectation": expected}
-    return {
-        "a_m": expected.a,
-        "delta_m": expected.delta,
-        "P_N": expected.P,
-        "half_space_error": expected.half_space_error,
-        "adhesion": [
-            {"w_J_per_m2": w, "pull_off": tables.point(p), "validity": vars(v)} for w, p, v in expected.adhesion
-        ],
-    }
-
-
-def _print(expected: Expectation | Unknown, range_: str | Unknown) -> None:
-    if isinstance(expected, Unknown):
-        say(f"  reaches   unknown: {expected}")
-        return
-    say(f"  reaches   {reached(expected.a, expected.delta, expected.P)}")
-    if expected.half_space_error is not None:
-        ratio = 1 + expected.half_space_error
-        say(f"  layers    make the load at this depth {ratio:.4g} times that of a half-space of the top material")
-    for w, point, judged in expected.adhesion:
-        say(f"  w = {show(w, 'work')}: pull-off (load control): {_pull_off(point)}")
-        regime = f": {judged.regime}" if not isinstance(judged.tabor, Unknown) else ""
-        regime = regime if range_ == "" else "" if isinstance(range_, Unknown) else f"; {range_}"
-        say(f"            Tabor number {_ratio(judged.tabor)}{regime}")
-        sizes = {"a/R": judged.a_over_R, "a/h": judged.a_over_h, "delta/h": judged.delta_over_h}
-        known = [f"{name} = {value:.3g}" for name, value in sizes.items() if not isinstance(value, Unknown)]
-        if known:
-            say(f"            {', '.join(known)}")
-    for warning in dict.fromkeys(text for _, _, judged in expected.adhesion for text in validity.check(judged)):
-        warn(warning)
-
-
-def _pull_off(point: CriticalPoint | Unknown) -> str:
-    if isinstance(point, Unknown):
-        return point.reason
-    return f"P = {show(point.P, 'load')} at a = {show(point.a, 'length')}"
-
-
-def _ratio(value: Estimate) -> str:
-    return f"none ({value})" if isinstance(value, Unknown) else f"{value:.3g}"

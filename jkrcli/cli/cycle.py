@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
-from ..adhesion.analysis import Analysis, analyse, with_solved_points
 from ..adhesion.device import control
 from ..adhesion.law import AskedRange
 from ..adhesion.stability import cycle as run_cycle
@@ -16,10 +16,14 @@ from ..adhesion.stability import trace, turning_radius
 from ..base.errors import InputError
 from ..base.units import show
 from ..base.unknown import Unknown
+from ..beside.analysis import Analysis, analyse, with_solved_points
 from ..methods.guards import Limits
 from ..report import cycle as report
 from ..report.output import PICTURES, Files, Output
-from .cycle_rate import RateOptions, Turn, rate_options, run
+from ..series import Solution
+from .cycle_rate import RateOptions, Told, Turn, rate_options, run
+from .cycle_relaxing import limits_of
+from .cycle_relaxing import run as run_relaxing
 from .measured import TUNING, begin_reading
 from .options import (
     ControlType,
@@ -34,7 +38,10 @@ from .options import (
 from .output import answer, into_folder, output_options
 from .series import begin_curves, read_series, series_file, works_of
 from .verb import Verb
-from .voice import say
+from .voice import say, warn
+
+if TYPE_CHECKING:
+    from ..report.plots import Figure
 
 
 @click.command(cls=Verb)
@@ -76,20 +83,25 @@ def cycle(
     JKR forces have no range: contact jumps in where the undeformed gap closes (delta = 0) and out where
     d(delta + P/stiffness)/da = 0. A rigid device is displacement control. With --rate over time: the edge recedes as
     fast as G/w0 says, rests between the works of adhesion, advances at once (--stress is then the cohesive stress of
-    the dissipating zone). Else with --stress or --range the surfaces attract each other before they touch. Writes
-    <stem>-cycle.csv, .png and .svg.
+    the dissipating zone). Else with --stress or --range the surfaces attract each other before they touch. A specimen
+    that relaxes is followed over time without adhesion (w = 0); with adhesion its limits are traced, very fast and
+    very slow cycles. Writes <stem>-cycle.csv, .png and .svg.
 
     \b
     jkr cycle data.h5 --stiffness "10 kN/m"
     jkr cycle gel.h5 --w-approach "35 mJ/m^2" --w-retract "45 mJ/m^2" --to-load "0.5 mN"
     jkr cycle gel.h5 --rate v0="1 um/s",n=0.6 --speed "10 um/s" --to-load "0.5 mN"
+    jkr cycle relaxing-gel.h5 --w-approach 0 --speed "10 um/s" --hold "30 s"
     """
     if to_load is not None and to_depth is not None:
         raise InputError("cycle: give at most one of --to-load and --to-depth")
     file = series_file(file)
     solution = read_series(file)
-    approach = works_of(solution, "--w-approach")[0] if w_approach is None else w_approach
-    works = approach, approach if w_retract is None else w_retract
+    law = solution.problem.specimen.relaxation
+    if law is None:
+        rates.refuse_without_time()
+    works = _works(solution, w_approach, w_retract)
+    shares = limits_of(law, rates) if law is not None and any(works) else {"": 1.0}
     if rates.rate is not None:  # there the stress is that of the zone in which energy is lost
         rates, stress = replace(rates, stress=stress), None
     asked = AskedRange.of(solution.record, stress, length)
@@ -105,19 +117,46 @@ def cycle(
         begin_reading("cycle --program", [rates.program], limits, "fewer rows of the program, or fewer --points",
                       per_row=per_row, mib_per_row=TUNING.cycle_mib_per_row)  # fmt: skip
     stem = output.folder(file.parent) / f"{file.stem}-cycle{asked.suffix}"
-    targets = output.files(stem, (".csv", *PICTURES), [file])
+    named = [stem.with_name("-".join([stem.name, *name.split()])) for name in shares]
+    targets = [output.files(one, (".csv", *PICTURES), [file]) for one in named]
     begin_curves("cycle", [solution], [works], [asked], limits)
-    curves = analyse(solution, works, slopes, modulus_factor, asked)
-    results = [with_solved_points(curve, stiffness) for curve in curves]
-    if rates.rate is not None:
-        run(file, results, stiffness, Turn(to_load, to_depth), points, rates, targets, output)
-        return
-    _quasi_static(file, results, stiffness, Turn(to_load, to_depth), points, targets, output)
+    told = []
+    for share, files in zip(shares.values(), targets, strict=True):
+        curves = analyse(solution, works, slopes, modulus_factor * share, asked)
+        results, turn = [with_solved_points(curve, stiffness) for curve in curves], Turn(to_load, to_depth)
+        if law is not None and not any(works):
+            told.append(run_relaxing(file, results[0], law, stiffness, turn, points, rates, files))
+        elif rates.rate is not None:
+            told.append(run(file, results, stiffness, turn, points, rates, files))
+        else:
+            told.append(_quasi_static(file, results, stiffness, turn, points, files))
+    _tell(file, dict(zip(shares.items(), told, strict=True)), targets, output.json)
+
+
+def _works(solution: Solution, approach: float | None, retract: float | None) -> tuple[float, float]:
+    """The works of adhesion [J/m^2] of approach and retraction; of a specimen that relaxes 0 where none is named."""
+    if approach is None:
+        free = solution.problem.specimen.relaxation is not None and not solution.record.w
+        approach = 0.0 if free else works_of(solution, "--w-approach")[0]
+    return approach, approach if retract is None else retract
+
+
+def _tell(file: Path, told: dict[tuple[str, float], Told], targets: list[Files], json: bool) -> None:
+    """Print what was found: once, or for each limit by its name and its share of the moduli."""
+    found = {name: {"moduli": share} | item.summary for (name, share), item in told.items()}
+    if json:
+        answer(next(iter(told.values())).summary if "" in found else {"file": str(file), "limits": found})
+    for ((name, share), item), files in zip(told.items(), targets, strict=True):
+        if not json:
+            head = [f"limit of {name} cycles, the moduli times {share:.4g}:"] if name else []
+            say("\n".join([*head, *item.lines, f"  written {files}"]))
+        for line in item.warnings:
+            warn(f"{file}: {line}")
 
 
 def _quasi_static(
-    file: Path, curves: Sequence[Analysis], stiffness: float, turn: Turn, points: int, targets: Files, output: Output
-) -> None:
+    file: Path, curves: Sequence[Analysis], stiffness: float, turn: Turn, points: int, targets: Files
+) -> Told:
     """Trace, figure and summary of equilibrium states; ``curves``: those of approach and of retraction."""
     inwards, outwards = (result.curve for result in curves)
     radius = None
@@ -127,13 +166,11 @@ def _quasi_static(
     if isinstance(found, Unknown):
         raise InputError(f"{file}: {found.reason}")
     columns = trace(found, points)
-    figure = None
-    if output.plots:
+
+    def figure() -> Figure:
         from ..report.plots.curve import cycle_figure
 
-        figure = cycle_figure(columns, control(stiffness))
-    targets.write(columns, figure=figure)
-    if output.json:
-        answer(report.summary(file, found))
-    else:
-        say("\n".join([*report.words(file, found), f"  written {targets}"]))
+        return cycle_figure(columns, control(stiffness))
+
+    targets.write(columns, figure=targets.draw(figure))
+    return Told(report.summary(file, found), report.words(file, found), [])

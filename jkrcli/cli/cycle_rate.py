@@ -15,15 +15,14 @@ import numpy as np
 from ..adhesion.device import LOAD_CONTROL, position
 from ..base.errors import InputError, SolveError
 from ..base.units import parse
-from ..report.output import Files, Output
+from ..report.output import Files
 from .options import ParamType
-from .output import answer
-from .voice import say, warn
 
 if TYPE_CHECKING:
-    from ..adhesion.analysis import Analysis
     from ..adhesion.rate.history import History, RateContact
     from ..adhesion.rate.program import Program
+    from ..beside.analysis import Analysis
+    from ..report.plots import Figure
 
 
 class PairsType(ParamType):
@@ -60,17 +59,22 @@ class RateOptions:
     stress: float | None = None
 
     def __post_init__(self) -> None:
-        given = [name for name, value in vars(self).items() if value is not None and name != "rate"]
-        if self.rate is None and given:
-            raise InputError(f"cycle: {flag(given[0])} needs --rate: without it nothing depends on time")
-        if self.rate is None:
-            return
-        if (self.speed is None) == (self.program is None):
+        if self.rate is not None and (self.speed is None) == (self.program is None):
             raise InputError('cycle: --rate needs what the device does: --speed "10 um/s", or --program TABLE')
-        if self.program is not None and (beside := [name for name in given if name in ALONE]):
+        if self.program is not None and (beside := [name for name in self.given if name in ALONE]):
             raise InputError(f"cycle: {flag(beside[0])} and --program exclude each other: the table says all")
         if (self.dwell is None) != (self.dwell_time is None):
             raise InputError("cycle: --dwell and --dwell-time go together")
+
+    @property
+    def given(self) -> list[str]:
+        """The fields that were given, but the rate."""
+        return [name for name, value in vars(self).items() if value is not None and name != "rate"]
+
+    def refuse_without_time(self) -> None:
+        """InputError where options of time are given for what does not depend on it."""
+        if self.rate is None and self.given:
+            raise InputError(f"cycle: {flag(self.given[0])} needs --rate: without it nothing depends on time")
 
 
 ALONE = ("speed", "speed_approach", "hold", "dwell", "dwell_time")
@@ -116,10 +120,19 @@ class Turn:
     depth: float | None
 
 
+@dataclass(frozen=True)
+class Told:
+    """What a verb says of a result: for machines, in lines, and what to heed."""
+
+    summary: dict[str, Any]
+    lines: list[str]
+    warnings: list[str]
+
+
 def run(
     file: Path, curves: Sequence[Analysis], stiffness: float, turn: Turn, points: int, rates: RateOptions,
-    targets: Files, output: Output,
-) -> None:  # fmt: skip
+    targets: Files,
+) -> Told:  # fmt: skip
     """Trace, figure and summary of what happens over time; ``curves``: those of approach and of retraction."""
     from ..adhesion.rate.history import RateContact
     from ..adhesion.rate.laws import rate_law_of
@@ -137,29 +150,34 @@ def run(
         raise InputError(f"{file}: {history.out_of_series}")
     zone = _zone(history, outwards, rates)
     columns = history.table(points)
-    figure = None
-    if output.plots:
+
+    def figure() -> Figure:
         from ..report.plots.rate import history_figure
 
-        figure = history_figure(columns, history.jumps, f"{history.control}, {report.law_words(law)}")
-    targets.write(columns, figure=figure)
-    found = report.warnings_of(history, zone)
-    if output.json:
-        answer({"file": str(file)} | report.summary(history, zone) | {"warnings": found})
-    else:
-        first, *rest = report.words(history, zone)
-        say("\n".join([f"{file}: {first}", *rest]))
-        say(f"  written {targets}")
-    for line in found:
-        warn(f"{file}: {line}")
+        return history_figure(columns, history.jumps, f"{history.control}, {report.law_words(law)}")
+
+    targets.write(columns, figure=targets.draw(figure))
+    warnings = report.warnings_of(history, zone)
+    first, *rest = report.words(history, zone)
+    found = {"file": str(file)} | report.summary(history, zone) | {"warnings": warnings}
+    return Told(found, [f"{file}: {first}", *rest], warnings)
 
 
 def _program(contact: RateContact, rates: RateOptions, turn: Turn) -> Program:
-    """What the device does, of the speeds or of the table."""
-    from ..adhesion.rate.program import Program, dwell, there_and_back
     from ..adhesion.rate.turn import held_at_turn
 
-    loaded = contact.stiffness == LOAD_CONTROL
+    def turning(speed: float) -> float:
+        return held_at_turn(contact, turn.load, turn.depth, speed)
+
+    return program_of(contact.stiffness, rates, turning, contact.least)
+
+
+def program_of(stiffness: float, rates: RateOptions, turning: Callable[[float], float], least: float) -> Program:
+    """What the device does, of the speeds or of the table: from ``least`` on to where an approach at a speed is
+    ``turning``."""
+    from ..adhesion.rate.program import Program, dwell, there_and_back
+
+    loaded = stiffness == LOAD_CONTROL
     length, speed = ("load", "load rate") if loaded else ("length", "speed")
     if rates.program is not None:
         from ..data.device_program import read_program
@@ -168,12 +186,12 @@ def _program(contact: RateContact, rates: RateOptions, turn: Turn) -> Program:
     back = _quantity("--speed", rates.speed, speed)
     there = _quantity("--speed-approach", rates.speed_approach, speed) if rates.speed_approach else back
     hold = 0.0 if rates.hold is None else _quantity("--hold", rates.hold, "time", least=0.0)
-    x = held_at_turn(contact, turn.load, turn.depth, there)
+    x = turning(there)
     if rates.dwell is None:
-        return there_and_back(x, there, back, hold, contact.least)
+        return there_and_back(x, there, back, hold, least)
     held = _quantity("--dwell", rates.dwell, length, least=-math.inf)
     lasts = _quantity("--dwell-time", rates.dwell_time, "time")
-    return dwell(x, there, back, held, lasts, hold, contact.least)
+    return dwell(x, there, back, held, lasts, hold, least)
 
 
 def _quantity(option: str, text: str | None, dimension: str, least: float | None = None) -> float:

@@ -7,10 +7,10 @@ from typing import Any
 
 import click
 
-from ..adhesion.analysis import analyse
 from ..adhesion.law import AskedRange
 from ..base.errors import InputError
 from ..base.files import write_text
+from ..beside.analysis import analyse
 from ..data import measured
 from ..methods.guards import Limits
 from ..report.explorer import page, payload, start_work

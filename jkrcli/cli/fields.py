@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 import click
 import numpy as np
 
-from ..adhesion.analysis import analyse
 from ..adhesion.stability import stable_radius
 from ..base.errors import InputError
 from ..base.files import atomic, together
 from ..base.units import show
+from ..beside.analysis import analyse
 from ..case import Case
 from ..report.output import PICTURES, Files, Output
 from .mesh import MARKS
@@ -23,6 +24,7 @@ from .verb import Verb
 from .voice import say
 
 if TYPE_CHECKING:
+    from ..bodies.problem import Problem
     from ..methods.fem.state import ContactState
 
 
@@ -72,7 +74,7 @@ def fields(
     P = P if load is None else load  # but for round-off
     method = fem_of(cast(Case, solution.record.case).model)
     problem = result.problem
-    state = contact_state(method, problem, radius, delta)
+    state = contact_state(method, problem, radius, delta, _surface(problem, radius, w))
     figure = None
     if output.plots:
         from ..report.plots.body import contact_zone_figure
@@ -86,6 +88,16 @@ def fields(
         answer(summary)
     else:
         _print(file, w, state, summary, targets)
+
+
+def _surface(problem: Problem, a: float, w: float) -> Callable[[np.ndarray], np.ndarray] | None:
+    """What an elastic indenter leaves of the displacement on a layered body, from the pressures of method layered; None
+    where it is rigid, or acts by the modulus alone."""
+    from ..methods.layered.fields import profile
+
+    if problem.indenter.material is None or problem.specimen.is_half_space:
+        return None
+    return lambda r: profile(problem, a, w, r_surface=r).displacement
 
 
 def _write_vtu(state: ContactState, target: Path) -> None:

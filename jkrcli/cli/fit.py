@@ -13,11 +13,13 @@ from ..adhesion.rate.laws import RATE_LAWS
 from ..base.errors import InputError
 from ..base.files import TUNING as FILES
 from ..base.files import beside, together
+from ..bodies.relaxation import RELAXATIONS
 from ..methods import Forecast
 from ..methods.guards import Limits
 from ..report.output import PICTURES, Files, Output
 from .body import FLAGS, body_options, given_flags, tables_of
 from .fit_law import fit_law, refuse_unused
+from .fit_relaxation import fit_relaxation, refuse_others
 from .fit_tension import fit_tension, is_asked
 from .measured import TUNING, begin_reading, reading_of, reading_options
 from .options import (
@@ -35,13 +37,13 @@ from .verb import Verb
 from .voice import note, progress, say, warn
 
 if TYPE_CHECKING:
-    from ..data.measured import Curve
     from ..identification.fit import Fit, FittedBody, Settings
     from ..identification.fit.fitting import Failure
 
     Pictures = list[tuple[Fit | Failure, Files]]
 
 SHALLOW = 0.2  # choice: of the tip radius, to which a body by flags is solved first; the data may ask for more
+POINTED = 5e-6  # choice: [m], in place of the radius of a tip that has none
 FEWER = "fewer rows, curves or samples"
 SHOWN = 10  # curves that are told line by line, and drawn
 SURFACES = {"both": ("sliding", "sticking"), "sliding": ("sliding",), "sticking": ("sticking",)}
@@ -82,6 +84,9 @@ class NamesType(ParamType):
     help="Adhesion depends on the speed of the edge: w0 and "
     "the law's v0, n (or v0, b) are free too, all records are fitted together; needs t, delta, P.",
 )
+@click.option("--relaxation", type=click.Choice(list(RELAXATIONS)), help="The body relaxes: its modulus, the law's "
+              "parameters and delta0 from t, delta, P of pressing, waiting and retracting, no adhesion.")  # fmt: skip
+@click.option("--terms", type=click.IntRange(1, 4), help="Of --relaxation prony [default: 2].")
 @click.option("--segment", type=click.Choice(["approach", "retract", "both"]),
               help="Rows to fit [default: retract where the file names segments, else all].")  # fmt: skip
 @click.option("--base-line", type=click.Choice(["straight", "sine"]), default="straight", show_default=True,
@@ -94,9 +99,12 @@ class NamesType(ParamType):
               show_default=True, help="Anything but linear is robust against outliers.")  # fmt: skip
 @click.option("--confidence", type=click.Choice(["covariance", "profile", "bootstrap"]), default="covariance",
               show_default=True, help="How the intervals are found.")  # fmt: skip
+@click.option("--rivals", is_flag=True, help="Print what the data of a raw record say of each other model.")
 @click.option("--level", type=float, default=0.95, show_default=True, help="Of the intervals.")
-@click.option("--samples", type=click.IntRange(20, 100_000), default=200, show_default=True, help="Of the bootstrap.")
-@click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Of the bootstrap.")
+@click.option(
+    "--samples", type=click.IntRange(20, 100_000), default=200, show_default=True, help="Number of bootstrap resamples."
+)
+@click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Seed of the resamples.")
 @click.option(
     "--tip-radius",
     multiple=True,
@@ -125,6 +133,8 @@ def fit(
     tip_radius: tuple[float, ...],
     slopes: str,
     law: str | None,
+    rivals: bool,
+    relaxation: str | None,
     workers: int | None,
     scheduler: str | None,
     limits: Limits,
@@ -151,15 +161,22 @@ def fit(
     jkr fit gel.toml small.csv large.csv --free surface_tension --tip-radius "5 um" --tip-radius "30 um"
     jkr fit --radius "5 um" --nu 0.5 --shape paraboloid curve.jpk-force
     jkr fit data.h5 map.jpk-force-map --workers 2
+    jkr fit gel.toml held.csv --relaxation sls
     """
     flags = {key: options.pop(key) for key in FLAGS}
     source, paths = _given(body_file, measured, flags)
     inputs = (body_file, *measured)
-    if law is not None:
-        refuse_unused({**options, "bound": bound, "uncertain": uncertain})
-    endings = (".csv", ".json", ".h5") if law is None else (".csv", ".json", *PICTURES)
+    names = [name for group in free for name in group]
+    if relaxation is None and (options["terms"] is not None or "relaxation" in names):
+        raise InputError(f"fit: the law is not named: give --relaxation {', '.join(RELAXATIONS)}")
+    if relaxation is not None:
+        refuse_others({**options, "rivals": rivals, "bound": bound, "uncertain": uncertain}, start, law, surface)
+    elif law is not None:
+        refuse_unused({**options, "rivals": rivals, "bound": bound, "uncertain": uncertain})
+    timed = law or relaxation
+    endings = (".csv", ".json", ".h5") if timed is None else (".csv", ".json", *PICTURES)
     targets = output.files(output.folder(body_file.parent) / f"{body_file.stem}-fit", endings, inputs)
-    for longest in beside(targets.stem, ["x" * FILES.shortest]) if law is None else []:
+    for longest in beside(targets.stem, ["x" * FILES.shortest]) if timed is None else []:
         output.files(longest, PICTURES, inputs)
     refits = _refits(options["confidence"], options["samples"], len(uncertain))
     surfaces = len(SURFACES.get(surface or "", ("",)))
@@ -169,25 +186,29 @@ def fit(
     options["noise"], options["contact"] = dict(options["noise"]), reading.contact
     body = _body(source, slopes, limits)
     told = str(source) if isinstance(source, Path) else body.problem.words
-    names = [name for group in free for name in group]
-    if is_asked(body, names, fix):
-        unused = {**options, "bound": bound, "uncertain": uncertain}
+    if timed is not None and body.asked:
+        raise InputError(f"fit: --{'law' if law else 'relaxation'} {NO_RANGE}")
+    if relaxation is not None:
+        fit_relaxation(body, relaxation, paths, reading, names, fix, options, targets, told, output)
+        return
+    options.pop("terms")
+    if timed is None and is_asked(body, names, fix):
+        unused = {**options, "rivals": rivals, "bound": bound, "uncertain": uncertain}
         targets = output.files(targets.stem, (".csv", ".json"), inputs)
         fit_tension(body, paths, tip_radius, reading, names, fix, start, unused, targets, told, output)
         return
     if tip_radius:
         raise InputError("fit: --tip-radius: goes with --free surface_tension alone: leave it out")
     if law is not None:
-        if body.asked:
-            raise InputError(f"fit: --law {NO_RANGE}")
         fit_law(body, law, paths, reading, names, fix, start, options, targets, told, output)
         return
     settings, reading = _settings(body, uncertain, names, fix, start, bound, options), replace(reading, contact="as-is")
     from ..base.executors import executor
+    from ..data.measured import usable
     from ..identification.fit.fitting import Failure, fit_all
 
     bodies = [body.on_surface(one) for one in SURFACES[surface or body.problem.surface]]
-    curves, reasons = _curves(paths, reading)
+    curves, reasons = usable(paths, reading)
     seconds = sum(
         TUNING.fit_per_curve + refits * (TUNING.refit + TUNING.refit_per_row * len(curve)) for curve in curves
     )
@@ -202,7 +223,7 @@ def fit(
     map_file = _write(found, reasons, targets, pictures, told, output, inputs)
     for line in reasons:
         warn(f"skipped: {line}")
-    _tell(found, output.json, told)
+    _tell(found, output.json, told, rivals)
     _tell_surfaces(found, body, bodies, output.json)
     if not output.json:
         drawn = f", {len(pictures)} picture{'s' if len(pictures) > 1 else ''}" if pictures else ""
@@ -275,8 +296,7 @@ def _body(source: Path | dict[str, str | None], slopes: str, limits: Limits) -> 
 
     tables = tables_of("fit", source, "a case or series file", {"radius": 1.0}, "1 MPa")
     radius = parse_case(tomli_w.dumps(tables).encode(), "fit").model.problem().indenter.tip_radius
-    assert radius is not None  # of sphere and paraboloid
-    tables["loading"]["radius"] = SHALLOW * radius
+    tables["loading"]["radius"] = SHALLOW * (radius or POINTED)
     tables["method"] = "closed-form" if source["thickness"] is None else "layered"  # so that no other is imported
     body = body_of(parse_case(tomli_w.dumps(tables).encode(), "fit"), slopes, limits)
     return replace(body, told=source["modulus"] is not None)
@@ -286,21 +306,6 @@ def _refits(confidence: str, samples: int, uncertain: int) -> int:
     """How often a curve is fitted anew for its intervals, and for as many ``uncertain`` inputs."""
     fits = {"covariance": 0, "profile": TUNING.profiled, "bootstrap": samples}
     return fits[confidence] + TUNING.carried * uncertain
-
-
-def _curves(paths: tuple[Path, ...], reading: Any) -> tuple[list[Curve], list[str]]:
-    """The curves in all files, and why others could not be read."""
-    from ..data.measured import each
-
-    curves: list[Curve] = []
-    unread: list[str] = []
-    for path in paths:
-        for item in each(path, reading):
-            if isinstance(item, InputError):
-                unread += item.lines
-            else:
-                curves.append(item)
-    return curves, unread
 
 
 def _pictures(
@@ -347,7 +352,7 @@ def _draw(drawn: Pictures) -> None:
             target.write(figure=record_figure([examine(item.curve)]))
 
 
-def _tell(found: list[Fit | Failure], as_json: bool, body: str) -> None:
+def _tell(found: list[Fit | Failure], as_json: bool, body: str, rivals: bool) -> None:
     from ..identification.fit import Fit
     from ..report import fit as report
 
@@ -356,7 +361,7 @@ def _tell(found: list[Fit | Failure], as_json: bool, body: str) -> None:
         answer(report.summary(found, body))
     else:
         for item in fits[:SHOWN]:
-            say("\n".join(report.words(item)))
+            say("\n".join(report.words(item) + (report.rivals_table(item) if rivals else [])))
         if len(fits) > SHOWN:
             say(f"... and {len(fits) - SHOWN} more curves")
     both = len({item.surface for item in fits}) > 1

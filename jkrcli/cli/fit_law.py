@@ -15,18 +15,18 @@ if TYPE_CHECKING:
     from ..data.measured import Reading
     from ..identification.fit import FittedBody
 
-UNUSED = {"bound": "--bound", "uncertain": "--uncertain", "noise": "--noise"}
+UNUSED = {"rivals": "--rivals", "bound": "--bound", "uncertain": "--uncertain", "noise": "--noise"}
 
 
-def refuse_unused(options: dict[str, Any], what: str = "--law") -> None:
-    """InputError where an option is given that a common fit of ``what`` does not take."""
+def refuse_unused(options: dict[str, Any], by: str = "--law") -> None:
+    """InputError where an option is given that a fit over time does not take, which ``by`` asks for."""
     defaults = {"branch": "all", "loss": "linear", "confidence": "covariance", "base_line": "straight"}
     given = [flag for name, flag in UNUSED.items() if options.get(name)]
     given += [
         f"--{name.replace('_', '-')} {options[name]}" for name, usual in defaults.items() if options.get(name) != usual
     ]
     if given:
-        raise InputError(f"fit: {what} does not take {given[0]}")
+        raise InputError(f"fit: {by} does not take {given[0]}")
 
 
 def fit_law(

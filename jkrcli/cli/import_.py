@@ -14,6 +14,7 @@ import tomli_w
 
 from ..base.errors import InputError
 from ..base.files import read_bytes
+from ..base.units import reached
 from ..case import Case, load_case, parse_case, store
 from ..case.models import CaseModel, LoadingTable
 from ..data.foreign import NAMES, SeriesReading, read_series
@@ -24,7 +25,7 @@ from .body import FLAGS, body_options, flag, tables_of
 from .measured import begin_reading
 from .options import ColumnUnitType, KeyNumberType, KeyValueType, LengthType, ScaleType
 from .output import ONE_FILE, answer, into_file, output_options
-from .series import end_of, reached
+from .series import end_of
 from .verb import Verb
 from .voice import command_line, say, warn
 

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
@@ -14,12 +13,6 @@ from .measured import begin_reading, reading_of, reading_options
 from .output import answer, into_folder, output_options, refuse_doubles
 from .verb import Verb
 from .voice import say, warn
-
-if TYPE_CHECKING:
-    from ..data.measured import Reading
-    from ..data.record import ForceCurve
-
-SHOWN = 10  # curves of a file that are told line by line
 
 
 @click.command(cls=Verb)
@@ -39,61 +32,27 @@ def look(files: tuple[Path, ...], output: Output, **options: Any) -> None:
     jkr look curve.jpk-force
     jkr look probe.csv --flip delta --unit P=nN
     """
-    from ..report.look import as_dict
+    from ..report.look import Look
 
-    reading = replace(reading_of(options), incomplete=True)
+    reading = reading_of(options)
     stems = [(output.where or path.parent) / f"{path.stem}-look" for path in files]
     refuse_doubles(stems, "give each its own -o")
     output.folder(Path())
     targets = [output.files(stem, PICTURES, files) for stem in stems]
     begin_reading("look", files)
-    told, failures = [], []
+    results = []
     for path, target in zip(files, targets, strict=True):
-        records, unusable = _records(path, reading)
-        failures += unusable
-        told.append({"file": str(path), "curves": [as_dict(record) for record in records], "unusable": unusable})
-        drawn = output.plots and bool(records)
+        result = Look.at(path, reading)
+        results.append(result)
+        drawn = output.plots and bool(result.records)
         if drawn:
-            from ..report.plots.record import record_figure
-
-            target.write(figure=record_figure(records))
-        if not output.json:
-            _print(records)
-            if drawn:
-                say(f"  drawn in {target}")
+            target.write(figure=result.figure())
+        if result.records and not output.json:
+            say(f"{result}\n  drawn in {target}" if drawn else str(result))
     if output.json:
-        answer({"files": told})
-    if not any(item["curves"] for item in told):
+        answer({"files": [result.summary() for result in results]})
+    failures = [line for result in results for line in result.warnings]
+    if not any(result.records for result in results):
         raise InputError(failures)
     for line in failures:
         warn(line)
-
-
-def _records(path: Path, reading: Reading) -> tuple[list[ForceCurve], list[str]]:
-    """The curves of a file taken apart, and a line on each that cannot be."""
-    from ..data.measured import each
-    from ..data.record import examine
-
-    records: list[ForceCurve] = []
-    unusable: list[str] = []
-    try:
-        for curve in each(path, reading):
-            try:
-                if isinstance(curve, InputError):
-                    raise curve
-                records.append(examine(curve))
-            except InputError as error:
-                unusable += error.lines
-    except InputError as error:
-        unusable += error.lines
-    return records, unusable
-
-
-def _print(records: list[ForceCurve]) -> None:
-    from ..report.look import words
-
-    for record in records[:SHOWN]:
-        for line in words(record):
-            say(line)
-    if len(records) > SHOWN:
-        say(f"  ... and {len(records) - SHOWN} more curves (--json tells all)")

@@ -14,7 +14,18 @@ from ..data.measured.text import NAMES
 from ..data.text_table import SEPARATORS
 from ..methods import Forecast
 from ..methods.guards import Limits
-from .options import ANY, ColumnUnitType, KeyNumberType, KeyValueType, ScaleType, SensitivityType, StiffnessType, begin
+from .options import (
+    ANY,
+    ColumnUnitType,
+    KeyNumberType,
+    KeyValueType,
+    NamedType,
+    RowsType,
+    ScaleType,
+    SensitivityType,
+    StiffnessType,
+    begin,
+)
 from .output import Command
 
 
@@ -34,7 +45,6 @@ class TableTuning:
     profiled: int = 150  # fits of a profile; tuned on 200 and 1,000 rows, by `make guards`
     carried: int = 6  # fits of an uncertain input; theory: two, of three times as many steps each
     fit_per_curve: float = 0.05  # CPU seconds; choice: of 2,000 rows, for the number of processes
-    work_per_curve: float = 5e-3  # CPU seconds; choice: of 300 rows, for the number of processes
 
 
 TUNING = TableTuning()
@@ -51,6 +61,8 @@ FIELDS = (
     "format",
     "separator",
     "decimal",
+    "rows",
+    "where",
 )
 
 
@@ -75,9 +87,12 @@ OPTIONS = (
     click.option("--sensitivity", type=SensitivityType(),
                  help='Of a force microscope, "45 nm/V", where its file lacks it: makes a deflection of volts.'),
     click.option("--format", type=click.Choice(["auto", "text", "afm"]), default="auto", show_default=True,
-                 help="auto: by the file's ending; afm: .csv and .txt of microscopes (needs afmformats)."),
+                 help="auto: by content and ending; afm: .csv and .txt of microscopes (needs afmformats)."),
     click.option("--separator", type=click.Choice(list(SEPARATORS)), help="Between the columns [default: found out]."),
     click.option("--decimal", type=click.Choice([".", ","]), help="Decimal mark [default: found out]."),
+    click.option("--rows", type=RowsType(), help="Only these rows of each curve, from 1: 100..900."),
+    click.option("--where", multiple=True, type=NamedType(),
+                 help="Only rows of a segment, of a curve or of one content of a column: segment=retract."),
 )  # fmt: skip
 
 
@@ -91,7 +106,7 @@ def reading_options(command: Command) -> Command:
 def reading_of(values: dict[str, Any]) -> Reading:
     """The reading that the options ask for; takes their values out of ``values``."""
     told: dict[str, Any] = {name: values.pop(name) for name in FIELDS}
-    for name in ("columns", "units", "factors", "zero"):
+    for name in ("columns", "units", "factors", "zero", "where"):
         told[name] = dict(told[name])
     return Reading(**told | {"flip": frozenset(told["flip"])})
 

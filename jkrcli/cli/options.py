@@ -13,7 +13,6 @@ import click
 from ..adhesion.device import LOAD_CONTROL
 from ..adhesion.slopes import RULES
 from ..base import units
-from ..base.errors import InputError
 from ..methods import Forecast
 from ..methods.guards import LESS, Limits, admit
 from .voice import forewarn, warn
@@ -48,9 +47,9 @@ def limits_options(command: Callable[..., Any]) -> Callable[..., Any]:
         return command(*words, limits=Limits(limit_memory, limit_time), **others)
 
     memory = click.option("--limit-memory", type=POSITIVE, metavar="GIB",
-                          help="Most memory to begin with [default: 80 % of what is free].")  # fmt: skip
+                          help="Refuse runs that need more memory [default: 80 % of what is free].")  # fmt: skip
     hours = click.option("--limit-time", type=POSITIVE, default=Limits().hours, show_default=True, metavar="HOURS",
-                         help="Most CPU time to begin with.")  # fmt: skip
+                         help="Refuse runs that need more CPU time.")  # fmt: skip
     return memory(hours(limited))
 
 
@@ -85,13 +84,6 @@ def parallel_options(command: Callable[..., Any]) -> Callable[..., Any]:
         "--scheduler", metavar="ADDRESS", help="Dask scheduler that you run, such as tcp://node1:8786."
     )
     return workers(scheduler(command))
-
-
-def check_nu(*nus: float) -> None:
-    """InputError where a Poisson's ratio of ``--nu`` is none of an elastic material."""
-    for nu in nus:
-        if not -1 < nu <= 0.5:
-            raise InputError(f"--nu: must be > -1 and <= 0.5, got {nu:g}")
 
 
 class QuantityType(ParamType):
@@ -247,6 +239,20 @@ class NamedType(ParamType):
         if not (name and mark and text):
             self.fail(f'must be NAME=VALUE, such as w="50 mJ/m^2", got "{value}"', param, ctx)
         return name, text
+
+
+class RowsType(ParamType):
+    """FIRST..LAST, whole numbers from 1 on."""
+
+    name = "FIRST..LAST"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[int, int]:
+        if isinstance(value, tuple):
+            return value
+        first, mark, last = str(value).partition("..")
+        if not (mark and first.isdecimal() and last.isdecimal() and 0 < int(first[:9]) < int(last[:9])):
+            self.fail(f'must be FIRST..LAST, two rows counted from 1, such as 100..900, got "{value}"', param, ctx)
+        return int(first[:9]), int(last[:9])
 
 
 class ScaleType(KeyValueType):

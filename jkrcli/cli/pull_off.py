@@ -3,22 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..adhesion.analysis import Analysis, analyse, error_of_point, with_solved_points
-from ..adhesion.device import DISPLACEMENT_CONTROL, LOAD_CONTROL
+from ..adhesion.device import LOAD_CONTROL
 from ..adhesion.law import AskedRange
-from ..adhesion.sharp import resolved
-from ..adhesion.stability import Behaviour, behaviours
-from ..adhesion.sticking import effect_on, sticking_warnings
 from ..base.errors import InputError
-from ..base.unknown import Unknown
+from ..beside.lost import where_lost
+from ..beside.sticking import effect_on, sticking_warnings
 from ..methods.guards import Limits
-from ..report import pull_off as report
+from ..report.pull_off import MeasuredPullOff, PullOff
+from ..report.result import Result
 from ..series import Solution
 from .options import (
     ControlType,
@@ -35,12 +31,7 @@ from .series import begin_curves, read_files, without_range, works_of
 from .verb import Verb
 from .voice import say, warn
 
-if TYPE_CHECKING:
-    from ..identification.work_of_adhesion import MeasuredWork
-
 SEARCHED = (0.05,) * 10  # works of adhesion [J/m^2] that are tried for that of a measured force; choice: for forecasts
-TINY = Unknown("it would be one of a contact smaller than atoms")
-Answer = tuple[dict[str, Any], list[str]]  # for machines, for people
 
 
 @click.command("pull-off", cls=Verb)
@@ -108,28 +99,27 @@ def pull_off(
     else:
         wanted, beside = _searched(held, len(stiffnesses) or 1, [name for name, _ in uncertain])
         begin_curves("pull-off --load", held, wanted, asked, limits, beside=beside)
-    results: list[Answer] = []
+    results: list[Result] = []
     for solution, some, ranged in zip(held, wanted, asked, strict=True):
         if force is None:
-            controls = stiffnesses or (LOAD_CONTROL, DISPLACEMENT_CONTROL)
-            for result in analyse(solution, some, slopes, modulus_factor, ranged):
-                solved = with_solved_points(result, *stiffnesses)
-                lost = [_lost(solved, found) for found in behaviours(solved.curve, controls)]
-                results.append((report.summary(solved, lost), report.words(solved, lost)))
-        else:
-            means = [
-                _measured(solution, abs(force), stiffness, slopes, modulus_factor, uncertain)
-                for stiffness in stiffnesses or (LOAD_CONTROL,)
-            ]
-            effect = effect_on(solution, [means[0].found.w])
-            for warning in sticking_warnings(solution.problem, effect):
-                warn(f"{solution.record.path}: {warning}")
-            results += [(report.measured_summary(told), report.measured_words(told)) for told in means]
+            curves = where_lost(solution, some, stiffnesses, slopes, modulus_factor, ranged)
+            results += [PullOff(*each) for each in curves]
+            continue
+        from ..identification.work_of_adhesion import measured_work
+
+        means = [
+            measured_work(solution, abs(force), stiffness, slopes, modulus_factor, uncertain)
+            for stiffness in stiffnesses or (LOAD_CONTROL,)
+        ]
+        effect = effect_on(solution, [means[0].found.w])
+        for warning in sticking_warnings(solution.problem, effect):
+            warn(f"{solution.record.path}: {warning}")
+        results += map(MeasuredPullOff, means)
     if as_json:
-        answer({"results": [data for data, _ in results]})
+        answer({"results": [result.summary() for result in results]})
         return
-    for _, lines in results:
-        say("\n".join(lines))
+    for result in results:
+        say(str(result))
 
 
 def _searched(
@@ -141,33 +131,3 @@ def _searched(
 
     seconds = controls * sum(seconds_of_inputs(solution, uncertain) for solution in held)
     return [SEARCHED * controls * (1 + 2 * len(uncertain))] * len(held), seconds
-
-
-def _lost(result: Analysis, behaviour: Behaviour) -> report.Lost:
-    """What is read off a curve under one control; half-widths of its pull-off point, None where there is none."""
-    found = _above_atoms(behaviour, result)
-    if isinstance(found.pull_off, Unknown):
-        return found, None
-    return found, error_of_point(result.curve, found.pull_off, found.stiffness)
-
-
-def _above_atoms(found: Behaviour, result: Analysis) -> Behaviour:
-    """What was read off without what would happen at radii below atoms."""
-    point = resolved(found.pull_off, result.curve, found.stiffness, result.solution.record.z0)
-    if point is found.pull_off or not isinstance(point, Unknown):
-        return found
-    return replace(found, critical=(), pull_off=point, jump_in=TINY, energy_lost=TINY, separation=TINY)
-
-
-def _measured(
-    solution: Solution, force: float, stiffness: float, slopes: str, modulus_factor: float,
-    uncertain: Sequence[tuple[str, str]],
-) -> MeasuredWork:  # fmt: skip
-    """The work of adhesion behind a pull-off ``force`` [N]; InputError names the file."""
-    from ..identification.work_of_adhesion import measured_work, uncertain_inputs
-
-    inputs = uncertain_inputs(solution, uncertain)
-    try:
-        return measured_work(solution, force, stiffness, slopes, modulus_factor, inputs)
-    except InputError as error:
-        raise InputError([f"{solution.record.path}: {line}" for line in error.lines]) from None

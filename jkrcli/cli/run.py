@@ -8,9 +8,10 @@ from pathlib import Path
 
 import click
 
-from ..adhesion.sticking import as_told, effect_facts, sticking_effect, sticking_warnings
 from ..adhesion.validity import check, end_of_body, judge, sizes
+from ..base.units import reached
 from ..base.unknown import Estimate, Unknown
+from ..beside.sticking import as_told, effect_facts, sticking_effect, sticking_warnings
 from ..bodies.problem import Problem
 from ..case import Case, load_case, store
 from ..case.solving import solve
@@ -21,7 +22,7 @@ from ..report.output import Output
 from ..series import Solution
 from .options import limits_options
 from .output import ONE_FILE, answer, into_file, output_options
-from .series import end_of, reached
+from .series import end_of
 from .verb import Verb
 from .voice import command_line, detail, note, say, warn
 

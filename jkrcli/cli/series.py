@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 from .. import __version__
 from ..base.errors import InputError
 from ..base.files import check_series_target
-from ..base.units import show
 from ..case import Case, load_case, store
 from ..case.models import other_tables
 from ..methods import Forecast
@@ -129,7 +128,7 @@ def begin_curves(
 ) -> None:
     """Say what the curves of a ``verb`` will cost together, read off for so many ``devices``, and what takes so many
     CPU seconds ``beside``, where that is much; Refusal beyond the ``limits``."""
-    from ..adhesion.analysis import forecast
+    from ..beside.analysis import forecast
 
     costs = [forecast(*each, tables, figures, devices) for each in zip(held, works, asked, strict=True)]
     total = Forecast(beside + sum(cost.seconds for cost in costs), max(cost.memory_mib for cost in costs), 0.0)
@@ -144,8 +143,3 @@ def end_of(series: Series) -> dict[str, Any]:
     """How far a series goes, for machines."""
     return {"points": len(series), "a_m": float(series.a[-1]), "delta_m": float(series.delta[-1]),
             "P_N": float(series.P[-1])}  # fmt: skip
-
-
-def reached(a: float, delta: float, P: float) -> str:
-    """A state of contact as people read it."""
-    return f"a = {show(a, 'length')}, delta = {show(delta, 'length')}, P = {show(P, 'load')}"

@@ -1,18 +1,24 @@
-"""``jkr study``: maps and studies over many bodies, each a subcommand in a module of its own."""
+"""``jkr study``: a verb for each map, made of its row, and the convergence of meshes."""
 
 from __future__ import annotations
 
-import importlib
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import click
 
-STUDIES = {
-    "pull-off-map": "The pull-off force on a layer, in pi w R, over w R^2/(E* h^3).",
-    "sticking-map": "What sticking changes on a layer: S and load over those of sliding, over a/h.",
-    "transition-map": "The pull-off force on a layer between JKR and DMT, over the range of adhesion.",
-    "adhesion-map": "Which model of adhesion holds on a layer, over its range and the load.",
-    "rate-map": "Pull-off force and energy lost over speed, stiffness and body.",
-    "converge": "The same case on a sequence of meshes.",
+from ..many.study import MAPS
+from ..report.output import PICTURES, Output
+from .options import parallel_options
+from .output import answer, into_folder, output_options
+from .verb import Verb
+from .voice import progress, say, warn
+
+if TYPE_CHECKING:
+    from ..many.study.maps import Axis, Map
+
+STUDIES = {f"{name}-map": words for name, words in MAPS.items()} | {
+    "converge": "The same case on a sequence of meshes."
 }
 MAKE = {
     "noise": "noise-study",
@@ -23,7 +29,7 @@ MAKE = {
 
 
 class Studies(click.Group):
-    """A group whose commands live in the modules ``study_<name>`` and are imported on call only."""
+    """A group whose commands are made, or imported, on call only."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         return list(STUDIES)
@@ -31,8 +37,13 @@ class Studies(click.Group):
     def get_command(self, ctx: click.Context, name: str) -> click.Command | None:
         if name not in STUDIES:
             return None
-        attribute = f"study_{name.replace('-', '_')}"
-        return getattr(importlib.import_module(f".{attribute}", __package__), attribute)
+        if name == "converge":
+            from .study_converge import study_converge
+
+            return study_converge
+        from ..many.study.maps import map_of
+
+        return _command(map_of(name.removesuffix("-map")))
 
     def resolve_command(
         self, ctx: click.Context, args: list[str]
@@ -55,3 +66,43 @@ def study() -> None:
     \b
     jkr study pull-off-map --nu 0.3 --nu 0.499
     """
+
+
+def _command(row: Map) -> click.Command:
+    """The verb of a map: an option for each axis."""
+
+    @parallel_options
+    @into_folder("Folder [default: .].", default=Path())
+    @output_options(plots="Write the CSV only.", json="Print the table as JSON.")
+    def study_map(output: Output, workers: int | None, scheduler: str | None, **axes: Any) -> None:
+        from ..base.executors import executor
+
+        given = {name: value for name, value in axes.items() if value not in (None, ())}
+        files = output.files(output.folder(Path()) / f"{row.name}-map", (".csv", *PICTURES))
+        with executor(workers, scheduler, progress, row.forecast(**given)) as pool:
+            result = row.over(pool, **given)
+        for words in result.warnings:
+            warn(words)
+        files.write(result.columns, figure=files.draw(result.figure))
+        if output.json:
+            answer(result.summary())
+        else:
+            say(f"{result}\n  written {files}")
+
+    for name, axis in reversed(list(row.axes.items())):
+        study_map = _option(name, axis)(study_map)
+    return click.command(f"{row.name}-map", cls=Verb, help=row.help)(study_map)
+
+
+def _option(name: str, axis: Axis) -> Any:
+    from .cycle_rate import PairsType
+
+    kind: Any = float if axis.read is None else str
+    default = axis.default if axis.several else (axis.default,)
+    if isinstance(axis.default, dict):
+        kind = PairsType()
+        default = [f"{key}={value}" for key, value in axis.default.items()]
+    elif isinstance(axis.allowed, tuple):
+        kind = click.Choice(axis.allowed)
+    shown = axis.shown or ", ".join(map(str, default))
+    return click.option(f"--{name}", type=kind, multiple=axis.several, help=f"{axis.help}  [default: {shown}]".strip())

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..adhesion.analysis import Analysis, analyse
 from ..adhesion.law import AskedRange
-from ..adhesion.sticking import StickingEffect, as_told, effect_on, sticking_warnings
 from ..base.errors import InputError
 from ..base.unknown import Unknown
+from ..beside.analysis import Analysis, analyse
+from ..beside.sticking import StickingEffect, as_told, effect_on, sticking_warnings
 from ..methods.guards import Limits
 from ..report import tables
 from ..report import transform as report

@@ -7,14 +7,15 @@ import click
 GROUPS = {
     "Reading": (
         "column", "unit", "factor", "flip", "zero", "contact", "stiffness", "sensitivity", "format", "separator",
-        "decimal", "sign", "area", "sort",
+        "decimal", "rows", "where", "sign", "area", "sort",
     ),
     "Statistics": (
         "start", "bound", "branch", "base-line", "noise", "loss", "confidence", "level", "samples", "seed", "uncertain",
         "window",
     ),
     "Speed and time": (
-        "rate", "rate-advance", "speed", "speed-approach", "hold", "dwell", "dwell-time", "program",
+        "law", "relaxation", "terms", "rate", "rate-advance", "speed", "speed-approach", "hold", "dwell", "dwell-time",
+        "program",
     ),
     "Numerics": ("tolerance", "slopes", "modulus-factor", "points", "rtol", "repeat"),
     "Limits": ("limit-memory", "limit-time", "hours", "workers", "scheduler"),

@@ -59,7 +59,7 @@ def read_series(path: Path, problem: Problem, reading: SeriesReading) -> Solutio
 
     InputError names lines and columns.
     """
-    from ..adhesion.departure import departures
+    from ..beside.departure import departures
 
     indenter = problem.indenter
     table = read_table(path, reading.separator, reading.decimal)
@@ -112,8 +112,8 @@ def _by_fit(path: Path, raw: RawSeries, problem: Problem) -> tuple[RawSeries, Se
 
     Rows near first touch at which noise hides the contact (delta or P <= 0) are left out, and so are outliers beyond.
     """
-    from ..adhesion.own_body import own_solution
     from ..adhesion.slopes.choice import smoothed
+    from ..beside.own_body import own_solution
 
     assert raw.rows is not None
     indenter = problem.indenter
@@ -206,7 +206,7 @@ def _check_kept(path: Path, kept: RawSeries, dropped: int, indenter: Indenter) -
         lines = ", ".join(map(str, kept.rows))
         raise InputError(
             f"{path}: holds {kept.a.size} different contact radii (lines {lines}; {dropped} rows repeat them), "
-            f"at least {LEAST_ROWS} are needed: refine the mesh or load further"
+            f"at least {LEAST_ROWS} are needed: refine the mesh or load to a larger depth"
         )
     for line, a in zip(kept.rows, kept.a, strict=True):
         if a >= indenter.r_max:

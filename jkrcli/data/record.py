@@ -455,7 +455,8 @@ def _on_signs(curve: Curve, directions: Sequence[Direction]) -> Iterator[tuple[s
     for item in directions:
         name = item.segment.kind
         if _goes_back(curve, item):
-            said = f"the displacement of the {name} goes the other way: it is positive into the specimen (--flip delta)"
+            which = f" of the {name}" if len(directions) > 1 else ""  # of one that returns the last bits chose the name
+            said = f"the displacement{which} goes the other way: it is positive into the specimen (--flip delta)"
             yield "wrong way", said
         elif _pulls_deepest(curve, item):
             said = f"the load of the {name} is least where the device presses deepest"

@@ -49,11 +49,12 @@ _ROW = re.compile(r"""\s*["']?[+-]?[.,]?\d""")  # a line that begins with a numb
 
 @dataclass(frozen=True)
 class TextTuning:
-    """How much of a file is looked at to find out how it is written."""
+    """How much of a file is looked at to find out how it is written, and how it rounds."""
 
     first: int = 2000  # choice: bytes, for the encoding
     head: int = 400  # choice: lines at the begin, for the dialect
     spread: int = 200  # choice: about as many of the rest
+    rounded: float = 1e-6  # choice: of the range of a column, by which copies of it differ
     comments: int = 10_000  # choice: at either end of those that a file begins with; between them nothing is named
 
 
@@ -132,6 +133,11 @@ class TextTable:
     head: tuple[str, ...] = ()
     notes: Mapping[int, str] = field(default_factory=dict)
     remarks: Mapping[int, str] = field(default_factory=dict)
+
+    def rows(self, chosen: Array) -> TextTable:
+        """The table at ``chosen`` rows alone (a mask)."""
+        text = {i: tuple(np.array(cells)[chosen].tolist()) for i, cells in self.text.items()}
+        return replace(self, values=self.values[chosen], lines=self.lines[chosen], text=text)
 
 
 def decoded(content: bytes) -> str:

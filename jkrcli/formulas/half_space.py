@@ -66,6 +66,26 @@ def rounded_flat(a: Array, E_star: float, b: float, edge_radius: float) -> tuple
     return delta, E_star * (s**3 / (3 * edge_radius) + a * delta)
 
 
+def rounded_cone(a: Array, E_star: float, R: float, b: float) -> tuple[Array, Array]:
+    """Cone of slope b/R with a parabolic end of radius R up to r = b: delta_H = F(a) [m], P_H [N]; Hertz up to a = b.
+
+    The sums of positive parts, with s = sqrt(a^2 - b^2) and a - s = b^2/(a + s), do not cancel.
+    """
+    a = np.asarray(a, dtype=float)
+    s, angle = beyond(a, b)
+    least = np.minimum(a, b)
+    rest = np.where(s > 0, least**2 / (a + s + (a == 0)), a)  # a - s
+    delta = a * (rest + b * angle) / R
+    return delta, E_star * (4 * a**2 * rest + s * least**2 + 3 * a**2 * b * angle) / (3 * R)
+
+
+def beyond(a: Array, b: float) -> tuple[Array, Array]:
+    """sqrt(a^2 - b^2) [m] and arccos(b/a) of radii ``a`` beyond ``b`` [m]; 0 within."""
+    a = np.maximum(np.asarray(a, dtype=float), b)
+    s = np.sqrt((a - b) * (a + b))
+    return s, np.arctan2(s, b)
+
+
 def tangent_minus_angle(u: Array) -> Array:
     """u - arctan(u) for u >= 0 [-], by u^3/3 - u^5/5 + ... where the difference would cancel."""
     u = np.asarray(u, dtype=float)

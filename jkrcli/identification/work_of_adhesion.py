@@ -9,14 +9,14 @@ from typing import Any, cast
 
 import numpy as np
 
-from ..adhesion.analysis import Analysis, adhesive, nonadhesive, with_solved_points
 from ..adhesion.critical import point_error
 from ..adhesion.nonadhesive import Nonadhesive
-from ..adhesion.solved import method_behind
 from ..adhesion.stability_inverse import FoundWork, work_from_pull_off
 from ..base.errors import InputError
 from ..base.units import parse
 from ..base.unknown import Estimate, Unknown
+from ..beside.again import method_behind
+from ..beside.analysis import Analysis, adhesive, nonadhesive, with_solved_points
 from ..bodies.parts import changed, checked_names, layer_names, nominal
 from ..bodies.problem import Loading
 from ..series import Solution
@@ -64,12 +64,22 @@ def measured_work(
     stiffness: float,
     slopes: str = "auto",
     modulus_factor: float = 1.0,
-    uncertain: Mapping[str, float] | None = None,
+    uncertain: Iterable[tuple[str, str]] = (),
 ) -> MeasuredWork:
     """The work of adhesion behind the pull-off force ``load`` [N, > 0] measured by a device of ``stiffness`` [N/m].
 
-    ``uncertain``: standard deviations of inputs by name, SI (``uncertain_inputs``).
+    ``uncertain``: standard deviations of inputs by name, as text (``uncertain_inputs``). InputError names the file.
     """
+    inputs = uncertain_inputs(solution, uncertain)
+    try:
+        return _measured_work(solution, load, stiffness, slopes, modulus_factor, inputs)
+    except InputError as error:
+        raise InputError([f"{solution.record.path}: {line}" for line in error.lines]) from None
+
+
+def _measured_work(
+    solution: Solution, load: float, stiffness: float, slopes: str, modulus_factor: float, inputs: Mapping[str, float]
+) -> MeasuredWork:
     body = nonadhesive(solution, slopes)
     scaled, unit = solution.scaled(modulus_factor), body.scaled(modulus_factor)
     first = _Inverse(scaled, unit, load, stiffness).found()
@@ -80,7 +90,7 @@ def measured_work(
     at_point = point_error(found.curve, found.point, stiffness)
     by_load = _change(inverse, FORCE, 1e-3 * load) / (1e-3 * load)
     series = at_point if isinstance(at_point, Unknown) else at_point["P"] * abs(by_load)
-    parts = {name: abs(_change(inverse, name, sigma)) for name, sigma in (uncertain or {}).items()}
+    parts = {name: abs(_change(inverse, name, sigma)) for name, sigma in inputs.items()}
     return MeasuredWork(found, result, series, parts)
 
 

@@ -64,7 +64,9 @@ class Descriptor:
     ``sentence``: what it does. ``solver``: its class, or "module:class", imported when called. ``effort``: the least
     model that represents a body is tried first. ``options``: a dataclass of the method's options, with a default each
     and ranges in the annotations, which stand in the case file's table ``table`` (its name where empty; or
-    ``InTable``). ``automatic``: whether "auto" may choose it. ``tension``: whether it represents surface tension.
+    ``InTable``). ``automatic``: whether "auto" may choose it. ``exact``: to round-off or its tolerance, at next to no
+    cost; ``kernel``: its bodies have the kernel of the contact equation (see ``methods.attraction``); ``tension``:
+    whether it represents surface tension.
     """
 
     name: str
@@ -74,6 +76,8 @@ class Descriptor:
     options: type | None = None
     table: str = ""
     automatic: bool = True
+    exact: bool = False
+    kernel: bool = False
     tension: bool = False
 
     @cached_property

@@ -32,6 +32,10 @@ class SearchTuning:
     table: int = 48  # radii of the first response to all targets; choice: what costs least
     # Times the accuracy, from where a Newton step leads well within it:
     near: float = 30.0  # choice: what costs least
+    above_kink: int = 14  # choice: 1.95 from one to the next, where cubics follow a root to 1e-4
+    nearest: float = 1e-4  # of the distance to the next row, the first of them; theory: its root is 1e-2
+    farthest: float = 0.6  # the last; choice: half way
+    on_kink: float = 1e-6  # relative distance up to which a row gives way to a kink; choice: no two rows alike
     # Part of a miss left after a step along a tangent, above which none is taken:
     doubtful: float = 0.5  # choice: what costs least
 
@@ -51,6 +55,14 @@ def radii_of_loading(
             check_radius(indenter, a)
         return np.array(loading.values)
     largest = largest_of_loading(loading, indenter, responses, start, accuracies)
+    radii = _spaced(loading, indenter, responses, largest, accuracies)
+    return radii if loading.spacing == "given" else _with_kinks(radii, indenter)
+
+
+def _spaced(
+    loading: Loading, indenter: Indenter, responses: Responses, largest: float, accuracies: Sequence[float]
+) -> Array:
+    """The radii [m] of a ``loading`` up to the ``largest``, by its spacing."""
     if loading.spacing == "radius":
         return np.linspace(indenter.a0, largest, loading.points + 1)[1:]
     if loading.spacing == "log":
@@ -62,6 +74,18 @@ def radii_of_loading(
         deepest = float(responses(quantity, accuracies[-1])(np.array([largest]))[0])
         targets = deepest * np.arange(1, loading.points + 1) / loading.points
     return radii_for([(responses(quantity, e), e) for e in accuracies], targets, indenter, largest)
+
+
+def _with_kinks(radii: Array, indenter: Indenter) -> Array:
+    """The ``radii`` [m], with the kinks of the profile among them and rows that crowd above each: F begins there with a
+    power 1/2 or 3/2 of the distance, and is smooth below."""
+    for kink in indenter.kinks:
+        if max(indenter.a0, radii[0]) < kink < radii[-1]:
+            steps = np.geomspace(TUNING.nearest, TUNING.farthest, TUNING.above_kink)
+            beyond = steps * (radii[np.searchsorted(radii, kink, side="right")] - kink)
+            close = np.abs(radii / kink - 1) < TUNING.on_kink
+            radii = np.unique(np.concatenate([radii[~close], [kink], kink + beyond]))
+    return radii
 
 
 def graded_radii(a0: float, largest: float, points: int) -> Array:

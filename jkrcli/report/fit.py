@@ -12,6 +12,7 @@ from ..base import hdf5
 from ..base.arrays import Array
 from ..base.units import SI, show
 from ..identification.fit.fitting import Failure
+from ..identification.fit.record_scores import Score
 from ..identification.fit.result import Fit, FittedValue, JKRBeside
 from ..identification.fit.rivals import RANGE
 from . import archive
@@ -31,6 +32,7 @@ ALWAYS = ("file", "curve", "status", "reason", "points")
 SYMBOLS = {"E_star": "E*", "modulus": "moduli over the case's"}
 FITTED, DOUBTFUL, UNUSABLE = "fitted", "doubtful", "unusable"
 DIMENSIONS = {"a": "length", "delta": "length", "P": "load"}
+VAGUE = "not determined"  # how flags end of what rivals may change by much
 NOTICEABLE = 0.01  # choice: of the standard error; smaller systematic parts are not told in words
 
 
@@ -115,6 +117,7 @@ def _summary(item: Fit | Failure) -> dict[str, Any]:
         },
         **({} if item.range_left is None else {"range_left_m": item.range_left}),
         **_beside(item),
+        **_verdict(item),
         **({} if item.quality is None else {"quality": dict(item.quality), "flags": list(item.flags)}),
         "warnings": list(item.warnings),
     }
@@ -149,8 +152,9 @@ def words(item: Fit) -> list[str]:
     out = f" ({', '.join(item.left_out)} left out)" if item.left_out else ""
     status = f"{_status(item)}, " if item.quality is not None or item.flags else ""
     ways = f", {item.directions}" if item.directions else ""
-    stuck = ", surfaces that stick" if item.surface == "sticking" else ""
-    lines = [f"{item.where}: {status}{item.a.size} rows of {', '.join(item.data)}{ways}{out}{stuck}"]
+    stuck = ", no slip" if item.surface == "sticking" else ""
+    lines = verdict_words(item)
+    lines += [f"{item.where}: {status}{item.a.size} rows of {', '.join(item.data)}{ways}{out}{stuck}"]
     for estimate in item.estimates:
         if estimate.free and estimate.name != "modulus":
             lines.append(
@@ -166,13 +170,73 @@ def words(item: Fit) -> list[str]:
     return lines
 
 
+def verdict_words(item: Fit) -> list[str]:
+    """E* and w with the parts of their errors, what a formula would say, and whether to believe it: of raw records."""
+    if item.verdict is None:
+        return []
+    told = [_parts_words(one) for one in (item.estimate("E_star"), item.work) if one.free and one.error is not None]
+    formula, E_star = item.verdict.formula, item.value("E_star")
+    if item.verdict.E_star is not None:
+        by = item.verdict.E_star
+        told.append(f"{formula} at the deepest row would give {show(by, 'modulus', 3)} ({by / E_star - 1:+.0%})")
+    rivals = item.verdict.rivals
+    judged = "no other model is asked for" if not rivals.named else f"rejected for {' or '.join(rivals.families)}"
+    vague = [flag for flag in item.flags if flag.endswith(VAGUE)]
+    return [f"{item.where}: {'; '.join([*told, judged, *vague])}"]
+
+
+def _parts_words(item: FittedValue) -> str:
+    """A value with its statistical part, that of inputs, and that of the model with the rival which it is from."""
+    calibration = math.hypot(*(item.systematic or {}).values())
+    own = math.sqrt(max((item.error or 0.0) ** 2 - calibration**2, 0.0))
+    parts = {"statistical": own, "calibration": calibration}
+    parts |= {f"model: {name}": size for name, size in (item.model or {}).items()}
+    said = [f"± {show(size, item.dimension, 2)} ({name})" for name, size in parts.items() if size > NOTICEABLE * own]
+    return f"{SYMBOLS.get(item.name, item.name)} = {show(item.value, item.dimension, 4)} {' '.join(said)}"
+
+
+def rivals_table(item: Fit) -> list[str]:
+    """A line per rival of a raw record: what the data say, how much of it they ask for, and how E* and w would move."""
+    if item.verdict is None:
+        return []
+    head = f"  {'rival':<44}{'the data':<23}{'p':>9}{'E*':>8}{'w':>8}{'chi^2':>10}"
+    return [head, *(
+        f"  {one.name:<44}{one.word:<23}{one.chance:>9.1g}{one.amount * one.E_star:>+8.1%}{one.amount * one.w:>+8.1%}"
+        f"{-one.taken:>10.3g}" for one in item.verdict.rivals.scores
+    )]  # fmt: skip
+
+
+def _verdict(item: Fit) -> dict[str, Any]:
+    """Rivals of a raw record, each with its score, and what a formula makes of the deepest row."""
+    if item.verdict is None:
+        return {}
+    told = item.verdict
+    return {"verdict": {
+        "named": [one.name for one in told.rivals.named], "families": list(told.rivals.families),
+        "misfit": told.rivals.misfit / told.rivals.dof, "free_rows_tell_the_noise": told.rivals.free_rows,
+        "formula": {"name": told.formula, "E_star_Pa": told.E_star} if told.E_star is not None else None,
+        "rivals": [_score_summary(one) for one in told.rivals.scores],
+    }}  # fmt: skip
+
+
+def _score_summary(one: Score) -> dict[str, Any]:
+    """A rival: its amount, what the data say, and the relative moves of E* and w with what was found of it."""
+    told = one.error if math.isfinite(one.error) else None
+    return {
+        "name": one.name, "family": one.family, "word": one.word, "amount_is": one.words, "amount": one.amount,
+        "standard_error": told, "p": one.chance, "share_of_misfit": one.share,
+        "E_star_moves": one.amount * one.E_star, "w_moves": one.amount * one.w,
+        "E_star_may_move": one.moved(one.E_star), "w_may_move": one.moved(one.w),
+    }  # fmt: skip
+
+
 def _range_words(item: Fit) -> list[str]:
     """A line on the longest range that the rows leave, where w rests on it more than on the noise."""
     w, left = item.work, item.range_left
     part = (w.model or {}).get(RANGE, 0.0)
     if left is None or w.low is None or w.high is None or part < w.high - w.low:
         return []
-    moved = f"up to {show(left, 'length', 2)} not excluded by these rows, with it w moves by {show(part, 'work', 2)}"
+    moved = f"the data allow up to {show(left, 'length', 2)}, which would change w by {show(part, 'work', 2)}"
     return [f"  {'range':<12} {moved}; if it is known to be shorter: --bound range=..LENGTH"]
 
 
@@ -190,7 +254,9 @@ def estimate_words(estimate: FittedValue, level: float) -> str:
     named = (estimate.systematic or {}).items()
     least = NOTICEABLE * (estimate.error or 0.0)
     parts = [f"{name} {show(value, dimension, 2)}" for name, value in named if value > least]
-    model = f"; model ± {show(math.hypot(*estimate.model.values()), dimension, 2)}" if estimate.model else ""
+    model = (
+        f"; systematic (model) ± {show(math.hypot(*estimate.model.values()), dimension, 2)}" if estimate.model else ""
+    )
     return text + (f" (of which {', '.join(parts)})" if parts else "") + model
 
 

@@ -2,14 +2,68 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
+from ..base.errors import InputError
 from ..base.units import show
 from ..base.unknown import Unknown
-from ..data.record import BaseLine, Direction, ForceCurve
+from ..data import measured
+from ..data.record import BaseLine, Direction, ForceCurve, examine
+from .result import Result
 
+if TYPE_CHECKING:
+    from .plots import Figure
+
+SHOWN = 10  # curves of a file that are told line by line
 NO_BASE_LINE = Unknown("there is no base line")
 NAMES = {"a": "contact radius", "delta": "displacement", "P": "load", "t": "time"}
+
+
+@dataclass(frozen=True, eq=False)
+class Look(Result):
+    """What a measured file holds: its curves taken apart, and a line on each that is ``unusable``."""
+
+    path: Path
+    records: Sequence[ForceCurve]
+    unusable: Sequence[str]
+
+    @classmethod
+    def at(cls, path: Path, reading: measured.Reading) -> Look:
+        """What the file at ``path`` holds, read by ``reading``; where spring constant or sensitivity are missing, 1
+        stands in for them."""
+        records: list[ForceCurve] = []
+        unusable: list[str] = []
+        try:
+            for curve in measured.each(path, replace(reading, incomplete=True)):
+                try:
+                    if isinstance(curve, InputError):
+                        raise curve
+                    records.append(examine(curve))
+                except InputError as error:
+                    unusable += error.lines
+        except InputError as error:
+            unusable += error.lines
+        return cls(path, records, unusable)
+
+    def summary(self) -> dict[str, Any]:
+        return {"file": str(self.path), "curves": list(map(as_dict, self.records)), "unusable": list(self.unusable)}
+
+    def words(self) -> list[str]:
+        lines = [line for record in self.records[:SHOWN] for line in words(record)]
+        more = len(self.records) - SHOWN
+        return lines + ([f"  ... and {more} more curves (--json tells all)"] if more > 0 else [])
+
+    @property
+    def warnings(self) -> Sequence[str]:
+        return self.unusable
+
+    def figure(self) -> Figure:
+        from .plots.record import record_figure
+
+        return record_figure(self.records)
 
 
 def as_dict(record: ForceCurve) -> dict[str, Any]:
@@ -81,7 +135,7 @@ def _said(item: Direction) -> str:
         return f"{item.touch.reason}; {line}"
     if not item.based:
         where = "begins and the largest load" if approach else "ends and the adhesion force"
-        return f"in contact from end to end, or nowhere straight: where contact {where} are not told"
+        return f"no straight base line: where contact {where} are unknown"
     touch = f"{show(item.touch, 'length')} ± {show(item.touch_err, 'length', 3)}"
     tension = (
         item.adhesion.reason

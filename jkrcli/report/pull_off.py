@@ -3,99 +3,113 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from ..adhesion.analysis import Analysis
 from ..adhesion.critical import Errors
 from ..adhesion.curve import Equilibrium
 from ..adhesion.device import LOAD_CONTROL, control
 from ..adhesion.sharp import yielding
-from ..adhesion.solved import is_solved
 from ..adhesion.stability import Behaviour
 from ..adhesion.validity import check
 from ..base.units import show
 from ..base.unknown import Estimate, Unknown, known
+from ..beside.analysis import Analysis
+from ..beside.lost import Lost
+from ..beside.solved import is_solved
 from . import tables
+from .result import Result
 
 if TYPE_CHECKING:
     from ..identification.work_of_adhesion import MeasuredWork
 
 SIZES = {"a/R": "a_over_R", "a/R at pull-off": "a_over_R_pull_off", "a/h": "a_over_h", "a/L": "a_over_L",
          "theta": "edge_angle"}  # fmt: skip
+OF_SERIES = "90 % half-width from the error of the series alone; --uncertain load=5% and others add theirs"
 ABOVE = "Tabor", "at the range"  # how the warnings begin that say again what the line of the Tabor number says
-Lost = tuple[Behaviour, Errors | Unknown | None]  # of one control: what is read off, half-widths of its pull-off point
 
 
-def summary(result: Analysis, lost: Sequence[Lost]) -> dict[str, Any]:
-    """What is read off one curve under each control, SI."""
-    controls = []
-    for found, error in lost:
-        told = tables.control(found)
-        told["pull_off"] |= tables.errors(error)
-        if error is not None:
-            told["pull_off"]["interpolated"] = not _solved(result, found)
-        controls.append({"control": found.control, "stiffness_N_per_m": tables.stiffness(found.stiffness), **told})
-    return {
-        "file": str(result.path),
-        "w_J_per_m2": result.w,
-        **tables.law(result),
-        "modulus_factor": result.modulus_factor,
-        "controls": controls,
-        "validity": tables.validity(result),
-        "errors": result.budget.as_dict() | {"between_rows": result.curve.interpolation_error},
-    }
+@dataclass(frozen=True, eq=False)
+class PullOff(Result):
+    """What is read off one curve under each control."""
+
+    result: Analysis
+    lost: Sequence[Lost]
+
+    def summary(self) -> dict[str, Any]:
+        result, lost = self.result, self.lost
+        controls = []
+        for found, error in lost:
+            told = tables.control(found)
+            told["pull_off"] |= tables.errors(error)
+            if error is not None:
+                told["pull_off"]["interpolated"] = not _solved(result, found)
+            controls.append({"control": found.control, "stiffness_N_per_m": tables.stiffness(found.stiffness), **told})
+        return {
+            "file": str(result.path),
+            "w_J_per_m2": result.w,
+            **tables.law(result),
+            "modulus_factor": result.modulus_factor,
+            "controls": controls,
+            "validity": tables.validity(result),
+            "errors": result.budget.as_dict() | {"between_rows": result.curve.interpolation_error},
+        }
+
+    def words(self) -> list[str]:
+        result, lost = self.result, self.lost
+        lines = [f"{result.path}: w = {show(result.w, 'work')}{tables.law_words(result)}"]
+        for found, error in lost:
+            lines += _control(found, error, _solved(result, found))
+        return lines + _validity(result)
 
 
-def words(result: Analysis, lost: Sequence[Lost]) -> list[str]:
-    """What is read off one curve under each control, as lines of text."""
-    lines = [f"{result.path}: w = {show(result.w, 'work')}{tables.law_words(result)}"]
-    for found, error in lost:
-        lines += _control(found, error, _solved(result, found))
-    return lines + _validity(result)
+@dataclass(frozen=True, eq=False)
+class MeasuredPullOff(Result):
+    """What a measured pull-off force means."""
 
+    told: MeasuredWork
 
-def measured_summary(told: MeasuredWork) -> dict[str, Any]:
-    """What a measured pull-off force means, SI."""
-    found = told.found
-    data = {
-        "file": str(told.result.path),
-        "load_N": found.load,
-        "control": control(found.stiffness),
-        "stiffness_N_per_m": tables.stiffness(found.stiffness),
-        "w_J_per_m2": found.w,
-        "w_err_J_per_m2": known(told.error),
-        "w_err_by_input_J_per_m2": dict(told.parts),
-        "w_err_of_series_J_per_m2": known(told.series),
-        "w_half_space_J_per_m2": found.half_space,
-        "pull_off": tables.point(found.point),
-        "validity": tables.validity(told.result),
-    }
-    return data | ({"error": told.error.reason} if isinstance(told.error, Unknown) else {})
+    def summary(self) -> dict[str, Any]:
+        told = self.told
+        found = told.found
+        data = {
+            "file": str(told.result.path),
+            "load_N": found.load,
+            "control": control(found.stiffness),
+            "stiffness_N_per_m": tables.stiffness(found.stiffness),
+            "w_J_per_m2": found.w,
+            "w_err_J_per_m2": known(told.error),
+            "w_err_by_input_J_per_m2": dict(told.parts),
+            "w_err_of_series_J_per_m2": known(told.series),
+            "w_half_space_J_per_m2": found.half_space,
+            "pull_off": tables.point(found.point),
+            "validity": tables.validity(told.result),
+        }
+        return data | ({"error": told.error.reason} if isinstance(told.error, Unknown) else {})
 
-
-def measured_words(told: MeasuredWork) -> list[str]:
-    """What a measured pull-off force means, as lines of text."""
-    found = told.found
-    error = "?" if isinstance(told.error, Unknown) else show(told.error, "work")
-    lines = [
-        f"{told.result.path}: a pull-off force of {show(found.load, 'load')} means w = {show(found.w, 'work')} ± "
-        f"{error} ({control(found.stiffness)}, a = {show(found.point.a, 'length')})"
-    ]
-    if told.parts:
-        parts = (f"{name} {show(part, 'work')}" for name, part in told.parts.items())
-        series = str(told.series) if isinstance(told.series, Unknown) else show(told.series, "work")
-        lines.append(f"  standard error from {', '.join(parts)}; that of the series {series}")
-    else:
-        lines.append("  90 % half-width from the error of the series alone; --uncertain load=5% and others add theirs")
-    if found.half_space is None:
-        lines.append("  no tip radius: classical JKR has no answer for this indenter")
-    else:
-        under = "" if found.stiffness == LOAD_CONTROL else " under load control"
-        lines.append(
-            f"  1.5 pi w R of a half-space{under} would have given {show(found.half_space, 'work')}, "
-            f"{found.half_space / found.w:.3g} times this body's"
-        )
-    return lines + _validity(told.result)
+    def words(self) -> list[str]:
+        told = self.told
+        found = told.found
+        error = "?" if isinstance(told.error, Unknown) else show(told.error, "work")
+        lines = [
+            f"{told.result.path}: a pull-off force of {show(found.load, 'load')} means w = {show(found.w, 'work')} ± "
+            f"{error} ({control(found.stiffness)}, a = {show(found.point.a, 'length')})"
+        ]
+        if told.parts:
+            parts = (f"{name} {show(part, 'work')}" for name, part in told.parts.items())
+            series = str(told.series) if isinstance(told.series, Unknown) else show(told.series, "work")
+            lines.append(f"  standard error from {', '.join(parts)}; that of the series {series}")
+        else:
+            lines.append(f"  {OF_SERIES}")
+        if found.half_space is None:
+            lines.append("  no tip radius: classical JKR has no answer for this indenter")
+        else:
+            under = "" if found.stiffness == LOAD_CONTROL else " under load control"
+            lines.append(
+                f"  1.5 pi w R of a half-space{under} would have given {show(found.half_space, 'work')}, "
+                f"{found.half_space / found.w:.3g} times this body's"
+            )
+        return lines + _validity(told.result)
 
 
 def _solved(result: Analysis, found: Behaviour) -> bool:

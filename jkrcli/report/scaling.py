@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..adhesion.analysis import Analysis
 from ..base.arrays import Array
 from ..base.errors import InputError
+from ..beside.analysis import Analysis
 from ..bodies.materials import Elastic
 from ..bodies.problem import Problem, Rigid
 from ..formulas.scales import scales_half_space, scales_thin_layer

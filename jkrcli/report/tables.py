@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from ..adhesion.analysis import Analysis
 from ..adhesion.critical import Errors
 from ..adhesion.curve import Equilibrium, EquilibriumCurve
 from ..adhesion.device import CONTROLS, DISPLACEMENT_CONTROL
@@ -20,6 +19,7 @@ from ..base.files import read_bytes
 from ..base.table import as_json as as_json
 from ..base.units import show
 from ..base.unknown import Estimate, Unknown, known
+from ..beside.analysis import Analysis
 
 SUMMARY_FORMAT, SUMMARY_VERSION = "jkr-summary", 1
 WORD_COLUMNS = ("branch",)  # of a curve; all others are numbers

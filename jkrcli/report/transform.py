@@ -3,13 +3,52 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, fields
+from functools import cached_property
+from itertools import zip_longest
+from typing import TYPE_CHECKING, Any
 
-from ..adhesion.analysis import Analysis
 from ..adhesion.curve import CriticalPoint
-from ..adhesion.solved import is_solved
+from ..base.arrays import Array
 from ..base.units import show
 from ..base.unknown import Estimate, Unknown
+from ..beside.analysis import Analysis
+from ..beside.solved import is_solved
+from ..beside.sticking import StickingEffect, as_told, effect_on
 from . import tables
+from .result import Result
+
+if TYPE_CHECKING:
+    from .plots import Figure
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Transformed(Analysis, Result):
+    """An adhesive curve with what is said of it."""
+
+    @classmethod
+    def of(cls, found: Analysis) -> Transformed:
+        return cls(**{item.name: getattr(found, item.name) for item in fields(found)})
+
+    @cached_property
+    def columns(self) -> dict[str, Array]:  # type: ignore[override]
+        return tables.curve_columns(self.curve)
+
+    @cached_property
+    def sticking(self) -> StickingEffect | Unknown:
+        """What it matters whether the surfaces stick."""
+        return effect_on(self.solution, [self.w])
+
+    def summary(self) -> dict[str, Any]:
+        return tables.summary(self) | {"sticking": as_told(self.sticking)}
+
+    def words(self) -> list[str]:
+        return words([self], [])
+
+    def figure(self) -> Figure:
+        from .plots.curve import curve_figure, physical_units
+
+        return curve_figure(self, physical_units(self.curve))
 
 
 def words(results: Sequence[Analysis], written: Sequence[str]) -> list[str]:
@@ -17,10 +56,10 @@ def words(results: Sequence[Analysis], written: Sequence[str]) -> list[str]:
     first = results[0]
     kept, slopes = len(first.curve.series), first.curve.slopes
     lines = [f"{first.path}: {kept} points kept, {first.dropped} dropped; slopes {slopes.method} ({slopes.reason})"]
-    for result, files in zip(results, written, strict=True):
+    for result, files in zip_longest(results, written):
         lines.append(f"  w = {show(result.w, 'work')}{tables.law_words(result)}")
         lines += [f"    {line}" for line in _of_curve(result)]
-        lines.append(f"    written {files}")
+        lines += [f"    written {files}"] if files else []
     return lines
 
 

@@ -4,21 +4,78 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from collections.abc import Set as AbstractSet
+from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..adhesion.analysis import Analysis
+from ..adhesion.nonadhesive import Nonadhesive
 from ..adhesion.validity import check
 from ..base.arrays import Array
 from ..base.units import show
+from ..base.unknown import Unknown
+from ..beside.analysis import Analysis, adhesive
 from ..data.measured.contact import saturation
-from ..identification.work import ABOVE, BELOW, NONE, OK, WorkAlong
+from ..data.text_table import some
+from ..identification.rate.through import LawThrough, law_along
+from ..identification.work import ABOVE, BELOW, NONE, OK, WorkAlong, typical
+from ..series import Solution
+from .rate import through_summary, through_words
+from .result import Result
+
+if TYPE_CHECKING:
+    from .plots import Figure
 
 FORMAT, VERSION = "jkr-work", 1
 QUARTILES = (0.25, 0.5, 0.75)
+SHOWN = 10  # curves of a file that are told line by line
 MANY = 0.1  # of the rows: as many without a work of adhesion are said in a warning
+
+
+@dataclass(frozen=True, eq=False)
+class Work(Result):
+    """The work of adhesion along the curves ``found`` in the file at ``path`` on a ``body``; the ``law`` over the speed
+    of the edge through them, where there is one, and why others were ``skipped``."""
+
+    path: Path
+    found: Sequence[WorkAlong]
+    skipped: Sequence[str]
+    body: Analysis
+    law: LawThrough | Unknown | None
+
+    @classmethod
+    def of(
+        cls, path: Path, found: list[WorkAlong], skipped: Sequence[str], solution: Solution, unit: Nonadhesive,
+        modulus_factor: float,
+    ) -> Work:  # fmt: skip
+        """What was ``found`` on a ``solution`` with its functions ``unit``."""
+        return cls(path, found, skipped, adhesive(solution, unit, typical(found), modulus_factor), law_along(found))
+
+    @cached_property
+    def columns(self) -> dict[str, list[Any]]:  # type: ignore[override]
+        return columns(self.found)
+
+    def summary(self) -> dict[str, Any]:
+        return summary(self.found, self.body, self.path, self.skipped) | {"rate_law": through_summary(self.law)}
+
+    def words(self) -> list[str]:
+        lines = ["\n    ".join([words(item), *item.curve.flags]) for item in self.found[:SHOWN]]
+        if len(self.found) > SHOWN:
+            lines.append(f"  ... and {len(self.found) - SHOWN} more curves")
+        return lines + ([] if self.law is None else [f"  {through_words(self.law)}"])
+
+    @property
+    def warnings(self) -> list[str]:
+        said = [f"skipped: {line}" for line in some(list(self.skipped))]
+        said += [f"{item.curve.where}: {flag}" for item in self.found[:SHOWN] for flag in flags(item)]
+        return said + [f"{self.path}: {warning}" for warning in body_warnings(self.body)]
+
+    def figure(self) -> Figure:
+        from .plots.work import work_figure
+
+        return work_figure(self.found, self.law if isinstance(self.law, LawThrough) else None)
 
 
 def columns(found: Sequence[WorkAlong]) -> dict[str, list[Any]]:

@@ -61,6 +61,7 @@ class Series:
     ``errors``: estimated absolute errors per column (keys among ``COLUMNS``), at equal radius; where the radius has an
     error itself, those of a and P are at equal displacement (``errors_at_radius`` has them at equal radius).
     ``a0, S0``: contact radius and slope at first touch (both 0 for round indenters; ``S0 = None``: unknown).
+    ``kinks``: radii [m] at which the indenter's slope bends, and delta and P with it.
     ``own``: of columns that were read, the exact solution of the bodies they are said to be of, where there is one: a
     smooth fit departs from its shape no more than the columns ask for.
     """
@@ -74,6 +75,7 @@ class Series:
     a0: float = 0.0
     S0: float | None = 0.0
     own: Series | None = None
+    kinks: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
         a = _frozen("a", self.a)

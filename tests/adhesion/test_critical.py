@@ -77,6 +77,7 @@ def test_a_known_change_of_the_columns_moves_the_point_as_predicted(exact: Serie
         assert found[name] - room == pytest.approx(moved, rel=0.02, abs=1e-3 * size * abs(getattr(start, name)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("noise", [1e-4, 1e-2])
 def test_noisy_points_lie_within_what_is_stated(exact: Series, noise: float) -> None:
     """Under displacement control the radius errs and takes the load along: the band at given radius is too small."""

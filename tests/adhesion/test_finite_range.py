@@ -106,6 +106,7 @@ def test_incompressible_layer_pulls_harder_than_either_limit() -> None:
     assert middle > max(short, long) + 0.02
 
 
+@pytest.mark.slow
 def test_curve_begins_where_the_attracted_annulus_grows_with_the_contact() -> None:
     """On the ridge of thin incompressible layers the surfaces leap together: what the pull-off does not need is said to
     be left out, and the force goes on from that of ranges beside it."""
@@ -137,6 +138,7 @@ def test_several_radii_of_attraction_are_told() -> None:
 BODIES = {"half-space": HALF_SPACE, "nu = 0.3": layer(0.3), "nu = 1/2": layer(0.5), "coating": COATING}
 
 
+@pytest.mark.first(2)
 @pytest.mark.parametrize("name", BODIES)
 def test_short_range_goes_to_jkr_like_one_over_the_tabor_number_squared(name: str) -> None:
     """The whole curve at every radius beyond those where c is far from a, and the pull-off force."""
@@ -155,6 +157,7 @@ def test_short_range_goes_to_jkr_like_one_over_the_tabor_number_squared(name: st
     assert np.max(off[-1]) < 3e-4
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize("name", BODIES)
 def test_ranges_that_are_next_to_none_are_solved_up_to_rounding(name: str) -> None:
     """Separations were differences of nearly equal numbers and became 0/0: a gel at a range of 0.1 nm was refused."""
@@ -210,6 +213,7 @@ def test_load_and_displacement_change_together_as_a_flat_end_and_its_annulus_say
         assert abs(dP - (bulk - rim)) < 1e-8 * (abs(bulk) + abs(rim)), (a, c)  # measured: 3e-9
 
 
+@pytest.mark.first(3)
 @pytest.mark.parametrize("stiffness", [0.7, DISPLACEMENT])
 @pytest.mark.parametrize("name", BODIES)
 def test_energy_of_a_loop_is_what_its_jumps_lose(name: str, stiffness: float) -> None:
@@ -246,6 +250,7 @@ def surface_of(curve: FiniteRangeCurve, state: Equilibrium) -> tuple[np.ndarray,
     return r, weights, attracted_surface(body.attraction(1.3 * c), a, curve.law.stress, curve.law.length, r, body.scale)
 
 
+@pytest.mark.first(3)
 @pytest.mark.parametrize("mu", [0.3, 3.0])
 @pytest.mark.parametrize("name", BODIES)
 def test_pressure_is_continuous_and_the_gap_grows_to_the_range(name: str, mu: float) -> None:

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from jkrcli.adhesion.analysis import analyse
+from jkrcli.beside.analysis import analyse
 from jkrcli.case import store
 from jkrcli.report.tables import read_curve
 

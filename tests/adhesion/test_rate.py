@@ -171,6 +171,7 @@ def test_it_agrees_with_another_integrator_on_a_layer() -> None:
     assert history.pieces[0].at(times) == pytest.approx(there, rel=1e-8)  # measured 2e-10
 
 
+@pytest.mark.slow
 def test_the_stated_error_holds_and_is_not_much_too_large() -> None:
     """Against a hundred thousandth of the tolerance; single errors are small by chance, so their median counts."""
     ratios = []

@@ -6,10 +6,10 @@ import math
 
 import pytest
 
-from jkrcli.adhesion.analysis import analyse
 from jkrcli.adhesion.curve import CriticalPoint
 from jkrcli.adhesion.sharp import TUNING
 from jkrcli.base.unknown import Unknown
+from jkrcli.beside.analysis import analyse
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
@@ -37,7 +37,7 @@ def test_a_stiff_cone_has_no_pull_off_at_picometres_and_no_advice_in_a_circle(co
     assert radius_of_cone(70e9) < 0.1e-9
     found = analyse(solve(pressed(CONE, 70e9, spacing=spacing))[1], [W])[0].pull_off[control]
     assert isinstance(found, Unknown)
-    assert "below the distance of atoms, z0 = 300 pm" in found.reason
+    assert "below the interatomic spacing, z0 = 300 pm" in found.reason
     assert "log" not in found.reason
 
 

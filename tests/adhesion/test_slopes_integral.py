@@ -128,6 +128,7 @@ def test_band_is_generous_where_nothing_bends() -> None:
     assert 2.4 < ratio < 8  # measured 5.8; of a Gaussian error known to be one 2.4
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize(
     ("contrast", "points", "noise"), [(434.0, 77, 1.6e-2), (434.0, 400, 1e-3), (0.16, 158, 1e-3), (0.16, 400, 1e-4)]
 )
@@ -214,6 +215,7 @@ def test_errors_of_the_series_are_used_as_weights() -> None:
     assert np.all(np.abs(weighed.dS - 2 * E_STAR) <= weighed.dS_err)
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize("noise", [0.0, 1e-3])
 def test_five_points_give_a_band_that_holds_the_truth(noise: float) -> None:
     for name in ("layer-0.4", "stiff-coating"):

@@ -231,7 +231,7 @@ def test_a_series_that_ends_too_early_says_so() -> None:
         found = behaviour(short, stiffness)
         assert found.jump_in == Unknown(
             "contact at delta = 0 spreads beyond the largest radius of the series, a = 4e-06 m: the series would have "
-            "to reach a larger radius: load further"
+            "to reach a larger radius: increase [loading] radius"
         )
     assert behaviour(short, 0.0).critical == ()
     assert "the load is lowest at the largest radius of the series" in behaviour(short, 0.0).pull_off.reason

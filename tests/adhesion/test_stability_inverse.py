@@ -111,7 +111,7 @@ def test_a_force_outside_the_series_is_refused_with_the_range() -> None:
     assert (least, greatest) == pytest.approx((1.9024e-6, 0.41092), rel=1e-4)
     assert message(lambda: found(half_space(), 1.0)) == (
         "load: a pull-off force of 1 N lies outside the series, which can tell forces from 1.902 uN to 410.9 mN: "
-        "load further"
+        "increase [loading] radius"
     )
     assert message(lambda: found(half_space(), 1e-7)).endswith(
         "lies outside the series, which can tell forces from 1.902 uN to 410.9 mN: begin the series at a smaller radius"

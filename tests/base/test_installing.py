@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shlex
 import sys
 from pathlib import Path
@@ -18,6 +19,12 @@ def test_a_checkout_installs_from_itself() -> None:
     assert shlex.split(installing.installs(""))[-1] == str(ROOT)
 
 
-def test_an_installed_package_comes_from_the_index(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_an_installed_package_names_the_packages_of_the_part(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """It may be on no index itself: a line with its name would fetch what others call so, or nothing."""
     monkeypatch.setattr(installing, "__file__", str(tmp_path / "lib" / "base" / "installing.py"))
-    assert shlex.split(installing.installs("fast"))[1:] == ["-m", "pip", "install", "jkrcli[fast]"]
+    pip, (package,) = shlex.split(installing.installs("afm"))[1:-1], shlex.split(installing.installs("afm"))[-1:]
+    assert pip == ["-m", "pip", "install"]
+    assert re.fullmatch(r"afmformats[<>=.,\d]+", package)
+    required = shlex.split(installing.installs(""))[4:]
+    assert {"numpy", "gmsh", "click"} <= {re.split(r"[<>=]", name)[0] for name in required}
+    assert not {"afmformats", "pytest"} & {re.split(r"[<>=]", name)[0] for name in required}

@@ -218,7 +218,7 @@ REFUSALS = [
     (
         ("pull-off", "p.h5", "--load", "1 N"),
         "p.h5: load: a pull-off force of 1 N lies outside the series, which can tell forces from 1.902 uN to 410.9 mN: "
-        "load further",
+        "increase [loading] radius",
     ),
     (
         ("pull-off", "p.h5", "--stiffness", "soft"),
@@ -246,10 +246,10 @@ REFUSALS = [
     (
         ("cycle", "p.h5", "--w-approach", "5000 J/m^2"),
         "p.h5: contact at delta = 0 spreads beyond the largest radius of the series, a = 1.73e-05 m: the series would "
-        "have to reach a larger radius: load further",
+        "have to reach a larger radius: increase [loading] radius",
     ),
-    (("study", "pull-off-map", "--nu", "0.6"), "--nu: must be > -1 and <= 0.5, got 0.6"),
-    (("study", "pull-off-map", "--q", "1e9"), "q: must be between 1e-06 and 1e+07, got 1e+09"),
+    (("study", "pull-off-map", "--nu", "0.6"), "pull-off map: nu must be > -1 and <= 0.5, got 0.6"),
+    (("study", "pull-off-map", "--q", "1e9"), "pull-off map: q must be >= 1e-06 and <= 1e+07, got 1000000000.0"),
 ]
 
 

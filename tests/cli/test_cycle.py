@@ -148,7 +148,7 @@ def test_work_of_separation_from_the_zero_load_within_the_turn() -> None:
 
 def test_a_turn_below_zero_load_has_no_work_of_separation() -> None:
     found = cycle(half_space(50.0), half_space(50.0), RIGID, turn=8.5e-6)
-    assert found.separation == Unknown("no state of zero load is passed on retraction: load further")
+    assert found.separation == Unknown("no state of zero load is passed on retraction: increase [loading] radius")
     assert isinstance(found.energy_lost, float)
 
 

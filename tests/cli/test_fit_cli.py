@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import csv
 import json
+import math
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
 from fit_data import A_C, A_END, DELTA_C, E_STAR, P_C, W, adhesive, coating, measured, sphere
+
+from jkrcli.bodies.indenters import EqualAreaCone, PowerLaw, RoundedCone
+from jkrcli.formulas.half_space import adhesive_half_space
 
 CASE = (
     '[indenter]\nshape="paraboloid"\nradius="10 um"\n[specimen.half_space]\nE="1.5 MPa"\nnu=0.5\n'
@@ -146,6 +150,7 @@ def test_one_bad_curve_among_many_is_told_and_skipped(jkr, folder: Path) -> None
     assert (outcome.code, outcome.err) == (2, "jkr: error: few.csv: 5 rows to fit, at least 8 are needed\n")
 
 
+@pytest.mark.slow
 def test_a_map_of_curves_in_one_file_by_two_processes_gives_the_same_table(jkr, folder: Path) -> None:
     lines = ["curve,delta_nm,P_uN"]
     for seed in range(4):
@@ -180,3 +185,36 @@ def test_radius_and_load_from_a_microscope(jkr, folder: Path) -> None:
 def test_sizes_of_the_data_are_those_of_the_literature() -> None:
     assert pytest.approx(4.712e-6, rel=1e-3) == P_C
     assert pytest.approx(3.6e-7, rel=0.02) == DELTA_C
+
+
+TIPS = {
+    "cone": (("--half-angle", "70 deg"), PowerLaw(1 / math.tan(math.radians(70)), 1.0)),
+    "pyramid": (("--half-angle", "68 deg"), EqualAreaCone.of(4, math.radians(68), None)),
+    "rounded-cone": (("--half-angle", "70 deg", "--radius", "1 um"), RoundedCone(1e-6, math.radians(70))),
+}
+
+
+@pytest.mark.parametrize("shape", TIPS)
+def test_tips_by_flags(jkr, shape: str) -> None:
+    """E* and w of the exact adhesive curve come back, and the cone that stands for a pyramid is said."""
+    flags, tip = TIPS[shape]
+    a = np.linspace(0.4e-6, 4e-6, 80)
+    delta, P = adhesive_half_space(a, *tip.half_space(a, 2e5), 2e5, 1e-3)
+    rows = np.column_stack([a, delta, P])
+    Path("tip.csv").write_text("a_m,delta_m,P_N\n" + "".join(",".join(map(repr, row)) + "\n" for row in rows.tolist()))
+    done = jkr("fit", "--shape", shape, *flags, "--nu", "0.5", "tip.csv", "--json", "--no-plots", "-o", ".")
+    assert done.code == 0, done.err
+    (found,) = json.loads(done.out)["curves"]
+    told = {name: item["value"] for name, item in found["estimates"].items()}
+    assert (told["E_star"], told["w"]) == (pytest.approx(2e5, rel=1e-5), pytest.approx(1e-3, rel=1e-4))
+
+
+def test_sizes_that_a_shape_lacks_are_refused(jkr) -> None:
+    for words, said in (
+        (("--shape", "cone", "--radius", "1 um"), "a cone has no --radius: leave it out, or give another --shape"),
+        (("--half-angle", "35 deg"), "a sphere has no --half-angle: leave it out, or give another --shape"),
+        (("--shape", "pyramid"), "or the bodies by flags: --half-angle missing"),
+    ):
+        done = jkr("fit", *words, "--nu", "0.5", "x.csv")
+        assert (done.code, done.err.count("\n")) == (2, 1)
+        assert said in done.err

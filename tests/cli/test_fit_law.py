@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from rate_records import retraction
 
-from jkrcli.adhesion.analysis import nonadhesive
+from jkrcli.beside.analysis import nonadhesive
 from jkrcli.case import store
 
 CASE = """
@@ -48,6 +48,7 @@ def _records(jkr: Callable, tmp_path: Path) -> list[str]:
     return names
 
 
+@pytest.mark.slow
 def test_two_speeds_are_fitted_together(jkr: Callable, records: list[str]) -> None:
     done = jkr("fit", "lens.h5", *records, "--law", "power", "--free", "w0,v0,n", "--fix", "modulus=1", "--fix",
                "delta0=0", "--json")  # fmt: skip

@@ -64,6 +64,7 @@ def test_what_prints_its_result_cannot_be_told_to_be_quiet(jkr: Callable, verb: 
     assert set(VERBS) - VOICED == {"check", "pull-off", "study", "bench", "show", "doctor", "completion"}
 
 
+@pytest.mark.slow
 def test_quiet_verbs_leave_their_files_and_warnings_alone(jkr: Callable) -> None:
     """-q: nothing on stdout; the files are the same, the warnings stay, compare speaks by its exit code."""
     gel = Path(__file__).parents[2] / "cases" / "gel.toml"

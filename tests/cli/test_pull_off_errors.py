@@ -71,6 +71,7 @@ def test_uncertain_force_and_radius_on_a_half_space(jkr) -> None:
     assert told["validity"]["a_over_R_pull_off"] == pytest.approx(told["pull_off"]["a_m"] / 50e-6)
 
 
+@pytest.mark.slow
 def test_uncertain_thickness_is_what_other_thicknesses_give(jkr) -> None:
     solved(jkr, LAYER)
     told = inverse(jkr, "--load", "1.5 uN", "--uncertain", "h=2%", "--uncertain", "nu:gel=0.01")

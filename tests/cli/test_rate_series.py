@@ -13,7 +13,7 @@ import pytest
 from conftest import CASES
 from rate_records import retraction
 
-from jkrcli.adhesion.analysis import nonadhesive
+from jkrcli.beside.analysis import nonadhesive
 from jkrcli.case import store
 
 LAW = (0.04, 2e-6, 0.5)  # w0, v0, n

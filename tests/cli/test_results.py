@@ -7,14 +7,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from jkrcli.adhesion.analysis import Analysis
-from jkrcli.adhesion.comparison import compare_half_space, exact_curve
 from jkrcli.adhesion.curve import transform
-from jkrcli.adhesion.expectation import expect
 from jkrcli.adhesion.slopes.choice import slopes
 from jkrcli.adhesion.stability import stable_radius
 from jkrcli.base.errors import InputError, Refusal
 from jkrcli.base.table import write_csv
+from jkrcli.beside.analysis import Analysis
+from jkrcli.beside.comparison import compare_half_space, exact_curve
+from jkrcli.beside.expectation import expect
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere, TableProfile
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen

@@ -25,6 +25,7 @@ VERBS = {
     "work": ("work", "cases/gel.toml", PROBE),
     "fit": ("fit", "cases/gel.toml", PROBE),
     "look": ("look", PROBE),
+    "export": ("export", "gel.h5", "--dem"),
     "explore": ("explore", "gel.h5", "-o", "o/gel.html"),
     "mesh": ("mesh", "cases/halfspace.toml"),
     "bench": ("bench", "cases/thin-layer.toml"),

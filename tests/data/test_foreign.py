@@ -222,7 +222,7 @@ WRONG = {
     "none in contact": (table_of([(0, 1, 0)] * 6), ["t.csv: holds 0 rows in contact, at least 5 are needed"]),
     "too few radii": (table_of([(min(a, 3), d, p) for a, d, p in GOOD]), [
         "t.csv: holds 3 different contact radii (lines 2, 3, 4; 3 rows repeat them), at least 5 are needed: "
-        "refine the mesh or load further",
+        "refine the mesh or load to a larger depth",
     ]),
     "a word among the numbers": (table_of([*GOOD[:3], (4, "n/a", 64), *GOOD[4:]]), [
         't.csv: line 5 must hold 3 numbers, got "4,n/a,64"',

@@ -126,7 +126,7 @@ WRONG = {
         'which columns they are, --column P=NAME (columns: 1 "x", 2 "y")',
     ),
     "the same name twice": (
-        "delta_nm,P_nN,P_nN\n1,1,1\n2,2,2\n3,3,3\n", Reading(),
+        "delta_nm,P_nN,P_nN\n1,1,1\n2,2,3\n3,3,3\n", Reading(),
         '{path}: 2 columns are recognised as the load: say which, --column P=NAME (columns: 1 "delta_nm", 2 "P_nN", '
         '3 "P_nN")',
     ),

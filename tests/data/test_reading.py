@@ -160,7 +160,7 @@ def test_piezo_or_tip_is_chosen_by_what_is_known_of_the_device(tmp_path: Path) -
     np.testing.assert_allclose(curve.delta, Z - LOAD / 0.019, rtol=1e-12, atol=1e-20)
     assert curve.flags == (
         'displacement from column 3 "Piezo (nm)", its sign as it is',
-        'the position of the device was taken, not column 2 "Indentation (nm)": its stiffness is known',
+        'the piezo position z was taken, not column 2 "Indentation (nm)": its stiffness is known',
         "stiffness 0.019 N/m from the head of the file, its deflection is subtracted",
     )
 
@@ -303,7 +303,11 @@ def test_volts_and_metres_of_deflection_become_loads(tmp_path: Path) -> None:
     )
     metres = written(tmp_path, table(("Height (um)", -Z * 1e6), ("Deflection (nm)", LOAD / 0.1 * 1e9)))
     np.testing.assert_allclose(one(metres, Reading(stiffness=0.1)).P, LOAD, rtol=1e-12)
-    assert one(metres, Reading(incomplete=True)).flags[1].endswith("loads are no forces yet; give --stiffness")
+    assert (
+        one(metres, Reading(incomplete=True))
+        .flags[1]
+        .endswith("loads in arbitrary units until it is given by --stiffness")
+    )
 
 
 # ---------------------------------------------------------------------- the user wins

@@ -119,7 +119,7 @@ def test_a_record_that_goes_back_and_in_again_counts_the_other_way() -> None:
     assert curve.delta is not None
     flags = examine(replace(curve, delta=-curve.delta)).flags
     assert flags["wrong way"] == (
-        "the displacement of the approach goes the other way: it is positive into the specimen (--flip delta)"
+        "the displacement goes the other way: it is positive into the specimen (--flip delta)"
     )
 
 

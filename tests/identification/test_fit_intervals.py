@@ -61,7 +61,7 @@ def test_intervals_hold(name: str, columns: str, kind: str) -> None:
         found = fit(body, Curve(name, **{names[i]: readings[i] for i in COLUMNS[columns]}), usual())
         pairs = [(found.estimate(parameter), truth[parameter]) for parameter in found.free]
         held.append([item.low <= true <= item.high for item, true in pairs])
-        told.append(any("speak against this model" in text or "are structured" in text for text in found.warnings))
+        told.append(any("model rejected" in text or "are structured" in text for text in found.warnings))
     shares = np.mean(held, axis=0)
     by_name = dict(zip(found.free, shares.tolist(), strict=True))
     print(f"{name}; {columns}; {kind}: {by_name}, warned of {np.mean(told):.3f}")

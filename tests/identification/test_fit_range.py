@@ -122,6 +122,7 @@ def test_a_curve_ends_where_the_profile_does_in_any_unit() -> None:
     assert ends[0] == pytest.approx(ends[1], rel=1e-9)
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize("columns", [("delta", "P"), ("a", "P"), ("a", "delta", "P")])
 def test_exact_readings_give_all_three_back(columns: tuple[str, ...]) -> None:
     found = fit(tip(), record(0.3, 1e-5, columns), settings_of(tip(), ["range"]))
@@ -136,6 +137,7 @@ def test_a_fit_of_jkr_to_a_sharp_tip_says_what_to_do() -> None:
     assert any("Tabor number" in line and "fit with --free range" in line for line in found.warnings)
 
 
+@pytest.mark.slow
 def test_stress_in_place_of_range_is_the_same_fit() -> None:
     """To a hundredth of the standard errors: the least sum of squares is found to 1e-9 of itself."""
     curve = record(0.3, 1e-3, points=120)
@@ -147,6 +149,7 @@ def test_stress_in_place_of_range_is_the_same_fit() -> None:
             assert abs(getattr(ours, part) - getattr(theirs, part)) < 0.01 * ours.error, (name, part)  # measured: 4e-3
 
 
+@pytest.mark.slow
 def test_data_of_short_range_tell_none() -> None:
     found = fit(tip(), record(10.0, 0.01, points=120), settings_of(tip(), ["range"]))
     item = found.estimate("range")
@@ -184,6 +187,7 @@ def test_a_known_range_is_fixed() -> None:
     assert found.jkr.rms > 1.5 * found.jkr.rms_of_range
 
 
+@pytest.mark.slow
 def test_the_nearly_equal_effect_of_w_and_range_is_told() -> None:
     found = fit(tip(), record(1.0, 1e-3, points=120), settings_of(tip(), ["range"]))
     assert abs(found.correlated("w", "range")) > 0.99
@@ -204,6 +208,7 @@ def test_intervals_hold_the_truth(lam: float, noise: float, confidence: str) -> 
         assert sum(name in missed(item, lam) for item in found) <= 4, name  # 1 expected; 5 once in 400
 
 
+@pytest.mark.slow
 def test_bounds_far_from_what_the_data_say_are_kept() -> None:
     """They were laid beside the reach of the search, which had no room left."""
     exact = record(1.0, 0.0, points=60)

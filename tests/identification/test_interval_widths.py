@@ -104,6 +104,7 @@ def test_lines_through_coloured_noise() -> None:
 
 
 # ---------------------------------------------------------------------- fits
+@pytest.mark.first(3)
 @pytest.mark.parametrize(
     ("name", "columns", "kind", "asked", "first"),
     [

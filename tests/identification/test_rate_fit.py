@@ -109,6 +109,7 @@ def test_the_rows_of_a_record_do_not_follow_its_noise() -> None:
     assert rate_record(curve, None, float(t[300])).rows[-1] == rows[299]
 
 
+@pytest.mark.slow
 def test_the_last_row_is_that_of_the_predicted_loss() -> None:
     """Draws of the noise lead to nearly the same last row, a fifth of the largest tension being left."""
     ends = []
@@ -148,6 +149,7 @@ def test_a_prediction_is_that_of_another_integrator_and_so_are_its_derivatives()
         assert found.dP[i][rows] == pytest.approx(slope[rows], abs=1e-2 * float(np.max(np.abs(slope[rows]))))
 
 
+@pytest.mark.slow
 def test_four_speeds_tell_everything() -> None:
     rng = np.random.default_rng(5)
     curves = [record("gel", V, 400, rng, 5e-6) for V in SPEEDS]
@@ -162,6 +164,7 @@ def test_four_speeds_tell_everything() -> None:
     assert fit.speeds[1] > 30 * fit.speeds[0]
 
 
+@pytest.mark.slow
 def test_one_record_of_two_thousand_rows_is_quick() -> None:
     rng = np.random.default_rng(1)
     curve = record("gel", 1e-5, 2500, rng, 5e-6)

@@ -46,6 +46,7 @@ def area(good: list[float], bad: list[float]) -> float:
     return float(np.mean((one > other) + 0.5 * (one == other)))
 
 
+@pytest.mark.slow
 def test_quality_of_good_and_bad_records() -> None:
     fine, wrong, flagged, silent = judged(11, 5)
     assert area(fine, wrong) >= 0.95

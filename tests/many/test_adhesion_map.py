@@ -9,31 +9,35 @@ import numpy as np
 import pytest
 from maugis import Maugis
 
-from jkrcli.many.study.adhesion_map import ZONES, adhesion_map
+import jkrcli
+from jkrcli.many.study.adhesion_map import ZONES
 
 
 @pytest.mark.parametrize("mu", [0.03, 0.5, 20.0])
 def test_a_thick_layer_is_a_half_space(mu: float) -> None:
     """delta_a = delta_H - delta and (P_H - P)/P_H at given loads; q = 1e-9 leaves a/h below 5e-3."""
     q, loads = 1e-9, (0.5, 2.0, 20.0)
-    found = adhesion_map(0.3, True, q, (mu,), loads)
+    found = jkrcli.study_map("adhesion", nu=0.3, q=q, mu=(mu,), load=loads).columns
     lam = 2 * mu * (9 / 16 / np.pi) ** (1 / 3)  # K = 4 E*/3
     exact = Maugis(1.0, 1.0, q, lam, 1 + np.geomspace(1e4, 1e-9, 20_000))
     rising = slice(int(np.argmin(exact.P)), None)
     a = np.interp(np.array(loads) * np.pi * q, exact.P[rising], exact.a[rising])
     delta = np.interp(a, exact.a[rising], exact.delta[rising])
     length = q / exact.stress
-    assert found.a[:, 0] == pytest.approx(a, rel=0.01)
-    assert found.adhesive[:, 0] == pytest.approx((a**2 - delta) / length, rel=0.02)
-    assert found.share[:, 0] == pytest.approx(1 - np.array(loads) * np.pi * q / (4 / 3 * a**3), rel=0.03, abs=1e-3)
+    assert found["a_over_h"] == pytest.approx(a, rel=0.01)
+    assert found["adhesive_over_range"] == pytest.approx((a**2 - delta) / length, rel=0.02)
+    assert found["adhesive_share"] == pytest.approx(
+        1 - np.array(loads) * np.pi * q / (4 / 3 * a**3), rel=0.03, abs=1e-3
+    )
 
 
+@pytest.mark.slow
 def test_zones_follow_from_range_and_load() -> None:
-    found = adhesion_map(0.499, True, 1e-4, (0.02, 1.0, 50.0), (0.1, 1.0))
-    assert [ZONES[i] for i in found.zone[0]] == ["DMT", "Maugis", "JKR"]
-    thin = adhesion_map(0.499, True, 100.0, (0.02, 1.0, 50.0), (0.1, 100.0))
-    assert [ZONES[i] for i in thin.zone[0]] == ["rigid", "DMT", "Maugis"]  # a thin layer is a stiff one
-    assert ZONES[thin.zone[1, 0]] == "Hertz"
+    mus = (0.02, 1.0, 50.0)
+    thick = jkrcli.study_map("adhesion", q=1e-4, mu=mus, load=(0.1, 1.0)).columns["zone"]
+    assert thick[:3].tolist() == ["DMT", "Maugis", "JKR"]
+    thin = jkrcli.study_map("adhesion", q=100.0, mu=mus, load=(0.1, 100.0)).columns["zone"]
+    assert thin[:4].tolist() == ["rigid", "DMT", "Maugis", "Hertz"]  # a thin layer is a stiff one
 
 
 def test_the_command(jkr) -> None:

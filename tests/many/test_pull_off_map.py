@@ -7,8 +7,8 @@ from functools import cache
 import numpy as np
 import pytest
 
-from jkrcli.base.errors import InputError
-from jkrcli.many.study.pull_off_map import MapPoint, map_columns, pull_off_map
+import jkrcli
+from jkrcli import InputError
 
 QS = (1e-3, 1e-2, 1e-1, 1.0, 10.0, 100.0, 1e3, 1e4)
 # -P_min/(pi w R) of a bonded layer on a rigid base over w R^2/(E* h^3), computed by two independent programs.
@@ -19,78 +19,95 @@ VALUES = {
 
 
 @cache
-def points(nu: float, bonded: bool = True, qs: tuple[float, ...] = QS) -> list[MapPoint]:
-    return pull_off_map([nu], bonded, qs)
+def columns(nu: float, base: str = "bonded", qs: tuple[float, ...] = QS) -> dict[str, np.ndarray]:
+    return jkrcli.study_map("pull-off", nu=[nu], base=base, q=qs).columns
+
+
+def forces(nu: float, base: str = "bonded", qs: tuple[float, ...] = QS) -> list[float]:
+    return columns(nu, base, qs)["minus_P_over_pi_w_R"].tolist()
 
 
 @pytest.mark.parametrize("nu", VALUES)
 def test_values_of_the_map(nu: float) -> None:
-    assert [round(point.force, 4) for point in points(nu)] == list(VALUES[nu])  # every digit
+    assert [round(force, 4) for force in forces(nu)] == list(VALUES[nu])  # every digit
 
 
 @pytest.mark.parametrize("nu", [-0.5, 0.0, 0.3])
 def test_thick_and_thin_compressible_limits(nu: float) -> None:
-    (thick,), (thin,) = points(nu, True, (1e-6,)), points(nu, True, (1e6,))
-    assert thick.force == pytest.approx(1.5, abs=1e-5)  # departs as q: 3e-6
-    assert thick.a_over_h == pytest.approx((9 * np.pi * 1e-6 / 8) ** (1 / 3), rel=1e-4)
+    found = columns(nu, qs=(1e-6, 1e6))
+    (thick, thin), (narrow, wide) = found["minus_P_over_pi_w_R"], found["a_over_h"]
+    assert thick == pytest.approx(1.5, abs=1e-5)  # departs as q: 3e-6
+    assert narrow == pytest.approx((9 * np.pi * 1e-6 / 8) ** (1 / 3), rel=1e-4)
     c = (1 - nu) ** 2 / (1 - 2 * nu)  # K h/E*, Eq. 22
-    assert thin.force == pytest.approx(2, abs=0.01)  # departs as h/a, 1/50
-    assert thin.a_over_h == pytest.approx((8e6 / c) ** 0.25, rel=0.03)
+    assert thin == pytest.approx(2, abs=0.01)  # departs as h/a, 1/50
+    assert wide == pytest.approx((8e6 / c) ** 0.25, rel=0.03)
 
 
 def test_thin_incompressible_limit_is_approached_slowly() -> None:
-    forces = [point.force for point in points(0.5, True, (1e3, 1e4, 1e5, 1e6))]
-    assert forces == sorted(forces)
-    gaps = 3 - np.array(forces)
+    found = forces(0.5, qs=(1e3, 1e4, 1e5, 1e6))
+    assert found == sorted(found)
+    gaps = 3 - np.array(found)
     ratios = gaps[1:] / gaps[:-1]
     assert np.all((ratios > 0.64) & (ratios < 0.72))  # the gap falls as h/a: by 10^(-1/6) = 0.68 per decade of q
 
 
 def test_forces_rise_with_q_and_with_nu() -> None:
-    table = np.array([[point.force for point in points(nu)] for nu in VALUES])
+    table = np.array([forces(nu) for nu in VALUES])
     assert np.all(np.diff(table, axis=0) > 0)
     assert np.all(np.diff(table, axis=1) > 0)
     assert np.all((table > 1.5) & (table < 3))
 
 
 def test_a_nearly_incompressible_layer_overshoots_and_comes_back_to_the_compressible_limit() -> None:
-    forces = [point.force for point in points(0.45, True, (1.0, 1e2, 1e4, 1e6))]
-    assert forces[0] < 2 < max(forces)
-    assert forces[-1] < forces[-2]
-    assert forces[-1] > 2
+    found = forces(0.45, qs=(1.0, 1e2, 1e4, 1e6))
+    assert found[0] < 2 < max(found)
+    assert found[-1] < found[-2]
+    assert found[-1] > 2
 
 
 def test_on_a_frictionless_base_nu_does_not_matter() -> None:
-    one, two = (points(nu, False) for nu in (0.0, 0.5))
-    assert [point.force for point in one] == pytest.approx([point.force for point in two], rel=1e-10)  # E* alone counts
-    assert {point.base for point in one} == {"frictionless"}
-    assert max(point.force for point in one) < 2
+    one, two = (forces(nu, "frictionless") for nu in (0.0, 0.5))
+    assert one == pytest.approx(two, rel=1e-10)  # E* alone counts
+    assert set(columns(0.0, "frictionless")["base"]) == {"frictionless"}
+    assert max(one) < 2
 
 
 def test_each_value_once_in_order() -> None:
-    found = pull_off_map([0.3, 0.3], True, [1.0, 0.1, 1.0])
-    assert [(point.nu, point.q) for point in found] == [(0.3, 0.1), (0.3, 1.0)]
-    alone = pull_off_map([0.3], True, [1.0])
-    assert alone[0].force == pytest.approx(found[1].force, rel=1e-6)  # other radii of the series
+    found = jkrcli.study_map("pull-off", nu=[0.3, 0.3], q=[1.0, 0.1, 1.0]).columns
+    assert (found["nu"].tolist(), found["w_R2_over_Estar_h3"].tolist()) == ([0.3, 0.3], [0.1, 1.0])
+    assert forces(0.3, qs=(1.0,))[0] == pytest.approx(found["minus_P_over_pi_w_R"][1], rel=1e-6)  # other radii
 
 
 def test_columns() -> None:
-    columns = map_columns(points(0.3))
-    assert list(columns) == [
+    found = columns(0.3)
+    assert list(found) == [
         "nu", "base", "w_R2_over_Estar_h3", "minus_P_over_pi_w_R", "a_over_h", "delta_R_over_h2", "solved_by",
     ]  # fmt: skip
-    assert {len(values) for values in columns.values()} == {len(QS)}
+    assert {len(values) for values in found.values()} == {len(QS)}
+
+
+@pytest.mark.parametrize("q", [1e-7, 1e8, -1.0])
+def test_values_outside_the_range_are_refused(q: float) -> None:
+    with pytest.raises(InputError) as caught:
+        jkrcli.study_map("pull-off", q=[1.0, q])
+    assert str(caught.value) == f"pull-off map: q must be >= 1e-06 and <= 1e+07, got {q}"
 
 
 @pytest.mark.parametrize(
-    ("qs", "got"), [((1e-7, 1.0), "1e-07, 1"), ((1e8,), "1e+08"), ((), ""), ((-1.0,), "-1"), ((float("nan"),), "nan")]
+    ("axes", "said"),
+    [
+        ({"nu": [0.6]}, "pull-off map: nu must be > -1 and <= 0.5, got 0.6"),
+        ({"q": [float("nan")]}, "pull-off map: q must be a finite number, got nan"),
+        ({"base": "wet"}, 'pull-off map: base must be bonded or frictionless, got "wet"'),
+        ({"mu": [1.0]}, 'pull-off map: has no axis "mu" (axes: nu, base, q)'),
+    ],
 )
-def test_values_outside_the_range_are_refused(qs: tuple[float, ...], got: str) -> None:
+def test_what_the_map_has_not_is_refused(axes: dict, said: str) -> None:
     with pytest.raises(InputError) as caught:
-        pull_off_map([0.3], True, qs)
-    assert str(caught.value) == f"q: must be between 1e-06 and 1e+07, got {got}"
+        jkrcli.study_map("pull-off", **axes)
+    assert str(caught.value) == said
 
 
-def test_a_wrong_poisson_ratio_is_refused() -> None:
-    with pytest.raises(InputError, match=r"nu: must be > -1 and <= 0\.5, got 0\.6"):
-        pull_off_map([0.6], True, [1.0])
+def test_a_map_that_is_none_is_refused() -> None:
+    with pytest.raises(InputError, match=r'unknown map "pulloff" \(maps: pull-off, sticking, '):
+        jkrcli.study_map("pulloff")

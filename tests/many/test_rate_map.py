@@ -8,16 +8,16 @@ from collections.abc import Callable
 
 import pytest
 
-from jkrcli.adhesion.rate.laws import PowerRate
-from jkrcli.many.study.rate_map import rate_map
+import jkrcli
 
 
 def test_the_half_space_has_the_known_forces_and_a_layer_stands_beside_it() -> None:
-    points = rate_map(PowerRate(1.0, 0.6), [0.3], 0.3, [math.inf], [1e-3, 1.0])
-    assert [point.force for point in points[:2]] == pytest.approx([1.515478, 2.348038], rel=1e-5)
-    assert [point.thickness for point in points] == [math.inf, math.inf, 0.3, 0.3]
-    assert points[2].force > points[0].force
-    assert points[2].energy == pytest.approx(1, rel=0.05)  # slow, rigid: w0 times the area
+    found = jkrcli.study_map("rate", rate={"n": 0.6}, stiffness=["rigid"], speed=[1e-3, 1.0]).columns
+    force = found["minus_P_over_pi_w0_R"]
+    assert force[:2] == pytest.approx([1.515478, 2.348038], rel=1e-5)
+    assert found["h_over_R"].tolist() == [math.inf, math.inf, 0.3, 0.3]
+    assert force[2] > force[0]
+    assert found["dissipated_over_w0_pi_a2"][2] == pytest.approx(1, rel=0.05)  # slow, rigid: w0 times the area
 
 
 def test_the_study_writes_table_and_figure(jkr: Callable) -> None:
@@ -27,7 +27,7 @@ def test_the_study_writes_table_and_figure(jkr: Callable) -> None:
     found = json.loads(done.out)
     assert found["minus_P_over_pi_w0_R"][0] == pytest.approx(1.733807, rel=1e-5)
     for words, said in (
-        (("--speed", "0"), "rate map: speed must be > 0, got 0"),
+        (("--speed", "0"), "rate map: speed must be > 0, got 0.0"),
         (("--rate", "n=-1"), "--rate: n: must be > 0 and <= 100, got -1"),
     ):
         done = jkr("study", "rate-map", *words, "--force")

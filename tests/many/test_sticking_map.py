@@ -5,20 +5,19 @@ import json
 import numpy as np
 import pytest
 
-from jkrcli.base.errors import InputError
-from jkrcli.many.study.sticking_map import sticking_map
+import jkrcli
 
 
 def test_the_map_meets_independent_values():
     """Tied finite elements and an integral equation of another make: 1.674 and 1.627 for the load, flat ends for S."""
-    columns = sticking_map([0.5, 0.499], [1.0, 2.0, 10 / 3])
+    columns = jkrcli.study_map("sticking", nu=[0.5, 0.499], ratio=[1.0, 2.0, 10 / 3]).columns
     load = columns["load_ratio"].reshape(2, 3)[:, 2]
     np.testing.assert_allclose(load, [1.674, 1.627], atol=2e-3)
     np.testing.assert_allclose(columns["S_ratio"][:2], [3.929038 / 3.618736, 12.502665 / 9.149450], rtol=1e-5)
 
 
 def test_narrow_contacts_have_the_half_space_factor():
-    columns = sticking_map([0.0], [0.01])
+    columns = jkrcli.study_map("sticking", nu=[0.0], ratio=[0.01]).columns
     assert columns["S_ratio"][0] == pytest.approx(1.0986, abs=2e-3)
 
 
@@ -30,5 +29,5 @@ def test_the_command_writes_table_and_pictures(jkr, tmp_path):
 
 
 def test_what_is_outside_is_refused():
-    with pytest.raises(InputError, match=r"a/h: must be between 0.01 and 12, got 50"):
-        sticking_map([0.5], [50.0])
+    with pytest.raises(jkrcli.InputError, match=r"sticking map: ratio must be >= 0.01 and <= 12, got 50"):
+        jkrcli.study_map("sticking", nu=[0.5], ratio=[50.0])

@@ -62,8 +62,7 @@ def test_a_long_map_is_announced_where_no_bar_is_shown(jkr, monkeypatch: pytest.
 
     monkeypatch.setattr("jkrcli.base.executors._Here.submit", begun)
     words, said = LONG[name]
-    alone = () if name == "adhesion-map" else ("--workers", "1")
-    done = jkr("study", name, *words, *alone, "--no-plots")
+    done = jkr("study", name, *words, "--workers", "1", "--no-plots")
     assert (done.code, done.err.splitlines()[0]) == (130, f"jkr: {said} of CPU time")
 
 
@@ -86,6 +85,7 @@ def test_workers_and_scheduler_exclude_each_other(study) -> None:
     )
 
 
+@pytest.mark.slow
 def test_noise_study_writes_its_table_and_picture(study, tmp_path: Path) -> None:
     words = ("noise", "--seeds", 2, "--body", "hertz", "--points", 30, "-o", "out")
     assert study(*words).code == 0

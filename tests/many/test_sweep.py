@@ -170,6 +170,7 @@ def test_cases_that_differ_in_w_or_one_modulus_factor_share_a_solve(jkr, tmp_pat
         np.testing.assert_allclose(float(row["validity.tabor"]), alone["tabor"], rtol=1e-12)
 
 
+@pytest.mark.slow
 def test_a_row_depends_on_its_case_alone(jkr, tmp_path: Path) -> None:
     """To the last bit: in company, alone, by two processes, in another order of axes."""
     (tmp_path / "s.toml").write_text(TWO_LAYERS + SHARED)
@@ -279,6 +280,7 @@ def test_every_case_failed_is_an_error(jkr, tmp_path: Path) -> None:
     )
 
 
+@pytest.mark.slow
 def test_restart_goes_on_where_it_was_cut(jkr, tmp_path: Path, solves: list) -> None:
     """The journal cut anywhere, in the middle of a line too: only what is missing is solved, the table is the same."""
     (tmp_path / "s.toml").write_text(HALF_SPACE + BAD)
@@ -313,6 +315,7 @@ def test_a_longer_sweep_solves_what_is_new(jkr, tmp_path: Path, solves: list) ->
         assert len(rows(tmp_path / "r" / "table.csv")) == n
 
 
+@pytest.mark.slow
 def test_expensive_solves_are_kept(jkr, tmp_path: Path, solves: list, tuned: Callable) -> None:
     """Other quantities of the same bodies: new rows, no new solve; a damaged file is solved again."""
     tuned("jkrcli.many.cache.TUNING.worth_keeping", 0.0)
@@ -332,6 +335,7 @@ def test_expensive_solves_are_kept(jkr, tmp_path: Path, solves: list, tuned: Cal
         assert [row[name] for row in after] == [row[name] for row in before]
 
 
+@pytest.mark.slow
 def test_hdf5_and_parquet_hold_the_same_table(jkr, tmp_path: Path) -> None:
     (tmp_path / "s.toml").write_text(HALF_SPACE + BAD)
     jkr("sweep", "s.toml", "-o", "r")
@@ -564,6 +568,7 @@ def test_changed_bytes_of_a_journal_change_no_row(tmp_path: Path, seed: int) -> 
             assert "is no journal of a sweep" in str(error)  # noqa: PT017
 
 
+@pytest.mark.slow
 def test_a_kept_solve_is_known_by_what_it_holds_not_by_its_name(
     jkr, tmp_path: Path, solves: list, tuned: Callable
 ) -> None:

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 
+@pytest.mark.slow
 def test_map_holds_the_ridge_above_both_limits(jkr, tmp_path: Path) -> None:
     words = ("study", "transition-map", "--nu", 0.499, "--q", 100, "--mu", 1, "--mu", 3, "-o", tmp_path, "--workers", 1)
     outcome = jkr(*words)
@@ -23,4 +24,4 @@ def test_map_holds_the_ridge_above_both_limits(jkr, tmp_path: Path) -> None:
 
 def test_values_outside_the_map_are_refused(jkr) -> None:
     outcome = jkr("study", "transition-map", "--mu", 1000)
-    assert (outcome.code, outcome.err) == (2, "jkr: error: mu: must be between 0.05 and 50, got [1000.0]\n")
+    assert (outcome.code, outcome.err) == (2, "jkr: error: transition map: mu must be >= 0.05 and <= 50, got 1000.0\n")

@@ -166,6 +166,7 @@ def test_layered_refuses_more_nodes_than_it_takes_before_it_begins(jkr: Callable
     assert done.err.count("\n") == 1
 
 
+@pytest.mark.slow
 def test_auto_names_no_method_that_the_solve_refuses(jkr: Callable, tmp_path: Path) -> None:
     """layered was said to take 8,100 nodes and a quarter of an hour, and refused more than 4,000 when it was begun."""
     (tmp_path / "thin.toml").write_text("""

@@ -47,6 +47,7 @@ def brute_force(sizes: SizeLaw, width: float, depth: float) -> float:
     return float(1.12 * 4 / np.sqrt(3) * np.trapezoid(lines, r))
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize("thicknesses", [[1.0], [0.2] * 6, [0.02, 0.3] * 3, [0.5, 0.01, 2.0, 0.1]], ids=str)
 def test_expected_triangles_are_those_of_the_law(thicknesses: list[float]) -> None:
     sizes = law(thicknesses, 0.15)
@@ -63,6 +64,7 @@ def test_sizes_on_a_grid_are_those_at_its_points() -> None:
     assert sizes.on_grid(r, z) == pytest.approx(points, rel=1e-12)
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize("goal", [Loading("radius", 5e-5), Loading("load", 5e-4)])
 def test_a_thousand_layers_are_surveyed_at_once(goal: Loading) -> None:
     problem = stack(1000, goal)

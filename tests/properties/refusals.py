@@ -205,6 +205,9 @@ KINDS = {
         "mesh": {"tolerance": 1e-3, "depth": "200 um", "width": "120 um"}},
         lambda said: {"mesh": {"tolerance": 1.5 * float(said[2])}}, {"mesh": {"depth": None, "width": None}},
         LAYERED, near=0.03),
+    "fem: spacing beside a tolerance": kind("method fem: mesh.spacing and mesh.growth follow from mesh.tolerance: leave "
+        "them out, or leave out the tolerance (--tolerance)", {"method": "fem", "specimen": HALF_SPACE,
+        "mesh": {"tolerance": 1e-2, "spacing": 0.02}}, {"mesh": {"spacing": None}}, {"mesh": {"tolerance": None}}),
     "fem: tolerance with radii of vertices": kind(UNREACHED, {"method": "fem", "specimen": HALF_SPACE,
         "mesh": {"tolerance": 1e-3}, "contact": {"algorithm": "incremental"}},
         lambda said: {"mesh": {"tolerance": 1.5 * float(said[2])}}, LAYERED,

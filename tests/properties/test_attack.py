@@ -16,10 +16,10 @@ import pytest
 from series_files import edit
 from stopwatch import seconds_of, takes_less_than
 
-from jkrcli.adhesion.analysis import JKR, analyse, forecast
 from jkrcli.adhesion.law import AskedRange
 from jkrcli.base.errors import InputError
 from jkrcli.base.table import as_json, write_csv
+from jkrcli.beside.analysis import JKR, analyse, forecast
 from jkrcli.case import parse_case, plain_toml, store
 from jkrcli.case.solving import solve
 from jkrcli.many.sweep.plan import load_plan
@@ -111,6 +111,7 @@ def test_an_empty_name_is_refused(jkr) -> None:
         assert (done.code, done.err.count("\n")) == (2, 1), verb
 
 
+@pytest.mark.slow
 def test_names_that_are_no_text_work(jkr, series: Path) -> None:
     name = os.fsdecode(b"x\xff")
     shutil.copy("s.toml", f"{name}.toml")
@@ -125,6 +126,7 @@ def test_names_that_are_no_text_work(jkr, series: Path) -> None:
     assert jkr("show", f"{name}.h5").out.count("jkr run 'x\\udcff.toml'") == 1
 
 
+@pytest.mark.slow
 def test_a_name_that_looks_like_an_option_is_benched(jkr, series: Path) -> None:
     shutil.copy("s.toml", "-x.toml")
     assert jkr("bench", "./-x.toml", "--repeat", "1").code == 0
@@ -454,6 +456,7 @@ def program(*words: str, **environment: str) -> subprocess.CompletedProcess[str]
     return subprocess.run([*starts, *words], capture_output=True, text=True, check=False, env=os.environ | environment)
 
 
+@pytest.mark.slow
 def test_modules_in_the_folder_at_hand_are_not_imported(series: Path) -> None:
     """Processes that are started there looked for them in it."""
     for name in ("numpy", "json", "multiprocessing", "tomllib", "sitecustomize"):

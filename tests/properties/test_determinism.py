@@ -87,6 +87,7 @@ def test_each_surrounding_changes_no_bit(name: str, tmp_path: Path) -> None:
     same(run(case, tmp_path / "usual"), run(case, tmp_path / "elsewhere", **SURROUNDINGS[name]))
 
 
+@pytest.mark.slow
 def test_order_and_place_of_files_change_no_bit(tmp_path: Path) -> None:
     first = run(CASES / "gel.toml", tmp_path / "first")
     for name in ("b", "a"):

@@ -282,6 +282,7 @@ def test_two_hundred_kills_leave_no_mixture(tmp_path: Path) -> None:
     assert len(told) == 4
 
 
+@pytest.mark.slow
 def test_restarted_sweep_goes_on(tmp_path: Path) -> None:
     folder, job = prepare(tmp_path / "x"), JOBS["sweep"]
     journal = folder / "t" / "journal.jsonl"
@@ -360,6 +361,7 @@ PLOTTED = [pytest.param(name, (), id=f"{name} with plots", marks=pytest.mark.slo
 UNPLOTTED = [("run", ()), ("transform", ("--no-plots",)), ("fit", ("--no-plots",)), ("sweep", ())]
 
 
+@pytest.mark.first(2)
 @pytest.mark.parametrize(("name", "options"), [*UNPLOTTED, *PLOTTED])
 def test_disk_full_at_every_write(name: str, options: tuple[str, ...], tmp_path: Path) -> None:
     folder, job = prepare(tmp_path / "x"), JOBS[name]
@@ -484,6 +486,7 @@ def shell(line: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(["sh", "-c", words], capture_output=True, text=True, check=False)
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize("closed", ["2>&-", ">&-", ">&- 2>&- <&-", "2>/dev/full"])
 def test_streams_that_take_nothing_stop_no_work(closed: str, tmp_path: Path) -> None:
     """Progress and warnings are lost there, results and exit codes are not."""

@@ -186,7 +186,15 @@ TAKEN_AS = {
     "chiaro": Reading(format="afm"),
 }
 CHECKED = ("jpk", "jpk map", "workshop map")  # checksums over all that counts
-DECLARED = (*CHECKED, "ibw", "tab", "hdf5")  # where every cut is seen
+DECLARED = (
+    *CHECKED,
+    "ibw",
+    "tab",
+    "hdf5",
+    "nanoscope",
+    "nanoscope map",
+    "nanoscope capture",
+)  # where every cut is seen
 
 
 def numbers(path: Path, reading: Reading) -> list[Any]:

@@ -8,9 +8,9 @@ from functools import cache
 import numpy as np
 import pytest
 
-from jkrcli.adhesion.analysis import adhesive, nonadhesive, with_solved_points
 from jkrcli.adhesion.device import position
 from jkrcli.adhesion.stability import Cycle, cycle, turning_radius
+from jkrcli.beside.analysis import adhesive, nonadhesive, with_solved_points
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen

@@ -255,6 +255,7 @@ def excess_load(indenter: Indenter, nu: float, radius: float, side: Side) -> flo
     return float(series.P[-1] / exact_loads(replace(problem, specimen=layer(nu)), series.delta[-1:])[0] - 1)
 
 
+@pytest.mark.slow
 def test_cylinders_approach_the_layer_as_they_widen() -> None:
     free, clamped = (
         [excess_load(Paraboloid(R), 0.3, L, side) for L in (2.0, 3.0, 6.0)] for side in ("free", "clamped")

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from jkrcli.adhesion.comparison import exact_curve
 from jkrcli.adhesion.curve import CriticalPoint, transform
 from jkrcli.adhesion.slopes.choice import slopes
+from jkrcli.beside.comparison import exact_curve
 from jkrcli.bodies.indenters import Sphere
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Specimen
@@ -46,5 +46,6 @@ def test_pull_off_over_twenty_meshes(contact: str, median: float, worst: float) 
     assert errors.max() <= worst
 
 
+@pytest.mark.slow
 def test_pull_off_of_nested_contact_on_one_mesh() -> None:
     assert pull_off_errors("nested", 1)[0] <= 1e-3  # measured: 2e-5, median of twenty meshes

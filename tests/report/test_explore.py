@@ -15,10 +15,10 @@ import pytest
 from conftest import CASES
 from scipy.interpolate import PPoly
 
-from jkrcli.adhesion.analysis import adhesive, analyse, nonadhesive
 from jkrcli.adhesion.curve import AdhesiveCurve
 from jkrcli.base.files import is_ours
 from jkrcli.base.installing import installs
+from jkrcli.beside.analysis import adhesive, analyse, nonadhesive
 from jkrcli.case import store
 from jkrcli.cli import call
 from jkrcli.data.measured import Curve

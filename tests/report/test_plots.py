@@ -23,8 +23,8 @@ from matplotlib.legend import Legend
 from matplotlib.text import Text
 from matplotlib.transforms import Bbox
 
-from jkrcli.adhesion.analysis import Analysis, analyse
 from jkrcli.adhesion.curve import CriticalPoint, transform
+from jkrcli.beside.analysis import Analysis, analyse
 from jkrcli.case import store
 from jkrcli.many.cost import Cost
 from jkrcli.report import plots
@@ -155,6 +155,7 @@ def analysed(jkr: Callable, case: str) -> Analysis:
 
 
 # ---------------------------------------------------------------------- adhesive curves
+@pytest.mark.first(2)
 @pytest.mark.parametrize(
     ("case", "enlarged"),
     [("halfspace", True), ("gel", True), ("thin-layer", True), ("coating", False)],
@@ -195,6 +196,7 @@ def test_units_are_those_of_the_larger_of_both_curves(jkr: Callable) -> None:
     assert units.labels == ("displacement δ (µm)", "load P (µN)", "contact radius a (µm)")
 
 
+@pytest.mark.slow
 def test_figures_are_the_same_to_the_byte(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     x = np.array([1e-9, 1e-8])
@@ -205,6 +207,7 @@ def test_figures_are_the_same_to_the_byte(tmp_path: Path, monkeypatch: pytest.Mo
         assert Path("one" + ending).read_bytes() == Path("two" + ending).read_bytes()
 
 
+@pytest.mark.slow
 def test_many_records_with_long_names_are_drawn_whole(drawn: Callable[..., list[Figure]]) -> None:
     """Labels of neighbours ran into each other, the last title out of the figure."""
     z = np.concatenate([np.linspace(-3, 1, 60), np.linspace(1, -3, 60)])
@@ -220,6 +223,7 @@ def test_many_records_with_long_names_are_drawn_whole(drawn: Callable[..., list[
     assert not [1 for one, other in itertools.combinations(boxes, 2) if one.overlaps(_shrunk(other))]
 
 
+@pytest.mark.slow
 def test_settings_in_the_current_folder_change_no_figure(jkr: Callable, body: str) -> None:
     """matplotlib takes a matplotlibrc of the folder that it is started in; LaTeX, asked for there, is not installed."""
     words = [sys.executable, "-m", "jkrcli", "transform", "body.h5", "-o"]
@@ -242,6 +246,7 @@ def write_measured() -> None:
     Path("probe.csv").write_text("\n".join(["delta_nm,P_uN", *(line.split(",", 2)[2] for line in lines)]))
 
 
+@pytest.mark.first(5)
 @pytest.mark.parametrize(
     "words",
     [

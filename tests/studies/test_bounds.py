@@ -33,6 +33,7 @@ def test_bodies_follow_from_their_number() -> None:
     assert body(np.random.default_rng(7)) == body(np.random.default_rng(7))
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize("number", [71000001, 71000005, 71000021])
 def test_a_body_of_each_method_is_within_what_is_stated(number: int) -> None:
     found = judged(number)

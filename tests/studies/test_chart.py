@@ -167,6 +167,7 @@ def test_the_stored_peers_can_be_read() -> None:
 
 
 # ---------------------------------------------------------------------- the study run by make
+@pytest.mark.slow
 def test_the_study_writes_table_json_and_picture(study, tmp_path: Path, monkeypatch) -> None:
     two = [
         setting for setting in SETTINGS if setting.method == "layered" and setting.words in (DEFAULT, "tolerance 1e-2")

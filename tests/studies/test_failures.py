@@ -137,6 +137,7 @@ def verdicts_on(cells: Sequence[Cell]) -> list[Verdict]:
         return failures_judge.failures(cells, pool)
 
 
+@pytest.mark.slow
 def test_no_cell_is_silently_wrong(seed: int) -> None:
     """On a failure: the study of failures with this seed and these methods shows the same cells."""
     verdicts = verdicts_on(failures_judge.random_cells(16, seed, ("closed-form", "layered", "slopes")))

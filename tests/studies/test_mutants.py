@@ -46,6 +46,7 @@ SEEN = Slip("one.py", "a third", "x / 2", "x / 3", ("test_one.py",))
 UNSEEN = Slip("one.py", "twice", "x / 2", "x * 2", ("test_one.py::test_of_nothing",))
 
 
+@pytest.mark.slow
 def test_what_no_test_notices_is_told(study, tree: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(mutants, "ROOT", tree)
     monkeypatch.setattr(mutants, "slips", lambda: [SEEN, UNSEEN])

@@ -59,6 +59,7 @@ def test_a_varied_number_reaches_all_who_hold_it(module: ModuleType, monkeypatch
     assert (module.TUNING.nodes, layered.BORROWED.nodes) == (40, 40)
 
 
+@pytest.mark.slow
 def test_the_study_writes_a_row_per_value_and_body(study, module: ModuleType) -> None:
     outcome = study("tuning", "made_up", "--quick", "--workers", 1)
     assert (outcome.code, outcome.err) == (0, "")
@@ -85,6 +86,7 @@ def test_failures_are_told_and_end_nothing(study, module: ModuleType, monkeypatc
         assert {row["reason"] for row in csv.DictReader(file)} == {"ZeroDivisionError: by zero"}
 
 
+@pytest.mark.slow
 def test_limits_of_fits_are_varied_on_simulated_records() -> None:
     knob = tuning.knobs(["identification.fit.points"])[0]
     (variant, _) = tuning.variants_of(knob, ["coating"])

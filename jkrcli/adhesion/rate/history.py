@@ -170,7 +170,7 @@ class History:
                 f"{show(self.pieces[-1].last[1], 'length')}, while pressed: ask for smaller radii, "
                 'loading.spacing = "log"'
             )
-        return "the contact grows beyond the largest radius of the series: turn before, --to-load, or load further"
+        return "the contact grows beyond the largest radius of the series: increase [loading] radius, or turn before"
 
     @cached_property
     def turn(self) -> float:
@@ -349,7 +349,9 @@ def _history(contact: RateContact, program: Program, start: float | None) -> His
             break
         a = pieces[-1].last[1] if not _lost(pieces[-1]) else 0.0
     if not pieces:
-        raise InputError("program: the contact grows beyond the largest radius of the series: load further")
+        raise InputError(
+            "program: the contact grows beyond the largest radius of the series: increase [loading] radius"
+        )
     return History(contact, tuple(pieces), ends)
 
 

@@ -24,10 +24,12 @@ from .events import has_plateaus, touch_events
 from .model import LogSplineModel, OnGrid, Shape, interpolate
 from .penalised import TUNING as PENALTIES
 from .penalised import PenalisedFit, likeliest_correlation, minimise, posterior
+from .result import TUNING as ERRORS
 from .result import TWO_SIDED_90, Slopes, covariance_from_errors, shift_error
 from .scatter import Scatter, correlation_length, estimate, floored, whitener
 
 TOO_FEW = "how errors of neighbouring rows go together is not known from so few points"
+FITTED = {"a", "delta", "P"}  # columns
 UNSETTLED = "the fit did not settle: a, delta and P contradict each other somewhere; look for points out of place"
 
 
@@ -48,6 +50,9 @@ class IntegralTuning:
     share: float = 1e-2  # least of the variances of a, delta, P in later rounds; tuned on the same, by `make tuning`
     beside: int = 4  # choice: rows on either side that tell a radius far off; three outliers among them do no harm
     far: float = 8.0  # choice: standard deviations; the fit itself finds what is nearer
+    # Of the errors of the radii, each the largest of many rows, what is left of them in a smooth fit:
+    radii: float = 0.15  # tuned on random bodies, by `make bounds`
+    rates: float = 0.5  # and of the rates; tuned on random bodies, by `make bounds`
     floor: float = 1e-7  # theory: of the scatter, accuracy of the model's own integrals and linear algebra
 
 
@@ -117,11 +122,22 @@ def _slopes(
     delta_H, P_H, S, dS = values
     if errors:
         order = np.argsort(a)
-        there = {name: np.interp(wanted, a[order], np.asarray(error)[order]) for name, error in errors.items()}
-        given = covariance_from_errors(Series(wanted, delta_H, P_H, errors=there, a0=a0, S0=S0), S, dS)
+        there = {name: np.interp(wanted, a[order], np.asarray(errors[name])[order]) for name in FITTED & errors.keys()}
+        if "P" in there:  # S and S' are those of the fit, not the series' own: P's errors, which vary as slowly
+            there |= {"S": there["P"] / P_H * S, "dS": there["P"] / P_H * dS}
+        if "a" in there:
+            there["a"] = TUNING.radii * there["a"]
+        given = covariance_from_errors(
+            Series(wanted, delta_H, P_H, errors=there, a0=a0, S0=S0), S, dS, ERRORS.at_displacement
+        )
         assert given is not None
         shared = max(0.0, 1 - fit.phi) * given  # what the scatter does not show is shared by all points
         joint[:, :4, :4] += shared
+        # rates in their logs err as columns do that err smoothly: d(delta_H)/da as the radius, S'' as S'
+        if wanted.size > 1 and "a" in there:
+            of_radius = TUNING.rates / TUNING.radii * there["a"] / wanted / TWO_SIDED_90
+            joint[:, 4, 4] += (np.gradient(delta_H, wanted) * of_radius) ** 2
+            joint[:, 5, 5] += (2 * dS / wanted * of_radius) ** 2
         covariance += shared
     quantile = float(stdtrit(_freedom(fit), 0.95))
     known = not settled.hidden

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from statistics import NormalDist
+from typing import TypeAlias
 
 import numpy as np
 
@@ -11,7 +12,22 @@ from ...base.arrays import Array
 from ...base.unknown import Estimate
 from ...series import COLUMNS, Series
 
+Signs: TypeAlias = tuple[int, int, int, int]
 TWO_SIDED_90 = NormalDist().inv_cdf(0.95)  # half-width of a 90 % interval in standard deviations
+
+
+@dataclass(frozen=True)
+class ErrorTuning:
+    """How errors of columns go together."""
+
+    # Of the variances, what is common to columns that err together:
+    common: float = 0.95  # tuned on random bodies, by `make bounds`
+    # Signs of common errors of (delta_H, P_H, S, S'):
+    at_radius: Signs = (-1, 0, 1, 1)  # theory: a spring in series
+    at_displacement: Signs = (0, 1, 1, 1)  # theory: a stiffness that is too large
+
+
+TUNING = ErrorTuning()
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,19 +73,24 @@ class Slopes:
         return None if self.covariance is None else self.quantile * np.sqrt(self.covariance[:, 3, 3])
 
 
-def covariance_from_errors(series: Series, S: Array, dS: Array) -> Array | None:
+def covariance_from_errors(series: Series, S: Array, dS: Array, signs: Signs = TUNING.at_radius) -> Array | None:
     """Covariance (n, 4, 4) of (delta_H, P_H, S, S') from the series' own errors, read as 90 % half-widths.
 
-    An error of the radius acts on the curve through t = sqrt(4 pi w a/S'): a contact radius that is wrong by a
-    fraction e makes S' = dS/da wrong by -e too, so t by e. It is carried as an error 2 e of S', which does the same.
+    ``signs``: of what columns share. Errors of one body's compliance, as those of meshes and cuts mostly are, move S
+    and S' up and delta down together and leave P, like a spring in series. An error of the radius acts on the curve
+    through t = sqrt(4 pi w a/S'): a contact radius that is wrong by a fraction e makes S' = dS/da wrong by -e too, so t
+    by e. It is carried as an error 2 e of S', which does the same.
     """
     if not series.errors:
         return None
     unknown = np.zeros(len(series))
     sigma = {name: series.errors.get(name, unknown) / TWO_SIDED_90 for name in COLUMNS}
-    variances = np.stack([sigma[name] ** 2 for name in ("delta", "P", "S", "dS")], axis=1)
-    variances[:, 3] += (2 * dS * sigma["a"] / series.a) ** 2
-    return variances[:, :, None] * np.eye(4)
+    rows = np.stack([sigma[name] for name in ("delta", "P", "S", "dS")], axis=1)
+    together = TUNING.common * np.outer(signs, signs)
+    np.fill_diagonal(together, 1.0)
+    covariance = rows[:, :, None] * rows[:, None, :] * together
+    covariance[:, 3, 3] += (2 * dS * sigma["a"] / series.a) ** 2
+    return covariance
 
 
 def shift_error(dS: Array, covariance: Array, quantile: float) -> float:

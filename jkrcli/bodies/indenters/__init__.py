@@ -8,8 +8,20 @@ import pkgutil
 from ..indenter import SHAPES, Indenter, shape
 from .analytic import Paraboloid, PowerLaw, RoundedFlat, Sphere
 from .table import TableProfile
+from .tips import EqualAreaCone, RoundedCone
 
-__all__ = ["SHAPES", "Indenter", "Paraboloid", "PowerLaw", "RoundedFlat", "Sphere", "TableProfile", "shape"]
+__all__ = [
+    "SHAPES",
+    "EqualAreaCone",
+    "Indenter",
+    "Paraboloid",
+    "PowerLaw",
+    "RoundedCone",
+    "RoundedFlat",
+    "Sphere",
+    "TableProfile",
+    "shape",
+]
 
 for _module in pkgutil.iter_modules(__path__):
     importlib.import_module(f"{__name__}.{_module.name}")

@@ -2,25 +2,55 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
-from ...base.errors import InputError
+import numpy as np
+
+from ...base.errors import InputError, did_you_mean
+from . import nanoscope
 from .contact import with_zero_points
-from .curve import Curve, Reading
+from .curve import LEAST_ROWS, SHOWN, Curve, Reading
+from .instruments import SEGMENTS
 
-__all__ = ["Curve", "Reading", "each", "read"]
+__all__ = ["Curve", "Reading", "each", "from_columns", "read", "usable"]
 # Endings of force microscopes' files. Of .csv and .txt only the user knows: --format afm.
 AFM_ENDINGS = (".jpk-force", ".jpk-force-map", ".jpk-qi-data", ".jpk-qi-series", ".ibw", ".h5", ".tab")
 
 
 def read(path: Path, reading: Reading | None = None) -> list[Curve]:
     """All curves in the file at ``path``; InputError, a line per curve, where any of them cannot be used."""
-    found = list(each(path, reading))
-    if errors := [item for item in found if isinstance(item, InputError)]:
-        raise InputError([line for error in errors for line in error.lines])
-    return [item for item in found if isinstance(item, Curve)]
+    curves, lines = usable([path], reading or Reading())
+    if lines:
+        raise InputError(lines)
+    return curves
+
+
+def from_columns(columns: Mapping[str, Any], reading: Reading | None = None, name: str = "data") -> Curve:
+    """The curve in arrays or the columns of a data frame: by their names as those of a table ("delta_um", "P (nN)"),
+    SI where they name no unit; InputError as of a file."""
+    arrays = {str(key): np.asarray(values) for key, values in columns.items()}
+    if len({array.shape for array in arrays.values()}) != 1 or next(iter(arrays.values())).ndim != 1:
+        raise InputError(f"{name}: all columns must be one-dimensional and of one length, got "
+                         f"{ {key: array.shape for key, array in arrays.items()} }")  # fmt: skip
+    table = zip(*(array.tolist() for array in arrays.values()), strict=True)
+    lines = [",".join(arrays), *(",".join(map(str, row)) for row in table)]
+    reading = replace(reading or Reading(), separator="comma", decimal=".")
+    from . import text
+
+    (found, stiffness), *others = text.curves(Path(name), reading, "\n".join(lines).encode())
+    if others or isinstance(found, InputError):
+        raise found if isinstance(found, InputError) else InputError(f"{name}: holds several curves, one is wanted")
+    return _by_convention(found, reading, stiffness)
+
+
+def usable(paths: Iterable[Path], reading: Reading) -> tuple[list[Curve], list[str]]:
+    """All curves in files, in their order, and a line on each that cannot be used."""
+    found = [item for path in paths for item in each(path, reading)]
+    lines = [line for item in found if isinstance(item, InputError) for line in item.lines]
+    return [item for item in found if isinstance(item, Curve)], lines
 
 
 def each(path: Path, reading: Reading | None = None) -> Iterator[Curve | InputError]:
@@ -29,19 +59,28 @@ def each(path: Path, reading: Reading | None = None) -> Iterator[Curve | InputEr
     A curve that cannot be used comes as its error and the others follow; a file that cannot be read raises InputError.
     """
     path, reading = Path(path), reading or Reading()
+    wanted, names = reading.where.get("curve"), []
     for found, stiffness in _as_read(path, reading):
         if isinstance(found, InputError):
             yield found
             continue
+        names.append(found.name)
+        if wanted not in (None, found.name):
+            continue
         try:
-            yield _by_convention(found, reading, stiffness)
+            yield _by_convention(_selected(found, reading), reading, stiffness)
         except InputError as error:
             yield error
+    if wanted is not None and wanted not in names:
+        raise InputError(f'{path}: holds no curve "{wanted}"{did_you_mean(wanted, names)} ({", ".join(names[:SHOWN])})')
 
 
 def _as_read(path: Path, reading: Reading) -> Iterator[tuple[Curve | InputError, float | None]]:
     """The curves by the reader of the format; where that is to be found out, by the second one where the first does not
     know the file."""
+    if reading.format != "text" and nanoscope.knows(path):
+        yield from nanoscope.curves(path, reading)
+        return
     if reading.format == "text" or (reading.format == "auto" and not path.name.endswith(AFM_ENDINGS)):
         from . import archive, text
 
@@ -76,6 +115,19 @@ def _as_read(path: Path, reading: Reading) -> Iterator[tuple[Curve | InputError,
             raise error from None
         return
     yield from afm.curves(path, reading, held)
+
+
+def _selected(curve: Curve, reading: Reading) -> Curve:
+    """The curve at the rows that ``reading`` asks for."""
+    if "segment" in reading.where:
+        word = reading.where["segment"]
+        curve = curve.only(SEGMENTS.get(word.lower(), word))
+    if reading.rows is None:
+        return curve
+    first, last = reading.rows
+    if last - first + 1 < LEAST_ROWS or last > len(curve):
+        raise InputError(f"{curve.where}: --rows {first}..{last} must be {LEAST_ROWS} or more of its {len(curve)} rows")
+    return curve.rows(np.arange(first - 1, last))
 
 
 def _by_convention(curve: Curve, reading: Reading, stiffness: float | None) -> Curve:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import logging
 import math
+import re
 import warnings
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
@@ -25,6 +26,8 @@ HEIGHTS = ("height (measured)", "height (piezo)")  # the better first
 SEGMENTS = {0: APPROACH, 1: RETRACT}
 LACKING = "No data found"  # how afmformats begins to say that a column is not there
 BASE = ".base-calibration-slot"  # of a JPK file: how a property ends that names the scale which another is based on
+IN_NOTE = (b"FMapPointCounter", b"FMapLineCounter", b"XLVDT", b"YLVDT")  # of a wave that is one of a map
+COUNTED = re.compile(rb"(?:\A|\r)(%s): ?(-?\d+(?:\.\d*)?(?:e[-+]?\d{1,2})?)(?=\r)" % b"|".join(IN_NOTE))
 
 
 class UnreadableError(InputError):
@@ -39,9 +42,7 @@ def curves(
     ``delta`` is minus the height, which grows away from the specimen, the deflection not yet subtracted; of files that
     hold the position of the tip itself it is minus that, and None stands for the spring constant.
     """
-    if reading.columns or reading.units:
-        raise InputError(f"{path}: the columns of a microscope's file and their units are known: leave out --column "
-                         "and --unit, or read it as text, --format text")  # fmt: skip
+    reading.check_known_columns(path)
     held, lacks = loaded or load(path, reading)
     for data in held:
         name = path.stem if len(held) == 1 else str(data.enum)
@@ -55,7 +56,7 @@ def curves(
 
 def _found(path: Path, name: str, data: Any, reading: Reading, lacks: str) -> tuple[Curve, float | None]:
     """The curve of one data set and its spring constant, with what is to be said of what 1 stands in for."""
-    curve = _with_factors(_curve(path, name, data), reading)
+    curve = _curve(path, name, data).multiplied(reading.factors)
     if _holds(data, "tip position"):
         return curve, None
     stiffness = _stiffness(curve, data, reading)
@@ -147,7 +148,7 @@ def _lack(lacks: str, stiffness: float | None, reading: Reading) -> str:
     """What is missing to read an incomplete file, and the remedy; "" where nothing is."""
     if lacks:
         options = "--stiffness and --sensitivity" if "sensitivity" in lacks else "--stiffness"
-        return f"the file lacks {lacks}: 1 in SI units stands in, loads are no forces yet; give {options}"
+        return f"the file lacks {lacks}: arbitrary units until it is given by {options}"
     if stiffness is None and reading.incomplete:
         return "the file lacks its spring constant: the deflection is not subtracted from the height; give --stiffness"
     return ""
@@ -170,7 +171,7 @@ def _curve(path: Path, name: str, data: Any) -> Curve:
     segment = None
     if _holds(data, "segment"):
         segment = np.array([SEGMENTS.get(int(word), f"segment {word}") for word in data["segment"]])
-    return Curve(name, delta=delta, P=P, t=t, segment=segment, origin=path, flags=flags, pixel=_pixel(data))
+    return Curve(name, delta=delta, P=P, t=t, segment=segment, origin=path, flags=flags, pixel=_pixel(path, data))
 
 
 def _check_points(where: str, data: Any) -> None:
@@ -209,20 +210,18 @@ def _metadata(data: Any, name: str) -> Any:
     return data._metadata.get(name)
 
 
-def _pixel(data: Any) -> Pixel | None:
-    """The place of a data set in a map, where its file tells it."""
+def _pixel(path: Path, data: Any) -> Pixel | None:
+    """The place of a data set in a map, where its file tells it; Igor's in the note of the wave."""
+    if path.suffix == ".ibw":
+        note = dict(COUNTED.findall(read_bytes(path, intact.WHAT)))
+        if len(note) < len(IN_NOTE):
+            return None
+        column, row, x, y = (float(note[key]) for key in IN_NOTE)
+        return Pixel(int(column), int(row), x, y)
     told = [_metadata(data, key) for key in ("grid index x", "grid index y", "position x", "position y")]
     if any(value is None or not math.isfinite(value) for value in told):
         return None
     return Pixel(int(told[0]), int(told[1]), float(told[2]), float(told[3]))
-
-
-def _with_factors(curve: Curve, reading: Reading) -> Curve:
-    """The curve with its quantities multiplied as told."""
-    for key in reading.factors:
-        if key not in curve.measured:
-            raise InputError(f"{curve.where}: holds no {key} to multiply (it holds {', '.join(curve.measured)})")
-    return replace(curve, **{key: getattr(curve, key) * number for key, number in reading.factors.items()})
 
 
 def _holds(data: Any, name: str) -> bool:

@@ -16,7 +16,7 @@ import numpy as np
 from ...base.arrays import Array
 from ...base.errors import InputError
 from ..columns import choice, split_name
-from ..text_table import TextTable, unit_power
+from ..text_table import TUNING, TextTable, unit_power
 from .curve import APPROACH, RETRACT
 from .instruments import DIRECTIONS, VOLTS
 
@@ -47,10 +47,10 @@ def one_under_the_other(table: TextTable, quantity: QuantityOf) -> tuple[TextTab
 
     InputError where the directions do not hold the same columns.
     """
-    said: list[str] = []
+    table, said = _without_copies(table)
     for found in (_repeated(table), _numbered(table, quantity)):
         if found is not None and found.make_curves(table.names, quantity):
-            table, said = _stacked(table, found), [_words(found)]
+            table, said = _stacked(table, found), [*said, _words(found)]
             if found.key == "segment":
                 return _in_order_of_time(table, quantity, said)
             break
@@ -189,23 +189,67 @@ def _stacked(table: TextTable, found: Sets) -> TextTable:
 
 
 def _in_order_of_time(table: TextTable, quantity: QuantityOf, said: list[str]) -> tuple[TextTable, list[str]]:
-    """The rows of each retraction turned where it would move on as its approach does: they stand in the order of the
-    position. A column of time says that they do not."""
+    """The rows of each direction turned that is not as it was recorded: where both move the same way they stand in the
+    order of the position, and the approach is turned if its load falls, else the retraction. A column of time that
+    never runs back says that they do not, and counts rows where it does so for both alike."""
     keys = [quantity(title) for title in table.names]
-    if "delta" not in keys or "t" in keys:
+    times = [i for i, key in enumerate(keys) if key == "t"]
+    if "delta" not in keys:
         return table, said
     z, words = table.values[:, keys.index("delta")], np.array(table.text[len(keys) - 1])
+    P = table.values[:, keys.index("P")] if "P" in keys else -z
+    if times and (np.diff(table.values[:, times[0]]) >= 0).all():
+        return table, said
     curve = np.array(table.text[keys.index("curve")]) if "curve" in keys else np.full(z.size, "")
     order = np.arange(z.size)
     for name in np.unique(curve):
         approach, retract = (np.flatnonzero((words == word) & (curve == name)) for word in (APPROACH, RETRACT))
         if _way(z[approach]) * _way(z[retract]) > 0:
-            order[retract] = retract[::-1]
-    if (order == np.arange(z.size)).all():
+            wrong = approach if _rise(P[approach]) < 0 else retract
+            order[wrong] = wrong[::-1]
+    moved = order != np.arange(z.size)
+    if not moved.any():
         return table, said
     told = {i: tuple(np.array(cells)[order].tolist()) for i, cells in table.text.items()}
-    turned = replace(table, values=table.values[order], lines=table.lines[order], text=told)
-    return turned, [*said, "the rows of the retraction turned: they stand in the order of the position"]
+    values = table.values[order]
+    values[:, times] = table.values[:, times]
+    name = "approach" if words[moved][0] == APPROACH else "retraction"
+    turned = replace(table, values=values, lines=table.lines[order], text=told)
+    return turned, [*said, f"the rows of the {name} turned: they stand in the order of the position"]
+
+
+def _without_copies(table: TextTable) -> tuple[TextTable, list[str]]:
+    """The table without columns that repeat one before of the same name, number by number: programs write a channel
+    once for each of its windows."""
+    kept: dict[str, int] = {}
+    copies = []
+    for i, title in enumerate(table.names):
+        first = kept.setdefault(re.sub(r"\.\d+\Z", "", title), i)
+        if first != i and title and i not in table.text and _agree(table.values[:, first], table.values[:, i]):
+            copies.append(i)
+    if not copies:
+        return table, []
+    left = [i for i in range(len(table.names)) if i not in copies]
+    text = {left.index(i): cells for i, cells in table.text.items()}
+    names = tuple(table.names[i] for i in left)
+    said = f"{len(copies)} columns repeat others of the same names and were left out"
+    return replace(table, names=names, values=table.values[:, left], text=text), [said]
+
+
+def _agree(one: Array, other: Array) -> bool:
+    """Whether columns are the same but for the last digits that were written."""
+    known = np.isfinite(one)
+    if not known.any() or (known != np.isfinite(other)).any():
+        return False
+    span = float(np.ptp(one[known]))
+    return 0 < span and bool((np.abs(one[known] - other[known]) <= TUNING.rounded * span).all())
+
+
+def _rise(P: Array) -> float:
+    """How much the load grows from the first tenth of the rows to the last."""
+    P = P[np.isfinite(P)]
+    few = max(P.size // 10, 1)
+    return float(np.median(P[-few:]) - np.median(P[:few])) if P.size else 0.0
 
 
 def _way(z: Array) -> float:

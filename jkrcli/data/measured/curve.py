@@ -15,6 +15,7 @@ from ...base.errors import InputError
 QUANTITIES = ("a", "delta", "P", "t")
 APPROACH, RETRACT = "approach", "retract"
 LEAST_ROWS = 3  # choice: of a curve
+SHOWN = 20  # choice: names and words in a message
 
 
 @dataclass(frozen=True)
@@ -110,6 +111,13 @@ class Curve:
         }
         return replace(self, **columns)
 
+    def multiplied(self, factors: Mapping[str, float]) -> Curve:
+        """The curve with its quantities multiplied; InputError names one that was not measured."""
+        for key in factors:
+            if key not in self.measured:
+                raise InputError(f"{self.where}: holds no {key} to multiply (it holds {', '.join(self.measured)})")
+        return replace(self, **{key: getattr(self, key) * number for key, number in factors.items()})
+
     def only(self, segment: str) -> Curve:
         """The rows of one segment; InputError names the segments there are, where this is none of them."""
         if self.segment is None:
@@ -142,8 +150,10 @@ class Reading:
     file its spring constant, where the file lacks it. ``sensitivity`` [m/V]: likewise.
     ``zero``: displacement [m] and load [N] at the zero points, subtracted after the change of sign.
     ``contact``: "estimate": zero points by ``contact.with_zero_points``; else as they are, a fit may find them.
-    ``format``: "text", "afm" (read by afmformats) or "auto", by the ending of the name.
+    ``format``: "text", "afm" (a microscope's) or "auto", by the content and the ending of the name.
     ``incomplete``: read a microscope's file that lacks spring constant or sensitivity all the same, with 1 for each.
+    ``rows``: the first and the last row of each curve that are read, from 1. ``where``: only rows of the segment (key
+    "segment"), the curve ("curve"), or the content of a column of a table, by its name or number.
     """
 
     columns: Mapping[str, str] = field(default_factory=dict)
@@ -158,3 +168,14 @@ class Reading:
     separator: str | None = None
     decimal: str | None = None
     incomplete: bool = False
+    rows: tuple[int, int] | None = None
+    where: Mapping[str, str] = field(default_factory=dict)
+
+    def check_known_columns(self, path: Path) -> None:
+        """Refuse columns, their units and rows by them for a file whose format names them."""
+        if others := self.where.keys() - {"segment", "curve"}:
+            raise InputError(f'{path}: is a microscope\'s file, of which --where takes segment or curve, not '
+                             f'"{min(others)}"')  # fmt: skip
+        if self.columns or self.units:
+            raise InputError(f"{path}: the columns of a microscope's file and their units are known: leave out "
+                             "--column and --unit, or read it as text, --format text")  # fmt: skip

@@ -18,12 +18,21 @@ VOLTS = {"V": 0, "mV": -3, "uV": -6}
 DIRECTIONS = {
     **dict.fromkeys((
         "extend", "extension", "approach", "trace", "forward", "advance", "advancing", "ex", "ext", "loading", "hin",
-        "hinweg", "annäherung", "belastung", "aller", "chargement", "approche"), APPROACH),
+        "hinweg", "annäherung", "belastung", "belasten", "aller", "charge", "chargement", "approche"), APPROACH),
     **dict.fromkeys((
         "retract", "retraction", "withdraw", "retrace", "backward", "receding", "rt", "ret", "unloading", "zurück",
-        "zurueck", "rück", "rückweg", "rückzug", "entlastung", "retour", "déchargement", "retrait"), RETRACT),
+        "zurueck", "rück", "rückweg", "rückzug", "entlastung", "entlasten", "retour", "décharge", "decharge",
+        "déchargement", "dechargement", "retrait"), RETRACT),
 }  # fmt: skip
-HOLDS = {"hold", "holding", "pause", "dwell", "halten", "haltezeit"}  # between the directions
+SEGMENTS = {  # of cells and notes: beside the directions what as a title is a load, and numbers
+    **DIRECTIONS,
+    **dict.fromkeys((
+        "load", "charge", "belasten", "eindringen", "annaeherung", "annähern", "0"), APPROACH),
+    **dict.fromkeys((
+        "unload", "décharge", "decharge", "dechargement", "entlasten", "rueckzug", "rueckweg", "zurückziehen", "1"),
+        RETRACT),
+}  # fmt: skip
+HOLDS = {"hold", "holding", "pause", "dwell", "halten", "haltezeit", "maintien", "palier"}  # between the directions
 BESIDE = {
     "segment",
     "phase",
@@ -37,6 +46,7 @@ BESIDE = {
 }  # words beside a direction
 LONGEST = 200  # choice: characters of a line that names a constant; longer ones take long to look through
 DEEPEST = 10_000  # choice: lines of a head that are looked through
+NUMBER = r"([-+]?[\d.]+(?:[eE][-+]?\d+)?)"
 SPRING = ("k", "spring constant", "force constant", "cantilever stiffness", "springconstant", "federkonstante")
 SENSITIVITY = ("sensitivity", "deflection sensitivity", "invols", "defl sens")
 
@@ -55,15 +65,16 @@ class Position:
 POSITIONS = (
     Position("a height", -1, True, (
         "height (measured)", "measured height", "measuredheight", "capacitivesensorheight", "straingaugeheight",
-        "height (measured & smoothed)", "height sensor", "height",
+        "height (measured & smoothed)", "height",
         "piezo height", "height (piezo)", "smoothed measured height", "höhe")),
     Position("a position of the piezo", 0, True, (
+        "height sensor",
         "z sensor", "z sense", "zsensor", "zsnsr", "piezo", "piezo position", "z piezo", "z position", "zpos", "pos z",
         "z scan", "z stage", "z",
         "position", "raw", "calc ramp", "ramp", "piezo displacement", "piezoweg", "piezo weg", "piezohub")),
     Position("a way of the device", 1, True, (
         "weg", "traverse", "traversenweg", "standardweg", "verfahrweg", "crosshead", "extension", "stroke",
-        "axial displacement")),
+        "axial displacement", "compressive displacement", "compressive extension")),
     Position("a penetration", 1, False, (
         "eindringtiefe", "eindringung", "penetration", "penetration depth", "enfoncement")),
     Position("a separation", -1, False, (
@@ -90,7 +101,12 @@ def position_of(title: str) -> Position | None:
 def positions(table: TextTable) -> list[tuple[int, Position]]:
     """Index and kind of the columns that hold a position, those of the device first, the better ones first."""
     titles = [plain(title) for title in table.names]
-    return [(titles.index(name), kind) for kind in POSITIONS for name in kind.names if name in titles]
+    lengths = [(unit_power(split_name(title)[1]) or ("", 0))[0] == "length" for title in table.names]
+
+    def best(name: str) -> int:  # of several of a name, as in volts and in nanometres, that of a length
+        return next((i for i, title in enumerate(titles) if title == name and lengths[i]), titles.index(name))
+
+    return [(best(name), kind) for kind in POSITIONS for name in kind.names if name in titles]
 
 
 def deflection(table: TextTable) -> int | None:
@@ -113,7 +129,7 @@ def segment_of(line: str) -> str | None:
     """The word for a segment in a line of its own, "# segment: retract", "[Retract]" or "Approach data:"."""
     if len(line) > LONGEST:
         return None
-    if match := re.match(r"\W*segment(?:[ _]?name)?\s*[:=]\s*\"?([^\W\d]\w*)", line, re.IGNORECASE):
+    if match := re.match(r"\W*(?:segment(?:[ _]?name)?|direction)\s*[:=]\s*\"?([^\W\d]\w*)", line, re.IGNORECASE):
         return match[1]
     words = re.findall(r"\w+", line.lower())
     found = [word for word in words if word in DIRECTIONS or word in HOLDS]
@@ -130,6 +146,8 @@ def constants(head: tuple[str, ...]) -> Mapping[str, float]:
             continue
         if match := re.match(r"\W*(springConstant|sensitivity)\s*:\s*([-+.\deE]+)\s*\Z", line):  # of JPK, always SI
             line = f"{match[1]}: {match[2]} {'N/m' if match[1] == 'springConstant' else 'm/V'}"
+        if match := re.match(rf"\W*(Spring Constant|Sens\. DeflSens):\s*(?:V\s+)?{NUMBER}(?:\s*nm/V)?\W*\Z", line):
+            line = f"spring constant: {match[2]} N/m" if "Spring" in match[1] else f"sensitivity: {match[2]} nm/V"
         match = re.match(r'[\W_]*(.*?)\s*[,:=\t;]?\s*[\[(]?([a-zµμ]*[NmV]/[a-zµμ]*[mV])[\])]?[\s:=;,"]+(\S+)', line)
         match = match or re.match(r'[\W_]*(.*?)\s*[:=;\t]\s*([-+.,\deE]+)\s*([a-zµμ]*[NmV]/[a-zµμ]*[mV])\s*"?\Z', line)
         if not match:

@@ -28,11 +28,23 @@ from ..columns import (
 from ..text_table import TextTable, read_table, unit_power
 from . import archive
 from .beside import one_under_the_other
-from .curve import APPROACH, AS_DEPTH, LEAST_ROWS, NOT_SUBTRACTED, OVERRULED, QUANTITIES, RETRACT, Curve, Reading, place
+from .curve import (
+    APPROACH,
+    AS_DEPTH,
+    LEAST_ROWS,
+    NOT_SUBTRACTED,
+    OVERRULED,
+    QUANTITIES,
+    RETRACT,
+    SHOWN,
+    Curve,
+    Reading,
+    place,
+)
 from .instruments import (
     DEFLECTIONS,
     DEPTHS,
-    DIRECTIONS,
+    SEGMENTS,
     VOLTS,
     Position,
     constants,
@@ -50,27 +62,30 @@ UNITS_OF = {"stiffness": "N/m", "sensitivity": "m/V"}
 NAMES = Vocabulary(CONTACT | {
     "delta": CONTACT["delta"].also("indentation depth", "déplacement", "deplacement"),
     "P": CONTACT["P"].also(
-        "normal force", "axial force", "kraft", "prüfkraft", "standardkraft", "normalkraft", "effort"),
+        "normal force", "axial force", "kraft", "prüfkraft", "standardkraft", "normalkraft", "effort",
+        "charge", "force normale"),
     "t": Quantity("time", "time", ("t", "time", "zeit", "prüfzeit", "elapsed time", "temps", *WHOLE)),
-    "segment": Quantity("segment", "", ("segment", "phase", "direction", "richtung")),
+    "segment": Quantity("segment", "", (
+        "segment", "phase", "direction", "richtung", "branch", "branche", "ast", "zweig", "abschnitt")),
     "curve": Quantity("curve", "", ("curve", "curve number", "curve_number", "cycle", "zyklus")),
 })  # fmt: skip
 BARE = "; or --format afm, if a microscope's program wrote three columns without names"
-SEGMENTS = DIRECTIONS | {"load": APPROACH, "0": APPROACH, "unload": RETRACT, "1": RETRACT}
 
 
 class UnknownColumnsError(InputError):
     """A table without enough columns of known names: another program may know the file."""
 
 
-def curves(path: Path, reading: Reading) -> Iterator[tuple[Curve | InputError, float | None]]:
-    """The curves in the table at ``path``, or in the tables of a zip archive, with the stiffness of their device [N/m];
-    one that cannot be used comes as its error, the others follow.
+def curves(
+    path: Path, reading: Reading, content: bytes | None = None
+) -> Iterator[tuple[Curve | InputError, float | None]]:
+    """The curves in the table at ``path`` (its ``content``, where that is at hand), or in the tables of a zip archive,
+    with the stiffness of their device [N/m]; one that cannot be used comes as its error, the others follow.
 
     Raises InputError where the table as a whole cannot be read.
     """
     if path.suffix.lower() != ".zip":
-        yield from _curves(path, path, path.stem, reading)
+        yield from _curves(path, path, path.stem, reading, content)
         return
     inside = archive.tables(path)
     for name, content in zip(archive.titles(inside), archive.contents(path, inside), strict=True):
@@ -90,23 +105,51 @@ def _curves(
         path, reading.separator, reading.decimal, 2, _is_text(reading), finite=False, content=content,
         is_note=lambda line: segment_of(line) is not None,
     )  # fmt: skip
-    as_read, units, said = with_units(table, reading.units, NAMES.numbers)
+    as_read, units, said = with_units(_where(table, reading.where), reading.units, NAMES.numbers)
     reading = replace(reading, units=units)
     table, how = _put_together(as_read, reading)
     found = Columns.of(table, reading)
     found = replace(found, flags=(*how, *found.flags, *said, *remarks(as_read)))
     segments = None
+    if "segment" in found.chosen:
+        found = replace(found, flags=(*found.flags, *_on_segments(table, found.chosen["segment"])))
     given = table.text[found.chosen["segment"]] if "segment" in found.chosen else _noted(table)
     if given:
         segments = np.array([SEGMENTS.get(word.lower(), word) for word in _continued(given)])
-    for name, rows in _groups(table, found.chosen, stem):
+    for name, recorded in _groups(table, found.chosen, stem):
+        rows, turned = _in_time(recorded, found.values.get("t"), segments)
         part = {key: column[rows] for key, column in found.values.items()}
         if segments is not None and _starts_anew(part.get("t"), segments[rows]):
             del part["t"]
         curve = _curve(table, origin, name, rows, part, None if segments is None else segments[rows])
         if isinstance(curve, Curve):
-            curve = found.with_sign(curve, reading)
+            curve = replace(found, flags=(*found.flags, *turned)).with_sign(curve, reading)
         yield curve, found.stiffness
+
+
+def _where(table: TextTable, wanted: Mapping[str, str]) -> TextTable:
+    """The table at the rows whose columns, by name or number, hold what is wanted; segments and curves are chosen where
+    they are known."""
+    for name, value in wanted.items():
+        if name in ("segment", "curve"):
+            continue
+        index = asked(table, f"--where {name}={value}", name)
+        held = table.text[index] if index in table.text else [f"{number:g}" for number in table.values[:, index]]
+        chosen = np.array([cell.lower() == value.lower() for cell in held])
+        if not chosen.any():
+            there = ", ".join(list(dict.fromkeys(held))[:SHOWN])
+            raise InputError(f'{table.path}: no row holds "{value}" in {_column(table, index)} (it holds {there} ...)')
+        table = table.rows(chosen)
+    return table
+
+
+def _on_segments(table: TextTable, index: int) -> list[str]:
+    """A sentence on what the words of a column of segments were taken for, where they are others."""
+    words = dict.fromkeys(word for word in table.text[index] if word)
+    if set(words) <= {APPROACH, RETRACT}:
+        return []
+    meant = [f'"{word}" is {SEGMENTS.get(word.lower(), "neither approach nor retract")}' for word in words]
+    return [f"segments from {_column(table, index)}: {', '.join(meant[:SHOWN])}" + ", ..." * (len(meant) > SHOWN)]
 
 
 def _continued(words: Iterable[str]) -> list[str]:
@@ -122,11 +165,25 @@ def _noted(table: TextTable) -> list[str]:
     do not tell it of the first row."""
     notes = [(0, line) for line in table.head] + sorted(table.notes.items())
     told = [(n, word) for n, line in notes if (word := segment_of(line))]
-    in_words = any(re.match(r"\W*segment\W*", line, re.IGNORECASE) for line in table.head)
+    in_words = any(re.match(r"\W*(segment|direction)\W*", line, re.IGNORECASE) for line in table.head)
     if not told or told[0][0] > 0 or not (in_words or told[-1][0] > 0):
         return []
     lines, words = zip(*told, strict=True)
     return [words[i] for i in np.searchsorted(lines, table.lines) - 1]
+
+
+def _in_time(rows: Array, t: Array | None, segments: Array | None) -> tuple[Array, tuple[str, ...]]:
+    """The ``rows`` of a curve, those of a segment turned where its time runs back from end to end, and what is to be
+    said of it: JPK writes retractions like that."""
+    if t is None or segments is None:
+        return rows, ()
+    runs = np.split(rows, np.flatnonzero(segments[rows][1:] != segments[rows][:-1]) + 1)
+    back = [len(run) > 1 and bool((np.diff(t[run]) < 0).all()) for run in runs]
+    if len(runs) < 2 or not any(back):
+        return rows, ()
+    words = ", ".join(dict.fromkeys(str(segments[run[0]]) for run, is_back in zip(runs, back, strict=True) if is_back))
+    turned = np.concatenate([run[::-1] if is_back else run for run, is_back in zip(runs, back, strict=True)])
+    return turned, (f"the rows of the {words} turned: their time runs back",)
 
 
 def _starts_anew(t: Array | None, segment: Array) -> bool:
@@ -256,10 +313,7 @@ def _load_of_deflection(
     factor = math.prod(1.0 if value is None else value for value in known.values())
     load = numbers(table, index) * 10.0 ** unit[1] * factor
     if missing:
-        return (
-            load,
-            f"{title} is {kind}: 1 in SI units stands in for what is missing, loads are no forces yet; give {options}",
-        )
+        return load, f"{title} is {kind}: loads in arbitrary units until it is given by {options}"
     with_ = ", ".join(f"{key} {value:g} {UNITS_OF[key]}" for key, value in known.items())
     return load, f"load from {title}, {kind}, with {with_}"
 
@@ -375,7 +429,7 @@ def _displacement(table: TextTable, taken: set[int], stiffness: float | None) ->
     if stiffness == math.inf:
         return None if prepared else (tip, "")
     if stiffness is not None:
-        return device, f"the position of the device was taken, not {_column(table, tip)}: its stiffness is known"
+        return device, f"the piezo position z was taken, not {_column(table, tip)}: its stiffness is known"
     why = f"the position of the tip was taken, not {_column(table, device)}: the stiffness of the device is not known"
     return (NAMES.guess(table, "delta") if prepared else tip), why
 

@@ -12,13 +12,13 @@ from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Any, cast
 
-from ...adhesion.analysis import JKR, nonadhesive
 from ...adhesion.finite_range import FiniteRangeBody
 from ...adhesion.law import AskedRange
 from ...adhesion.slopes.choice import slopes
 from ...adhesion.slopes.result import Slopes
 from ...base.errors import InputError, JkrError, Refusal, SolveError
 from ...base.units import show
+from ...beside.analysis import JKR, nonadhesive
 from ...bodies.parts import RADIUS, changed, checked_names, layer_names, nominal
 from ...bodies.problem import Loading, Problem
 from ...case import Case, load_case, store

@@ -88,6 +88,13 @@ def spread(off: Array, J: Array, sizes: Sequence[int], free: Sequence[int]) -> S
     return Spread(covariance, max(tau, 1.0), math.sqrt(max(excess, 1.0)), dof)
 
 
+def noise_of(off: Array, free: int) -> Spectrum:
+    """Spectrum of the noise in residuals of which the first ``free`` rows are out of contact: theirs, where they are
+    enough, else that of all."""
+    off = off[:free] if free >= TUNING.free else off
+    return _of_base_line(off)
+
+
 def _of_base_line(off: Array) -> Spectrum:
     """Spectrum of the residuals of free rows, of which the fit has taken a straight line."""
     line = np.linalg.qr(np.stack([np.ones(off.size), np.arange(off.size)], axis=1))[0]

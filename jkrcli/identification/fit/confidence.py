@@ -260,8 +260,7 @@ def _resampled(minimum: Minimum, slopes: Array, settings: Settings, number: int)
     rows, free) of the residuals, for a first step by Gauss and Newton."""
     objective, n = minimum.objective, len(minimum.objective.points)
     rows = np.random.default_rng([settings.seed, number]).integers(0, n, n)
-    values = {name: column[rows] for name, column in objective.points.values.items()}
-    drawn = replace(objective, points=replace(objective.points, values=values))
+    drawn = replace(objective, points=objective.points.at(rows))
     residuals, near = minimum.found.residuals[:, rows].ravel(), minimum.x.copy()
     near[objective.free] -= np.linalg.lstsq(slopes[:, rows].reshape(residuals.size, -1), residuals, rcond=None)[0]
     with contextlib.suppress(JkrError):

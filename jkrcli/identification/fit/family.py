@@ -166,7 +166,8 @@ class JKRMember:
         below = fold - below_fold if least is None else min(fold - below_fold, np.log(least))
         return float(max(below, whole[0])), self.family.high + beyond_last
 
-    def _functions(self, u: Array) -> tuple[Array, Array, Array]:
+    def functions(self, u: Array) -> tuple[Array, Array, Array]:
+        """(D, T, H, V) and their derivatives by u."""
         found = self.family.at(u)
         return found if self.drift is None else self.drift.applied(found, u)
 
@@ -176,12 +177,12 @@ class JKRMember:
     def along(self, u: Array) -> tuple[Array, Array, Array]:
         a, s, w = np.exp(u), self.s, self.w
         first, second, third = (
-            np.stack([a, D - np.sqrt(w / s) * T, s * H - np.sqrt(w * s) * V]) for D, T, H, V in self._functions(u)
+            np.stack([a, D - np.sqrt(w / s) * T, s * H - np.sqrt(w * s) * V]) for D, T, H, V in self.functions(u)
         )
         return first, second, third
 
     def rates(self, u: Array) -> Mapping[str, Array]:
-        _, T, H, V = self._functions(u)[0]
+        _, T, H, V = self.functions(u)[0]
         s, root, q, zero = self.s, np.sqrt(self.s), np.sqrt(self.w), np.zeros_like(u)
         half = 1 / (2 * q) if q > 0 else 0.0  # a free w stays above 0
         return {
@@ -190,7 +191,7 @@ class JKRMember:
         }
 
     def own_rates(self, u: Array) -> Array:
-        D, T, H, V = self._functions(u)[0]
+        D, T, H, V = self.functions(u)[0]
         s, root, q = self.s, np.sqrt(self.s), np.sqrt(self.w)
         rD, rT, rH, rV = np.moveaxis(self.family.relative_rates(u), 1, 0)
         return np.stack([np.zeros_like(rD), D * rD - q / root * T * rT, s * H * rH - q * root * V * rV], axis=1)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, replace
@@ -18,16 +19,19 @@ from ...data.record import examine
 from .body import FittedBody, check_parameters
 from .checks import warnings_of
 from .confidence import confidence_of
+from .edges import ADVANCING, RECEDING, RESTING, RestingMember
 from .jkr_beside import jkr_beside
-from .model import arc
-from .points import Points, points_of
-from .record import fit_record, whole_record
-from .result import Fit
+from .model import PathDistances
+from .points import Points, directed, points_of, points_of_cycle
+from .record import RESTS, beside, differ, fit_record, whole_record
+from .result import Fit, FittedValue
 from .rivals import Rivals, rivals_of
-from .search import robust, search
-from .settings import CALIBRATED, Parameter, Settings
-from .statistics import structure
+from .search import Minimum, robust, search
+from .settings import CALIBRATED, Parameter, SegmentName, Settings
+from .statistics import covariance, structure
 
+OWN = {"w": "w_approach"}  # names of an approach alone
+DIRECTIONS: tuple[SegmentName, ...] = ("approach", "retract")
 CHUNK = 20  # choice: curves per task
 WARNED = {NOT_SUBTRACTED: "E* is that of contact and device in series: ", AS_DEPTH: ""}  # flags of a curve that matter
 
@@ -62,6 +66,7 @@ def parted(curve: Curve, settings: Settings) -> Curve:
     """The curve with approach and retraction told apart by its motion, where it holds both, no column tells them and
     one of them is asked for, or to be taken because it is the record of a device."""
     asked = settings.segment in (APPROACH, RETRACT) or (settings.segment is None and curve.stiffness is not None)
+    curve = directed(curve)
     if curve.segment is not None or not asked:
         return curve
     try:
@@ -113,6 +118,7 @@ def fit(body: FittedBody, curve: Curve, settings: Settings, pool: Pool | None = 
 
 
 def _fit(body: FittedBody, curve: Curve, settings: Settings, pool: Pool | None) -> Fit:
+    asked = settings
     check_parameters(body, [parameter.name for parameter in settings.parameters])
     if (record := whole_record(curve, settings)) is not None:
         return fit_record(body, record, settings)
@@ -121,8 +127,12 @@ def _fit(body: FittedBody, curve: Curve, settings: Settings, pool: Pool | None) 
     curve = with_zero_points(curve) if settings.contact == "estimate" else curve
     curve, zero = parted(curve, settings), settings.parameter("P0")
     level = 0.0 if zero is None else None if zero.free else zero.value
-    points = points_of(curve, settings.segment, settings.branch, len(settings.free), level)
+    kinds = set(curve.segments())
+    rows = partial(points_of_cycle, curve) if kinds & {APPROACH, RETRACT} else partial(points_of, curve)
+    points = rows(settings.segment, settings.branch, len(settings.free), level)
     settings, words = _told_by(settings, points)
+    edges = set() if points.edges is None else set(points.edges)
+    settings = settings.of_a_cycle(ADVANCING in edges) if RECEDING in edges else settings
     minimum = robust(search(body, points, settings), settings.loss)
     sharp = None if settings.range is None else jkr_beside(minimum, body, points, settings)
     confidence = confidence_of(minimum, settings, sharp, pool)
@@ -130,15 +140,12 @@ def _fit(body: FittedBody, curve: Curve, settings: Settings, pool: Pool | None) 
     if settings.range is None and minimum.ended:
         rivals = rivals_of(minimum, confidence.scatter**2, confidence.dof, settings)
     flags: Mapping[str, str] = {} if curve.stiffness is None else flags_of(curve)
-    estimates, free = rivals.with_parts(confidence.estimates), tuple(parameter.name for parameter in settings.free)
+    free = tuple(parameter.name for parameter in minimum.objective.parameters if parameter.free)
+    estimates = _resting(minimum, rivals.with_parts(confidence.estimates))
     untold = any(item.name in free and item.low is None and item.high is None for item in estimates)
     distances = minimum.found
     readings, a = distances.readings, distances.a
     readings.member.refuse_beyond(float(a.max()))
-    along = arc(readings)
-    line_a = readings.radii(along)
-    along = along[line_a <= max(float(np.exp(readings.members.plain.high)), a.max())]
-    line = readings.along(along)[0] * readings.scales[:, None]
     found = Fit(
         name=curve.name,
         file="" if curve.origin is None else str(curve.origin),
@@ -155,8 +162,8 @@ def _fit(body: FittedBody, curve: Curve, settings: Settings, pool: Pool | None) 
         scales=dict(zip(points.columns, map(float, readings.scales), strict=True)),
         scatter=confidence.scatter,
         dof=confidence.dof,
-        structure=structure(distances.residuals[-1][np.argsort(distances.u)]),
-        line={"a": readings.radii(along)} | dict(zip(points.columns, line, strict=True)),
+        structure=structure(distances.residuals[-1][distances.along]),
+        line=distances.line(),
         evaluations=minimum.evaluations,
         settings=settings,
         warnings=(),
@@ -165,13 +172,51 @@ def _fit(body: FittedBody, curve: Curve, settings: Settings, pool: Pool | None) 
         range_left=None if rivals.range is None else rivals.range.most,
     )
     said = warnings_of(found, minimum.objective.body, readings.members.plain, minimum.at_bound, rivals, minimum.ended)
-    return replace(found, warnings=(*_on_record(flags, zero), *words, *_on_branches(curve, settings), *said))
+    words = (*words, *[RESTS] * (ADVANCING in edges and "w" not in free))
+    found = replace(found, warnings=(*_on_record(flags, zero), *words, *said))
+    if edges == {ADVANCING}:
+        return _of_an_approach(found)
+    if ADVANCING not in edges or not _apart(minimum, confidence.scatter):
+        return found
+    into, back = (_fit(body, curve, replace(asked, segment=kind), pool) for kind in DIRECTIONS)
+    moduli = [one.estimate("E_star") for one in (into, back)]
+    error = math.hypot(*((item.error or 0.0) / item.value for item in moduli))
+    return beside(back, into, found) if differ(moduli[0].value, moduli[1].value, error) else found
 
 
-def _on_branches(curve: Curve, settings: Settings) -> Iterator[str]:
-    """A sentence where prepared readings of both directions are fitted as one branch."""
-    if settings.segment == "both" and {APPROACH, RETRACT} <= set(curve.segments()):
-        yield "one w is fitted to approach and retraction: give --segment retract or approach where theirs differ"
+def _apart(minimum: Minimum, scatter: float) -> bool:
+    """Whether the rows of a cycle ask for another modulus on the way back than on the way in: by one step of Gauss and
+    Newton with a modulus for each; ``scatter`` of the residuals."""
+    objective, found = minimum.objective, minimum.found
+    names = [objective.parameters[i].name for i in objective.free]
+    if "modulus" not in names:
+        return False
+    assert objective.points.edges is not None
+    jacobian, back = found.jacobian(objective.free), objective.points.edges != ADVANCING
+    own = jacobian[:, names.index("modulus")] * np.tile(back, found.residuals.shape[0])
+    matrix = np.column_stack([jacobian, own])
+    spread = covariance(matrix, scatter**2)
+    step = np.linalg.lstsq(matrix, -found.residuals.ravel(), rcond=None)[0]
+    return spread is not None and differ(1.0, 1 + float(step[-1]), math.sqrt(spread[-1, -1]))
+
+
+def _of_an_approach(found: Fit) -> Fit:
+    """The fit of an approach alone, whose w is called w_approach: w is that of a retraction."""
+    estimates = tuple(replace(item, name=OWN.get(item.name, item.name)) for item in found.estimates)
+    return replace(found, estimates=estimates, free=tuple(OWN.get(name, name) for name in found.free))
+
+
+def _resting(minimum: Minimum, estimates: tuple[FittedValue, ...]) -> tuple[FittedValue, ...]:
+    """The estimates; w of an edge that rests in all rows of the way back is at least what the last of them holds."""
+    edges = minimum.objective.points.edges
+    if edges is None or RECEDING in edges:
+        return estimates
+    assert isinstance(minimum.found, PathDistances)
+    modulus, part = minimum.objective.values(minimum.x)["modulus"], minimum.found.at(RESTING)
+    member = part.readings.member
+    assert isinstance(member, RestingMember)
+    least = modulus * (member.unit * float(part.u.max())) ** 2
+    return tuple(FittedValue("w", least, True, "work", None, least) if item.name == "w" else item for item in estimates)
 
 
 def _on_record(flags: Mapping[str, str], zero: Parameter | None) -> Iterator[str]:

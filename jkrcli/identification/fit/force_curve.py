@@ -58,6 +58,7 @@ class ForceCurveTuning:
     periods: float = 0.3  # choice: the same of the log of a wave's period
     converged: float = 1e-11  # choice: relative change of cost and parameters
     about: float = 1e-6  # choice: the same while the fold is blunter than it will be, or no more can be had
+    near: float = 0.1  # choice: of chi^2, the fall still to be had a third of a standard error from its minimum
     evaluations: int = 80  # choice: steps after which the search gives up
 
 
@@ -279,7 +280,7 @@ class ForceCurveFit:
     """The model that fits best: ``values`` and standard errors by name; ``off`` residuals [N] of all rows.
 
     ``sigma``: standard deviation of a reading about the model [N]; ``spread``: covariance of the unknowns, and
-    the noise that it rests on.
+    the noise that it rests on. ``ended``: whether it is a minimum, and not where the search was given up.
     """
 
     model: ForceCurveModel
@@ -289,6 +290,7 @@ class ForceCurveFit:
     off: Array
     sigma: float
     evaluations: int
+    ended: bool
 
     @property
     def covariance(self) -> Array:
@@ -369,8 +371,8 @@ def _search(
 
 
 def fit(model: ForceCurveModel, start: Array, near: bool = False, loss: Loss = "linear") -> ForceCurveFit:
-    """The unknowns that leave least, first with a blunt fold unless ``start`` is ``near``, then as it is; SolveError
-    where no search converges."""
+    """The unknowns that leave least, first with a blunt fold unless ``start`` is ``near``, then as it is. Where the
+    rows do not determine them the search creeps along a valley: it is given up, and that is told."""
     bounds = _bounds(model, start)
     x, sharp = np.clip(start, *bounds), TUNING.blunt[-1]
     for blunt in () if near else TUNING.blunt[:-1]:
@@ -382,8 +384,6 @@ def fit(model: ForceCurveModel, start: Array, near: bool = False, loss: Loss = "
     for _ in range(2 * (loss != "linear")):
         width = TURNS[loss] * robust_scale(model.residuals(found.x, sharp)[0] / scale)
         found = _search(model, found.x, bounds, sharp, TUNING.about, loss, width)
-    if found.status <= 0:
-        raise SolveError(f"the fit did not converge in {TUNING.evaluations} steps")
     model, x = _without_idle(model, found.x)
     off = model.residuals(x, sharp)[0]
     J = model.residuals(x, 0.0)[1]  # where the fold lies between two rows, the data do not tell
@@ -391,7 +391,9 @@ def fit(model: ForceCurveModel, start: Array, near: bool = False, loss: Loss = "
     pull = psi * scale * width / max(float(np.mean(slope)), 0.1)  # what a row pulls with (Huber 1981, Sec. 7.6)
     sigma = math.sqrt(float(pull @ pull) / max(off.size - x.size, 1))
     spread = covariance(pull, J, [part.P.size for part in model.stretches], model.free(x))
-    return ForceCurveFit(model, model.names, x, spread, off, sigma, int(found.nfev))
+    left = np.linalg.lstsq(J, pull, rcond=None)[0]  # a step of Gauss and Newton; what chi^2 would fall by
+    ended = found.status > 0 or float(np.sum((J @ left) ** 2)) < TUNING.near * sigma**2
+    return ForceCurveFit(model, model.names, x, spread, off, sigma, int(found.nfev), ended)
 
 
 def _without_idle(model: ForceCurveModel, x: Array) -> tuple[ForceCurveModel, Array]:
@@ -495,7 +497,8 @@ def nearest(model: ForceCurveModel, loss: Loss = "linear") -> ForceCurveFit:
         except SolveError as error:
             best = error if isinstance(best, SolveError) else best
             continue
-        best = found if isinstance(best, SolveError) or found.sigma < best.sigma else best
+        if isinstance(best, SolveError) or (not found.ended, found.sigma) < (not best.ended, best.sigma):
+            best = found
         if "turn" not in model.names and best.sigma <= TUNING.enough * max(part.line.noise for part in model.stretches):
             break
     if isinstance(best, SolveError):

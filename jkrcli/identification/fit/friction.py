@@ -6,8 +6,8 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from ...adhesion.sticking import sticking_effect, sticking_warnings
 from ...base.units import show
+from ...beside.sticking import sticking_effect, sticking_warnings
 from .body import FittedBody
 from .fitting import Failure
 from .result import Fit

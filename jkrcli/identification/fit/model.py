@@ -11,6 +11,7 @@ it leaves out the turning of the normal plane, which does not enter the gradient
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -19,6 +20,7 @@ from scipy.spatial import cKDTree
 
 from ...base.arrays import Array
 from .body import FittedBody
+from .edges import ADVANCING, RECEDING, RESTING, RestingMember
 from .family import Drift, Member, Members
 from .points import Points
 from .settings import RANGES, Parameter
@@ -45,7 +47,7 @@ class Readings:
     """The readings of one set of parameters; ``x``: the optimiser's unknowns in the order of ``parameters``.
 
     ``columns``: those of a, delta, P that are measured; each is divided by its scale in ``scales`` [m, m, N].
-    ``drift``: of w or of the moduli along the record.
+    ``drift``: of w or of the moduli along the record; ``edge``: what it does, as ``edges`` numbers it.
     """
 
     members: Members
@@ -54,6 +56,7 @@ class Readings:
     columns: tuple[str, ...]
     scales: Array
     drift: Drift | None = None
+    edge: int = RECEDING
 
     @cached_property
     def values(self) -> dict[str, float]:
@@ -63,7 +66,11 @@ class Readings:
     @cached_property
     def member(self) -> Member:
         """The curve behind the readings."""
-        return self.members.member(self.values, self.drift)
+        values = self.values
+        if self.edge == RESTING:
+            return RestingMember(self.members.plain, values["modulus"], values["a_turn"], self.drift)
+        w = values["w_approach" if self.edge == ADVANCING else "w"]
+        return self.members.member({**values, "w": w}, self.drift)
 
     def radii(self, u: Array) -> Array:
         """Contact radii [m]."""
@@ -84,6 +91,8 @@ class Readings:
         through_machine = {
             name: np.stack([a, delta + compliance * P, P]) for name, (a, delta, P) in self.member.rates(u).items()
         }
+        if self.edge == ADVANCING:
+            through_machine["w_approach"] = through_machine.pop("w")
         rates = through_machine | {
             "delta0": np.stack([zero, one, zero]),
             "P0": np.stack([zero, zero, one]),
@@ -91,13 +100,10 @@ class Readings:
         }
         found = []
         for parameter in self.parameters:
-            if not parameter.of_body:
-                rows = rates[parameter.name]
-            elif parameter.free:
+            rows = rates.get(parameter.name, np.zeros((3, u.size)))
+            if parameter.of_body and parameter.free:
                 a, delta, P = next(of_body)
                 rows = np.stack([a, delta + compliance * P, P])
-            else:
-                rows = np.zeros((3, u.size))
             found.append(self._scaled(*rows))
         return np.stack(found)
 
@@ -125,6 +131,26 @@ class Distances:
         """Contact radii of the foot points [m]."""
         return self.readings.radii(self.u)
 
+    @property
+    def along(self) -> Array:
+        """The order of the points along the curve."""
+        return np.argsort(self.u)
+
+    def line(self) -> dict[str, Array]:
+        """The curve of the readings by column, and its contact radii "a", SI."""
+        readings, u = self.readings, arc(self.readings)
+        low, high = float(self.u.min()), float(self.u.max())
+        match readings.edge:
+            case edge if edge == ADVANCING:
+                u = np.append(u[u < high], high)
+            case edge if edge == RESTING:
+                u = np.array([low, high])
+            case _:
+                a, end = readings.radii(u), float(np.exp(readings.members.plain.high))
+                u = u[a <= max(end, float(self.a.max()))]
+        values = dict(zip(readings.columns, readings.along(u)[0] * readings.scales[:, None], strict=True))
+        return {"a": readings.radii(u)} | values
+
     def jacobian(self, chosen: Array) -> Array:
         """Derivatives of all residuals by the ``chosen`` unknowns, shape (k n, chosen)."""
         rates = self.readings.by_parameters(self.u)
@@ -134,6 +160,58 @@ class Distances:
             along = np.einsum("cn,pcn->pn", self.tangent, rates)
             rows = -(rates - along[:, None] * self.tangent)
         return rows[chosen].reshape(len(chosen), -1).T
+
+
+@dataclass(frozen=True, eq=False)
+class PathDistances:
+    """Distances of the points of a cycle, each ``part`` of them from the curve that its edge is on; ``places``: of its
+    points among all. ``u``: log of their contact radii."""
+
+    parts: tuple[Distances, ...]
+    places: tuple[Array, ...]
+
+    @property
+    def readings(self) -> Readings:
+        """Those of the edge that moves last."""
+        return self.parts[-1].readings
+
+    def at(self, edge: int) -> Distances:
+        """Those of the points whose edge does this."""
+        return next(part for part in self.parts if part.readings.edge == edge)
+
+    def _together(self, columns: Sequence[Array]) -> Array:
+        """Columns (..., n) of all points, in their order, from those of the parts."""
+        return np.concatenate(columns, axis=-1)[..., np.argsort(np.concatenate(self.places))]
+
+    @cached_property
+    def residuals(self) -> Array:
+        return self._together([part.residuals for part in self.parts])
+
+    @cached_property
+    def a(self) -> Array:
+        return self._together([part.a for part in self.parts])
+
+    @property
+    def u(self) -> Array:
+        return np.log(self.a)
+
+    @property
+    def along(self) -> Array:
+        """The order of the points along the path."""
+        return np.concatenate([
+            place[np.argsort(-part.u if part.readings.edge == RECEDING else part.u)]
+            for part, place in zip(self.parts, self.places, strict=True)
+        ])  # fmt: skip
+
+    def jacobian(self, chosen: Array) -> Array:
+        size = self.residuals.shape[0]
+        columns = [part.jacobian(chosen).T.reshape(len(chosen), size, -1) for part in self.parts]
+        return self._together(columns).reshape(len(chosen), -1).T
+
+    def line(self) -> dict[str, Array]:
+        """The curve of the readings in one stroke, as ``Distances.line``."""
+        lines = [part.line() for part in self.parts]
+        return {name: np.concatenate([line[name] for line in lines]) for name in lines[0]}
 
 
 def distances(readings: Readings, points: Array) -> Distances:
@@ -200,20 +278,24 @@ class Objective:
         """All parameters by name at the unknowns ``x``, SI."""
         return {p.name: p.outer(float(v)) for p, v in zip(self.parameters, x, strict=True)}
 
-    def distances(self, x: Array, rated: bool = True) -> Distances:
+    def distances(self, x: Array, rated: bool = True) -> Distances | PathDistances:
         """The distances at all unknowns ``x``; where layers vary the body is solved anew, without their derivatives
         where not ``rated``."""
         own = {name: value for name, value in self.values(x).items() if ":" in name}
         varied = [p.name for p in self.parameters if p.of_body and p.free]
         body = self.body.rated(own, varied) if rated and varied else self.body.with_values(own)
-        columns = self.points.columns
+        columns, edges = self.points.columns, self.points.edges
         target = np.stack([self.points.values[name] for name in columns]) / self.scales[:, None]
         readings = Readings(body.members(self.ranged), self.parameters, x, columns, self.scales, self.drift)
-        return distances(readings, target)
+        if edges is None:
+            return distances(readings, target)
+        places = {edge: np.flatnonzero(edges == edge) for edge in np.unique(edges)}
+        parts = [distances(replace(readings, edge=edge), target[:, place]) for edge, place in places.items()]
+        return PathDistances(tuple(parts), tuple(places.values()))
 
     def natural_units(self) -> dict[str, float]:
         """Sizes of unknowns by the nonadhesive body at half of its largest radius: delta, P, and w that shifts it by
         its own displacement."""
         family = self.body.family
         D, _, H, _ = family.at(np.array([family.high - math.log(2)]))[0][:, 0]
-        return {"w": family.natural_work, "delta0": D, "P0": H, "compliance": D / H}
+        return {"w": family.natural_work, "w_approach": family.natural_work, "delta0": D, "P0": H, "compliance": D / H}

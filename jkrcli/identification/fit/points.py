@@ -5,13 +5,15 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ...base.arrays import Array
 from ...base.errors import InputError
 from ...data.measured import Curve
+from ...data.measured.curve import APPROACH, RETRACT
+from .edges import ADVANCING, RECEDING
 from .settings import BranchName, SegmentName
 from .statistics import NORMAL_MEDIAN
 
@@ -32,6 +34,7 @@ class RowsTuning:
     long: int = 10  # choice: rows of a base line
     largest_noise: float = 0.1  # tuned on records by `make tuning`: of the curve: rows in no order beyond it
     opposite: float = -0.3  # choice: correlation of columns of which one has the wrong sign
+    ordered: float = 0.9  # choice: rank correlation of rows with their order, from which on they go one way
     balance: float = 0.05  # tuned on records by `make tuning`: least ratio of the axes' relative scatters
 
 
@@ -43,13 +46,15 @@ class Points:
     """The rows to be fitted: ``values`` of the measured columns among a, delta [m], P [N], their ``rows`` in the curve.
 
     ``left_out``: sentences on rows that were not taken; ``baseline``: load reading out of contact [N], where it was
-    recorded.
+    recorded. ``edges``: of a cycle what the edge does at each row, as ``edges`` numbers it; None: all rows lie on one
+    branch.
     """
 
     values: Mapping[str, Array]
     rows: Array
     left_out: tuple[str, ...]
     baseline: float | None
+    edges: Array | None = None
 
     @property
     def columns(self) -> tuple[str, ...]:
@@ -57,6 +62,13 @@ class Points:
 
     def __len__(self) -> int:
         return self.rows.size
+
+    def at(self, chosen: Array) -> Points:
+        """The ``chosen`` rows, a mask or numbers."""
+        values = {name: column[chosen] for name, column in self.values.items()}
+        return replace(
+            self, values=values, rows=self.rows[chosen], edges=None if self.edges is None else self.edges[chosen]
+        )
 
 
 def points_of(
@@ -67,6 +79,15 @@ def points_of(
     ``segment = None``: the retraction where the curve names one, else all rows. ``zero``: load reading of no load [N],
     None: unknown. InputError in one line where too few rows are left for ``unknowns`` free parameters.
     """
+    found = _rows_of(curve, segment, branch, unknowns, zero)
+    _check_signs(curve, found.values)
+    return found
+
+
+def _rows_of(
+    curve: Curve, segment: SegmentName | None, branch: BranchName, unknowns: int, zero: float | None
+) -> Points:
+    """As ``points_of``, whatever the signs."""
     chosen = _of_segment(curve, segment)
     values = {name: column[chosen] for name in COLUMNS if (column := getattr(curve, name)) is not None}
     if len(values) < 2:
@@ -87,8 +108,58 @@ def points_of(
         out = f" ({', '.join(words)} left out)" if words else ""
         raise InputError(f"{curve.where}: {int(taken.sum())} rows to fit{out}, at least {least} are needed")
     values = {name: column[taken] for name, column in values.items()}
-    _check_signs(curve, values)
     return Points(values, np.flatnonzero(chosen)[taken], words, baseline)
+
+
+def points_of_cycle(
+    curve: Curve, segment: SegmentName | None, branch: BranchName, unknowns: int, zero: float | None
+) -> Points:
+    """The rows of both directions of ``curve``, or of the one that is asked for, as ``points_of`` takes those of one;
+    of one alone where the other holds too few."""
+    found: dict[str, Points] = {}
+    reasons: list[str] = []
+    kinds: dict[SegmentName, int] = {"approach": ADVANCING, "retract": RECEDING}
+    for kind, edge in kinds.items():
+        if segment not in (None, "both", kind) or (segment != kind and kind not in curve.segments()):
+            continue
+        try:
+            part = _rows_of(curve, kind, branch, unknowns, zero)
+            found[kind] = replace(part, edges=np.full(len(part), edge))
+        except InputError as error:
+            reasons += error.lines
+    if not found:
+        raise InputError(reasons[0])
+    if len(found) < 2:
+        (part,) = found.values()
+        _check_signs(curve, part.values)
+        return replace(part, left_out=(*part.left_out, *(line.removeprefix(f"{curve.where}: ") for line in reasons)))
+    into, back = found.values()
+    assert into.edges is not None
+    assert back.edges is not None
+    values = {name: np.concatenate([into.values[name], back.values[name]]) for name in into.values}
+    _check_signs(curve, values)
+    words = [f"{name}: {words}" for name, part in found.items() for words in part.left_out if "segments" not in words]
+    rows, edges = np.concatenate([into.rows, back.rows]), np.concatenate([into.edges, back.edges])
+    return Points(values, rows, tuple(words), back.baseline if into.baseline is None else into.baseline, edges)
+
+
+def directed(curve: Curve) -> Curve:
+    """The curve with words for its directions by the order of its rows, where no column has any and they go into the
+    specimen and out again."""
+    driven = curve.delta if curve.delta is not None else curve.P
+    if curve.segment is not None or driven is None:
+        return curve
+    turn, sure = int(np.argmax(driven)), driven if curve.a is None or curve.delta is not None else curve.a
+    parts = sure[: turn + 1], -sure[turn:]
+    if min(part.size for part in parts) <= TUNING.least or min(map(_rising, parts)) < TUNING.ordered:
+        return curve
+    words = np.where(np.arange(len(curve)) <= turn, APPROACH, RETRACT)
+    return replace(curve, segment=words)
+
+
+def _rising(column: Array) -> float:
+    """Rank correlation of a ``column`` with the order of its rows."""
+    return float(np.corrcoef(np.argsort(np.argsort(column)), np.arange(column.size))[0, 1])
 
 
 def _left_out(counts: Mapping[str, int]) -> tuple[str, ...]:

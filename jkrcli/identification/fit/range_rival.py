@@ -45,6 +45,7 @@ class RangeRivalTuning:
 
 
 TUNING = RangeRivalTuning()
+WORKS = ("w", "w_approach")
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +66,7 @@ class RangeRival:
         """A sentence where the data tell a range from none."""
         if self.told:
             yield (
-                f"the data speak against this model (by chance: {self.chance:.1g}) and for adhesion with a range of "
+                f"model rejected, p = {self.chance:.1g}, in favour of adhesion with a range of "
                 f"about {show(self.best, 'length', 2)}: fit with --free range"
             )
 
@@ -91,7 +92,7 @@ def range_rival_of(minimum: Minimum, variance: float, limit: float, settings: Se
     own, values = any(p.of_body for p in minimum.objective.parameters), minimum.objective.values(minimum.x)
     if own or problem.specimen.radius is not None or spectrum_seconds(problem.specimen) > TUNING.slow:
         return None
-    if values["w"] < TUNING.least_work * values["modulus"] * body.family.natural_work:
+    if min(_works(values)) < TUNING.least_work * values["modulus"] * body.family.natural_work:
         return None
     try:
         body.coarse.attracted  # noqa: B018  a Refusal where there is none
@@ -164,7 +165,7 @@ def _rung(minimum: Minimum, length: float, variance: float, limit: float, loss: 
     jacobian, weights = minimum.found.jacobian(free), _weights(minimum, loss)
     least, x = float(np.sum(weights * before**2)), minimum.x.copy()
     for _ in range(TUNING.steps):
-        if (w := plain.values(x)["w"]) <= 0:
+        if min(works := _works(plain.values(x))) <= 0:
             raise SolveError(f"a range of {show(length, 'length')} leaves no work of adhesion")
         x = _rounded(plain, x)
         there = objective.distances(np.append(x, math.log(length)), rated=False).residuals.ravel()
@@ -173,7 +174,7 @@ def _rung(minimum: Minimum, length: float, variance: float, limit: float, loss: 
         if not _near(plain, x, minimum.x):
             raise SolveError(f"a step with a range of {show(length, 'length')} led nowhere")
         excess = (float(np.sum(weights * (there - jacobian @ step) ** 2)) - least) / variance
-        moved = abs(plain.values(x)["w"] / w - 1)
+        moved = abs(_works(plain.values(x))[0] / works[0] - 1)
         if not (math.isfinite(excess) and excess < TUNING.hopeless * limit) or moved < TUNING.short:
             break
     return _Rung(length, excess if math.isfinite(excess) else math.inf, _moves(plain, minimum.x, x))
@@ -187,12 +188,17 @@ def _near(objective: Objective, x: Array, start: Array) -> bool:
 
 def _rounded(objective: Objective, x: Array) -> Array:
     """The unknowns with w at a rounded ratio to the moduli, where it is free."""
-    names = [parameter.name for parameter in objective.parameters]
-    i, values, near = names.index("w"), objective.values(x), x.copy()
-    if objective.parameters[i].free:
-        ratio = round(math.log(values["w"] / values["modulus"]) / TUNING.rounded)
-        near[i] = objective.parameters[i].inner(values["modulus"] * math.exp(TUNING.rounded * ratio))
+    values, near = objective.values(x), x.copy()
+    for i, parameter in enumerate(objective.parameters):
+        if parameter.free and parameter.name in WORKS:
+            ratio = round(math.log(values[parameter.name] / values["modulus"]) / TUNING.rounded)
+            near[i] = parameter.inner(values["modulus"] * math.exp(TUNING.rounded * ratio))
     return near
+
+
+def _works(values: Mapping[str, float]) -> list[float]:
+    """The works of adhesion among ``values`` [J/m^2], that of the retraction first."""
+    return [values[name] for name in WORKS if name in values]
 
 
 def _weights(minimum: Minimum, loss: Loss) -> Array:

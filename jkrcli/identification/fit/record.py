@@ -31,6 +31,8 @@ from .force_curve import (
     windowed,
 )
 from .interference import Wave, straightened
+from .points import third_differences
+from .record_verdict import judged
 from .result import Fit, FittedValue
 from .settings import CALIBRATED, Settings
 from .statistics import structure, t_quantile
@@ -42,6 +44,7 @@ class WholeRecordTuning:
 
     free_rows: int = 20  # choice: least rows of a base line
     room: float = 1.05  # choice: of the largest contact radius, to which the body is solved anew
+    placed: float = 0.3  # choice: scatter of positions over that of loads, both over their range, of a table
     ahead: float = 4.0  # choice: of log a beyond the series, how far it may be continued to find a start
     deep: float = 0.7  # choice: of the tip's radius, to which a body is solved before anything is fitted
     rounds: int = 3  # choice: solves to larger radii before the record is given up
@@ -107,8 +110,13 @@ def whole_record(curve: Curve, settings: Settings) -> ForceCurve | None:
 
 
 def _raw(record: ForceCurve) -> bool:
-    """Whether it is an instrument's record, and no prepared readings: a base line is there, or no contact at all."""
+    """Whether it is an instrument's record, and no prepared readings: a base line is there, or no contact at all, and
+    the scatter is in the load."""
     usable = [kind for kind in (APPROACH, RETRACT) if _usable(record, kind)]
+    delta, P = record.curve.device, record.curve.P
+    assert P is not None
+    if third_differences(delta) * np.ptp(P) > TUNING.placed * third_differences(P) * np.ptp(delta):
+        return False
     if len(usable) > 1 or (usable and record.curve.stiffness is not None):
         return True
     return len(record.directions) > 1 and bool({"no contact", "no force curve"} & set(record.flags))
@@ -157,14 +165,16 @@ def fit_record(body: FittedBody, record: ForceCurve, settings: Settings) -> Fit:
         return _fitted(body, _model(body, record, settings, waves, kinds), settings)
 
     deeper, found = of(*kinds)
+    whole, joint = deeper, found
     result = _result(deeper, record, curve, settings, found)
     if len(kinds) < 2 or not _apart(found):
-        return result
+        return judged(result, whole, joint)
     (_, into), (deeper, back) = of(APPROACH), of(RETRACT)
-    if not _differ(into, back):
-        return result
+    error = math.hypot(*(found.error("ln_s") * found.spread.excess for found in (into, back)))
+    if not differ(math.exp(into.value("ln_s")), math.exp(back.value("ln_s")), error):
+        return judged(result, whole, joint)
     alone = _result(deeper, record, curve, settings, into)
-    return _beside(_result(deeper, record, curve, settings, back), alone, result)
+    return judged(beside(_result(deeper, record, curve, settings, back), alone, result), whole, joint)
 
 
 def receding(body: FittedBody, curve: Curve, settings: Settings) -> Curve:
@@ -215,17 +225,10 @@ def _apart(found: ForceCurveFit) -> bool:
         return False
     change, error = another_modulus(found)
     noise = max(part.line.noise for part in found.model.stretches)
-    return found.sigma > TUNING.rough * noise or abs(change) > max(TUNING.apart * error, TUNING.differs)
+    return found.sigma > TUNING.rough * noise or differ(1.0, 1 + change, error)
 
 
-def _differ(into: ForceCurveFit, back: ForceCurveFit) -> bool:
-    """Whether the moduli of two directions exclude each other, misfit included."""
-    change = back.value("ln_s") - into.value("ln_s")
-    error = math.hypot(*(found.error("ln_s") * found.spread.excess for found in (into, back)))
-    return abs(change) > max(TUNING.apart * error, TUNING.differs)
-
-
-def _beside(back: Fit, into: Fit, both: Fit) -> Fit:
+def beside(back: Fit, into: Fit, both: Fit) -> Fit:
     """The fit of the retraction with the estimates of the approach beside its own; ``both``: that of one modulus."""
     one, other = back.estimate("E_star"), into.estimate("E_star")
     name = "directions differ"
@@ -234,13 +237,17 @@ def _beside(back: Fit, into: Fit, both: Fit) -> Fit:
         "retraction, no one value describes both: a specimen that relaxes or yields, or a device that drifts"
     )
     work, drifts = into.estimate("w_approach"), [line for line in both.warnings if line.startswith("drift")]
-    quality = dict(back.quality or {})
-    quality = {**quality, "quality": TUNING.spoilt * quality["quality"]}
+    quality = back.quality and {**back.quality, "quality": TUNING.spoilt * back.quality["quality"]}
     return replace(
         back, estimates=(*back.estimates, replace(other, name="E_star_approach"), work), quality=quality,
         flags=(*back.flags, name), warnings=(said, *drifts, *back.warnings),
         directions=f"{NAMES[RETRACT]}, the approach beside it",
     )  # fmt: skip
+
+
+def differ(into: float, back: float, error: float) -> bool:
+    """Whether the moduli of two directions exclude each other, by the ``error`` of their relative difference."""
+    return abs(back / into - 1) > max(TUNING.apart * error, TUNING.differs)
 
 
 def _model(
@@ -348,6 +355,8 @@ def _outcome(found: ForceCurveFit, x: Array, body: FittedBody) -> dict[str, floa
     return told
 
 
+GIVEN_UP = "the search was given up after {} steps, the rows do not determine the unknowns: fix one (--fix w=...)"
+RESTS = "w: the edge of the contact rests in all rows of the retraction, w is at least what the last holds"
 NAMES = {APPROACH: APPROACH, RETRACT: "retraction"}
 WORKS = {APPROACH: "w_approach", RETRACT: "w"}
 DIMENSIONS = {
@@ -368,6 +377,8 @@ def _result(body: FittedBody, record: ForceCurve, curve: Curve, settings: Settin
               {source: change[name] for source, change in carried.items()}, t)
         for i, (name, value) in enumerate(values.items())
     )  # fmt: skip
+    if not found.ended:
+        estimates = tuple(replace(item, error=None, low=None, high=None) for item in estimates)
     free = tuple(item.name for item in estimates if item.free and item.name != "E_star" and ":" not in item.name
                  and (item.error is not None or item.name != WORKS[RETRACT]))  # fmt: skip
     held = [list(values).index(name) for name in free]
@@ -383,7 +394,7 @@ def _result(body: FittedBody, record: ForceCurve, curve: Curve, settings: Settin
         where=curve.where,
         estimates=estimates,
         free=free,
-        covariance=covariance[np.ix_(held, held)],
+        covariance=covariance[np.ix_(held, held)] if found.ended else None,
         samples=None,
         data={"delta": curve.delta[rows[order]], "P": curve.P[rows[order]]},
         rows=rows[order],
@@ -524,7 +535,7 @@ def _judged(record: ForceCurve, found: ForceCurveFit, a: Array) -> tuple[dict[st
     depth = max(part.reach for part in found.model.stretches)
     contact = found.error("z0") / depth if "z0" in found.names else 0.0
     wavy = max(side.base.waviness for side in record.directions) / span
-    flags = {}
+    flags = {} if found.ended else {"not determined": GIVEN_UP.format(found.evaluations)}
     beyond = (found.spread.excess - 1) / TUNING.excess
     if beyond > 1:
         flags["misfit"] = (
@@ -566,7 +577,7 @@ def _words(found: ForceCurveFit, settings: Settings) -> Iterator[str]:
         yield "no free rows tell the noise: it cannot be told from misfit"
     if found.spread.tau > TUNING.dependent:
         yield (
-            f"residuals follow their neighbours: {found.spread.tau:.1f} rows count as one, "
+            f"residuals are autocorrelated (effective sample size n/{found.spread.tau:.1f}), "
             f"which widens the intervals by {math.sqrt(found.spread.tau):.1f}"
         )
 
@@ -577,4 +588,4 @@ def _on_adhesion(found: ForceCurveFit) -> Iterator[str]:
     if len(found.model.stretches) == 1 and found.model.stretches[0].kind == APPROACH:
         yield "approach alone: its w is called w_approach, w is that of a retraction and stays empty"
     if f"q:{RETRACT}" in known:
-        yield "w: the edge of the contact rests in all rows of the retraction, w is at least what the last holds"
+        yield RESTS

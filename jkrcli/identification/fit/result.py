@@ -11,6 +11,7 @@ from ...base.arrays import Array
 from ...base.errors import InputError
 from ...base.unknown import Unknown
 from ...data.measured.curve import Pixel
+from .record_scores import Verdict
 from .settings import Settings
 from .statistics import Structure
 
@@ -60,7 +61,7 @@ class Fit:
     record, between 0 and 1, with its parts, None where readings were prepared; ``adhesion``: its largest tension on
     retraction [N], None where none is told; ``directions``: of it that were fitted. ``pixel``: in a map. ``jkr``: of a
     fit with a range, JKR beside it; ``range_left``: of a fit of JKR, the longest range [m] that the rows leave, None
-    where none was tried.
+    where none was tried; ``verdict``: of a raw record, on its rivals.
     """
 
     name: str
@@ -91,6 +92,7 @@ class Fit:
     jkr: JKRBeside | Unknown | None = None
     range_left: float | None = None
     directions: str = ""
+    verdict: Verdict | None = None
 
     @property
     def correlation(self) -> Array | None:

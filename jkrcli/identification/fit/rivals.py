@@ -80,7 +80,7 @@ class Rivals:
         if self.told:
             parts = " or ".join(rival.words for rival in self.found)
             yield (
-                f"the data speak against this model (by chance: {self.chance:.1g}) and for {parts} with the contact "
+                f"model rejected, p = {self.chance:.1g}, in favour of {parts} with the contact "
                 "radius: other bodies (a layer, a base), or adhesion that depends on speed or has a range; the "
                 "statistical intervals do not hold it"
             )

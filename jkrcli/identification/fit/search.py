@@ -7,6 +7,7 @@ by averages.
 
 from __future__ import annotations
 
+import contextlib
 import itertools
 import math
 from collections.abc import Iterator, Mapping, Sequence
@@ -19,8 +20,9 @@ from ...base.arrays import Array
 from ...base.errors import InputError, JkrError, SolveError
 from ...base.units import show
 from .body import FittedBody
+from .edges import ADVANCING, RECEDING, RESTING, RestingMember
 from .family import Family
-from .model import Distances, Objective, Readings, arc
+from .model import Distances, Objective, PathDistances, Readings, arc
 from .points import TUNING as ROWS
 from .points import Points, scatter
 from .settings import RANGES, Loss, Settings
@@ -63,6 +65,12 @@ class FitSearchTuning:
     followed_ranges: int = 2  # choice: of them that are followed to their minimum
     least_work: float = 1e-3  # choice: of the natural one, with which a range is tried
     span: float = 5.0  # choice: of the log of a range from its start: beyond, all is a rigid sphere or JKR
+    # Cycles
+    least_shift: float = 1e-2  # choice: root of the least difference of w in and out that is tried, over the natural w
+    shares: tuple[float, ...] = (0.75, 0.5)  # choice: of a way back, what may recede if the rest is at rest
+    asked: float = 16.0  # theory: fall of chi^2 by a turn and a choice of rows that chance brings once in 2000
+    nearer: float = 16.0  # choice: square of a distance, in standard deviations, that no noise makes
+    rounds: int = 8  # choice: guard, of which rows are at rest and what fits them best
     # Minima, in sizes of the curve
     least_size: float = 0.05  # choice: of the data's range, the least size of a curve
     near: float = 1e-3  # tuned on records by `make tuning`: residuals so small that no other start is tried
@@ -91,7 +99,7 @@ class Minimum:
 
     objective: Objective
     x: Array
-    found: Distances
+    found: Distances | PathDistances
     cost: float
     at_bound: tuple[str, ...]
     evaluations: int
@@ -121,14 +129,14 @@ def minimise(
     begin[free] = np.clip(begin, low, high)[free]
     natural = objective.natural_units()
     units = np.array([1.0 if p.kind == "log" else natural[p.name] for p in objective.parameters])[free]
-    remembered: list[tuple[Array, Distances]] = []
+    remembered: list[tuple[Array, Distances | PathDistances]] = []
 
     def unknowns(y: Array) -> Array:
         x = begin.copy()
         x[free] = y * units
         return x
 
-    def at(y: Array) -> Distances:
+    def at(y: Array) -> Distances | PathDistances:
         if not (remembered and np.array_equal(remembered[0][0], y)):
             remembered[:] = [(y.copy(), objective.distances(unknowns(y)))]
         return remembered[0][1]
@@ -326,8 +334,116 @@ def _linear_fit(columns: list[Array], wanted: Array) -> Array:
     return np.linalg.lstsq(matrix / size, wanted, rcond=None)[0] / size
 
 
-# ---------------------------------------------------------------------- bodies and radii
+# ---------------------------------------------------------------------- cycles
 def search(body: FittedBody, points: Points, settings: Settings) -> Minimum:
+    """The best fit to one branch, or to both of a cycle: from that to the approach on.
+
+    InputError where no curve of the body comes near the data, or where they leave the radii of its series.
+    """
+    if points.edges is None:
+        return _of_a_branch(body, points, settings)
+    ranges = {name: float(np.ptp(column)) for name, column in points.values.items()}
+    settings = replace(settings, noise=scatter(points.values, ranges) | dict(settings.noise))  # in order of recording
+    edges = set(points.edges)
+    if RECEDING not in edges:
+        return _of_a_branch(body, replace(points, edges=None), settings)
+    return _there_and_back(body, points, settings) if ADVANCING in edges else _back(body, points, settings)
+
+
+def _there_and_back(body: FittedBody, points: Points, settings: Settings) -> Minimum:
+    """The best fit to both directions, from that to the approach on."""
+    assert points.edges is not None
+    forth = replace(points.at(points.edges == ADVANCING), edges=None)
+    into = _of_a_branch(body, forth, settings.of_the_approach)
+    objective = replace(into.objective, parameters=settings.parameters, points=points)
+    values = into.objective.values(into.x) | {"a_turn": float(into.found.a.max())}
+    values["w_approach"] = values["w"]
+    shifts = np.append(0.0, np.geomspace(TUNING.least_shift, 1, TUNING.nodes // 8)) ** 2
+    natural = objective.body.family.natural_work * values["modulus"]
+    tried = [{**values, "w": values["w_approach"] + shift * natural} for shift in shifts]
+    return _settled(objective, min(tried, key=lambda values: _assigned(objective, values)[0]))
+
+
+def _back(body: FittedBody, points: Points, settings: Settings) -> Minimum:
+    """The best fit to a way back, whose edge may rest at first: with the turn only where the rows ask for one."""
+    found = _of_a_branch(body, replace(points, edges=None), settings.of_a_branch)
+    objective = replace(found.objective, parameters=settings.parameters, points=points)
+    variance = found.cost / max(len(points) - found.objective.free.size, 1)
+    order = np.argsort(points.values["P" if "P" in points.columns else "delta"])
+    for share in TUNING.shares:
+        some = np.sort(order[: round(share * len(points))])
+        with contextlib.suppress(JkrError):
+            lower = minimise(replace(found.objective, points=points.at(some)), found.x)
+            values = lower.objective.values(lower.x)
+            rested = _settled(objective, values | {"a_turn": _turn(objective, values, int(order[-1]))})
+            found = rested if found.cost - rested.cost > TUNING.asked * variance else found
+    return found
+
+
+def _turn(objective: Objective, values: Mapping[str, float], top: int) -> float:
+    """The contact radius [m] at the turn of an edge that rests at the row ``top``: as it was read, or that which its
+    load and displacement belong to."""
+    read = {name: float(column[top]) for name, column in objective.points.values.items()}
+    if "a" in read:
+        return read["a"]
+    family = objective.body.with_values({name: v for name, v in values.items() if ":" in name}).family
+    u = np.linspace(family.low, family.high, TUNING.nodes)
+    D, T, H, V = family.at(u)[0]
+    P = read["P"] - values["P0"]
+    v = (D - read["delta"] + values["delta0"] + values["compliance"] * P) / T
+    return float(np.exp(u[np.argmin(np.abs(values["modulus"] * (H - v * V) - P))]))
+
+
+def _settled(objective: Objective, values: Mapping[str, float]) -> Minimum:
+    """The minimum from ``values`` on at which each row lies on the edge that it was fitted with."""
+    parameters = objective.parameters
+    _, points, x = _assigned(objective, values)
+    for _ in range(TUNING.rounds):
+        objective = _without_idle(replace(objective, parameters=parameters, points=points))
+        found = minimise(objective, x)
+        before = points
+        _, points, x = _assigned(objective, objective.values(found.x))
+        if np.all(points.edges == before.edges):
+            break
+    return found
+
+
+def _assigned(objective: Objective, values: Mapping[str, float]) -> tuple[float, Points, Array]:
+    """The cost of these ``values``, the points with each row of the way back at rest, where on the straight line it is
+    nearest to G < w and the receding edge is not clearly nearer, else on that, and the unknowns."""
+    points, x = objective.points, np.array([p.inner(values[p.name]) for p in objective.parameters])
+    assert points.edges is not None
+    back = np.flatnonzero(points.edges > ADVANCING)
+    each = []
+    for edge in (RESTING, RECEDING):
+        edges = points.edges.copy()
+        edges[back] = edge
+        each.append(_along(objective, points, edges, x))
+    still, (off, moving) = each[0].at(RESTING), (np.sum(found.residuals**2, axis=0)[back] for found in each)
+    assert isinstance(still.readings.member, RestingMember)
+    end = math.sqrt(values["w"] / values["modulus"]) / still.readings.member.unit
+    rests = (still.u <= end) & (off < moving + TUNING.nearer)
+    edges[back] = np.where(rests, RESTING, RECEDING)
+    cost = float(np.sum(each[0].residuals ** 2) - np.sum(off) + np.sum(np.where(rests, off, moving)))
+    return cost, replace(points, edges=edges), x
+
+
+def _along(objective: Objective, points: Points, edges: Array, x: Array) -> PathDistances:
+    """The distances of the points of a cycle with these ``edges``."""
+    found = replace(objective, points=replace(points, edges=edges)).distances(x, rated=False)
+    assert isinstance(found, PathDistances)
+    return found
+
+
+def _without_idle(objective: Objective) -> Objective:
+    """The objective with what no row of a cycle tells held: w where none recedes, the turn where none rests."""
+    edges = set(objective.points.edges if objective.points.edges is not None else ())
+    idle = [name for edge, name in ((RECEDING, "w"), (RESTING, "a_turn")) if edge not in edges]
+    return objective.held(*idle)
+
+
+# ---------------------------------------------------------------------- bodies and radii
+def _of_a_branch(body: FittedBody, points: Points, settings: Settings) -> Minimum:
     """The best fit, on the body solved anew to other radii where the data ask for it and it may be.
 
     InputError where no curve of the body comes near the data, or where they leave the radii of its series.
@@ -376,7 +492,7 @@ def _check_reach(body: FittedBody, least: float, reach: float) -> None:
     above = reach > high * TUNING.past_end
     if low / TUNING.past_end <= least and not above:
         return
-    end, remedy = (high, "load further") if above else (low, "begin at smaller radii")
+    end, remedy = (high, "increase [loading] radius") if above else (low, "begin at smaller radii")
     raise InputError(
         f"the data reach contact radii of {show(least, 'length')} to {show(reach, 'length')}, the series ends at "
         f"{show(end, 'length')}: {remedy}, or fit with the case file; or units or signs are wrong"

@@ -21,9 +21,10 @@ ConfidenceName = Literal["covariance", "profile", "bootstrap"]
 BaseLineName = Literal["straight", "sine"]
 DIMENSIONS = {"modulus": "number", "w": "work", "delta0": "length", "P0": "load", "compliance": "number",
               "drift": "speed", "range": "length", "stress": "modulus"}  # fmt: skip
+OF_A_CYCLE = {"w_approach": "work", "a_turn": "length"}  # added where both directions are fitted; a_turn: radius there
 RANGES = ("range", "stress")  # one of them: adhesion of finite range; neither: JKR
 KINDS: dict[str, Kind] = {"modulus": "log", "w": "positive", "delta0": "linear", "P0": "linear", "compliance": "linear",
-                          "drift": "linear"}  # fmt: skip
+                          "drift": "linear", "w_approach": "positive"}  # fmt: skip
 CALIBRATED = ("stiffness", "sensitivity")  # of a device, relative: what its loads are made from
 OF_A_LAYER = {"E": "modulus", "h": "length", "nu": "number"}
 USUALLY_FREE = ("modulus", "w", "delta0")
@@ -76,7 +77,7 @@ class Parameter:
     @property
     def of_body(self) -> bool:
         """Whether the body must be solved anew when it changes."""
-        return self.name not in DIMENSIONS
+        return ":" in self.name
 
     def inner(self, value: float) -> float:
         """The optimiser's unknown for ``value``."""
@@ -100,7 +101,7 @@ AS_IN_THE_CASE = {"modulus": 1.0, "delta0": 0.0, "P0": 0.0, "compliance": 0.0}
 
 def dimension_of(name: str) -> str:
     """The dimension of a parameter of the model, or of "E:layer", "h:layer", "nu:layer"."""
-    return DIMENSIONS.get(name) or OF_A_LAYER[name.partition(":")[0]]
+    return (DIMENSIONS | OF_A_CYCLE).get(name) or OF_A_LAYER[name.partition(":")[0]]
 
 
 @dataclass(frozen=True)
@@ -139,7 +140,8 @@ class Settings:
         object.__setattr__(self, "given", given)
         if "w" not in given:
             raise InputError("fit: w must be free or fixed at a value")
-        left_out = (Parameter(name, False, value) for name, value in AS_IN_THE_CASE.items() if name not in given)
+        named = {parameter.name for parameter in self.parameters}
+        left_out = (Parameter(name, False, value) for name, value in AS_IN_THE_CASE.items() if name not in named)
         object.__setattr__(self, "parameters", (*self.parameters, *left_out))
         if not 0.5 <= self.level < 1:
             raise InputError(f"fit: the confidence level must be between 0.5 and 1, got {self.level:g}")
@@ -174,6 +176,24 @@ class Settings:
         """Whether the zero of the displacement drifts, free or at a known speed."""
         return self.parameter("drift") is not None
 
+    def of_a_cycle(self, both: bool) -> Settings:
+        """The same of a way back, whose radius at the turn is free too, or of ``both`` directions with w of the
+        approach; where w is fixed at 0, so is that."""
+        w = self._known("w")
+        approach = Parameter("w_approach", w.free or w.value != 0, 0.0 if w.value == 0 and not w.free else None)
+        return replace(self, parameters=(*self.parameters, *[approach] * both, Parameter("a_turn", True)))
+
+    @property
+    def of_a_branch(self) -> Settings:
+        """The same of one branch, whose edge moves all the time."""
+        return replace(self, parameters=tuple(p for p in self.parameters if p.name not in OF_A_CYCLE))
+
+    @property
+    def of_the_approach(self) -> Settings:
+        """From those of both directions those of the approach alone, whose w is that of the approach."""
+        approach = replace(self._known("w_approach"), name="w")
+        return replace(self, parameters=(approach, *(p for p in self.of_a_branch.parameters if p.name != "w")))
+
     @property
     def without_range(self) -> Settings:
         """The same of JKR."""
@@ -182,6 +202,10 @@ class Settings:
     @property
     def free(self) -> tuple[Parameter, ...]:
         return tuple(parameter for parameter in self.parameters if parameter.free)
+
+    def _known(self, name: str) -> Parameter:
+        """The parameter called ``name``, which is there."""
+        return next(parameter for parameter in self.parameters if parameter.name == name)
 
     def parameter(self, name: str) -> Parameter | None:
         """The parameter called ``name``, None where it plays no part."""

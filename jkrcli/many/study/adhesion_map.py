@@ -9,9 +9,10 @@ DMT: those of adhesion are; JKR: they are many times the range; else Maugis' tra
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -20,14 +21,17 @@ from ...adhesion.finite_range import FiniteRangeBody, FiniteRangeCurve
 from ...adhesion.law import Range
 from ...adhesion.slopes.choice import slopes
 from ...base.arrays import Array
-from ...base.errors import InputError, JkrError, SolveError
-from ...base.executors import Pool, in_order
+from ...base.errors import JkrError, SolveError
+from ...base.units import Ranged
 from ...bodies.indenters import Paraboloid
-from ...bodies.materials import Elastic
-from ...bodies.problem import Layer, Loading, Problem, Rigid, Specimen
+from ...bodies.problem import Loading, Problem, Specimen
 from ...methods.attraction import AttractedBody
 from ...methods.layered.layered import Layered
 from ...series import Series
+from .maps import BASE, POISSON, Axis, Columns, Map, Values, Work, layer, rows, within
+
+if TYPE_CHECKING:
+    from ...report.plots import Figure
 
 
 @dataclass(frozen=True)
@@ -50,69 +54,34 @@ TUNING = ZoneTuning()
 ZONES = ("Hertz", "JKR", "Maugis", "DMT", "rigid")
 
 
-@dataclass(frozen=True, eq=False)
-class AdhesionMap:
-    """Arrays (loads, mus): ``a`` over h, ``adhesive`` = delta_a and ``elastic`` = delta_H, both over the range,
-    ``share`` = (P_H - P)/P_H; ``zone``: index in ``ZONES``."""
-
-    nu: float
-    base: str
-    q: float
-    mus: Array
-    loads: Array
-    a: Array
-    adhesive: Array
-    elastic: Array
-    share: Array
-
-    @property
-    def zone(self) -> Array:
-        small, rigid = self.adhesive <= TUNING.little, np.maximum(self.elastic, self.adhesive) <= TUNING.little
-        inside = np.where(self.adhesive >= TUNING.many, 1, np.where(rigid, 4, np.where(small, 3, 2)))
-        found: Array = np.where(self.share <= TUNING.little, 0, inside)
-        return found
-
-    def columns(self) -> dict[str, Array]:
-        """The columns of the table by name, a row for each load and range."""
-        mu, load = np.meshgrid(self.mus, self.loads)
-        same = {"nu": self.nu, "base": self.base, "w_R2_over_Estar_h3": self.q}
-        told = {"mu": mu, "load_over_pi_w_R": load, "a_over_h": self.a, "adhesive_over_range": self.adhesive,
-                "elastic_over_range": self.elastic, "adhesive_share": self.share}  # fmt: skip
-        fixed = {name: np.full(mu.size, value) for name, value in same.items()}
-        zone = np.array(ZONES)[self.zone].ravel()
-        return fixed | {name: values.ravel() for name, values in told.items()} | {"zone": zone}
-
-
-def adhesion_map(
-    nu: float, bonded: bool, q: float, mus: Sequence[float], loads: Sequence[float], pool: Pool | None = None
-) -> AdhesionMap:
-    """The map of one layer on a rigid base with q = w R^2/(E* h^3), in units of h = R = 1 m, E* = 1 Pa.
-
-    ``pool`` works on the ranges (default: this process).
-    """
-    _within("mu", mus, TUNING.least_mu, TUNING.largest_mu)
-    _within("load", loads, 1 / TUNING.largest_load, TUNING.largest_load)
-    sorted_mus, sorted_loads = np.unique(mus), np.unique(loads)
-    specimen = Specimen((Layer(Elastic(1 - nu**2, nu), 1.0),), Rigid(bonded))
-    unit = math.pi * q
-    problem, series = _reaching(specimen, q, TUNING.beyond * float(sorted_loads[-1]) * unit)
+def _work(values: Values) -> Work:
+    """One body serves all ranges, in units of h = R = 1 m, E* = 1 Pa."""
+    q = values["q"]
+    problem, series = _reaching(
+        layer(values["nu"], values["base"] == "bonded"), q, TUNING.beyond * values["load"][-1] * math.pi * q
+    )
     body = FiniteRangeBody(problem, series, AttractedBody(problem))
-    rows = in_order(pool, partial(_row, body, nu, q, sorted_loads * unit), sorted_mus.tolist(), "adhesion map")
-    base = "bonded" if bonded else "frictionless"
-    return AdhesionMap(nu, base, q, sorted_mus, sorted_loads, *np.moveaxis(np.array(rows), 1, 0).swapaxes(1, 2))
+    return partial(_row, body, values), values["mu"]
 
 
-def forecast(mus: Sequence[float]) -> float:
-    """CPU seconds that the map takes."""
-    return TUNING.per_mu * len(mus)
-
-
-def _row(body: FiniteRangeBody, nu: float, q: float, loads: Array, mu: float) -> Array:
-    """What ``_carried`` finds of one range on a ``body``."""
+def _row(body: FiniteRangeBody, values: Values, mu: float) -> Columns:
+    """The contacts of one range on a ``body`` that carry the loads: a over h, ``adhesive`` = delta_a and ``elastic`` =
+    delta_H, both over the range, ``share`` = (P_H - P)/P_H, and which model holds."""
+    nu, q, loads = values["nu"], values["q"], np.array(values["load"])
     try:
-        return _carried(body.curve(Range.of(q, stress=mu * q ** (1 / 3))), loads)
+        a, adhesive, elastic, share = _carried(body.curve(Range.of(q, stress=mu * q ** (1 / 3))), loads * math.pi * q)
     except JkrError as error:
         raise SolveError(f"adhesion map: nu = {nu:g}, q = {q:g}, mu = {mu:g}: {error}") from None
+    return rows(nu=nu, base=values["base"], w_R2_over_Estar_h3=q, mu=mu, load_over_pi_w_R=loads, a_over_h=a,
+                adhesive_over_range=adhesive, elastic_over_range=elastic, adhesive_share=share,
+                zone=np.array(ZONES)[_zone(adhesive, elastic, share)])  # fmt: skip
+
+
+def _zone(adhesive: Array, elastic: Array, share: Array) -> Array:
+    """Which of ``ZONES`` a contact lies in (Johnson and Greenwood)."""
+    small, rigid = adhesive <= TUNING.little, np.maximum(elastic, adhesive) <= TUNING.little
+    inside = np.where(adhesive >= TUNING.many, 1, np.where(rigid, 4, np.where(small, 3, 2)))
+    return np.where(share <= TUNING.little, 0, inside)
 
 
 def _reaching(specimen: Specimen, w: float, load: float) -> tuple[Problem, Series]:
@@ -139,6 +108,44 @@ def _carried(curve: FiniteRangeCurve, loads: Array) -> Array:
     return np.stack([a, adhesive, elastic, lost / plain])
 
 
-def _within(name: str, values: Sequence[float], low: float, high: float) -> None:
-    if not values or not (low <= min(values) and max(values) <= high):
-        raise InputError(f"{name}: must be between {low:g} and {high:g}, got {[float(v) for v in values]}")
+def _shown(columns: Columns) -> Iterator[str]:
+    """A line for each load, a letter for each range."""
+    yield "  load over pi w R | mu: " + ", ".join(f"{mu:.3g}" for mu in np.unique(columns["mu"]))
+    for load in np.unique(columns["load_over_pi_w_R"])[::-1]:
+        row = columns["zone"][columns["load_over_pi_w_R"] == load]
+        yield f"  {load:>16.3g} | {''.join(zone[0] for zone in row)}"
+    yield "  " + ", ".join(f"{zone[0]}: {zone}" for zone in ZONES)
+
+
+def _figure(columns: Columns) -> Figure:
+    from ...report.plots.maps import zones_figure
+
+    return zones_figure(columns, ZONES)
+
+
+MAP = Map(
+    "adhesion",
+    """Map which model of adhesion holds for a paraboloid on a layer on a rigid base: Hertz, JKR, DMT, rigid bodies, or
+    the transition that needs a finite range.
+
+    After Johnson and Greenwood: 5 % is little, 20 times the range is far. Writes adhesion-map.csv, .png and .svg.
+
+    \b
+    jkr study adhesion-map --nu 0.499 --q 100 -o map
+    """,
+    {
+        "nu": Axis(0.499, "", POISSON, several=False),
+        "base": BASE,
+        "q": Axis(1.0, "w R^2/(E* h^3); 1e-4: a half-space.", Ranged("number", above=0), several=False),
+        "mu": Axis(tuple(np.geomspace(0.02, 50, 29).tolist()), "Values of stress (R/(E*^2 w))^(1/3)",
+                   within(TUNING.least_mu, TUNING.largest_mu), "29 from 0.02 to 50"),
+        "load": Axis(tuple(np.geomspace(0.1, 100, 31).tolist()), "Loads over pi w R",
+                      within(1 / TUNING.largest_load, TUNING.largest_load), "31 from 0.1 to 100"),
+    },
+    _work,
+    lambda values: TUNING.per_mu * len(values["mu"]),
+    "{base} layer on a rigid base, paraboloid, nu = {nu:g}, w R^2/(E* h^3) = {q:g}: what holds",
+    _shown,
+    _figure,
+    order="load_over_pi_w_R",
+)  # fmt: skip

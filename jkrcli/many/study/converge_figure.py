@@ -67,8 +67,8 @@ def cost_panel(study: Convergence) -> Panel:
     unknowns = _unknowns(study)
     kept = np.array([level.kept for level in study.levels], dtype=float)
     seconds = np.array([level.seconds for level in study.levels])
-    lines = [Line(unknowns, kept, "points kept", "o-", ORANGE), Line(unknowns, seconds, "CPU seconds", "s--", BLUE)]
-    return Panel(UNKNOWNS, "number, seconds", lines, logs="xy")
+    points, time = Line(unknowns, kept, "points kept", "o-", ORANGE), Line(unknowns, seconds, "CPU time", "s--", BLUE)
+    return Panel(UNKNOWNS, "points kept", [points], logs="xy", right=("CPU time (s)", time))
 
 
 def _unknowns(study: Convergence) -> Array:

@@ -8,9 +8,10 @@ Nearly incompressible layers rise above 2 and come back to it (nu = 0.45: 2.105 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from functools import partial
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,16 +20,18 @@ from ...adhesion.curve import AdhesiveCurve
 from ...adhesion.device import LOAD_CONTROL
 from ...adhesion.nonadhesive import Nonadhesive
 from ...adhesion.slopes.choice import slopes
-from ...base.arrays import Array
-from ...base.errors import InputError, SolveError
-from ...base.executors import Pool, in_order
+from ...base.errors import SolveError
+from ...base.units import Ranged
 from ...base.unknown import Unknown
 from ...bodies.indenters import Paraboloid
-from ...bodies.materials import Elastic
-from ...bodies.problem import Layer, Loading, Problem, Rigid, Specimen
+from ...bodies.problem import Loading, Problem
 from ...formulas.surface_tension import wetting_radius
 from ...methods.layered.layered import Layered
 from ...series import Series
+from .maps import BASE, POISSON, SHOWN_NU, SHOWN_Q, Axis, Columns, Map, Q, Values, Work, layer, rows, within
+
+if TYPE_CHECKING:
+    from ...report.plots import Figure
 
 
 @dataclass(frozen=True)
@@ -41,89 +44,48 @@ class MapTuning:
     largest: float = 1e7  # choice: q, where a/h at pull-off is 90
     per_nu: float = 4e-3  # CPU seconds; tuned on maps of 30 and 300 ratios of Poisson, by `make guards`
     per_tense: float = 0.3  # CPU seconds of a q under surface tension; tuned on maps of 30, by `make guards`
-    most_beta: float = 100.0  # choice: beyond, pull-off is pi w R within 1e-4
     per_point: float = 1e-3  # CPU seconds of a q; tuned on maps of 1000, by `make guards`
 
 
 TUNING = MapTuning()
 
 
-@dataclass(frozen=True)
-class MapPoint:
-    """One point of the map: ``force`` = -P_min/(pi w R), ``a_over_h`` and ``delta_R_over_h2`` at pull-off."""
-
-    nu: float
-    base: str
-    q: float
-    force: float
-    a_over_h: float
-    delta_R_over_h2: float
+LIMITS = {1.5: "thick: 3/2", 2.0: "thin, compressible: 2", 3.0: "thin, incompressible: 3"}
 
 
-def pull_off_map(
-    nus: Iterable[float], bonded: bool, qs: Sequence[float], pool: Pool | None = None, beta: float = 0.0
-) -> list[MapPoint]:
-    """The points of the map for each Poisson's ratio and each q (any order, repeated ones once), by exact slopes.
-
-    One unit series per Poisson's ratio serves every q, unless the surface has the tension Ups = ``beta`` E* a0, a0 =
-    (w R^2/E*)^(1/3); ``pool`` works on them (default: this process).
-    Errors: InputError for q outside the range or nu not allowed.
-    """
-    wanted = sorted(set(qs))
-    if not wanted or not (wanted[0] >= TUNING.least and wanted[-1] <= TUNING.largest):
-        raise InputError(
-            f"q: must be between {TUNING.least:g} and {TUNING.largest:g}, got {', '.join(f'{q:g}' for q in qs)}"
-        )
-    if not 0 <= beta <= TUNING.most_beta:
-        raise InputError(f"beta: must be between 0 and {TUNING.most_beta:g}, got {beta:g}")
-    columns = in_order(pool, partial(_column, bonded, wanted, beta), list(dict.fromkeys(nus)), "pull-off map")
-    return [point for column in columns for point in column]
+def _work(values: Values) -> Work:
+    """One unit series per Poisson's ratio serves every q, without surface tension."""
+    if beta := values["beta"]:
+        return partial(_under_tension, values["base"], values["q"], beta), values["nu"]
+    return partial(_points, values["base"], values["q"]), values["nu"]
 
 
-def forecast(nus: Sequence[float], qs: Sequence[float], beta: float = 0.0) -> float:
-    """CPU seconds that the map takes."""
-    return len(nus) * (TUNING.per_nu + (TUNING.per_tense if beta else TUNING.per_point) * len(qs))
+def _under_tension(base: str, qs: Sequence[float], beta: float, nu: float) -> Columns:
+    """The points of one Poisson's ratio under the surface tension beta E* a0, a0 = (w R^2/E*)^(1/3)."""
+    parts = [_points(base, [q], nu, beta * q ** (1 / 3)) for q in qs]
+    return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 
 
-def map_columns(points: Sequence[MapPoint]) -> dict[str, Array]:
-    """The columns of the table by name."""
-    return {
-        "nu": np.array([point.nu for point in points]),
-        "base": np.array([point.base for point in points]),
-        "w_R2_over_Estar_h3": np.array([point.q for point in points]),
-        "minus_P_over_pi_w_R": np.array([point.force for point in points]),
-        "a_over_h": np.array([point.a_over_h for point in points]),
-        "delta_R_over_h2": np.array([point.delta_R_over_h2 for point in points]),
-        "solved_by": np.full(len(points), f"jkr {__version__} layered"),
-    }
-
-
-def _column(bonded: bool, qs: Sequence[float], beta: float, nu: float) -> list[MapPoint]:
+def _points(base: str, qs: Sequence[float], nu: float, tension: float = 0.0) -> Columns:
     """The points of one Poisson's ratio, in units of h = R = 1 m, E* = 1 Pa.
 
     The paraboloid's problem is linear in R, so that no small strain is needed.
     """
-    if beta:
-        return [point for q in qs for point in _points(nu, bonded, [q], beta * q ** (1 / 3))]
-    return _points(nu, bonded, qs, 0.0)
-
-
-def _points(nu: float, bonded: bool, qs: Sequence[float], tension: float) -> list[MapPoint]:
-    series = _unit_series(nu, bonded, qs, tension)
+    series = _unit_series(nu, base == "bonded", qs, tension)
     body = Nonadhesive(series, slopes(series, "exact"))
-    return [_point(nu, bonded, q, AdhesiveCurve(body, q)) for q in qs]
+    q, P, a, delta = np.transpose([_pull_off(nu, q, AdhesiveCurve(body, q)) for q in qs])
+    return rows(nu=nu, base=base, w_R2_over_Estar_h3=q, minus_P_over_pi_w_R=-P / (math.pi * q), a_over_h=a,
+                delta_R_over_h2=delta, solved_by=f"jkr {__version__} layered")  # fmt: skip
 
 
-def _point(nu: float, bonded: bool, q: float, curve: AdhesiveCurve) -> MapPoint:
+def _pull_off(nu: float, q: float, curve: AdhesiveCurve) -> tuple[float, float, float, float]:
     point = curve.pull_off(LOAD_CONTROL)
     if isinstance(point, Unknown):
         raise SolveError(f"pull-off map: nu = {nu:g}, q = {q:g}: {point.reason}")
-    base = "bonded" if bonded else "frictionless"
-    return MapPoint(nu, base, q, -point.P / (math.pi * q), point.a, point.delta)
+    return q, point.P, point.a, point.delta
 
 
 def _unit_series(nu: float, bonded: bool, qs: Sequence[float], tension: float) -> Series:
-    material = Elastic(1 - nu**2 if -1 < nu <= 0.5 else 1.0, nu)
     # From well below to well above a/h at pull-off: (9 pi q/8)^(1/3) for thick layers, for thin ones between
     # (96 q)^(1/6) and (384 q)^(1/6) where they are incompressible, and up to (8 q)^(1/4).
     thick = [(9 * math.pi * q / 8) ** (1 / 3) for q in (qs[0], qs[-1])]
@@ -132,5 +94,42 @@ def _unit_series(nu: float, bonded: bool, qs: Sequence[float], tension: float) -
         low = min(low, 0.5 * wetting_radius(1.0, qs[0], tension))
     count = max(8, math.ceil(TUNING.per_decade * math.log10(high / low)))
     radii = tuple(float(a) for a in np.geomspace(low, high, count))
-    specimen = Specimen((Layer(material, 1.0),), Rigid(bonded), surface_tension=tension)
-    return Layered(TUNING.tolerance)(Problem(Paraboloid(1.0), specimen, Loading.given("radius", radii))).series
+    specimen = replace(layer(nu, bonded), surface_tension=tension)
+    problem = Problem(Paraboloid(1.0), specimen, Loading.given("radius", radii))
+    return Layered(TUNING.tolerance)(problem).series
+
+
+def _figure(columns: Columns) -> Figure:
+    from ...report.plots.maps import Panel, lines_figure
+
+    title = f"layer on a rigid base, {columns['base'][0]}"
+    panel = Panel("minus_P_over_pi_w_R", "pull-off force / (π w R)", title, LIMITS, (1.4, 3.15))
+    return lines_figure(columns, (Q, "w R² / (E* h³)"), [panel], {"nu": "ν = {:g}".format})
+
+
+MAP = Map(
+    "pull-off",
+    """Map the pull-off force of a paraboloid on a layer on a rigid base, in pi w R, over w R^2/(E* h^3).
+
+    Exact slopes throughout. Writes pull-off-map.csv, .png and .svg.
+
+    \b
+    jkr study pull-off-map --nu 0.3 --nu 0.5 -o map
+    jkr study pull-off-map --nu 0.45 --q 0.02 --base frictionless
+    """,
+    {
+        "nu": Axis((0.3, 0.499), "Repeatable.", POISSON, family=True),
+        "base": BASE,
+        "q": Axis(tuple((10.0 ** (np.arange(-12, 17) / 4)).tolist()), "Values of w R^2/(E* h^3)",
+                  within(TUNING.least, TUNING.largest), "1e-3 to 1e4"),
+        "beta": Axis(0.0, "Surface tension over E* (w R^2/E*)^(1/3).", Ranged("number", least=0, most=100),
+                     several=False),
+    },
+    _work,
+    lambda values: len(values["nu"]) * (
+        TUNING.per_nu + (TUNING.per_tense if values["beta"] else TUNING.per_point) * len(values["q"])
+    ),
+    "{base} layer on a rigid base, paraboloid: pull-off force in pi w R",
+    [SHOWN_NU, SHOWN_Q, ("minus_P_over_pi_w_R", "force", "8.4f"), ("a_over_h", "a/h", "9.4g")],
+    _figure,
+)  # fmt: skip

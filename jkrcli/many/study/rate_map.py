@@ -7,27 +7,31 @@ The device goes back from equilibrium at no load.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
+from itertools import product
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ...adhesion.curve import AdhesiveCurve
 from ...adhesion.nonadhesive import Nonadhesive
 from ...adhesion.rate.history import RateContact
-from ...adhesion.rate.laws import RateLaw
+from ...adhesion.rate.laws import rate_law_of
 from ...adhesion.rate.program import Program
 from ...adhesion.slopes.choice import slopes
-from ...base.arrays import Array
-from ...base.errors import InputError, SolveError
-from ...base.executors import Pool, in_order
+from ...base.errors import SolveError
+from ...base.units import Ranged
 from ...base.unknown import known
 from ...bodies.indenters import Paraboloid
 from ...bodies.materials import Elastic
 from ...bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from ...methods.closed_form.method import ClosedForm
 from ...methods.layered.layered import Layered
+from .maps import POISSON, Axis, Columns, Map, Values, Work, rows
+
+if TYPE_CHECKING:
+    from ...report.plots import Figure
 
 
 @dataclass(frozen=True)
@@ -42,67 +46,30 @@ class RateMapTuning:
 
 
 TUNING = RateMapTuning()
+POSITIVE = Ranged("number", above=0)
 
 
-@dataclass(frozen=True)
-class RatePoint:
-    """One point: ``thickness`` of the layer in radii (infinite: half-space), ``stiffness`` of the device in E* R,
-    ``speed`` in v0, ``force`` = -P_min/(pi w0 R), ``energy`` dissipated at the edge over w0 times the area at no load,
-    ``error`` relative, of the force."""
-
-    thickness: float
-    stiffness: float
-    speed: float
-    force: float
-    energy: float
-    error: float
+def _work(values: Values) -> Work:
+    return partial(_points, values), list(dict.fromkeys([math.inf, *values["thickness"]]))
 
 
-def rate_map(
-    law: RateLaw, thicknesses: Sequence[float], nu: float, stiffnesses: Sequence[float], speeds: Sequence[float],
-    pool: Pool | None = None,
-) -> list[RatePoint]:  # fmt: skip
-    """The points for each body, stiffness and speed; InputError where a number is not > 0."""
-    for name, values in (("speed", speeds), ("stiffness", stiffnesses), ("thickness", thicknesses)):
-        for value in values:
-            if not value > 0:
-                raise InputError(f"rate map: {name} must be > 0, got {value:g}")
-    bodies = list(dict.fromkeys([math.inf, *thicknesses]))
-    found = in_order(pool, partial(_body_points, law, nu, stiffnesses, speeds), bodies, "rate map")
-    return [point for points in found for point in points]
+def _points(values: Values, thickness: float) -> Columns:
+    """The points of one body, a layer of this ``thickness`` in radii (infinite: the half-space), over stiffness [E* R]
+    and speed [v0] of the device: energy dissipated at the edge over w0 times the area at no load, relative error of the
+    force."""
+    body, a = _body(thickness, values["nu"])
+    devices = list(product(values["stiffness"], values["speed"]))
+    k, V = np.transpose(devices)
+    force, energy, error = np.transpose([_point(body, a, values["rate"], *device) for device in devices])
+    return rows(h_over_R=thickness, k_over_Estar_R=k, V_over_v0=V, minus_P_over_pi_w0_R=force,
+                dissipated_over_w0_pi_a2=energy, P_relative_error=error)  # fmt: skip
 
 
-def forecast(thicknesses: Sequence[float], stiffnesses: Sequence[float], speeds: Sequence[float]) -> float:
-    """CPU seconds that the map takes."""
-    return TUNING.per_point * (1 + len(thicknesses)) * len(stiffnesses) * len(speeds)
-
-
-def rate_columns(points: Sequence[RatePoint]) -> dict[str, Array]:
-    """The columns of the table by name."""
-    return {
-        "h_over_R": np.array([point.thickness for point in points]),
-        "k_over_Estar_R": np.array([point.stiffness for point in points]),
-        "V_over_v0": np.array([point.speed for point in points]),
-        "minus_P_over_pi_w0_R": np.array([point.force for point in points]),
-        "dissipated_over_w0_pi_a2": np.array([point.energy for point in points]),
-        "P_relative_error": np.array([point.error for point in points]),
-    }
-
-
-def _body_points(
-    law: RateLaw, nu: float, stiffnesses: Sequence[float], speeds: Sequence[float], thickness: float
-) -> list[RatePoint]:
-    body, unloaded = _body(thickness, nu)
-    return [_point(body, unloaded, law, thickness, k, V) for k in stiffnesses for V in speeds]
-
-
-def _point(body: Nonadhesive, a: float, law: RateLaw, thickness: float, stiffness: float, speed: float) -> RatePoint:
+def _point(body: Nonadhesive, a: float, law: Any, stiffness: float, speed: float) -> tuple[float, float, float]:
     contact = RateContact(body, law, 1.0, 1.0, stiffness)
     x = float(contact.edge.held_at(np.array(a), 1.0))
     found = contact.history(Program(np.array([0.0]), np.array([x]), -speed), a)
-    error = known(found.error["P"])
-    energy = found.dissipated / (math.pi * a**2)
-    return RatePoint(thickness, stiffness, speed, -found.pull_off.P / math.pi, energy, error or 0.0)
+    return -found.pull_off.P / math.pi, found.dissipated / (math.pi * a**2), known(found.error["P"]) or 0.0
 
 
 def _body(thickness: float, nu: float) -> tuple[Nonadhesive, float]:
@@ -121,3 +88,49 @@ def _body(thickness: float, nu: float) -> tuple[Nonadhesive, float]:
     if not radii:
         raise SolveError(f"rate map: no equilibrium without load on a layer of h = {thickness:g} R")
     return body, radii[-1]
+
+
+def _stiffness(text: Any) -> float:
+    try:
+        return math.inf if text == "rigid" else POSITIVE.read(text)
+    except ValueError:
+        raise ValueError(f'must be a number > 0 in E* R, or "rigid", got "{text}"') from None
+
+
+def _figure(columns: Columns) -> Figure:
+    from ...report.plots.maps import Panel, lines_figure
+
+    panels = [Panel("minus_P_over_pi_w0_R", "pull-off force −P/(π w0 R)", logs="xy"),
+              Panel("dissipated_over_w0_pi_a2", "energy lost at the edge/(w0 π a²)", logs="xy")]  # fmt: skip
+    return lines_figure(columns, ("V_over_v0", "speed of the device V/v0"), panels, {
+        "h_over_R": lambda h: "half-space" if math.isinf(h) else f"h = {h:g} R",
+        "k_over_Estar_R": lambda k: "rigid" if math.isinf(k) else f"k = {k:g} E*R",
+    })  # fmt: skip
+
+
+MAP = Map(
+    "rate",
+    """Map pull-off force and energy lost over the device's speed, its stiffness and the body.
+
+    A paraboloid with E* = R = w0 = v0 = 1 goes back from equilibrium at no load: on a half-space, and beside it on
+    bonded layers of the given thickness (in R). Writes rate-map.csv, .png and .svg.
+
+    \b
+    jkr study rate-map --rate n=0.6 --thickness 0.3 -o map
+    jkr study rate-map --rate law=log,b=0.3 --stiffness rigid --speed 0.01 --speed 1
+    """,
+    {
+        "rate": Axis({"n": "0.6"}, "The law in units of w0 and v0: n=0.6; law=log,b=0.3.", several=False,
+                     read=lambda given: rate_law_of({"v0": 1.0} | given, "--rate")),
+        "thickness": Axis((0.3,), "Of a bonded layer on a rigid base, in R; repeatable.", POSITIVE, family=True),
+        "nu": Axis(0.3, "Poisson's ratio of the layers.", POISSON, several=False),
+        "stiffness": Axis(("rigid", "1"), 'Of the device, in E* R; "rigid"; repeatable.', family=True, read=_stiffness),
+        "speed": Axis(tuple(10.0 ** (i / 2) for i in range(-8, 5)), "Of the device, in v0", POSITIVE, "1e-4 to 100"),
+    },
+    _work,
+    lambda values: TUNING.per_point * (1 + len(values["thickness"])) * len(values["stiffness"]) * len(values["speed"]),
+    "paraboloid, E* = R = w0 = v0 = 1: pull-off force in pi w0 R, energy in w0 pi a^2 at no load",
+    [("h_over_R", "h/R", "8.3g"), ("k_over_Estar_R", "k/(E* R)", "9.3g"), ("V_over_v0", "V/v0", "10.4g"),
+     ("minus_P_over_pi_w0_R", "force", "9.4f"), ("dissipated_over_w0_pi_a2", "energy", "9.4g")],
+    _figure,
+)  # fmt: skip

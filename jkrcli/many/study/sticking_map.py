@@ -2,21 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ... import __version__
 from ...base.arrays import Array
-from ...base.errors import InputError
-from ...base.executors import Pool, in_order
 from ...bodies.indenters import Paraboloid
 from ...bodies.materials import Elastic
 from ...bodies.problem import Layer, Loading, Problem, Rigid, Specimen
 from ...methods.layered.layered import Layered
 from ...series import Series
+from .maps import POISSON, SHOWN_NU, Axis, Columns, Map, Values, Work, rows, within
+
+if TYPE_CHECKING:
+    from ...report.plots import Figure
 
 
 @dataclass(frozen=True)
@@ -35,29 +38,10 @@ class StickingMapTuning:
 TUNING = StickingMapTuning()
 
 
-def sticking_map(nus: Iterable[float], ratios: Sequence[float], pool: Pool | None = None) -> dict[str, Array]:
-    """Columns of the map: for each Poisson's ratio and each a/h the ratio of S at that radius and that of the load at
-    the depth where the sliding contact has that radius. ``pool`` works on the Poisson's ratios (default: this process).
-
-    Errors: InputError for an a/h outside the range.
-    """
-    wanted = np.array(sorted(set(ratios)))
-    if not wanted.size or not TUNING.least <= wanted[0] <= wanted[-1] <= TUNING.largest:
-        shown = ", ".join(f"{ratio:g}" for ratio in ratios)
-        raise InputError(f"a/h: must be between {TUNING.least:g} and {TUNING.largest:g}, got {shown}")
-    each = list(dict.fromkeys(nus))
-    rows = np.concatenate(in_order(pool, partial(_rows, wanted), each, "sticking map"), axis=1)
-    columns = dict(zip(("nu", "a_over_h", "S_ratio", "load_ratio"), rows, strict=True))
-    return columns | {"solved_by": np.full(rows.shape[1], f"jkr {__version__} layered")}
-
-
-def forecast(nus: Sequence[float], ratios: Sequence[float]) -> float:
-    """CPU seconds that the map takes."""
-    return len(nus) * (TUNING.per_nu + TUNING.per_point * len(ratios))
-
-
-def _rows(wanted: Array, nu: float) -> Array:
-    """nu, a/h, and both ratios of one Poisson's ratio (4, n), in units of h = R = 1 m, E = 1 Pa."""
+def _rows(ratios: Sequence[float], nu: float) -> Columns:
+    """For each a/h the ratio of S at that radius and that of the load at the depth where the sliding contact has that
+    radius, in units of h = R = 1 m, E = 1 Pa."""
+    wanted = np.array(ratios)
     decades = np.log10(TUNING.beyond * wanted[-1] / wanted[0])
     radii = np.geomspace(wanted[0], TUNING.beyond * wanted[-1], max(int(TUNING.per_decade * decades), 8))
     radii = np.unique(np.concatenate([radii, wanted]))
@@ -66,7 +50,8 @@ def _rows(wanted: Array, nu: float) -> Array:
     assert sliding.S is not None
     assert sticking.S is not None
     load = _load_at(sticking, sliding.delta[at]) / sliding.P[at]
-    return np.array([np.full(wanted.size, nu), wanted, sticking.S[at] / sliding.S[at], load])
+    return rows(nu=nu, a_over_h=wanted, S_ratio=sticking.S[at] / sliding.S[at], load_ratio=load,
+                solved_by=f"jkr {__version__} layered")  # fmt: skip
 
 
 def _series(nu: float, radii: Array, sticks: bool) -> Series:
@@ -80,3 +65,39 @@ def _load_at(series: Series, depth: Array) -> Array:
 
     ends = np.log(series.delta), np.log(series.P)
     return np.exp(PchipInterpolator(*ends, extrapolate=True)(np.log(depth)))
+
+
+def _figure(columns: Columns) -> Figure:
+    from ...report.plots.maps import Panel, lines_figure
+
+    titles = {"S_ratio": "S at equal radius", "load_ratio": "load at equal depth"}
+    panels = [Panel(name, "sticking / sliding", title) for name, title in titles.items()]
+    return lines_figure(columns, ("a_over_h", "a / h"), panels, {"nu": "ν = {:g}".format})
+
+
+def _work(values: Values) -> Work:
+    return partial(_rows, values["ratio"]), values["nu"]
+
+
+MAP = Map(
+    "sticking",
+    """Map what sticking changes under a paraboloid on a layer that is bonded to a rigid base, over a/h.
+
+    S at equal contact radius, and the load at the depth where the sliding contact has that radius; sticking over
+    sliding. Writes sticking-map.csv, .png and .svg.
+
+    \b
+    jkr study sticking-map -o map
+    jkr study sticking-map --nu 0.499 --ratio 3.333
+    """,
+    {
+        "nu": Axis((0.0, 0.3, 0.45, 0.49, 0.499, 0.5), "Repeatable.", POISSON, family=True),
+        "ratio": Axis((0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 10 / 3, 5.0, 10.0), "Values of a/h",
+                      within(TUNING.least, TUNING.largest), "0.05 to 10"),
+    },
+    _work,
+    lambda values: len(values["nu"]) * (TUNING.per_nu + TUNING.per_point * len(values["ratio"])),
+    "paraboloid on a bonded layer: sticking over sliding",
+    [SHOWN_NU, ("a_over_h", "a/h", "8.4g"), ("S_ratio", "S", "8.4f"), ("load_ratio", "load at equal depth", "20.4f")],
+    _figure,
+)  # fmt: skip

@@ -9,9 +9,11 @@ limits are JKR's force on that layer for large mu, and 2 for small; thin incompr
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
+from itertools import product
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -20,15 +22,16 @@ from ...adhesion.device import LOAD_CONTROL
 from ...adhesion.finite_range import FiniteRangeBody
 from ...adhesion.law import Range
 from ...adhesion.slopes.choice import slopes
-from ...base.arrays import Array
-from ...base.errors import InputError, JkrError, SolveError
-from ...base.executors import Pool, in_order
+from ...base.errors import JkrError, SolveError
 from ...base.unknown import Unknown
 from ...bodies.indenters import Paraboloid
-from ...bodies.materials import Elastic
-from ...bodies.problem import Layer, Loading, Problem, Rigid, Specimen
+from ...bodies.problem import Loading, Problem
 from ...methods.attraction import AttractedBody
 from ...methods.layered.layered import Layered
+from .maps import BASE, POISSON, SHOWN_NU, SHOWN_Q, Axis, Columns, Map, Q, Values, Work, layer, rows, within
+
+if TYPE_CHECKING:
+    from ...report.plots import Figure
 
 
 @dataclass(frozen=True)
@@ -47,74 +50,73 @@ class TransitionTuning:
 TUNING = TransitionTuning()
 
 
-@dataclass(frozen=True)
-class TransitionPoint:
-    """One point of the map: ``force`` = -P_min/(pi w R), ``jkr``: that without a range; ``a_over_h``, ``c_over_h``;
-    NaN where there is no curve, and the ``reason``."""
-
-    nu: float
-    base: str
-    q: float
-    mu: float
-    force: float
-    jkr: float
-    a_over_h: float
-    c_over_h: float
-    reason: str = ""
+def _work(values: Values) -> Work:
+    return partial(_row, values["base"], values["mu"]), list(product(values["nu"], values["q"]))
 
 
-def transition_map(
-    nus: Iterable[float], bonded: bool, qs: Sequence[float], mus: Sequence[float], pool: Pool | None = None
-) -> list[TransitionPoint]:
-    """The points of the map; ``pool`` works on Poisson's ratios and q. Errors: InputError for values outside it."""
-    for name, values, ends in (
-        ("q", qs, (TUNING.least, TUNING.largest)),
-        ("mu", mus, (TUNING.softest, TUNING.hardest)),
-    ):
-        if not values or not (ends[0] <= min(values) and max(values) <= ends[1]):
-            raise InputError(f"{name}: must be between {ends[0]:g} and {ends[1]:g}, got {[float(v) for v in values]}")
-    cells = [(nu, q) for nu in dict.fromkeys(nus) for q in sorted(set(qs))]
-    rows = in_order(pool, partial(_row, bonded, tuple(sorted(set(mus)))), cells, "transition map")
-    return [point for row in rows for point in row]
-
-
-def forecast(nus: Sequence[float], qs: Sequence[float], mus: Sequence[float]) -> float:
-    """CPU seconds that the map takes."""
-    return TUNING.per_point * len(nus) * len(qs) * len(mus)
-
-
-def transition_columns(points: Sequence[TransitionPoint]) -> dict[str, Array]:
-    """The columns of the table by name; the force of a long range is 2 everywhere."""
-    names = {"nu": "nu", "base": "base", "w_R2_over_Estar_h3": "q", "mu": "mu", "minus_P_over_pi_w_R": "force",
-             "jkr_minus_P_over_pi_w_R": "jkr", "a_over_h": "a_over_h", "c_over_h": "c_over_h"}  # fmt: skip
-    return {column: np.array([getattr(point, name) for point in points]) for column, name in names.items()}
-
-
-def _row(bonded: bool, mus: Sequence[float], cell: tuple[float, float]) -> list[TransitionPoint]:
+def _row(base: str, mus: Sequence[float], cell: tuple[float, float]) -> Columns:
     """All ranges of one layer and one work of adhesion, in units of h = R = 1 m, E* = 1 Pa."""
     nu, q = cell
-    specimen = Specimen((Layer(Elastic(1 - nu**2, nu), 1.0),), Rigid(bonded))
     thick, thin = (9 * math.pi * q / 8) ** (1 / 3), max((8 * q) ** (1 / 4), (384 * q) ** (1 / 6))
     a = TUNING.room * max(thick, min(thin, 2 * thick))
-    problem = Problem(Paraboloid(1.0), specimen, Loading("radius", a, TUNING.points))
+    problem = Problem(Paraboloid(1.0), layer(nu, base == "bonded"), Loading("radius", a, TUNING.points))
     solution = Layered()(problem)
     sharp = transform(solution.series, slopes(solution.series, "exact"), q).pull_off(LOAD_CONTROL)
     if isinstance(sharp, Unknown):
         raise SolveError(f"transition map: nu = {nu:g}, q = {q:g}: {sharp.reason}")
     body = FiniteRangeBody(problem, solution.series, AttractedBody(problem))
-    found, unit, base = [], math.pi * q, "bonded" if bonded else "frictionless"
-    for mu in mus:
-        found.append(_point(body, nu, base, q, mu, -sharp.P / unit))
-    return found
+    P, a_h, c_h, reason = zip(*(_point(body, f"nu = {nu:g}, q = {q:g}, mu = {mu:g}", q, mu) for mu in mus), strict=True)
+    unit = -math.pi * q
+    return rows(nu=nu, base=base, w_R2_over_Estar_h3=q, mu=np.array(mus), minus_P_over_pi_w_R=np.array(P) / unit,
+                jkr_minus_P_over_pi_w_R=sharp.P / unit, a_over_h=a_h, c_over_h=c_h, reason=reason)  # fmt: skip
 
 
-def _point(body: FiniteRangeBody, nu: float, base: str, q: float, mu: float, jkr: float) -> TransitionPoint:
-    """One range on a ``body``; by what its curve is refused where it has none."""
+def _point(body: FiniteRangeBody, where: str, q: float, mu: float) -> tuple[float, float, float, str]:
+    """Load, a and c at pull-off for one range on a ``body``; NaN where there is none, and the reason."""
     try:
         point = body.curve(Range.of(q, stress=mu * q ** (1 / 3))).pull_off(LOAD_CONTROL)
     except JkrError as error:
         point = Unknown(str(error))
     if isinstance(point, CriticalPoint) and point.c is not None:
-        return TransitionPoint(nu, base, q, mu, -point.P / (math.pi * q), jkr, point.a, point.c)
-    reason = f"nu = {nu:g}, q = {q:g}, mu = {mu:g}: {point.reason if isinstance(point, Unknown) else 'no pull-off'}"
-    return TransitionPoint(nu, base, q, mu, math.nan, jkr, math.nan, math.nan, reason)
+        return point.P, point.a, point.c, ""
+    reason = point.reason if isinstance(point, Unknown) else "no pull-off"
+    return math.nan, math.nan, math.nan, f"{where}: {reason}"
+
+
+def _figure(columns: Columns) -> Figure:
+    """Filled where there are values enough on both axes, else as lines."""
+    from ...report.plots.maps import Panel, filled_figure, is_filled, lines_figure
+
+    if is_filled(columns):
+        return filled_figure(columns)
+    title = f"layer on a rigid base, {columns['base'][0]}; dashed: JKR, dotted: long range"
+    panel = Panel("minus_P_over_pi_w_R", "pull-off force / (π w R)", title, {2.0: ""}, dashed="jkr_minus_P_over_pi_w_R")
+    over = ("mu", "σ (R / (E*² w))^(1/3)")
+    return lines_figure(columns, over, [panel], {Q: "w R²/(E* h³) = {:g}".format, "nu": "ν = {:g}".format})
+
+
+MAP = Map(
+    "transition",
+    """Map the pull-off force of a paraboloid on a layer on a rigid base, in pi w R, over the range of adhesion.
+
+    mu is the Tabor number of that range; the limits are JKR's force on the same layer, and 2 of a long range. Writes
+    transition-map.csv, .png and .svg: filled over both axes where there are four values or more of each, else as lines.
+
+    \b
+    jkr study transition-map --nu 0.3 --q 1 --mu 0.3 --mu 3 -o map
+    """,
+    {
+        "nu": Axis((0.499,), "Repeatable.", POISSON, family=True),
+        "base": BASE,
+        "q": Axis(tuple(np.geomspace(1e-2, 1e2, 13).tolist()), "Values of w R^2/(E* h^3)",
+                      within(TUNING.least, TUNING.largest), "13 from 0.01 to 100"),
+        "mu": Axis(tuple(np.geomspace(0.1, 30, 17).tolist()), "Values of stress (R/(E*^2 w))^(1/3)",
+                   within(TUNING.softest, TUNING.hardest), "17 from 0.1 to 30"),
+    },
+    _work,
+    lambda values: TUNING.per_point * math.prod(len(values[name]) for name in ("nu", "q", "mu")),
+    "{base} layer on a rigid base, paraboloid: pull-off force in pi w R",
+    [SHOWN_NU, SHOWN_Q, ("mu", "mu", "6g"), ("minus_P_over_pi_w_R", "force", "8.4f"),
+     ("jkr_minus_P_over_pi_w_R", "JKR", "8.4f"), ("a_over_h", "a/h", "9.4g"), ("c_over_h", "c/h", "9.4g")],
+    _figure,
+)  # fmt: skip

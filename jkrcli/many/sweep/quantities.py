@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from ...adhesion.analysis import Analysis
 from ...adhesion.curve import AdhesiveCurve, Equilibrium
 from ...adhesion.device import DISPLACEMENT_CONTROL
 from ...adhesion.stability import behaviour
 from ...base.errors import InputError, did_you_mean
 from ...base.unknown import Unknown
+from ...beside.analysis import Analysis
 from ...report import tables
 
 Value = float | int | str

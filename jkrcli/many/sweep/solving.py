@@ -9,10 +9,10 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from ...adhesion.analysis import adhesive, nonadhesive
 from ...adhesion.nonadhesive import Nonadhesive
 from ...base.errors import JkrError
 from ...base.unknown import Unknown
+from ...beside.analysis import adhesive, nonadhesive
 from ...bodies.problem import Problem
 from ...case.models import CaseModel
 from ...case.numerics import method_of

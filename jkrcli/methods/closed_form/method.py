@@ -100,7 +100,7 @@ def _formula(problem: Problem) -> Formula:
         raise Refusal(reason)
     if problem.sticks and not _slides_all_the_same(problem):
         other = "layered" if problem.specimen.radius is None else "fem"
-        raise Refusal(f"there is no formula for surfaces that stick: use method {other}")
+        raise Refusal(f"no formula is known for no slip: use method {other}")
     if problem.specimen.is_half_space:
         return _half_space(problem)
     match problem.specimen.layers, problem.specimen.base, problem.specimen.radius:

@@ -8,5 +8,7 @@ register(
         "Formulae for the half-space and for one thin layer, where they hold.",
         "jkrcli.methods.closed_form.method:ClosedForm",
         effort=10,
+        exact=True,
+        kernel=True,
     )
 )

@@ -52,9 +52,10 @@ def assessed(
     """Relative errors of P at equal depth (discretisation) and of a (radius), by comparison with a level whose elements
     are ``ratio`` times as large, and of that with one of elements as much larger once more, the ``coarsest``;
     ``truncation``: as found by ``truncation_of``."""
-    fine, (a, delta, P) = run.level, run.columns
-    if coarse.touches.a.size < 4 or fine.touches.a.size < 4:
+    if coarse.touches.a.size < 4 or run.level.touches.a.size < 4:
         return Assessment(ErrorBudget(TOO_FEW, truncation, TOO_FEW))
+    run, rows = _with_events(run)
+    fine, (a, delta, P) = run.level, run.columns
     judged = delta >= TUNING.judged_depth * delta[-1]
     loads, radii = TUNING.loads / (ratio - 1), TUNING.radii / (ratio - 1)
     radii *= TUNING.tension if fine.model.body.tension else 1.0
@@ -69,11 +70,26 @@ def assessed(
         truncation=truncation,
         radius=radius if isinstance(radius, Unknown) else float(radius[judged].max()),
     )
-    judged_from = float(delta[judged][0])
+    judged_from = float(delta[rows][judged[rows]][0])
     if isinstance(radius, Unknown) or isinstance(truncation, Unknown):
         return Assessment(budget, judged_from)
     errors = {"P": load + truncation, "a": radius} | _slopes(run, coarse, radii, radius)
-    return Assessment(budget, judged_from, errors)
+    return Assessment(budget, judged_from, {name: values[rows] for name, values in errors.items()})
+
+
+def _with_events(run: Run) -> tuple[Run, Array]:
+    """The run with all events up to its end among its columns, and the numbers of its own rows: two meshes agree by
+    accident at a few given values more easily than at all of them."""
+    a, delta, P = run.columns
+    events = run.level.events
+    if run.raw is not None or run.problem.loading.spacing != "given":
+        return run, np.arange(a.size)
+    others = events.delta < delta[-1]
+    own = np.concatenate([np.ones(a.size, bool), np.zeros(int(others.sum()), bool)])
+    columns = zip((a, delta, P), (events.a, events.delta, events.P), strict=True)
+    merged = np.stack([np.append(ours, theirs[others]) for ours, theirs in columns])
+    order = np.argsort(merged[1], kind="stable")
+    return replace(run, columns=tuple(merged[:, order])), np.flatnonzero(own[order])
 
 
 def _change(fine: Array, coarse: Array, coarsest: Array | None, plausible: float) -> Array:

@@ -52,6 +52,11 @@ class FEM(FEMOptions):
         specimen = problem.specimen
         if problem.sticks and (reason := self._unable_to_stick(problem)):
             return reason
+        if self.tolerance is not None and (self.spacing, self.growth) != (FEMOptions.spacing, FEMOptions.growth):
+            return (
+                "mesh.spacing and mesh.growth follow from mesh.tolerance: leave them out, or leave out the tolerance "
+                "(--tolerance)"
+            )
         if problem.indenter.material is not None and not specimen.is_half_space:
             other = "layered" if specimen.radius is None else "hybrid"
             return (

@@ -8,8 +8,10 @@ mesh is graded towards the contact's edge, where the stresses of an adhesive con
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any, cast
 
 import numpy as np
 from scipy.linalg import cho_solve
@@ -76,14 +78,21 @@ class ContactState:
         return {name: line.error(TUNING.near * self.a) for name, line in self.lines.items()}
 
 
-def contact_state(method: FEM, problem: Problem, a: float, delta: float) -> ContactState:
+def contact_state(
+    method: FEM, problem: Problem, a: float, delta: float, surface: Callable[[Array], Array] | None = None
+) -> ContactState:
     """The field at contact radius ``a`` [m] and displacement ``delta`` [m] of the indenter.
+
+    ``surface``: the displacement [m] of the body at radii [m] within the contact, where it is not that of a rigid
+    indenter: what an elastic one leaves of it.
 
     ``method`` gives where an unbounded body is cut (``depth``, ``width``) and the ``solver``; the mesh is made for
     ``a``. Errors: Refusal, InputError.
     """
-    if problem.indenter.material is not None and not problem.specimen.is_half_space:
-        raise Refusal("fields: an elastic indenter on a layered or finite body is not represented: take a rigid one")
+    if surface is not None:
+        problem = replace(problem, indenter=replace(cast(Any, problem.indenter), material=None))
+    elif problem.indenter.material is not None and not problem.specimen.is_half_space:
+        raise Refusal("fields: under an elastic indenter the displacement of the body's surface must be given")
     reason = replace(method, contact_radius=a, layout="scaled", element_size=None, order=2).refusal(problem)
     if reason is not None:
         raise Refusal(reason)
@@ -102,7 +111,8 @@ def contact_state(method: FEM, problem: Problem, a: float, delta: float) -> Cont
     if problem.sticks:
         p = contact.pressed(contact.surface.last[-1:], np.array([delta]))[1][:, 0]
     else:
-        p = cho_solve((contact.L, True), delta - contact.f)
+        target = delta - contact.f if surface is None else surface(contact.surface.radii)
+        p = cho_solve((contact.L, True), target)
     # An elastic indenter is part of the body's modulus; the body's own displacements are smaller by that much.
     return _state(model, a, delta, p, problem.E_star / problem.specimen.surface.E_star)
 

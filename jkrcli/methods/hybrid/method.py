@@ -106,14 +106,14 @@ class Hybrid(HybridOptions):
         else:
             raise Refusal(_not_found(problem, reach))
         with clock("solve"):
-            result = contact.solved(radii, contact.plan(radii, SEARCH * self.tolerance))
+            result, unsettled = contact.settled(radii, SEARCH * self.tolerance)
             S0 = first_stiffness(contact, SEARCH * self.tolerance)
         with clock("full disc"):
             refuse_shrinking(radii, result.delta)
             warnings = disc_warnings(contact, problem.specimen, float(radii[-1]), lambda _: contact.kernel)
         return Solution(
             problem,
-            series_of(result, errors.at(radii), problem.indenter.a0, S0),
+            series_of(result, errors.at(radii) + unsettled, problem.indenter.a0, S0),
             ErrorBudget(float((errors.elements + errors.parameters).max()), float(errors.cut.max()), radius=0.0),
             "hybrid",
             facts=_facts(levels, degree, result),

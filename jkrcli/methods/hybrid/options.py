@@ -26,5 +26,6 @@ register(
         "jkrcli.methods.hybrid.method:Hybrid",
         effort=30,
         options=HybridOptions,
+        kernel=True,
     )
 )

@@ -143,8 +143,8 @@ class Discs:
         return Rims(self.a, self.a + b, delta, P, 2 / math.pi * gap)
 
     def equilibria(self, s: float, gap: float, reach: float, near: Array | None = None) -> Rims:
-        """The states in which the separation at c is ``gap`` [m]; beyond it at ``reach`` [m] (see ``rims``), so that
-        there is one. ``near``: radii c [m] from which they are looked for."""
+        """Maugis closure: the states in which the separation at c is ``gap`` [m]; beyond it at ``reach`` [m] (see
+        ``rims``), so that there is one. ``near``: radii c [m] from which they are looked for."""
 
         def excess(b: Array) -> Array:
             return np.log(np.maximum(self.rims(b, s).gap / gap, TUNING.least))

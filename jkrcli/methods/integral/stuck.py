@@ -39,8 +39,8 @@ Pair: TypeAlias = tuple[Array, Array]
 
 @dataclass(frozen=True, eq=False)
 class StuckKernel:
-    """Kernel of both densities: ``weights`` (3, k) are those of quadrature at the wave numbers ``k`` [1/m] times d_zz,
-    d_zr, d_rr; ``beta``: Dundurs's constant."""
+    """The no-slip kernel, of both densities: ``weights`` (3, k) are those of quadrature at the wave numbers ``k`` [1/m]
+    times d_zz, d_zr, d_rr; ``beta``: Dundurs's constant."""
 
     k: Array
     weights: Array
@@ -108,7 +108,7 @@ class StuckDisc:
         """Solve; SolveError where the panels do not resolve the kernel."""
         n, root = 2 * panels.x.size, np.repeat(np.sqrt(panels.w), 2)
         K = 2 / math.pi * kernel.square(np.concatenate([panels.x, panels.radii]))
-        factor = nested_factor(K[:n, :n], root, panels, "the kernel of surfaces that stick")
+        factor = nested_factor(K[:n, :n], root, panels, "the kernel of contact without slip")
         unit = np.zeros(n)
         unit[::2] = kernel.Lambda
         right = np.column_stack([root * unit, root[:, None] * K[:n, n:]])

@@ -58,7 +58,7 @@ def profile(problem: Problem, a: float, w: float, r: Array | None = None, r_surf
     """
     reason = Layered().refusal(problem) or unsmooth(problem.specimen)
     if problem.sticks:
-        reason = "profile: pressures of surfaces that stick are not those of one density: use the field of method fem"
+        reason = "profile: pressures of contact without slip are not those of one density: use the field of method fem"
     if reason is not None:
         raise Refusal(reason)
     r, r_surface = _sample(problem, a, w, r, r_surface)

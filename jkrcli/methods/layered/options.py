@@ -27,5 +27,7 @@ register(
         effort=20,
         tension=True,
         options=LayeredOptions,
+        exact=True,
+        kernel=True,
     )
 )

@@ -152,7 +152,7 @@ def half_space_compliances(material: Material) -> tuple[float, float, float]:
 class StuckLayeredContact(ResolvedTwice):
     """An indenter that sticks to a layered specimen, solved at given radii."""
 
-    what = "surfaces that stick"
+    what = "contact without slip"
 
     @cached_property
     def spectrum(self) -> StuckSpectrum:
@@ -189,7 +189,7 @@ class StuckLayeredContact(ResolvedTwice):
         if plan.nodes > REFINING.most_nodes or self.flops(radii, plan) > REFINING.most_flops:
             raise Refusal(
                 f"layered: a = {radii[-1]:g} m is {radii[-1] / self.scale:.4g} times the length over which the layers "
-                f"act and needs {plan.nodes} rows where the surfaces stick (limit {REFINING.most_nodes}); ask for a "
+                f"act and needs {plan.nodes} rows without slip (limit {REFINING.most_nodes}); ask for a "
                 f"smaller contact{' or use method fem' if self.indenter.material is None else ''}"
             )
 
@@ -216,7 +216,7 @@ def unable(indenter: Indenter, specimen: Specimen) -> str | None:
     """Why surfaces that stick are not solved for the two bodies; None where they are."""
     if isinstance(specimen.materials[0], Graded):
         return (
-            "under a modulus that varies right below the contact the spectra of surfaces that stick decay slowly, "
+            "under a modulus that varies right below the contact the spectra of no slip decay slowly, "
             "which is not implemented: use method fem, or cut the top layer into a few homogeneous ones"
         )
     if indenter.a0 > 0 and StuckSpectrum(specimen, indenter.material).beta != 0:

@@ -120,7 +120,7 @@ class AdhesiveCurve {
     if (best === null || held(best) > held(end)) {
       return { reason: end === ends[0]
         ? "below the smallest radius of the series: solve to smaller radii (loading.spacing = \"log\")"
-        : "beyond the largest radius of the series: load further" };
+        : "beyond the largest radius of the series: increase [loading] radius" };
     }
     if (held(best) > 0) return { reason: "some contact remains below the smallest radius of the series" };
     return this.point(best);

@@ -15,7 +15,6 @@ from typing import Any
 import numpy as np
 
 from ... import __version__
-from ...adhesion.analysis import Analysis
 from ...adhesion.curve import AdhesiveCurve, CriticalPoint
 from ...adhesion.device import LOAD_CONTROL
 from ...adhesion.nonadhesive import Nonadhesive
@@ -23,6 +22,7 @@ from ...adhesion.validity import LIMITS, regime
 from ...base.arrays import Array
 from ...base.units import SI, UNITS, decades, scale
 from ...base.unknown import Unknown
+from ...beside.analysis import Analysis
 from ...data.measured import Curve
 
 MOST_POINTS = 4000  # shown of all measured curves together; choice: more cannot be told apart on a screen

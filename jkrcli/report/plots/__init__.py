@@ -30,6 +30,7 @@ with without_tables():
     from matplotlib.transforms import ScaledTranslation
 
 WIDE, MIDDLE, NARROW = 7.0, 4.8, 3.4  # two columns of a journal, one and a half, one [inch]: printed unscaled
+LARGER = 0.4  # choice: of the way of a record, below which its contact is drawn once more, larger
 DPI = 300  # choice: of PNG files
 PNG = {"compress_level": 3}  # choice: two thirds of the time of the default, a seventh larger
 STYLE: dict[Any, Any] = {
@@ -50,7 +51,7 @@ STYLE: dict[Any, Any] = {
     "axes.spines.right": False,
     "lines.linewidth": 1.4,
     "svg.hashsalt": "jkr",
-    "svg.fonttype": "path",
+    "svg.fonttype": "none",  # text stays text: it can be searched, copied and set in another font
 }
 # Okabe and Ito's palette: told apart by colour-blind readers, and by line style or marker in grey.
 BLUE, ORANGE, GREEN, BLACK = "#0072B2", "#D55E00", "#009E73", "#000000"
@@ -103,6 +104,16 @@ def few_ticks(axes: Axes, most: int) -> None:
     for axis, place, away in ((axes.xaxis, (0.5, 0.0), (0.0, -0.24)), (axes.yaxis, (0.0, 0.5), (-0.45, 0.0))):
         axis.set_major_locator(MaxNLocator(most, steps=[1, 2, 2.5, 5, 10]))
         axis.set_label_coords(*place, transform=axes.transAxes + ScaledTranslation(*away, to_inches))
+
+
+def enlarged(axes: Axes, x: Array, y: Array) -> Axes:
+    """An inset over the long free way of a record, with limits around the points ``x, y`` of its contact."""
+    inset = axes.inset_axes((0.16, 0.42, 0.5, 0.55))
+    for values, limit in ((x, inset.set_xlim), (y, inset.set_ylim)):
+        limit(values.min() - 0.08 * np.ptp(values), values.max() + 0.08 * np.ptp(values))
+    inset.tick_params(labelsize=6, pad=1.5, length=2)
+    few_ticks(inset, 3)
+    return inset
 
 
 def pretty(text: str) -> str:

@@ -35,7 +35,7 @@ class Zone:
     drawn: float = 0.3  # choice: the largest displacement as it is drawn
     scale: float = 1.4  # choice: one contact radius as it is drawn [inch]
     levels: int = 16  # choice: colours
-    covered: float = 0.98  # choice: share of the window's area whose stresses the colours tell apart
+    covered: float = 0.98  # choice: share of each layer's area in the window whose stresses the colours tell apart
 
 
 ZONE = Zone()
@@ -109,13 +109,21 @@ def component_of(state: ContactState, component: str) -> Array:
 
 
 def _limits(state: ContactState, values: Array) -> tuple[float, float]:
-    """Stresses that bound ``ZONE.covered`` of the window: those at the edge of an adhesive contact are infinite."""
+    """Stresses that bound ``ZONE.covered`` of each layer in the window, so that a thin one is seen beside the others;
+    those at the edge of an adhesive contact are infinite."""
     grid = state.grid
     corners = grid.points[grid.cells]
-    inside = _within(corners.mean(axis=1), state.a)
+    seen = _within(corners.mean(axis=1), state.a)
+    bounds = [_bounds(corners, values[grid.cells], seen & (grid.materials == layer))
+              for layer in np.unique(grid.materials[seen])]  # fmt: skip
+    return min(low for low, _ in bounds), max(high for _, high in bounds)
+
+
+def _bounds(corners: Array, values: Array, inside: Array) -> tuple[float, float]:
+    """The stresses that bound ``ZONE.covered`` of the area of the cells ``inside``."""
     first, second = corners[inside, 1] - corners[inside, 0], corners[inside, 2] - corners[inside, 0]
     area = np.abs(first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0])
-    middle = values[grid.cells[inside]].mean(axis=1)
+    middle = values[inside].mean(axis=1)
     order = np.argsort(middle)
     share = np.cumsum(area[order]) / area.sum()
     low, high = np.interp([(1 - ZONE.covered) / 2, (1 + ZONE.covered) / 2], share, middle[order])

@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from ...adhesion.analysis import Analysis
 from ...adhesion.curve import CriticalPoint, EquilibriumCurve
 from ...adhesion.stability import GRIPPED, STABLE, UNSTABLE, branch
 from ...base.arrays import Array
 from ...base.units import scale, show
+from ...beside.analysis import Analysis
 from ..scaling import Scales
 from . import BLACK, BLUE, GREEN, ORANGE, Axes, Figure, colors, few_ticks, legend_below, pair, pretty, scaled
 

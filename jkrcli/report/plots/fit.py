@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from matplotlib.ticker import MaxNLocator
 
@@ -9,12 +11,37 @@ from ...base.arrays import Array
 from ...base.units import scale
 from ...identification.fit.result import Fit
 from ...identification.fit.statistics import rise
-from . import BLACK, BLUE, GREEN, MIDDLE, ORANGE, SKY, WIDE, Axes, Figure, drawing, legend_below, pretty
+from . import (
+    BLACK,
+    BLUE,
+    GREEN,
+    LARGER,
+    MIDDLE,
+    ORANGE,
+    SKY,
+    WIDE,
+    Axes,
+    Figure,
+    drawing,
+    enlarged,
+    legend_below,
+    pretty,
+)
 
 LABELS = {"a": "contact radius a", "delta": "displacement δ", "P": "load P"}
 DIMENSIONS = {"a": "length", "delta": "length", "P": "load"}
 AXES = {"delta,P": ("delta", "P"), "a,P": ("P", "a"), "a,delta": ("delta", "a"), "a,delta,P": ("delta", "P")}
 MARKS = {"a": (GREEN, "s"), "delta": (BLUE, "^"), "P": (ORANGE, "o")}
+
+
+@dataclass(frozen=True)
+class FitPicture:
+    """What is drawn where in the figure of a fit."""
+
+    beside: float = 0.6  # choice: width of the rows out of contact, beside the others, in largest contact radii
+
+
+TUNING = FitPicture()
 
 
 def fit_figure(found: Fit) -> Figure:
@@ -33,13 +60,23 @@ def fit_figure(found: Fit) -> Figure:
 def _curve(axes: Axes, found: Fit) -> None:
     x, y = AXES[",".join(found.data)]
     units = {name: scale(float(np.max(np.abs(found.data[name]))), DIMENSIONS[name]) for name in (x, y)}
-    measured = (found.data[name] / units[name][0] for name in (x, y))
-    axes.plot(*measured, "o", color=SKY, ms=3, mfc="none", label="measured")
+    measured = [found.data[name] / units[name][0] for name in (x, y)]
     near = found.line["a"] <= 1.02 * found.a.max()
-    line = {name: found.line[name][near] / units[name][0] for name in (x, y)}
-    axes.plot(line[x], line[y], "-", color=BLACK, lw=1.0, label="fitted")
+    line = [_broken(found.line[name][near] / units[name][0], found.line["a"][near]) for name in (x, y)]
+    places = [axes]
+    touched = found.a > 0
+    if touched.any() and np.ptp(measured[0][touched]) < LARGER * np.ptp(measured[0]):
+        places.append(enlarged(axes, *(values[touched] for values in measured)))
+    for place in places:
+        place.plot(*measured, "o", color=SKY, ms=3, mfc="none", label="measured")
+        place.plot(*line, "-", color=BLACK, lw=1.0, label="fitted")
     axes.set_xlabel(f"{LABELS[x]} ({pretty(units[x][1])})")
     axes.set_ylabel(f"{LABELS[y]} ({pretty(units[y][1])})")
+
+
+def _broken(values: Array, a: Array) -> Array:
+    """A fitted line without its jumps: a gap wherever contact begins or ends."""
+    return np.insert(values, np.flatnonzero(np.diff((a > 0).astype(int))) + 1, np.nan)
 
 
 def _distance(found: Fit) -> str:
@@ -49,11 +86,19 @@ def _distance(found: Fit) -> str:
 
 def _residuals(axes: Axes, found: Fit) -> None:
     factor, unit = scale(float(found.a.max()), "length")
+    free, places = found.a == 0, found.a / factor
+    places[free] = places.max() * TUNING.beside * (np.linspace(-1, 0, int(free.sum()) + 1)[:-1])
     names = [_distance(found)] if found.residuals.shape[0] == 1 else [LABELS[name] for name in found.data]
     marks = [MARKS["delta"]] if len(names) == 1 else [MARKS[name] for name in found.data]
     for values, name, (colour, mark) in zip(found.residuals, names, marks, strict=True):
-        axes.plot(found.a / factor, values / (found.scatter or 1.0), mark, color=colour, ms=3, mfc="none", label=name)
+        axes.plot(places, values / (found.scatter or 1.0), mark, color=colour, ms=3, mfc="none", label=name)
     axes.axhline(0, color="0.6", lw=0.8, zorder=0)
+    if free.any():
+        axes.axvline(0, color="0.6", lw=0.8)
+        axes.set_xticks([tick for tick in axes.get_xticks() if 0 <= tick <= places.max() * 1.05])
+        middle = TUNING.beside / (1 + TUNING.beside) / 2
+        axes.annotate("base line", (middle, 1.0), xycoords="axes fraction", ha="center", va="bottom",
+                      size=7, color="0.4")  # fmt: skip
     axes.set_xlabel(f"contact radius a ({pretty(unit)})")
     axes.set_ylabel("residual / standard deviation")
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
@@ -114,25 +113,3 @@ def law_band(axes: Axes, v: Array, w: Array, low: Array, high: Array, colour: st
     axes.set_ylabel(f"work of adhesion w ({pretty(w_unit)})")
     for axis in (axes.xaxis, axes.yaxis):
         log_ticks(axis)
-
-
-def rate_map_figure(columns: Mapping[str, Array]) -> Figure:
-    """Pull-off force and energy over the device's speed, a colour for each body, a line for each stiffness."""
-    lines = ("-", "--", ":", "-.")
-    bodies, devices = (list(dict.fromkeys(columns[name].tolist())) for name in ("h_over_R", "k_over_Estar_R"))
-    with drawing(WIDE, 3.2) as figure:
-        panels = figure.subplots(1, 2)
-        names = ("minus_P_over_pi_w0_R", "dissipated_over_w0_pi_a2")
-        titles = ("pull-off force −P/(π w0 R)", "energy lost at the edge/(w0 π a²)")
-        for axes, name, title in zip(panels, names, titles, strict=True):
-            for (i, h), (j, k) in itertools.product(enumerate(bodies), enumerate(devices)):
-                rows = (columns["h_over_R"] == h) & (columns["k_over_Estar_R"] == k)
-                body = "half-space" if np.isinf(h) else f"h = {h:g} R"
-                device = "rigid" if np.isinf(k) else f"k = {k:g} E*R"
-                axes.loglog(columns["V_over_v0"][rows], columns[name][rows], lines[j % 4], color=COLORS[i % 6],
-                            label=f"{body}, {device}")  # fmt: skip
-            axes.set_xlabel("speed of the device V/v0")
-            axes.set_ylabel(title)
-            log_ticks(axes.yaxis)
-        legend_below(figure, panels, 3)
-        return figure

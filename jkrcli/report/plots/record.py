@@ -12,7 +12,7 @@ from ...base.arrays import Array
 from ...base.units import scale
 from ...base.unknown import Unknown
 from ...data.record import Direction, ForceCurve
-from . import BLACK, BLUE, ORANGE, PURPLE, WIDE, Axes, Figure, drawing, legend_below, pretty
+from . import BLACK, BLUE, LARGER, ORANGE, PURPLE, WIDE, Axes, Figure, drawing, enlarged, legend_below, pretty
 
 MOST_PANELS, MOST_POINTS = 12, 2000  # choice: of a figure, and of a segment in it
 LETTERS, TITLE = 84, 3  # choice: of a line as wide as the figure, and lines of a panel's title
@@ -36,7 +36,7 @@ def record_figure(records: Sequence[ForceCurve]) -> Figure:
         panels = figure.subplots(rows, columns, squeeze=False).ravel()
         for i, (panel, record) in enumerate(zip(panels, shown, strict=False)):
             _panel(panel, record, x, y, round(LETTERS / columns))
-            what = "displacement" if record.curve.stiffness is None else "position of the device"
+            what = "displacement" if record.curve.stiffness is None else "position z of the device"
             panel.set_xlabel(fill(f"{what} ({length})", LETTERS // columns) if i + columns >= len(shown) else "")
             panel.set_ylabel(f"load ({load})" if i % columns == 0 else "")
         for panel in panels[len(shown) :]:
@@ -50,14 +50,24 @@ def _panel(axes: Axes, record: ForceCurve, x: float, y: float, letters: int) -> 
     curve = record.curve
     assert curve.P is not None
     z = curve.device
-    for segment in record.segments:
-        thin = slice(segment.first, segment.last + 1, 1 + len(segment) // MOST_POINTS)
-        axes.plot(z[thin] / x, curve.P[thin] / y, lw=1.0, label=segment.kind,
-                  color=COLOURS.get(segment.kind, GREY))  # fmt: skip
+    near = _contact(record, z) if letters == LETTERS else None  # there is room in a panel of the whole width
+    for place in (axes, *([enlarged(axes, z[near] / x, curve.P[near] / y)] if near is not None else [])):
+        for segment in record.segments:
+            thin = slice(segment.first, segment.last + 1, 1 + len(segment) // MOST_POINTS)
+            place.plot(z[thin] / x, curve.P[thin] / y, lw=1.0, label=segment.kind,
+                       color=COLOURS.get(segment.kind, GREY))  # fmt: skip
     for item in record.directions:
         _marks(axes, item, z[item.segment.rows], x, y)
     title = ": ".join([curve.name, ", ".join(record.flags)]).rstrip(": ")
     axes.set_title(fill(title, letters, max_lines=TITLE, placeholder=" …"), loc="left", fontsize="small")
+
+
+def _contact(record: ForceCurve, z: Array) -> Array | None:
+    """The rows from the outermost touch on, where the free way is so long that they are drawn once more, larger."""
+    touches = [item.touch for item in record.directions if isinstance(item.touch, float)]
+    if not touches or z.max() - min(touches) >= LARGER * np.ptp(z):
+        return None
+    return z >= min(touches)
 
 
 def _unit(values: Sequence[Array], dimension: str) -> tuple[float, str]:

@@ -1,19 +1,20 @@
-"""Figures of comparisons and studies: panels of lines given as data, differences of two results, the pull-off map."""
+"""Figures of comparisons and studies: panels of lines given as data, differences of two results."""
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ...base.arrays import Array
 from ...series.differences import Difference
-from . import COLORS, MIDDLE, NARROW, WIDE, Axes, Figure, drawing, legend_below
+from . import COLORS, MIDDLE, NARROW, WIDE, Axes, Figure, drawing, legend_below, log_ticks
 
+ROOM = 0.15  # choice: of an axis, for the label of a tick
 UNNAMED = "_nolegend_"  # label of a line that the legend leaves out
-LIMITS = {1.5: "thick: 3/2", 2.0: "thin, compressible: 2", 3.0: "thin, incompressible: 3"}  # of the pull-off map
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,6 +33,7 @@ class Panel:
     """One pair of axes; limits None: all of the data.
 
     ``logs``: logarithmic axes, "", "x", "y" or "xy"; a logarithmic x axis has its ticks at the first line's points.
+    ``right``: a line of another quantity, and the label of its own axis.
     """
 
     xlabel: str
@@ -41,6 +43,7 @@ class Panel:
     logs: str = ""
     xlim: tuple[float | None, float | None] | None = None
     ylim: tuple[float | None, float | None] | None = None
+    right: tuple[str, Line] | None = None
 
 
 def panels_figure(panels: Sequence[Panel], title: str = "") -> Figure:
@@ -66,7 +69,8 @@ def panels_figure(panels: Sequence[Panel], title: str = "") -> Figure:
 def _draw(axes: Axes, panel: Panel, letter: str) -> None:
     if "x" in panel.logs:
         axes.set_xscale("log")
-        axes.set_xticks(panel.lines[0].x, [f"{x:.3g}" if x < 1000 else f"{x:,.0f}" for x in panel.lines[0].x])
+        ticks = _apart(panel.lines[0].x)
+        axes.set_xticks(ticks, [f"{x:.3g}" if x < 1000 else f"{x:,.0f}" for x in ticks])
         axes.minorticks_off()
     if "y" in panel.logs:
         axes.set_yscale("log")
@@ -76,10 +80,36 @@ def _draw(axes: Axes, panel: Panel, letter: str) -> None:
         axes.axvline(0, color="0.7", lw=0.6)
         axes.axhline(0, color="0.7", lw=0.6)
     for line in panel.lines:
-        every = max(1, len(line.x) // 30)  # at most so many markers on a line
-        axes.plot(line.x, line.y, line.style, color=line.color, label=line.label, ms=3.5, mfc="none", lw=1.0,
-                  markevery=every)  # fmt: skip
+        _line(axes, line)
+    if panel.right is not None:
+        label, line = panel.right
+        other = axes.twinx()
+        other.set_yscale(axes.get_yscale())
+        other.set_ylabel(label)
+        other.grid(visible=False)
+        other.spines["right"].set_visible(True)
+        _line(other, line)
+        if "y" in panel.logs:
+            log_ticks(other.yaxis)
+        _line(axes, replace(line, x=np.empty(0), y=np.empty(0)))  # for the legend
+    if "y" in panel.logs:
+        log_ticks(axes.yaxis)
     axes.set(xlabel=panel.xlabel, ylabel=panel.ylabel, title=letter + panel.title, xlim=panel.xlim, ylim=panel.ylim)
+
+
+def _apart(x: Array) -> list[float]:
+    """Those of the points on a logarithmic axis whose labels have room beside each other."""
+    room, kept = ROOM * math.log(float(x.max() / x.min())), [float(x.max())]
+    for value in sorted(x.tolist(), reverse=True):
+        if math.log(kept[-1] / value) > room:
+            kept.append(value)
+    return kept
+
+
+def _line(axes: Axes, line: Line) -> None:
+    every = max(1, len(line.x) // 30)  # at most so many markers on a line
+    axes.plot(line.x, line.y, line.style, color=line.color, label=line.label, ms=3.5, mfc="none", lw=1.0,
+              markevery=every)  # fmt: skip
 
 
 def differences_figure(found: Sequence[Difference], rtol: float) -> Figure:
@@ -100,40 +130,3 @@ def differences_figure(found: Sequence[Difference], rtol: float) -> Figure:
 def _symbol(column: str) -> str:
     """The symbol of a column: "delta_m" is δ."""
     return column.removesuffix("_m").replace("delta", "δ")
-
-
-def map_figure(columns: Mapping[str, Array]) -> Figure:
-    """The pull-off map: -P_min/(pi w R) over w R^2/(E* h^3), one line per Poisson's ratio, with its limits."""
-    with drawing(MIDDLE, 3.4) as figure:
-        axes = figure.subplots()
-        q, force = columns["w_R2_over_Estar_h3"], columns["minus_P_over_pi_w_R"]
-        for value, words in LIMITS.items():
-            axes.axhline(value, color="0.6", lw=0.8, ls="--")
-            axes.annotate(words, (0.99, value), xycoords=("axes fraction", "data"), ha="right", va="bottom", size=8,
-                          color="0.4")  # fmt: skip
-        for i, nu in enumerate(dict.fromkeys(columns["nu"].tolist())):
-            rows = columns["nu"] == nu
-            axes.semilogx(q[rows], force[rows], ".-", color=COLORS[i % len(COLORS)], ms=4, label=f"ν = {nu:g}")
-        axes.set_xlabel("w R² / (E* h³)")
-        axes.set_ylabel("pull-off force / (π w R)")
-        axes.set_ylim(1.4, 3.15)
-        axes.set_title(f"layer on a rigid base, {columns['base'][0]}")
-        legend_below(figure, [axes], 4)
-        return figure
-
-
-def sticking_figure(columns: Mapping[str, Array]) -> Figure:
-    """The map of what sticking changes: ratios of S and of the load at equal depth over a/h, a line for each nu."""
-    with drawing(WIDE, 3.4) as figure:
-        pair = figure.subplots(1, 2, sharey=True)
-        titles = {"S_ratio": "S at equal radius", "load_ratio": "load at equal depth"}
-        for axes, (name, title) in zip(pair, titles.items(), strict=True):
-            for i, nu in enumerate(dict.fromkeys(columns["nu"].tolist())):
-                rows = columns["nu"] == nu
-                x, y = columns["a_over_h"][rows], columns[name][rows]
-                axes.semilogx(x, y, ".-", color=COLORS[i % len(COLORS)], ms=4, label=f"ν = {nu:g}")
-            axes.set_xlabel("a / h")
-            axes.set_title(title)
-        pair[0].set_ylabel("sticking / sliding")
-        legend_below(figure, [pair[1]], 6)
-        return figure

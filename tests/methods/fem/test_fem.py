@@ -183,6 +183,7 @@ def test_bonded_layer_at_any_poisson_ratio(nu):
     assert solution.facts["formulation"].startswith("displacement and pressure") == (nu > 0.49)
 
 
+@pytest.mark.first(2)
 @pytest.mark.parametrize(
     "specimen",
     [
@@ -313,6 +314,7 @@ def bonded(nu):
     return Problem(Paraboloid(1000.0), layer, Loading("radius", 5.0))
 
 
+@pytest.mark.first(2)
 @pytest.mark.parametrize(
     ("problem", "options"),
     [
@@ -340,6 +342,7 @@ def test_error_columns_bound_the_error_of_every_row(problem, options):
     assert 0.01 * series.delta[-1] <= solution.facts["judged_from_m"] < 0.012 * series.delta[-1]
 
 
+@pytest.mark.first(2)
 @pytest.mark.parametrize(("to", "maximum"), [("depth", 0.0931), ("load", 0.0417), ("radius", 0.973)])
 @pytest.mark.parametrize("corrected", [True, False])
 def test_nested_ends_where_the_loading_ends(to, maximum, corrected):
@@ -394,6 +397,7 @@ def test_increments_by_logarithms_and_values_that_share_a_node():
     assert "2 of 3 requested values" in FEM(contact="incremental", **QUICK)(close).warnings[0]
 
 
+@pytest.mark.slow
 def test_the_forecast_is_near():
     for problem in (UNIT, replace(bonded(0.3), loading=Loading("radius", 17.0)), replace(UNIT, specimen=GEL)):
         forecast, solution = FEM().forecast(problem), FEM()(problem)

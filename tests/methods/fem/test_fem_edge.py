@@ -88,6 +88,7 @@ def test_the_error_of_the_stiffness_holds_that_of_the_radius():
     assert (np.abs(series.S - exactly(problem, series.a).S) <= series.errors["S"]).all()  # measured 0.75 of it
 
 
+@pytest.mark.slow
 def test_auto_smooths_what_a_fit_can_and_keeps_the_slopes_at_a_flat_end():
     quick = FEM(spacing=0.08, growth=0.3)
     series = quick(FLAT).series
@@ -101,6 +102,7 @@ def test_auto_smooths_what_a_fit_can_and_keeps_the_slopes_at_a_flat_end():
     assert errors["exact"] < errors["loocv"]
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize("problem", [UNIT, COATING, FLAT], ids=["half-space", "coating", "flat end on a layer"])
 def test_the_band_holds_the_exact_curve(problem):
     series = FEM()(problem).series

@@ -101,6 +101,7 @@ def test_the_half_space_has_mossakovskis_factor(nu):
     np.testing.assert_allclose(factor[-10:], exact, atol=2e-4)  # measured 6e-5
 
 
+@pytest.mark.slow
 def test_an_incompressible_half_space_does_not_notice():
     problem = Problem(PARABOLOID, Specimen((), HalfSpace(Elastic(1.0, 0.5))), Loading("radius", 1.0))
     sliding, sticking = FEM()(problem), FEM()(replace(problem, sticks=True))
@@ -109,6 +110,7 @@ def test_an_incompressible_half_space_does_not_notice():
     assert sticking.series.P[-1] == pytest.approx(there, rel=5e-4)
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize(
     ("nu", "options"),
     [
@@ -164,6 +166,7 @@ def test_what_is_not_represented_is_refused(method, indenter, words):
         method(Problem(indenter, bonded(0.3), Loading("radius", 1.0), True))
 
 
+@pytest.mark.slow
 def test_auxetic_bodies_take_a_mesh_that_follows_the_edge():
     problem = Problem(PARABOLOID, bonded(-0.5), Loading("radius", 1.0), True)
     with pytest.raises(Refusal, match=r"oscillates: give mesh.spacing = 0.06 or more or use method layered"):
@@ -176,6 +179,7 @@ def test_auxetic_bodies_take_a_mesh_that_follows_the_edge():
 
 
 # measured 5e-6, 3e-5
+@pytest.mark.slow
 @pytest.mark.parametrize(("nu", "off"), [(0.0, 1e-5), pytest.param(0.499, 1e-4, marks=pytest.mark.slow)])
 def test_the_field_of_a_stuck_contact_carries_its_load(nu, off):
     """At nu = 0 the edge oscillates far from it: elements are not as small there as those of other bodies."""
@@ -187,6 +191,7 @@ def test_the_field_of_a_stuck_contact_carries_its_load(nu, off):
 
 
 # S/(2 E* a) of flat ends, by tied finite elements of other make and an integral equation
+@pytest.mark.slow
 @pytest.mark.parametrize(("a", "exact"), [(1.0, 3.929038), pytest.param(5.0, 106.5713, marks=pytest.mark.slow)])
 def test_flat_ends_within_their_stated_error(a, exact):
     fem = FEM()(Problem(RoundedFlat(a, 1000.0), bonded(0.5), Loading("radius", 1.05 * a), True))
@@ -195,6 +200,7 @@ def test_flat_ends_within_their_stated_error(a, exact):
     assert error < 1e-4  # measured 4e-5, 5e-5
 
 
+@pytest.mark.slow
 def test_a_cylinder_that_is_wide_is_the_layer():
     problem = Problem(PARABOLOID, bonded(0.3), Loading.given("depth", [2e-3]), True)
     fem = FEM()(replace(problem, specimen=bonded(0.3, 20.0, "free")))

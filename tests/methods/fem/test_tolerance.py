@@ -63,6 +63,7 @@ def true_error(solution: Solution, asked: Problem) -> float:
     return float(max(np.abs(series.P[use] / exact.P - 1).max(), np.abs(series.a[use] / exact.a - 1).max()))
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize(("name", "tolerance"), [("half-space", 1e-3), ("layer, a/h = 5", 1e-2), ("gel", 1e-3)])
 def test_the_error_is_below_the_tolerance(name: str, tolerance: float) -> None:
     solution = FEM(tolerance=tolerance)(PROBLEMS[name])
@@ -88,6 +89,7 @@ def test_thirteen_bodies_at_three_tolerances(tolerance: float) -> None:
     assert near >= 0.9 * len(problems)
 
 
+@pytest.mark.slow
 def test_a_finer_mesh_is_judged_against_the_one_before(monkeypatch: pytest.MonkeyPatch, tuned) -> None:
     sizes = []
     build = Discretisation.build
@@ -107,6 +109,7 @@ def test_a_finer_mesh_is_judged_against_the_one_before(monkeypatch: pytest.Monke
     assert solution.budget.series <= 5e-4
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize(
     ("options", "message"),
     [

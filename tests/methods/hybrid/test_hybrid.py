@@ -86,6 +86,7 @@ def test_nearly_incompressible_at_few_unknowns() -> None:
     assert difference(solution.series, exact(specimen, a)) < 1e-4  # ten times better than asked
 
 
+@pytest.mark.first(6)
 @pytest.mark.parametrize("name", WIDE)
 def test_wide_bodies_within_the_tolerance(name: str) -> None:
     specimen, a = WIDE[name]
@@ -128,6 +129,7 @@ def test_the_kernel_converges_exponentially_and_is_symmetric() -> None:
     assert levels.correction(10).asymmetry < 1e-7
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize("name", ["free", "clamped", "free, nu = 1/2", "free, 10:1"])
 def test_better_than_second_order_where_a_free_side_meets_a_held_one(name: str) -> None:
     """In two dimensions the second order is one over the number of unknowns."""
@@ -206,6 +208,7 @@ def test_graded_and_transversely_isotropic_layers_below_the_contact() -> None:
     assert difference(solve(same, 1.0, 1e-4).series, solve(plain, 1.0, 1e-4).series) < 1e-9  # the same matrices
 
 
+@pytest.mark.slow
 def test_a_cylinder_graded_from_the_contact_on() -> None:
     """A modulus that hardly varies gives the homogeneous cylinder, a wide cylinder the graded layer."""
     tiny = Graded(Linear(1.0, 1.0 + 1e-7, 1.0), 0.3)

@@ -161,6 +161,7 @@ def test_a_layer_on_its_own_half_space_is_the_half_space():
         assert deviation(specimen, k) == pytest.approx(np.zeros(k.size), abs=1e-12)
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize(
     ("layers", "base"),
     [

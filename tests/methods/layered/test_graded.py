@@ -278,6 +278,7 @@ def test_contact_is_the_limit_of_homogeneous_sublayers(law, nu, base):
         assert getattr(found.series, name) == pytest.approx(limit, rel=3e-6)
 
 
+@pytest.mark.first(2)
 @pytest.mark.parametrize(("law", "nu", "base"), CONTACTS)
 def test_the_stated_error_holds(law, nu, base):
     """Against the same radii among many more, whose panels are finer: no common node."""
@@ -399,6 +400,7 @@ def test_equal_sublayers_are_no_reference_in_even_powers():
 
 
 # ---------------------------------------------------------------------- finite elements
+@pytest.mark.first(1)
 @pytest.mark.parametrize(
     ("law", "nu", "base"),
     [

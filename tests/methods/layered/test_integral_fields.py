@@ -58,6 +58,7 @@ def test_displacement_outside_a_hertz_contact() -> None:
     assert not found.gap[:3].any()
 
 
+@pytest.mark.first(6)
 @pytest.mark.parametrize("indenter", SHAPES)
 @pytest.mark.parametrize("specimen", BODIES)
 def test_pressure_integrates_to_the_load(specimen: Specimen, indenter: object) -> None:
@@ -65,6 +66,7 @@ def test_pressure_integrates_to_the_load(specimen: Specimen, indenter: object) -
     assert integral == pytest.approx(P, rel=2e-9)  # the test's own quadrature near kinks and a cone's axis
 
 
+@pytest.mark.first(4)
 @pytest.mark.parametrize("specimen", BODIES)
 @pytest.mark.parametrize("a", [0.1, 1.5, 10.0])
 def test_edge_releases_the_work_of_adhesion(specimen: Specimen, a: float) -> None:

@@ -7,14 +7,14 @@ from scipy.special import jv
 from jkrcli.adhesion.curve import transform
 from jkrcli.adhesion.device import LOAD_CONTROL
 from jkrcli.adhesion.slopes.choice import slopes
-from jkrcli.adhesion.solved import solved, solver_of
 from jkrcli.base.errors import Refusal
+from jkrcli.beside.solved import solved, solver_of
 from jkrcli.bodies.grading import Exponential
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere
 from jkrcli.bodies.materials import Elastic, Graded, TransverselyIsotropic
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.formulas import surface_tension as formulas
-from jkrcli.many.study.pull_off_map import pull_off_map
+from jkrcli.many.study.maps import map_of
 from jkrcli.methods.layered.angles import Angles
 from jkrcli.methods.layered.layered import Layered
 from jkrcli.methods.layered.product import lagrange
@@ -98,8 +98,8 @@ def test_pull_off_over_tension_and_thickness(beta):
 
 
 def test_the_map_of_the_study_has_the_same_values():
-    points = pull_off_map([0.5], True, [1.0, 10.0], beta=0.1)
-    np.testing.assert_allclose([point.force for point in points], PULL_OFF[0.1][1:3], rtol=1e-6)
+    found = map_of("pull-off").over(nu=[0.5], q=[1.0, 10.0], beta=0.1).columns["minus_P_over_pi_w_R"]
+    np.testing.assert_allclose(found, PULL_OFF[0.1][1:3], rtol=1e-6)
 
 
 def slope(values, step):

@@ -1,0 +1,124 @@
+"""Whether rivals of raw records are asked for where they are there, and not where not: ``make record-rivals SEED=7``.
+
+Records of fourteen wrong models, and of right ones, by the generator of the tests, which shares no code with the fit;
+at its noise and at five times that. Per kind: how many are asked for, of which the right family is named, how many hold
+E* and w within the intervals widened by the model's part, and how many are *fitted* with E* or w more than three total
+errors off; the systematic part over the statistical one; the cost of all scores over that of the fit.
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+import time
+from collections import defaultdict
+from functools import lru_cache
+
+import numpy as np
+from cycle_records import NOISES, spoilt  # type: ignore[import-not-found]
+from wrong_records import WRONG, Drawn, Wrong, right  # type: ignore[import-not-found]
+
+from jkrcli.adhesion.slopes.choice import slopes
+from jkrcli.base.errors import JkrError
+from jkrcli.bodies.indenters import Paraboloid, Sphere
+from jkrcli.bodies.materials import Elastic
+from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
+from jkrcli.data.measured import Curve
+from jkrcli.identification.fit import Fit, FittedBody, fit, record_verdict
+from jkrcli.identification.fit.settings import settings_of, uncertain_of
+from jkrcli.methods.layered.layered import Layered
+
+CALIBRATED = ("stiffness +10 %", "R +10 %", "nu .3 as .5 on a layer")
+spent = [0.0, 0.0]  # seconds of all fits, of their scores
+
+
+@lru_cache
+def body(R: float, h: float | None, nu: float, sphere: bool) -> FittedBody:
+    """What the reader is told, of E* = 10 kPa."""
+    material = Elastic((1 - nu**2) * 1e4, nu)
+    specimen = Specimen((), HalfSpace(material)) if h is None else Specimen((Layer(material, h),), Rigid())
+    tip = Sphere(R) if sphere else Paraboloid(R)
+    problem = Problem(tip, specimen, Loading("radius", 0.2 * R if h is None else h, 60))
+    series = Layered()(problem).series
+    return FittedBody.of(problem, series, slopes(series), extensible=True)
+
+
+def fitted(kind: str, made: Wrong) -> Fit:
+    held = body(made.R, made.h, made.nu, kind == "large strains")
+    known = [("radius", "10%"), ("stiffness", "10%")] + [("nu", "0.2")] * (made.h is not None)
+    settings = settings_of(held)
+    if kind in CALIBRATED:
+        settings = settings_of(held, uncertain=uncertain_of(held, known, settings))
+    z, P = made.columns["z"], made.columns["P"]
+    curve = Curve("made", delta=z - P / made.k, P=P, t=made.columns["t"], stiffness=made.k)
+    begin = time.process_time()
+    found = fit(held, curve, settings)
+    spent[0] += time.process_time() - begin
+    return found
+
+
+def timed_scores() -> None:
+    """Counts the time of the scores apart."""
+    plain = vars(record_verdict)["rivals_of_record"]
+
+    def timed(*args: object) -> object:
+        begin = time.process_time()
+        found = plain(*args)
+        spent[1] += time.process_time() - begin
+        return found
+
+    vars(record_verdict)["rivals_of_record"] = timed
+
+
+def judged(kind: str, made: Wrong, found: Fit) -> dict[str, float]:
+    """By name 1 where it is so."""
+    assert found.verdict is not None
+    named, told = found.verdict.rivals, {"asked for": float(bool(found.verdict.rivals.named))}
+    if named.named and made.families:
+        told["right family"] = float(bool({*named.families} & {*made.families}))
+    inside, far = True, False
+    for name, true in made.truth.items():
+        item = found.estimate(name)
+        if item.error is None or item.low is None or item.high is None:
+            continue
+        part = math.hypot(*(item.model or {}).values())
+        inside &= item.low - part <= true <= item.high + part
+        far |= abs(item.value - true) > 3 * math.hypot(item.error, part)
+        if name == "E_star":
+            told["part"] = part / item.error
+    told |= {"inside, widened": float(inside), "said or inside": float(inside or bool(named.named))}
+    return told | {"silent": float(far and not found.flags)}
+
+
+def main(seed: int, count: int) -> None:
+    timed_scores()
+    for louder in (1.0, 5.0):
+        print(f"noise times {louder:g}, {count} records each, {2 * count} of right models")
+        for kind in ("right", *(f"right, {noise}" for noise in NOISES[1:]), *WRONG):
+            _line(kind, seed, 2 * count if kind.startswith("right") else count, louder)
+    print(f"seconds of all fits {spent[0]:.1f}, of which scores {spent[1]:.1f}")
+
+
+def _line(kind: str, seed: int, count: int, louder: float) -> None:
+    columns: dict[str, list[float]] = defaultdict(list)
+    for i in range(count):
+        rng = np.random.default_rng((seed, i, int(louder)))
+        at = Drawn.of(rng, louder)
+        made = WRONG.get(kind, right)(at)
+        if kind.startswith("right, "):
+            made.columns["P"] = spoilt(rng, made.columns["P"], at.noise, kind.removeprefix("right, "))
+        try:
+            told = judged(kind, made, fitted(kind, made))
+        except JkrError as error:
+            told = {"refused": 1.0}
+            print(f"  {kind} {i}: {error}")
+        for name, value in told.items():
+            columns[name].append(value)
+    parts = columns.pop("part", [0.0])
+    shares = ", ".join(f"{name} {np.mean(values):.2f}" for name, values in columns.items() if name != "silent")
+    silent = np.sum(columns["silent"])
+    print(f"{kind:<24} {shares}, silent {silent:.0f}, systematic over statistical {np.median(parts):.2g}", flush=True)
+
+
+if __name__ == "__main__":
+    main(*(int(text) for text in sys.argv[1:3]))

@@ -1,0 +1,223 @@
+"""What a device records over time that presses a body that relaxes: programs, turns, and the table of it all."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from ...base.arrays import Array
+from ...base.cubic import zeros_between
+from ...base.errors import InputError
+from ...base.units import show
+from ...bodies.relaxation import Modes, Relaxation
+from ..device import DISPLACEMENT_CONTROL, LOAD_CONTROL, control, position
+from ..nonadhesive import Nonadhesive
+from ..rate.history import TimedState
+from ..rate.program import Program
+from .depths import Depths
+from .driven import TUNING as DRIVEN
+from .driven import Drive
+from .path import TUNING, RelaxedPath, given_depth
+
+
+@dataclass(frozen=True)
+class HistoryTuning:
+    """How turns and largest loads are looked for."""
+
+    longer: int = 60  # choice: guard, doublings of an approach until it comes to its turn
+    looked_at: int = 400  # choice: states of a piece among which a load or depth is looked for
+    accurate: float = 1e-4  # choice: error of the loads beyond which a reader is warned
+
+
+HISTORY = HistoryTuning()
+
+
+@dataclass(frozen=True, eq=False)
+class RelaxingContact:
+    """A contact without adhesion whose moduli relax by ``law``, in a device of ``stiffness`` [N/m]; ``coarser``: how
+    many of its steps are joined; ``grows``: see ``RelaxedPath``."""
+
+    body: Nonadhesive
+    law: Relaxation
+    stiffness: float = DISPLACEMENT_CONTROL
+    coarser: int = 1
+    grows: float = TUNING.grows
+
+    @cached_property
+    def depths(self) -> Depths:
+        return Depths(self.body)
+
+    def history(self, program: Program) -> RelaxedHistory:
+        """What happens under ``program`` of positions [m], of loads [N] under load control."""
+        t, x = _in_contact(*_ended(program), self.stiffness == LOAD_CONTROL)
+        return RelaxedHistory(self, program, self._path(t, x))
+
+    def _path(self, t: Array, x: Array) -> RelaxedPath:
+        modes = self._modes(t)
+        if math.isinf(self.stiffness):
+            return given_depth(self.depths, modes, t, x, TUNING.ratio**self.coarser, self.grows)
+        return Drive(self.depths, modes, self.stiffness, t, x, DRIVEN.ratio**self.coarser, self.grows).path()
+
+    def _modes(self, t: Array) -> Modes:
+        return self.law.modes(float(t[-1] - t[0]))
+
+    def turning(self, load: float | None, depth: float | None, speed: float) -> float:
+        """What the device holds where an approach at ``speed`` [m/s, under load control N/s] comes to ``load`` [N] or
+        ``depth`` [m]; both None: to the end of the series."""
+        if load is not None and depth is not None:
+            raise InputError("cycle: the turn is at a load or at a depth, not at both")
+        if self.stiffness == (DISPLACEMENT_CONTROL if load is None else LOAD_CONTROL):
+            return (depth or self.depths.most) if load is None else load
+        path = self._approach(speed)
+        if load is None and depth is None:
+            return speed * path.turn
+        name, wanted, unit = ("P", load, "load") if load is not None else ("delta", depth or 0.0, "length")
+
+        def reached(places: Array) -> Array:
+            loads = path.load.held(places, path.load.times(places))
+            return np.asarray((loads if load is not None else path.depth.values(places)) - wanted)
+
+        places = np.linspace(0, path.last, HISTORY.looked_at)
+        met = np.flatnonzero(reached(places) >= 0)[:1]
+        if not met.size or met[0] == 0:
+            raise InputError(
+                f"cycle: the turn at {name} = {show(wanted or 0.0, unit)} is not passed on approach, which in this "
+                f"series ends at {show(float(reached(places[-1:])[0]) + (wanted or 0.0), unit)}"
+            )
+        return speed * float(path.load.times(zeros_between(reached, places[met - 1], places[met], 0.0))[0])
+
+    def _approach(self, speed: float) -> RelaxedPath:
+        """An approach at ``speed`` to the end of the series."""
+        most = self.depths.most
+        P = float(self.depths.loads(np.array([most]))[0])
+        lasting = float(position(most, P, self.stiffness)) / speed
+        for _ in range(HISTORY.longer):
+            t, x = np.array([0.0, lasting]), np.array([0.0, speed * lasting])
+            if math.isinf(self.stiffness):
+                return given_depth(self.depths, self._modes(t), t, x)
+            found = Drive(self.depths, self._modes(t), self.stiffness, t, x).grown(most)
+            if found is not None:
+                return found
+            lasting *= 2
+        raise InputError("cycle: the approach does not come to the end of the series")
+
+
+def _ended(program: Program) -> tuple[Array, Array]:
+    """Times and positions of a program; one that goes on backwards ends where it held nothing."""
+    if program.rate is None:
+        return program.t, program.x
+    if program.rate > 0 or program.x[-1] <= 0:
+        raise InputError("program: the way back must begin in contact")
+    return np.append(program.t, program.t[-1] - program.x[-1] / program.rate), np.append(program.x, 0.0)
+
+
+def _in_contact(t: Array, x: Array, loaded: bool) -> tuple[Array, Array]:
+    """The program from first contact on, where it holds 0; loads up to where they come to 0 again."""
+    pressed = np.flatnonzero(x > 0)
+    if not pressed.size:
+        raise InputError(f"program: never presses: its largest value is {np.max(x):g}, contact begins at 0")
+    first = int(pressed[0])
+    t, x = _from(t, x, first)
+    if loaded and (pulled := np.flatnonzero((x[1:] <= 0) & (x[:-1] > 0))).size:
+        i = int(pulled[0])
+        part = x[i] / (x[i] - x[i + 1])
+        t, x = np.append(t[: i + 1], t[i] + part * (t[i + 1] - t[i])), np.append(x[: i + 1], 0.0)
+    if not t[-1] > t[0]:
+        raise InputError("program: must last longer than no time in contact")
+    return t, x
+
+
+def _from(t: Array, x: Array, first: int) -> tuple[Array, Array]:
+    part = 1.0 if first == 0 else x[first] / (x[first] - x[first - 1])
+    begin = t[first] if first == 0 else t[first] - part * (t[first] - t[first - 1])
+    return np.append(begin, t[first:]), np.append(0.0, x[first:])
+
+
+@dataclass(frozen=True, eq=False)
+class RelaxedHistory:
+    """What happened to ``contact`` under ``program``, on the ``path``."""
+
+    contact: RelaxingContact
+    program: Program
+    path: RelaxedPath
+
+    @property
+    def lost(self) -> float | None:
+        """When contact is lost [s]; None where it is not."""
+        return self.path.lost if math.isfinite(self.path.lost) else None
+
+    @property
+    def turn(self) -> float:
+        """When the contact stopped to grow [s]."""
+        return self.path.turn
+
+    @property
+    def control(self) -> str:
+        return control(self.contact.stiffness)
+
+    @cached_property
+    def peak(self) -> TimedState:
+        """The state of the largest load, to a part of a program's piece."""
+        t = np.append(self._times(HISTORY.looked_at), self.turn)
+        a, delta, P = self.path.states(np.sort(t))
+        i = int(np.argmax(P))
+        return TimedState(a=float(a[i]), delta=float(delta[i]), P=float(P[i]), t=float(np.sort(t)[i]))
+
+    @cached_property
+    def corners(self) -> tuple[TimedState, ...]:
+        """The states at the corners of the program while there is contact."""
+        t = np.unique(self._pieces)
+        t = t[(t > self.path.begin) & (t < self.path.lost)]
+        rows = zip(*self.path.states(t), t, strict=True)
+        return tuple(TimedState(a=float(a), delta=float(d), P=float(P), t=float(when)) for a, d, P, when in rows)
+
+    @cached_property
+    def error(self) -> float:
+        """Largest error of the loads over the largest load [-], of steps in time: what joining each two of them
+        changes, an upper limit."""
+        if self.contact.coarser > 1:
+            return math.nan
+        t = self._times(TUNING.degree)
+        beside = replace(self.contact, coarser=2).history(self.program)
+        P, other = self.path.states(t)[2], beside.path.states(t)[2]
+        return float(np.max(np.abs(P - other)) / np.max(P))
+
+    @property
+    def _pieces(self) -> Array:
+        """Ends of the pieces of the program from first contact on."""
+        t = _ended(self.program)[0]
+        return np.append(self.path.begin, t[t > self.path.begin])
+
+    def _times(self, points: int) -> Array:
+        """Times in contact, ``points`` to a piece of the program."""
+        ends = np.unique(np.minimum(self._pieces, self.path.lost))
+        return np.unique([np.linspace(a, b, points + 1) for a, b in itertools.pairwise(ends)])
+
+    def table(self, points: int) -> dict[str, Array]:
+        """Rows of the whole program, ``points`` to a piece: "t_s", "a_m" (0 out of contact), "delta_m", "P_N",
+        "device_m" (not under load control), "phase", "part"; at a step the state behind it."""
+        ends, held = _ended(self.program)
+        parts = [np.linspace(a, b, points) for a, b in itertools.pairwise(ends) if b > a]
+        t, number = np.concatenate(parts), np.repeat(np.arange(1, len(parts) + 1), points)
+        once = np.append(True, np.diff(t) > 0)  # where pieces meet
+        t, number = t[once], number[once]
+        a, delta, P = self.states(t)
+        columns = {"t_s": t, "a_m": a, "delta_m": delta, "P_N": P}
+        if self.contact.stiffness != LOAD_CONTROL:
+            columns["device_m"] = np.interp(t, ends, held)
+        phases = np.where(a == 0, "free", np.where(t <= self.turn, "advance", "recede"))
+        return columns | {"phase": phases, "part": number}
+
+    def states(self, t: Array) -> tuple[Array, Array, Array]:
+        """a [m], delta [m], P [N] at the rising times ``t`` [s] of the program; out of contact a = P = 0, and the tip
+        is where the device is."""
+        loaded, touches = self.contact.stiffness == LOAD_CONTROL, (t >= self.path.begin) & (t < self.path.lost)
+        a, P = np.zeros_like(t), np.zeros_like(t)
+        delta = np.zeros_like(t) if loaded else np.interp(t, *_ended(self.program))  # of equal times the last
+        if touches.any():
+            a[touches], delta[touches], P[touches] = self.path.states(t[touches])
+        return a, delta, P

@@ -1,0 +1,92 @@
+"""What a sum of exponentials remembers of a quantity that is a polynomial of time from step to step."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from ...base.arrays import Array
+from ...bodies.relaxation import Modes
+
+
+@dataclass(frozen=True)
+class MomentTuning:
+    """How moments of exponentials are computed."""
+
+    large: float = 2.0  # theory: exponent from which the recursion upwards, of up to seven steps, loses one digit
+    terms: int = 22  # theory: of the recursion downwards from there, 2^22/22! = 4e-15 of its begin is left at the end
+
+
+TUNING = MomentTuning()
+
+
+def moments(x: Array, count: int) -> list[Array]:
+    """int_0^1 exp(-x (1 - y)) y^j dy at ``x`` >= 0 of any shape, for j < ``count``."""
+    if count == 1:
+        return [np.divide(-np.expm1(-x), x, out=np.ones_like(x), where=x > 0)]
+    small, large = np.minimum(x, TUNING.large), np.maximum(x, TUNING.large)
+    below = [np.full_like(x, 1.0 / (TUNING.terms + 1))]
+    for j in range(TUNING.terms, 0, -1):
+        below.append((1 - small * below[-1]) / j)
+    above = [-np.expm1(-large) / large]
+    for j in range(1, count):
+        above.append((1 - j * above[-1]) / large)
+    return [np.where(x < TUNING.large, low, high) for low, high in zip(below[::-1], above, strict=False)]
+
+
+def remembered(p: Array, x: Array) -> Array:
+    """int_0^1 exp(-x (1 - y)) dp(y) of polynomials, ``p`` (..., n) of rising powers of y, at ``x`` (..., m)."""
+    found = moments(x, p.shape[-1] - 1)
+    return np.asarray(sum((j + 1) * p[..., j + 1, None] * moment for j, moment in enumerate(found)))
+
+
+@dataclass(frozen=True, eq=False)
+class Steps:
+    """A quantity q over time: in step k, from ``t[k]`` to ``t[k + 1]`` [s], the polynomial ``p[k]`` (n) of its fraction
+    y; equal times are a jump. ``modes``: what remembers it, from ``t[0]`` on, where q is 0. A place is k + y."""
+
+    modes: Modes
+    t: Array
+    p: Array
+
+    @cached_property
+    def states(self) -> Array:
+        """int exp(-rate (t - s)) dq(s) at all times ``t``, (times, m)."""
+        x = np.diff(self.t)[:, None] * self.modes.rates
+        found = [np.zeros(x.shape[1])]
+        for factor, gain in zip(np.exp(-x), remembered(self.p, x), strict=True):
+            found.append(factor * found[-1] + gain)
+        return np.array(found)
+
+    def places(self, t: Array) -> Array:
+        """The places of times ``t``, behind a jump."""
+        k = np.clip(np.searchsorted(self.t, t, side="right") - 1, 0, self.t.size - 2)
+        h, since = self.t[k + 1] - self.t[k], t - self.t[k]
+        return np.asarray(k + np.clip(np.divide(since, h, out=np.ones_like(since), where=h > 0), 0.0, 1.0))
+
+    def times(self, places: Array) -> Array:
+        """The times [s] of ``places`` (n,)."""
+        k, since, _ = self.parts(places)
+        return self.t[k] + since
+
+    def parts(self, places: Array) -> tuple[Array, Array, Array]:
+        """The step of each of the ``places`` (n,), the time since its begin, and the polynomial of that time's
+        fractions."""
+        k = np.clip(places.astype(int), 0, self.t.size - 2)
+        y = places - k
+        return k, y * (self.t[k + 1] - self.t[k]), self.p[k] * y[:, None] ** np.arange(self.p.shape[1])
+
+    def values(self, places: Array) -> Array:
+        """q at ``places`` (n,)."""
+        return np.asarray(self.parts(places)[2].sum(axis=1))
+
+    def held(self, places: Array, now: Array) -> Array:
+        """int r(now - s) dq(s) up to ``places`` (n,), seen from the times ``now`` [s] there or later."""
+        k, since, p = self.parts(places)
+        x, modes = since[:, None] * self.modes.rates, self.modes
+        weights = modes.weights * np.exp(-np.maximum(now - self.t[k] - since, 0.0)[:, None] * modes.rates)
+        return np.asarray(
+            modes.relaxed * p.sum(axis=1) + np.sum(weights * (np.exp(-x) * self.states[k] + remembered(p, x)), axis=1)
+        )

@@ -1,0 +1,145 @@
+"""The history of a contact that relaxes: it grows, shrinks, is lost."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...base.arrays import Array
+from ...base.cubic import zeros_between
+from ...base.errors import InputError
+from ...base.units import show
+from ...bodies.relaxation import Modes
+from .depths import Depths
+from .memory import Steps
+
+
+@dataclass(frozen=True)
+class PathTuning:
+    """Accuracy of a history."""
+
+    first: float = 1e-6  # theory: of the largest depth; the load there, 1e-9 of the largest, is interpolated to 1e-2
+    ratio: float = 1.4  # theory: of depths from step to step; depth^1.5 is interpolated to 1e-11 of itself
+    degree: int = 6  # theory: of the load over a step, see ``ratio``
+    grows: float = 1e-7  # choice: of the depth, by which a contact may grow again before that is refused
+    places: float = 1e-12  # theory: of a step, round-off
+    beyond: float = 1e-9  # choice: of the largest depth of the series, for round-off
+
+
+TUNING = PathTuning()
+PLACES = (1 - np.cos(np.pi * np.arange(TUNING.degree + 1) / TUNING.degree)) / 2  # theory: of Chebyshev and Lobatto
+POWERS = np.linalg.inv(np.vander(PLACES, increasing=True)).T  # from values at the places to a polynomial
+AGAIN = (
+    "is loaded again onto the dent that it left, which is not solved: retract without a stop, at a speed that does not "
+    "fall, and end the program where contact is lost"
+)
+
+
+@dataclass(frozen=True, eq=False)
+class RelaxedPath:
+    """A contact over time: ``depth`` delta of the device's tip from first contact on, and ``load``: P_H, what it would
+    bear without relaxation, in the same steps while it grows. ``lost``: when contact is lost [s]; infinite where it is
+    not. ``grows``: of the largest depth, by which the contact may grow again before that is refused."""
+
+    depths: Depths
+    depth: Steps
+    load: Steps
+    lost: float = math.inf
+    grows: float = TUNING.grows
+
+    def __post_init__(self) -> None:
+        deepest, most = float(self.depth.values(np.array([self.last]))[0]), self.depths.most
+        if deepest > most * (1 + TUNING.beyond):
+            raise InputError(
+                f"program: the contact comes to a depth of {show(deepest, 'length')}, beyond the largest of the "
+                f"series, {show(most, 'length')}: turn before, or increase [loading] radius"
+            )
+
+    @property
+    def begin(self) -> float:
+        """The time of first contact [s]."""
+        return float(self.depth.t[0])
+
+    @property
+    def last(self) -> float:
+        """The place at which the contact stops to grow."""
+        return float(self.load.t.size - 1)
+
+    @property
+    def turn(self) -> float:
+        """The time [s] at which it does."""
+        return float(self.load.t[-1])
+
+    def marks(self, t: Array) -> Array:
+        """The place, of the time t1, at which the contact grew through the radius that it has at the rising times ``t``
+        in contact: int r(t - s) d(delta)(s) from t1 to t is 0."""
+        found, later = self.depth.places(t), t > self.turn
+        if later.any():
+            now, places = t[later], found[later]
+            held, low, high = self.depth.held(places, now), np.zeros_like(now), np.full_like(now, self.last)
+            found[later] = zeros_between(lambda place: held - self.depth.held(place, now), low, high, TUNING.places)
+            self._check(now, found[later])
+        return found
+
+    def _check(self, t: Array, places: Array) -> None:
+        rises = np.flatnonzero(np.diff(self.depth.values(places)) > self.grows * self.depths.most)
+        if rises.size:
+            raise InputError(f"program: at t = {show(float(t[rises[0] + 1]), 'time')} the contact {AGAIN}")
+
+    def place_at(self, depth: Array) -> Array:
+        """The places at which the contact grew through depths [m] (n,)."""
+        knots = self.depth.values(np.arange(self.last + 1))
+        k = np.clip(np.searchsorted(knots, depth) - 1, 0, knots.size - 2)
+        found = zeros_between(lambda y: self.depth.values(k + y) - depth, 0.0 * depth, 0.0 * depth + 1, TUNING.places)
+        return np.asarray(k + found)
+
+    def states(self, t: Array) -> tuple[Array, Array, Array]:
+        """a [m], delta [m], P [N] at the rising times ``t`` [s] (n,) from first contact on; a = P = 0 where it is
+        lost."""
+        a, P, contact = np.zeros_like(t), np.zeros_like(t), t < self.lost
+        places = self.marks(t[contact])
+        a[contact], P[contact] = self.depths.radii(self.depth.values(places)), self.load.held(places, t[contact])
+        return a, self.depth.values(self.depth.places(t)), P
+
+
+def given_depth(
+    depths: Depths, modes: Modes, t: Array, x: Array, ratio: float = TUNING.ratio, grows: float = TUNING.grows
+) -> RelaxedPath:  # fmt: skip
+    """What happens where the device holds the depths ``x`` [m] at the times ``t`` [s], even between, from 0 on;
+    ``ratio`` of depths from step to step; ``grows``: see ``RelaxedPath``."""
+    falls = np.flatnonzero(np.diff(x) < 0)
+    top = int(falls[0]) if falls.size else t.size - 1
+    grown, deep = finer(t[: top + 1], x[: top + 1], ratio)
+    load = Steps(modes, grown, depths.loads(deep[:-1, None] + np.diff(deep)[:, None] * PLACES) @ POWERS)
+    t, x = np.append(grown, t[top + 1 :]), np.append(deep, x[top + 1 :])
+    depth = Steps(modes, t, np.stack([x[:-1], np.diff(x)], 1))
+    return RelaxedPath(depths, depth, load, _lost(depth, grown.size - 1), grows)
+
+
+def finer(t: Array, x: Array, ratio: float) -> tuple[Array, Array]:
+    """Depths ``x`` that never fall, and their times, with more between them, so that none is more than ``ratio``
+    times the one before."""
+    count = math.ceil(math.log(1 / TUNING.first) / math.log(ratio))
+    levels = x[-1] * ratio ** -np.arange(1.0, count + 1)
+    after = np.searchsorted(x, levels)
+    part = (levels - x[after - 1]) / (x[after] - x[after - 1])
+    order = np.argsort(np.append(np.arange(x.size), after - 1 + part), kind="stable")
+    return np.append(t, t[after - 1] + part * (t[after] - t[after - 1]))[order], np.append(x, levels)[order]
+
+
+def _lost(depth: Steps, turn: int) -> float:
+    """When contact is lost [s], in the steps behind the place ``turn``: where the surface alone would be there."""
+    places = np.arange(turn, depth.t.size)
+    left = depth.held(places, depth.t[places])
+    gone = np.flatnonzero(left <= 0)
+    if not gone.size:
+        return math.inf
+    if (back := np.flatnonzero(left[gone[0] :] > 0)).size:
+        raise InputError(
+            f"program: at t = {show(float(depth.t[places[gone[0] + back[0]]]), 'time')} the contact {AGAIN}"
+        )
+    end = places[gone[:1]].astype(float)
+    place = zeros_between(lambda place: depth.held(place, depth.times(place)), end - 1, end, 0.0)
+    return float(depth.times(place)[0])

@@ -1,0 +1,1 @@
+"""What the same bodies would do otherwise: solved again, without slip, with a range, as a half-space."""

@@ -1,0 +1,53 @@
+"""The one way in which a body is solved again: over other radii, by another method, with other surfaces."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Any
+
+from ..base.arrays import Array
+from ..base.clock import duration
+from ..base.errors import JkrError, Refusal
+from ..bodies.problem import Loading, Problem
+from ..case import Case
+from ..case.numerics import method_of
+from ..methods import METHODS, Method, method_class
+from ..series import Solution
+
+
+def again(
+    problem: Problem, radii: Array | None = None, method: Method | None = None, longest: float = math.inf,
+    **otherwise: Any,
+) -> Solution:  # fmt: skip
+    """A body solved again: the solution of a ``problem`` with ``otherwise`` in place of its fields, over ``radii`` [m]
+    (default: as it is loaded), by ``method`` or the first exact one that represents it; JkrError where none does, or
+    not within ``longest`` [CPU s]."""
+    if radii is not None:
+        otherwise["loading"] = Loading.given("radius", tuple(radii.tolist()))
+    changed = replace(problem, **otherwise)
+    failed: JkrError = Refusal("no exact method represents these bodies")
+    for each in exact() if method is None else (method,):
+        try:
+            if reason := each.refusal(changed):
+                raise Refusal(reason)
+            if longest < math.inf and (seconds := each.forecast(changed).seconds) >= longest:
+                raise Refusal(f"the coarse solution would take about {duration(seconds)}")
+            return each(changed)
+        except JkrError as error:
+            failed = error
+    raise failed
+
+
+def exact() -> list[Method]:
+    """The methods that are exact and cost next to nothing, least effort first."""
+    return [method_class(name)() for name, method in METHODS.items() if method.exact]
+
+
+def method_behind(solution: Solution) -> Method | None:
+    """The method that made ``solution``, with the options of its case."""
+    name, case = solution.method, solution.record.case
+    if name not in METHODS:
+        return None
+    method: Method = method_of(case.model, name) if isinstance(case, Case) else method_class(name)()
+    return method

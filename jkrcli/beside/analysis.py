@@ -1,0 +1,286 @@
+"""A solution and a work of adhesion to everything that is said about the adhesive curve."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+
+from ..adhesion.critical import Errors, point_error
+from ..adhesion.curve import AdhesiveCurve, CriticalPoint, EquilibriumCurve
+from ..adhesion.device import CONTROLS
+from ..adhesion.law import AskedRange, Range
+from ..adhesion.nonadhesive import Nonadhesive
+from ..adhesion.sharp import resolved, yielding
+from ..adhesion.slopes.choice import slopes, smoothed
+from ..adhesion.slopes.result import Slopes
+from ..adhesion.validity import Validity, check, end_of_body, judge, refuse_wetting, sizes, unresolved
+from ..base.errors import InputError
+from ..base.units import MOST
+from ..base.unknown import Estimate, Unknown, known
+from ..bodies.problem import Problem
+from ..bodies.relaxation import relaxing_words
+from ..methods import Forecast
+from ..series import ErrorBudget, Series, Solution, is_series
+from .comparison import Comparison, compare_half_space
+from .own_body import own_solution
+from .range_effect import effect_of_range
+from .solved import seconds_of_points, solved, solver_of
+
+SURE = 2.0  # theory: 90 % half-widths of a normal error that one in a thousand exceeds
+JKR = AskedRange()
+
+
+@dataclass(frozen=True, eq=False)
+class Analysis:
+    """One adhesive curve with its critical points, error budget, validity and, where it exists, the exact solution.
+
+    ``law``: of adhesion of finite range; None for JKR.
+    """
+
+    solution: Solution
+    curve: EquilibriumCurve
+    budget: ErrorBudget
+    modulus_factor: float = 1.0
+    law: Range | None = None
+
+    def __repr__(self) -> str:
+        return f"<Analysis of {self.path}: w = {self.w:g} J/m^2, {len(self.curve.series)} points>"
+
+    @property
+    def path(self) -> Path:
+        """The series file, as messages name it."""
+        return self.solution.record.path
+
+    @property
+    def problem(self) -> Problem:
+        """What was solved, with the moduli of this curve."""
+        return self.solution.problem
+
+    @property
+    def dropped(self) -> int:
+        """How many increments are not in the series."""
+        return self.solution.increments.a.size - len(self.curve.series)
+
+    @property
+    def w(self) -> float:
+        return self.curve.w
+
+    @property
+    def jkr(self) -> AdhesiveCurve:
+        """The curve where adhesion has no range; InputError where it has one."""
+        if not isinstance(self.curve, AdhesiveCurve):
+            raise InputError(f"{self.path}: adhesion of finite range has no part in this: leave stress and range out")
+        return self.curve
+
+    @cached_property
+    def pull_off(self) -> dict[str, CriticalPoint | Unknown]:
+        """Where contact is lost under control of the load and of the displacement."""
+        z0 = self.solution.record.z0
+        return {name: resolved(self.curve.pull_off(k), self.curve, k, z0) for name, k in CONTROLS.items()}
+
+    @cached_property
+    def pull_off_errors(self) -> dict[str, Errors | Unknown]:
+        """90 % half-widths of delta [m] and P [N] of each pull-off point that there is, or why they are unknown."""
+        return {
+            name: error_of_point(self.curve, found, CONTROLS[name])
+            for name, found in self.pull_off.items()
+            if isinstance(found, CriticalPoint)
+        }
+
+    @cached_property
+    def validity(self) -> Validity:
+        problem, series, point = self.problem, self.curve.series, self.pull_off["load"]
+        judged = judge(
+            a=float(series.a[-1]),
+            delta=float(series.delta[-1]),
+            w=self.w,
+            **sizes(problem),
+            L=end_of_body(problem, self.solution.facts),
+            z0=self.solution.record.z0 if self.law is None else self.law.length,
+            a_pull_off=point.a if isinstance(point, CriticalPoint) else None,
+            end_is_cut=problem.specimen.radius is None,
+            effect_of_range=self.effect_of_range,
+        )
+        return judged if self.law is None else replace(judged, regime="adhesion of this range is solved")
+
+    @cached_property
+    def comparison(self) -> Comparison | None:
+        """The distance to the exact solution of the same indenter; None but for a half-space that slides."""
+        specimen = self.problem.specimen
+        half_space = specimen.is_half_space and not (self.problem.sticks or specimen.surface_tension)
+        if not half_space or not isinstance(self.curve, AdhesiveCurve):
+            return None
+        return compare_half_space(self.curve, self.problem)
+
+    @cached_property
+    def effect_of_range(self) -> Estimate:
+        """Relative change of the pull-off force under load control, if adhesion had the range z0; 0 where it has."""
+        point = self.pull_off["load"]
+        if self.law is not None:
+            return 0.0
+        if isinstance(point, Unknown):
+            return point
+        return effect_of_range(self.problem, self.curve.series, self.w, self.solution.record.z0, point)
+
+    @property
+    def warnings(self) -> list[str]:
+        """Everything that a reader of the numbers should know, each with its number."""
+        outside = [f"pull-off under {name} control: {point.reason}" for name, point in self.pull_off.items()
+                   if isinstance(point, Unknown) and self.w > 0]  # fmt: skip
+        flags = self.curve.slopes.flags
+        if self.curve.slopes.method != "exact":
+            flags += unresolved(self.problem.indenter, self.curve.a)
+        doubts = getattr(self.curve, "doubts", ())
+        law = self.problem.specimen.relaxation
+        relaxes = [] if law is None else [f"the specimen relaxes: {relaxing_words(law)}"]
+        found = [*relaxes, *self.solution.warnings, *flags, *check(self.validity), *doubts]
+        found += [*yielding(self.problem, self.curve), *outside]
+        difference = None if self.comparison is None else known(self.comparison.pull_off)
+        budget = self.budget
+        parts = (budget.discretisation, budget.truncation, budget.radius, budget.smoothing)
+        stated = max(2 * sum(part for part in parts if not isinstance(part, Unknown)), 1e-6)
+        point, half_widths = self.pull_off["load"], self.pull_off_errors.get("load")
+        if isinstance(point, CriticalPoint) and half_widths is not None and not isinstance(half_widths, Unknown):
+            stated = max(stated, SURE * half_widths["P"] / abs(point.P))
+        if difference is not None and abs(difference) > stated:
+            found.append(
+                f"the pull-off force differs from the closed form by {abs(difference):.2g}, "
+                f"more than the {stated:.2g} that was estimated"
+            )
+        return list(dict.fromkeys(found))
+
+
+def analyse(
+    solution: Solution,
+    works: Sequence[float],
+    slopes_name: str = "auto",
+    modulus_factor: float = 1.0,
+    asked: AskedRange = JKR,
+) -> list[Analysis]:
+    """The adhesive curves of a solution for each work of adhesion [J/m^2], with solved pull-off points where the method
+    is exact; the slopes are found once.
+
+    ``modulus_factor``: of bodies whose moduli are all that many times those of the solution; nothing is solved anew.
+    ``asked``: adhesion of finite range, where it has a stress or a length.
+    """
+    if asked:
+        return _of_finite_range(solution.scaled(modulus_factor), works, slopes_name, modulus_factor, asked)
+    body = nonadhesive(solution, slopes_name)
+    return [with_solved_points(adhesive(solution, body, w, modulus_factor)) for w in works]
+
+
+@dataclass(frozen=True)
+class CostTuning:
+    """What curves cost, as measured on series of 100 to 1,000,000 rows."""
+
+    mib: float = 110.0  # memory of any; tuned on series of 100 rows, by `make bench`
+    mib_per_row: float = 3e-3  # of curves; tuned on series of 1e6 rows, by `make bench`
+    table_mib_per_row: float = 6e-3  # and of their tables; tuned on series of 1e6 rows, by `make bench`
+    fit: float = 0.2  # CPU seconds of slopes that are fitted; tuned on noisy series of 100 rows, by `make guards`
+    fit_per_row: float = 2e-5  # and per row; tuned on noisy series of 1e5 rows, by `make guards`
+    curve: float = 0.03  # CPU seconds of a curve; tuned on series of 100 rows, by `make bench`
+    per_row: float = 4e-5  # and per row; tuned on series of 1e5 rows, by `make bench`
+    table_per_row: float = 3e-5  # and of its table; tuned on series of 1e5 rows, by `make bench`
+    device: float = 7e-3  # of what is read off it for a device; tuned on 10 to 2,000 devices, by `make guards`
+    figure: float = 0.6  # of its pictures; tuned on series of 100 rows, by `make bench`
+
+
+COST = CostTuning()
+
+
+def forecast(
+    solution: Solution, works: Sequence[float], asked: AskedRange = JKR, tables: bool = True, figures: bool = False,
+    devices: int = 0,
+) -> Forecast:  # fmt: skip
+    """What the curves of a solution for ``works`` of adhesion [J/m^2] cost, with their tables and pictures or without,
+    and what is read off for so many ``devices``; ``asked``: of finite range."""
+    rows = solution.increments.a.size
+    fitted = COST.fit + COST.fit_per_row * rows if solution.series.S is None else 0.0
+    per_row, mib = COST.per_row + tables * COST.table_per_row, COST.mib_per_row + tables * COST.table_mib_per_row
+    each = COST.curve + per_row * rows + figures * COST.figure + devices * COST.device
+    each += _ranged(solution, works, asked) if asked else seconds_of_points(solution, devices)
+    return Forecast(fitted + len(works) * each, COST.mib + mib * rows, 0.0)
+
+
+def _ranged(solution: Solution, works: Sequence[float], asked: AskedRange) -> float:
+    """CPU seconds of the dearest of the curves of finite range: the least or the largest w reaches farthest."""
+    from ..adhesion.finite_range import FiniteRangeBody
+
+    body = FiniteRangeBody.of(solution)
+    return max(body.seconds(asked.law(w)) for w in {min(works), max(works)})
+
+
+def adhesive(solution: Solution, body: Nonadhesive, w: float, modulus_factor: float = 1.0) -> Analysis:
+    """The adhesive curve for the work of adhesion ``w`` [J/m^2] on bodies ``modulus_factor`` times as stiff."""
+    if not 0 <= w <= MOST:
+        raise InputError(f"w: must lie within 0 and {MOST:g} J/m^2, got {w:g}")
+    refuse_wetting(w, modulus_factor * solution.problem.specimen.surface_tension)
+    curve = AdhesiveCurve(body.scaled(modulus_factor), w)
+    return Analysis(solution.scaled(modulus_factor), curve, _budget(solution.budget, curve), modulus_factor)
+
+
+def with_solved_points(result: Analysis, *devices: float) -> Analysis:
+    """The same curve with its pull-off points, those by ``devices`` of a stiffness [N/m] included, solved at their own
+    radii, where the method is exact and quick."""
+    if result.w == 0 or result.law is not None or result.curve.slopes.method != "exact":
+        return result
+    further = solver_of(result.solution)
+    return result if further is None else replace(result, curve=solved(result.jkr, further, *devices))
+
+
+def _of_finite_range(
+    solution: Solution, works: Sequence[float], slopes_name: str, modulus_factor: float, asked: AskedRange
+) -> list[Analysis]:
+    """The curves of finite range of a solution."""
+    if slopes_name not in ("auto", "exact"):
+        raise InputError(f"slopes: {slopes_name} has no part in adhesion of finite range, whose kernel is exact")
+    from ..adhesion.finite_range import FiniteRangeBody
+
+    laws = [asked.law(w) for w in works]
+    body = FiniteRangeBody.of(solution)
+    curves = [body.curve(law) for law in laws]
+    return [
+        Analysis(solution, curve, replace(solution.budget, smoothing=curve.interpolation_error), modulus_factor, law)
+        for law, curve in zip(laws, curves, strict=True)
+    ]
+
+
+def error_of_point(curve: EquilibriumCurve, point: CriticalPoint, stiffness: float) -> Errors | Unknown:
+    """90 % half-widths of a pull-off ``point`` under a device of ``stiffness`` [N/m], on curves of either kind."""
+    if isinstance(curve, AdhesiveCurve):
+        return point_error(curve, point, stiffness)
+    from ..adhesion.finite_range import FiniteRangeCurve
+
+    assert isinstance(curve, FiniteRangeCurve)
+    return curve.point_error(point, stiffness)
+
+
+def nonadhesive(solution: Solution, slopes_name: str = "auto") -> Nonadhesive:
+    """The w-free functions of a solution by the slopes called ``slopes_name``; InputError names the file.
+
+    The integral fit takes increments as they are, plateaus and noise included; all else takes the paper's filter first.
+    """
+    try:
+        pair = _series_and_slopes(solution, slopes_name)
+    except InputError as error:
+        path = str(solution.record.path)
+        raise InputError([line if line.startswith(path) else f"{path}: {line}" for line in error.lines]) from None
+    return Nonadhesive(*pair)
+
+
+def _series_and_slopes(solution: Solution, name: str) -> tuple[Series, Slopes]:
+    read = solution.method == "import"
+    own = own_solution(solution.problem, solution.series.a) if read else None
+    if solution.raw is not None and name in ("auto", "integral") and not is_series(solution.raw):
+        return smoothed(solution.raw, solution.series.a0, solution.series.S0, own=own)
+    series = replace(solution.filtered, own=own, kinks=solution.problem.indenter.kinks)
+    if name not in ("auto", "exact"):
+        series = replace(series, S=None, dS=None)
+    return series, slopes(series, name)
+
+
+def _budget(budget: ErrorBudget, curve: AdhesiveCurve) -> ErrorBudget:
+    """The series' budget with that of the slopes; what interpolation adds between the rows is no part of it."""
+    return replace(budget, smoothing=curve.slopes.error)

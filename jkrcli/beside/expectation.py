@@ -1,0 +1,84 @@
+"""What a case will roughly show, from a coarse exact solution of the laterally unbounded body."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from ..adhesion.curve import CriticalPoint, transform
+from ..adhesion.device import LOAD_CONTROL
+from ..adhesion.sharp import resolved
+from ..adhesion.slopes.choice import slopes
+from ..adhesion.validity import Validity, judge, refuse_wetting, sizes
+from ..base.errors import Refusal
+from ..base.unknown import Unknown
+from ..bodies.problem import HalfSpace, Loading, Problem, Specimen
+from ..methods.layered.layered import Layered
+from .again import again
+from .range_effect import effect_of_range
+
+COARSE = Layered(1e-5)
+LONGEST = 3.0  # CPU seconds that an expectation may take; choice: it is asked for before anything is solved
+
+
+@dataclass(frozen=True)
+class Expectation:
+    """What a case will reach: largest radius ``a`` [m], displacement [m], load [N].
+
+    ``adhesion``: for each work of adhesion [J/m^2] its pull-off and validity.
+    ``half_space_error``: by how much the layers change the load at that depth against a half-space of the top material;
+    None where there are no layers.
+    """
+
+    a: float
+    delta: float
+    P: float
+    half_space_error: float | None
+    adhesion: tuple[tuple[float, CriticalPoint | Unknown, Validity], ...]
+
+
+def expect(problem: Problem, works: tuple[float, ...], z0: float) -> Expectation:
+    """Solve ``problem`` to 1e-5 with its sides left out, and transform it for each work of adhesion.
+
+    Refusal where that is no matter of a moment.
+    """
+    specimen = replace(problem.specimen, radius=None, side=None)
+    loading = problem.loading
+    if loading.spacing != "radius":
+        loading = Loading(loading.to, loading.maximum)
+    unbounded = replace(problem, specimen=specimen, loading=replace(loading, points=max(loading.points, 100)))
+    series = again(unbounded, method=COARSE, longest=LONGEST).series
+    found = slopes(series, "exact")
+    a, delta, P = (float(column[-1]) for column in (series.a, series.delta, series.P))
+    adhesion = []
+    for w in works:
+        refuse_wetting(w, specimen.surface_tension)
+        curve = transform(series, found, w)
+        point = resolved(curve.pull_off(LOAD_CONTROL), curve, LOAD_CONTROL, z0)
+        judged = judge(
+            a=a,
+            delta=delta,
+            w=w,
+            **sizes(problem),
+            L=problem.specimen.radius,
+            end_is_cut=False,
+            z0=z0,
+            a_pull_off=point.a if isinstance(point, CriticalPoint) else None,
+            effect_of_range=(
+                effect_of_range(unbounded, series, w, z0, point) if isinstance(point, CriticalPoint) else point
+            ),
+        )
+        adhesion.append((w, point, judged))
+    return Expectation(a, delta, P, _layers_matter(problem, delta, P), tuple(adhesion))
+
+
+def _layers_matter(problem: Problem, delta: float, P: float) -> float | None:
+    """Relative difference of the load to that of a half-space of the top material at the same displacement."""
+    if not problem.specimen.layers:
+        return None
+    tension = problem.specimen.surface_tension
+    half_space = Specimen((), HalfSpace(problem.specimen.surface), surface_tension=tension)
+    try:
+        reference = again(Problem(problem.indenter, half_space, Loading("depth", delta, 1)), method=COARSE).series.P[-1]
+    except Refusal:  # a half-space would need more of the profile than there is
+        return None
+    return float(P / reference - 1)

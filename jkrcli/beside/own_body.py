@@ -1,0 +1,36 @@
+"""The exact solution of the bodies that a measured or computed series is said to be of."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..base.arrays import Array
+from ..base.errors import JkrError
+from ..bodies.problem import Problem
+from ..series import Series
+from .again import again
+
+
+@dataclass(frozen=True)
+class OwnBodyTuning:
+    """The radii of the solution, and how long it may take."""
+
+    radii: int = 80  # choice: in equal steps of log(a - a0); log delta of a layer is then interpolated to 1e-7
+    longest: float = 5.0  # choice: CPU seconds by its forecast, of the wait for a curve
+    below: float = 2.5  # choice: of log(a - a0), how far below the least radius it reaches, as far as a fit does
+
+
+TUNING = OwnBodyTuning()
+
+
+def own_solution(problem: Problem, a: Array) -> Series | None:
+    """The solution over the radii ``a`` (n,) [m] and some way below; None where no exact method represents them, or
+    not soon."""
+    beyond = a - problem.indenter.a0
+    steps = np.geomspace(beyond.min() * np.exp(-TUNING.below), beyond.max(), TUNING.radii)
+    try:
+        return again(problem, problem.indenter.a0 + steps, longest=TUNING.longest).series
+    except JkrError:
+        return None

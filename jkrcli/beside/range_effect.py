@@ -1,0 +1,59 @@
+"""How far JKR holds: by what fraction the pull-off force would differ if adhesion had the range z0.
+
+The Tabor number says it for a half-space alone. Here the same body is solved with a constant tension up to z0, unless
+the annulus in which it would act, pi z0^2 E*/(4 w) wide, is so narrow that nothing can differ.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..adhesion.curve import CriticalPoint, Equilibrium
+from ..adhesion.device import LOAD_CONTROL
+from ..adhesion.law import Range
+from ..base.errors import JkrError
+from ..base.unknown import Estimate, Unknown
+from ..bodies.problem import Problem
+from ..series import Series
+
+
+@dataclass(frozen=True)
+class RangeEffectTuning:
+    """When the effect of a range is looked for, and when it is told."""
+
+    # Width of the annulus over the contact radius and the top layer, below which the force differs by less than told:
+    narrow: float = 0.03  # choice: there a half-space differs by 0.5 %, layers by less
+    points: int = 40  # contact radii of the solution; choice: a tenth of a second
+
+
+TUNING = RangeEffectTuning()
+
+
+def effect_of_range(problem: Problem, series: Series, w: float, z0: float, point: Equilibrium) -> Estimate:
+    """The pull-off force under load control at the range ``z0`` [m] over that of JKR at ``point``, less 1; 0 where it
+    must be next to nothing.
+
+    ``series``: its radii are the ones solved for; ``w``: work of adhesion [J/m^2].
+    """
+    if problem.sticks:
+        return Unknown("adhesion of finite range is one of surfaces that slide")
+    if problem.specimen.surface_tension:
+        return Unknown("adhesion of finite range is not derived with surface tension")
+    h = min(point.a, problem.specimen.top_thickness)
+    if math.pi * z0**2 * problem.E_star / (4 * w) < TUNING.narrow * h:
+        return 0.0
+    from ..adhesion.finite_range import FiniteRangeBody
+    from ..methods.attraction import AttractedBody
+
+    some = np.unique(np.linspace(0, len(series) - 1, TUNING.points).astype(int))
+    try:
+        body = FiniteRangeBody(
+            problem, Series(series.a[some], series.delta[some], series.P[some]), AttractedBody(problem)
+        )
+        found = body.curve(Range.of(w, length=z0)).pull_off(LOAD_CONTROL)
+    except JkrError as error:
+        return Unknown(str(error))
+    return found.P / point.P - 1 if isinstance(found, CriticalPoint) else Unknown(found.reason)

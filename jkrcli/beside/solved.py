@@ -1,0 +1,195 @@
+"""The points where contact is lost, solved anew at their own radii where the method that made the series is exact.
+
+Between its radii a series is interpolated, with a larger error than that of an exact method. The problem is solved once
+more at seven radii close around each pull-off point: the curve then passes through the middle one with the slopes of
+the polynomials through the seven, and the errors of these slopes say how well the place is known.
+
+Over a homogeneous half-space delta_H is F, over others delta_H' = sqrt(2 E*/S') F' + what the kernel adds, which is
+smooth where the profile is not: the first part is integrated, and the polynomials only follow the rest.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..adhesion.curve import TUNING as CURVE
+from ..adhesion.curve import AdhesiveCurve, CriticalPoint, Equilibrium, EquilibriumCurve
+from ..adhesion.device import CONTROLS
+from ..adhesion.nonadhesive import Nonadhesive
+from ..adhesion.slopes.exact import exact
+from ..adhesion.slopes.result import TWO_SIDED_90, covariance_from_errors
+from ..base.arrays import Array
+from ..base.errors import JkrError
+from ..base.quadrature import composite_gauss
+from ..bodies.problem import Loading, Problem
+from ..series import Series, Solution
+from .again import again, method_behind
+
+POINTS = 14  # radii that are solved at once for a curve: seven around each of two pull-off points
+Further = Callable[[Array], Nonadhesive]  # the functions at other radii [m], solved
+STEPS = np.arange(-3, 4)
+MIDDLE = STEPS.size // 2
+# Rows: derivatives of the polynomials through all values at ``STEPS``, the inner five, the inner three, by the step.
+WEIGHTS = np.array([[-1, 9, -45, 0, 45, -9, 1], [0, 5, -40, 0, 40, -5, 0], [0, 0, -30, 0, 30, 0, 0]]) / 60
+
+
+@dataclass(frozen=True)
+class SolvedTuning:
+    """Where further radii are solved, and how often."""
+
+    step: float = 0.02  # of log(a - a0) between the seven; tuned on random bodies, by `make bounds`
+    # Error of a rate, in logs, over that of its column: one kernel errs smoothly
+    steeper: float = 1.5  # tuned on random bodies, by `make bounds`
+    scatter: float = 1e-11  # of the columns from radius to radius; tuned on random bodies, by `make bounds`
+    rounds: int = 8  # of solves; choice: fine series need two, 20 rows over four decades six
+    each: float = 0.3  # of that of a solve, the cost of a curve's points; tuned on 1 to 1000 layers, by `make bench`
+
+
+TUNING = SolvedTuning()
+
+
+def solver_of(solution: Solution) -> Further | None:
+    """How further radii of ``solution`` are solved; None where its radii are not exact. ``seconds_of_points`` says what
+    that costs."""
+    method, series = method_behind(solution), solution.series
+    stated = {"delta", "dS"} <= series.errors.keys() and series.dS is not None
+    if method is None or not stated or np.any(series.errors.get("a", 0.0)):
+        return None
+    problem = replace(solution.problem, loading=Loading.given("radius", (float(series.a[-1]),)))
+    if method.refusal(problem):
+        return None
+
+    def further(a: Array) -> Nonadhesive:
+        beyond = np.outer(a - series.a0, np.exp(TUNING.step * STEPS))
+        radii, order = np.unique(series.a0 + beyond, return_inverse=True)
+        return _in_the_middle(again(problem, radii, method), order.reshape(-1, STEPS.size))
+
+    return further
+
+
+def _scatter(series: Series, problem: Problem) -> Array:
+    """Relative errors (2, n) of delta_H and S' that differ from radius to radius: those of a profile do not."""
+    assert series.dS is not None
+    shift, _ = problem.indenter.resolution(series.a)
+    return np.stack([(series.errors["delta"] - shift) / series.delta, series.errors["dS"] / series.dS])
+
+
+def seconds_of_points(solution: Solution, devices: int = 0) -> float:
+    """CPU seconds of the solved pull-off points of a curve, about, those by so many ``devices`` included; 0 where none
+    are."""
+    method = method_behind(solution)
+    if method is None or solver_of(solution) is None:
+        return 0.0
+    radii = solution.series.a[-1] * np.linspace(0.5, 1, POINTS + STEPS.size * devices)
+    problem = replace(solution.problem, loading=Loading.given("radius", tuple(radii.tolist())))
+    return TUNING.each * method.forecast(problem).seconds
+
+
+def _in_the_middle(solution: Solution, sevens: Array) -> Nonadhesive:
+    """The functions at the ``sevens``, rows (n, 7) of ``solution`` at ``STEPS``, with slopes and the joint covariance
+    of columns and slopes at the middle of each: those around it say how the slopes change."""
+    series, problem = solution.series, solution.problem
+    assert series.S is not None
+    assert series.dS is not None
+    rows = np.unique(sevens[_own(np.log(series.a[sevens] - series.a0))])
+    columns = {name: getattr(series, name)[rows] for name in ("a", "delta", "P", "S", "dS")}
+    inner = replace(series, **columns, errors={name: values[rows] for name, values in series.errors.items()})
+    middle = sevens[:, MIDDLE]
+    beyond, delta = series.a[middle] - series.a0, series.delta[middle]
+    followed = [_followed(problem, series, seven) for seven in sevens]
+    known = np.array([rate for _, rate in followed]) * beyond / delta
+    rest = np.stack([rest for rest, _ in followed]) / delta[:, None]
+    (rate, by_dS), left = _rates(np.stack([rest, np.log(series.dS[sevens])]))
+    log_rates, joint = np.full((rows.size, 2), np.nan), np.zeros((rows.size, 6, 6))
+    here = np.searchsorted(rows, middle)
+    log_rates[here] = np.stack([known + rate, by_dS * series.a[middle] / beyond], axis=1)
+    steep = np.maximum(np.abs(np.stack([known + rate, by_dS])), 1.0)
+    unsure = left + TUNING.steeper * steep * _scatter(series, problem)[:, middle] + TUNING.scatter / TUNING.step
+    covariance = covariance_from_errors(inner, columns["S"], columns["dS"])
+    assert covariance is not None
+    joint[:, :4, :4] = covariance
+    absolute = unsure * np.stack([delta, series.dS[middle]]) / beyond
+    absolute[0] += problem.indenter.resolution(series.a[middle])[1]
+    joint[here, 4, 4], joint[here, 5, 5] = (absolute / TWO_SIDED_90) ** 2
+    return Nonadhesive(inner, replace(exact(inner), joint=joint), log_rates)
+
+
+def _own(places: Array) -> Array:
+    """Which of the ``places`` (n, 7), in logs, lie nearer to their own middle than to any other, which all do."""
+    middle = places[:, MIDDLE]
+    away = np.abs(places[:, :, None] - middle)
+    own = np.abs(places - middle[:, None])
+    away[np.arange(middle.size), :, np.arange(middle.size)] = np.inf
+    nearer: Array = np.min(away, axis=2) >= own + TUNING.step / 2
+    nearer[:, MIDDLE] = True
+    return nearer
+
+
+def _followed(problem: Problem, series: Series, seven: Array) -> tuple[Array, float]:
+    """delta_H [m] at the rows ``seven`` without int sqrt(2 E*/S') F' da, up to a constant, and the integrand [-] at the
+    middle one: whatever it is subtracted for, the sum is delta_H'."""
+    assert series.dS is not None
+    a, a0, indenter = series.a[seven], series.a0, problem.indenter
+    log_dS = np.polynomial.Polynomial.fit(STEPS, np.log(series.dS[seven]), STEPS.size - 1)
+
+    def rate(r: Array) -> Array:
+        places = np.log((r - a0) / (a[MIDDLE] - a0)) / TUNING.step
+        return np.sqrt(2 * problem.E_star) * np.exp(-log_dS(places) / 2) * indenter.abel_slope(r)
+
+    joints = [joint for joint in indenter.joints if a[0] < joint < a[-1]]
+    nodes, weights = composite_gauss(np.union1d(a, joints))
+    gained = np.sum(weights * rate(nodes.ravel()).reshape(nodes.shape), axis=1)
+    through = np.concatenate([[0.0], np.cumsum(gained)])[np.searchsorted(np.union1d(a, joints), a)]
+    return series.delta[seven] - through, float(rate(a[MIDDLE : MIDDLE + 1])[0])
+
+
+def _rates(values: Array) -> tuple[Array, Array]:
+    """Slopes (...) over log(a - a0) of ``values`` (..., 7) at ``STEPS``, and what the polynomials leave: their changes
+    go on to fall as they have done, and no faster than by the step."""
+    sixth, quartic, parabola = np.einsum("...k,wk->w...", values, WEIGHTS) / TUNING.step
+    first = np.abs(quartic - parabola)
+    second = np.maximum(np.abs(sixth - quartic), TUNING.step**2 * first)
+    fall = np.divide(second, first, out=np.ones_like(first), where=first > second)
+    return sixth, second * np.maximum(fall, TUNING.step)
+
+
+def solved(curve: AdhesiveCurve, further: Further, *devices: float) -> AdhesiveCurve:
+    """The ``curve`` through what is solved at its pull-off points, those by ``devices`` of a stiffness [N/m] included,
+    until they lie there."""
+    for _ in range(TUNING.rounds):
+        radii = _wanted(curve, {*CONTROLS.values(), *devices})
+        if not radii.size:
+            break
+        try:
+            found = _through(curve, further(radii))
+            found.nonadhesive.logs  # noqa: B018 - refuses points that do not fit in between the rows
+        except JkrError:  # nor may body or profile allow it: what is interpolated stands, with its error
+            break
+        curve = found
+    return curve
+
+
+def _wanted(curve: AdhesiveCurve, devices: set[float]) -> Array:
+    """Radii of the pull-off points; none where they are all solved."""
+    curve.look_for_critical(devices)
+    found = (curve.pull_off(stiffness) for stiffness in devices)
+    points = [point for point in found if isinstance(point, CriticalPoint)]
+    return np.unique([] if all(is_solved(curve, point) for point in points) else [point.a for point in points])
+
+
+def is_solved(curve: EquilibriumCurve, point: Equilibrium) -> bool:
+    """Whether the ``point`` was solved at its own radius, and is not one between rows."""
+    if not isinstance(curve, AdhesiveCurve):
+        return True  # of finite range: each solves itself
+    further = curve.nonadhesive.further
+    nearest = math.inf if further is None else float(np.min(np.abs(further.a - point.a)))
+    return nearest <= CURVE.solved * (point.a - curve.series.a0)
+
+
+def _through(curve: AdhesiveCurve, found: Nonadhesive) -> AdhesiveCurve:
+    """The ``curve`` through the functions ``found`` at further radii in place of those before."""
+    return AdhesiveCurve(replace(curve.nonadhesive, further=found), curve.w)

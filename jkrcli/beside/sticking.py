@@ -1,0 +1,151 @@
+"""What it matters whether the surfaces stick or slide: the same body solved roughly under both assumptions.
+
+The sides of a finite body are left out. Eq. 13 holds for either: with the S, S', delta_H and P_H of a contact that was
+laid down without adhesion and then retracted, the radial displacements with which points were touched do no work.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..base.arrays import Array
+from ..base.errors import JkrError
+from ..base.units import show
+from ..base.unknown import Estimate, Unknown
+from ..bodies.problem import Problem
+from ..methods.layered.contact import LayeredContact
+from ..methods.layered.layered import unbounded
+from ..methods.layered.stuck import StuckLayeredContact, unable
+from ..series import Series, Solution
+
+
+@dataclass(frozen=True)
+class StickingEffectTuning:
+    """The rough solutions, and when their difference is worth a word."""
+
+    accuracy: float = 1e-2  # choice: of ratios that are told to three digits; most are a hundred times as good
+    radii: int = 25  # choice: where pull-off is looked for
+    smallest: float = 0.02  # of the largest radius, the least of them; choice: below, the contact is a half-space's
+    beyond: float = 1.1  # of it, one more; choice: a stuck contact is wider at equal depth by less
+    widest: float = 20.0  # largest radius over the kernel's scale; choice: a fraction of a second
+    told: float = 0.05  # relative change from which a reader is warned; choice: as for Tabor numbers
+
+
+TUNING = StickingEffectTuning()
+
+
+@dataclass(frozen=True)
+class StickingEffect:
+    """Sticking over sliding: ``load`` at equal depth and ``stiffness`` S at equal radius, both at the radius ``a`` [m];
+    ``pull_off``: of the pull-off force under load control for each work of adhesion [J/m^2]."""
+
+    a: float
+    load: float
+    stiffness: float
+    pull_off: dict[float, Estimate]
+
+    @property
+    def largest(self) -> float:
+        """The largest of the relative changes."""
+        pulls = (value for value in self.pull_off.values() if not isinstance(value, Unknown))
+        return max(abs(ratio - 1) for ratio in (self.load, self.stiffness, *pulls))
+
+    @property
+    def words(self) -> str:
+        """``the load at equal depth 1.63 times, S 1.7 times, the pull-off force 0.956 times``."""
+        pulls = [f"{value:.3g}" for value in self.pull_off.values() if not isinstance(value, Unknown)]
+        told = [f"the load at equal depth {self.load:.3g} times", f"S {self.stiffness:.3g} times"]
+        return ", ".join(told + ([f"the pull-off force {' and '.join(dict.fromkeys(pulls))} times"] if pulls else []))
+
+    def as_dict(self) -> dict[str, Any]:
+        """The radius [m] and the ratios [-] as they stand in JSON."""
+        pulls = [{"w_J_per_m2": w, "ratio": value} for w, value in self.pull_off.items()]
+        return {"a_m": self.a, "load": self.load, "S": self.stiffness, "pull_off": pulls}
+
+
+def sticking_effect(problem: Problem, largest: float, works: Sequence[float]) -> StickingEffect | Unknown:
+    """Effect on ``problem`` at the contact radius ``largest`` [m], or why it is not known."""
+    if problem.specimen.surface_tension:
+        return Unknown("by how much sticking would differ is not known: it is not derived with surface tension")
+    body = unbounded(problem)
+    if reason := unable(body.indenter, body.specimen):
+        return Unknown(f"by how much sticking would differ is not known: {reason}")
+    pair = LayeredContact(body.indenter, body.specimen), StuckLayeredContact(body.indenter, body.specimen)
+    if largest > TUNING.widest * pair[1].scale:
+        return Unknown(f"by how much sticking would differ is not looked for at a radius of {largest:.3g} m")
+    a0 = body.indenter.a0
+    radii = a0 + (largest - a0) * np.append(np.geomspace(TUNING.smallest, 1.0, TUNING.radii), TUNING.beyond)
+    radii = radii[radii < body.indenter.r_max]
+    try:
+        sliding, sticking = (_series(contact, radii) for contact in pair)
+        pull_off = {w: _pull_off(sticking, w, sliding) for w in works if w > 0}
+    except JkrError as error:
+        return Unknown(f"by how much sticking would differ could not be computed: {error}")
+    last = min(TUNING.radii, radii.size) - 1
+    depth = min(sliding.delta[last], sticking.delta[-1])
+    load = _load(sticking, depth) / _load(sliding, depth)
+    assert sliding.S is not None
+    assert sticking.S is not None
+    return StickingEffect(largest, load, float(sticking.S[last] / sliding.S[last]), pull_off)
+
+
+def _series(contact: LayeredContact | StuckLayeredContact, radii: Array) -> Series:
+    result: Any = contact.solved(radii, contact.plan(radii, TUNING.accuracy))  # type: ignore[arg-type]
+    return Series(radii, result.delta, result.P, result.S, result.dS, a0=contact.indenter.a0)
+
+
+def _load(series: Series, depth: float) -> float:
+    return float(np.exp(np.interp(np.log(depth), np.log(series.delta), np.log(series.P))))
+
+
+def _pull_off(sticking: Series, w: float, sliding: Series) -> Estimate:
+    from ..adhesion.curve import AdhesiveCurve, CriticalPoint
+    from ..adhesion.device import LOAD_CONTROL
+    from ..adhesion.nonadhesive import Nonadhesive
+    from ..adhesion.slopes.choice import slopes
+
+    bodies = [Nonadhesive(one, slopes(one, "exact")) for one in (sticking, sliding)]
+    first, second = (AdhesiveCurve(body, w).pull_off(LOAD_CONTROL) for body in bodies)
+    if isinstance(first, CriticalPoint) and isinstance(second, CriticalPoint):
+        return first.P / second.P
+    return Unknown("pull-off lies outside the series")
+
+
+def sticking_warnings(problem: Problem, effect: StickingEffect | Unknown) -> Iterator[str]:
+    """Sentences on an assumption that matters by more than ``TUNING.told``."""
+    if isinstance(effect, Unknown) or effect.largest <= TUNING.told:
+        return
+    other = "sliding" if problem.sticks else "sticking"
+    assumed = "no slip" if problem.sticks else "no friction"
+    yield (
+        f"{assumed} is assumed: against no friction, no slip makes {effect.words} as large (a = "
+        f'{show(effect.a, "length")}); compare specimen.surface = "{other}"'
+    )
+
+
+def effect_facts(effect: StickingEffect | Unknown) -> dict[str, float | str]:
+    """What a series file keeps of it."""
+    if isinstance(effect, Unknown):
+        return {"sticking_over_sliding": str(effect)}
+    return {"sticking_over_sliding_load": effect.load, "sticking_over_sliding_S": effect.stiffness}
+
+
+def effect_on(solution: Solution, works: Sequence[float]) -> StickingEffect | Unknown:
+    """Effect on a solved body with its pull-off forces; not looked for again where its file says that it is small."""
+    load, stiffness = (solution.facts.get(f"sticking_over_sliding_{name}") for name in ("load", "S"))
+    a = float(solution.series.a[-1])
+    if isinstance(load, float) and isinstance(stiffness, float):
+        small = Unknown("not looked for: load and S differ by little")
+        found = StickingEffect(a, load, stiffness, dict.fromkeys(works, small))
+        if found.largest <= TUNING.told:
+            return found
+    return sticking_effect(solution.problem, a, works)
+
+
+def as_told(effect: StickingEffect | Unknown) -> Any:
+    """The effect as it stands in JSON, or why it is not known."""
+    return str(effect) if isinstance(effect, Unknown) else effect.as_dict()

@@ -1,0 +1,62 @@
+"""From which surface tension on an answer would change: the same body solved roughly with a slight one."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..adhesion.curve import AdhesiveCurve, CriticalPoint
+from ..adhesion.device import LOAD_CONTROL
+from ..adhesion.nonadhesive import Nonadhesive
+from ..adhesion.slopes.exact import exact
+from ..base.errors import JkrError
+from ..base.unknown import Estimate, Unknown
+from ..bodies.problem import Loading, Problem
+from ..methods.layered.layered import Layered, unbounded
+from ..series import Series
+
+
+@dataclass(frozen=True)
+class TensionEffectTuning:
+    """The trial, and what is worth a word."""
+
+    slight: float = 0.01  # kappa over the largest radius; choice: the change is then in proportion to within a fifth
+    changed: float = 0.01  # choice: of the load at equal depth or a pull-off force, as for a range
+    radii: int = 40  # choice: a tenth of a second
+    smallest: float = 0.02  # of the largest radius; choice: pull-off below is not looked for
+    accuracy: float = 1e-6  # choice: far below the change
+
+
+TUNING = TensionEffectTuning()
+
+
+def noticed_tension(problem: Problem, largest: float, works: Sequence[float]) -> Estimate:
+    """The surface tension [N/m] at which the load at equal depth, up to the contact radius ``largest`` [m], or the
+    pull-off force of one of ``works`` [J/m^2] is another by ``TUNING.changed``; or why it is not known."""
+    if problem.specimen.surface_tension or problem.sticks or problem.indenter.material is not None:
+        return Unknown("told of rigid indenters on surfaces that slide, without surface tension")
+    a0 = problem.indenter.a0
+    radii = a0 + (largest - a0) * np.geomspace(TUNING.smallest, 1.0, TUNING.radii)
+    trial = TUNING.slight * largest * problem.E_star / 2
+    body = replace(unbounded(problem), loading=Loading.given("radius", tuple(radii)))
+    tense = replace(body, specimen=replace(body.specimen, surface_tension=trial))
+    try:
+        plain, other = (Layered(TUNING.accuracy)(one).series for one in (body, tense))
+        changes = [_load(other, float(plain.delta[-2])) / float(plain.P[-2]) - 1]
+        changes += [_pull_off(other, w) / _pull_off(plain, w) - 1 for w in works if w > 0]
+    except JkrError as error:
+        return Unknown(str(error))
+    largest_change = np.nanmax(np.abs(changes))
+    return float(trial * TUNING.changed / largest_change)
+
+
+def _load(series: Series, depth: float) -> float:
+    return float(np.exp(np.interp(np.log(depth), np.log(series.delta), np.log(series.P))))
+
+
+def _pull_off(series: Series, w: float) -> float:
+    """The force [N], nan where it lies outside the series."""
+    found = AdhesiveCurve(Nonadhesive(series, exact(series)), w).pull_off(LOAD_CONTROL)
+    return found.P if isinstance(found, CriticalPoint) else np.nan

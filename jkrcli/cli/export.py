@@ -1,0 +1,64 @@
+"""``jkr export``: an adhesive contact as the law of another program."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from ..adhesion.law import AskedRange
+from ..base.errors import InputError
+from ..base.files import together, write_text
+from ..beside.analysis import analyse
+from ..methods.guards import Limits
+from ..report.output import Output
+from .options import WorkType, limits_options, slopes_option
+from .output import answer, into_folder, output_options
+from .series import begin_curves, first_work, read_series, series_file, without_range
+from .verb import Verb
+from .voice import say
+
+
+@click.command(cls=Verb)
+@click.argument("file", type=click.Path(path_type=Path))
+@click.option("--dem", is_flag=True, help="For particle codes: a C header and a table of load and radius over overlap.")
+@click.option("--w", "work", type=WorkType(), help='J/m^2 or "35 mJ/m^2" [default: the case\'s first].')
+@slopes_option
+@limits_options
+@into_folder()
+@output_options(json="Print the summary as JSON.")
+def export(file: Path, dem: bool, work: float | None, slopes: str, limits: Limits, output: Output) -> None:
+    """Write the adhesive contact of FILE, a case or a series, as a law that another program can use.
+
+    With --dem: force and contact radius over the overlap of two particles on the stable branch, the state after first
+    touch, and where contact is lost under displacement and under load control. Writes <stem>-dem.h (C99: table,
+    function, test vectors and a check that compiles alone) and <stem>-dem.csv; says what JKR of a half-space would do.
+
+    \b
+    jkr export coating.h5 --dem --w "50 mJ/m^2"
+    """
+    if not dem:
+        raise InputError("export: say for what: --dem, for particle codes (LAMMPS, LIGGGHTS, Lethe)")
+    file = series_file(file)
+    solution = read_series(file)
+    without_range(solution.record, "export")
+    w = first_work(solution) if work is None else work
+    if w == 0:
+        raise InputError(f"{file}: a contact without adhesion needs no table of what holds it: give --w")
+    targets = output.files(output.folder(file.parent) / f"{file.stem}-dem", (".h", ".csv"), [file])
+    begin_curves("export", [solution], [(w,)], [AskedRange()], limits)
+    from ..adhesion.dem import DemLaw
+    from ..report import dem as report
+
+    result = analyse(solution, [w], slopes)[0]
+    try:
+        law = DemLaw.of(result.curve)
+    except InputError as error:
+        raise InputError(f"{file}: {error}") from None
+    with together():
+        write_text(targets[".h"], report.header(law, result))
+        targets.write(report.columns(law))
+    if output.json:
+        answer(report.summary(law, result))
+    else:
+        say("\n".join([*report.words(law, result), f"  written    {targets}"]))

@@ -1,0 +1,307 @@
+r"""Force curves and maps of Bruker's Nanoscope (.spm, .000, .pfc): lines of "\key: value", then whole numbers.
+
+A channel ("\*Ciao force image list") holds of each curve the approach and the retraction, both from the turning point
+outward. Its "Z scale" names the volts of a count and the sensitivity, which stands elsewhere in the head (Nanoscope
+8.10 User Guide, "General Format for CIAO Parameter Objects"). No checksums: a cut is found by the declared lengths.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from ...base import allowance
+from ...base.arrays import Array
+from ...base.errors import InputError
+from ...base.files import opened, read_bytes
+from ...base.units import MOST
+from ..text_table import unit_power
+from .curve import APPROACH, LEAST_ROWS, RETRACT, Curve, Pixel, Reading, place
+from .instruments import toward
+
+WHAT = "Nanoscope file"
+BEGINS, CHANNEL, ENDS = b"\\*Force file list", "Ciao force image list", b"\\*File list end"
+BINARY = b"\x1a"  # ends the head of a binary file; exports in text go on with a table
+AGAIN = "copy it again from the microscope"
+DEFLECTION, SENSOR = "DeflectionError", "ZSensor"
+NUMBER = r"[-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?"
+
+Section = Mapping[str, str]
+
+
+def knows(path: Path) -> bool:
+    """Whether the file begins and goes on as a binary one of the Nanoscope."""
+    if not path.is_file():
+        return False
+    with opened(path, WHAT) as file:
+        if file.read(len(BEGINS)) != BEGINS:
+            return False
+        return BINARY in file.read(allowance.TUNING.little)
+
+
+def curves(path: Path, reading: Reading) -> Iterator[tuple[Curve | InputError, float | None]]:
+    """The curves of the file with the spring constant of their lever [N/m]; ``delta`` is the position of the piezo
+    toward the specimen."""
+    reading.check_known_columns(path)
+    with allowance.reading(path, fenced=False) as allowed:
+        content = read_bytes(path, WHAT)
+        allowed.take(len(content))
+        file = File.parsed(path, content)
+        allowed.take(parts=file.count)
+    stiffness, sensitivity, said = file.calibration(reading)
+    for number in range(file.count):
+        name = path.stem if file.count == 1 else str(number)
+        try:
+            yield file.curve(name, number, stiffness * sensitivity, said).multiplied(reading.factors), stiffness
+        except InputError as error:
+            yield error, None
+
+
+@dataclass(frozen=True, eq=False)
+class File:
+    """A parsed file: its ``sections``, the counts of each channel by its name (curves, direction, rows), and how many
+    ``rows`` of approach and retraction are filled."""
+
+    path: Path
+    sections: Sequence[tuple[str, Section]]
+    channels: Mapping[str, tuple[Section, Array]]
+    rows: tuple[int, int]
+
+    @classmethod
+    def parsed(cls, path: Path, content: bytes) -> File:
+        head, end, _ = content.partition(BINARY)
+        if ENDS not in head or not end:
+            raise InputError(f"{path}: is damaged or cut off: its head does not end: {AGAIN}")
+        sections = _sections(head.decode("cp1252", errors="replace"))
+        file = cls(path, sections, {}, (0, 0))
+        told = [section for title, section in sections if title == CHANNEL]
+        if not told:
+            raise InputError(f"{path}: is a Nanoscope file without force curves (it holds images)")
+        stride, rows = file._samples(told[0])
+        channels: dict[str, tuple[Section, Array]] = {}
+        for section in told:
+            channels.setdefault(_name(section), (section, file._counts(content, section, stride)))
+        if DEFLECTION not in channels:
+            raise InputError(f"{path}: holds no deflection (channels: {', '.join(channels)})")
+        return cls(path, sections, channels, rows)
+
+    @property
+    def count(self) -> int:
+        """How many curves the file holds."""
+        return self.shape[0] * self.shape[1]
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Rows and columns of the map, of a file of one curve 1 and 1."""
+        scan = self._of("Ciao scan list")
+        if "volume" not in scan.get("operating mode", "").lower() and not self.is_capture:
+            return 1, 1
+        return tuple(int(self._number(scan, key)) for key in ("lines", "samps/line"))  # type: ignore[return-value]
+
+    @property
+    def is_capture(self) -> bool:
+        """Whether the file is a capture of curves at the frequency of PeakForce."""
+        return self._of("Ciao scan list").get("peakforce capture", "").lower() == "allow"
+
+    def calibration(self, reading: Reading) -> tuple[float, float, tuple[str, ...]]:
+        """Spring constant [N/m], sensitivity [m/V], as told, else of the file, and what is to be said of them."""
+        section, _ = self.channels[DEFLECTION]
+        spring = re.match(NUMBER, section.get("spring constant", ""))
+        held = {"stiffness": float(spring[0]) if spring else 0.0, "sensitivity": self._sensitivity(section)}
+        if reading.stiffness == math.inf:
+            raise InputError(f"{self.path}: is of a force microscope, whose lever bends: give its stiffness, not rigid")
+        found, said = [], []
+        for key, size, unit in (("stiffness", 1.0, "N/m"), ("sensitivity", 1e-9, "nm/V")):
+            told = getattr(reading, key)
+            if told is None and not _is_size(held[key]):
+                if not reading.incomplete:
+                    raise InputError(f"{self.path}: names no {key}: give --{key}")
+                said.append(f"the file lacks its {key}: arbitrary units until it is given by --{key}")
+                found.append(1.0)
+                continue
+            found.append(told or held[key])
+            source = "of the file" if told is None else f"as told, the file says {held[key] / size:g} {unit}"
+            said.append(f"{key} {found[-1] / size:g} {unit} {source}")
+        return found[0], found[1], tuple(said)
+
+    def curve(self, name: str, number: int, per_volt: float, said: tuple[str, ...]) -> Curve:
+        """The curve of one ``number``; ``per_volt`` [N/V]."""
+        where = place(self.path, name)
+        section, counts = self.channels[DEFLECTION]
+        volts, finer = _volts(counts[number], self._per_count(section))
+        P = self._in_order(volts) * per_volt
+        if P.size < LEAST_ROWS:
+            raise InputError(f"{where}: holds {P.size} rows, at least {LEAST_ROWS} are needed")
+        z, t, turn, what = self._motion(number, P)
+        flags = (f"displacement from the {what}", *said, *finer)
+        segment = np.where(np.arange(P.size) < turn, APPROACH, RETRACT)
+        return Curve(name, delta=z, P=P, t=t, segment=segment, origin=self.path, flags=flags, pixel=self._pixel(number))
+
+    def _motion(self, number: int, P: Array) -> tuple[Array, Array | None, int, str]:
+        """Positions [m] toward the specimen, times [s], the row of the turning point, and what the positions are."""
+        if self.is_capture:
+            return self._oscillation(P.size)
+        if SENSOR in self.channels:
+            section, counts = self.channels[SENSOR]
+            volts, _ = _volts(counts[number], self._per_count(section))
+            z = self._in_order(volts) * self._sensitivity(section)
+            z, what = z if toward(z, P) else -z, "height sensor"
+        else:
+            z, what = self._ramp(), "ramp of the piezo"
+        return z, self._times(), self.rows[0], what
+
+    def _ramp(self) -> Array:
+        """Positions [m] of a piezo that moves in equal steps, the rows of the file over its range."""
+        section, counts = self.channels[DEFLECTION]
+        size = self._size(section.get("ramp size", ""), "ramp size")
+        steps = size / counts.shape[2] * np.arange(counts.shape[2])
+        return self._in_order(-np.stack([steps, steps]))
+
+    def _oscillation(self, rows: int) -> tuple[Array, Array, int, str]:
+        """Of a capture: the drive is a sine of the amplitude of PeakForce, deepest at the distance of synchronisation,
+        which counts rows of the microscope's own curve."""
+        scan = self._of("Ciao scan list")
+        told = ("peak force amplitude", "pft freq", "sample points", "sync distance qnm")
+        amplitude, frequency, own, at = (self._positive(scan, key) for key in told)
+        deepest = at * rows / own
+        phase = np.arange(rows) - deepest
+        z = 1e-9 * amplitude * np.cos(2 * np.pi * phase / rows)
+        t = np.arange(rows) / (1e3 * frequency * rows)
+        return z, t, round(deepest), f"sine of the drive, {amplitude:g} nm at {frequency:g} kHz"
+
+    def _times(self) -> Array | None:
+        """Times [s] from the speed of the piezo, without pauses; None where that is not told."""
+        force, (section, counts) = self._of("Ciao force list"), self.channels[DEFLECTION]
+        ramp = _last(section.get("ramp size", ""))
+        speeds = [_last(force.get(key, "")) for key in ("forward vel.", "reverse vel.")]
+        if not (ramp and all(found and _is_size(found[0]) for found in (ramp, *speeds))):
+            return None
+        steps = np.repeat([ramp[0] / speed[0] / counts.shape[2] for speed in speeds if speed], self.rows)
+        return np.cumsum(steps) - steps[0]
+
+    def _in_order(self, halves: Array) -> Array:
+        """Both directions one after the other as they were recorded, without rows that were not filled."""
+        approach, retract = self.rows
+        return np.concatenate([halves[0, :approach][::-1], halves[1, :retract]])
+
+    def _samples(self, section: Section) -> tuple[int, tuple[int, int]]:
+        """How many rows each direction has room for, and how many of approach and retraction are filled."""
+        numbers = [int(word) for word in re.findall(r"\d{1,9}", section.get("samps/line", ""))]
+        retrace = re.findall(r"\d{1,9}", self._of("Ciao force list").get("samps/line, retrace", ""))
+        if not numbers or min(numbers) < 1:
+            raise InputError(f"{self.path}: is damaged: names no rows of its curves (Samps/line): {AGAIN}")
+        stride = max(numbers)
+        return stride, (numbers[-1], min(int(retrace[0]), stride) if retrace else numbers[-1])
+
+    def _counts(self, content: bytes, section: Section, stride: int) -> Array:
+        """The counts of a channel (curves, direction, rows), as whole numbers of two or four bytes."""
+        at, size = (int(self._number(section, key)) for key in ("data offset", "data length"))
+        if at + size > len(content):
+            raise InputError(f"{self.path}: is cut off: holds {len(content):,} bytes of {at + size:,}: {AGAIN}")
+        each = 2 * stride * self.count
+        if each == 0 or size not in (2 * each, 4 * each):
+            raise InputError(
+                f"{self.path}: is damaged or of a layout that is not read: {size:,} bytes for {self.count:,} curves of "
+                f"2 x {stride:,} rows, 2 or 4 bytes each: export it as text"
+            )
+        return np.frombuffer(content, f"<i{size // each}", size // (size // each), at).reshape(-1, 2, stride)
+
+    def _per_count(self, section: Section) -> float:
+        """Volts of a count."""
+        found = re.search(rf"\(({NUMBER}) V/LSB\)", section.get("z scale", ""))
+        if found is None or not _is_size(float(found[1])):
+            raise InputError(f"{self.path}: is damaged: names no scale of its {_name(section)}: {AGAIN}")
+        return float(found[1])
+
+    def _sensitivity(self, section: Section) -> float:
+        """Metres of a volt of a channel, by the sensitivity that its scale names; 0 where the head lacks it."""
+        found = re.search(r"\[(Sens\. [^\]]+)\]", section.get("z scale", ""))
+        return self._per_volt(found[1]) if found else 0.0
+
+    def _per_volt(self, name: str) -> float:
+        """A sensitivity [m/V]; some versions leave out its unit, nm/V; 0 where it is missing or one of other units."""
+        told = next((section[name.lower()] for _, section in self.sections if name.lower() in section), "")
+        found = re.match(rf"V\s+({NUMBER})\s*(\S*)", told)
+        unit = unit_power((found[2] or "nm/V").removesuffix("/V")) if found else None
+        fits = found and _is_size(float(found[1])) and unit and unit[0] == "length"
+        return float(found[1]) * 10.0 ** unit[1] if found and unit and fits else 0.0
+
+    def _size(self, told: str, what: str) -> float:
+        """A length [m]: volts with their sensitivity, "V [Sens. Zsens] (0.0067 V/LSB) 151.48 V", or nanometres."""
+        found, soft = _last(told), re.search(r"\[(Sens\. [^\]]+)\]", told)
+        if found and found[1] == "V" and soft:
+            size = found[0] * self._per_volt(soft[1])
+        else:
+            unit = unit_power(found[1]) if found else None
+            size = found[0] * 10.0 ** unit[1] if found and unit and unit[0] == "length" else 0.0
+        if not _is_size(size):
+            raise InputError(f"{self.path}: names no {what}, and no height sensor was recorded: export it as text")
+        return size
+
+    def _pixel(self, number: int) -> Pixel | None:
+        """The place of a curve in a map, centred on the scan."""
+        lines, columns = self.shape
+        found = _last(self._of("Ciao scan list").get("scan size", ""))
+        unit = unit_power(found[1].replace("~", "u")) if found else None
+        if lines * columns == 1 or found is None or unit is None:
+            return None
+        step = found[0] * 10.0 ** unit[1] / columns
+        row, column = divmod(number, columns)
+        return Pixel(column, row, step * (column + 0.5 - columns / 2), step * (row + 0.5 - lines / 2))
+
+    def _of(self, title: str) -> Section:
+        """The first section of a ``title``; empty where there is none."""
+        return next((section for name, section in self.sections if name == title), {})
+
+    def _number(self, section: Section, key: str) -> float:
+        found = re.match(NUMBER, section.get(key, ""))
+        if found is None or not 0 <= float(found[0]) < 1e15:
+            got = section.get(key, "")[:60]
+            raise InputError(f'{self.path}: is damaged or not read: its "{key}" must be a number, got "{got}"')
+        return float(found[0])
+
+    def _positive(self, section: Section, key: str) -> float:
+        """A number by which others are divided."""
+        if not _is_size(found := self._number(section, key)):
+            raise InputError(f'{self.path}: is damaged or not read: its "{key}" must be positive, got {found:g}')
+        return found
+
+
+def _sections(head: str) -> Sequence[tuple[str, Section]]:
+    """Title and entries of each section; keys lower case, without the number of a group ("@4:Z scale")."""
+    found: list[tuple[str, dict[str, str]]] = []
+    for line in head.splitlines():
+        if line.startswith("\\*"):
+            found.append((line[2:].strip(), {}))
+        elif match := re.match(r"\\(?:@(?:\d+:)?)?([^:]+):\s*(.*)", line):
+            found[-1][1].setdefault(match[1].strip().lower(), match[2].strip())
+    return found
+
+
+def _name(section: Section) -> str:
+    """What a channel holds: S [ZSensor] "Height Sensor"."""
+    found = re.search(r"\[(\w+)\]", section.get("image data", ""))
+    return found[1] if found else "unknown"
+
+
+def _is_size(number: float) -> bool:
+    """Whether a number of the head is one of a size that is measured, and no damage."""
+    return 1 / MOST < number < MOST
+
+
+def _last(told: str) -> tuple[float, str] | None:
+    """The last number of an entry and its unit, "" where it has none."""
+    found = re.search(rf"({NUMBER})\s*([^\s\d]*)\s*\Z", told)
+    return (float(found[1]), found[2]) if found else None
+
+
+def _volts(counts: Array, per_count: float) -> tuple[Array, tuple[str, ...]]:
+    """The volts of counts. Some versions write whole counts shifted by a byte into four, which shows in their last."""
+    shifted = counts.dtype.itemsize == 4 and bool(np.isin(counts & 0xFF, (0, 0xFF)).all()) and bool(counts.any())
+    factor = per_count / 256 if shifted else per_count
+    return counts * factor, ("counts of four bytes, shifted by one, were read as such",) if shifted else ()

@@ -1,0 +1,240 @@
+"""What the data say of every rival of a raw record's model, by one step of Gauss and Newton each.
+
+Residuals and columns are weighted by the spectrum of the noise in the free rows. A rival whose column c is left with
+c' beside the model's own has the score (c' r)^2/c'^2, chi^2 of one degree of freedom where the model holds; its amount
+is -c' r/c'^2, and the unknowns move with it by -J+ c. That detects, and does not name: rivals that take nearly as much
+of the misfit as the best are named together.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import fdtrc
+
+from ...base.arrays import Array
+from .body import FittedBody
+from .coloured import TUNING as COLOURED
+from .coloured import noise_of
+from .force_curve import ForceCurveFit
+from .record_rivals import Rival, Situation, columns, known_amount
+from .statistics import t_quantile
+
+ASKED, EXCLUDED, UNTOLD = "asked for by the data", "excluded", "cannot be told"
+
+
+@dataclass(frozen=True)
+class ScoreTuning:
+    """When a rival is asked for, and when it is excluded."""
+
+    chance: float = 0.01  # choice: of any rival being asked for, of data of the model itself
+    moves: float = 0.5  # choice: of its error, by which E* or w must move
+    matters: float = 0.02  # choice: relative change of E* and w, below which a rival is excluded
+    tied: float = 9.0  # choice: of chi^2, within which rivals are named together
+    near: float = 0.5  # choice: of the misfit that the best takes, the same: one step is of first order
+    normal: float = 1.96  # theory: 95 % of a normal value
+    alike: float = 0.9  # choice: correlation of what is left of two columns, from which they are named together
+    singular: float = 1e-4  # choice: share of a column beyond the model's own, below which no data tell it
+    slow: float = 2.0  # choice: periods in the free rows below which noise is taken to rise as 1/f^2, as a drift's
+    fold: float = 0.02  # choice: of the way in contact about folds, where columns diverge
+
+
+TUNING = ScoreTuning()
+
+
+@dataclass(frozen=True)
+class Score:
+    """What the data say of one rival, by its ``name``, ``family`` and what its ``amount`` is in ``words``.
+
+    ``error``: standard error of the amount, infinite where no row tells it; ``chance`` of as much from noise; ``taken``
+    from chi^2, and the ``share`` of all that is; ``E_star``, ``w``: by how much they move per amount, relative.
+    ``least, known``: the amounts that are likely before the data; ``word``: one of three.
+    """
+
+    name: str
+    family: str
+    words: str
+    of_directions: bool
+    amount: float
+    error: float
+    chance: float
+    taken: float
+    share: float
+    E_star: float
+    w: float
+    least: float
+    known: float
+    word: str
+
+    def moved(self, rate: float) -> float:
+        """How far a quantity may be off, relative, that moves by ``rate`` per amount: by the amount found and its 95 %
+        error, where the data ask for it; else by the largest that they and what is known leave."""
+        if self.word == ASKED:
+            return abs(rate) * (abs(self.amount) + TUNING.normal * self.error)
+        return abs(rate) * self.most if rate else 0.0
+
+    @property
+    def most(self) -> float:
+        """The largest amount that is known to be possible and not excluded by the data."""
+        if math.isinf(self.error):
+            return self.known
+        reach = (self.amount - TUNING.normal * self.error, self.amount + TUNING.normal * self.error)
+        return max(abs(min(max(end, self.least), self.known)) for end in reach)
+
+
+@dataclass(frozen=True)
+class RecordRivals:
+    """The ``scores`` of a record, and among them those that are ``named``: asked for, and explaining the misfit about
+    as well as the best one, which is the first. ``misfit``: chi^2 of the weighted residuals over their degrees of
+    freedom ``dof``; ``free_rows``: whether free rows told the noise."""
+
+    scores: tuple[Score, ...]
+    named: tuple[Score, ...]
+    misfit: float
+    dof: int
+    free_rows: bool
+
+    @property
+    def families(self) -> tuple[str, ...]:
+        """The families of those that are named, the likeliest first."""
+        return tuple(dict.fromkeys(one.family for one in self.named))
+
+    @property
+    def chance(self) -> float:
+        """That noise makes as much of any rival as of the best one."""
+        return min(1.0, len(self.scores) * min((one.chance for one in self.scores), default=1.0))
+
+    def worst(self, quantity: str) -> tuple[str, float] | None:
+        """The rival that may move "E_star" or "w" most, and by how much, relative: of the named, where some are."""
+        moves = {one.name: one.moved(getattr(one, quantity)) for one in self.named or self.scores}
+        name = max(moves, key=lambda key: moves[key], default="")
+        return (name, moves[name]) if name and moves[name] > 0 else None
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """The ``rivals`` of a record and what a formula of the half-space makes of its deepest row: ``formula`` by name and
+    its ``E_star`` [Pa], None where the tip has no radius."""
+
+    rivals: RecordRivals
+    formula: str
+    E_star: float | None
+
+
+def rivals_of_record(body: FittedBody, found: ForceCurveFit, longest: float) -> RecordRivals:
+    """All rivals of a fit; ``longest``: range of adhesion [m] that is likely."""
+    at = Situation(body, found)
+    held = columns(at)
+    keep = _told_rows(at)
+    names, (off, J) = list(held), at.here
+    table = np.column_stack([off, J, *held.values()])
+    weighted, free_rows = _weighted(at, table, keep)
+    own, wide = weighted[:, 1 : 1 + J.shape[1]], weighted[:, 1 + J.shape[1] :]
+    scale = np.linalg.norm(own, axis=0)
+    Q, triangle = np.linalg.qr(own / scale)
+    r, beyond = (item - Q @ (Q.T @ item) for item in (weighted[:, 0], wide))
+    sizes = np.linalg.norm(beyond, axis=0)
+    left = beyond / np.maximum(sizes, np.finfo(float).tiny)
+    moves = -np.linalg.lstsq(triangle, Q.T @ wide, rcond=None)[0] / scale[:, None]
+    dof = max(int(np.count_nonzero(keep)) - J.shape[1], 1)
+    misfit, errors = float(r @ r), _errors(found)
+    scores = [
+        _score(rival, float(size), float(along), whole, _rates(found, move), errors, (misfit, dof, len(names)),
+               known_amount(at, rival, longest))
+        for rival, size, along, whole, move in zip(
+            names, sizes, r @ left, np.linalg.norm(wide, axis=0), moves.T, strict=True)
+    ]  # fmt: skip
+    return RecordRivals(tuple(scores), _named(scores, left), misfit, dof, free_rows)
+
+
+def _named(scores: Sequence[Score], left: Array) -> tuple[Score, ...]:
+    """Those that are asked for and take nearly as much as the best, or whose column is much like its own; ``left``:
+    what of the columns is beyond the model's own, each of length 1."""
+    asked = sorted((i for i, one in enumerate(scores) if one.word == ASKED), key=lambda i: -scores[i].taken)
+    if not asked:
+        return ()
+    most = scores[asked[0]].taken
+    least = min(most - TUNING.tied, TUNING.near * most)
+    alike = np.abs(left.T @ left[:, asked[0]]) > TUNING.alike
+    return tuple(scores[i] for i in asked if scores[i].taken >= least or alike[i])
+
+
+def _score(
+    rival: Rival, size: float, along: float, whole: float, rates: tuple[float, float], errors: tuple[float, float],
+    judged: tuple[float, int, int], most: float,
+) -> Score:  # fmt: skip
+    """The score of a rival whose weighted column is ``whole`` long, ``size`` of it beyond the model's own, with the
+    product ``along`` of that direction and the residuals; ``errors`` of E* and w, relative; ``judged``: chi^2, its
+    degrees of freedom, and how many rivals there are; ``most``: what is likely of it."""
+    misfit, dof, count = judged
+    told = (rival.name, rival.family, rival.amount, rival.of_directions)
+    known = (0.0 if rival.positive else -most, most)
+    if size <= TUNING.singular * whole:
+        return Score(*told, 0.0, math.inf, 1.0, 0.0, 0.0, *rates, *known, UNTOLD)
+    amount, error, taken = -along / size, 1 / size, along**2
+    chance = float(fdtrc(1, dof, taken))
+    asked = chance * count < TUNING.chance and any(
+        abs(rate * amount) > TUNING.moves * own for rate, own in zip(rates, errors, strict=True)
+    )
+    ends = abs(amount) + t_quantile(0.95, dof) * error
+    word = ASKED if asked else EXCLUDED if max(map(abs, rates)) * ends < TUNING.matters else UNTOLD
+    return Score(*told, amount, error, chance, taken, taken / max(misfit, taken), *rates, *known, word)
+
+
+def _rates(found: ForceCurveFit, moves: Array) -> tuple[float, float]:
+    """Relative changes of E* and w with ``moves`` of the unknowns."""
+    by = dict(zip(found.names, moves, strict=True))
+    return float(by.get("ln_s", 0.0)), float(sum(rate * by.get(name, 0.0) for name, rate in _of_work(found).items()))
+
+
+def _of_work(found: ForceCurveFit) -> dict[str, float]:
+    """Derivatives of the log of w of the last direction whose w is told, by the unknowns."""
+    for part in reversed(found.model.stretches):
+        for name, power in ((f"q:{part.kind}", 1.0), (f"r:{part.kind}", 2.0)):
+            if name in found.names and found.value(name) > TUNING.normal * found.error(name):
+                return {name: power / found.value(name), "ln_s": 1.0}
+    return {}
+
+
+def _errors(found: ForceCurveFit) -> tuple[float, float]:
+    """Relative standard errors of E* and w, infinite where they are not told."""
+    E = found.error("ln_s") if "ln_s" in found.names else math.inf
+    rates = _of_work(found)
+    by = np.array([rates.get(name, 0.0) for name in found.names])
+    return E, math.sqrt(max(float(by @ found.covariance @ by), 0.0)) if rates else math.inf
+
+
+def _told_rows(at: Situation) -> Array:
+    """Which rows columns are trusted in: none next to a fold or first touch, where they diverge."""
+    keep = []
+    for part, (a, _) in zip(at.model.stretches, at.radii, strict=True):
+        z, touching = part.z, a > 0
+        near = z[touching].min() if touching.any() else math.inf
+        span = max(TUNING.fold * part.reach, 2 * part.spacing)
+        keep.append(~touching | (z > near + span) if part.jumped else np.abs(z - near) > span)
+    return np.concatenate(keep)
+
+
+def _weighted(at: Situation, table: Array, keep: Array) -> tuple[Array, bool]:
+    """The rows of ``table`` in units of the noise of the free rows, so that noise has unit variance and no colour."""
+    sizes = [part.P.size for part in at.model.stretches]
+    blocks, told = [], True
+    for rows, kept, loose in zip(
+        *(np.split(item, np.cumsum(sizes)[:-1]) for item in (table, keep)), at.model.free(at.found.x), strict=True
+    ):
+        spectrum = noise_of(rows[:, 0], loose)
+        told &= loose >= COLOURED.free
+        rows = rows[kept]
+        if not spectrum.B:
+            blocks.append(rows / math.sqrt(spectrum.A))
+            continue
+        waves = np.fft.rfft(rows, axis=0, norm="ortho")
+        waves[1 : (len(rows) + 1) // 2] *= math.sqrt(2)  # both signs of a frequency
+        f = np.maximum(np.arange(len(waves)), 0.5) / len(rows)
+        slower = np.maximum(TUNING.slow / (max(loose, 1) * f), 1) ** 2
+        waves /= np.sqrt(spectrum(f) * slower)[:, None]
+        blocks += [waves.real, waves.imag]
+    return np.concatenate(blocks), told

@@ -1,0 +1,99 @@
+"""What the rivals of a raw record make of its fit: flags, warnings, the systematic parts, and the formula beside it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.optimize import brentq
+
+from ...bodies.problem import Problem
+from .body import FittedBody
+from .force_curve import ForceCurveFit, base_line
+from .record_rivals import MEMORY
+from .record_scores import RecordRivals, Verdict, rivals_of_record
+from .result import Fit, FittedValue
+
+REJECTED, DIFFER = "model rejected", "directions differ"
+
+
+@dataclass(frozen=True)
+class VerdictTuning:
+    """When rivals leave nothing determined, and where the formula's contact radius is sought."""
+
+    large: float = 0.3  # choice: share of E* or w that rivals may move it by, above which it is flagged
+    radii: tuple[float, float] = (1 + 1e-9, 1e4)  # choice: over the contact radius without adhesion
+
+
+TUNING = VerdictTuning()
+
+
+def judged(result: Fit, body: FittedBody, found: ForceCurveFit) -> Fit:
+    """The fit with its verdict: that of ``found``, which is of all directions of the record."""
+    rivals = rivals_of_record(body, found, result.settings.range_at_most)
+    said = {name: sentence for name, sentence in _flags(rivals) if name not in result.flags}
+    estimates = tuple(_with_part(item, rivals) for item in result.estimates)
+    warnings = tuple(f"{name}: {sentence}" for name, sentence in said.items())
+    return replace(
+        result, estimates=estimates, flags=(*result.flags, *said), warnings=(*warnings, *result.warnings),
+        verdict=Verdict(rivals, *_by_formula(body.problem, found)),
+    )  # fmt: skip
+
+
+def _flags(rivals: RecordRivals) -> Iterator[tuple[str, str]]:
+    """Flags with a sentence each."""
+    if rivals.named:
+        names = " or ".join(f"{one.name} (E* {one.amount * one.E_star:+.1%})" for one in rivals.named)
+        apart = ", which one step cannot tell apart" if len(rivals.named) > 1 else ""
+        yield REJECTED, f"p = {rivals.chance:.1g}, the residuals ask for {names}{apart}"
+    if rivals.named and rivals.named[0].of_directions:
+        compared = (one for one in rivals.scores if one.of_directions and one.family == MEMORY)
+        found = ", ".join(f"{one.name} {one.amount:+.1%} ± {one.error:.1%} ({one.words})" for one in compared)
+        yield DIFFER, f"approach and retraction ask for {found}; {', '.join(rivals.families)} would explain it"
+    for quantity, symbol in (("E_star", "E*"), ("w", "w")):
+        if (worst := rivals.worst(quantity)) is not None and worst[1] > TUNING.large:
+            yield f"{symbol} not determined", f"{worst[0]} may change it by {worst[1]:.0%}"
+
+
+def _with_part(item: FittedValue, rivals: RecordRivals) -> FittedValue:
+    """The estimate with what the worst rival may move it by."""
+    of_modulus = item.dimension == "modulus" or item.name == "modulus"
+    worst = rivals.worst("E_star" if of_modulus else "w") if of_modulus or item.dimension == "work" else None
+    return item if worst is None or item.error is None else replace(item, model={worst[0]: worst[1] * abs(item.value)})
+
+
+def _by_formula(problem: Problem, found: ForceCurveFit) -> tuple[str, float | None]:
+    """E* by Hertz of a half-space, by JKR of one under a layered body, from the deepest row of the last direction."""
+    R, part = problem.indenter.tip_radius, found.model.stretches[-1]
+    values = found.model.values(found.x)
+    i = int(np.argmax(part.z))
+    load = float((part.P + found.off[-part.P.size :] - base_line(part, values)[0])[i])
+    depth = float(found.model.depth(part, values)[i]) - load / found.model.k
+    if R is None or depth <= 0:
+        return "", None
+    if not problem.specimen.layers:
+        return "Hertz", 3 * load / (4 * math.sqrt(R * depth**3)) if load > 0 else None
+    w = max(values[f"q:{part.kind}"], 0.0) * math.exp(values["ln_s"])
+    try:
+        return "a half-space formula", half_space_modulus(load, depth, R, w)
+    except ValueError:
+        return "a half-space formula", None
+
+
+def half_space_modulus(P: float, delta: float, R: float, w: float) -> float:
+    """E* [Pa] of the half-space on which a paraboloid of radius ``R`` [m] is held at depth ``delta`` [m] by the load
+    ``P`` [N] against the work of adhesion ``w`` [J/m^2] (JKR); ValueError where there is none."""
+    if w == 0:
+        return 3 * P / (4 * math.sqrt(R * delta**3))
+
+    def modulus(a: float) -> float:
+        return 2 * math.pi * a * w / (a**2 / R - delta) ** 2
+
+    def excess(a: float) -> float:
+        E = modulus(a)
+        return 4 * E * a**3 / (3 * R) - math.sqrt(8 * math.pi * w * E * a**3) - P
+
+    touching, (least, most) = math.sqrt(R * delta), TUNING.radii
+    return modulus(touching * float(brentq(lambda x: excess(touching * x), least, most)))

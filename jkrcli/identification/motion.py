@@ -1,0 +1,76 @@
+"""What a device did, from its readings: straight pieces between corners."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..base.arrays import Array
+
+
+@dataclass(frozen=True)
+class MotionTuning:
+    """How corners are looked for."""
+
+    most: int = 12  # choice: corners, more than any program of ramps and waits has
+    worth: float = 30.0  # theory: of the sum of squares over the noise's; chance gives 20 in one of 1e3 records of 1e4
+    tried: int = 64  # choice: rows of a piece where a corner is begun; it is then moved
+    straight: float = 1.1  # choice: scatter over the noise up to which no corner is missing
+
+
+TUNING = MotionTuning()
+
+
+def corners(t: Array, x: Array, noise: float) -> tuple[Array, Array]:
+    """The times and places of the corners, ends among them, of straight pieces that leave of ``x`` at rising times
+    ``t`` no more than ``noise``; as many as are worth it."""
+    knots = [0, t.size - 1]
+    while len(knots) < TUNING.most:
+        rest = x - _through(t, x, knots)[1]
+        if np.sqrt(np.mean(rest**2)) < TUNING.straight * noise:
+            break
+        better = _settled(t, x, sorted([*knots, _next(rest, knots)]))
+        gain = np.sum(rest**2) - np.sum((x - _through(t, x, better)[1]) ** 2)
+        if gain < TUNING.worth * noise**2:
+            break
+        knots = better
+    return t[knots], _through(t, x, knots)[0]
+
+
+def _through(t: Array, x: Array, knots: list[int]) -> tuple[Array, Array]:
+    """Places of the knots by least squares, and the pieces through them at all times."""
+    hats = np.stack([np.interp(t, t[knots], row) for row in np.eye(len(knots))], axis=1)
+    places = np.linalg.lstsq(hats, x, rcond=None)[0]
+    return places, hats @ places
+
+
+def _next(rest: Array, knots: list[int]) -> int:
+    """The row of a new corner: in the piece that leaves most, where a hat stands out most in what is left."""
+    squares = [float(np.sum(rest[a : b + 1] ** 2)) if b - a > 1 else -1.0 for a, b in itertools.pairwise(knots)]
+    a, b = knots[(i := int(np.argmax(squares)))], knots[i + 1]
+    tops, rows = np.unique(np.linspace(a + 1, b - 1, min(b - a - 1, TUNING.tried)).astype(int)), np.arange(a, b + 1)
+    sums = [abs(float(np.sum(rest[a : b + 1] * np.interp(rows, [a, top, b], [0, 1, 0])))) for top in tops]
+    return int(tops[int(np.argmax(sums))])
+
+
+def _settled(t: Array, x: Array, knots: list[int]) -> list[int]:
+    """The knots moved, one after the other, each to the row between its neighbours that leaves least, until none
+    moves."""
+    for _ in range(TUNING.most):
+        before = list(knots)
+        for i in range(1, len(knots) - 1):
+            width = max((knots[i + 1] - knots[i - 1]) // 8, 1)
+            while width:
+                tried = [k for k in (knots[i] - width, knots[i], knots[i] + width) if knots[i - 1] < k < knots[i + 1]]
+                best = min(tried, key=lambda k: _left(t, x, [*knots[:i], k, *knots[i + 1 :]]))
+                width = width if best != knots[i] else width // 2
+                knots[i] = best
+        if knots == before:
+            break
+    return knots
+
+
+def _left(t: Array, x: Array, knots: list[int]) -> float:
+    return float(np.sum((x - _through(t, x, knots)[1]) ** 2))

@@ -1,0 +1,463 @@
+"""The modulus, a law of relaxation and the zero point from one record over time.
+
+What the device did, straight pieces between corners, is fitted with the rest: to its position, or to the load where
+that moves in straight pieces. So its noise has its part in the intervals.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from scipy.optimize import OptimizeResult, least_squares
+
+from ..adhesion.nonadhesive import Nonadhesive
+from ..adhesion.rate.program import Program
+from ..adhesion.relaxation.history import RelaxingContact
+from ..base.arrays import Array
+from ..base.errors import InputError, JkrError, did_you_mean
+from ..base.units import parse, show
+from ..bodies.relaxation import RELAXATIONS, Relaxation
+from ..data.measured import Curve
+from .fit.body import FittedBody
+from .fit.points import third_differences
+from .fit.result import FittedValue
+from .fit.statistics import covariance, t_quantile
+from .motion import corners
+
+
+@dataclass(frozen=True)
+class RelaxationFitTuning:
+    """How the least sum of squares is sought, and when it is doubted."""
+
+    least: int = 20  # choice: rows of a record
+    rows: int = 1_000  # choice: by which corners are looked for
+    some: int = 80  # choice: by which starts are compared
+    times: tuple[float, ...] = (0.02, 0.06, 0.2, 0.6)  # choice: starts of a relaxation time, over the record's length
+    shares: tuple[float, ...] = (0.2, 0.6)  # choice: starts of the ratio
+    exponents: tuple[float, ...] = (0.05, 0.15, 0.4)  # choice: starts of an exponent
+    depths: tuple[float, ...] = (0.0, 0.03, 0.1)  # choice: starts of the depth at which contact shows, over the range
+    contact: float = 5.0  # theory: standard deviations of a load that shows contact
+    reach: float = 12.0  # choice: guard, how far logs may move from their start
+    apart: float = 2.5  # theory: rows between two corners, within which no row tells when a step was
+    step: float = 1e-6  # theory: of the unknowns, for derivatives: the root of what the histories err by
+    converged: float = 1e-9  # choice: relative, far below any standard error
+    coarser: int = 3  # choice: steps joined in the histories of a spring or a load, 1e-4 of the loads
+    floor: float = 1e-6  # choice: of a column's range, no smaller noise is taken
+    grows: float = 0.02  # choice: of the depth, by which a contact may grow again: corners have the noise of readings
+    rounds: int = 2  # choice: fits, each with the noise by what the one before left
+    vague: float = 0.3  # choice: relative standard error beyond which a value is little more than its order
+    misfit: float = 1.3  # choice: scatter over the noise from row to row beyond which the law or the body is doubted
+    slow: float = 1.0  # choice: a first rise over the shortest time, beyond which the instant modulus is extrapolated
+
+
+TUNING = RelaxationFitTuning()
+DIMENSIONS = {"modulus": "number", "delta0": "length", "P0": "load", "ratio": "number", "exponent": "number"}
+
+
+@dataclass(frozen=True)
+class RelaxationSettings:
+    """What is asked: the ``law`` by name, of ``terms`` where it is "prony", the parameters that are ``free`` and those
+    ``fixed``, SI, and the ``level`` of the intervals."""
+
+    law: str
+    free: tuple[str, ...]
+    fixed: Mapping[str, float] = field(default_factory=dict)
+    terms: int = 2
+    level: float = 0.95
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The parameters of the law."""
+        return _of_law(self.law, self.terms)
+
+    def relaxation(self, values: Mapping[str, float]) -> Relaxation:
+        """The law with its parameters."""
+        found = {name: values[name] for name in self.names}
+        if self.law != "prony":
+            plain: Relaxation = RELAXATIONS[self.law](**found)
+            return plain
+        pairs = [(found[f"weight{i}"], found[f"time{i}"]) for i in range(1, self.terms + 1)]
+        weights, times = zip(*pairs, strict=True)
+        several: Relaxation = RELAXATIONS["prony"](weights=weights, times=times)
+        return several
+
+
+def _of_law(law: str, terms: int) -> tuple[str, ...]:
+    if law == "prony":
+        return tuple(f"{name}{i}" for i in range(1, terms + 1) for name in ("weight", "time"))
+    return tuple(RELAXATIONS.parameters(law))
+
+
+def relaxation_settings(
+    law: str, fix: Iterable[tuple[str, str]] = (), free: Iterable[str] = (), E_star: float = 1.0, **options: Any
+) -> RelaxationSettings:
+    """Settings from what a user types: free are the modulus, the law's parameters and delta0, but for what ``fix``
+    names, and what ``free`` adds (P0); of a power law, whose modulus is that at its time, the time is fixed, 1 s
+    unless told. ``E_star`` of the body [Pa]."""
+    if law not in RELAXATIONS:
+        raise InputError(f'fit: unknown law "{law}"{did_you_mean(law, RELAXATIONS)} (laws: {", ".join(RELAXATIONS)})')
+    own = _of_law(law, options.get("terms", 2))
+    usual = ("modulus", *own, "delta0")
+    fixed = {"time": 1.0} if law == "power" else {}
+    for name, text in fix:
+        checked = _checked("modulus" if name == "E_star" else name, (*usual, "P0"))
+        try:
+            value = parse(text, "modulus" if name == "E_star" else _dimension(checked))
+        except ValueError as error:
+            raise InputError(f"fit: {name}: {error}") from None
+        fixed[checked] = value / E_star if name == "E_star" else value
+        if checked not in ("delta0", "P0") and not value > 0:
+            raise InputError(f"fit: {name}: must be > 0, got {text}")
+    wanted = dict.fromkeys([*usual, *(_checked(name, (*usual, "P0")) for name in free if name != "relaxation")])
+    return RelaxationSettings(law, tuple(name for name in wanted if name not in fixed), fixed, **options)
+
+
+def _checked(name: str, allowed: Sequence[str]) -> str:
+    if name not in allowed:
+        hint = did_you_mean(name, allowed, 0.4)
+        raise InputError(f'fit: unknown parameter "{name}"{hint} (with --relaxation: {", ".join(allowed)})')
+    return name
+
+
+def _dimension(name: str) -> str:
+    return "time" if name.startswith("time") else DIMENSIONS.get(name, "number")
+
+
+@dataclass(frozen=True, eq=False)
+class TimedRecord:
+    """Readings over time: ``t`` [s], what the device held (``held``, its position [m], or the load [N] where
+    ``loaded``) and what that made (``made``: the load, or the displacement); standard deviations of both from row to
+    row, ``noise``, and those by which they are weighed, ``sigma``."""
+
+    curve: Curve
+    t: Array
+    held: Array
+    made: Array
+    loaded: bool
+    stiffness: float
+    knots: tuple[Array, Array]
+    noise: tuple[float, float]
+    sigma: tuple[float, float]
+
+    def thinned(self) -> TimedRecord:
+        """The record by a few of its rows."""
+        some = np.unique(np.linspace(0, self.t.size - 1, min(self.t.size, TUNING.some)).astype(int))
+        return replace(self, t=self.t[some], held=self.held[some], made=self.made[some])
+
+
+@dataclass(frozen=True, eq=False)
+class RelaxationFit:
+    """A fitted ``record``: ``estimates`` of the parameters and E* (instant, of a power law at its time), their
+    ``covariance`` (of the ``free`` ones on the scale on which they are fitted, logs but for zeros and shares), the
+    model of what was ``held`` and ``made``, the ``scatter`` of the residuals over the noise from row to row."""
+
+    relaxation: Relaxation
+    estimates: tuple[FittedValue, ...]
+    free: tuple[str, ...]
+    covariance: Array | None
+    record: TimedRecord
+    held: Array
+    made: Array
+    scatter: float
+    dof: int
+    settings: RelaxationSettings
+    warnings: tuple[str, ...] = ()
+
+    def estimate(self, name: str) -> FittedValue:
+        """The estimate called ``name``."""
+        return next(item for item in self.estimates if item.name == name)
+
+
+def timed_record(curve: Curve) -> TimedRecord:
+    """The readings of ``curve`` over time; InputError where a column is missing."""
+    if missing := [name for name in ("t", "delta", "P") if getattr(curve, name) is None]:
+        raise InputError(f"{curve.where}: a fit of relaxation needs t, delta and P, it lacks {', '.join(missing)}")
+    assert curve.t is not None
+    assert curve.P is not None
+    if len(curve) < TUNING.least:
+        raise InputError(f"{curve.where}: {len(curve)} rows, at least {TUNING.least} are needed")
+    if (falls := np.flatnonzero(np.diff(curve.t) <= 0)).size:
+        raise InputError(f"{curve.where}: time must rise from row to row, it does not in row {int(falls[0]) + 2}")
+    found = [_knots(curve.t, column) for column in (curve.device, curve.P)]
+    loaded = found[1][0][0].size < found[0][0][0].size
+    order = (1, 0) if loaded else (0, 1)
+    columns = (curve.device, curve.P) if not loaded else (curve.P, curve.device)
+    noise = found[order[0]][1], found[order[1]][1]
+    stiffness = 0.0 if loaded else math.inf if curve.stiffness is None else float(curve.stiffness)
+    return TimedRecord(curve, curve.t, *columns, loaded, stiffness, found[order[0]][0], noise, noise)
+
+
+def _knots(t: Array, column: Array) -> tuple[tuple[Array, Array], float]:
+    """Corners of a column over time, and its noise from row to row."""
+    noise = max(third_differences(column), TUNING.floor * float(np.ptp(column)))
+    some = np.unique(np.linspace(0, t.size - 1, min(t.size, TUNING.rows)).astype(int))
+    return corners(t[some], column[some], noise), noise
+
+
+def relaxation_fit(body: FittedBody, curve: Curve, settings: RelaxationSettings) -> RelaxationFit:
+    """The parameters that bring the history of ``body`` nearest to the record ``curve``; InputError where it does not
+    allow it."""
+    if body.problem.indenter.material is not None or body.problem.sticks:
+        raise InputError("fit: --relaxation goes with a rigid indenter and surfaces that slide")
+    problem = _Problem(Nonadhesive(body.series, body.slopes), timed_record(curve), settings)
+    found = problem.minimise(problem.start())
+    for _ in range(TUNING.rounds - 1):
+        problem = replace(problem, record=replace(problem.record, sigma=problem.scatters(found)))
+        found = problem.minimise(found.x)
+    return problem.result(found, body.problem.E_star)
+
+
+@dataclass(frozen=True, eq=False)
+class _Problem:
+    """Residuals as a function of the unknowns: the free parameters, then places and times of the corners."""
+
+    body: Nonadhesive
+    record: TimedRecord
+    settings: RelaxationSettings
+
+    # ------------------------------------------------------------------ unknowns
+    @property
+    def names(self) -> tuple[str, ...]:
+        return ("modulus", *self.settings.names, "delta0", "P0")
+
+    def values(self, theta: Array) -> dict[str, float]:
+        """All parameters, SI."""
+        free = self.settings.free
+        fixed = {"delta0": 0.0, "P0": 0.0, "modulus": 1.0} | dict(self.settings.fixed)
+        own = zip(free, theta, self.scales, strict=False)
+        return fixed | {name: _outer(name, float(x)) * scale for name, x, scale in own}
+
+    @cached_property
+    def scales(self) -> Array:
+        """Units of the free parameters: zeros count in ranges of their columns."""
+        curve = self.record.curve
+        units = {"delta0": float(np.ptp(curve.device)), "P0": float(np.ptp(curve.P if curve.P is not None else 1.0))}
+        return np.array([units.get(name, 1.0) for name in self.settings.free])
+
+    @cached_property
+    def moving(self) -> Array:
+        """Which corners may move in time: not the ends, and not those of a step between two rows."""
+        times = self.record.curve.t
+        assert times is not None
+        t, spacing = self.record.knots[0], TUNING.apart * float(np.median(np.diff(times)))
+        gaps = np.diff(t) > spacing
+        return np.flatnonzero(np.concatenate([[False], gaps[:-1] & gaps[1:], [False]]))
+
+    def program(self, theta: Array) -> Program:
+        """What the device did, as it was read."""
+        n, (t, x) = len(self.settings.free), self.record.knots
+        t = t.copy()
+        t[self.moving] += theta[n + x.size :] * (t[-1] - t[0])
+        return Program(t, theta[n : n + x.size] * float(np.ptp(x)))
+
+    # ------------------------------------------------------------------ the model
+    def model(self, theta: Array) -> tuple[Array, Array]:
+        """What is held and what it makes, at the rows, as readings."""
+        values, record, program = self.values(theta), self.record, self.program(theta)
+        zero, other = ("P0", "delta0") if record.loaded else ("delta0", "P0")
+        held = np.interp(record.t, program.t, program.x)
+        x, modulus = program.x - values[zero], values["modulus"]
+        contact = self._contact(self.settings.relaxation(values), record.stiffness / modulus)  # loads over the modulus
+        history = contact.history(Program(program.t, x / modulus if record.loaded else x))
+        _, delta, P = history.states(record.t)
+        return held, (delta if record.loaded else modulus * P) + values[other]
+
+    def _contact(self, law: Relaxation, stiffness: float) -> RelaxingContact:
+        coarser = 1 if math.isinf(stiffness) else TUNING.coarser
+        return RelaxingContact(self.body, law, stiffness, coarser, TUNING.grows)
+
+    def residuals(self, theta: Array) -> Array:
+        """In standard deviations; as large as the readings where there is no such history."""
+        record = self.record
+        try:
+            held, made = self.model(theta)
+        except (JkrError, FloatingPointError, OverflowError, ValueError):
+            held, made = record.held + np.ptp(record.held), record.made + np.ptp(record.made)
+        return np.concatenate([(held - record.held) / record.sigma[0], (made - record.made) / record.sigma[1]])
+
+    def scatters(self, found: OptimizeResult) -> tuple[float, float]:
+        """The standard deviations of the readings about the model."""
+        rows, share = self.record.t.size, 1 - found.x.size / found.fun.size
+        held, made = (math.sqrt(float(np.mean(part**2)) / share) for part in (found.fun[:rows], found.fun[rows:]))
+        low = [TUNING.floor * float(np.ptp(column)) for column in (self.record.held, self.record.made)]
+        return max(held * self.record.sigma[0], low[0]), max(made * self.record.sigma[1], low[1])
+
+    def minimise(self, start: Array) -> OptimizeResult:
+        low, high = self._bounds(start)
+        return least_squares(
+            self.residuals, np.clip(start, low, high), self._rates, bounds=(low, high), x_scale="jac",
+            ftol=TUNING.converged, xtol=TUNING.converged, gtol=TUNING.converged,
+        )  # fmt: skip
+
+    def _rates(self, theta: Array) -> Array:
+        """Derivatives of the residuals, backwards where an unknown is a share."""
+        base, shares = self.residuals(theta), [_is_share(name) for name in self.settings.free]
+        steps = np.full(theta.size, TUNING.step)
+        steps[: len(shares)] *= np.where(shares, -np.sign(theta[: len(shares)] - TUNING.step), 1.0)
+        columns = [(self.residuals(theta + step) - base) / step.sum() for step in np.diag(steps)]
+        return np.stack(columns, axis=1)
+
+    def _bounds(self, start: Array) -> tuple[Array, Array]:
+        """Logs stay near their start, shares within 0 and 1, corners between their neighbours."""
+        reach = np.full(start.size, np.inf)
+        low, high = start - reach, start + reach
+        for i, name in enumerate(self.settings.free):
+            if name not in ("delta0", "P0"):
+                low[i], high[i] = (
+                    (0.0, 1.0 - TUNING.floor) if _is_share(name) else start[i] + np.array([-1, 1]) * TUNING.reach
+                )
+            if name == "exponent" or name.startswith("weight"):
+                low[i] = TUNING.floor
+        t = self.record.knots[0] / np.ptp(self.record.knots[0])
+        first = start.size - self.moving.size
+        for i, k in enumerate(self.moving):
+            low[first + i], high[first + i] = (t[k - 1] - t[k]) / 2, (t[k + 1] - t[k]) / 2
+        return low, high
+
+    # ------------------------------------------------------------------ where to begin
+    def start(self) -> Array:
+        """The best of some values, the modulus by the loads in proportion."""
+        thin, found = replace(self, record=self.record.thinned()), []
+        for values in self._tried():
+            theta = self._from(values)
+            try:
+                theta = thin._with_modulus(theta, values)
+            except (JkrError, FloatingPointError, OverflowError, ValueError):
+                continue
+            found.append((float(np.sum(thin.residuals(theta) ** 2)), theta))
+        if not found:
+            raise InputError(
+                f"{self.record.curve.where}: no history of this body comes near the record: it must press, wait and "
+                "retract once, within the radii of the series; check the units, or fix delta0"
+            )
+        return min(found, key=lambda item: item[0])[1]
+
+    def _tried(self) -> list[dict[str, float]]:
+        """Values of the parameters to begin with, those that are fixed among them."""
+        duration, names = float(np.ptp(self.record.t)), self.settings.names
+        laws: list[dict[str, float]] = []
+        if self.settings.law == "power":
+            laws = [{"exponent": x} for x in TUNING.exponents]
+        elif self.settings.law == "prony":
+            n = self.settings.terms
+            for time in TUNING.times:
+                times = {f"time{i + 1}": time * duration * 8.0 ** (i - (n - 1)) for i in range(n)}
+                laws.append(times | {f"weight{i + 1}": 0.6 / n for i in range(n)})
+        else:
+            laws = [{"ratio": r, "time": time * duration} for r in TUNING.shares for time in TUNING.times]
+        own = [{name: law.get(name, 1.0) for name in names} | dict(self.settings.fixed) for law in laws]
+        return [values | {"delta0": zero} | dict(self.settings.fixed) for values in own for zero in self._zeros()]
+
+    def _zeros(self) -> list[float]:
+        """Displacements at which contact may begin."""
+        record, noise = self.record, self.record.noise
+        if record.loaded:
+            shows = record.held > record.held[0] + TUNING.contact * noise[0]
+            return [float(record.made[0] if not shows.any() else record.made[max(int(np.argmax(shows)) - 1, 0)])]
+        shows = record.made - np.median(record.made[:3]) > TUNING.contact * noise[1]
+        at = float(record.held[int(np.argmax(shows))])
+        return [at - share * (float(record.held.max()) - at) for share in TUNING.depths]
+
+    def _from(self, values: Mapping[str, float]) -> Array:
+        x = self.record.knots[1]
+        own = [_inner(name, values.get(name, 1.0 if name == "modulus" else 0.0)) for name in self.settings.free]
+        return np.array([*(own / self.scales), *(x / np.ptp(x)), *np.zeros(self.moving.size)])
+
+    def _with_modulus(self, theta: Array, values: Mapping[str, float]) -> Array:
+        """The unknowns with the modulus that brings the loads nearest; of a load, the depth where it is largest."""
+        if "modulus" not in self.settings.free:
+            return theta
+        record, i = self.record, self.settings.free.index("modulus")
+        theta = theta.copy()
+        if record.loaded:
+            theta[i] = math.log(self._creep_modulus(values))
+            return theta
+        made = self.model(theta)[1] - values.get("P0", 0.0)
+        theta[i] = math.log(max(float(np.sum(made * record.made) / np.sum(made**2)), 1e-12))
+        return theta
+
+    def _creep_modulus(self, values: Mapping[str, float]) -> float:
+        """The modulus with which the largest load would make the depth that was read then."""
+        record, law = self.record, self.settings.relaxation(values)
+        row, depths = int(np.argmax(record.held)), self._contact(law, math.inf).depths
+        depth = min(max(float(record.made[row]) - values["delta0"], depths.most * TUNING.floor), depths.most)
+        left = float(law.modes(float(np.ptp(record.t)))(record.t[row] - record.t[0] + TUNING.floor))
+        return float(record.held[row]) / (float(depths.loads(np.array([depth]))[0]) * left)
+
+    # ------------------------------------------------------------------ the answer
+    def result(self, found: OptimizeResult, E_star: float) -> RelaxationFit:
+        values, settings, record = self.values(found.x), self.settings, self.record
+        dof = max(found.fun.size - found.x.size, 1)
+        factor = 2 * found.cost / dof
+        whole, n = covariance(found.jac, factor), len(settings.free)
+        inner = None if whole is None else whole[:n, :n] * np.outer(self.scales, self.scales)
+        t = t_quantile(settings.level, dof)
+        estimates = [_estimate(name, values[name], settings.free, inner, t) for name in self.names]
+        own = estimates[0]
+        low, high, error = (None if end is None else end * E_star for end in (own.low, own.high, own.error))
+        estimates.append(FittedValue("E_star", own.value * E_star, own.free, "modulus", error, low, high))
+        held, made = self.model(found.x)
+        squares = np.sum(((made - record.made) / record.noise[1]) ** 2)
+        scatter = math.sqrt(float(squares) / max(record.t.size - n, 1))
+        fit = RelaxationFit(
+            settings.relaxation(values), tuple(estimates), settings.free, inner, record, held, made, scatter, dof,
+            settings,
+        )  # fmt: skip
+        return replace(fit, warnings=tuple(_warnings(fit, self.program(found.x))))
+
+
+def _is_share(name: str) -> bool:
+    return name in ("ratio", "exponent") or name.startswith("weight")
+
+
+def _inner(name: str, value: float) -> float:
+    return value if name in ("delta0", "P0") or _is_share(name) else math.log(value)
+
+
+def _outer(name: str, x: float) -> float:
+    return x if name in ("delta0", "P0") or _is_share(name) else math.exp(min(x, 300.0))
+
+
+def _estimate(name: str, value: float, free: tuple[str, ...], inner: Array | None, t: float) -> FittedValue:
+    if name not in free or inner is None:
+        return FittedValue(name, value, name in free, _dimension(name))
+    sigma, x = math.sqrt(inner[free.index(name), free.index(name)]), _inner(name, value)
+    low, high = _outer(name, x - t * sigma), _outer(name, x + t * sigma)
+    if _is_share(name):
+        low, high = max(low, 0.0), min(high, 1.0)
+    error = sigma if x == value else value * sigma
+    return FittedValue(name, value, True, _dimension(name), error, low, high)
+
+
+def _warnings(fit: RelaxationFit, program: Program) -> list[str]:
+    """What a reader should know, each with its number."""
+    said = []
+    if fit.covariance is None:
+        said.append(f"the record does not tell {', '.join(fit.free)} apart: fix one of them, such as delta0")
+    for item in fit.estimates:
+        if (
+            item.name in fit.free
+            and item.name not in ("delta0", "P0")
+            and (item.error or 0) > TUNING.vague * item.value
+        ):
+            said.append(
+                f"{item.name} is uncertain by {(item.error or 0) / max(item.value, 1e-12):.0%} (standard error)"
+            )
+    times = [item.value for item in fit.estimates if item.name.startswith("time")]
+    rises = np.diff(program.t)[np.diff(program.x) > 0]
+    if fit.settings.law != "power" and rises.size and rises[0] > TUNING.slow * min(times):
+        said.append(
+            f"the first rise lasts {show(float(rises[0]), 'time')}, {float(rises[0]) / min(times):.2g} times the "
+            "shortest relaxation time: the instant modulus is extrapolated; press faster"
+        )
+    if fit.scatter > TUNING.misfit:
+        said.append(
+            f"the readings scatter {fit.scatter:.2g} times as far about the model as from row to row: the law or the "
+            "body is not what the record shows; intervals are too narrow"
+        )
+    return said

@@ -1,0 +1,173 @@
+"""What a case needs and what to expect of it, without solving it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from ..adhesion import validity
+from ..adhesion.curve import CriticalPoint
+from ..adhesion.finite_range import unable
+from ..base.errors import Refusal
+from ..base.units import reached, show
+from ..base.unknown import Estimate, Unknown
+from ..beside.expectation import Expectation, expect
+from ..beside.sticking import StickingEffect, as_told, sticking_effect, sticking_warnings
+from ..beside.tension_effect import TUNING as TENSION
+from ..beside.tension_effect import noticed_tension
+from ..bodies.problem import Problem
+from ..case import Case
+from ..case.models import CaseModel
+from ..case.numerics import method_of
+from ..methods.choose import Choice, Option, choose, survey
+from . import tables
+from .result import Result
+
+
+@dataclass(frozen=True, eq=False)
+class Check(Result):
+    """Which method a case needs and why, what each would cost, and what to expect: a coarse solution of the laterally
+    unbounded body, and what it matters whether the surfaces stick."""
+
+    path: Path
+    problem: Problem
+    choice: Choice
+    options: Sequence[Option]
+    expected: Expectation | Unknown
+    effect: StickingEffect | Unknown
+    tension: Estimate
+    range_: str | Unknown
+    remarks: Sequence[str]
+
+    @classmethod
+    def of(cls, path: Path, case: Case) -> Check:
+        """What is to be said of a ``case``."""
+        model = case.model
+        problem = model.problem()
+        choice = choose(problem, model.method, lambda name: method_of(model, name))
+        options = choice.options or survey(problem, lambda name: method_of(model, name))
+        expected = _expected(model)
+        effect, tension = _effect(model, expected), _tension(model, expected)
+        range_ = _range(model, choice.name)
+        return cls(path, problem, choice, options, expected, effect, tension, range_, case.remarks)
+
+    def summary(self) -> dict[str, Any]:
+        data: dict[str, Any] = {"case": str(self.path), "problem": self.problem.words, "method": self.choice.name}
+        law = self.problem.specimen.relaxation
+        data |= {"reason": self.choice.reason, "relaxation": "" if law is None else str(law)}
+        data |= {"surface": self.problem.surface, "sticking": as_told(self.effect)}
+        data |= {"noticed_surface_tension_N_per_m": self.tension}
+        return data | {"options": [asdict(option) for option in self.options]} | _as_dict(self.expected)
+
+    def words(self) -> list[str]:
+        sticking = [] if isinstance(self.effect, Unknown) else [f"  no slip   makes {self.effect.words} as large"]
+        options = (f"            {option.name:<12} {_option(option)}" for option in self.options)
+        return [
+            self.problem.words,
+            f"  method    {self.choice.name}: {self.choice.brief}",
+            *options,
+            *self._reaches(),
+            *self._relaxes(),
+            *sticking,
+            *self._tension(),
+        ]
+
+    @property
+    def warnings(self) -> list[str]:
+        adhesion = () if isinstance(self.expected, Unknown) else self.expected.adhesion
+        judged = dict.fromkeys(text for _, _, judged in adhesion for text in validity.check(judged))
+        refused = [f"jkr transform will refuse: {self.range_}"] if isinstance(self.range_, Unknown) else []
+        return [*judged, *refused, *self.remarks, *sticking_warnings(self.problem, self.effect)]
+
+    def _relaxes(self) -> Iterator[str]:
+        if (law := self.problem.specimen.relaxation) is not None:
+            yield f"  relaxes   {law}; loads here are those of {'t = 0' if law.relaxed is not None else 'its own time'}"
+
+    def _tension(self) -> Iterator[str]:
+        if not isinstance(self.tension, Unknown):
+            changed = f"{TENSION.changed:.0%} in load or pull-off force"
+            least = show(self.tension, "tension", 2)
+            yield f"  tension   none; from {least} on, that of the solid would change {changed}"
+
+    def _reaches(self) -> Iterator[str]:
+        expected, range_ = self.expected, self.range_
+        if isinstance(expected, Unknown):
+            yield f"  reaches   unknown: {expected}"
+            return
+        yield f"  reaches   {reached(expected.a, expected.delta, expected.P)}"
+        if expected.half_space_error is not None:
+            ratio = 1 + expected.half_space_error
+            yield f"  layers    make the load at this depth {ratio:.4g} times that of a half-space of the top material"
+        for w, point, judged in expected.adhesion:
+            yield f"  w = {show(w, 'work')}: pull-off (load control): {_pull_off(point)}"
+            regime = f": {judged.regime}" if not isinstance(judged.tabor, Unknown) else ""
+            regime = regime if range_ == "" else "" if isinstance(range_, Unknown) else f"; {range_}"
+            yield f"            Tabor number {_ratio(judged.tabor)}{regime}"
+            sizes = {"a/R": judged.a_over_R, "a/h": judged.a_over_h, "delta/h": judged.delta_over_h}
+            known = [f"{name} = {value:.3g}" for name, value in sizes.items() if not isinstance(value, Unknown)]
+            if known:
+                yield f"            {', '.join(known)}"
+
+
+def _range(model: CaseModel, method: str) -> str | Unknown:
+    """What is said of the range of adhesion that a case asks for, empty where it asks for none; or why it has no
+    curve."""
+    adhesion = model.adhesion
+    if not (adhesion.range or adhesion.stress or adhesion.capillary):
+        return ""
+    reason = unable(model.problem(), method)
+    return Unknown(reason) if reason else "its range will be solved; the force here is that of JKR"
+
+
+def _effect(model: CaseModel, expected: Expectation | Unknown) -> StickingEffect | Unknown:
+    """What it matters whether the surfaces stick, at the largest radius expected."""
+    if isinstance(expected, Unknown):
+        return expected
+    return sticking_effect(model.problem(), expected.a, model.adhesion.w)
+
+
+def _tension(model: CaseModel, expected: Expectation | Unknown) -> Estimate:
+    """The surface tension that would be noticed, at the largest radius expected."""
+    return expected if isinstance(expected, Unknown) else noticed_tension(model.problem(), expected.a, model.adhesion.w)
+
+
+def _expected(model: CaseModel) -> Expectation | Unknown:
+    """What to expect, or why that is not known."""
+    try:
+        return expect(model.problem(), model.adhesion.w, model.adhesion.z0)
+    except Refusal as error:
+        return Unknown(str(error))
+
+
+def _option(option: Option) -> str:
+    if option.forecast is None:
+        return f"cannot: {option.refusal}"
+    note = f" ({option.forecast.note})" if option.forecast.note else ""
+    against = f"; {words}" if (words := option.objection) else ""
+    return f"about {option.cost}, {option.forecast.memory_mib:.0f} MiB{note}{against}"
+
+
+def _as_dict(expected: Expectation | Unknown) -> dict[str, Any]:
+    if isinstance(expected, Unknown):
+        return {"expectation": expected}
+    return {
+        "a_m": expected.a,
+        "delta_m": expected.delta,
+        "P_N": expected.P,
+        "half_space_error": expected.half_space_error,
+        "adhesion": [
+            {"w_J_per_m2": w, "pull_off": tables.point(p), "validity": vars(v)} for w, p, v in expected.adhesion
+        ],
+    }
+
+
+def _pull_off(point: CriticalPoint | Unknown) -> str:
+    if isinstance(point, Unknown):
+        return point.reason
+    return f"P = {show(point.P, 'load')} at a = {show(point.a, 'length')}"
+
+
+def _ratio(value: Estimate) -> str:
+    return f"none ({value})" if isinstance(value, Unknown) else f"{value:.3g}"

@@ -1,0 +1,157 @@
+"""Figures of maps: lines over one axis, a family of them; the pull-off force filled over adhesion and its range; zones
+of the models."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, TypeAlias
+
+import numpy as np
+from matplotlib.patheffects import withStroke
+
+from ...base.arrays import Array
+from . import COLORS, MIDDLE, NARROW, WIDE, Axes, Figure, drawing, legend_below, log_ticks
+
+if TYPE_CHECKING:
+    from matplotlib.contour import ContourSet
+
+FEWEST = 4  # choice: values on both axes from which a map is filled
+NEAR = 0.01  # choice: of a limit, within which it is drawn to hold
+MU = r"$\sigma\,(R / E^{*2} w)^{1/3}$"  # words of an axis
+STEP = 0.05  # choice: of the force, from colour to colour
+Words: TypeAlias = Callable[[float], str]  # of a line, by its value
+LINES = ("-", "--", ":", "-.")
+
+
+@dataclass(frozen=True)
+class Panel:
+    """One column of a map over its axis: words of the y axis, ``limits``: values with what they are; ``logs``: "x" or
+    "xy"; ``dashed``: a column that is drawn beside it."""
+
+    column: str
+    ylabel: str
+    title: str = ""
+    limits: Mapping[float, str] = field(default_factory=dict)
+    ylim: tuple[float, float] | None = None
+    logs: str = "x"
+    dashed: str = ""
+
+
+def lines_figure(
+    columns: Mapping[str, Array],
+    over: tuple[str, str],
+    panels: Sequence[Panel],
+    families: Mapping[str, Callable[[float], str]],
+) -> Figure:
+    """The ``panels`` over the column and words ``over``: a colour for each set of values of the columns in
+    ``families``, named by the words there, a kind of line for each value of the last of several."""
+    sets = list(dict.fromkeys(zip(*(columns[name].tolist() for name in families), strict=True)))
+    last = list(dict.fromkeys(values[-1] for values in sets)) if len(families) > 1 else []
+    with drawing(WIDE if len(panels) > 1 else MIDDLE, 3.4) as figure:
+        places = figure.subplots(1, len(panels), squeeze=False)[0]
+        for axes, panel in zip(places, panels, strict=True):
+            for i, values in enumerate(sets):
+                of = np.all([columns[name] == value for name, value in zip(families, values, strict=True)], axis=0)
+                words = (said(value) for said, value in zip(families.values(), values, strict=True))
+                line = LINES[last.index(values[-1]) % len(LINES)] if last else "-"
+                color = COLORS[i % len(COLORS)]
+                axes.plot(columns[over[0]][of], columns[panel.column][of], "." + line, color=color, ms=4,
+                          label=", ".join(words))  # fmt: skip
+                if panel.dashed:
+                    axes.plot(columns[over[0]][of], columns[panel.dashed][of], "--", color=color, lw=0.8)
+            _dress(axes, panel, over[1])
+        legend_below(figure, list(places), 4 if len(families) == 1 else 3)
+        return figure
+
+
+def _dress(axes: Axes, panel: Panel, xlabel: str) -> None:
+    """Scales, limits and words of a panel."""
+    axes.set(xlabel=xlabel, ylabel=panel.ylabel, title=panel.title, ylim=panel.ylim, xscale="log")
+    if "y" in panel.logs:
+        axes.set_yscale("log")
+        log_ticks(axes.yaxis)
+    for value, words in panel.limits.items():
+        axes.axhline(value, color="0.6", lw=0.8, ls="--" if words else ":")
+        axes.annotate(words, (0.99, value), xycoords=("axes fraction", "data"), ha="right", va="bottom", size=8,
+                      color="0.4")  # fmt: skip
+
+
+def is_filled(columns: Mapping[str, Array]) -> bool:
+    """Whether a transition map has values enough on both axes to be filled."""
+    return min(np.unique(columns[name]).size for name in ("w_R2_over_Estar_h3", "mu")) >= FEWEST
+
+
+def filled_figure(columns: Mapping[str, Array]) -> Figure:
+    """-P_min/(pi w R) in colour over mu and q: where it is within a hundredth of JKR's force and of that of a long
+    range, and where it lies above both, with its largest excess. What is not known stays white."""
+    nus = list(dict.fromkeys(columns["nu"].tolist()))
+    low, high = (float(function(columns["minus_P_over_pi_w_R"])) for function in (np.nanmin, np.nanmax))
+    levels = STEP * np.arange(np.floor(low / STEP), np.ceil(high / STEP) + 1)
+    with drawing(max(NARROW * len(nus), MIDDLE), 3.8) as figure:
+        panels = np.atleast_1d(figure.subplots(1, len(nus), sharey=True))
+        for axes, nu in zip(panels, nus, strict=True):
+            drawn = _filled(axes, {name: values[columns["nu"] == nu] for name, values in columns.items()}, levels)
+            axes.set_title(f"ν = {nu:g}, {columns['base'][0]}")
+            axes.set_xlabel(MU)
+        panels[0].set_ylabel(r"$w R^2 / (E^* h^3)$")
+        figure.colorbar(drawn, ax=list(panels), label=r"pull-off force / $\pi w R$")
+        legend_below(figure, list(panels), 3)
+        return figure
+
+
+def _filled(axes: Axes, rows: Mapping[str, Array], levels: Array) -> ContourSet:
+    mu, q = np.unique(rows["mu"]), np.unique(rows["w_R2_over_Estar_h3"])
+    order = np.lexsort((rows["mu"], rows["w_R2_over_Estar_h3"]))
+    force, sharp = (rows[name][order].reshape(q.size, mu.size) for name in ("minus_P_over_pi_w_R",
+                                                                            "jkr_minus_P_over_pi_w_R"))  # fmt: skip
+    drawn = axes.contourf(mu, q, force, levels=levels, cmap="viridis")
+    short, long = (np.abs(np.nan_to_num(force / limit - 1)) for limit in (sharp, 2))
+    short = np.maximum.accumulate(short[:, ::-1], axis=1)[:, ::-1]  # from there on, as the force crosses limits
+    long = np.maximum.accumulate(long, axis=1)
+    for values, style, words in ((short, "--", "JKR to 1 %"), (long, ":", "long range to 1 %")):
+        edged = [withStroke(linewidth=2.4, foreground="0.2")]  # white on any ground, that of the legend too
+        line = axes.contour(mu, q, values, levels=[NEAR], colors="white", linestyles=style, linewidths=1.2)
+        line.set(path_effects=edged)
+        axes.plot([], [], style, color="white", lw=1.2, path_effects=edged, label=words)
+    excess = np.nan_to_num(force / np.maximum(sharp, 2) - 1)
+    if excess.max() > NEAR / 10:
+        axes.contour(mu, q, excess, levels=[NEAR / 10], colors=COLORS[1], linewidths=1.6)
+        axes.plot([], [], "-", color=COLORS[1], lw=1.6, label="above both limits")
+        ridge = excess.argmax(axis=1)
+        there = excess[np.arange(q.size), ridge] > NEAR / 10
+        axes.plot(mu[ridge][there], q[there], "o", color=COLORS[1], ms=3, label="largest excess")
+    _log_axes(axes)
+    return drawn
+
+
+def _log_axes(axes: Axes) -> None:
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    log_ticks(axes.xaxis)
+    log_ticks(axes.yaxis)
+
+
+def zones_figure(columns: Mapping[str, Array], names: Sequence[str]) -> Figure:
+    """The zone of each model over range and load in colour, by its name."""
+    from matplotlib.colors import ListedColormap
+
+    mus, loads = (np.unique(columns[name]) for name in ("mu", "load_over_pi_w_R"))
+    zone = np.array([names.index(name) for name in columns["zone"]]).reshape(loads.size, mus.size)
+    shades = ("#dddddd", "#9ecae1", "#fff3b0", "#c7e9c0", "#fdd0a2")
+    with drawing(MIDDLE, 3.8) as figure:
+        axes = figure.subplots()
+        axes.pcolormesh(mus, loads, zone, cmap=ListedColormap(shades), vmin=-0.5, vmax=len(names) - 0.5,
+                        shading="nearest")  # fmt: skip
+        _log_axes(axes)
+        for number, name in enumerate(names):
+            row, column = np.nonzero(zone == number)
+            if row.size:
+                middle = int(np.argmin(np.hypot(row - np.median(row), column - np.median(column))))
+                axes.annotate(name, (mus[column[middle]], loads[row[middle]]), ha="center", va="center", size=9)
+        axes.set_xlabel(MU)
+        axes.set_ylabel(r"load / $\pi w R$")
+        axes.set_title(
+            "ν = {:g}, w R²/(E* h³) = {:g}".format(*(columns[name][0] for name in ("nu", "w_R2_over_Estar_h3")))
+        )
+        return figure

@@ -1,0 +1,32 @@
+"""Figures of bodies that relax."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ...base.units import scale
+from ...identification.relaxation import RelaxationFit
+from . import BLUE, ORANGE, WIDE, Figure, drawing, legend_below, pretty, scaled
+
+
+def relaxation_fit_figure(fits: Sequence[RelaxationFit]) -> Figure:
+    """What each of the first records held and what that made, over time, readings and model."""
+    shown = fits[:6]
+    with drawing(WIDE, 2.8 * len(shown)) as figure:
+        axes = figure.subplots(len(shown), 2, squeeze=False)
+        for (left, right), fit in zip(axes, shown, strict=True):
+            record, kinds = fit.record, ("load", "length") if fit.record.loaded else ("length", "load")
+            pairs = ((left, record.held, fit.held, kinds[0]), (right, record.made, fit.made, kinds[1]))
+            for place, read, model, dimension in pairs:
+                t, t_unit = scaled(record.t, "time")
+                factor, unit = scale(float(np.max(np.abs(read))), dimension)
+                place.plot(t, read / factor, ".", ms=2, color=BLUE, label="readings")
+                place.plot(t, model / factor, color=ORANGE, label="model")
+                name = {"load": "load P", "length": "displacement δ"}[dimension]
+                place.set_xlabel(f"time t ({t_unit})")
+                place.set_ylabel(pretty(f"{name} ({unit})"))
+            left.set_title(pretty(str(fit.relaxation)), fontsize=8)
+        legend_below(figure, axes.ravel(), 2)
+        return figure

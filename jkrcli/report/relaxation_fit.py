@@ -1,0 +1,74 @@
+"""Fits of relaxation as a table, as a summary and in words."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from ..base.units import SI
+from ..identification.relaxation import RelaxationFit
+from .fit import estimate_summary, estimate_words
+from .relaxation import NEGLECTED, law_summary
+from .tables import stiffness
+
+FORMAT, VERSION = "jkr-relaxation-fit", 1
+
+
+def columns(fits: Sequence[RelaxationFit]) -> dict[str, list[Any]]:
+    """A row per record: its estimates with their standard errors, and the scatter."""
+    found: dict[str, list[Any]] = {
+        "curve": [fit.record.curve.where for fit in fits], "law": [fit.settings.law for fit in fits],
+    }  # fmt: skip
+    for item in fits[0].estimates:
+        if item.free and item.name != "modulus":
+            head = f"{item.name}_{SI[item.dimension]}".rstrip("_")
+            found[head] = [fit.estimate(item.name).value for fit in fits]
+            found[f"{head}_error"] = [fit.estimate(item.name).error for fit in fits]
+    return found | {"scatter": [fit.scatter for fit in fits], "rows": [fit.record.t.size for fit in fits]}
+
+
+def summary(fits: Sequence[RelaxationFit], body: str) -> dict[str, Any]:
+    """What stands in the JSON file."""
+    return {
+        "format": FORMAT,
+        "version": VERSION,
+        "body": body,
+        "level": fits[0].settings.level,
+        "fits": [_fit(fit) for fit in fits],
+        "neglected": NEGLECTED,
+    }
+
+
+def _fit(fit: RelaxationFit) -> dict[str, Any]:
+    record = fit.record
+    return {
+        "curve": record.curve.where,
+        "rows": record.t.size,
+        "control": "load" if record.loaded else "displacement",
+        "stiffness_N_per_m": stiffness(record.stiffness),
+        "relaxation": law_summary(fit.relaxation),
+        "free": list(fit.free),
+        "estimates": {item.name: estimate_summary(item) for item in fit.estimates},
+        "scatter": fit.scatter,
+        "degrees_of_freedom": fit.dof,
+        "warnings": list(fit.warnings),
+    }
+
+
+def words(fit: RelaxationFit) -> list[str]:
+    """Lines for people."""
+    record, level = fit.record, fit.settings.level
+    held = "load" if record.loaded else "displacement"
+    lines = [
+        f"{record.curve.where}: {fit.relaxation}; {record.t.size} rows, the {held} held, {_pieces(record.knots[0])}"
+    ]
+    for item in fit.estimates:
+        if item.free and item.name != "modulus":
+            name = ("E* instant" if fit.settings.law != "power" else "E*") if item.name == "E_star" else item.name
+            lines.append(f"  {name:<12} {estimate_words(item, level)}")
+    return [*lines, f"  {'scatter':<12} {fit.scatter:.3g} of the noise from row to row"]
+
+
+def _pieces(knots: Any) -> str:
+    count = len(knots) - 1
+    return f"{count} straight piece{'s' if count > 1 else ''}"

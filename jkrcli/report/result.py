@@ -1,0 +1,49 @@
+"""What a result says of itself, once for the command line and for Python."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from ..base.errors import InputError
+from ..base.installing import installs
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
+    from .plots import Figure
+
+
+class Result:
+    """One object per result: ``columns`` (of its CSV), ``summary`` (its JSON), ``words`` (what is printed, also by
+    ``print``), ``warnings``, and the ``figure``. What a result has not is empty."""
+
+    columns: Mapping[str, Any]
+
+    def summary(self) -> dict[str, Any]:
+        """What the command prints with --json."""
+        raise NotImplementedError
+
+    def words(self) -> Sequence[str]:
+        """Lines of text."""
+        raise NotImplementedError
+
+    @property
+    def warnings(self) -> Sequence[str]:
+        """What a reader of the numbers should know."""
+        return ()
+
+    def figure(self) -> Figure:
+        """The picture."""
+        raise NotImplementedError(f"a {type(self).__name__} has no picture")
+
+    def to_pandas(self) -> DataFrame:
+        """The columns as a data frame (needs the optional package pandas)."""
+        try:
+            from pandas import DataFrame
+        except ModuleNotFoundError:
+            raise InputError(f"to_pandas needs the optional package pandas: {installs('pandas')}") from None
+        return DataFrame(dict(self.columns))
+
+    def __str__(self) -> str:
+        return "\n".join(self.words())

@@ -1,0 +1,208 @@
+"""``jkr cycle`` of a specimen that relaxes: over time without adhesion, in its limits with it."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import jkrcli as jkr_
+
+CASE = """
+[indenter]
+shape = "paraboloid"
+radius = 1.0
+[specimen]
+relaxation = { law = "sls", ratio = 0.25, time = 1.0 }
+[specimen.half_space]
+E = 1.0
+nu = 0.0
+[loading]
+depth = 1.0
+points = 60
+spacing = "log"
+"""
+
+
+@pytest.fixture(name="series")
+def _series(jkr: Callable, tmp_path: Path) -> Path:
+    (tmp_path / "gel.toml").write_text(CASE)
+    done = jkr("run", "gel.toml", "-q")
+    assert done.code == 0, done.err
+    return tmp_path / "gel.h5"
+
+
+def answer(jkr: Callable, *words: object) -> dict:
+    done = jkr("cycle", *words, "--json", "--no-plots")
+    assert done.code == 0, done.err
+    found = json.loads(done.out)
+    assert isinstance(found, dict)
+    return found
+
+
+def test_the_trace_over_time(jkr: Callable, series: Path) -> None:
+    """The published triangle: depth 1 at t = 1 and back, in words, files, and from Python."""
+    done = jkr("cycle", series, "--speed", "1 m/s", "--points", 101)
+    assert done.code == 0, done.err
+    assert "no adhesion; standard linear solid, ratio = 0.25, time = 1 s" in done.out
+    assert "contact is lost at t = 1.624 s; it stopped to grow at t = 1 s" in done.out
+    with (series.parent / "gel-cycle.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    t, P = (np.array([float(row[name]) for row in rows]) for name in ("t_s", "P_N"))
+    np.testing.assert_allclose(np.interp([0.5, 1.25, 1.5], t, P), [0.40976766, 0.45146169, 0.08167490], atol=1e-7)
+    assert {row["phase"] for row in rows} == {"free", "advance", "recede"}
+    assert (series.parent / "gel-cycle.svg").exists()
+    history = jkr_.cycle_relaxing(series, speed=1.0)
+    assert history.lost == pytest.approx(1.62384979, abs=1e-7)
+    np.testing.assert_allclose(history.table(101)["P_N"], P, rtol=1e-8, atol=1e-12)
+    assert history.error < 1e-6  # 4e-8, of steps twice as long
+
+
+@pytest.mark.parametrize("stiffness", ["rigid", "2 N/m", "load"])
+def test_a_turn_at_a_load_or_depth(jkr: Callable, series: Path, stiffness: str) -> None:
+    speed = ("--speed", "1", "--stiffness", stiffness)
+    found = answer(jkr, series, *speed, "--to-load", "0.2 N")
+    assert found["largest_load"]["P_N"] == pytest.approx(0.2, rel=1e-7)
+    deep = answer(jkr, series, *speed, "--to-depth", found["corners"][0]["delta_m"])
+    assert deep["largest_load"]["P_N"] == pytest.approx(0.2, rel=1e-6)
+    assert found["load_relative_error"] < 1e-4  # 2e-5 of the spring, of steps twice as long
+    assert found["contact_lost"]
+
+
+def test_a_hold_and_a_program(jkr: Callable, series: Path) -> None:
+    held = answer(jkr, series, "--speed", "1", "--hold", "5 s")
+    Path("way.csv").write_text("t_s,x_m\n0,-1\n1,0\n2,1\n7,1\n8,0\n")
+    told = answer(jkr, series, "--program", "way.csv")
+    assert [corner["P_N"] for corner in told["corners"]] == pytest.approx([c["P_N"] for c in held["corners"]])
+    assert held["corners"][1]["P_N"] == pytest.approx(1 / 3 + (1.02621407 - 1 / 3) * math.exp(-5), rel=1e-7)
+    Path("creep.csv").write_text("t_s,P_N\n0,0\n0,0.1\n9,0.1\n")
+    crept = answer(jkr, series, "--program", "creep.csv", "--stiffness", "load")
+    creep = 0.1 * (4 - 3 * math.exp(-9 / 4))
+    assert crept["corners"][-1]["delta_m"] == pytest.approx((0.75 * creep) ** (2 / 3), rel=1e-9)
+    assert not crept["contact_lost"]
+
+
+def test_limits_where_surfaces_adhere(jkr: Callable, series: Path) -> None:
+    """Very fast and very slow cycles: those of the series with its moduli and with a quarter of them."""
+    work = ("--w-approach", "10 mJ/m^2")
+    found = answer(jkr, series, *work)
+    (series.parent / "hard.toml").write_text(CASE.replace('relaxation = { law = "sls", ratio = 0.25, time = 1.0 }', ""))
+    hard = answer(jkr, "hard.toml", *work)
+    soft = answer(jkr, "hard.toml", *work, "--modulus-factor", 0.25)
+    for name, beside in (("very fast", hard), ("very slow", soft)):
+        lost = found["limits"][name]["jumps_on_retraction"][-1]["from"]
+        assert lost == pytest.approx(beside["jumps_on_retraction"][-1]["from"])
+    rated = answer(jkr, series, *work, "--rate", "v0=1,n=0.5", "--speed", "1", "--to-depth", "0.2")
+    assert set(rated["limits"]) == {"very fast", "very slow"}
+    assert rated["limits"]["very slow"]["moduli"] == 0.25
+    done = jkr("cycle", series, *work, "--no-plots")
+    assert "limit of very slow cycles, the moduli times 0.25:" in done.out
+    assert "written" in done.out
+    assert (series.parent / "gel-cycle-very-slow.csv").exists()
+
+
+REFUSED = {
+    "no motion": ((), 'cycle: the specimen relaxes: say what the device does, --speed "10 um/s" or --program TABLE'),
+    "rate without adhesion": (
+        ("--rate", "v0=1,n=0.5", "--speed", "1"),
+        "cycle: --rate needs adhesion: give --w-approach, or leave it out",
+    ),
+    "time in the limits": (
+        ("--w-approach", "1 mJ/m^2", "--speed", "1"),
+        "cycle: --speed: adhesion on a body that relaxes is known in the limits of very fast and very slow cycles "
+        "alone, in which time has no part: leave it out, or give --w-approach 0",
+    ),
+    "too deep": (
+        ("--speed", "1", "--to-depth", "2 m"),
+        "gel.h5: program: the contact comes to a depth of 2 m, beyond the largest of the series, 1 m: turn before, or "
+        "increase [loading] radius",
+    ),
+    "too strong": (
+        ("--speed", "1", "--to-load", "5 N"),
+        "cycle: the turn at P = 5 N is not passed on approach, which in this series ends at 1.026 N",
+    ),
+    "again": (
+        ("--speed", "1", "--dwell", "0.8", "--dwell-time", "1 s"),
+        "is loaded again onto the dent that it left, which is not solved",
+    ),
+    "never there": (("--program", "way.csv"), "program: never presses: its largest value is -1, contact begins at 0"),
+}
+
+
+@pytest.mark.parametrize(("words", "line"), REFUSED.values(), ids=REFUSED)
+def test_what_is_refused(jkr: Callable, series: Path, words: tuple[str, ...], line: str) -> None:
+    Path("way.csv").write_text("0,-1\n1,-2\n")
+    done = jkr("cycle", series.name, *words)
+    assert done.code == 2
+    assert line in done.err
+    assert done.err.count("\n") == 1
+    assert not (series.parent / "gel-cycle.csv").exists()
+
+
+def test_a_power_law_has_no_limits(jkr: Callable, tmp_path: Path) -> None:
+    power = '{ law = "power", time = 1.0, exponent = 0.2 }'
+    (tmp_path / "power.toml").write_text(CASE.replace('{ law = "sls", ratio = 0.25, time = 1.0 }', power))
+    done = jkr("cycle", "power.toml", "--w-approach", "1 mJ/m^2")
+    assert done.code == 2
+    assert "a power law has neither an instant nor a relaxed modulus" in done.err
+
+
+WRONG = {
+    "law": ("sls", "sld", 'law must be one of sls, power, prony, got sld, did you mean "sls"?'),
+    "ratio": ("0.25", "1.5", "specimen.relaxation.ratio: must be >= 0 and < 1, got 1.5"),
+    "time": ("time = 1.0", 'time = "1 um"', 'specimen.relaxation.time: must be a time, got "1 um": unknown unit "um"'),
+    "missing": ("ratio = 0.25, ", "", "specimen.relaxation.ratio: is required"),
+    "no table": ('{ law = "sls", ratio = 0.25, time = 1.0 }', "0.25", 'must be a table, such as { law = "sls"'),
+    "prony": (
+        'law = "sls", ratio = 0.25, time = 1.0',
+        'law = "prony", weights = [0.7, 0.7], times = [1, 2]',
+        "specimen.relaxation: the weights must be > 0, their sum at most 1, got [0.7, 0.7]",
+    ),
+    "elastic indenter": (
+        "radius = 1.0",
+        "radius = 1.0\nE = 1.0\nnu = 0.3",
+        "specimen.relaxation: goes with a rigid indenter: an elastic one does not relax with the specimen; leave out",
+    ),
+    "sticking": (
+        "[specimen]",
+        '[specimen]\nsurface = "sticking"',
+        'specimen.relaxation: is known of surfaces that slide: leave surface = "sticking" out, or relaxation',
+    ),
+}
+
+
+@pytest.mark.parametrize(("old", "new", "line"), WRONG.values(), ids=WRONG)
+def test_wrong_cases(old: str, new: str, line: str) -> None:
+    with pytest.raises(jkr_.InputError) as error:
+        jkr_.parse_case(CASE.replace(old, new))
+    assert line in str(error.value)
+
+
+def test_every_law_comes_back_from_its_file(tmp_path: Path) -> None:
+    half = jkr_.Specimen((), jkr_.HalfSpace(jkr_.Elastic(1.0, 0.0)))
+    for law in (jkr_.StandardSolid(0.5, 2.0), jkr_.PowerRelaxation(1.0, 0.2), jkr_.Prony((0.2, 0.3), (1.0, 2.0))):
+        specimen = jkr_.Specimen(half.layers, half.base, relaxation=law)
+        problem = jkr_.Problem(jkr_.Paraboloid(1.0), specimen, jkr_.Loading("depth", 1.0))
+        solved = jkr_.solve(problem)
+        jkr_.save(solved, tmp_path / "gel.h5", force=True)
+        assert jkr_.read(tmp_path / "gel.h5").problem.specimen.relaxation == law
+        assert "the specimen relaxes: " in jkr_.transform(solved, 0.01).warnings[0]
+
+
+def test_the_shipped_case_comes_to_rest(jkr: Callable) -> None:
+    """After 25 relaxation times its load is the elastic one times the ratio."""
+    case = jkr_.load_case(Path(__file__).parents[2] / "cases" / "relaxing-gel.toml")
+    solved = jkr_.solve(case)
+    held = jkr_.cycle_relaxing(solved, speed="1 mm/s", to_depth="80 um", hold="200 s").corners[1]
+    elastic = np.exp(np.interp(np.log(80e-6), np.log(solved.series.delta), np.log(solved.series.P)))
+    assert held.P / elastic == pytest.approx(0.35, rel=1e-4)  # of the straight line between rows
+
+
+def test_check_says_that_a_specimen_relaxes(jkr: Callable, series: Path) -> None:
+    done = jkr("check", series.with_suffix(".toml"))
+    assert "  relaxes   standard linear solid, ratio = 0.25, time = 1 s; loads here are those of t = 0" in done.out

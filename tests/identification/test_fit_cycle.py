@@ -1,0 +1,109 @@
+"""Tables with both branches: one E*, a work of adhesion for each, rows at rest between them."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from lens_tables import NU, H, R, lens
+
+from jkrcli.adhesion.slopes.choice import slopes
+from jkrcli.bodies.indenters import Paraboloid
+from jkrcli.bodies.materials import Elastic
+from jkrcli.bodies.problem import Layer, Loading, Problem, Rigid, Specimen
+from jkrcli.data.measured import Curve, read
+from jkrcli.identification.fit import Fit, FittedBody, fit
+from jkrcli.identification.fit.settings import settings_of
+from jkrcli.methods.layered.layered import Layered
+
+WORDS = ("approach", "retract")
+
+
+@cache
+def body() -> FittedBody:
+    """The layer with half of the modulus that the tables are made with."""
+    specimen = Specimen((Layer(Elastic(0.75e6, NU), H),), Rigid())
+    series = Layered()(problem := Problem(Paraboloid(R), specimen, Loading("radius", 1e-3, 80))).series
+    return FittedBody.of(problem, series, slopes(series), extensible=True)
+
+
+def fitted(curve: Curve, **options) -> Fit:
+    """With what is known of the range of adhesion, so that no range is looked for."""
+    return fit(body(), curve, settings_of(body(), bound=[("range", "..1 nm")], **options))
+
+
+def holds(found: Fit, truth: dict[str, float], errors: float = 3.5) -> None:
+    """Each estimate within so many of its standard errors, and told to a part in ten."""
+    for name, value in truth.items():
+        item = found.estimate(name)
+        assert abs(item.value - value) < errors * item.error, name
+        assert item.error < (0.03 if name == "E_star" else 0.35) * value, name
+
+
+@pytest.mark.parametrize("rest", [True, False])
+@pytest.mark.parametrize("columns", ["a,P", "delta,P", "a,delta,P"])
+def test_both_branches_have_one_modulus_and_a_work_of_adhesion_each(columns: str, rest: bool) -> None:
+    made = lens(np.random.default_rng(1), columns, rest, WORDS)
+    found = fitted(made.curve)
+    holds(found, made.truth)
+    assert found.estimate("w").low > found.estimate("w_approach").high
+    if rest:
+        assert found.value("a_turn") == pytest.approx(made.turn, rel=0.01)
+
+
+def test_the_order_of_rows_tells_the_branches() -> None:
+    told, untold = (fitted(lens(np.random.default_rng(1), "a,P", True, words).curve) for words in (WORDS, None))
+    names = ("E_star", "w", "w_approach")
+    assert [told.value(name) for name in names] == pytest.approx([untold.value(name) for name in names], rel=5e-3)
+
+
+@pytest.mark.parametrize(
+    ("title", "words"),
+    [("branch", ("loading", "unloading")), ("Ast", ("Belastung", "Entlastung")), ("branche", ("charge", "décharge")),
+     ("phase", ("load", "unload"))],
+)  # fmt: skip
+def test_words_for_branches_in_three_languages(title: str, words: tuple[str, str], tmp_path: Path) -> None:
+    path = tmp_path / "lens.csv"
+    path.write_text(f"a_m,P_N,{title}\n" + "".join(f"{i}e-5,{i}e-3,{words[i > 4]}\n" for i in range(1, 9)))
+    assert list(read(path)[0].segments()) == list(WORDS)
+
+
+@pytest.mark.parametrize("columns", ["a,P", "delta,P", "a,delta,P"])
+def test_unloading_alone_knows_its_rows_at_rest(columns: str) -> None:
+    made = lens(np.random.default_rng(1), columns, True, WORDS)
+    found = fitted(made.curve, segment="retract")
+    holds(found, {name: made.truth[name] for name in ("E_star", "w")})
+    assert "w_approach" not in found.free
+
+
+def test_loading_alone_has_a_w_of_approach() -> None:
+    made = lens(np.random.default_rng(1), "a,P", True, WORDS)
+    found = fitted(made.curve, segment="approach")
+    holds(found, {name: made.truth[name] for name in ("E_star", "w_approach")})
+    assert "w" not in {item.name for item in found.estimates}
+
+
+def test_an_edge_that_rests_throughout_tells_the_least_w() -> None:
+    made = lens(np.random.default_rng(3), "a,delta,P", True, WORDS)
+    found = fitted(made.curve.rows(np.arange(100)))
+    item = found.estimate("w")
+    assert item.error is None
+    assert item.high is None
+    assert made.truth["w_approach"] < item.low < 1.05 * made.truth["w"]
+    assert any(line.startswith("w: the edge of the contact rests in all rows") for line in found.warnings)
+
+
+def test_directions_that_no_modulus_describes_stand_side_by_side() -> None:
+    made = lens(np.random.default_rng(4), "a,delta,P", False, WORDS, stiffer=1.4)
+    found = fitted(made.curve)
+    assert "directions differ" in found.flags
+    assert found.value("E_star") == pytest.approx(1.4 * made.truth["E_star"], rel=0.05)
+    assert found.value("E_star_approach") == pytest.approx(made.truth["E_star"], rel=0.05)
+
+
+@pytest.mark.parametrize("change", [{"loss": "huber"}, {"confidence": "profile"}])
+def test_what_one_branch_can_be_asked_a_cycle_can(change: dict) -> None:
+    made = lens(np.random.default_rng(5), "a,P", True, WORDS)
+    holds(fitted(made.curve, **change), made.truth)

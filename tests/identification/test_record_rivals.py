@@ -1,0 +1,215 @@
+"""Rivals of raw records: columns against loads made by formulae of their own, and what is made of their scores."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+import wrong_records
+from conftest import Outcome
+from force_curves import record
+from test_fit_record import BODY, R, usual
+from wrong_records import WRONG, Drawn, Wrong, right
+
+from jkrcli.data.measured import Curve
+from jkrcli.identification.fit import Fit, fit, record_rivals
+from jkrcli.identification.fit.device_path import grid, on_grid
+from jkrcli.identification.fit.record import _fitted, _kinds, _model, whole_record
+from jkrcli.identification.fit.record_rivals import RIVALS, Situation, columns, narrow_range
+from jkrcli.identification.fit.record_scores import ASKED, EXCLUDED, UNTOLD, rivals_of_record
+from jkrcli.identification.fit.record_verdict import half_space_modulus
+from jkrcli.identification.fit.settings import Settings
+from jkrcli.report.fit import rivals_table, summary, words
+
+AT = Drawn(E=1e5, w=2e-4, radius=1.5e-6, k=1.0, largest=4e5 * 1.5e-6**3 / (3 * R), noise=3e-11, seed=5)
+STILL = Drawn(AT.E, AT.w, AT.radius, AT.k, AT.largest, 1e-16, AT.seed)
+
+
+def curve(made: Wrong) -> Curve:
+    z, P = made.columns["z"], made.columns["P"]
+    return Curve("made", delta=z - P / made.k, P=P, t=made.columns["t"], stiffness=made.k)
+
+
+@lru_cache
+def situation() -> Situation:
+    """A fit of a right record without noise and without rest."""
+    made = Wrong(record(STILL.E, R, STILL.w, STILL.w, STILL.device, 1), STILL.k, STILL.truth)
+    return of_record(made, usual())
+
+
+def of_record(made: Wrong, settings: Settings) -> Situation:
+    held = whole_record(curve(made), settings)
+    assert held is not None
+    return Situation(*_fitted(BODY, _model(BODY, held, settings, {}, _kinds(held, settings)), settings))
+
+
+@lru_cache
+def answer(kind: str) -> Fit:
+    return fit(BODY, curve(WRONG.get(kind, right)(AT)), usual())
+
+
+def named(name: str) -> record_rivals.Rival:
+    return next(rival for rival in RIVALS if rival.name == name)
+
+
+def test_names_and_families() -> None:
+    assert len({rival.name for rival in RIVALS}) == len(RIVALS)
+    assert len({rival.family for rival in RIVALS}) == 5
+
+
+def test_the_load_of_a_sphere() -> None:
+    """By Sneddon's series: P over that of the paraboloid at equal depth is 1 - delta/(5 R) to first order."""
+    at = situation()
+    a = np.array([1e-2, 1e-1]) * R
+    u = np.log(a)
+    column = named("sphere or paraboloid")
+    seen: list[np.ndarray] = []
+
+    class Watching(Situation):
+        def on(self, changes: np.ndarray) -> np.ndarray:
+            seen.append(np.array([np.interp(u, grid(self.model.family), row) for row in changes]))
+            return super().on(changes)
+
+    column.column(Watching(at.body, at.found))
+    D, _, H, _ = seen[0] / record_rivals.TUNING.little
+    x = a / R
+    exact_D, exact_H = np.arctanh(x) / x, 3 / (4 * x**3) * ((1 + x**2) * np.arctanh(x) - x)
+    assert pytest.approx(exact_D - 1, rel=0.02) == D  # the next term of the series is 3/5 x^2 of it
+    assert pytest.approx(exact_H - 1, rel=0.02) == H
+
+
+def test_surface_tension_of_a_half_space() -> None:
+    """Against the integral equation at kappa = a/10 (E* = R = a = 1): the load at equal depth, 1.85841 at 1.18164, in
+    first order, whose next term is (kappa l/a)^2 = 13 %."""
+    kappa, log = 0.1, math.log(20) + 0.5772157
+    by_formula = 4 * kappa * log / math.pi - 2 * 2 * kappa / math.pi * (log - 1)
+    assert 1.85841016 - 4 / 3 * 1.18163976**1.5 == pytest.approx(by_formula, rel=0.15)
+    at = elastic()
+    column = named("surface tension").column(at)
+    assert column is not None
+    i = int(np.argmax(at.a))
+    log = math.log(2 / record_rivals.TUNING.skin) + 0.5772157
+    of_theory = at.body.problem.E_star * at.modulus * at.widest**3 / R * (4 * log - 4 * (log - 1)) / math.pi
+    assert column[i] / at.yields[i] == pytest.approx(of_theory, rel=0.02)  # at constant displacement
+
+
+@lru_cache
+def elastic() -> Situation:
+    """The same without adhesion, by a stiff device."""
+    return of_record(wrong_records.relaxing(STILL, 0.0), usual(fix=[("w", "0")]))
+
+
+def test_relaxation_of_a_tenth_of_a_per_cent() -> None:
+    """Against Ting's sums of the generator."""
+    at = elastic()
+    ours = named("relaxation of one time").column(at)
+    assert ours is not None
+    loads = [wrong_records.relaxing(STILL, lost, 0.5).columns["P"] for lost in (0.0, 1e-3)]
+    theirs = (loads[1] - loads[0]) / 1e-3
+    part_in, part_out = at.model.stretches
+    rows = np.concatenate([part_in.rows, part_out.rows])
+    touching = at.a > 0.2 * at.widest
+    scale = float(np.abs(theirs).max())
+    assert np.abs(ours / at.yields - theirs[rows])[touching].max() < 0.03 * scale  # 150 instants
+
+
+def test_a_short_range_is_that_of_maugis() -> None:
+    """The loads of Maugis's curve of Tabor's number 8 less those of JKR, by the square of the range; the next order is
+    that of the ring's width over the radius, a tenth and more."""
+    at = situation()
+    u = grid(at.model.family)
+    D, T, H, V = on_grid(at.model.family)[0]
+    ours = named("adhesion of finite range").column(at)
+    assert ours is not None
+    both = [wrong_records.maugis(STILL, mu).columns for mu in (8.0, 80.0)]
+    z0 = [(STILL.w**2 * R / STILL.E**2) ** (1 / 3) / mu for mu in (8.0, 80.0)]
+    part = at.model.stretches[1]
+    there = [np.interp(part.z, one["z"][-1:999:-1], one["P"][-1:999:-1]) for one in both]
+    theirs = (there[0] - there[1]) / (z0[0] ** 2 - z0[1] ** 2) * narrow_range(at) ** 2
+    rows = slice(-part.z.size, None)
+    far = (at.a[rows] > 0.6 * at.widest) & (part.z < min(one["z"].max() for one in both))
+    assert np.abs(ours[rows] - theirs)[far].max() < 0.25 * np.abs(theirs[far]).max()  # 0.21
+    assert len(u) == D.size == T.size == H.size == V.size
+
+
+def test_the_formula_of_the_half_space() -> None:
+    E, w, a = 2e5, 1e-3, 1e-6
+    delta = a**2 / R - math.sqrt(2 * math.pi * a * w / E)
+    P = 4 * E * a**3 / (3 * R) - math.sqrt(8 * math.pi * w * E * a**3)
+    assert half_space_modulus(P, delta, R, w) == pytest.approx(E, rel=1e-9)
+    assert half_space_modulus(4 * E * a**3 / (3 * R), a**2 / R, R, 0.0) == pytest.approx(E, rel=1e-12)
+
+
+def test_a_right_record_asks_for_nothing() -> None:
+    found = answer("right")
+    assert found.verdict is not None
+    assert not found.verdict.rivals.named
+    assert found.flags == ()
+    assert found.verdict.rivals.misfit / found.verdict.rivals.dof == pytest.approx(1, abs=0.1)
+    assert {one.word for one in found.verdict.rivals.scores} <= {EXCLUDED, UNTOLD}
+    assert "no other model is asked for" in words(found)[0]
+
+
+@pytest.mark.parametrize(("kind", "family"), [("cone", "shape of the tip"), ("plastic", "relaxation or flow")])
+def test_a_wrong_model_is_rejected(kind: str, family: str) -> None:
+    found = answer(kind)
+    assert found.verdict is not None
+    assert family in found.verdict.rivals.families
+    assert "model rejected" in found.flags
+    assert ("directions differ" in found.flags) == (kind == "plastic")
+    assert summary([found], "body")["curves"][0]["status"] == "doubtful"
+    assert "rejected for" in words(found)[0]
+
+
+def test_scores_are_chi_squares() -> None:
+    """Of right records with other noise the amounts scatter by their errors: mean of z^2 near 1 (22 rivals of 12)."""
+    at = situation()
+    held = [rivals_of_record(at.body, _noisy(at, seed), math.inf).scores for seed in range(12)]
+    z2 = np.array([[one.taken for one in scores] for scores in held])
+    assert np.mean(z2) == pytest.approx(1, abs=0.4)
+
+
+def _noisy(at: Situation, seed: int) -> object:
+    rng, parts = np.random.default_rng(seed), at.model.stretches
+    noisy = tuple(replace(part, P=part.P + 1e-11 * rng.normal(size=part.P.size)) for part in parts)
+    return replace(at.found, model=replace(at.model, stretches=noisy))
+
+
+def test_what_is_left_of_a_known_amount() -> None:
+    """The data exclude part of it: amounts from 0.1 to 0.3 of a rival known within 0.2 leave 0.2."""
+    score = next(one for one in answer("right").verdict.rivals.scores)  # type: ignore[union-attr]
+    one = replace(score, amount=0.2, error=0.1 / 1.96, least=-0.2, known=0.2, word=UNTOLD)
+    assert one.most == pytest.approx(0.2)
+    assert replace(one, known=1.0).most == pytest.approx(0.3)
+    assert replace(one, amount=-0.2, known=1.0).most == pytest.approx(0.2)
+    assert replace(one, amount=-0.2, least=0.0).most == 0
+    assert replace(one, known=1.0, word=ASKED).moved(2.0) == pytest.approx(0.6)
+
+
+def test_columns_are_finite_and_few_rivals_mean_nothing() -> None:
+    held = columns(situation())
+    assert {rival.name for rival in RIVALS} - {rival.name for rival in held} == {
+        "thickness of the layer", "nu of the layer", "no slip", "another slope at rest"
+    } - ({"another slope at rest"} & {rival.name for rival in held})  # fmt: skip
+
+
+def test_the_command_prints_the_table(jkr: Callable[..., Outcome], tmp_path: Path) -> None:
+    file = tmp_path / "curve.txt"
+    made = WRONG["plastic"](AT)
+    z, P = made.columns["z"], made.columns["P"]
+    lines = [f"{1e6 * x:.9g}\t{1e9 * y:.9g}" for x, y in zip(z, P, strict=True)]
+    file.write_text("# piezo [um]\tForce [nN]\n" + "\n".join(lines) + "\n")
+    said = jkr("fit", "--radius", "5 um", "--nu", "0.5", "--shape", "paraboloid", file, "--rivals",
+               "--stiffness", "1 N/m", "--no-plots", "-o", tmp_path)  # fmt: skip
+    assert said.code == 0, said.err
+    assert "rejected for" in said.out
+    assert "a rigid base below" in said.out
+    told = json.loads((tmp_path / "curve-fit.json").read_text())["curves"][0]
+    assert "relaxation or flow" in told["verdict"]["families"]
+    assert len(told["verdict"]["rivals"]) == len(rivals_table(answer("right"))) - 1

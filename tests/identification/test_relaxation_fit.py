@@ -1,0 +1,123 @@
+"""Fits of relaxation to records of another generator: rings stepped through time."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from relaxation_records import record
+
+import jkrcli as jkr
+from jkrcli.adhesion.nonadhesive import Nonadhesive
+from jkrcli.adhesion.relaxation.depths import Depths
+from jkrcli.base.arrays import Array
+from jkrcli.base.errors import InputError
+from jkrcli.data.measured import Curve
+from jkrcli.identification.fit.body import FittedBody, body_of
+from jkrcli.identification.motion import corners
+from jkrcli.identification.relaxation import RelaxationFit, relaxation_fit, relaxation_settings
+
+SOLID = 0.25, (0.75,), (1.0,)
+HELD = np.array([0.0, 0.3, 4.0, 5.0]), np.array([0.0, 1.0, 1.0, 0.0])
+CASE = """
+[indenter]
+shape = "paraboloid"
+radius = 1.0
+[specimen.half_space]
+E = 1.0
+nu = 0.0
+[loading]
+depth = 1.5
+points = 40
+spacing = "log"
+"""
+
+
+@pytest.fixture(scope="module", name="body")
+def _body() -> FittedBody:
+    return body_of(jkr.parse_case(CASE))
+
+
+def loads(body: FittedBody) -> Callable[[Array], Array]:
+    return Depths(Nonadhesive(body.series, body.slopes)).loads
+
+
+def off(fit: RelaxationFit, **true: float) -> dict[str, float]:
+    """Distances from the truth in standard errors."""
+    return {name: (fit.estimate(name).value - value) / (fit.estimate(name).error or 0) for name, value in true.items()}
+
+
+def test_a_press_a_wait_and_a_retraction(body: FittedBody) -> None:
+    made = record(loads(body), 1.4, SOLID, HELD, rows=120, zero=0.2, seed=4)
+    fit = relaxation_fit(body, made, relaxation_settings("sls"))
+    assert max(map(abs, off(fit, E_star=1.0, ratio=0.25, time=1.0, delta0=0.2).values())) < 3.5
+    errors = {name: fit.estimate(name).error for name in ("E_star", "ratio", "time")}
+    assert errors == pytest.approx({"E_star": 0.02, "ratio": 0.0027, "time": 0.014}, rel=0.5)
+    assert 0.8 < fit.scatter < 1.2
+    assert fit.warnings == ()
+
+
+def test_a_power_law_of_a_clean_record(body: FittedBody) -> None:
+    """Its modulus is that at its time, which is given; another law shows itself."""
+    modes = jkr.PowerRelaxation(1.0, 0.2).modes(4.0)
+    spectrum = modes.relaxed, tuple(modes.weights), tuple(modes.rates)
+    made = record(loads(body), 1.4, spectrum, (np.array([0.0, 0.4, 4.0]), HELD[1][:3]), rows=41, noise=0.0)
+    fit = relaxation_fit(body, made, relaxation_settings("power", [("delta0", "0")]))
+    assert fit.estimate("exponent").value == pytest.approx(0.2, rel=2e-3)  # 5e-4, of the rings and steps
+    assert fit.estimate("E_star").value == pytest.approx(1.0, rel=2e-3)
+
+
+@pytest.mark.slow
+def test_creep_is_known_by_its_load(body: FittedBody) -> None:
+    made = record(loads(body), 1.4, SOLID, (np.array([0.0, 0.2, 4.0]), np.array([0.0, 0.3, 0.3])), 80, stiffness=0.0)
+    fit = relaxation_fit(body, made, relaxation_settings("sls", [("delta0", "0")]))
+    assert fit.record.loaded
+    assert max(map(abs, off(fit, E_star=1.0, ratio=0.25, time=1.0).values())) < 3.5
+
+
+def test_corners_of_a_motion() -> None:
+    t, rng = np.linspace(0, 10, 400), np.random.default_rng(1)
+    found, places = corners(t, np.interp(t, [0, 2, 7, 10], [0, 1, 1, -1]) + 0.01 * rng.standard_normal(400), 0.01)
+    assert found == pytest.approx([0, 2, 7, 10], abs=0.08)  # 1.5 times the distance of rows over the noise
+    assert places == pytest.approx([0, 1, 1, -1], abs=0.02)
+
+
+def test_what_cannot_be_fitted(body: FittedBody) -> None:
+    t = np.linspace(0, 1, 30)
+    for columns, line in (
+        ({"delta": t, "P": t}, "a fit of relaxation needs t, delta and P, it lacks t"),
+        ({"t": t[:10], "delta": t[:10], "P": t[:10]}, "10 rows, at least 20 are needed"),
+        ({"t": t[::-1], "delta": t, "P": t}, "time must rise from row to row, it does not in row 2"),
+    ):
+        with pytest.raises(InputError, match=line):
+            relaxation_fit(body, Curve("made", **columns), relaxation_settings("sls"))
+    with pytest.raises(InputError, match='unknown parameter "ratoi", did you mean "ratio"'):
+        relaxation_settings("sls", [("ratoi", "0.3")])
+    with pytest.raises(InputError, match="time: must be > 0, got -1"):
+        relaxation_settings("sls", [("time", "-1")])
+
+
+def test_the_command(jkr: Callable, body: FittedBody, tmp_path: Path) -> None:
+    made = record(loads(body), 1.4, SOLID, HELD, rows=60, zero=0.0)
+    (tmp_path / "gel.toml").write_text(CASE)
+    rows = np.stack([made.t, made.delta, made.P], axis=1)
+    np.savetxt(tmp_path / "held.csv", rows, delimiter=",", header="t_s,delta_m,P_N", comments="")
+    done = jkr(
+        "fit", "gel.toml", "held.csv", "--free", "relaxation", "--relaxation", "sls", "--fix", "delta0=0", "--json"
+    )
+    assert done.code == 0, done.err
+    found = json.loads(done.out)["fits"][0]
+    assert found["estimates"]["ratio"]["value"] == pytest.approx(0.25, abs=0.02)
+    assert found["control"] == "displacement"
+    assert (tmp_path / "gel-fit.png").exists()
+    for words, line in (
+        (("--free", "relaxation"), "fit: the law is not named: give --relaxation sls, power, prony"),
+        (("--relaxation", "sls", "--law", "power"), "fit: --relaxation does not take --law"),
+        (("--relaxation", "sls", "--bound", "w=..1"), "fit: --relaxation does not take --bound"),
+        (("--terms", "2"), "fit: the law is not named"),
+    ):
+        done = jkr("fit", "gel.toml", "held.csv", *words)
+        assert (done.code, line in done.err) == (2, True), done.err

@@ -1,0 +1,158 @@
+"""A command's JSON is what Python's ``summary()`` gives, and what it prints is what ``print`` does."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import jkrcli as python
+from jkrcli.report.result import Result
+
+CASES = Path(__file__).parent.parent / "cases"
+RECORD = CASES / "measured" / "raw-force-curve.txt"
+
+
+@pytest.fixture(name="gel")
+def _gel(jkr: Callable, tmp_path: Path) -> str:
+    assert jkr("run", CASES / "gel.toml", "-o", "gel.h5").code == 0
+    curve = python.transform("gel.h5", "40 mJ/m^2").curve
+    rows = np.column_stack([curve.a, curve.delta, curve.P])[20:]
+    np.savetxt("gel.csv", rows, delimiter=",", header="a_m,delta_m,P_N", comments="")
+    return "gel.h5"
+
+
+def plain(value: Any) -> Any:
+    """As JSON gives it back."""
+    return json.loads(json.dumps(value, default=lambda unknown: unknown.reason))
+
+
+MADE: dict[str, tuple[tuple[object, ...], Callable[[], Result], str]] = {
+    "check": (("check", CASES / "gel.toml"), lambda: python.check(CASES / "gel.toml"), ""),
+    "look": (("look", RECORD, "--no-plots"), lambda: python.look(RECORD), "files"),
+    "pull-off": (("pull-off", "gel.h5", "--w", "40 mJ/m^2"), lambda: python.pull_off("gel.h5", "40 mJ/m^2"), "results"),
+    "pull-off by a device": (
+        ("pull-off", "gel.h5", "--w", "0.04", "--stiffness", "2 kN/m"),
+        lambda: python.pull_off("gel.h5", 0.04, stiffness=["2 kN/m"]),
+        "results",
+    ),
+    "w of a pull-off": (
+        ("pull-off", "gel.h5", "--load", "1.2 mN", "--uncertain", "R=1%"),
+        lambda: python.pull_off("gel.h5", load="1.2 mN", uncertain={"R": "1%"}),
+        "results",
+    ),
+    "transform": (
+        ("transform", "gel.h5", "--w", "40 mJ/m^2", "--no-plots"),
+        lambda: python.transform("gel.h5", "40 mJ/m^2"),
+        "results",
+    ),
+    "work": (
+        ("work", "gel.h5", "gel.csv", "--noise", "P=2 uN", "--force", "--no-plots"),
+        lambda: python.work("gel.h5", "gel.csv", noise={"P": 2e-6}),
+        "results",
+    ),
+    "pull-off map": (
+        ("study", "pull-off-map", "--q", "1", "--nu", "0.3", "--no-plots"),
+        lambda: python.study_map("pull-off", q=[1.0], nu=[0.3]),
+        "",
+    ),
+    "rate map": (
+        ("study", "rate-map", "--speed", "1", "--stiffness", "rigid", "--no-plots"),
+        lambda: python.study_map("rate", speed=[1.0], stiffness=["rigid"]),
+        "",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", MADE)
+def test_command_and_python_say_the_same(jkr: Callable, gel: str, name: str) -> None:
+    words, make, inside = MADE[name]
+    result, done = make(), jkr(*words, "--json")
+    assert done.code == 0, done.err
+    found = json.loads(done.out)
+    assert plain(result.summary()) == (found[inside][0] if inside else found)
+    assert str(result) in jkr(*words).out
+
+
+def test_a_profile_is_that_of_the_command(jkr: Callable, gel: str) -> None:
+    done = jkr("profile", gel, "--load", "0.5 mN", "--w", "40 mJ/m^2")
+    assert done.code == 0, done.err
+    result = python.profile(gel, load="0.5 mN", w=0.04)
+    assert done.out.startswith(f"{result}\n")
+    rows = np.genfromtxt("gel-profile.csv", delimiter=",", names=True)
+    for column, values in result.columns.items():
+        np.testing.assert_array_equal(rows[column], values)
+    assert result.figure().axes
+    with pytest.raises(python.InputError, match="profile: give exactly one of a and load"):
+        python.profile(gel)
+
+
+def test_what_pull_off_cannot_answer_is_said(gel: str) -> None:
+    with pytest.raises(python.InputError, match="pull_off: give exactly one of w and load"):
+        python.pull_off(gel)
+    with pytest.raises(python.InputError, match=r'^load: must be a force, got "1 m"'):
+        python.pull_off(gel, load="1 m")
+
+
+def test_columns_of_any_result_are_a_data_frame() -> None:
+    pytest.importorskip("pandas")
+    result = python.study_map("pull-off", q=[0.1, 1.0], nu=[0.3])
+    frame = result.to_pandas()
+    assert list(frame.columns) == list(result.columns)
+    assert len(frame) == 2
+
+
+# ------------------------------------------------------------------- measured columns in memory
+def arrays() -> tuple[np.ndarray, np.ndarray]:
+    """Load over displacement of JKR on a half-space of E* = 2 MPa, R = 1 mm, w = 50 mJ/m^2."""
+    a = np.linspace(3e-5, 9e-5, 40)
+    root = np.sqrt(2 * np.pi * 0.05 * a / 2e6)
+    return a**2 / 1e-3 - root, 4 * 2e6 * a**3 / 3e-3 - 2 * 2e6 * a * root
+
+
+BALL = """
+[indenter]
+shape = "paraboloid"
+radius = "1 mm"
+[specimen]
+half_space = { E = "1.5 MPa", nu = 0.5 }
+[loading]
+radius = "0.1 mm"
+"""
+
+
+def test_arrays_data_frames_and_files_are_identified_alike(tmp_path: Path) -> None:
+    body = python.solve(python.parse_case(BALL))
+    delta, P = arrays()
+    np.savetxt("ball.csv", np.column_stack([delta, P]), delimiter=",", header="delta_m,P_N", comments="", fmt="%.17g")
+    by_file = python.identify(body, "ball.csv")
+    assert by_file.value("w") == pytest.approx(0.05, rel=1e-6)
+    in_units = python.Reading(units={"P": "nN", "delta": "um"})
+    for other in (
+        python.identify(body, delta=delta, P=P),
+        python.identify(body, {"delta_m": delta, "P_N": P}),
+        python.identify(body, delta=delta * 1e6, P=P * 1e9, reading=in_units),
+        python.identify(body, {"indentation (um)": delta * 1e6, "force (mN)": P * 1e3}),
+    ):
+        assert other.value("w") == pytest.approx(by_file.value("w"), rel=1e-9)
+        assert other.value("E_star") == pytest.approx(2e6, rel=1e-6)
+    pandas = pytest.importorskip("pandas")
+    frame = pandas.DataFrame({"delta_m": delta, "P_N": P})
+    assert python.identify(body, frame).value("w") == by_file.value("w")
+
+
+@pytest.mark.parametrize(
+    ("columns", "said"),
+    [
+        ({}, "identify: give either what was measured or arrays of a, delta, P, t"),
+        ({"delta": [1e-6, 2e-6], "P": [1.0]}, r"data: all columns must be one-dimensional and of one length, got "),
+        ({"delta": [1e-6, 2e-6, float("nan")], "P": [1.0, 2.0, 3.0]}, "data: "),
+    ],
+)
+def test_columns_that_are_no_curve_are_refused(columns: dict[str, Any], said: str) -> None:
+    with pytest.raises(python.InputError, match=f"^{said}"):
+        python.identify(python.parse_case(BALL), **columns)

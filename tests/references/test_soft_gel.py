@@ -5,7 +5,7 @@ import math
 import pytest
 from conftest import CASES
 
-from jkrcli.adhesion.analysis import analyse
+from jkrcli.beside.analysis import analyse
 from jkrcli.case import load_case
 from jkrcli.case.solving import solve
 

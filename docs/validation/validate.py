@@ -23,6 +23,7 @@ HERE = Path(__file__).parent
 HAYES = "Hayes, Keer, Herrmann and Mockros, J. Biomech. 5 (1972) 541, digits beyond theirs by two programs"
 MAUGIS = "Maugis and Barquins, J. Phys. D 11 (1978) 1989"
 JKR = "Johnson, Kendall and Roberts, Proc. R. Soc. A 324 (1971) 301"
+HUI = "Hui, Liu, Salez, Raphael and Jagota, Proc. R. Soc. A 471 (2015) 20140727"
 PAPER = "Jiang, Borodich, Perepelkin and Jin"
 ROUND_OFF = 1e-12  # of which a page tells no more: it differs among machines
 QUADRATURE = "plain quadrature in `docs/validation/validate.py`"
@@ -68,6 +69,23 @@ def plain_stiffness(nu: float, a: float, nodes: int = 160) -> float:
 
 
 # ---------------------------------------------------------------------- rows
+def plain_tension(kappa: float, terms: int = 12, most: float = 1500.0) -> float:
+    """S/(2 E* a) of a flat end of a = 1 on a half-space with surface tension, kappa = 2 Ups/(E* a), in Hankel space.
+
+    Chebyshev polynomials of t over sqrt(1 - t^2), whose transforms are Bessel functions; Gauss panels in k.
+    """
+    from scipy.special import jv
+
+    nodes, weights = np.polynomial.legendre.leggauss(8)
+    edges = np.concatenate([[0.0], np.geomspace(1e-3, 1, 20), np.arange(2, most + 0.5)])
+    half = np.diff(edges)[:, None] / 2
+    k, w = np.ravel(edges[:-1, None] + half * (1 + nodes)), np.ravel(half * weights)
+    orders = np.arange(terms)
+    J = jv(2 * orders[:, None], k) * (-1.0) ** orders[:, None]
+    A = (J * (w / (1 + kappa * k))) @ J.T + 1 / (math.pi * kappa * most)
+    return math.pi / 2 * float(np.linalg.solve(A, np.eye(terms)[0])[0])
+
+
 def bonded(nu: float, h: float = 1.0, E: float = 1.0) -> jkr.Specimen:
     return jkr.Specimen((jkr.Layer(jkr.Elastic(E, nu), h),), jkr.Rigid(bonded=True))
 
@@ -147,6 +165,16 @@ def others() -> Iterator[Row]:
     yield Row("load of a free cylinder, radius 3 h, `hybrid`", *loads, "`fem` at a tolerance of 1e-4", 5e-6)
 
 
+def tension() -> Iterator[Row]:
+    """Surface tension: a second solution, and the limit in which tension alone carries."""
+    for kappa in (0.1, 1.0, 10.0):
+        soft = jkr.Specimen((), jkr.HalfSpace(jkr.Elastic(E=0.91, nu=0.3)), surface_tension=kappa / 2)
+        found = at(soft, 1.0).S[-1] / 2
+        yield Row(f"S/2E*a, half-space, 2 Υ/E*a = {kappa:g}", found, plain_tension(kappa), QUADRATURE, 1e-5)
+    (force,) = jkr.study_map("pull-off", nu=[0.5], q=[1.0], beta=100.0).columns["minus_P_over_pi_w_R"]
+    yield Row("pull-off force / π w R, Υ = 100 E* a0", force, 1.0, f"limit: wetting, {HUI}", 3e-3)
+
+
 def relaxation() -> Iterator[Row]:
     """A body that relaxes: depth 1 at t = 1 and back, r = 1/4 + 3/4 exp(-t), E* = R = 1."""
     solid, apart = jkr.StandardSolid(0.25, 1.0), "two derivations apart from this program, eight digits"
@@ -178,7 +206,7 @@ def paper() -> Iterator[Row]:
         )
 
 
-SECTIONS = (classical, sphere, layers, thin, others, relaxation, paper)
+SECTIONS = (classical, sphere, layers, thin, others, tension, relaxation, paper)
 HEAD = "| quantity | here | elsewhere | relative difference | allowed | source |\n|---|---|---|---|---|---|"
 
 

@@ -192,8 +192,8 @@ def fit(
         fit_relaxation(body, relaxation, paths, reading, names, fix, options, targets, told, output)
         return
     options.pop("terms")
-    if is_asked(body, names, fix):
-        unused = {**options, "bound": bound, "uncertain": uncertain}
+    if timed is None and is_asked(body, names, fix):
+        unused = {**options, "rivals": rivals, "bound": bound, "uncertain": uncertain}
         targets = output.files(targets.stem, (".csv", ".json"), inputs)
         fit_tension(body, paths, tip_radius, reading, names, fix, start, unused, targets, told, output)
         return

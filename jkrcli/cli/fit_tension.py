@@ -39,7 +39,7 @@ def fit_tension(
     from ..report import tension_fit as report
 
     fixed = _fixed(body.problem, names, fix, start)
-    refuse_unused(options, "surface_tension")
+    refuse_unused(options, by="surface_tension")
     curves, tips = [], []
     for path, R in zip(measured, _radii(body.problem, radii, len(measured)), strict=True):
         for item in each(path, replace(reading, contact="as-is")):

@@ -8,7 +8,7 @@ import pytest
 
 from docs.validation import validate
 
-FAST = (validate.sphere, validate.layers, validate.relaxation, validate.paper)
+FAST = (validate.sphere, validate.layers, validate.tension, validate.relaxation, validate.paper)
 
 
 @pytest.mark.parametrize(

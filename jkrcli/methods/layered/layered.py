@@ -21,13 +21,13 @@ from .contact import TUNING, LayeredContact, checked
 from .options import LayeredOptions
 from .spectrum import spectrum_seconds
 from .stuck import StuckLayeredContact, unable
+from .tense import TUNING as TENSE
 from .tense import TenseContact
 
 SEARCH = 1e-10  # relative accuracy to which a prescribed depth or load is met; choice: finer than any tolerance in use
 SEARCHED = 20.0  # radius over the kernel's scale up to which forecasts search; choice: a tenth of a second
 SEARCHES = 4  # solves in which all radii of prescribed depths or loads are found; choice: for forecasts
 GRADED = 1e-5  # the least tolerance under a modulus that varies over depth; tuned on graded layers, by `make failures`
-TENSE = 5e-8  # the same under surface tension; choice: rounding leaves some 1e-9 on thin incompressible layers
 SolvedContact = LayeredContact | StuckLayeredContact | TenseContact
 
 
@@ -39,7 +39,7 @@ class Layered(LayeredOptions):
     rigid base, bonded or frictionless, or on an elastic half-space, wider than the contact by so much that its sides do
     not matter, with surface tension or without; any convex indenter, rigid or elastic. ``tolerance``: relative error of
     delta, P, S and S' at every radius, estimated by a second quadrature; no smaller than ``GRADED`` where any layer is
-    graded, or ``TENSE`` under surface tension.
+    graded, or ``TenseTuning.tolerance`` under surface tension.
     """
 
     def refusal(self, problem: Problem) -> str | None:
@@ -55,7 +55,7 @@ class Layered(LayeredOptions):
 
     def attainable(self, specimen: Specimen) -> float:
         """The tolerance that holds for ``specimen``."""
-        least = max(GRADED if specimen.is_graded else 0.0, TENSE if specimen.surface_tension else 0.0)
+        least = max(GRADED if specimen.is_graded else 0.0, TENSE.tolerance if specimen.surface_tension else 0.0)
         return max(self.tolerance, least)
 
     def forecast(self, problem: Problem) -> Forecast:

@@ -47,6 +47,7 @@ from .tail import COUNT, Tail, regularised, surface_series
 class TenseTuning:
     """How the equation of the first kind is discretised for an accuracy."""
 
+    tolerance: float = 5e-8  # the least; choice: rounding leaves some 1e-9 on thin incompressible layers
     levels: int = 7  # halvings towards the edge for a = kappa; choice: one less errs by 1e-8
     least_order: int = 6  # nodes on a panel at the accuracy 1e-4; choice: one more for each decade
     most_order: int = 14  # choice: beyond, rounding counts

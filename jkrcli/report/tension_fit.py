@@ -8,8 +8,6 @@ from ..base.units import show
 from ..identification.tension import TensionFit
 from .fit import estimate_summary, estimate_words
 
-FORMAT, VERSION = "jkr-tension-fit", 1
-
 
 def columns(fit: TensionFit) -> dict[str, list[Any]]:
     """All rows of all records: readings and the fitted load."""
@@ -24,8 +22,8 @@ def columns(fit: TensionFit) -> dict[str, list[Any]]:
 def summary(fit: TensionFit, body: str) -> dict[str, Any]:
     """What stands in the JSON file."""
     return {
-        "format": FORMAT,
-        "version": VERSION,
+        "format": "jkr-tension-fit",
+        "version": 1,
         "body": body,
         "estimates": {item.name: estimate_summary(item) for item in fit.estimates},
         "free": list(fit.free),

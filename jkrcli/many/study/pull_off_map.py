@@ -42,6 +42,7 @@ class MapTuning:
     least: float = 1e-6  # choice: q, where a/h at pull-off is 0.015
     largest: float = 1e7  # choice: q, where a/h at pull-off is 90
     per_nu: float = 4e-3  # CPU seconds; tuned on maps of 30 and 300 ratios of Poisson, by `make guards`
+    most_beta: float = 100.0  # choice: beyond, pull-off is pi w R within 1e-4
     per_tense: float = 0.3  # CPU seconds of a q under surface tension; tuned on maps of 30, by `make guards`
     per_point: float = 1e-3  # CPU seconds of a q; tuned on maps of 1000, by `make guards`
 

@@ -39,7 +39,9 @@ def scan(path: Path) -> Path:
 def test_a_scan_becomes_images_one_row_per_pixel(jkr, tmp_path: Path) -> None:
     h5py = pytest.importorskip("h5py")
     scan(tmp_path / "scan.h5")
-    outcome = jkr("fit", "--radius", "5 um", "--nu", "0.5", tmp_path / "scan.h5", "-o", tmp_path / "out")
+    outcome = jkr(
+        "fit", "--shape", "paraboloid", "--radius", "5 um", "--nu", "0.5", tmp_path / "scan.h5", "-o", tmp_path / "out"
+    )
     assert outcome.code == 0, outcome.err
     assert "the map in " in outcome.out
     rows = list(csv.DictReader((tmp_path / "out/scan-fit.csv").open()))

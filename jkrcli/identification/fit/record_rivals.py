@@ -46,6 +46,9 @@ class RecordRivalTuning:
     steps: int = 12  # choice: of Newton's method for it; it needs four
     times: int = 150  # choice: instants at which hereditary integrals are taken
     longest: float = 10e-9  # choice: [m], range of adhesion that is likely; of molecules a nanometre, of hairs more
+    cone: float = 1.0  # theory: exponent by which a cone's profile differs from a paraboloid's, and a cylinder's more
+    strains: float = 2.0  # choice: of the effect of large strains on rubber, that of other materials
+    device: float = 1.0  # choice: relative, by which a stiffness that someone measured may be off
     shape: float = 0.005  # choice: exponent of the profile within which a tip is what it is called
 
 
@@ -194,8 +197,8 @@ class Rival:
     is the derivative by, in words; ``column``: None where the rival has no meaning for this record.
 
     ``likely``: amount in either direction that is expected unless the user or the data say otherwise: 0 of what the
-    description of the body rules out; ``positive``: in that direction only. ``of_directions``: whether it sets one
-    direction against the other.
+    description of the body rules out; ``positive``: in that direction only; ``possible``: the largest that any body,
+    tip or device has. ``of_directions``: whether it sets one direction against the other.
     """
 
     name: str
@@ -204,6 +207,7 @@ class Rival:
     column: Column
     likely: float = 0.0
     positive: bool = False
+    possible: float = math.inf
     of_directions: bool = False
 
 
@@ -497,17 +501,17 @@ RIVALS: tuple[Rival, ...] = (
     Rival("thickness of the layer", BODY, "relative change", of_layer("h")),
     Rival("nu of the layer", BODY, "relative change", of_layer("nu")),
     Rival("moduli that change with the contact radius", BODY, "relative rise", graded),
-    Rival("exponent of the tip", TIP, "change of the exponent", exponent, TUNING.shape),
-    Rival("sphere or paraboloid", TIP, "share of the sphere's quartic term", quartic),
+    Rival("exponent of the tip", TIP, "change of the exponent", exponent, TUNING.shape, possible=TUNING.cone),
+    Rival("sphere or paraboloid", TIP, "share of the sphere's quartic term", quartic, possible=1.0),
     Rival("no slip", BODY, "from none to full", no_slip, 1.0, True),
     Rival("surface tension", BODY, "2 tension/E* over the contact radius", tension, positive=True),
-    Rival("large strains", BODY, "of what is known of them", strains, 1.0, True),
+    Rival("large strains", BODY, "of what is known of them", strains, 1.0, True, TUNING.strains),
     Rival("relaxation over a factor of time", MEMORY, "fall per factor e", relaxing(lambda t: np.log1p(100 * t))),
     Rival("relaxation of one time", MEMORY, "fall", relaxing(lambda t: 1 - np.exp(-4 * t))),
     Rival("residual depth", MEMORY, "of the depth of contact", of_return(_dent), of_directions=True),
     Rival("another modulus on the way back", MEMORY, "relative change", of_retraction, of_directions=True),
     Rival("another slope at rest", MEMORY, "relative change", slope_at_rest, of_directions=True),
-    Rival("stiffness of the device", DEVICE, "relative change", stiffness),
+    Rival("stiffness of the device", DEVICE, "relative change", stiffness, possible=TUNING.device),
     Rival("creep of the position", DEVICE, "of the depth, per factor e of time", of_return(_creep), of_directions=True),
     Rival("hysteresis of the position", DEVICE, "of the depth, at most", of_return(_bow), of_directions=True),
     Rival("scale of the position", DEVICE, "retraction against approach", of_return(_way), of_directions=True),

@@ -176,8 +176,12 @@ def _score(
         return Score(*told, 0.0, math.inf, 1.0, 0.0, 0.0, *rates, *known, UNTOLD)
     amount, error, taken = -along / size, 1 / size, along**2
     chance = float(fdtrc(1, dof, taken))
-    asked = chance * count < TUNING.chance and any(
-        abs(rate * amount) > TUNING.moves * own for rate, own in zip(rates, errors, strict=True)
+    room = TUNING.normal * error
+    possible = (0.0 if rival.positive else -rival.possible) - room <= amount <= rival.possible + room
+    asked = (
+        possible
+        and chance * count < TUNING.chance
+        and any(abs(rate * amount) > TUNING.moves * own for rate, own in zip(rates, errors, strict=True))
     )
     ends = abs(amount) + t_quantile(0.95, dof) * error
     word = ASKED if asked else EXCLUDED if max(map(abs, rates)) * ends < TUNING.matters else UNTOLD

@@ -195,9 +195,9 @@ def test_study_writes_the_map(jkr, tmp_path: Path) -> None:
     words = ("study", "pull-off-map", "--nu", "0.3", "--q", "1", "--q", "0.1", "-o", "map")
     assert jkr(*words).out.splitlines() == [
         "bonded layer on a rigid base, paraboloid: pull-off force in pi w R",
-        "      nu  w R^2/(E* h^3)    force       a/h",
-        "     0.3             0.1   1.6267    0.7181",
-        "     0.3               1   1.7936     1.439",
+        "      nu   beta  w R^2/(E* h^3)    force       a/h",
+        "     0.3      0             0.1   1.6267    0.7181",
+        "     0.3      0               1   1.7936     1.439",
         "  written map/pull-off-map{.csv,.png,.svg}",
     ]
     table = rows(tmp_path / "map" / "pull-off-map.csv")

@@ -70,6 +70,7 @@ def test_long_tables_are_announced_before_they_are_read(
         raise KeyboardInterrupt
 
     monkeypatch.setattr("jkrcli.data.measured.each", reading)
+    monkeypatch.setattr("jkrcli.identification.work_of_files.each", reading)
     monkeypatch.setattr("jkrcli.report.tables.read_curve", reading)
     monkeypatch.setattr("jkrcli.cli.fit._body", reading)
     Path("s.toml").write_text(HALF_SPACE.format(method="closed-form", loading='radius = "0.1 mm"'))

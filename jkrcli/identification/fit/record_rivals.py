@@ -36,6 +36,8 @@ class RecordRivalTuning:
 
     little: float = 1e-3  # theory: relative amounts whose squares are below the noise of any record
     thick: float = 3.0  # choice: of the largest contact radius, the layer that a half-space is compared with
+    under: tuple[float, float] = (3e-3, 0.5)  # of its thickness, radii it is solved at; theory: up to a contact of 0.44
+    radii: int = 60  # choice: splines between them err by less than what a rival is told to
     decades: int = 4  # choice: such layers to a decade of thickness, so that many curves share one solve
     neighbour: float = 0.02  # choice: of thickness and nu, for differences of two bodies
     zone: float = 0.01  # choice: of the contact radius, width of the ring of attraction
@@ -158,9 +160,9 @@ class Situation:
 
     def neighbour(self, other: Family, size: float) -> Array:
         """Derivative of the loads by an amount ``size`` of which makes the body that of ``other``."""
-        u = grid(self.model.family)
-        inside = np.clip(u, self.model.family.low, self.model.family.high)
-        change = np.log(other.at(inside)[0] / self.model.family.at(inside)[0])
+        own = self.model.family
+        inside = np.clip(grid(own), max(own.low, other.low), min(own.high, other.high))
+        change = np.log(other.at(inside)[0] / own.at(inside)[0])
         return self.on(TUNING.little * change) / (TUNING.little * size)
 
     def of_body(self, D: Array, S: Array) -> Array:
@@ -251,7 +253,8 @@ def layer_below(at: Situation) -> Array | None:
     h = 10 ** (round(math.log10(h) * TUNING.decades) / TUNING.decades)
     layer = Specimen((Layer(specimen.base.material, h),), Rigid())
     problem = replace(unbounded(at.body.problem), specimen=layer)
-    other = solved(replace(problem, loading=Loading.given("radius", tuple(at.body.series.a))), at.body.tolerance)
+    radii = tuple((h * np.geomspace(*TUNING.under, TUNING.radii)).tolist())
+    other = solved(replace(problem, loading=Loading.given("radius", radii)), at.body.tolerance)
     return at.neighbour(other, at.widest / h)
 
 

@@ -50,6 +50,7 @@ class Axis:
         """The values of this axis, each once; ValueError where one is not allowed."""
         if not self.several:
             return self._value(self.default if given is None else given)
+        given = [given] if np.isscalar(given) else given
         values = [self._value(item) for item in (self.default if given is None or len(given) == 0 else given)]
         return tuple(dict.fromkeys(values) if self.family else sorted(set(values)))
 

@@ -88,6 +88,7 @@ def curve(module: str, folder: Path, text: str) -> dict[str, Array]:
     return {name: np.array([float(row[name]) for row in rows]) for name in ("a_m", "delta_H_m", "P_H_N", "P_N")}
 
 
+@pytest.mark.first(2)
 @pytest.mark.parametrize("method", ["layered", "closed-form", "fem"])
 def test_an_indenter_of_ones_own(method: str, tmp_path: Path) -> None:
     text = CASE.format(method=method, shape="aspheric", keys="k = 1e11", thickness="1 km")
@@ -234,6 +235,7 @@ def test_a_run_imports_no_solver_that_it_does_not_use(tmp_path: Path) -> None:
     assert done.stdout.splitlines()[-1] == "UNUSED False False False"
 
 
+@pytest.mark.slow
 def test_a_relaxation_of_ones_own(tmp_path: Path) -> None:
     text = CASE.format(method="layered", shape="paraboloid", keys="", thickness="1 mm")
     relaxation = '[specimen]\nrelaxation = {{ law = "{}", time = "1 s"{} }}\n[[specimen.layers]]'

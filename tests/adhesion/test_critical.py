@@ -110,6 +110,7 @@ def missed(ours: AdhesiveCurve, truth: CriticalPoint | Unknown) -> tuple[Critica
     return point, abs(point.P - truth.P), found["P"]
 
 
+@pytest.mark.slow
 def test_scatter_of_finite_elements_moves_the_point() -> None:
     """Their own S' scatters from vertex to vertex: under displacement control the load errs by eight times the band."""
     layers = (Layer(Elastic(5.043, 0.49998681), 1.0), Layer(Elastic(0.51357, 0.4376), 0.5634))

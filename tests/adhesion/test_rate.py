@@ -94,6 +94,7 @@ def test_the_slow_excess_at_a_fold_is_delayed() -> None:
     assert math.log10(two / one) == pytest.approx(2 * 0.6 / 2.6, rel=0.05)
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize(("n", "V", "stiffness"), [(1.0, 1e-6, RIGID), (1.0, 1e-6, 0.3), (0.6, 1e-10, RIGID)])
 def test_a_very_slow_edge_is_followed(n: float, V: float, stiffness: float) -> None:
     """Its excess G/w0 - 1 of 1e-6 is the difference of large numbers."""

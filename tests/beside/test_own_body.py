@@ -71,6 +71,7 @@ def test_bodies_without_an_exact_solution_have_none() -> None:
     assert own_solution(narrow, np.array([1e-6, 2e-6])) is None
 
 
+@pytest.mark.slow
 def test_few_noisy_rows_of_a_coating_keep_its_bending(tmp_path: Path) -> None:
     """15 rows of 3 % noise do not show it: smoothed to power laws the pull-off force was 13 % off in the median, and 77
     of 100 bands held it."""

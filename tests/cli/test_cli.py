@@ -277,6 +277,7 @@ def test_a_mention_of_jkr_does_not_make_a_file_ours(jkr, tmp_path: Path, content
     assert (tmp_path / "mine").read_text() == content
 
 
+@pytest.mark.slow
 def test_every_verb_replaces_what_it_wrote_itself(jkr) -> None:
     jkr("run", HALFSPACE, "--method", "closed-form", "-o", "x.h5")
     for words in (
@@ -339,6 +340,7 @@ def test_a_pipe_or_device_is_not_replaced(jkr) -> None:
         assert Path(name).is_fifo()
 
 
+@pytest.mark.slow
 def test_auto_goes_on_to_the_next_method_when_one_fails(jkr, tmp_path: Path) -> None:
     """At a/h = 10 and nu = 1/2 double precision does not carry the integral equation to 1e-12."""
     (tmp_path / "thin.toml").write_text(

@@ -63,6 +63,7 @@ def test_the_trace_over_time(jkr: Callable, series: Path) -> None:
     assert history.error < 1e-6  # 4e-8, of steps twice as long
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize("stiffness", ["rigid", "2 N/m", "load"])
 def test_a_turn_at_a_load_or_depth(jkr: Callable, series: Path, stiffness: str) -> None:
     speed = ("--speed", "1", "--stiffness", stiffness)

@@ -146,6 +146,7 @@ def test_a_coating_against_layered() -> None:
     assert np.abs(state.displacement[top, 1] + found.displacement).max() < 1e-5 * np.abs(found.displacement).max()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["surface", "interface 1"])
 def test_every_line_carries_the_load(name: str) -> None:
     state, _ = coating()
@@ -329,6 +330,7 @@ def test_the_verb_writes_what_it_says(jkr: Callable, solved: Path) -> None:
         assert (own[:, 0] == line["depth_m"]).all()
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize("w", [0.0, 0.02])
 def test_fields_under_an_elastic_indenter_carry_the_load_of_the_integral_equations(jkr: Callable, w: float) -> None:
     """Its own displacement is that of a half-space under the pressure of method layered, which knows no mesh; for the
@@ -340,6 +342,7 @@ def test_fields_under_an_elastic_indenter_carry_the_load_of_the_integral_equatio
     assert all(abs(line["imbalance"]) < 1e-9 for line in found["lines"].values())
 
 
+@pytest.mark.slow
 def test_a_load_finds_its_radius(jkr: Callable, solved: Path) -> None:
     outcome = jkr("fields", "gel.h5", "--load", "-2 uN", "--no-plots")
     assert (outcome.code, outcome.err) == (0, "")

@@ -76,6 +76,7 @@ def test_a_table_of_transform_gives_its_own_modulus_and_work_back(jkr, folder: P
     assert "w = 50 mJ/m^2 (half of the rows: 50 mJ/m^2 to 50 mJ/m^2)" in done.out
 
 
+@pytest.mark.slow
 def test_a_series_file_gives_what_its_case_gives(jkr, folder: Path) -> None:
     assert jkr("run", "sphere.toml", "-o", "series.h5").code == 0
     told = [

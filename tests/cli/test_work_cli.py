@@ -147,6 +147,7 @@ def test_mistakes_are_told_in_one_line(jkr: Run, measured: Path, flags: tuple[st
     assert not list(Path().glob("m-work*"))
 
 
+@pytest.mark.slow
 def test_a_force_map_of_a_microscope(jkr: Run, measured: Path) -> None:
     """Offset, tilt and unknown first touch of a piezo on a spring of 50 kN/m; w as good as the touch is known."""
     afmformats = pytest.importorskip("afmformats")

@@ -245,6 +245,7 @@ def test_noise_on_both_axes_leaves_no_bias_at_the_fold() -> None:
     assert abs(np.mean(w) - 1) < 3 * np.std(w) / np.sqrt(30)
 
 
+@pytest.mark.slow
 def test_outliers_with_a_robust_loss() -> None:
     curve = sphere(noise=0.01, seed=5)
     P = np.array(curve.P)
@@ -296,6 +297,7 @@ def test_no_adhesion_is_said() -> None:
     assert found.value("E_star") == pytest.approx(E_STAR, rel=0.005)
 
 
+@pytest.mark.slow
 def test_a_layer_fitted_as_a_half_space_warns() -> None:
     curve = measured(thin_layer(), 0.04, top=1.0)
     specimen = replace(thin_layer().specimen, layers=(), base=half_space().problem.specimen.base)
@@ -317,6 +319,7 @@ def test_uncertain_inputs_widen_the_intervals() -> None:
     assert wide.estimate("w").error == pytest.approx(plain.estimate("w").error, rel=1e-10)  # E* and w feel no nu
 
 
+@pytest.mark.slow
 def test_uncertain_thickness_moves_the_modulus_of_a_thin_layer() -> None:
     """The derivative agrees with fits on thicknesses that are really other ones, 2 % apart."""
     curve, problem = measured(thin_layer(0.4), 0.04), thin_layer(0.4)
@@ -330,6 +333,7 @@ def test_uncertain_thickness_moves_the_modulus_of_a_thin_layer() -> None:
     assert wide.estimate("E:gel").systematic["h:gel"] == pytest.approx((ends[1] - ends[0]) / 2, rel=1e-5)  # 2e-6
 
 
+@pytest.mark.slow
 def test_the_body_is_solved_to_the_radii_that_the_data_ask_for() -> None:
     curve = sphere(noise=0.01, seed=1)
     short, long = half_space(reach=0.2 * A_END, extensible=True), half_space(reach=8 * A_END, extensible=True)

@@ -42,6 +42,7 @@ def holds(found: Fit, truth: dict[str, float], errors: float = 3.5) -> None:
         assert item.error < (0.03 if name == "E_star" else 0.35) * value, name
 
 
+@pytest.mark.first(2)
 @pytest.mark.parametrize("rest", [True, False])
 @pytest.mark.parametrize("columns", ["a,P", "delta,P", "a,delta,P"])
 def test_both_branches_have_one_modulus_and_a_work_of_adhesion_each(columns: str, rest: bool) -> None:
@@ -53,6 +54,7 @@ def test_both_branches_have_one_modulus_and_a_work_of_adhesion_each(columns: str
         assert found.value("a_turn") == pytest.approx(made.turn, rel=0.01)
 
 
+@pytest.mark.slow
 def test_the_order_of_rows_tells_the_branches() -> None:
     told, untold = (fitted(lens(np.random.default_rng(1), "a,P", True, words).curve) for words in (WORDS, None))
     names = ("E_star", "w", "w_approach")
@@ -70,6 +72,7 @@ def test_words_for_branches_in_three_languages(title: str, words: tuple[str, str
     assert list(read(path)[0].segments()) == list(WORDS)
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize("columns", ["a,P", "delta,P", "a,delta,P"])
 def test_unloading_alone_knows_its_rows_at_rest(columns: str) -> None:
     made = lens(np.random.default_rng(1), columns, True, WORDS)
@@ -103,6 +106,7 @@ def test_directions_that_no_modulus_describes_stand_side_by_side() -> None:
     assert found.value("E_star_approach") == pytest.approx(made.truth["E_star"], rel=0.05)
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize("change", [{"loss": "huber"}, {"confidence": "profile"}])
 def test_what_one_branch_can_be_asked_a_cycle_can(change: dict) -> None:
     made = lens(np.random.default_rng(5), "a,P", True, WORDS)

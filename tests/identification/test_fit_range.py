@@ -260,6 +260,7 @@ def written(curve: Curve) -> None:
     Path("tip.csv").write_text("delta_m,P_N\n" + "".join(f"{delta!r},{P!r}\n" for delta, P in rows))
 
 
+@pytest.mark.slow
 def test_on_the_command_line(jkr) -> None:
     Path("afm.toml").write_text(CASE)
     written(record(0.3, 1e-3, points=120))
@@ -273,6 +274,7 @@ def test_on_the_command_line(jkr) -> None:
     assert "Tabor" not in outcome.err
 
 
+@pytest.mark.slow
 def test_a_case_with_a_range_is_fitted_with_it(jkr) -> None:
     Path("afm.toml").write_text(CASE + f'range = "{truth(0.3)["range"]!r} m"\n')
     written(record(0.3, 1e-3, points=120))

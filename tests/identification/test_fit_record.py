@@ -343,6 +343,7 @@ def test_what_a_whole_record_is_not_fitted_with_is_refused_by_name(asked: dict[s
     assert whole_record(curve, usual(**asked, contact="estimate")) is None
 
 
+@pytest.mark.slow
 def test_an_uncertain_input_widens_the_intervals() -> None:
     """By what fits with the input moved to both sides say."""
     kind = (1.5e-6, 0.45)
@@ -375,6 +376,7 @@ def test_a_known_work_and_a_bound_modulus_are_kept() -> None:
     assert any("E* ends on its bound" in line for line in bound.warnings)
 
 
+@pytest.mark.slow
 def test_a_robust_loss_bears_outliers() -> None:
     """Three in a hundred rows are off, by 30 standard deviations: the intervals of E* are 5 times as wide without."""
     E_star, w, k, rng = 20e3, 1e-4, 0.05, np.random.default_rng(1)
@@ -401,6 +403,7 @@ def wavy(rng: np.random.Generator) -> tuple[Curve, float, float, float]:
     return replace(curve, P=P, delta=curve.device - P / curve.stiffness), E_star, w, period
 
 
+@pytest.mark.first(2)
 @pytest.mark.parametrize("seed", range(6))
 def test_a_base_line_with_a_sine(seed: int) -> None:
     curve, E_star, w, period = wavy(np.random.default_rng(1000 + seed))
@@ -443,6 +446,7 @@ def cycled(seed: int, w_in: float = 3e-5, kind: tuple[float, float] | None = Non
 TRUE = {"E_star": 20e3, "w": 1e-4, "w_approach": 3e-5}
 
 
+@pytest.mark.first(2)
 @pytest.mark.parametrize("kind", [None, (1.5e-6, 0.45)])
 @pytest.mark.parametrize("segment", [None, "retract", "approach"])
 def test_the_edge_rests_at_the_turn(segment: str | None, kind: tuple[float, float] | None) -> None:

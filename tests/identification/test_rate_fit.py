@@ -227,6 +227,7 @@ def test_a_time_that_falls_is_one_line() -> None:
         rate_fit(body("gel"), [curve], rate_settings(body("gel"), "power"))
 
 
+@pytest.mark.slow
 def test_work_along_a_record_gives_the_law() -> None:
     """Where a radius was measured, the points alone tell n within a few per cent."""
     held = body("gel")

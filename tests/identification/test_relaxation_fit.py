@@ -50,6 +50,7 @@ def off(fit: RelaxationFit, **true: float) -> dict[str, float]:
     return {name: (fit.estimate(name).value - value) / (fit.estimate(name).error or 0) for name, value in true.items()}
 
 
+@pytest.mark.slow
 def test_a_press_a_wait_and_a_retraction(body: FittedBody) -> None:
     made = record(loads(body), 1.4, SOLID, HELD, rows=120, zero=0.2, seed=4)
     fit = relaxation_fit(body, made, relaxation_settings("sls"))

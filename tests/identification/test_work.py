@@ -59,6 +59,7 @@ def test_noise_free_data_give_w_back(name: str, use: tuple[str, str]) -> None:
     np.testing.assert_allclose(found.a, curve.a, rtol=1e-12)  # 1e-13
 
 
+@pytest.mark.first(4)
 @pytest.mark.parametrize("use", PAIRS, ids="-".join)
 @pytest.mark.parametrize("name", BODIES)
 def test_between_the_points_of_the_series_w_errs_by_its_interpolation_alone(name: str, use: tuple[str, str]) -> None:

@@ -48,6 +48,7 @@ def test_no_order_without_a_reason(values: list[float | None], reason: str) -> N
     assert richardson(values) == Unknown(reason)
 
 
+@pytest.mark.slow
 def test_hertz_converges_with_node_based_radii() -> None:
     """First order in the radius (a node's), better than second in the load at equal depth (measured: 1.0 and 2.4)."""
     found = converge(HERTZ, FEM(edge_correction=False), W, 4)
@@ -63,6 +64,7 @@ def test_hertz_converges_with_node_based_radii() -> None:
     assert found.exact.P == pytest.approx(4 / 3 * MATERIAL.E_star * 10 * found.depth**1.5, rel=1e-6)  # Hertz
 
 
+@pytest.mark.slow
 def test_a_finite_body_is_extrapolated() -> None:
     specimen = Specimen((Layer(MATERIAL, 1.0),), Rigid(), radius=2.5, side="free")
     problem = Problem(HERTZ.indenter, specimen, HERTZ.loading)

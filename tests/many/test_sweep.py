@@ -546,6 +546,7 @@ def test_a_row_with_other_values_than_the_columns_is_not_believed(jkr, tmp_path:
     assert (tmp_path / "r" / "table.csv").read_bytes() == wanted
 
 
+@pytest.mark.slow
 def test_changed_bytes_of_a_journal_change_no_row(tmp_path: Path, seed: int) -> None:
     """2,000 random bytes, or the head: every row that is still read is as it was written."""
     from jkrcli.many.sweep.journal import opened

@@ -297,6 +297,7 @@ def test_a_long_series_is_announced_or_refused_before_it_is_begun(jkr, series: P
     assert f" would need about {'0.986' if verb[0] == 'transform' else '0.4'} GiB of memory and " in done.err
 
 
+@pytest.mark.slow
 def test_the_forecast_of_curves_counts_solved_points_and_the_range() -> None:
     """Of a thousand layers, whose solves are the cost, and of a half-space, which solves in no time."""
     for layers, seconds in ((1000, 0.19), (0, 0.03)):
@@ -477,6 +478,7 @@ def test_a_current_folder_that_is_gone_is_named(series: Path) -> None:
     assert (done.returncode, done.stderr) == (1, "jkr: error: the current folder: No such file or directory\n")
 
 
+@pytest.mark.slow
 def test_figures_do_not_depend_on_the_surroundings(series: Path) -> None:
     Path("matplotlibrc").write_text("backend: garbage\nfont.size: -3\nnonsense\n")
     words = ("transform", "s.h5", "-q")

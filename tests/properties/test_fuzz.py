@@ -114,7 +114,7 @@ def _judge_case(write: Callable[[str, bytes], Path]) -> Judge:
 
 
 def test_cases(seed: int, judge_case: Judge) -> None:
-    fuzz(files_like(trees()), judge_case, 80, seed)
+    fuzz(files_like(trees()), judge_case, 40, seed)
 
 
 @pytest.mark.slow

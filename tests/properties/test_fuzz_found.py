@@ -331,6 +331,7 @@ def test_a_column_of_words_that_no_row_has(jkr: Callable) -> None:
     assert "jkr: error: x.csv: " in done.err
 
 
+@pytest.mark.slow
 def test_points_that_do_not_fit_between_the_rows_are_left_out(jkr: Callable, tmp_path: Path) -> None:
     """Rows closer to each other than their errors: what is solved between them breaks their order."""
     case = (

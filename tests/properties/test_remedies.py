@@ -54,6 +54,13 @@ SLOW = {
     "fem: below the first vertex",
     "hybrid: rows on a cylinder",
     "hybrid: side, by load",
+    "hybrid: side, by radius",
+    "hybrid: rows",
+    "fem: spacing beside a tolerance",
+    "layered: accuracy",
+    "fem: refined zone",
+    "fem: displacements",
+    "fem: below the first vertex, zones",
 }
 
 

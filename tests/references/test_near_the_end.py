@@ -24,6 +24,7 @@ def given(indenter: Sphere | Paraboloid, specimen: Specimen, *radii: float) -> P
 SOFT = Specimen((Layer(Elastic(90761.0, 0.5), 1.66e-6),), HalfSpace(Elastic(908806.0, 0.427)))
 
 
+@pytest.mark.slow
 def test_fem_at_a_few_radii_up_to_the_equator_of_a_sphere() -> None:
     """P at equal depth was 3.8e-3 off at a/R = 0.97, 1.6e-3 stated: two meshes agreed by accident at two radii."""
     problem = given(Sphere(4.307e-8), SOFT, 1.765e-8, 4.178e-8)
@@ -72,6 +73,7 @@ def test_a_profile_that_bends_between_the_rows() -> None:
     assert np.max(np.abs(curve.parts(a).P_H / exact.P - 1)) < 8e-4  # measured: 3.8e-4
 
 
+@pytest.mark.slow
 def test_a_flat_end_says_how_far_scatter_leaves_its_pull_off() -> None:
     """The load of a finite-element series under displacement control was 5.6e-3 off, 1.4e-3 stated."""
     layers = (Layer(Elastic(14239.26, 0.49999), 2.0656e-8), Layer(Elastic(65486.3, 0.5), 6.9045e-9))

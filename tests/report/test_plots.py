@@ -246,7 +246,7 @@ def write_measured() -> None:
     Path("probe.csv").write_text("\n".join(["delta_nm,P_uN", *(line.split(",", 2)[2] for line in lines)]))
 
 
-@pytest.mark.first(5)
+@pytest.mark.first(3)
 @pytest.mark.parametrize(
     "words",
     [
@@ -296,6 +296,7 @@ def test_a_map_of_failures_is_readable(drawn: Callable[..., list[Figure]]) -> No
     assert troubles(figure, smallest=6) == []  # an atlas for the screen, one panel for each pair of axes
 
 
+@pytest.mark.slow
 def test_a_chart_of_alike_costs_has_readable_ticks() -> None:
     """Costs within a few per cent: the axis still spans a decade, its labels are plain numbers."""
     points = [

@@ -74,6 +74,7 @@ def test_the_study_writes_a_row_per_value_and_body(study, module: ModuleType) ->
     assert study("tuning", "made_up", "--quick", "--workers", 1).code == 0  # its own file is replaced
 
 
+@pytest.mark.slow
 def test_failures_are_told_and_end_nothing(study, module: ModuleType, monkeypatch: pytest.MonkeyPatch) -> None:
     def broken(*_: object) -> float:
         raise ZeroDivisionError("by zero")

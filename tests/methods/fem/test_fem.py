@@ -212,6 +212,7 @@ def test_a_split_layer_is_the_whole_layer():
         assert np.abs(P).max() < 2e-4
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("side", ["free", *(pytest.param(s, marks=pytest.mark.slow) for s in ("roller", "clamped"))])
 def test_cylinders_approach_the_wide_layer(side):
     layer, load = (Layer(Elastic(1.0, 0.4), 1.0),), Loading("depth", 0.02)
@@ -430,6 +431,7 @@ def test_a_contact_radius_too_small_to_mesh_is_refused():
         FEM(smallest=1e-9)
 
 
+@pytest.mark.slow
 def test_an_incompressible_layer_that_is_held_on_all_sides():
     """It does not move at all: what its volumes lack is round-off, and no sign of a bad factor."""
     layers = (Layer(Elastic(1.0, 0.3), 1.0), Layer(Elastic(0.0588, 0.3), 0.9), Layer(Elastic(0.0236, 0.5), 0.68))

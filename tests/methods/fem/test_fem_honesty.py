@@ -75,6 +75,7 @@ def test_a_contact_that_is_no_disc_is_solved_estimated_and_said() -> None:
     assert (share[-4:] < 1).all()  # the deepest, where P is nearly linear from one increment to the next
 
 
+@pytest.mark.slow
 def test_nested_contact_that_is_no_disc_becomes_increments() -> None:
     solution = FEM(spacing=0.1)(PLATE)
     assert solution.facts["contact"] == "incremental"

@@ -30,6 +30,7 @@ BODIES = {  # kappa = 2 Ups for E* = 1
 }
 
 
+@pytest.mark.first(2)
 @pytest.mark.parametrize("name", BODIES)
 def test_elements_agree_within_their_stated_error(name):
     specimen, tip = BODIES[name]
@@ -46,6 +47,7 @@ def test_elements_agree_within_their_stated_error(name):
         assert (gap <= series.errors[column][2:] + np.gradient(getattr(exact, column), a) * stated_a).all()
 
 
+@pytest.mark.slow
 def test_a_cylinder_that_widens_gives_way_less_until_it_is_the_layer():
     """Its side is free; the membrane on its top ends there without a vertical force."""
     loading = Loading("depth", 0.3, 4)

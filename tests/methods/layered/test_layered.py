@@ -423,6 +423,7 @@ def test_estimate_bounds_the_error_of_200_stacks() -> None:
 # -- refinement -----------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize("points", [1, 7])
 def test_few_radii_on_a_steeply_graded_layer(points: int) -> None:
     """Refined by narrower panels: higher orders lose accuracy. Against 28 radii, whose panels are finer anyway."""

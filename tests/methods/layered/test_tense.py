@@ -90,6 +90,7 @@ def pull_off(specimen, largest, w=1.0):
     )
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize("beta", PULL_OFF)
 def test_pull_off_over_tension_and_thickness(beta):
     specimens = [half_space(2 * beta), *(bonded(nu, 2 * beta, q ** (-1 / 3)) for nu, q in BODIES[1:])]
@@ -202,6 +203,7 @@ def test_a_slight_tension_of_a_paraboloid_in_closed_form():
     assert series.P[0] == pytest.approx(4 / 3 * (1 + 3 * kappa / np.pi * ring), rel=2e-10)  # second order
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize("body", ["half-space", "coating", "graded", "lamellar"])
 def test_tension_alone_leaves_wetting(body):
     """kappa >> a: pull-off is pi w R at a = R sqrt(w/(2 Ups)) on every body."""

@@ -12,6 +12,7 @@ def test_flat_ends_on_an_incompressible_layer(a: float, true: float) -> None:
     assert contact(a, 0.5)[2] / (2 * a) == pytest.approx(true, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_a_thick_layer_is_a_half_space_and_slopes_agree() -> None:
     a, R = np.geomspace(1e-3, 1e-2, 5), 1.0
     for ours, plain in zip(BondedLayer(1.0, 0.4)(a, R), half_space(a, R), strict=True):

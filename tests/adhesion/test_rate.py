@@ -81,6 +81,7 @@ def test_fast_pull_off_follows_its_power_of_the_speed() -> None:
     assert math.log10(one / two) / 2 == pytest.approx(0.6 / 2.6, rel=0.02)
 
 
+@pytest.mark.slow
 def test_the_slow_excess_of_a_stiff_device_follows_the_law() -> None:
     """Where the device holds the contact through its least load, the excess over it is that of w: ~ V^n."""
     quiet = 1.5
@@ -306,6 +307,7 @@ def test_a_law_and_its_inverse(law: PowerRate | LogRate) -> None:
     assert float(law.work(0.05, 0.0)) == 0.05
 
 
+@pytest.mark.slow
 def test_the_second_law_is_used_like_the_first() -> None:
     contact = RateContact(half_space(), LogRate(1.0, 0.3), 1.0, 1.0)
     slow, fast = (contact.history(there_and_back(5.0, V, V)).pull_off.P for V in (1e-2, 1.0))

@@ -56,7 +56,7 @@ def test_values_of_a_bonded_layer() -> None:
     assert a[1] == pytest.approx(0.9, rel=1e-8)
 
 
-@pytest.mark.first(2)
+@pytest.mark.first(1)
 @pytest.mark.parametrize("stiffness", [math.inf, 1.0, 0.0])
 @pytest.mark.parametrize("body", [(None, SPHERE), (0.5, CONE)], ids=["half-space", "cone on a layer"])
 def test_the_unilateral_problem_stepped_through_time(stiffness: float, body: tuple[float | None, Indenter]) -> None:

@@ -120,6 +120,7 @@ def covered(exact: Series, noise: float, w: float) -> tuple[float, float]:
     return float(np.mean(inside)), float(np.median(stated) / np.median(true))
 
 
+@pytest.mark.slow
 def test_band_is_generous_where_nothing_bends() -> None:
     """A power law: that nothing bends between the points is not known beforehand, and has its place in the band."""
     problem = Problem(indenter_of("sphere", 1e-6, 0.1), Specimen((), HalfSpace(Elastic(1e9, 0.3))),
@@ -129,7 +130,7 @@ def test_band_is_generous_where_nothing_bends() -> None:
     assert 2.4 < ratio < 8  # measured 5.8; of a Gaussian error known to be one 2.4
 
 
-@pytest.mark.first(1)
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("contrast", "points", "noise"), [(434.0, 77, 1.6e-2), (434.0, 400, 1e-3), (0.16, 158, 1e-3), (0.16, 400, 1e-4)]
 )

@@ -80,6 +80,7 @@ def test_few_noisy_rows_of_a_coating_keep_its_bending(tmp_path: Path) -> None:
     assert found.held >= 0.75
 
 
+@pytest.mark.slow
 def test_other_bodies_than_said_are_warned_of(tmp_path: Path) -> None:
     """A coating said to be half as thick again: what is smoothed towards it is wrong, and it is said."""
     problem = COATING.problem(60)

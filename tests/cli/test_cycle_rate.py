@@ -54,6 +54,7 @@ def test_the_pull_off_force_at_speed(jkr: Callable, series: Path) -> None:
     assert found["turn_t_s"] < found["pull_off"]["t_s"] < found["lost_t_s"]
 
 
+@pytest.mark.slow
 def test_the_trace_holds_every_moment(jkr: Callable, series: Path) -> None:
     done = jkr("cycle", series, *RATE, "--speed", "0.1", "--to-load", "0.5", "--hold", "2 s", "--stiffness", "2 N/m",
                "--w-retract", "1.5", "--points", 50)  # fmt: skip

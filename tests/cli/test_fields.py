@@ -153,6 +153,7 @@ def test_every_line_carries_the_load(name: str) -> None:
     assert state.lines[name].load == pytest.approx(state.P, rel=1e-10, abs=0)  # equilibrium, to the solver's round-off
 
 
+@pytest.mark.slow
 def test_both_sides_of_an_interface_agree_on_its_tractions() -> None:
     state, _ = coating()
     line, points = state.lines["interface 1"], state.grid.points
@@ -221,6 +222,7 @@ def test_interfaces_against_a_quadrature_over_hankel_space(name: str) -> None:
                 assert np.abs(values - truth[key]).max() < 1e-3 * np.abs(truth[key]).max(), key
 
 
+@pytest.mark.slow
 def test_an_elastic_indenter_leaves_the_specimen_less() -> None:
     """Of a specimen and an indenter of equal moduli, the specimen takes half of the elastic displacement."""
     equal = Paraboloid(R, material=Elastic(E, NU))

@@ -175,7 +175,7 @@ FOLLOWED = {  # case and words that are refused, what is said, and case and word
 }  # fmt: skip
 
 
-@pytest.mark.first(4)
+@pytest.mark.first(3)
 @pytest.mark.parametrize("name", FOLLOWED)
 def test_who_follows_a_refusal_gets_an_answer(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], name: str

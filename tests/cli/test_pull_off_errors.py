@@ -55,6 +55,7 @@ def inverse(jkr, *words: str) -> dict:
     return json.loads(outcome.out)["results"][0]
 
 
+@pytest.mark.slow
 def test_uncertain_force_and_radius_on_a_half_space(jkr) -> None:
     """w = F/(1.5 pi R): relative errors add in quadrature, the modulus counts for nothing."""
     solved(jkr, CASE)

@@ -59,6 +59,7 @@ def test_keys_of_frictionless_problems_are_what_they_were():
     assert "sticks" not in repr(sliding)
 
 
+@pytest.mark.slow
 def test_the_assumption_is_warned_of_where_it_matters(jkr, folder):
     warned = jkr("check", folder / "sliding.toml").err
     assert "no friction is assumed: against no friction, no slip makes the load" in warned

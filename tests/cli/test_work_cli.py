@@ -70,6 +70,7 @@ def test_a_table_comes_back_with_w_and_speed(jkr: Run, measured: Path, use: str)
     assert not Path("m-work.png").exists()
 
 
+@pytest.mark.slow
 def test_plots_are_written_and_everything_is_ours_to_replace(jkr: Run, measured: Path) -> None:
     assert jkr("work", "gel.h5", measured).code == 0
     assert jkr("work", "gel.h5", measured, "--no-plots").code == 0

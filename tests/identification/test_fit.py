@@ -219,6 +219,7 @@ def test_other_intervals_agree_with_those_of_the_covariance(confidence: str, poi
         assert two.high - two.low == pytest.approx(one.high - one.low, rel=width)
 
 
+@pytest.mark.slow
 def test_samples_of_a_bootstrap_begin_where_they_nearly_end(monkeypatch: pytest.MonkeyPatch) -> None:
     """Seven evaluations each, 25 ms; and the same whoever works on them."""
     curve, calls = sphere(noise=0.01, seed=4), []

@@ -76,7 +76,7 @@ def judged(found: Fit, truth: dict[str, float]) -> dict[str, tuple[float, bool]]
     return told
 
 
-@pytest.mark.first(6)
+@pytest.mark.first(3)
 @pytest.mark.parametrize("seed", range(12))
 def test_modulus_and_work_of_records_with_all_dirt(seed: int) -> None:
     curve, E_star, w = made(np.random.default_rng(seed))
@@ -446,7 +446,7 @@ def cycled(seed: int, w_in: float = 3e-5, kind: tuple[float, float] | None = Non
 TRUE = {"E_star": 20e3, "w": 1e-4, "w_approach": 3e-5}
 
 
-@pytest.mark.first(2)
+@pytest.mark.first(1)
 @pytest.mark.parametrize("kind", [None, (1.5e-6, 0.45)])
 @pytest.mark.parametrize("segment", [None, "retract", "approach"])
 def test_the_edge_rests_at_the_turn(segment: str | None, kind: tuple[float, float] | None) -> None:

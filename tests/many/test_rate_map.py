@@ -20,6 +20,7 @@ def test_the_half_space_has_the_known_forces_and_a_layer_stands_beside_it() -> N
     assert found["dissipated_over_w0_pi_a2"][2] == pytest.approx(1, rel=0.05)  # slow, rigid: w0 times the area
 
 
+@pytest.mark.slow
 def test_the_study_writes_table_and_figure(jkr: Callable) -> None:
     done = jkr("study", "rate-map", "--speed", "0.1", "--thickness", "1", "--stiffness", "rigid", "--workers", "1",
                "--json")  # fmt: skip

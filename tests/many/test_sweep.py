@@ -152,6 +152,7 @@ values = ["0.1 mm", "0.2 mm"]
 """
 
 
+@pytest.mark.slow
 def test_cases_that_differ_in_w_or_one_modulus_factor_share_a_solve(jkr, tmp_path: Path, solves: list) -> None:
     (tmp_path / "s.toml").write_text(TWO_LAYERS + SHARED)
     outcome = jkr("sweep", "s.toml", "-o", "r", "--workers", "1")

@@ -361,7 +361,7 @@ PLOTTED = [pytest.param(name, (), id=f"{name} with plots", marks=pytest.mark.slo
 UNPLOTTED = [("run", ()), ("transform", ("--no-plots",)), ("fit", ("--no-plots",)), ("sweep", ())]
 
 
-@pytest.mark.first(2)
+@pytest.mark.first(1)
 @pytest.mark.parametrize(("name", "options"), [*UNPLOTTED, *PLOTTED])
 def test_disk_full_at_every_write(name: str, options: tuple[str, ...], tmp_path: Path) -> None:
     folder, job = prepare(tmp_path / "x"), JOBS[name]
@@ -402,6 +402,7 @@ def test_full_disk(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
         subprocess.run(["umount", str(disk)], check=True)
 
 
+@pytest.mark.slow
 def test_standard_output_full(tmp_path: Path) -> None:
     prepare(tmp_path / "x")
     with Path("/dev/full").open("w", encoding="utf-8") as full:
@@ -472,6 +473,7 @@ def test_files_of_one_result_are_replaced_together(tmp_path: Path) -> None:
     assert not temporaries(tmp_path)
 
 
+@pytest.mark.slow
 def test_a_journal_without_room_is_named(jkr: Callable[..., Outcome], tmp_path: Path) -> None:
     prepare(tmp_path / "x")
     with contextlib.chdir(tmp_path / "x"), file_size(100):

@@ -282,6 +282,7 @@ def test_of_a_very_long_head_of_comments_both_ends_are_read(tmp_path: Path) -> N
     assert instruments.constants(table.head) == {"stiffness": 0.25}
 
 
+@pytest.mark.first(3)
 @pytest.mark.parametrize("line", [
     "k" + " " * 30_000 + "x", "-" * 30_000, "(" * 30_000 + "N/m", "a" + "\t" * 30_000 + "b", "m" * 30_000,
     "_" * 30_000, ":" * 30_000, "N/" * 15_000, "1" * 30_000 + "x",

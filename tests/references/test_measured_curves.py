@@ -43,6 +43,7 @@ def test_a_measured_curve_is_told_without_complaint(jkr: Callable[..., Outcome],
     assert curve["retract"]["largest_load_N"] > 0
 
 
+@pytest.mark.slow
 def test_estimated_zeros_and_fitted_ones_give_the_same(jkr: Callable[..., Outcome]) -> None:
     """The retraction of a record was read with its base line as rows in contact where zeros were to be estimated."""
     found = []

@@ -88,7 +88,7 @@ def one_byte_changed(path: Path, trials: int, read: Callable[[], object], refuse
     return count
 
 
-@pytest.mark.first(1)
+@pytest.mark.slow
 @TRIALS
 @pytest.mark.parametrize("kind", KINDS)
 def test_one_changed_byte_is_refused_or_changes_nothing(archives: dict[str, Path], kind: str, trials: int) -> None:

@@ -77,7 +77,7 @@ def test_the_file_says_what_each_error_is_compared_at(tmp_path) -> None:
     assert Layered()(COATING).series.errors_at_radius == {}  # exact radii: all errors are at equal radius
 
 
-@pytest.mark.first(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("body", [CYLINDER, STACKED], ids=["near the contact", "S agrees by accident"])
 def test_a_free_side(body: Problem) -> None:
     found = FEM()(body).series

@@ -110,7 +110,7 @@ def test_an_incompressible_half_space_does_not_notice():
     assert sticking.series.P[-1] == pytest.approx(there, rel=5e-4)
 
 
-@pytest.mark.first(1)
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("nu", "options"),
     [

@@ -30,7 +30,7 @@ BODIES = {  # kappa = 2 Ups for E* = 1
 }
 
 
-@pytest.mark.first(2)
+@pytest.mark.first(1)
 @pytest.mark.parametrize("name", BODIES)
 def test_elements_agree_within_their_stated_error(name):
     specimen, tip = BODIES[name]

@@ -41,6 +41,7 @@ def flat_ends(nu, *radii, order=4):
     return StuckDisc.of(spectrum.stuck_kernel(2 * ends[-1], 24), panels).S / ends
 
 
+@pytest.mark.slow
 def test_flat_ends_that_stick_to_an_incompressible_layer():
     np.testing.assert_allclose(flat_ends(0.5, *FLAT), list(FLAT.values()), rtol=2e-6)  # measured 1.3e-6, its digits
     np.testing.assert_allclose(flat_ends(0.5, *FLAT, order=8), flat_ends(0.5, *FLAT), rtol=1e-7)  # a/h = 40: 4e-8

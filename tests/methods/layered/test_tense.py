@@ -91,7 +91,7 @@ def pull_off(specimen, largest, w=1.0):
 
 
 @pytest.mark.first(1)
-@pytest.mark.parametrize("beta", PULL_OFF)
+@pytest.mark.parametrize("beta", sorted(PULL_OFF, reverse=True))
 def test_pull_off_over_tension_and_thickness(beta):
     specimens = [half_space(2 * beta), *(bonded(nu, 2 * beta, q ** (-1 / 3)) for nu, q in BODIES[1:])]
     found = [pull_off(specimen, 2.2) for specimen in specimens]

@@ -175,6 +175,19 @@ def test_scores_are_chi_squares() -> None:
     assert np.mean(z2) == pytest.approx(1, abs=0.4)
 
 
+def test_what_the_model_itself_takes_is_no_rivals() -> None:
+    """Five standard errors beside the best offset: the residuals are others, the scores are not."""
+    at = situation()
+    i = next(i for i, name in enumerate(at.found.names) if name.startswith("offset"))
+    beside = at.found.x.copy()
+    beside[i] += 5 * math.sqrt(at.found.covariance[i, i])
+    best, other = (
+        np.array([one.taken for one in rivals_of_record(at.body, found, math.inf).scores])
+        for found in (at.found, replace(at.found, x=beside))
+    )
+    assert other == pytest.approx(best, abs=0.01 * best.max() + 1e-3)
+
+
 def _noisy(at: Situation, seed: int) -> object:
     rng, parts = np.random.default_rng(seed), at.model.stretches
     noisy = tuple(replace(part, P=part.P + 1e-11 * rng.normal(size=part.P.size)) for part in parts)

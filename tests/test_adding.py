@@ -195,6 +195,7 @@ def test_a_slopes_rule_of_ones_own_is_named(tmp_path: Path) -> None:
     assert done.code == 0, done.err
 
 
+@pytest.mark.slow
 def test_a_law_of_speed_of_ones_own(tmp_path: Path) -> None:
     """The power law at n = 1 under another name: the same pull-off force."""
     series = tmp_path / "my.h5"

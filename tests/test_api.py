@@ -63,6 +63,7 @@ def test_a_work_of_adhesion_may_carry_its_unit() -> None:
         api.transform(solved, "40 mN")
 
 
+@pytest.mark.slow
 def test_a_cycle_at_speed_is_that_of_the_command_line(jkr: Callable) -> None:
     assert jkr("run", CASES / "coating.toml", "-o", "coating.h5").code == 0
     words = ("--rate", "v0=1 um/s,n=0.6", "--speed", "10 um/s", "--w-approach", "0.04", "--w-retract", "50 mJ/m^2")

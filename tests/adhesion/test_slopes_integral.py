@@ -94,7 +94,7 @@ def test_flat_end_with_known_and_unknown_first_slope(S0_known: bool) -> None:
     np.testing.assert_allclose(found.dS, 2 * E_star, rtol=1e-6)
 
 
-@pytest.mark.first(1)
+@pytest.mark.slow
 @pytest.mark.parametrize(("noise", "bound"), [(1e-3, 1e-3), (1e-2, 7e-3), (3e-2, 3e-2)])
 def test_noise_hardly_moves_the_pull_off_of_hertz(noise: float, bound: float) -> None:
     series = half_space(60)

@@ -241,6 +241,7 @@ def test_damage_is_refused_in_one_line_or_did_not_touch_anything(path: Path, tri
     assert all(len(lines) == 1 and "\n" not in lines[0] for lines in refused)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("trials", [100, pytest.param(2000, marks=pytest.mark.slow)])
 def test_one_changed_byte_is_refused_or_changes_nothing(tmp_path: Path, trials: int) -> None:
     path, rng = tmp_path / "x.h5", np.random.default_rng(2)

@@ -97,6 +97,7 @@ def test_many_files_and_works(jkr, body: Path) -> None:
     assert out.count("Tabor number") == 4
 
 
+@pytest.mark.slow
 def test_the_work_of_adhesion_behind_a_measured_pull_off(jkr, body: Path) -> None:
     for load in ("12 mN", "-12 mN"):
         outcome = jkr("pull-off", "p.h5", f"--load={load}")

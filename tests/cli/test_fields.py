@@ -79,6 +79,7 @@ def test_the_exact_field_is_hertz_and_a_punch_on_the_axis() -> None:
     np.testing.assert_allclose(exact(0 * z, z)["zz"], -P0 * A**2 / (A**2 + z**2) + punch, rtol=1e-12)
 
 
+@pytest.mark.slow
 def test_field_of_the_half_space() -> None:
     """Displacements and stresses everywhere within 3 a but for a twentieth of a around the edge."""
     state = half_space()
@@ -332,7 +333,7 @@ def test_the_verb_writes_what_it_says(jkr: Callable, solved: Path) -> None:
         assert (own[:, 0] == line["depth_m"]).all()
 
 
-@pytest.mark.first(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("w", [0.0, 0.02])
 def test_fields_under_an_elastic_indenter_carry_the_load_of_the_integral_equations(jkr: Callable, w: float) -> None:
     """Its own displacement is that of a half-space under the pressure of method layered, which knows no mesh; for the

@@ -39,6 +39,7 @@ def folder(tmp_path):
     return tmp_path
 
 
+@pytest.mark.slow
 def test_the_surface_goes_from_the_case_to_every_summary(jkr, folder):
     for surface in ("sliding", "sticking"):
         told = json.loads(jkr("run", folder / f"{surface}.toml", "-o", folder / f"{surface}.h5", "--json").out)

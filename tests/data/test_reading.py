@@ -461,6 +461,7 @@ def test_no_more_is_unpacked_than_an_archive_says(tmp_path: Path) -> None:
     assert most < 4 << 20
 
 
+@pytest.mark.slow
 def test_a_long_comment_is_passed_over(tmp_path: Path) -> None:
     path = written(tmp_path, table(("delta_m", Z), ("P_N", LOAD), head=f"# {'1 ' * 60_000}\n"))
     np.testing.assert_allclose(one(path).P, LOAD, rtol=1e-12)

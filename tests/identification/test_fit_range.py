@@ -122,7 +122,7 @@ def test_a_curve_ends_where_the_profile_does_in_any_unit() -> None:
     assert ends[0] == pytest.approx(ends[1], rel=1e-9)
 
 
-@pytest.mark.first(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("columns", [("delta", "P"), ("a", "P"), ("a", "delta", "P")])
 def test_exact_readings_give_all_three_back(columns: tuple[str, ...]) -> None:
     found = fit(tip(), record(0.3, 1e-5, columns), settings_of(tip(), ["range"]))

@@ -11,6 +11,7 @@ import pytest
 import jkrcli
 
 
+@pytest.mark.slow
 def test_the_half_space_has_the_known_forces_and_a_layer_stands_beside_it() -> None:
     found = jkrcli.study_map("rate", rate={"n": 0.6}, stiffness=["rigid"], speed=[1e-3, 1.0]).columns
     force = found["minus_P_over_pi_w0_R"]

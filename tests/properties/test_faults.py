@@ -440,6 +440,7 @@ def test_read_only_input_is_enough(tmp_path: Path) -> None:
     assert {name: (folder / name).stat().st_mtime_ns for name in before} == before
 
 
+@pytest.mark.slow
 def test_two_processes_with_one_target(tmp_path: Path) -> None:
     folder = prepare(tmp_path / "x")
     both = [start(("run", f"{case}.toml", "-o", "x.h5"), folder) for case in ("old", "new", "old")]

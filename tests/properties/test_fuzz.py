@@ -220,7 +220,7 @@ def _judge_series(write: Callable[[str, bytes], Path], tmp_path: Path) -> Callab
 
 
 def test_series_files(seed: int, judge_series: Judge) -> None:
-    fuzz(chances(), judge_series, 50, seed)
+    fuzz(chances(), judge_series, 30, seed)
 
 
 @pytest.mark.slow
@@ -301,7 +301,7 @@ def _judge_import(write: Callable[[str, bytes], Path]) -> Judge:
 
 
 def test_imports(seed: int, judge_import: Judge) -> None:
-    fuzz(tables_like(hertz()), judge_import, 50, seed)
+    fuzz(tables_like(hertz()), judge_import, 30, seed)
 
 
 @pytest.mark.slow

@@ -354,6 +354,7 @@ def test_points_that_do_not_fit_between_the_rows_are_left_out(jkr: Callable, tmp
     assert done.code == 0, done.err
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stress", ["1 kPa", "10 kPa"])
 def test_a_range_beyond_the_sphere_is_refused_in_its_own_words(jkr: Callable, stress: str) -> None:
     """The first guess of its width asked for the profile beyond its end: "numbers leave the range of arithmetic"."""

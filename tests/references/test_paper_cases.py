@@ -102,6 +102,7 @@ def test_thin_layer_pull_off_on_twenty_meshes() -> None:
 
 
 # ---------------------------------------------------------------------- Sec. 4.3
+@pytest.mark.slow
 def test_gel_load_and_pull_off() -> None:
     problem = case_of("gel")
     series = CORRECTED(problem).series

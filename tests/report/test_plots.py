@@ -246,7 +246,7 @@ def write_measured() -> None:
     Path("probe.csv").write_text("\n".join(["delta_nm,P_uN", *(line.split(",", 2)[2] for line in lines)]))
 
 
-@pytest.mark.first(3)
+@pytest.mark.first(1)
 @pytest.mark.parametrize(
     "words",
     [

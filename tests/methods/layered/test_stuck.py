@@ -189,7 +189,7 @@ MORE_BODIES = [
 ]
 
 
-@pytest.mark.first(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("specimen", [pytest.param(s, marks=() if i in (0, 1) else pytest.mark.slow)
                                       for i, s in enumerate(MORE_BODIES)])  # fmt: skip
 def test_finite_elements_agree_within_their_stated_errors(specimen):

@@ -149,6 +149,7 @@ def test_a_bad_default_is_told_when_its_method_is_used(monkeypatch: pytest.Monke
         BadDefault(**options_of(case.model, "bad"))
 
 
+@pytest.mark.slow
 def test_options_of_a_method_of_ones_own_are_checked(tmp_path: Path) -> None:
     case = tmp_path / "my.toml"
     case.write_text(CASE.format(method="winkle", shape="sphere", keys="", thickness="1 um") + "[winkler]\nstiffening=0")

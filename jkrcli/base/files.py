@@ -316,10 +316,10 @@ def _finish(folder: Path) -> None:
     if pending.is_symlink() or not pending.is_dir() or _is_anothers(pending):
         return
     try:
-        for new in sorted(pending.glob("*/*")):
+        for new in _left(pending):
             _place(new, folder / new.name)
     except OSError as error:
-        names = ", ".join(sorted(new.name for new in pending.glob("*/*")))
+        names = ", ".join(sorted(new.name for new in _left(pending)))
         raise InputError(
             f"{error.filename2 or error.filename}: cannot be replaced ({error.strerror}), while other files of its "
             f"result are new; move it away and run the command again, or remove {pending} with what is left ({names})"
@@ -327,6 +327,17 @@ def _finish(folder: Path) -> None:
     with contextlib.suppress(OSError):  # another process did, or put the next result there
         for part in (*pending.glob("*"), pending):
             part.rmdir()
+
+
+def _left(pending: Path) -> list[Path]:
+    """The files that have no place yet; a folder that another process takes away meanwhile holds none."""
+
+    def inside(folder: Path) -> list[Path]:
+        with contextlib.suppress(FileNotFoundError, NotADirectoryError):
+            return sorted(folder.iterdir())
+        return []
+
+    return [new for part in inside(pending) for new in inside(part)]
 
 
 def _is_anothers(pending: Path) -> bool:

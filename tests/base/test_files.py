@@ -270,3 +270,11 @@ def test_where_all_write_another_users_files_are_not_believed(tmp_path: Path, mo
     assert files.read_bytes(tmp_path / "a", "file").decode() == OURS % "mine"
     monkeypatch.undo()
     assert files.read_bytes(tmp_path / "a", "file").decode() == OURS % "theirs"
+
+
+def test_a_folder_that_another_process_takes_away_holds_nothing(tmp_path: Path) -> None:
+    """Three writers once met so: one listed what another had just put in place."""
+    (tmp_path / "new").mkdir()
+    (tmp_path / "new" / "a").write_text("x")
+    assert [path.name for path in files._left(tmp_path)] == ["a"]
+    assert files._left(tmp_path / "gone") == []

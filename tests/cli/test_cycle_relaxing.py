@@ -63,7 +63,7 @@ def test_the_trace_over_time(jkr: Callable, series: Path) -> None:
     assert history.error < 1e-6  # 4e-8, of steps twice as long
 
 
-@pytest.mark.first(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("stiffness", ["rigid", "2 N/m", "load"])
 def test_a_turn_at_a_load_or_depth(jkr: Callable, series: Path, stiffness: str) -> None:
     speed = ("--speed", "1", "--stiffness", stiffness)
@@ -88,6 +88,7 @@ def test_a_hold_and_a_program(jkr: Callable, series: Path) -> None:
     assert not crept["contact_lost"]
 
 
+@pytest.mark.slow
 def test_limits_where_surfaces_adhere(jkr: Callable, series: Path) -> None:
     """Very fast and very slow cycles: those of the series with its moduli and with a quarter of them."""
     work = ("--w-approach", "10 mJ/m^2")

@@ -175,7 +175,7 @@ FOLLOWED = {  # case and words that are refused, what is said, and case and word
 }  # fmt: skip
 
 
-@pytest.mark.first(3)
+@pytest.mark.first(2)
 @pytest.mark.parametrize("name", FOLLOWED)
 def test_who_follows_a_refusal_gets_an_answer(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], name: str
@@ -217,6 +217,7 @@ def test_first_attraction_is_no_critical_point(tip: Path, capsys: pytest.Capture
     assert "c = 0 m" not in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_profile_carries_the_load_and_the_tension(tip: Path) -> None:
     assert call(["transform", "tip.h5", "--range", "0.5 nm", "--no-plots", "-q"]) == 0
     assert call(["profile", "tip.h5", "--range", "0.5 nm", "--a", "4.5 nm", "-q"]) == 0

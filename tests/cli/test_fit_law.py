@@ -64,6 +64,7 @@ def test_two_speeds_are_fitted_together(jkr: Callable, records: list[str]) -> No
     assert Path("lens-fit.svg").exists()
 
 
+@pytest.mark.slow
 def test_what_is_wrong_is_one_line(jkr: Callable, records: list[str]) -> None:
     for words, said in (
         (("--loss", "huber"), "fit: --law does not take --loss huber"),

@@ -47,7 +47,7 @@ def series_of(jkr: Callable, gel: Path, origin: str) -> Path:
     return path
 
 
-@pytest.mark.first(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("origin", ORIGINS)
 def test_a_cycle_at_speed(jkr: Callable, gel: Path, origin: str) -> None:
     shutil.copy(gel / "layered.h5", "layered.h5")

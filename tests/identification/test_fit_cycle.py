@@ -42,7 +42,7 @@ def holds(found: Fit, truth: dict[str, float], errors: float = 3.5) -> None:
         assert item.error < (0.03 if name == "E_star" else 0.35) * value, name
 
 
-@pytest.mark.first(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("rest", [True, False])
 @pytest.mark.parametrize("columns", ["a,P", "delta,P", "a,delta,P"])
 def test_both_branches_have_one_modulus_and_a_work_of_adhesion_each(columns: str, rest: bool) -> None:

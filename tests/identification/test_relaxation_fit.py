@@ -101,6 +101,7 @@ def test_what_cannot_be_fitted(body: FittedBody) -> None:
         relaxation_settings("sls", [("time", "-1")])
 
 
+@pytest.mark.slow
 def test_the_command(jkr: Callable, body: FittedBody, tmp_path: Path) -> None:
     made = record(loads(body), 1.4, SOLID, HELD, rows=60, zero=0.0)
     (tmp_path / "gel.toml").write_text(CASE)

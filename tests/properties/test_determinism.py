@@ -73,7 +73,7 @@ def cases(tmp_path: Path) -> dict[str, Path]:
     return {"layered": CASES / "gel.toml", "fem": finite}
 
 
-@pytest.mark.first(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["layered", "fem"])
 def test_surroundings_change_no_bit(method: str, tmp_path: Path) -> None:
     case = cases(tmp_path)[method]

@@ -489,7 +489,7 @@ def shell(line: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(["sh", "-c", words], capture_output=True, text=True, check=False)
 
 
-@pytest.mark.first(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("closed", ["2>&-", ">&-", ">&- 2>&- <&-", "2>/dev/full"])
 def test_streams_that_take_nothing_stop_no_work(closed: str, tmp_path: Path) -> None:
     """Progress and warnings are lost there, results and exit codes are not."""

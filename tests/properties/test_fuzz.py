@@ -114,7 +114,7 @@ def _judge_case(write: Callable[[str, bytes], Path]) -> Judge:
 
 
 def test_cases(seed: int, judge_case: Judge) -> None:
-    fuzz(files_like(trees()), judge_case, 40, seed)
+    fuzz(files_like(trees()), judge_case, 25, seed)
 
 
 @pytest.mark.slow
@@ -220,7 +220,7 @@ def _judge_series(write: Callable[[str, bytes], Path], tmp_path: Path) -> Callab
 
 
 def test_series_files(seed: int, judge_series: Judge) -> None:
-    fuzz(chances(), judge_series, 30, seed)
+    fuzz(chances(), judge_series, 20, seed)
 
 
 @pytest.mark.slow
@@ -301,7 +301,7 @@ def _judge_import(write: Callable[[str, bytes], Path]) -> Judge:
 
 
 def test_imports(seed: int, judge_import: Judge) -> None:
-    fuzz(tables_like(hertz()), judge_import, 30, seed)
+    fuzz(tables_like(hertz()), judge_import, 20, seed)
 
 
 @pytest.mark.slow
@@ -321,7 +321,7 @@ def _judge_measured(write: Callable[[str, bytes], Path], tmp_path: Path) -> Judg
 
 
 def test_measured_curves(seed: int, judge_measured: Judge) -> None:
-    fuzz(tables_like(adhesive()), judge_measured, 30, seed)
+    fuzz(tables_like(adhesive()), judge_measured, 15, seed)
 
 
 @pytest.mark.slow
@@ -341,7 +341,7 @@ def _judge_sweep(write: Callable[[str, bytes], Path]) -> Judge:
 
 
 def test_sweeps(seed: int, judge_sweep: Judge) -> None:
-    fuzz(files_like(sweeps()), judge_sweep, 60, seed)
+    fuzz(files_like(sweeps()), judge_sweep, 30, seed)
 
 
 @pytest.mark.slow

@@ -36,6 +36,7 @@ def scan(path: Path) -> Path:
     return path
 
 
+@pytest.mark.slow
 def test_a_scan_becomes_images_one_row_per_pixel(jkr, tmp_path: Path) -> None:
     h5py = pytest.importorskip("h5py")
     scan(tmp_path / "scan.h5")

@@ -183,7 +183,7 @@ def test_bonded_layer_at_any_poisson_ratio(nu):
     assert solution.facts["formulation"].startswith("displacement and pressure") == (nu > 0.49)
 
 
-@pytest.mark.first(2)
+@pytest.mark.first(1)
 @pytest.mark.parametrize(
     "specimen",
     [
@@ -315,7 +315,7 @@ def bonded(nu):
     return Problem(Paraboloid(1000.0), layer, Loading("radius", 5.0))
 
 
-@pytest.mark.first(2)
+@pytest.mark.first(1)
 @pytest.mark.parametrize(
     ("problem", "options"),
     [
@@ -343,7 +343,7 @@ def test_error_columns_bound_the_error_of_every_row(problem, options):
     assert 0.01 * series.delta[-1] <= solution.facts["judged_from_m"] < 0.012 * series.delta[-1]
 
 
-@pytest.mark.first(2)
+@pytest.mark.first(1)
 @pytest.mark.parametrize(("to", "maximum"), [("depth", 0.0931), ("load", 0.0417), ("radius", 0.973)])
 @pytest.mark.parametrize("corrected", [True, False])
 def test_nested_ends_where_the_loading_ends(to, maximum, corrected):

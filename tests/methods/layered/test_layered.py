@@ -332,6 +332,7 @@ def test_tolerance_is_checked() -> None:
         Layered(tolerance=0.5)
 
 
+@pytest.mark.slow
 def test_tolerance_out_of_reach_is_an_error_with_the_remedy() -> None:
     """A very thin incompressible layer, S/(2 E* a) of 5e5, is beyond 1e-8 in double precision."""
     problem = Problem(Paraboloid(1e5), bonded(0.5), Loading("radius", 150.0, 10))
@@ -423,7 +424,7 @@ def test_estimate_bounds_the_error_of_200_stacks() -> None:
 # -- refinement -----------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.first(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("points", [1, 7])
 def test_few_radii_on_a_steeply_graded_layer(points: int) -> None:
     """Refined by narrower panels: higher orders lose accuracy. Against 28 radii, whose panels are finer anyway."""

@@ -41,6 +41,7 @@ class RelaxationFitTuning:
     shares: tuple[float, ...] = (0.2, 0.6)  # choice: starts of the ratio
     exponents: tuple[float, ...] = (0.05, 0.15, 0.4)  # choice: starts of an exponent
     depths: tuple[float, ...] = (0.0, 0.03, 0.1)  # choice: starts of the depth at which contact shows, over the range
+    deeper: float = 1.5  # times the depth that shows, to which a body is solved; choice: contact begins before it shows
     contact: float = 5.0  # theory: standard deviations of a load that shows contact
     reach: float = 12.0  # choice: guard, how far logs may move from their start
     apart: float = 2.5  # theory: rows between two corners, within which no row tells when a step was
@@ -144,6 +145,18 @@ class TimedRecord:
     noise: tuple[float, float]
     sigma: tuple[float, float]
 
+    @cached_property
+    def shows(self) -> int:
+        """The first row whose load shows contact."""
+        load, noise = (self.held, self.noise[0]) if self.loaded else (self.made, self.noise[1])
+        return int(np.argmax(load - np.median(load[:3]) > TUNING.contact * noise))
+
+    @property
+    def depth(self) -> float:
+        """How deep the tip goes from there on [m]."""
+        depth = self.made if self.loaded else self.held
+        return float(depth[self.shows :].max() - depth[self.shows])
+
     def thinned(self) -> TimedRecord:
         """The record by a few of its rows."""
         some = np.unique(np.linspace(0, self.t.size - 1, min(self.t.size, TUNING.some)).astype(int))
@@ -204,7 +217,9 @@ def relaxation_fit(body: FittedBody, curve: Curve, settings: RelaxationSettings)
     allow it."""
     if body.problem.indenter.material is not None or body.problem.sticks:
         raise InputError("fit: --relaxation goes with a rigid indenter and surfaces that slide")
-    problem = _Problem(Nonadhesive(body.series, body.slopes), timed_record(curve), settings)
+    record = timed_record(curve)
+    body = body.to_depth(TUNING.deeper * record.depth)
+    problem = _Problem(Nonadhesive(body.series, body.slopes), record, settings)
     found = problem.minimise(problem.start())
     for _ in range(TUNING.rounds - 1):
         problem = replace(problem, record=replace(problem.record, sigma=problem.scatters(found)))
@@ -355,12 +370,10 @@ class _Problem:
 
     def _zeros(self) -> list[float]:
         """Displacements at which contact may begin."""
-        record, noise = self.record, self.record.noise
+        record = self.record
         if record.loaded:
-            shows = record.held > record.held[0] + TUNING.contact * noise[0]
-            return [float(record.made[0] if not shows.any() else record.made[max(int(np.argmax(shows)) - 1, 0)])]
-        shows = record.made - np.median(record.made[:3]) > TUNING.contact * noise[1]
-        at = float(record.held[int(np.argmax(shows))])
+            return [float(record.made[max(record.shows - 1, 0)])]
+        at = float(record.held[record.shows])
         return [at - share * (float(record.held.max()) - at) for share in TUNING.depths]
 
     def _from(self, values: Mapping[str, float]) -> Array:

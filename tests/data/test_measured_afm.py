@@ -15,6 +15,7 @@ from jkrcli.base.errors import InputError
 from jkrcli.base.installing import installs
 from jkrcli.data import measured
 from jkrcli.data.measured import Curve, Reading
+from jkrcli.data.record import examine
 
 HEIGHT = np.array([9.0, 5.0, 1.0, 3.0, 8.0]) * 1e-6  # grows away from the specimen
 FORCE = np.array([0.0, 1.0, 40.0, 10.0, -3.0]) * 1e-9
@@ -168,3 +169,25 @@ def test_a_table_of_names_is_not_taken_for_three_columns_without(tmp_path: Path)
         '"vDeflection [N]", t = column 3 "time [s]"; say which columns they are, --column P=NAME (columns: 1 "way1 '
         '[m]", 2 "vDeflection [N]", 3 "time [s]")',
     )
+
+
+def test_records_of_creep_and_relaxation_are_read_by_their_motion(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """JPK numbers their waits as a segment between the directions: 1 was a retraction, and they were refused."""
+    afmformats = pytest.importorskip("afmformats")
+    z = np.concatenate([np.linspace(1e-6, 0.0, 30), np.full(40, 0.0), np.linspace(0.0, 1e-6, 30)])
+    columns = {"force": np.maximum(2e-7 - z, 0.0) * 1e-3, "height (measured)": z, "time": np.arange(100.0)}
+    columns["segment"] = np.repeat([0, 1, 2], [30, 40, 30])
+    for modality in ("creep-compliance", "stress-relaxation"):
+        kind = afmformats.AFMCreepCompliance if modality.startswith("creep") else afmformats.AFMStressRelaxation
+        made = kind(columns, {"imaging mode": modality, "path": "x.h5", "enum": 0, "point count": 100,
+                              "spring constant": K})  # fmt: skip
+        path = written(tmp_path / f"{modality}.h5", data(spring_constant=K))
+        held = [made]
+        monkeypatch.setattr(afmformats, "load_data", lambda path, modality=None, held=held, **_: (
+            held if modality in (None, held[0].modality) else []))  # fmt: skip
+        (curve,) = measured.read(path)
+        assert curve.segment is None
+        assert curve.t is not None
+        assert [part.kind for part in examine(curve).segments] == ["approach", "pause", "retract"]

@@ -37,7 +37,8 @@ class UnreadableError(InputError):
 def curves(
     path: Path, reading: Reading, loaded: tuple[list[Any], str] | None = None
 ) -> Iterator[tuple[Curve | InputError, float | None]]:
-    """The force-distance curves of a file with their spring constants [N/m]; each is loaded when it is asked for.
+    """The curves of a file, over distance, of creep or of relaxation, with their spring constants [N/m]; each is loaded
+    when it is asked for.
 
     ``delta`` is minus the height, which grows away from the specimen, the deflection not yet subtracted; of files that
     hold the position of the tip itself it is minus that, and None stands for the spring constant.
@@ -107,7 +108,7 @@ def load(path: Path, reading: Reading) -> tuple[list[Any], str]:
         missing = ", ".join(error.meta_keys)
         raise InputError(f"{path}: lacks {missing}: give --stiffness and, if asked for, --sensitivity") from None
     if not held:
-        raise InputError(f"{path}: holds no force-distance record")
+        raise InputError(f"{path}: holds no force curve")
     if reading.stiffness == math.inf:
         raise InputError(f"{path}: is of a force microscope, whose lever bends: give its stiffness, not rigid")
     return held, lacks
@@ -123,7 +124,7 @@ def _loaded(path: Path, **options: Any) -> list[Any]:
         old.close()
     with _told(str(path)):
         try:
-            return list(afmformats.load_data(path, modality="force-distance", **options))
+            return list(afmformats.load_data(path, **options))
         except errors.FileFormatNotSupportedError:
             known = ", ".join(afmformats.supported_extensions)
             raise UnreadableError(f"{path}: is no file of force curves that afmformats reads ({known})") from None
@@ -169,7 +170,7 @@ def _curve(path: Path, name: str, data: Any) -> Curve:
     if t is not None and (np.diff(t) < 0).any():
         t, flags = None, (*flags, "its time runs back and was left out")
     segment = None
-    if _holds(data, "segment"):
+    if _holds(data, "segment") and data.modality == "force-distance":  # others wait between: the motion tells
         segment = np.array([SEGMENTS.get(int(word), f"segment {word}") for word in data["segment"]])
     return Curve(name, delta=delta, P=P, t=t, segment=segment, origin=path, flags=flags, pixel=_pixel(path, data))
 

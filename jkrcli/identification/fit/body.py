@@ -12,6 +12,8 @@ from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Any, cast
 
+import numpy as np
+
 from ...adhesion.finite_range import FiniteRangeBody
 from ...adhesion.law import AskedRange
 from ...adhesion.slopes.choice import slopes
@@ -43,6 +45,8 @@ class ResolvingTuning:
     per_decade: int = 20  # choice: radii to which a body is solved, so that many curves share one solve
     points: int = 100  # choice: least radii of a series that is solved to another radius
     tolerance: float = 1e-8  # choice: of the solves, far below the noise of any record
+    ahead: float = 4.0  # choice: of log a beyond the series, how far it may be continued to find how deep it goes
+    deep: float = 0.7  # choice: of the tip's radius, to which a body is solved before anything is fitted
 
 
 TUNING = ResolvingTuning()
@@ -159,6 +163,14 @@ class FittedBody:
         a = rounded if rounded < end else a
         problem = replace(unbounded(self.problem), loading=Loading("radius", a, points, "radius"))
         return self._like(_reaching(problem, self.tolerance))
+
+    def to_depth(self, depth: float) -> FittedBody:
+        """The same problem solved to the contact radius at a ``depth`` [m] without adhesion, where it may be."""
+        u = np.linspace(self.family.low, self.family.high + TUNING.ahead, 200)
+        reached = np.flatnonzero(self.family.at(u)[0][0] <= depth)
+        R, a = self.problem.indenter.tip_radius, math.exp(u[reached[-1]]) if reached.size else 0.0
+        a = min(a, TUNING.deep * R) if R is not None else a
+        return self.to_radius(a) if self.extensible and a > self.series.a[-1] else self
 
     def _like(self, other: FittedBody, **changes: Any) -> FittedBody:
         """The ``other`` body as the user describes this one."""

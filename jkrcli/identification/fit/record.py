@@ -45,8 +45,6 @@ class WholeRecordTuning:
     free_rows: int = 20  # choice: least rows of a base line
     room: float = 1.05  # choice: of the largest contact radius, to which the body is solved anew
     placed: float = 0.3  # choice: scatter of positions over that of loads, both over their range, of a table
-    ahead: float = 4.0  # choice: of log a beyond the series, how far it may be continued to find a start
-    deep: float = 0.7  # choice: of the tip's radius, to which a body is solved before anything is fitted
     rounds: int = 3  # choice: solves to larger radii before the record is given up
     misfit: float = 0.03  # choice: residual over the range of the load above which the model does not describe it
     noisy: float = 0.1  # choice: noise over the range of the load above which little can be told
@@ -277,12 +275,7 @@ def _model(
 def _deep_enough(body: FittedBody, model: ForceCurveModel) -> FittedBody:
     """The body solved to the contact radius that a record can reach at most, as its tip moves no deeper."""
     ways = ((part.z - part.P / model.k)[part.touching if part.jumped else slice(None)] for part in model.stretches)
-    depth = max(float(np.ptp(way)) for way in ways)
-    u = np.linspace(body.family.low, body.family.high + TUNING.ahead, 200)
-    reached = np.flatnonzero(body.family.at(u)[0][0] <= depth)
-    R, a = body.problem.indenter.tip_radius, math.exp(u[reached[-1]]) if reached.size else 0.0
-    a = min(a, TUNING.deep * R) if R is not None else a
-    return body.to_radius(a) if body.extensible and a > body.series.a[-1] else body
+    return body.to_depth(max(float(np.ptp(way)) for way in ways))
 
 
 def _directions(record: ForceCurve, found: ForceCurveFit, settings: Settings) -> str:

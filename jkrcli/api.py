@@ -80,6 +80,7 @@ if TYPE_CHECKING:
     from .identification.fit import Fit
     from .identification.rate.fitting import RateFit
     from .identification.relaxation import RelaxationFit
+    from .identification.tension import TensionFit
     from .many.study.maps import MapResult
     from .report.check import Check
     from .report.look import Look
@@ -90,9 +91,9 @@ if TYPE_CHECKING:
     from .report.work import Work
 
 __all__ = [
-    "check", "cycle_at_speed", "cycle_relaxing", "identify", "identify_law", "identify_relaxation", "load_case",
-    "look", "measured_curves", "parse_case", "plot", "profile", "pull_off", "read", "save", "solve", "study_map",
-    "summary", "table", "to_pandas", "transform", "work",
+    "check", "cycle_at_speed", "cycle_relaxing", "identify", "identify_law", "identify_relaxation",
+    "identify_tension", "load_case", "look", "measured_curves", "parse_case", "plot", "profile", "pull_off", "read",
+    "save", "solve", "study_map", "summary", "table", "to_pandas", "transform", "work",
 ]  # fmt: skip
 
 
@@ -363,6 +364,28 @@ def identify_relaxation(
     source = body_of(Path(body) if isinstance(body, str) else body, slopes)
     curve = _curve_of(measured, None)
     return one_thread()(relaxation_fit)(source, curve, relaxation_settings(law, (fix or {}).items(), **options))
+
+
+def identify_tension(
+    body: Case | Solution | str | Path,
+    measured: Sequence[Curve | str | Path],
+    tip_radii: Sequence[float | str] = (),
+    fix: Mapping[str, str] | None = None,
+    level: float = 0.95,
+) -> TensionFit:
+    """Surface tension, E*, w and the zero points from records by tips of one or more radii on the same body, together.
+
+    ``measured``: curves or their files; ``tip_radii`` [m]: of each, or one of all (default: the body's); ``fix``: known
+    values, {"w": "1 mJ/m^2"}. Raises InputError where a record cannot be used.
+    """
+    from .identification.fit.body import body_of
+    from .identification.tension import TENSION, known_values, radii_of, tension_fit
+
+    problem = body_of(Path(body) if isinstance(body, str) else body).problem
+    curves = [_curve_of(item, None) for item in measured]
+    radii = radii_of(problem, [_number("tip_radii", R, "length") for R in tip_radii], len(curves))
+    known = known_values(problem, [] if TENSION in (fix or {}) else [TENSION], (fix or {}).items())
+    return one_thread()(tension_fit)(problem, curves, radii, known, level)
 
 
 def _curve_of(measured: Any, reading: Reading | None) -> Curve:

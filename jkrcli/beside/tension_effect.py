@@ -13,9 +13,10 @@ from ..adhesion.nonadhesive import Nonadhesive
 from ..adhesion.slopes.exact import exact
 from ..base.errors import JkrError
 from ..base.unknown import Estimate, Unknown
-from ..bodies.problem import Loading, Problem
+from ..bodies.problem import Problem
 from ..methods.layered.layered import Layered, unbounded
 from ..series import Series
+from .again import again
 
 
 @dataclass(frozen=True)
@@ -40,10 +41,10 @@ def noticed_tension(problem: Problem, largest: float, works: Sequence[float]) ->
     a0 = problem.indenter.a0
     radii = a0 + (largest - a0) * np.geomspace(TUNING.smallest, 1.0, TUNING.radii)
     trial = TUNING.slight * largest * problem.E_star / 2
-    body = replace(unbounded(problem), loading=Loading.given("radius", tuple(radii)))
-    tense = replace(body, specimen=replace(body.specimen, surface_tension=trial, relaxation=None))
+    body, method = unbounded(problem), Layered(TUNING.accuracy)
+    tense = replace(body.specimen, surface_tension=trial, relaxation=None)
     try:
-        plain, other = (Layered(TUNING.accuracy)(one).series for one in (body, tense))
+        plain, other = (again(body, radii, method, specimen=one).series for one in (body.specimen, tense))
         changes = [_load(other, float(plain.delta[-2])) / float(plain.P[-2]) - 1]
         changes += [_pull_off(other, w) / _pull_off(plain, w) - 1 for w in works if w > 0]
     except JkrError as error:

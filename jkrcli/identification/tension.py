@@ -8,7 +8,7 @@ the contact radius; residuals are those of the load at the displacement that was
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any, cast
@@ -21,7 +21,7 @@ from scipy.stats import t as student
 from ..adhesion.validity import LIMITS
 from ..base.arrays import Array
 from ..base.errors import InputError, SolveError
-from ..base.units import show
+from ..base.units import parse, show
 from ..bodies.problem import Loading, Problem
 from ..data.measured import Curve
 from ..formulas.griffith import shift
@@ -29,7 +29,9 @@ from ..formulas.surface_tension import edge_angle
 from ..methods.layered.layered import Layered, largest_radius, unbounded
 from .fit.result import FittedValue
 
-NAMES = ("modulus", "surface_tension", "w")  # of all records together; each has a zero point delta0 beside them
+TENSION = "surface_tension"
+DIMENSIONS = {"E_star": "modulus", TENSION: "tension", "w": "work"}
+NAMES = ("modulus", TENSION, "w")  # of all records together; each has a zero point delta0 beside them
 
 
 @dataclass(frozen=True)
@@ -141,6 +143,38 @@ def _tabulated(problem: Problem) -> TenseFamily:
     table = np.array(columns).transpose(1, 0, 2)
     splines = tuple(RectBivariateSpline(np.log(lengths), np.log(radii), values, s=0) for values in table)
     return TenseFamily(problem, splines, (lengths[0], lengths[-1]), (radii[0], radii[-1]))
+
+
+def radii_of(problem: Problem, radii: Sequence[float], count: int) -> Sequence[float]:
+    """The tip radius [m] of each file."""
+    own = problem.indenter.tip_radius
+    if not hasattr(problem.indenter, "R") or own is None:
+        raise InputError("fit: surface_tension: needs a sphere or a paraboloid: give indenter.shape one of these")
+    if len(radii) not in (0, 1, count):
+        raise InputError(f"fit: --tip-radius: give one for each of the {count} files, or one for all, got {len(radii)}")
+    return list(radii) if len(radii) == count else [radii[0] if radii else own] * count
+
+
+def known_values(problem: Problem, names: Iterable[str], fix: Iterable[tuple[str, str]]) -> dict[str, float]:
+    """Known values by the fit's names; the tension is the body's where it is neither free nor fixed."""
+    if problem.specimen.radius is not None:
+        raise InputError("fit: surface_tension: a finite cylinder is not solved anew: leave specimen.radius out")
+    names, fix = list(names), list(fix)
+    if other := [name for name in (*names, *dict(fix)) if name not in (*DIMENSIONS, "modulus", "delta0")]:
+        raise InputError(f"fit: surface_tension: {other[0]} cannot be free or fixed beside it: leave it out")
+    found = {}
+    for name, text in fix:
+        if name not in DIMENSIONS:
+            raise InputError(f"fit: surface_tension: {name} cannot be fixed (allowed: {', '.join(DIMENSIONS)})")
+        try:
+            found[name.replace("E_star", "modulus")] = parse(text, DIMENSIONS[name])
+        except ValueError as error:
+            raise InputError(f"fit: {name}: {error}") from None
+    if TENSION not in names and TENSION not in found:
+        found[TENSION] = problem.specimen.surface_tension
+    if not (found.get(TENSION, 1.0) > 0 and found.get("modulus", 1.0) > 0 and found.get("w", 0.0) >= 0):
+        raise InputError("fit: surface_tension and E_star must be fixed at values > 0, w at one >= 0")
+    return found
 
 
 def tension_fit(

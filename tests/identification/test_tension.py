@@ -6,6 +6,7 @@ from functools import cache
 import numpy as np
 import pytest
 
+import jkrcli
 from jkrcli.adhesion.curve import transform
 from jkrcli.adhesion.slopes.choice import slopes
 from jkrcli.bodies.indenters import Paraboloid
@@ -89,3 +90,14 @@ def test_from_the_command_line(jkr, tmp_path):
         assert said in refused.err
         assert refused.err.count("\n") == 1
     assert "goes with --free surface_tension" in jkr(*words, *tips, "--force").err
+
+
+def test_python_fits_as_the_command_does():
+    """By a body, curves and radii as text; known values too."""
+    curves = [record(R, 0.0, 0) for R in (SMALL, LARGE)]
+    solved = jkrcli.solve(START, "closed-form")
+    found = jkrcli.identify_tension(solved, curves, [SMALL, f"{LARGE * 1e6:g} um"], {"w": f"{W} J/m^2"})
+    plain = tension_fit(START, curves, [SMALL, LARGE], {"w": W})
+    assert found.estimate("E_star").value == plain.estimate("E_star").value
+    with pytest.raises(jkrcli.InputError, match="give one for each of the 2 files, or one for all, got 3"):
+        jkrcli.identify_tension(solved, curves, [SMALL] * 3)

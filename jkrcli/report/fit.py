@@ -201,7 +201,7 @@ def rivals_table(item: Fit) -> list[str]:
         return []
     head = f"  {'rival':<44}{'the data':<23}{'p':>9}{'E*':>8}{'w':>8}{'chi^2':>10}"
     return [head, *(
-        f"  {one.name:<44}{one.word:<23}{one.chance:>9.1g}{one.amount * one.E_star:>+8.1%}{one.amount * one.w:>+8.1%}"
+        f"  {one.name:<44}{one.word:<23}{one.chance:>9.1g}{one.change(one.E_star):>+8.1%}{one.change(one.w):>+8.1%}"
         f"{-one.taken:>10.3g}" for one in item.verdict.rivals.scores
     )]  # fmt: skip
 
@@ -225,7 +225,7 @@ def _score_summary(one: Score) -> dict[str, Any]:
     return {
         "name": one.name, "family": one.family, "word": one.word, "amount_is": one.words, "amount": one.amount,
         "standard_error": told, "p": one.chance, "share_of_misfit": one.share,
-        "E_star_moves": one.amount * one.E_star, "w_moves": one.amount * one.w,
+        "E_star_moves": one.change(one.E_star), "w_moves": one.change(one.w),
         "E_star_may_move": one.moved(one.E_star), "w_may_move": one.moved(one.w),
     }  # fmt: skip
 

@@ -21,7 +21,7 @@ from jkrcli.data.measured import Curve
 from jkrcli.identification.fit import Fit, fit, record_rivals
 from jkrcli.identification.fit.device_path import grid, on_grid
 from jkrcli.identification.fit.record import _fitted, _kinds, _model, whole_record
-from jkrcli.identification.fit.record_rivals import RIVALS, Situation, columns, narrow_range
+from jkrcli.identification.fit.record_rivals import RIVALS, Situation, columns, narrow_range, work_over_speed
 from jkrcli.identification.fit.record_scores import ASKED, EXCLUDED, UNTOLD, rivals_of_record
 from jkrcli.identification.fit.record_verdict import half_space_modulus
 from jkrcli.identification.fit.settings import Settings
@@ -226,3 +226,17 @@ def test_the_command_prints_the_table(jkr: Callable[..., Outcome], tmp_path: Pat
     told = json.loads((tmp_path / "curve-fit.json").read_text())["curves"][0]
     assert "relaxation or flow" in told["verdict"]["families"]
     assert len(told["verdict"]["rivals"]) == len(rivals_table(answer("right"))) - 1
+
+
+def test_positions_that_repeat_take_no_fit_with_them() -> None:
+    """A piezo's readings are steps of a converter: on a microscope's own file the speed of the edge was 0/0."""
+    at = situation()
+    part = at.back
+    assert part is not None
+    stepped = replace(part, z=np.round(part.z / (4 * part.spacing)) * 4 * part.spacing)
+    stretches = tuple(stepped if one is part else one for one in at.model.stretches)
+    coarse = Situation(at.body, replace(at.found, model=replace(at.model, stretches=stretches)))
+    with np.errstate(all="raise"):
+        column = work_over_speed(coarse)
+    assert column is not None
+    assert np.isfinite(column).all()

@@ -233,10 +233,11 @@ def work_over_speed(at: Situation) -> Array | None:
         return None
     a, rests = at.radii[at.model.stretches.index(part)]
     moves = (a > 0) & ~rests
-    if np.count_nonzero(moves) < 3:
+    z, rows = np.unique(part.z[moves], return_index=True)  # readings of a position repeat
+    if z.size < 3:
         return None
     speed = np.ones(part.z.size)
-    speed[moves] = np.maximum(np.abs(np.gradient(a[moves], part.z[moves])), 1e-9)
+    speed[moves] = np.interp(part.z[moves], z, np.maximum(np.abs(np.gradient(a[moves][rows], z)), 1e-9))
     log = np.zeros(at.a.size)
     log[np.concatenate([moves if one is part else np.zeros(one.z.size, bool) for one in at.model.stretches])] = np.log(
         speed[moves] / np.median(speed[moves])
@@ -538,8 +539,8 @@ def columns(at: Situation, rivals: Sequence[Rival] = RIVALS) -> dict[Rival, Arra
     for rival in rivals:
         try:
             column = rival.column(at)
-        except JkrError:
-            continue  # a neighbouring body that cannot be solved is no rival
+        except (JkrError, FloatingPointError):
+            continue  # a neighbouring body that cannot be solved is no rival, and takes no fit with it
         if column is not None and np.isfinite(column).all() and column.any():
             found[rival] = column
     return found

@@ -50,7 +50,7 @@ class Score:
     """What the data say of one rival, by its ``name``, ``family`` and what its ``amount`` is in ``words``.
 
     ``error``: standard error of the amount, infinite where no row tells it; ``chance`` of as much from noise; ``taken``
-    from chi^2, and the ``share`` of all that is; ``E_star``, ``w``: by how much they move per amount, relative.
+    from chi^2, and the ``share`` of all that is; ``E_star``, ``w``: by how much their logarithms move per amount.
     ``least, known``: the amounts that are likely before the data; ``word``: one of three.
     """
 
@@ -68,6 +68,10 @@ class Score:
     least: float
     known: float
     word: str
+
+    def change(self, rate: float) -> float:
+        """Relative change, with the amount found, of a quantity whose logarithm moves by ``rate`` per amount."""
+        return math.expm1(self.amount * rate)
 
     def moved(self, rate: float) -> float:
         """How far a quantity may be off, relative, that moves by ``rate`` per amount: by the amount found and its 95 %

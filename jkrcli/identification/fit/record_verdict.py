@@ -45,7 +45,7 @@ def judged(result: Fit, body: FittedBody, found: ForceCurveFit) -> Fit:
 def _flags(rivals: RecordRivals) -> Iterator[tuple[str, str]]:
     """Flags with a sentence each."""
     if rivals.named:
-        names = " or ".join(f"{one.name} (E* {one.amount * one.E_star:+.1%})" for one in rivals.named)
+        names = " or ".join(f"{one.name} (E* {one.change(one.E_star):+.1%})" for one in rivals.named)
         apart = ", which one step cannot tell apart" if len(rivals.named) > 1 else ""
         yield REJECTED, f"p = {rivals.chance:.1g}, the residuals ask for {names}{apart}"
     if rivals.named and rivals.named[0].of_directions:

@@ -1,8 +1,8 @@
 """`make benchmarks`: whole processes of the commands that users feel, and a line for each in the history.
 
 Runs of the versions compared alternate, so that what else goes on at the machine hits both; the least of all counts.
-`--against` names another checkout or a commit of this one; the ratio is that of the least CPU seconds, which other work at the machine
-changes least.
+`--against` names another checkout or a commit of this one; the ratio is that of the least CPU seconds, which other
+work at the machine changes least.
 """
 
 from __future__ import annotations

@@ -16,7 +16,7 @@ import numpy as np
 from scipy.optimize import OptimizeResult, least_squares
 
 from ..adhesion.nonadhesive import Nonadhesive
-from ..adhesion.rate.program import Program
+from ..adhesion.program import Program
 from ..adhesion.relaxation.history import RelaxingContact
 from ..base.arrays import Array
 from ..base.errors import InputError, JkrError, did_you_mean

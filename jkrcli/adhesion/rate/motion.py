@@ -25,7 +25,7 @@ from ...base.arrays import Array
 from ...base.errors import SolveError
 from ..device import LOAD_CONTROL, position
 from ..edge import Edge
-from ..path import ADVANCE, RECEDE, AtOnce, Follow, Now
+from ..path import ADVANCE, RECEDE, AtOnce, Follow, Now, Piece
 from ..program import Ramp
 from .laws import RateLaw
 
@@ -66,7 +66,7 @@ class Driven:
 
 
 @dataclass(frozen=True, eq=False)
-class Motion:
+class Motion(Piece):
     """The path of the edge from one state until it rests, leaves the series or the ramp ends.
 
     ``path``: of s gives t/T from the ramp's begin on, log a, the works [J] of device and edge over ``energy``, and the
@@ -165,9 +165,6 @@ class Motion:
         i = int(np.argmin(self.edge.state(radii, self.ramp.at(times)).P))
         return float(times[i]), float(radii[i])
 
-    def unloaded(self) -> None:
-        """Not asked for."""
-
     def _load_rate(self, t: Array, a: Array) -> Array:
         """(1 + S/k) dP/dt [N/s] = S dx/dt - S' L da/dt."""
         here, state = self.edge.body.parts(a), self.edge.state(a, self.ramp.at(t))
@@ -211,7 +208,7 @@ class ByLaw:
     def _slowly(self, ramp: Ramp, now: Now) -> Follow | None:
         """How far the edge is in equilibrium; None: not at all."""
         rule, a = self.equilibrium, now.place
-        if abs(rule.held(a) - now.x) > rule.slack(a) or not self.slow or ramp.rate == 0:
+        if not (self.slow and ramp.rate and rule.stands(now)):
             return None
         if self._excess(ramp, np.array([a]))[0] > self.slow:
             return None

@@ -72,9 +72,9 @@ from .series import Solution
 if TYPE_CHECKING:
     from pandas import DataFrame
 
+    from .adhesion.program import Program
     from .adhesion.rate.history import History
     from .adhesion.rate.laws import RateLaw
-    from .adhesion.rate.program import Program
     from .adhesion.relaxation.history import RelaxedHistory
     from .bodies.relaxation import Relaxation
     from .identification.fit import Fit
@@ -185,9 +185,8 @@ def cycle_at_speed(
     The result's ``pull_off``, ``jumps``, ``lost``, ``energy_lost`` and ``error`` tell what happened, ``table(points)``
     gives its columns. Raises InputError where the contact leaves the series.
     """
+    from .adhesion.program import there_and_back
     from .adhesion.rate.history import RateContact
-    from .adhesion.rate.program import there_and_back
-    from .adhesion.rate.turn import held_at_turn
 
     w0, k = _number("w", w, "work"), _number("stiffness", stiffness, "stiffness")
     w_a = w0 if w_approach is None else _number("w_approach", w_approach, "work")
@@ -203,7 +202,7 @@ def cycle_at_speed(
         there = back if speed_approach is None else _number("speed_approach", speed_approach, rate)
         load = None if to_load is None else _number("to_load", to_load, "load")
         depth = None if to_depth is None else _number("to_depth", to_depth, "length")
-        turn = held_at_turn(contact, load, depth, there)
+        turn = contact.turning(load, depth, there)
         program = there_and_back(turn, there, back, _number("hold", hold, "time"), contact.least)
     assert program is not None
     history = contact.history(program)
@@ -240,7 +239,7 @@ def cycle_relaxing(
     The result's ``peak``, ``corners``, ``turn``, ``lost`` and ``error`` tell what happened, ``table(points)`` gives its
     columns. Raises InputError where the contact leaves the series, or is loaded again onto its dent.
     """
-    from .adhesion.rate.program import there_and_back
+    from .adhesion.program import there_and_back
     from .adhesion.relaxation.history import RelaxingContact
 
     solution, k = _solution(solved, None), _number("stiffness", stiffness, "stiffness")

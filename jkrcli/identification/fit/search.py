@@ -374,7 +374,7 @@ def _there_and_back(body: FittedBody, points: Points, settings: Settings) -> Min
     assert points.edges is not None
     forth = replace(points.at(points.edges == ADVANCING), edges=None)
     law = settings.range
-    plain = settings if law is None or not law.free else settings.without_range
+    plain = settings.without_range
     into = _of_a_branch(body, forth, plain.of_the_approach)
     objective = replace(into.objective, parameters=plain.parameters, points=points)
     values = into.objective.values(into.x) | {"a_turn": float(into.found.a.max())}
@@ -383,10 +383,12 @@ def _there_and_back(body: FittedBody, points: Points, settings: Settings) -> Min
     natural = objective.body.family.natural_work * values["modulus"]
     tried = [{**values, "w": values["w_approach"] + shift * natural} for shift in shifts]
     values = min(tried, key=lambda values: _assigned(objective, values)[0])
-    if law is None or not law.free:
-        return _settled(objective, values)
-    objective = replace(objective, parameters=settings.parameters)
-    tried = sorted(_ranged(body, values, law.name), key=lambda values: _assigned(objective, values)[0])
+    jkr = _settled(objective, values)
+    if law is None:
+        return jkr
+    values, objective = jkr.objective.values(jkr.x), replace(objective, parameters=settings.parameters)
+    tried = list(_ranged(body, values, law.name)) if law.free else [{**values, law.name: float(law.value or 0.0)}]
+    tried.sort(key=lambda values: _assigned(objective, values)[0])
     found = [_settled(objective, values) for values in tried[: TUNING.followed_ranges]]
     return min(found, key=lambda item: item.cost)
 

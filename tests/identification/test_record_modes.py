@@ -1,4 +1,4 @@
-"""The shipped raw record, E* 200 kPa, w 1 mJ/m^2 on its way out and 0.2 mJ/m^2 on its way in, by every way to fit it."""
+"""The shipped raw record, E* 200 kPa, w 1 mJ/m^2 on its way out and 0.2 mJ/m^2 on its way in, fitted every way."""
 
 from __future__ import annotations
 

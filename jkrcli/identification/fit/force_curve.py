@@ -142,6 +142,16 @@ class ForceCurveModel:
         _, (_, _, dH, dV), _ = on_grid(self.family)
         return 0.9 * float(dH[-1] / dV[-1]) ** 2
 
+    @property
+    def limits(self) -> Mapping[str, tuple[float, float]]:
+        """Least and largest values of unknowns by name."""
+        least, most = (math.log(s) if s > 0 else -math.inf for s in self.moduli)
+        return {"ln_s": (least, most)}
+
+    def further(self, values: Mapping[str, float]) -> dict[str, float]:
+        """What other unknowns mean, SI, by name."""
+        return {}
+
     def values(self, x: Array) -> dict[str, float]:
         """All unknowns by name, the known ones too, and q of each stretch."""
         found = {**self.known, **dict(zip(self.names, map(float, x), strict=True))}
@@ -474,15 +484,14 @@ def _one_step(model: ForceCurveModel, off: Array, J: Array) -> tuple[Array, Arra
 
 def _bounds(model: ForceCurveModel, start: Array) -> tuple[Array, Array]:
     """Least and largest unknowns of a search from ``start`` on."""
-    least, most = (math.log(s) if s > 0 else -math.inf for s in model.moduli)
     names = np.array(model.names, dtype=str)
     reach = np.select([names == "ln_s", names == "ln_period"], [TUNING.moduli, TUNING.periods], np.inf)
     lowest, highest = start - reach, start + reach
     for letter, high in (("q", model.most), ("r", math.sqrt(model.most)), ("t", 1.0)):
         own = np.char.startswith(names, f"{letter}:") | (names == "turn") & (letter == "t")
         lowest, highest = np.where(own, -high, lowest), np.where(own, high, highest)
-    of_s = names == "ln_s"
-    return np.where(of_s, np.maximum(lowest, least), lowest), np.where(of_s, np.minimum(highest, most), highest)
+    least, most = np.array([model.limits.get(name, (-np.inf, np.inf)) for name in model.names]).T
+    return np.maximum(lowest, least), np.minimum(highest, most)
 
 
 def nearest(model: ForceCurveModel, loss: Loss = "linear") -> ForceCurveFit:

@@ -315,6 +315,9 @@ def identify(
     given = {name: values for name, values in arrays.items() if values is not None}
     if (measured is None) == (not given):
         raise InputError("identify: give either what was measured or arrays of a, delta, P, t")
+    if reading is not None:  # a fit finds zero points itself, with the rest
+        options = {"contact": reading.contact} | options
+        reading = replace(reading, contact="as-is")
     curve = _curve_of(given if measured is None else measured, reading)
     source = body_of(Path(body) if isinstance(body, str) else body, slopes)
     return one_thread()(fit)(source, curve, settings_of(source, free, (fix or {}).items(), **options))

@@ -362,7 +362,7 @@ def _scale(model: ForceCurveModel) -> Array:
 
 def _search(
     model: ForceCurveModel, x: Array, bounds: tuple[Array, Array], blunt: float, enough: float, loss: Loss = "linear",
-    width: float = 1.0,
+    width: float = 1.0, steps: int = TUNING.evaluations,
 ) -> Any:  # fmt: skip
     """SciPy's least squares of the loads over the range of their stretch, from ``x`` on, or the least sum of a robust
     ``loss`` that turns at ``width`` of that range."""
@@ -374,10 +374,26 @@ def _search(
             held[:] = [(x.copy(), *model.residuals(x, blunt))]
         return held[0][1] / scale, held[0][2] / scale[:, None]
 
+    if not np.isfinite(at(x)[0]).all():
+        raise SolveError("no curve of this body resembles the record")
     return least_squares(
         lambda x: at(x)[0], x, lambda x: at(x)[1], bounds=bounds, x_scale="jac", loss=loss, f_scale=width,
-        ftol=enough, xtol=enough, gtol=enough, max_nfev=TUNING.evaluations,
+        ftol=enough, xtol=enough, gtol=enough, max_nfev=steps,
     )  # fmt: skip
+
+
+def misfit_at(model: ForceCurveModel, x: Array) -> float:
+    """Half the sum of squares at the unknowns ``x``, of loads over their range."""
+    off = model.residuals(np.clip(x, *_bounds(model, x)), TUNING.blunt[-1])[0] / _scale(model)
+    return float(off @ off) / 2
+
+
+def rough(model: ForceCurveModel, start: Array, steps: int) -> tuple[float, Array]:
+    """Half the sum of squares that is left, of loads over their range, and the unknowns that leave about least, by a
+    search from ``start`` on of a few ``steps``."""
+    bounds = _bounds(model, start)
+    found = _search(model, np.clip(start, *bounds), bounds, TUNING.blunt[-1], TUNING.about, steps=steps)
+    return float(found.cost), found.x
 
 
 def fit(model: ForceCurveModel, start: Array, near: bool = False, loss: Loss = "linear") -> ForceCurveFit:
@@ -500,7 +516,7 @@ def nearest(model: ForceCurveModel, loss: Loss = "linear") -> ForceCurveFit:
     """The unknowns that leave least, from several starts until one leaves no more than noise; SolveError where no
     search converges. Of a retraction alone all are tried: how far its edge rests is told by its shape only."""
     best: ForceCurveFit | SolveError = SolveError("no curve of this body resembles the record")
-    for x in _starts(model):
+    for x in starts_of(model):
         try:
             found = fit(model, x, loss=loss)
         except SolveError as error:
@@ -515,7 +531,7 @@ def nearest(model: ForceCurveModel, loss: Loss = "linear") -> ForceCurveFit:
     return best
 
 
-def _starts(model: ForceCurveModel) -> Iterator[Array]:
+def starts_of(model: ForceCurveModel) -> Iterator[Array]:
     """Unknowns to begin with, as each stretch suggests."""
     if "turn" not in model.names:
         yield from (_start(model, part, 1.0, 0.0) for part in model.stretches)

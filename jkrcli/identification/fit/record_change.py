@@ -16,6 +16,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from ...base.arrays import Array
+from ...base.errors import SolveError
 from .device_path import DeviceBranch, Rest, grid, on_grid
 from .family import Family
 from .force_curve import DirectionReadings, ForceCurveFit, ForceCurveModel
@@ -57,6 +58,8 @@ class Bent(Family):
 
 def bent(family: Family, changes: Array) -> Family:
     """A family whose logs of D, T, H, V differ by ``changes`` (4, n) on its grid."""
+    if not np.isfinite(changes).all():
+        raise SolveError("no body has curves that differ so much")
     return Bent(family.logs, family.low, family.high, None, CubicSpline(grid(family), changes.T))
 
 

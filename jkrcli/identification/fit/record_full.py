@@ -17,7 +17,7 @@ import numpy as np
 from scipy.special import fdtrc
 
 from ...base.arrays import Array
-from ...base.errors import JkrError, SolveError
+from ...base.errors import JkrError
 from .body import FittedBody
 from .force_curve import ForceCurveFit, fit, misfit_at, rough, starts_of
 from .record_change import AMOUNT, Change, RivalModel
@@ -63,13 +63,13 @@ def fitted_in_full(body: FittedBody, found: ForceCurveFit, rivals: RecordRivals)
     """The best of each family, by increasing misfit, those that are taken first."""
     at, tried = Situation(body, found), []
     for score in _likeliest(rivals.scores):
-        with contextlib.suppressJkrError:  # what cannot be solved is not taken
+        with contextlib.suppress(JkrError):  # what cannot be solved is not taken
             look = next(rival for rival in RIVALS if rival.name == score.name).look(at)
             tried += [(*_roughly(at, look, score.amount), look, score)] if isinstance(look, Change) else []
     least = min((cost for cost, *_ in tried), default=0.0)
     each = []
     for cost, x, change, score in tried:
-        with contextlib.suppressJkrError:
+        with contextlib.suppress(JkrError):
             each += [_in_full(at, change, x, score, rivals)] if cost <= TUNING.promising * least else []
     return tuple(sorted(each, key=lambda one: (not one.passes, one.misfit)))
 
@@ -98,7 +98,7 @@ def _new(at: Situation, model: RivalModel, start: tuple[float, ...]) -> Iterator
     if model.change.model is None or model.change.felt:
         return
     values = at.model.values(at.found.x) | dict(zip(model.change.names, start, strict=True))
-    with contextlib.suppress(SolveError):
+    with contextlib.suppress(JkrError):
         yield from (np.append(x, start) for x in starts_of(model.followed(at.model.stretches[-1], values)))
 
 

@@ -16,7 +16,7 @@ from .options import NumberRange
 from .output import answer, output_options
 from .series import read_files
 from .verb import Verb
-from .voice import say
+from .voice import present
 
 COLUMNS = ("P", "a", "S", "dS")
 
@@ -108,8 +108,9 @@ def _as_dict(
 def _print(
     first: Path, second: Path, rtol: float, found: list[Difference], judged: list[Difference], agree: bool
 ) -> None:
-    say(f"{first} against {second}: {'agree' if agree else 'DIFFER'} at rtol {rtol:g}")
+    lines = [f"{first} against {second}: {'agree' if agree else 'DIFFER'} at rtol {rtol:g}"]
     for d in found:
         counts = "" if d in judged else "  (not counted)"
         where = f"at {d.over} = {d.x[d.worst_row]:.6g}, {d.x.size} rows of {first.name}"
-        say(f"  {d.column:<16} worst {d.worst:.3e} {where}{counts}")
+        lines.append(f"  {d.column:<16} worst {d.worst:.3e} {where}{counts}")
+    present(lines)

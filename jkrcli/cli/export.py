@@ -16,7 +16,7 @@ from .options import WorkType, limits_options, slopes_option
 from .output import answer, into_folder, output_options
 from .series import begin_curves, first_work, read_series, series_file, without_range
 from .verb import Verb
-from .voice import say
+from .voice import present
 
 
 @click.command(cls=Verb)
@@ -61,4 +61,4 @@ def export(file: Path, dem: bool, work: float | None, slopes: str, limits: Limit
     if output.json:
         answer(report.summary(law, result))
     else:
-        say("\n".join([*report.words(law, result), f"  written    {targets}"]))
+        present(report.words(law, result), last=f"  written    {targets}")

@@ -27,7 +27,7 @@ from .options import ColumnUnitType, KeyNumberType, KeyValueType, LengthType, Sc
 from .output import ONE_FILE, answer, into_file, output_options
 from .series import end_of
 from .verb import Verb
-from .voice import command_line, say, warn
+from .voice import command_line, present, warn
 
 KEYS = tuple(NAMES.quantities)
 SOME_LOADING = b"\n[loading]\ndepth = 1.0\n"  # stands in where a case has none: the table says how far it went
@@ -80,9 +80,9 @@ def import_(
     wedge of 2 degrees of an axisymmetric body: --factor P=180.
 
     \b
-    jkr import abaqus.rpt --case my.toml --unit delta=um --unit P=mN --unit area=um^2
-    jkr import table.csv -o data.h5 --radius "1 mm" --E "15 kPa" --nu 0.5 --thickness "0.3 mm"
-    jkr import run.csv --case my.toml --column P=RF2 --column a=4 --unit P=uN --unit a=um --factor P=180
+    jkr import abaqus.rpt --case my.toml --unit delta=um --unit P=mN
+    jkr import table.csv -o data.h5 --radius "1 mm" --E "15 kPa" --nu 0.5
+    jkr import run.csv --case my.toml --column P=RF2 --column a=4 --factor P=180
     """
     body = {key: options.pop(key) for key in FLAGS}
     target = output.series(Path(f"{table.stem}.h5"), [table, *([case] if case else [])])
@@ -97,11 +97,12 @@ def import_(
         answer(_as_dict(target, solution))
         return
     series = solution.series
-    say(solution.problem.words)
-    say(f"  columns   {solution.facts['columns']}; separated by: {solution.facts['separator']}")
-    say(f"  read      {solution.facts['rows']} rows, {len(series)} different contact radii")
-    say(f"  reached   {reached(series.a[-1], series.delta[-1], series.P[-1])}")
-    say(f"  written   {target}")
+    end = reached(series.a[-1], series.delta[-1], series.P[-1])
+    present([
+        f"{end}; {solution.facts['rows']} rows, {len(series)} different contact radii",
+        f"  body      {solution.problem.words}",
+        f"  columns   {solution.facts['columns']}; separated by: {solution.facts['separator']}",
+    ], last=f"  written   {target}")  # fmt: skip
     for warning in solution.warnings:
         warn(f"{table}: {warning}")
 

@@ -10,7 +10,7 @@ import click
 
 from ..adhesion.validity import check, end_of_body, judge, sizes
 from ..base.units import reached
-from ..base.unknown import Estimate, Unknown
+from ..base.unknown import Estimate, Unknown, accuracy
 from ..beside.sticking import as_told, effect_facts, sticking_effect, sticking_warnings
 from ..bodies.problem import Problem
 from ..case import Case, load_case, store
@@ -24,7 +24,7 @@ from .options import limits_options
 from .output import ONE_FILE, answer, into_file, output_options
 from .series import end_of
 from .verb import Verb
-from .voice import command_line, detail, note, say, warn
+from .voice import command_line, detail, note, present, warn
 
 
 @click.command(cls=Verb)
@@ -120,9 +120,9 @@ def _as_json(
 
 def _print(case: Case, target: Path, choice: Choice, solution: Solution, seconds: float) -> None:
     series = solution.series
-    say(case.model.problem().words)
-    say(f"  method    {choice.name}: {choice.reason}")
-    say(f"  reached   {reached(series.a[-1], series.delta[-1], series.P[-1])} in {len(series)} points")
-    total = solution.budget.total
-    say(f"  error     {total if isinstance(total, Unknown) else f'{total:.1e} relative (estimated)'}")
-    say(f"  written   {target} ({seconds:.2f} s CPU)")
+    end = reached(series.a[-1], series.delta[-1], series.P[-1])
+    present([
+        f"{end} in {len(series)} points; {accuracy(solution.budget.total)}",
+        f"  body      {case.model.problem().words}",
+        f"  method    {choice.name}: {choice.reason}",
+    ], last=f"  written   {target} ({seconds:.2f} s CPU)")  # fmt: skip

@@ -22,7 +22,7 @@ from ..report.output import PICTURES, Output
 from .options import WorkType, parallel_options
 from .output import answer, into_folder, output_options
 from .verb import Verb
-from .voice import progress, say, warn
+from .voice import present, progress, warn
 
 if TYPE_CHECKING:
     from ..report.plots import Figure
@@ -74,8 +74,10 @@ def study_converge(
     if output.json:
         answer(data)
     else:
-        _print(found)
-        say(f"  written   {files}")
+        present(_words(found), last=f"  written   {files}")
+    for level in found.levels:
+        if isinstance(level.state.point, Unknown):
+            warn(f"elements of {show(level.size, 'length', 3)}: {level.state.point.reason}")
 
 
 def _figure(found: Convergence) -> Figure:
@@ -132,33 +134,41 @@ def _columns(found: Convergence) -> dict[str, Sequence[Any]]:
     }
 
 
-def _print(found: Convergence) -> None:
-    say(found.problem.words)
-    against = "the exact solution" if found.exact is not None else "the extrapolated value or the finest mesh"
-    say(f"  at        delta = {show(found.depth, 'length')}, w = {show(found.w, 'work')}; errors against {against}")
-    say(f"  {'size':>10}{'elements':>10}{'a':>12}{'error':>9}{'P':>12}{'error':>9}{'pull-off':>12}{'error':>9}"
-               f"{'kept':>6}{'dropped':>8}{'CPU s':>7}")  # fmt: skip
+def _words(found: Convergence) -> list[str]:
+    """The finest mesh and its errors, then the orders, then a line per mesh."""
+    finest = found.levels[-1]
     errors = {name: found.errors(name) for name in QUANTITIES}
-    for i, level in enumerate(found.levels):
-        cells = "".join(
-            _cell(level.state.value(name), errors[name][i], "length" if name == "a" else "load") for name in QUANTITIES
-        )
-        say(f"  {show(level.size, 'length', 3):>10}{level.elements:>10}{cells}{level.kept:>6}{level.dropped:>8}"
-                   f"{level.seconds:>7.2f}")  # fmt: skip
+    worst = max((abs(held[-1]) for held in errors.values() if held[-1] is not None), default=None)
+    against = "the exact solution" if found.exact is not None else "the extrapolated value or the finest mesh"
+    told = "no errors" if worst is None else f"errors within {worst:.1e} of {against}"
+    lines = [
+        f"elements of {show(finest.size, 'length', 3)}: {told}",
+        f"  body      {found.problem.words}",
+        f"  at        delta = {show(found.depth, 'length')}, w = {show(found.w, 'work')}",
+    ]
     for name in QUANTITIES:
         order, limit = found.order(name), found.extrapolated[name]
-        dimension = "length" if name == "a" else "load"
         words = f"no order: {order}" if isinstance(order, Unknown) else f"observed order {order:.2f}"
         ends = (
             f"not extrapolated: {limit}"
             if isinstance(limit, Unknown)
-            else f"extrapolated {show(limit[1], dimension, 6)}"
+            else f"extrapolated {show(limit[1], 'length' if name == 'a' else 'load', 6)}"
         )
-        say(f"  {WORDS[name]:<15} {words}; {ends}")
-    say(f"  {'CPU seconds':<15} grow like the number of unknowns to the power {found.time_exponent:.2f}")
-    for level in found.levels:
-        if isinstance(level.state.point, Unknown):
-            warn(f"elements of {show(level.size, 'length', 3)}: {level.state.point.reason}")
+        lines.append(f"  {WORDS[name]:<15} {words}; {ends}")
+    lines += [
+        f"  {'CPU seconds':<15} grow like the number of unknowns to the power {found.time_exponent:.2f}",
+        f"  {'size':>10}{'elements':>10}{'a':>12}{'error':>9}{'P':>12}{'error':>9}{'pull-off':>12}{'error':>9}"
+        f"{'kept':>6}{'dropped':>8}{'CPU s':>7}",
+    ]
+    for i, level in enumerate(found.levels):
+        cells = "".join(
+            _cell(level.state.value(name), errors[name][i], "length" if name == "a" else "load") for name in QUANTITIES
+        )
+        lines.append(
+            f"  {show(level.size, 'length', 3):>10}{level.elements:>10}{cells}{level.kept:>6}{level.dropped:>8}"
+            f"{level.seconds:>7.2f}"
+        )
+    return lines
 
 
 def _cell(value: float | None, error: float | None, dimension: str) -> str:

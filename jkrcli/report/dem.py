@@ -124,10 +124,10 @@ def summary(law: DemLaw, result: Analysis) -> Mapping[str, Any]:
 def words(law: DemLaw, result: Analysis) -> list[str]:
     """What was exported, for people."""
     lines = [
-        f"{result.path}: w = {show(result.w, 'work')}, {law.delta.size} rows up to {show(law.delta[-1], 'length')}; "
-        f"interpolation good to {law.error:.1g}",
+        f"tear-off at P = {show(law.tear_off.P, 'load')}, delta = {show(law.tear_off.delta, 'length')} "
+        f"(displacement control), w = {show(result.w, 'work')}: {result.path}",
+        f"  table      {law.delta.size} rows up to {show(law.delta[-1], 'length')}, good to {law.error:.1g} between",
         f"  touch      {_state(0.0, law.jump_in.P)}",
-        f"  tear-off   {_state(law.tear_off.delta, law.tear_off.P)} (displacement control)",
     ]
     if law.load is not None:
         lines.append(f"  pull-off   {_state(law.load.delta, law.load.P)} (load control)")

@@ -29,7 +29,7 @@ SOURCES := $(shell find jkrcli -name '*.py')
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "  make %-14s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
-	@echo "  variables: CASE=my.toml  W='40 mJ/m^2 50 mJ/m^2'  RESULTS=folder  SEED=7  AGAINST=checkout  PYTHON=python3.12"
+	@echo "  variables: CASE=my.toml  W='40 mJ/m^2 50 mJ/m^2'  RESULTS=folder  SEED=7  AGAINST=commit  PYTHON=python3.12"
 
 setup: $(READY) ## virtual environment and the system libraries that the mesher needs
 

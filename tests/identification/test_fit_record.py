@@ -327,7 +327,6 @@ def test_readings_with_estimated_zeros_are_not_a_whole_record() -> None:
     ("asked", "named"),
     [
         ({"branch": "compressive"}, "--branch compressive"),
-        ({"confidence": "profile"}, "--confidence profile"),
         ({"noise": {"P": 1e-9}}, "--noise"),
         ({"free": ["compliance"]}, "--free compliance"),
         ({"fix": [("delta0", "0")]}, "--fix delta0"),

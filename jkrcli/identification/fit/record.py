@@ -11,6 +11,7 @@ import numpy as np
 
 from ...base.arrays import Array
 from ...base.errors import InputError, SolveError
+from ...base.executors import Pool
 from ...base.units import show
 from ...base.unknown import Unknown, known
 from ...data.measured import Curve
@@ -32,6 +33,7 @@ from .force_curve import (
 )
 from .interference import Wave, straightened
 from .points import third_differences
+from .record_intervals import of_samples, profiles, rates, samples
 from .record_verdict import judged
 from .result import Fit, FittedValue
 from .settings import CALIBRATED, Settings
@@ -60,7 +62,6 @@ class WholeRecordTuning:
     one_sided: float = 0.84  # theory: 1.645/1.960, one-sided over two-sided 95 % of a normal value
     drifting: float = 3.0  # choice: standard errors of a drift that was not fitted, from which on it is said
     at_bound: float = 1e-6  # choice: relative distance of a modulus from a bound at which it is said to end there
-    step: float = 1e-6  # choice: of unknowns, for central differences; outcomes are smooth in them
 
 
 TUNING = WholeRecordTuning()
@@ -135,7 +136,6 @@ def _in_the_way(settings: Settings) -> str:
     told += [f"--start {p.name}" for p in free if p.value is not None]
     told += [f"--fix {p.name}" for p in settings.parameters if p.name in ZEROS & settings.given and not p.free]
     told += ["--branch compressive"] if settings.branch != "all" else []
-    told += [f"--confidence {settings.confidence}"] if settings.confidence != "covariance" else []
     told += ["--noise"] if settings.noise else []
     return next(iter(told), "")
 
@@ -147,10 +147,11 @@ def _usable(record: ForceCurve, kind: str) -> bool:
     return side.begins_free and side.base.rows >= TUNING.free_rows
 
 
-def fit_record(body: FittedBody, record: ForceCurve, settings: Settings) -> Fit:
+def fit_record(body: FittedBody, record: ForceCurve, settings: Settings, pool: Pool | None = None) -> Fit:
     """Modulus, w, contact point and base lines of a whole record; InputError where it holds no contact.
 
     Where one modulus does not describe both directions, the retraction's answer with that of the approach beside it.
+    ``pool``: for the samples of its bootstrap.
     """
     if (reason := record.flags.get("no contact")) is not None:
         raise InputError(f"{record.curve.where}: no contact: {reason}")
@@ -164,7 +165,7 @@ def fit_record(body: FittedBody, record: ForceCurve, settings: Settings) -> Fit:
 
     deeper, found = of(*kinds)
     whole, joint = deeper, found
-    result = _result(deeper, record, curve, settings, found)
+    result = _result(deeper, record, curve, settings, found, pool)
     if not found.ended:
         return result
     if len(kinds) < 2 or not _apart(found):
@@ -173,8 +174,8 @@ def fit_record(body: FittedBody, record: ForceCurve, settings: Settings) -> Fit:
     error = math.hypot(*(found.error("ln_s") * found.spread.excess for found in (into, back)))
     if not differ(math.exp(into.value("ln_s")), math.exp(back.value("ln_s")), error):
         return judged(result, whole, joint)
-    alone = _result(deeper, record, curve, settings, into)
-    return judged(beside(_result(deeper, record, curve, settings, back), alone, result), whole, joint)
+    alone = _result(deeper, record, curve, settings, into, pool)
+    return judged(beside(_result(deeper, record, curve, settings, back, pool), alone, result), whole, joint)
 
 
 def receding(body: FittedBody, curve: Curve, settings: Settings) -> Curve:
@@ -360,18 +361,32 @@ DIMENSIONS = {
 }  # fmt: skip
 
 
-def _result(body: FittedBody, record: ForceCurve, curve: Curve, settings: Settings, found: ForceCurveFit) -> Fit:
+def _result(
+    body: FittedBody, record: ForceCurve, curve: Curve, settings: Settings, found: ForceCurveFit, pool: Pool | None
+) -> Fit:
     """The fit of a ``curve`` as every fit gives it; ``record``: without the waves of its base lines."""
     values = _outcome(found, found.x, body)
-    covariance = _propagated(found, body, values)
+
+    def meaning(x: Array) -> dict[str, float]:
+        return _outcome(found, x, body)
+
+    by = np.array(list(rates(found, found.x, meaning).values()))
+    covariance = by @ found.covariance @ by.T
     dof = max(found.off.size - found.x.size, 1)
     t = t_quantile(settings.level, max(round(found.spread.dof / found.spread.tau), 1))
     carried = _carried(body, found, settings, values)
-    estimates = tuple(
-        wider(_estimate(name, value, math.sqrt(max(covariance[i, i], 0.0)), t, found),
-              {source: change[name] for source, change in carried.items()}, t)
+    plain = [
+        _estimate(name, value, math.sqrt(max(covariance[i, i], 0.0)), t, found)
         for i, (name, value) in enumerate(values.items())
-    )  # fmt: skip
+    ]
+    drawn = {}
+    if settings.confidence == "profile" and found.ended:
+        plain = profiles(plain, found, meaning, t)
+    if settings.confidence == "bootstrap" and found.ended:
+        each = [meaning(x) for x in samples(found, settings, pool)]
+        drawn = {name: np.array([told[name] for told in each]) for name in values}
+        plain = [of_samples(item, drawn[item.name], settings.level) for item in plain]
+    estimates = tuple(wider(item, {key: change[item.name] for key, change in carried.items()}, t) for item in plain)
     if not found.ended:
         estimates = tuple(replace(item, error=None, low=None, high=None) for item in estimates)
     free = tuple(item.name for item in estimates if item.free and item.name != "E_star" and ":" not in item.name
@@ -390,7 +405,7 @@ def _result(body: FittedBody, record: ForceCurve, curve: Curve, settings: Settin
         estimates=estimates,
         free=free,
         covariance=covariance[np.ix_(held, held)] if found.ended else None,
-        samples=None,
+        samples=np.stack([drawn[name] for name in free], axis=1) if drawn else None,
         data={"delta": curve.delta[rows[order]], "P": curve.P[rows[order]]},
         rows=rows[order],
         left_out=_left_out(record, rows.size),
@@ -401,7 +416,7 @@ def _result(body: FittedBody, record: ForceCurve, curve: Curve, settings: Settin
         dof=dof,
         structure=structure(found.off[a > 0]),
         line=_line(found),
-        evaluations=found.evaluations,
+        evaluations=found.least.steps,
         settings=settings,
         warnings=(),
         flags=tuple(told),
@@ -413,21 +428,6 @@ def _result(body: FittedBody, record: ForceCurve, curve: Curve, settings: Settin
     at_bound = ["modulus"] * bool(np.isclose(values["modulus"], found.model.moduli, rtol=TUNING.at_bound).any())
     more = warnings_of(result, body, body.family, at_bound)
     return replace(result, warnings=(*said, *_words(found, settings), *more))
-
-
-def _propagated(found: ForceCurveFit, body: FittedBody, values: Mapping[str, float]) -> Array:
-    """Covariance (n, n) of the n outcomes ``values``, in their order, from that of the unknowns: first order, by
-    central differences."""
-    sizes = np.maximum(np.abs(found.x), np.sqrt(np.diag(found.covariance)))
-    curved = [name.startswith(("ln_", "q:", "r:")) for name in found.names]  # all others are linear in the outcome
-    steps = TUNING.step * np.where(curved, np.abs(found.x), sizes)
-    rates = np.zeros((len(values), found.x.size))
-    for i, step in enumerate(steps):
-        unit = step * (np.arange(found.x.size) == i)
-        high, low = _outcome(found, found.x + unit, body), _outcome(found, found.x - unit, body)
-        rates[:, i] = [(high[name] - low[name]) / (2 * step) for name in values]
-    covariance: Array = rates @ found.covariance @ rates.T
-    return covariance
 
 
 def _carried(
@@ -530,7 +530,7 @@ def _judged(record: ForceCurve, found: ForceCurveFit, a: Array) -> tuple[dict[st
     depth = max(part.reach for part in found.model.stretches)
     contact = found.error("z0") / depth if "z0" in found.names else 0.0
     wavy = max(side.base.waviness for side in record.directions) / span
-    flags = {} if found.ended else {"not determined": GIVEN_UP.format(found.evaluations)}
+    flags = {} if found.ended else {"not determined": GIVEN_UP.format(found.least.steps)}
     beyond = (found.spread.excess - 1) / TUNING.excess
     if beyond > 1:
         flags["misfit"] = (

@@ -20,7 +20,8 @@ from .body import FittedBody
 from .coloured import TUNING as COLOURED
 from .coloured import noise_of
 from .force_curve import ForceCurveFit
-from .record_rivals import Rival, Situation, columns, known_amount
+from .record_rivals import Rival, columns, known_amount
+from .record_situation import Situation
 from .statistics import t_quantile
 
 ASKED, EXCLUDED, UNTOLD = "asked for by the data", "excluded", "cannot be told"

@@ -12,13 +12,14 @@ import itertools
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
-from scipy.optimize import least_squares
 
 from ...base.arrays import Array
 from ...base.errors import InputError, JkrError, SolveError
 from ...base.units import show
+from ..least_squares import Least, LeastSquares, State
 from .body import FittedBody
 from .edges import ADVANCING, RECEDING, RESTING, RestingMember
 from .family import Family
@@ -90,38 +91,69 @@ TUNING = FitSearchTuning()
 
 # ---------------------------------------------------------------------- least squares
 @dataclass(frozen=True, eq=False)
-class Minimum:
-    """The point of least sum of losses: ``x`` all unknowns, ``found`` the distances there, ``cost`` half that sum.
+class ScaledDistances(State):
+    """The distances ``found`` at some unknowns as the search takes them."""
 
-    ``at_bound``: names of parameters that end on a bound; ``width``: of the robust loss, in scaled units; ``ended``:
-    whether it is a minimum, and not where the search was given up.
-    """
+    found: Distances | PathDistances
+
+
+def _scaled(objective: Objective, begin: Array, units: Array, y: Array) -> ScaledDistances:
+    """The distances at the free unknowns ``y`` in ``units``, the others as in ``begin``."""
+    x = begin.copy()
+    x[objective.free] = y * units
+    found = objective.distances(x)
+    return ScaledDistances(found.residuals.ravel(), partial(_rates, found, objective.free, units), found)
+
+
+def _rates(found: Distances | PathDistances, free: Array, units: Array) -> Array:
+    return found.jacobian(free) * units
+
+
+@dataclass(frozen=True, eq=False)
+class Minimum:
+    """The point of least sum of losses of an ``objective``: ``x`` all unknowns, ``least``: that of the free ones, in
+    ``units``."""
 
     objective: Objective
     x: Array
-    found: Distances | PathDistances
-    cost: float
-    at_bound: tuple[str, ...]
-    evaluations: int
-    width: float = 1.0
-    ended: bool = True
+    units: Array
+    least: Least
+
+    @property
+    def found(self) -> Distances | PathDistances:
+        """The distances there."""
+        assert isinstance(self.least.state, ScaledDistances)
+        return self.least.state.found
+
+    @property
+    def cost(self) -> float:
+        """Half the sum of the losses."""
+        return self.least.cost
+
+    @property
+    def width(self) -> float:
+        """At which the robust loss turns, in scaled units."""
+        return self.least.problem.width
+
+    @property
+    def at_bound(self) -> tuple[str, ...]:
+        """Names of parameters that end on a bound."""
+        free = zip(self.objective.free, self.least.at_bound, strict=True)
+        return tuple(self.objective.parameters[i].name for i, held in free if held)
 
     def settled(self) -> Minimum:
         """This minimum; SolveError where its search was given up."""
-        if not self.ended:
+        if not self.least.ended:
             raise SolveError(f"the fit did not converge in {TUNING.evaluations} steps")
         return self
 
 
-def minimise(
-    objective: Objective, start: Array, loss: Loss = "linear", width: float = 1.0, enough: float = 0.0
-) -> Minimum:
-    """The least sum of squares (or of a robust ``loss`` that turns at ``width``) from the unknowns ``start``; relative
-    changes of unknowns and cost below ``enough`` are none.
+def minimise(objective: Objective, start: Array, loss: Loss = "linear", width: float = 1.0) -> Minimum:
+    """The least sum of squares (or of a robust ``loss`` that turns at ``width``) from the unknowns ``start``.
 
-    SciPy's trust region (method "trf", bounds respected). Where the data do not determine the unknowns it may creep
-    along a valley that has no lowest point, and whether it stops there is a matter of round-off: it is given up after
-    so many evaluations, and the point is told as one that did not end.
+    Where the data do not determine the unknowns the search may creep along a valley that has no lowest point, and
+    whether it stops there is a matter of round-off: it is given up after so many evaluations, and the point is told as
+    one that did not end.
     """
     free = objective.free
     begin = np.array(start, dtype=float)
@@ -129,30 +161,17 @@ def minimise(
     begin[free] = np.clip(begin, low, high)[free]
     natural = objective.natural_units()
     units = np.array([1.0 if p.kind == "log" else natural[p.name] for p in objective.parameters])[free]
-    remembered: list[tuple[Array, Distances | PathDistances]] = []
-
-    def unknowns(y: Array) -> Array:
-        x = begin.copy()
-        x[free] = y * units
-        return x
-
-    def at(y: Array) -> Distances | PathDistances:
-        if not (remembered and np.array_equal(remembered[0][0], y)):
-            remembered[:] = [(y.copy(), objective.distances(unknowns(y)))]
-        return remembered[0][1]
-
     bounds = low[free] / units, high[free] / units
     splines = objective.ranged or any(objective.parameters[i].of_body for i in free)
     close = TUNING.converged_layers if splines else TUNING.converged
-    close = max(close if loss == "linear" else TUNING.converged_robust, enough)
-    found = least_squares(
-        lambda y: at(y).residuals.ravel(), _inside(begin[free] / units, *bounds),
-        lambda y: at(y).jacobian(free) * units, bounds=bounds, method="trf", x_scale="jac",
-        loss=loss, f_scale=width, ftol=close, xtol=close, gtol=close, max_nfev=TUNING.evaluations,
-    )  # fmt: skip
-    held = tuple(objective.parameters[i].name for i, mask in zip(free, found.active_mask, strict=True) if mask != 0)
-    cost, steps, ended = float(found.cost), int(found.nfev), found.status > 0
-    return Minimum(objective, unknowns(found.x), at(found.x), cost, held, steps, width, ended)
+    close = close if loss == "linear" else max(close, TUNING.converged_robust)
+    problem = LeastSquares(
+        partial(_scaled, objective, begin, units), bounds, close, 0.0, TUNING.evaluations, loss, width
+    )
+    found = problem.least(_inside(begin[free] / units, *bounds))
+    x = begin.copy()
+    x[free] = found.x * units
+    return Minimum(objective, x, units, found)
 
 
 def robust(minimum: Minimum, loss: Loss) -> Minimum:

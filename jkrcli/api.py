@@ -521,9 +521,10 @@ def compare(
     differs by more than ``rtol``. Raises InputError where less than ``overlap`` of their range is common."""
     from .report.compare import Compared, of_curves, of_solutions
 
-    files = tuple(Path(item) if isinstance(item, str | Path) else Path("solved") for item in (first, second))
-    if files[0].suffix == ".csv":
-        return Compared.of(files, of_curves(files), rtol, columns, overlap)
+    one, two = (Path(item) if isinstance(item, str | Path) else Path("solved") for item in (first, second))
+    files = one, two
+    if one.suffix == ".csv":
+        return Compared.of(files, of_curves(files), rtol, tuple(columns), overlap)
     found = of_solutions(files, _solution(first, None), _solution(second, None))
     return Compared.of(files, found, rtol, tuple(columns) or ("P",), overlap)
 

@@ -83,7 +83,7 @@ def test_command_and_python_say_the_same(jkr: Callable, gel: str, name: str) -> 
     assert done.code == 0, done.err
     found = json.loads(done.out)
     assert plain(result.summary()) == (found[inside][0] if inside else found)
-    assert str(result) in jkr(*words).out
+    assert str(result) in jkr(*words, "-v").out
 
 
 def test_a_profile_is_that_of_the_command(jkr: Callable, gel: str) -> None:
@@ -136,7 +136,14 @@ radius = "0.1 mm"
 def test_arrays_data_frames_and_files_are_identified_alike(tmp_path: Path) -> None:
     body = python.solve(python.parse_case(BALL))
     delta, P = arrays()
-    np.savetxt(tmp_path / "ball.csv", np.column_stack([delta, P]), delimiter=",", header="delta_m,P_N", comments="", fmt="%.17g")
+    np.savetxt(
+        tmp_path / "ball.csv",
+        np.column_stack([delta, P]),
+        delimiter=",",
+        header="delta_m,P_N",
+        comments="",
+        fmt="%.17g",
+    )
     by_file = python.identify(body, tmp_path / "ball.csv")
     assert by_file.value("w") == pytest.approx(0.05, rel=1e-6)
     in_units = python.Reading(units={"P": "nN", "delta": "um"})

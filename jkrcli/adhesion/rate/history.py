@@ -10,7 +10,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from ...base.arrays import Array
-from ...base.errors import InputError, positive
+from ...base.errors import InputError, SolveError, positive
 from ...base.units import show
 from ...base.unknown import Estimate, Unknown
 from ..curve import AdhesiveCurve
@@ -117,7 +117,10 @@ class RateContact(Contact):
         quantity, value = ("P", load) if depth is None else ("delta", depth)
         if value is None:
             raise InputError("cycle: an edge that advances by a law needs a turn: --to-load or --to-depth")
-        found = self.history(Program.on(self.least, speed)).first_held(quantity, value)
+        try:
+            found = self.once(Program.on(self.least, speed)).first_held(quantity, value)
+        except SolveError as error:
+            raise InputError(f"cycle: {error}") from None
         if found is None:
             told = show(value, "load" if quantity == "P" else "length")
             raise InputError(f"cycle: the turn at {quantity} = {told} is not passed on approach within the series")

@@ -13,8 +13,8 @@ TYPE_CHECKING = False  # typing's own takes as long to import as all else here, 
 if TYPE_CHECKING:
     from typing import Any
 
+    from .adhesion.program import Program
     from .adhesion.rate.laws import LogRate, PowerRate
-    from .adhesion.rate.program import Program
     from .api import (
         check,
         compare,

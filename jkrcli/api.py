@@ -72,9 +72,9 @@ from .series import Solution
 if TYPE_CHECKING:
     from pandas import DataFrame
 
+    from .adhesion.program import Program
     from .adhesion.rate.history import History
     from .adhesion.rate.laws import RateLaw
-    from .adhesion.rate.program import Program
     from .adhesion.relaxation.history import RelaxedHistory
     from .bodies.relaxation import Relaxation
     from .identification.fit import FittedBody
@@ -187,9 +187,8 @@ def cycle_at_speed(
     The result's ``pull_off``, ``jumps``, ``lost``, ``energy_lost`` and ``error`` tell what happened, ``table(points)``
     gives its columns. Raises InputError where the contact leaves the series.
     """
+    from .adhesion.program import there_and_back
     from .adhesion.rate.history import RateContact
-    from .adhesion.rate.program import there_and_back
-    from .adhesion.rate.turn import held_at_turn
 
     w0, k = _number("w", w, "work"), _number("stiffness", stiffness, "stiffness")
     w_a = w0 if w_approach is None else _number("w_approach", w_approach, "work")
@@ -205,7 +204,7 @@ def cycle_at_speed(
         there = back if speed_approach is None else _number("speed_approach", speed_approach, rate)
         load = None if to_load is None else _number("to_load", to_load, "load")
         depth = None if to_depth is None else _number("to_depth", to_depth, "length")
-        turn = held_at_turn(contact, load, depth, there)
+        turn = contact.turning(load, depth, there)
         program = there_and_back(turn, there, back, _number("hold", hold, "time"), contact.least)
     assert program is not None
     history = contact.history(program)
@@ -242,7 +241,7 @@ def cycle_relaxing(
     The result's ``peak``, ``corners``, ``turn``, ``lost`` and ``error`` tell what happened, ``table(points)`` gives its
     columns. Raises InputError where the contact leaves the series, or is loaded again onto its dent.
     """
-    from .adhesion.rate.program import there_and_back
+    from .adhesion.program import there_and_back
     from .adhesion.relaxation.history import RelaxingContact
 
     solution, k = _solution(solved, None), _number("stiffness", stiffness, "stiffness")
@@ -318,6 +317,9 @@ def identify(
     given = {name: values for name, values in arrays.items() if values is not None}
     if (measured is None) == (not given):
         raise InputError("identify: give either what was measured or arrays of a, delta, P, t")
+    if reading is not None:  # a fit finds zero points itself, with the rest
+        options = {"contact": reading.contact} | options
+        reading = replace(reading, contact="as-is")
     curve = _curve_of(given if measured is None else measured, reading)
     source = body_of(Path(body) if isinstance(body, str) else body, slopes)
     found = one_thread()(fit)(source, curve, settings_of(source, free, (fix or {}).items(), **options))
@@ -533,9 +535,10 @@ def compare(
     differs by more than ``rtol``. Raises InputError where less than ``overlap`` of their range is common."""
     from .report.compare import Compared, of_curves, of_solutions
 
-    files = tuple(Path(item) if isinstance(item, str | Path) else Path("solved") for item in (first, second))
-    if files[0].suffix == ".csv":
-        return Compared.of(files, of_curves(files), rtol, columns, overlap)
+    one, two = (Path(item) if isinstance(item, str | Path) else Path("solved") for item in (first, second))
+    files = one, two
+    if one.suffix == ".csv":
+        return Compared.of(files, of_curves(files), rtol, tuple(columns), overlap)
     found = of_solutions(files, _solution(first, None), _solution(second, None))
     return Compared.of(files, found, rtol, tuple(columns) or ("P",), overlap)
 

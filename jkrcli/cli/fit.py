@@ -65,7 +65,7 @@ class NamesType(ParamType):
     multiple=True,
     type=NamesType(),
     help="Also free: P0, compliance, E:LAYER, h:LAYER (thickness), range or stress (adhesion of finite range), drift "
-    "(of the depth over time: with --segment both), surface_tension (all records together).",
+    "(of the depth over time), surface_tension (all records together).",
 )
 @click.option(
     "--fix", multiple=True, type=NamedType(), help='Known: w="50 mJ/m^2", delta0=0, modulus=1, E_star="1 MPa".'
@@ -104,7 +104,7 @@ class NamesType(ParamType):
     "--tip-radius",
     multiple=True,
     type=RangeType(),
-    help="With --free surface_tension: of each MEASURED file, in order, or of all [default: BODY's].",
+    help="With --free surface_tension: of each file, or of all [default: BODY's].",
 )
 @click.option("--surface", type=click.Choice(["sliding", "sticking", "both"]),
               help="Of the body, instead of its own; both: under either, and what the data prefer.")  # fmt: skip
@@ -138,24 +138,20 @@ def fit(
 ) -> None:
     """Find E*, w and the zero points that bring the adhesive curves of BODY nearest to each MEASURED curve.
 
-    BODY: a series file, or a case file that is solved on the way, to the radii that the data ask for; or the body by
-    flags (--radius, --nu, --thickness ...: its modulus is not needed), then every file is a measured one. Measured are
-    two or three of a, delta, P; a and P need no zero of the displacement. Free are the common factor of all moduli
-    (told as E*), w and delta0; a layer's own E:LAYER or h:LAYER in their place (LAYER: its name, its number from 1 at
-    the contact, or base). With range or stress free, fixed or in the case adhesion has a finite range; JKR's misfit is
-    told beside it. A reading is delta0 + delta + compliance P, and P0 + P. Orthogonal distances are minimised, in
-    units of the noise. Writes <BODY>-fit.csv (a row per curve), .json, .h5 and <BODY>-fit-<curve>.png, .svg; of the
-    curves of a scan <BODY>-fit-map.png, .svg: images of E*, w, contact point, adhesion force and quality.
+    BODY: a case or series file; or the body by flags (--radius, --nu, --thickness ...: its modulus is not needed), then
+    every file is a measured one. Measured are two or three of a, delta, P. Free are the common factor of all moduli
+    (E*), w and delta0, or a layer's own E:LAYER, h:LAYER (its name, its number from 1 at the contact, or base). A
+    reading is delta0 + delta + compliance P, and P0 + P; orthogonal distances are minimised, in units of the noise.
+    Writes <BODY>-fit.csv (a row per curve), .json, .h5 and a picture per curve; of a scan its map.
 
     \b
-    jkr fit sphere.toml probe.csv
-    jkr fit gel.h5 probe.csv --unit P=mN --confidence profile --uncertain nu=0.005
+    jkr fit curve.jpk-force --radius "5 um" --nu 0.5
+    jkr fit sphere.toml probe.csv --unit P=mN --uncertain nu=0.005
     jkr fit tip.toml curve.csv --free range
     jkr fit coating.toml probe.csv --free E:skin --bound E:skin="1 MPa..1 GPa"
     jkr fit gel.toml probe.csv --surface both
-    jkr fit gel.toml small.csv large.csv --free surface_tension --tip-radius "5 um" --tip-radius "30 um"
-    jkr fit --radius "5 um" --nu 0.5 --shape paraboloid curve.jpk-force
-    jkr fit data.h5 map.jpk-force-map --workers 2
+    jkr fit gel.toml small.csv large.csv --free surface_tension \\
+            --tip-radius "5 um" --tip-radius "30 um"
     jkr fit gel.toml held.csv --relaxation sls
     """
     flags = {key: options.pop(key) for key in FLAGS}

@@ -15,7 +15,7 @@ from .fit_law import Asked
 from .measured import TUNING
 from .options import begin
 from .output import give
-from .voice import note, progress, warn
+from .voice import note, progress, say, warn
 
 if TYPE_CHECKING:
     from ..identification.fit import Fit, FittedBody, Settings
@@ -42,7 +42,7 @@ def fit_curves(
     from ..data.measured import usable
     from ..identification.fit.fitting import Failure, fit_all
     from ..identification.fit.friction import friction_warnings, preferences
-    from ..report.fit import Fits
+    from ..report.fit import Fits, rivals_table
 
     targets, output = asked.targets, asked.output
     curves, reasons = usable(asked.measured, asked.reading)
@@ -58,14 +58,17 @@ def fit_curves(
     pictures = _pictures(each, bodies, targets, inputs, output) if output.plots else []
     told = list(preferences(found)) if len(bodies) > 1 else []
     friction = [] if len(bodies) > 1 else list(friction_warnings(asked.body, found))
-    result = Fits(found, asked.told, asked.options["rivals"], told, friction)
+    result = Fits(found, asked.told, friction)
     map_file = _write(result, reasons, targets, pictures, output, inputs)
     for line in reasons:
         warn(f"skipped: {line}")
     drawn = f", {len(pictures)} picture{'s' if len(pictures) > 1 else ''}" if pictures else ""
-    give(result, output, f"written {targets}{drawn}" + (f", the map in {map_file}" if map_file else ""))
-    for line in told if output.json else []:
-        note(line)
+    more = f" ({len(result.fits) - SHOWN:,} more curves)" if len(result.fits) > SHOWN else ""
+    give(result, output, f"  written {targets}{drawn}{f', the map in {map_file}' if map_file else ''}{more}")
+    for item in result.fits[:SHOWN] if asked.options["rivals"] and not output.json else []:
+        say("\n".join(rivals_table(item)))
+    for line in told:
+        (note if output.json else say)(line)
 
 
 def _write(

@@ -70,4 +70,4 @@ def fit_law(asked: Asked, law: str) -> None:
     except SolveError as error:
         raise InputError(f"{asked.measured[0]}: {error}") from None
     targets.write(found.columns, found.summary(), targets.draw(found.figure))
-    give(found, asked.output, f"written {targets}")
+    give(found, asked.output, f"  written {targets}")

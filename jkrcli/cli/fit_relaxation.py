@@ -41,7 +41,7 @@ def fit_relaxation(asked: Asked, law: str) -> None:
     targets.write(result.columns, result.summary(), targets.draw(result.figure))
     for line in skipped:
         warn(f"skipped: {line}")
-    give(result, asked.output, f"written {targets}")
+    give(result, asked.output, f"  written {targets}")
 
 
 def refuse_others(options: dict[str, Any], start: Sequence[Any], law: str | None, surface: str | None) -> None:

@@ -48,4 +48,4 @@ def fit_tension(asked: Asked, radii: Sequence[float]) -> None:
     except SolveError as error:
         raise InputError(f"{measured[0]}: {error}") from None
     asked.targets.write(found.columns, found.summary())
-    give(found, asked.output, f"written {asked.targets}")
+    give(found, asked.output, f"  written {asked.targets}")

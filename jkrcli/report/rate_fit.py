@@ -10,7 +10,7 @@ import numpy as np
 from ..adhesion.rate.validity import NEGLECTED
 from ..base.units import show
 from ..identification.rate.fitting import RateFit
-from .fit import estimate_summary, estimate_words
+from .fit import brief, estimate_summary, estimate_words
 from .rate import law_words
 from .result import Result
 from .tables import stiffness
@@ -73,7 +73,8 @@ class LawFit(RateFit, Result):
         rows = sum(record.t.size for record in self.records)
         speeds = " to ".join(show(v, "speed", 3) for v in self.speeds)
         records = f"{len(self.records)} record{'s' if len(self.records) > 1 else ''}"
-        lines = [f"{records}, {rows} rows; {law_words(self.law)}; edge {speeds}"]
+        free = [item for item in self.estimates if item.free and item.name in ("E_star", "w0")]
+        lines = [", ".join(map(brief, free)), f"  {records}, {rows} rows; {law_words(self.law)}; edge {speeds}"]
         for item in self.estimates:
             if item.free and item.name != "modulus":
                 lines.append(

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..base.units import SI
 from ..identification.relaxation import RelaxationFit
-from .fit import estimate_summary, estimate_words
+from .fit import brief, estimate_summary, estimate_words
 from .relaxation import NEGLECTED, law_summary
 from .result import Result
 from .tables import stiffness
@@ -51,7 +51,11 @@ class RelaxationFits(Result):
         }
 
     def words(self) -> list[str]:
-        return [line for fit in self.fits for line in _words(fit)]
+        return [line for lines in self.parts for line in lines]
+
+    @property
+    def parts(self) -> list[list[str]]:
+        return list(map(_words, self.fits))
 
     @property
     def warnings(self) -> list[str]:
@@ -108,7 +112,8 @@ def _words(fit: RelaxationFit) -> list[str]:
     record, level = fit.record, fit.settings.level
     held = "load" if record.loaded else "displacement"
     lines = [
-        f"{record.curve.where}: {fit.relaxation}; {record.t.size} rows, the {held} held, {_pieces(record.knots[0])}"
+        brief(fit.estimate("E_star")),
+        f"  {record.curve.where}: {fit.relaxation}; {record.t.size} rows, the {held} held, {_pieces(record.knots[0])}",
     ]
     for item in fit.estimates:
         if item.free and item.name != "modulus":

@@ -32,6 +32,11 @@ class Result:
         raise NotImplementedError
 
     @property
+    def parts(self) -> Sequence[Sequence[str]]:
+        """The lines of each of several results in one; the first line of each is its verdict."""
+        return [self.words()]
+
+    @property
     def warnings(self) -> Sequence[str]:
         """What a reader of the numbers should know."""
         return ()

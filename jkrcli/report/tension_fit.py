@@ -7,7 +7,7 @@ from typing import Any
 
 from ..base.units import show
 from ..identification.tension import TensionFit
-from .fit import estimate_summary, estimate_words
+from .fit import brief, estimate_summary, estimate_words
 from .result import Result
 
 
@@ -43,10 +43,11 @@ class TensionFitted(TensionFit, Result):
 
     def words(self) -> list[str]:
         rows = sum(record.P.size for record in self.records)
-        lines = [
-            f"{len(self.records)} records together, {rows} rows, scatter of the load {show(self.scatter, 'load', 2)}"
-        ]
         free = [item for item in self.estimates if item.free]
+        lines = [
+            ", ".join(map(brief, free)),
+            f"  {len(self.records)} records together, {rows} rows, scatter of the load {show(self.scatter, 'load', 2)}",
+        ]
         known = [f"{item.name} = {show(item.value, item.dimension)}" for item in self.estimates if not item.free]
         lines += [f"  {item.name:<24} {estimate_words(item, self.level)}" for item in free]
         return lines + ([f"  fixed: {', '.join(known)}"] if known else [])

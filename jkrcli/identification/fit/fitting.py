@@ -134,6 +134,7 @@ def _fit(body: FittedBody, curve: Curve, settings: Settings, pool: Pool | None) 
     rows = partial(points_of_cycle, curve) if kinds & {APPROACH, RETRACT} else partial(points_of, curve)
     points = rows(settings.segment, settings.branch, len(settings.free), level)
     settings, words = _told_by(settings, points)
+    words = (*curve.flags[len(given.flags) :], *words)
     edges = set() if points.edges is None else set(points.edges)
     settings = settings.of_a_cycle(ADVANCING in edges) if RECEDING in edges else settings
     minimum = robust(search(body, points, settings), settings.loss)

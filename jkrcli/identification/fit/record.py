@@ -218,6 +218,7 @@ def reduced(body: FittedBody, record: ForceCurve, settings: Settings) -> tuple[C
         f"{show(told['delta0'], 'length', 5)} and P0 = {show(told['P0'], 'load', 5)}"
     )
     placed = TUNING.placed_rows * found.sigma * float(np.ptp(delta) / np.ptp(curve.P))
+    placed = max(placed, found.sigma * (1 / found.model.k - stiff))
     fixed = {"compliance": Parameter("compliance", False, stiff)} | {"P0": Parameter("P0", True)}
     parameters = tuple(fixed.get(p.name, p) if p.name not in asked else p for p in settings.parameters)
     curve = replace(curve, delta=delta, P=curve.P + shift["P0"], flags=(*curve.flags, said))

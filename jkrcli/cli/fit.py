@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -18,6 +19,7 @@ from ..methods import Forecast
 from ..methods.guards import Limits
 from ..report.output import PICTURES, Files, Output
 from .body import FLAGS, body_options, given_flags, tables_of
+from .fit_joint import fit_joint
 from .fit_law import fit_law, refuse_unused
 from .fit_relaxation import fit_relaxation, refuse_others
 from .fit_tension import fit_tension, is_asked
@@ -105,11 +107,15 @@ class NamesType(ParamType):
     "--samples", type=click.IntRange(20, 100_000), default=200, show_default=True, help="Number of bootstrap resamples."
 )
 @click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Seed of the resamples.")
+@click.option("--shared", multiple=True, type=NamesType(),
+              help="Fit all records together: parameters that they share, E_star,w.")  # fmt: skip
+@click.option("--own", multiple=True, type=NamesType(),
+              help="With --shared: those of each record, delta0,P0 [default: all other free ones].")  # fmt: skip
 @click.option(
     "--tip-radius",
     multiple=True,
     type=RangeType(),
-    help="With --free surface_tension: of each MEASURED file, in order, or of all [default: BODY's].",
+    help="Of records fitted together (--shared, surface_tension): of each file, in order, or of all [default: BODY's].",
 )
 @click.option("--surface", type=click.Choice(["sliding", "sticking", "both"]),
               help="Of the body, instead of its own; both: under either, and what the data prefer.")  # fmt: skip
@@ -130,6 +136,8 @@ def fit(
     bound: tuple[tuple[str, str], ...],
     uncertain: tuple[tuple[str, str], ...],
     surface: str | None,
+    shared: tuple[tuple[str, ...], ...],
+    own: tuple[tuple[str, ...], ...],
     tip_radius: tuple[float, ...],
     slopes: str,
     law: str | None,
@@ -162,21 +170,27 @@ def fit(
     jkr fit --radius "5 um" --nu 0.5 --shape paraboloid curve.jpk-force
     jkr fit data.h5 map.jpk-force-map --workers 2
     jkr fit gel.toml held.csv --relaxation sls
+    jkr fit gel.toml small.csv large.csv --shared E_star,w --tip-radius "5 um" --tip-radius "30 um"
     """
     flags = {key: options.pop(key) for key in FLAGS}
     source, paths = _given(body_file, measured, flags)
     inputs = (body_file, *measured)
-    names = [name for group in free for name in group]
+    common, kept = ([name for group in groups for name in group] for groups in (shared, own))
+    names = [*(name for group in free for name in group), *_freed((*common, *kept), fix)]
+    if kept and not common:
+        raise InputError("fit: --own goes with --shared, which names what all records have in common: give both")
     if relaxation is None and (options["terms"] is not None or "relaxation" in names):
         raise InputError(f"fit: the law is not named: give --relaxation {', '.join(RELAXATIONS)}")
     if relaxation is not None:
         refuse_others({**options, "rivals": rivals, "bound": bound, "uncertain": uncertain}, start, law, surface)
     elif law is not None:
         refuse_unused({**options, "rivals": rivals, "bound": bound, "uncertain": uncertain})
-    timed = law or relaxation
-    endings = (".csv", ".json", ".h5") if timed is None else (".csv", ".json", *PICTURES)
+    timed = law or relaxation or common
+    if common and (given := [flag for flag, value in (("--law", law), ("--relaxation", relaxation)) if value]):
+        raise InputError(f"fit: --shared does not take {given[0]}: its records are fitted together as they are")
+    endings = (".csv", ".json", ".h5") if not timed else (".csv", ".json", *PICTURES)
     targets = output.files(output.folder(body_file.parent) / f"{body_file.stem}-fit", endings, inputs)
-    for longest in beside(targets.stem, ["x" * FILES.shortest]) if timed is None else []:
+    for longest in beside(targets.stem, ["x" * FILES.shortest]) if not timed else []:
         output.files(longest, PICTURES, inputs)
     refits = _refits(options["confidence"], options["samples"], len(uncertain))
     surfaces = len(SURFACES.get(surface or "", ("",)))
@@ -186,23 +200,27 @@ def fit(
     options["noise"], options["contact"] = dict(options["noise"]), reading.contact
     body = _body(source, slopes, limits)
     told = str(source) if isinstance(source, Path) else body.problem.words
-    if timed is not None and body.asked:
+    if (law or relaxation) and body.asked:
         raise InputError(f"fit: --{'law' if law else 'relaxation'} {NO_RANGE}")
     if relaxation is not None:
         fit_relaxation(body, relaxation, paths, reading, names, fix, options, targets, told, output)
         return
     options.pop("terms")
-    if timed is None and is_asked(body, names, fix):
+    if not timed and is_asked(body, names, fix):
         unused = {**options, "rivals": rivals, "bound": bound, "uncertain": uncertain}
         targets = output.files(targets.stem, (".csv", ".json"), inputs)
         fit_tension(body, paths, tip_radius, reading, names, fix, start, unused, targets, told, output)
         return
-    if tip_radius:
-        raise InputError("fit: --tip-radius: goes with --free surface_tension alone: leave it out")
+    if tip_radius and not common:
+        raise InputError("fit: --tip-radius: goes with --shared or --free surface_tension: leave it out")
     if law is not None:
         fit_law(body, law, paths, reading, names, fix, start, options, targets, told, output)
         return
     settings, reading = _settings(body, uncertain, names, fix, start, bound, options), replace(reading, contact="as-is")
+    if common:
+        unused = {**options, "rivals": rivals, "uncertain": uncertain, "surface": surface}
+        fit_joint(body, paths, tip_radius, reading, settings, common, kept, unused, targets, told, output)
+        return
     from ..base.executors import executor
     from ..data.measured import usable
     from ..identification.fit.fitting import Failure, fit_all
@@ -228,6 +246,13 @@ def fit(
     if not output.json:
         drawn = f", {len(pictures)} picture{'s' if len(pictures) > 1 else ''}" if pictures else ""
         say(f"written {targets}{drawn}" + (f", the map in {map_file}" if map_file else ""))
+
+
+def _freed(names: Sequence[str], fix: Sequence[tuple[str, str]]) -> list[str]:
+    """Those of the parameters that records share or have each that are not free anyway."""
+    from ..identification.fit.settings import ALIAS, USUALLY_FREE
+
+    return [name for name in names if name not in (*USUALLY_FREE, ALIAS, *dict(fix))]
 
 
 def _given(

@@ -205,7 +205,7 @@ class JointFit:
     shared: tuple[FittedValue, ...]
     covariance: Array
     fits: tuple[Fit, ...]
-    alone: tuple[tuple[float, ...], ...]
+    alone: tuple[Mapping[str, float], ...]
     chance: float
     warnings: tuple[str, ...]
 
@@ -241,8 +241,15 @@ def joint_fit(
     fits = tuple(_sharing(fit(body, curve, asked), estimates) for body, curve in zip(bodies, curves, strict=True))
     rise = 2 * (found.cost - sum(part.least.cost / part.noise for part in parts))
     chance = float(chdtrc(m * (len(parts) - 1), max(rise, 0.0)))
-    alone = tuple(tuple(_outer(name, part.value(name)) for name in shared) for part in parts)
+    alone = tuple(_alone(part, shared, bodies[0].problem.E_star) for part in parts)
     return JointFit(tuple(estimates), spread[:m, :m], fits, alone, chance, tuple(_warnings(estimates, chance)))
+
+
+def _alone(part: Part, shared: Sequence[str], E_star: float) -> dict[str, float]:
+    """What a record says by itself of what it shares, E* for the modulus."""
+    found = {name: float(_outer(name, part.value(name))) for name in shared}
+    modulus = {} if "modulus" not in found else {"E_star": found.pop("modulus") * E_star}
+    return modulus | found
 
 
 def _outer(name: str, x: float) -> float:

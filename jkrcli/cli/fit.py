@@ -34,7 +34,7 @@ from .options import (
 )
 from .output import answer, into_folder, output_options
 from .verb import Verb
-from .voice import note, progress, say, warn
+from .voice import note, present, progress, say, warn
 
 if TYPE_CHECKING:
     from ..identification.fit import Fit, FittedBody, Settings
@@ -70,7 +70,7 @@ class NamesType(ParamType):
     multiple=True,
     type=NamesType(),
     help="Also free: P0, compliance, E:LAYER, h:LAYER (thickness), range or stress (adhesion of finite range), drift "
-    "(of the depth over time: with --segment both), surface_tension (all records together).",
+    "(of the depth over time), surface_tension (all records together).",
 )
 @click.option(
     "--fix", multiple=True, type=NamedType(), help='Known: w="50 mJ/m^2", delta0=0, modulus=1, E_star="1 MPa".'
@@ -109,7 +109,7 @@ class NamesType(ParamType):
     "--tip-radius",
     multiple=True,
     type=RangeType(),
-    help="With --free surface_tension: of each MEASURED file, in order, or of all [default: BODY's].",
+    help="With --free surface_tension: of each file, or of all [default: BODY's].",
 )
 @click.option("--surface", type=click.Choice(["sliding", "sticking", "both"]),
               help="Of the body, instead of its own; both: under either, and what the data prefer.")  # fmt: skip
@@ -143,24 +143,20 @@ def fit(
 ) -> None:
     """Find E*, w and the zero points that bring the adhesive curves of BODY nearest to each MEASURED curve.
 
-    BODY: a series file, or a case file that is solved on the way, to the radii that the data ask for; or the body by
-    flags (--radius, --nu, --thickness ...: its modulus is not needed), then every file is a measured one. Measured are
-    two or three of a, delta, P; a and P need no zero of the displacement. Free are the common factor of all moduli
-    (told as E*), w and delta0; a layer's own E:LAYER or h:LAYER in their place (LAYER: its name, its number from 1 at
-    the contact, or base). With range or stress free, fixed or in the case adhesion has a finite range; JKR's misfit is
-    told beside it. A reading is delta0 + delta + compliance P, and P0 + P. Orthogonal distances are minimised, in
-    units of the noise. Writes <BODY>-fit.csv (a row per curve), .json, .h5 and <BODY>-fit-<curve>.png, .svg; of the
-    curves of a scan <BODY>-fit-map.png, .svg: images of E*, w, contact point, adhesion force and quality.
+    BODY: a case or series file; or the body by flags (--radius, --nu, --thickness ...: its modulus is not needed), then
+    every file is a measured one. Measured are two or three of a, delta, P. Free are the common factor of all moduli
+    (E*), w and delta0, or a layer's own E:LAYER, h:LAYER (its name, its number from 1 at the contact, or base). A
+    reading is delta0 + delta + compliance P, and P0 + P; orthogonal distances are minimised, in units of the noise.
+    Writes <BODY>-fit.csv (a row per curve), .json, .h5 and a picture per curve; of a scan its map.
 
     \b
-    jkr fit sphere.toml probe.csv
-    jkr fit gel.h5 probe.csv --unit P=mN --confidence profile --uncertain nu=0.005
+    jkr fit curve.jpk-force --radius "5 um" --nu 0.5
+    jkr fit sphere.toml probe.csv --unit P=mN --uncertain nu=0.005
     jkr fit tip.toml curve.csv --free range
     jkr fit coating.toml probe.csv --free E:skin --bound E:skin="1 MPa..1 GPa"
     jkr fit gel.toml probe.csv --surface both
-    jkr fit gel.toml small.csv large.csv --free surface_tension --tip-radius "5 um" --tip-radius "30 um"
-    jkr fit --radius "5 um" --nu 0.5 --shape paraboloid curve.jpk-force
-    jkr fit data.h5 map.jpk-force-map --workers 2
+    jkr fit gel.toml small.csv large.csv --free surface_tension \\
+            --tip-radius "5 um" --tip-radius "30 um"
     jkr fit gel.toml held.csv --relaxation sls
     """
     flags = {key: options.pop(key) for key in FLAGS}
@@ -223,11 +219,10 @@ def fit(
     map_file = _write(found, reasons, targets, pictures, told, output, inputs)
     for line in reasons:
         warn(f"skipped: {line}")
-    _tell(found, output.json, told, rivals)
+    drawn = f", {len(pictures)} picture{'s' if len(pictures) > 1 else ''}" if pictures else ""
+    written = f"  written {targets}{drawn}" + (f", the map in {map_file}" if map_file else "")
+    _tell(found, output.json, told, rivals, written)
     _tell_surfaces(found, body, bodies, output.json)
-    if not output.json:
-        drawn = f", {len(pictures)} picture{'s' if len(pictures) > 1 else ''}" if pictures else ""
-        say(f"written {targets}{drawn}" + (f", the map in {map_file}" if map_file else ""))
 
 
 def _given(
@@ -352,7 +347,7 @@ def _draw(drawn: Pictures) -> None:
             target.write(figure=record_figure([examine(item.curve)]))
 
 
-def _tell(found: list[Fit | Failure], as_json: bool, body: str, rivals: bool) -> None:
+def _tell(found: list[Fit | Failure], as_json: bool, body: str, rivals: bool, written: str) -> None:
     from ..identification.fit import Fit
     from ..report import fit as report
 
@@ -360,10 +355,13 @@ def _tell(found: list[Fit | Failure], as_json: bool, body: str, rivals: bool) ->
     if as_json:
         answer(report.summary(found, body))
     else:
-        for item in fits[:SHOWN]:
-            say("\n".join(report.words(item) + (report.rivals_table(item) if rivals else [])))
-        if len(fits) > SHOWN:
-            say(f"... and {len(fits) - SHOWN} more curves")
+        told = [report.words(item) for item in fits[:SHOWN]]
+        if len(fits) > 1:
+            told = [[f"{item.where}: {first}", *rest] for item, (first, *rest) in zip(fits, told, strict=False)]
+        more = f" ({len(fits) - SHOWN:,} more curves)" if len(fits) > SHOWN else ""
+        present(*told, last=f"{written}{more}")
+        for item in fits[:SHOWN] if rivals else ():
+            say("\n".join(report.rivals_table(item)))
     both = len({item.surface for item in fits}) > 1
     for item in fits[:SHOWN]:
         for warning in item.warnings:

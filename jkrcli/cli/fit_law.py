@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from ..base.errors import InputError, SolveError
 from ..report.output import Files, Output
 from .output import answer
-from .voice import say, warn
+from .voice import present, warn
 
 if TYPE_CHECKING:
     from ..data.measured import Reading
@@ -61,7 +61,6 @@ def fit_law(
     if output.json:
         answer(report.summary(found, told))
     else:
-        say("\n".join(report.words(found)))
-        say(f"written {targets}")
+        present(report.words(found), last=f"  written {targets}")
     for line in found.warnings:
         warn(line)

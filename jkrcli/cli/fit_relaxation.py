@@ -10,7 +10,7 @@ from ..base.errors import InputError
 from ..report.output import Files, Output
 from .fit_law import refuse_unused
 from .output import answer
-from .voice import say, warn
+from .voice import present, warn
 
 if TYPE_CHECKING:
     from ..data.measured import Reading
@@ -56,8 +56,7 @@ def fit_relaxation(
     if output.json:
         answer(report.summary(found, told))
     else:
-        say("\n".join(line for fit in found for line in report.words(fit)))
-        say(f"written {targets}")
+        present(*map(report.words, found), last=f"  written {targets}")
     for fit in found:
         for line in fit.warnings:
             warn(f"{fit.record.curve.where}: {line}")

@@ -11,7 +11,7 @@ from ..base.errors import InputError, SolveError
 from ..report.output import Files, Output
 from .fit_law import refuse_unused
 from .output import answer
-from .voice import say, warn
+from .voice import present, warn
 
 if TYPE_CHECKING:
     from ..data.measured import Reading
@@ -54,7 +54,6 @@ def fit_tension(
     if output.json:
         answer(report.summary(found, told))
     else:
-        say("\n".join(report.words(found, options["level"])))
-        say(f"written {targets}")
+        present(report.words(found, options["level"]), last=f"  written {targets}")
     for line in found.warnings:
         warn(line)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -90,10 +91,15 @@ class RelaxedPath:
 
     def place_at(self, depth: Array) -> Array:
         """The places at which the contact grew through depths [m] (n,)."""
-        knots = self.depth.values(np.arange(self.last + 1))
-        k = np.clip(np.searchsorted(knots, depth) - 1, 0, knots.size - 2)
-        found = zeros_between(lambda y: self.depth.values(k + y) - depth, 0.0 * depth, 0.0 * depth + 1, TUNING.places)
-        return np.asarray(k + found)
+        places, depths = self._inner
+        k = np.clip(np.searchsorted(depths, depth) - 1, 0, depths.size - 2)
+        return zeros_between(lambda place: self.depth.values(place) - depth, places[k], places[k + 1], TUNING.places)
+
+    @cached_property
+    def _inner(self) -> tuple[Array, Array]:
+        """Places of the growth, several to a step, and the depths [m] there."""
+        places = np.append(np.add.outer(np.arange(self.last), PLACES[:-1]).ravel(), self.last)
+        return places, np.maximum.accumulate(self.depth.values(places))
 
     def states(self, t: Array) -> tuple[Array, Array, Array]:
         """a [m], delta [m], P [N] at the rising times ``t`` [s] (n,) from first contact on; a = P = 0 where it is

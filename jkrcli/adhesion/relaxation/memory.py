@@ -86,6 +86,15 @@ class Steps:
         """q at ``places`` (n,)."""
         return np.asarray(self.parts(places)[2].sum(axis=1))
 
+    def seen_ends(self, now: Array) -> Array:
+        """``held`` up to all times ``t`` seen from the times ``now`` [s] behind them, (now, times)."""
+        since = np.maximum(now[:, None] - self.t, 0.0)
+        values = np.append(self.p[:, 0], self.p[-1].sum())
+        found = self.modes.relaxed * values + np.zeros_like(since)
+        for weight, rate, state in zip(self.modes.weights, self.modes.rates, self.states.T, strict=True):
+            found += weight * state * np.exp(-rate * since)
+        return found
+
     def held(self, places: Array, now: Array) -> Array:
         """int r(now - s) dq(s) up to ``places`` (n,), seen from the times ``now`` [s] there or later."""
         k, since, p = self.parts(places)

@@ -79,8 +79,9 @@ class RelaxedPath:
         found, later = self.depth.places(t), t > self.turn
         if later.any():
             now, places = t[later], found[later]
-            held, low, high = self.depth.held(places, now), np.zeros_like(now), np.full_like(now, self.last)
-            found[later] = zeros_between(lambda place: held - self.depth.held(place, now), low, high, TUNING.places)
+            held, steps = self.depth.held(places, now), self.depth.seen_ends(now)
+            low = np.clip(np.sum(steps[:, : int(self.last) + 1] < held[:, None], axis=1) - 1.0, 0.0, self.last - 1)
+            found[later] = zeros_between(lambda place: held - self.depth.held(place, now), low, low + 1, TUNING.places)
             self._check(now, found[later])
         return found
 

@@ -57,6 +57,12 @@ class Spectrum:
     def __call__(self, f: Array) -> Array:
         return self.A + self.B / (1 + (f / self.corner) ** 2)
 
+    def drawn(self, rng: np.random.Generator, rows: int) -> Array:
+        """A series of so many ``rows`` of this noise."""
+        f = np.fft.rfftfreq(rows)
+        found: Array = np.fft.irfft(np.sqrt(self(f)) * np.fft.rfft(rng.normal(size=rows)), rows)
+        return found
+
 
 def spread(off: Array, J: Array, sizes: Sequence[int], free: Sequence[int]) -> Spread:
     """The covariance of unknowns from residuals ``off`` and their derivatives ``J``, in stretches of ``sizes`` rows, of

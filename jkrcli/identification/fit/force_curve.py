@@ -17,17 +17,16 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
-from typing import Any
+from functools import cached_property, partial
 
 import numpy as np
-from scipy.optimize import least_squares
 
 from ...base.arrays import Array
 from ...base.errors import SolveError
 from ...base.unknown import known
 from ...data.measured.curve import APPROACH
 from ...data.record import BaseLine, Direction, ForceCurve
+from ..least_squares import Least, LeastSquares, State
 from .coloured import Spread
 from .coloured import spread as covariance
 from .device_path import DeviceBranch, Rest, branch, on_grid, rest
@@ -142,6 +141,16 @@ class ForceCurveModel:
         """Largest q: of a curve that is pulled off at the end of the series."""
         _, (_, _, dH, dV), _ = on_grid(self.family)
         return 0.9 * float(dH[-1] / dV[-1]) ** 2
+
+    @property
+    def limits(self) -> Mapping[str, tuple[float, float]]:
+        """Least and largest values of unknowns by name."""
+        least, most = (math.log(s) if s > 0 else -math.inf for s in self.moduli)
+        return {"ln_s": (least, most)}
+
+    def further(self, values: Mapping[str, float]) -> dict[str, float]:
+        """What other unknowns mean, SI, by name."""
+        return {}
 
     def values(self, x: Array) -> dict[str, float]:
         """All unknowns by name, the known ones too, and q of each stretch."""
@@ -280,7 +289,8 @@ class ForceCurveFit:
     """The model that fits best: ``values`` and standard errors by name; ``off`` residuals [N] of all rows.
 
     ``sigma``: standard deviation of a reading about the model [N]; ``spread``: covariance of the unknowns, and
-    the noise that it rests on. ``ended``: whether it is a minimum, and not where the search was given up.
+    the noise that it rests on. ``least``: as the search sees it, in units of
+    ``scale``. ``ended``: whether it is a minimum, and not where the search was given up.
     """
 
     model: ForceCurveModel
@@ -289,12 +299,17 @@ class ForceCurveFit:
     spread: Spread
     off: Array
     sigma: float
-    evaluations: int
+    least: Least
     ended: bool
 
     @property
     def covariance(self) -> Array:
         return self.spread.covariance
+
+    @property
+    def scale(self) -> Array:
+        """What residuals are counted in [N]."""
+        return _scale(self.model)
 
     def value(self, name: str) -> float:
         return float(self.x[self.names.index(name)])
@@ -350,24 +365,28 @@ def _scale(model: ForceCurveModel) -> Array:
     return np.concatenate([np.full(part.P.size, float(np.ptp(part.P))) for part in model.stretches])
 
 
-def _search(
-    model: ForceCurveModel, x: Array, bounds: tuple[Array, Array], blunt: float, enough: float, loss: Loss = "linear",
-    width: float = 1.0,
-) -> Any:  # fmt: skip
-    """SciPy's least squares of the loads over the range of their stretch, from ``x`` on, or the least sum of a robust
-    ``loss`` that turns at ``width`` of that range."""
-    scale = _scale(model)
-    held: list[tuple[Array, Array, Array]] = []
+def _state(model: ForceCurveModel, blunt: float, x: Array) -> State:
+    """The residuals over the range of the load of their stretch."""
+    (off, rates), scale = model.residuals(x, blunt), _scale(model)
+    return State(off / scale, partial(np.divide, rates, scale[:, None]))
 
-    def at(x: Array) -> tuple[Array, Array]:
-        if not (held and np.array_equal(held[0][0], x)):
-            held[:] = [(x.copy(), *model.residuals(x, blunt))]
-        return held[0][1] / scale, held[0][2] / scale[:, None]
 
-    return least_squares(
-        lambda x: at(x)[0], x, lambda x: at(x)[1], bounds=bounds, x_scale="jac", loss=loss, f_scale=width,
-        ftol=enough, xtol=enough, gtol=enough, max_nfev=TUNING.evaluations,
-    )  # fmt: skip
+def _problem(model: ForceCurveModel, bounds: tuple[Array, Array], blunt: float, enough: float) -> LeastSquares:
+    return LeastSquares(partial(_state, model, blunt), bounds, enough, evaluations=TUNING.evaluations)
+
+
+def misfit_at(model: ForceCurveModel, x: Array) -> float:
+    """Half the sum of squares at the unknowns ``x``, of loads over their range."""
+    off = model.residuals(np.clip(x, *_bounds(model, x)), TUNING.blunt[-1])[0] / _scale(model)
+    return float(off @ off) / 2
+
+
+def rough(model: ForceCurveModel, start: Array, steps: int) -> tuple[float, Array]:
+    """Half the sum of squares that is left, of loads over their range, and the unknowns that leave about least, by a
+    search from ``start`` on of a few ``steps``."""
+    problem = _problem(model, _bounds(model, start), TUNING.blunt[-1], TUNING.about)
+    found = replace(problem, evaluations=steps).least(start)
+    return found.cost, found.x
 
 
 def fit(model: ForceCurveModel, start: Array, near: bool = False, loss: Loss = "linear") -> ForceCurveFit:
@@ -376,15 +395,18 @@ def fit(model: ForceCurveModel, start: Array, near: bool = False, loss: Loss = "
     bounds = _bounds(model, start)
     x, sharp = np.clip(start, *bounds), TUNING.blunt[-1]
     for blunt in () if near else TUNING.blunt[:-1]:
-        x = _search(model, x, bounds, blunt, TUNING.about).x
-    found = _search(model, x, bounds, sharp, TUNING.converged)
-    if found.status <= 0:  # of few rows at the fold each makes a kink, between which a search runs to and fro
-        found = _search(model, found.x, bounds, sharp, TUNING.about)
+        x = _problem(model, bounds, blunt, TUNING.about).least(x).x
+    found = _problem(model, bounds, sharp, TUNING.converged).least(x)
+    about = _problem(model, bounds, sharp, TUNING.about)
+    if not found.ended:  # of few rows at the fold each makes a kink, between which a search runs to and fro
+        found = about.least(found.x)
     scale, width = _scale(model), 1.0
     for _ in range(2 * (loss != "linear")):
-        width = TURNS[loss] * robust_scale(model.residuals(found.x, sharp)[0] / scale)
-        found = _search(model, found.x, bounds, sharp, TUNING.about, loss, width)
-    model, x = _without_idle(model, found.x)
+        width = TURNS[loss] * robust_scale(found.state.residuals)
+        found = replace(about, loss=loss, width=width).least(found.x)
+    before, (model, x) = found.problem, _without_idle(model, found.x)
+    problem = replace(before, model=partial(_state, model, sharp), bounds=_bounds(model, x))
+    found = replace(found, problem=problem, x=x, state=problem.model(x))
     off = model.residuals(x, sharp)[0]
     J = model.residuals(x, 0.0)[1]  # where the fold lies between two rows, the data do not tell
     psi, slope = influence(off / (scale * width), loss)
@@ -392,8 +414,8 @@ def fit(model: ForceCurveModel, start: Array, near: bool = False, loss: Loss = "
     sigma = math.sqrt(float(pull @ pull) / max(off.size - x.size, 1))
     spread = covariance(pull, J, [part.P.size for part in model.stretches], model.free(x))
     left = np.linalg.lstsq(J, pull, rcond=None)[0]  # a step of Gauss and Newton; what chi^2 would fall by
-    ended = found.status > 0 or float(np.sum((J @ left) ** 2)) < TUNING.near * sigma**2
-    return ForceCurveFit(model, model.names, x, spread, off, sigma, int(found.nfev), ended)
+    ended = found.ended or float(np.sum((J @ left) ** 2)) < TUNING.near * sigma**2
+    return ForceCurveFit(model, model.names, x, spread, off, sigma, found, ended)
 
 
 def _without_idle(model: ForceCurveModel, x: Array) -> tuple[ForceCurveModel, Array]:
@@ -476,22 +498,21 @@ def _one_step(model: ForceCurveModel, off: Array, J: Array) -> tuple[Array, Arra
 
 def _bounds(model: ForceCurveModel, start: Array) -> tuple[Array, Array]:
     """Least and largest unknowns of a search from ``start`` on."""
-    least, most = (math.log(s) if s > 0 else -math.inf for s in model.moduli)
     names = np.array(model.names, dtype=str)
     reach = np.select([names == "ln_s", names == "ln_period"], [TUNING.moduli, TUNING.periods], np.inf)
     lowest, highest = start - reach, start + reach
     for letter, high in (("q", model.most), ("r", math.sqrt(model.most)), ("t", 1.0)):
         own = np.char.startswith(names, f"{letter}:") | (names == "turn") & (letter == "t")
         lowest, highest = np.where(own, -high, lowest), np.where(own, high, highest)
-    of_s = names == "ln_s"
-    return np.where(of_s, np.maximum(lowest, least), lowest), np.where(of_s, np.minimum(highest, most), highest)
+    least, most = np.array([model.limits.get(name, (-np.inf, np.inf)) for name in model.names]).T
+    return np.maximum(lowest, least), np.minimum(highest, most)
 
 
 def nearest(model: ForceCurveModel, loss: Loss = "linear") -> ForceCurveFit:
     """The unknowns that leave least, from several starts until one leaves no more than noise; SolveError where no
     search converges. Of a retraction alone all are tried: how far its edge rests is told by its shape only."""
     best: ForceCurveFit | SolveError = SolveError("no curve of this body resembles the record")
-    for x in _starts(model):
+    for x in starts_of(model):
         try:
             found = fit(model, x, loss=loss)
         except SolveError as error:
@@ -506,7 +527,7 @@ def nearest(model: ForceCurveModel, loss: Loss = "linear") -> ForceCurveFit:
     return best
 
 
-def _starts(model: ForceCurveModel) -> Iterator[Array]:
+def starts_of(model: ForceCurveModel) -> Iterator[Array]:
     """Unknowns to begin with, as each stretch suggests."""
     if "turn" not in model.names:
         yield from (_start(model, part, 1.0, 0.0) for part in model.stretches)

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Any, cast
 
 import numpy as np
@@ -22,7 +22,7 @@ from ...adhesion.rate.program import Program
 from ...adhesion.relaxation.history import RelaxingContact
 from ...adhesion.validity import EXCESS, LIMITS, STRAINED
 from ...base.arrays import Array
-from ...base.errors import JkrError
+from ...base.errors import InputError, JkrError
 from ...bodies.problem import HalfSpace, Layer, Loading, Rigid, Specimen
 from ...bodies.relaxation import PowerRelaxation, Relaxation, StandardSolid
 from ...data.measured.curve import APPROACH
@@ -59,7 +59,7 @@ class RecordRivalTuning:
     smooth: float = 2 / 3  # theory: power of the load in which they are drawn, at first contact it is delta^1.5
     instants: int = 150  # choice: at which hereditary integrals are taken
     longest: float = 10e-9  # choice: [m], range of adhesion that is likely; of molecules a nanometre, of hairs more
-    cone: float = 1.0  # theory: exponent by which a cone's profile differs from a paraboloid's, and a cylinder's more
+    cone: float = 2.0  # choice: twice what a cone's exponent differs from a paraboloid's by, as one step may overshoot
     strains: float = 2.0  # choice: of the effect of large strains on rubber, that of other materials
     device: float = 1.0  # choice: relative, by which a stiffness that someone measured may be off
     shape: float = 0.005  # choice: exponent of the profile within which a tip is what it is called
@@ -84,6 +84,11 @@ class RecordRivalTuning:
 
 
 TUNING = RecordRivalTuning()
+# What the unknowns of rivals mean, by dimension:
+OF_RIVALS = {
+    AMOUNT: "number", "thickness": "length", "nu": "number", "exponent": "number", "range": "length",
+    "surface_tension": "tension", "stiffness": "stiffness", "fall": "number", "relaxation_time": "time", "n": "number",
+}  # fmt: skip
 EXPONENT, TIME, ANY = "n", "relaxation_time", (-math.inf, math.inf)
 Look = Callable[[Situation], Change | Array | None]
 
@@ -128,18 +133,20 @@ def of_family(
 
 def work_over_radius(at: Situation) -> Change | None:
     """The log of w of the last direction that rises as the contact shrinks, in proportion to the radius, by an amount
-    from the largest to the smallest; w is meant there, at pull-off."""
+    from the largest to the smallest; told is w there, at pull-off."""
     a = at.radii[-1][0]
     if not at.work or not (a > 0).any():
         return None
     widest, least = at.widest, float(a[a > 0].min())
 
     def changes(family: Family, amount: float) -> Array:
-        place = (least - np.minimum(np.exp(grid(family)), widest)) / max(widest - least, LITTLE * widest)
-        half, zero = amount / 2 * place, np.zeros_like(place)
+        place = (widest - np.exp(grid(family))) / max(widest - least, LITTLE * widest)
+        half, zero = amount / 2 * np.maximum(place, -1.0), np.zeros_like(place)
         return np.stack([zero, half, zero, half])
 
-    return of_family(changes, TUNING.rises, last=True)
+    name = f"q:{at.model.stretches[-1].kind}"
+    told = lambda values: {"w": values[name] * math.exp(values["ln_s"] + values[AMOUNT])}  # noqa: E731
+    return replace(of_family(changes, TUNING.rises, last=True), told=told)
 
 
 def work_over_speed(at: Situation) -> Change | None:
@@ -198,7 +205,7 @@ def _over_speed(speeds: _Speeds) -> Change:
 
     return Change(
         tuple((0.3, n) for n in TUNING.exponents), (AMOUNT, EXPONENT), {AMOUNT: (0.0, 1e3), EXPONENT: TUNING.powers},
-        model, renewed=renewed,
+        model, renewed=renewed, told=lambda values: {name: values[name] for name in (AMOUNT, EXPONENT)},
     )  # fmt: skip
 
 
@@ -455,7 +462,7 @@ def relaxing(memory: Callable[[Array], Array], law: Callable[[Values, float], Re
         if column is None or any(part.tension for part in at.model.stretches) or not np.ptp(at.model.stretches[0].t):
             return column
         load = _relaxed(at, lambda values: law(values, at.lasting))
-        return Change(load=load, felt=True, column=column, **own)
+        return Change(load=load, felt=True, column=column, told=partial(_fall, at.lasting), **own)
 
     def first_order(at: Situation) -> Array | None:
         if len(at.model.stretches) < 2:
@@ -482,6 +489,11 @@ def relaxing(memory: Callable[[Array], Array], law: Callable[[Values, float], Re
     return look
 
 
+def _fall(lasting: float, values: Values) -> dict[str, float]:
+    told = {"fall": values[AMOUNT]}
+    return told | ({TIME: lasting * values[TIME]} if TIME in values else {})
+
+
 def _relaxed(
     at: Situation, law: Callable[[Values], Relaxation]
 ) -> Callable[[ForceCurveModel, DirectionReadings, Values], Array]:
@@ -498,10 +510,13 @@ def _relaxed(
     @lru_cache(maxsize=TUNING.histories)
     def history(z0: float, moduli: Hashable) -> tuple[CubicSpline, ...]:
         contact = RelaxingContact(nonadhesive, cast(Relaxation, moduli), coarser=TUNING.coarser, grows=TUNING.grows)
-        path = contact.history(Program(t[order], x[order] - z0)).path
-        lost = min(path.lost, float(t.max()))
-        both = [np.linspace(*ends, TUNING.times) for ends in ((path.begin, path.turn), (path.turn, lost))]
-        return tuple(CubicSpline(one, path.states(one)[2] ** TUNING.smooth) for one in both)
+        try:
+            path = contact.history(Program(t[order], x[order] - z0)).path
+            lost = min(path.lost, float(t.max()))
+            both = [np.linspace(*ends, TUNING.times) for ends in ((path.begin, path.turn), (path.turn, lost))]
+            return tuple(CubicSpline(one, path.states(one)[2] ** TUNING.smooth) for one in both)
+        except InputError:  # there is no such history
+            return (CubicSpline([t.min(), t.max()], [0.0, 0.0]),) * 2
 
     def load(model: ForceCurveModel, part: DirectionReadings, values: Values) -> Array:
         own = history(values["z0"], cast(Hashable, law(values)))[int(part.kind != APPROACH)]

@@ -96,6 +96,8 @@ class NamesType(ParamType):
               show_default=True, help="Anything but linear is robust against outliers.")  # fmt: skip
 @click.option("--confidence", type=click.Choice(["covariance", "profile", "bootstrap"]), default="covariance",
               show_default=True, help="How the intervals are found.")  # fmt: skip
+@click.option("--model", type=click.Choice(["jkr", "auto"]), default="jkr", show_default=True,
+              help="Of a raw record; auto: the best other models too, where its data ask for one.")  # fmt: skip
 @click.option("--rivals", is_flag=True, help="Print what the data of a raw record say of each other model.")
 @click.option("--level", type=float, default=0.95, show_default=True, help="Of the intervals.")
 @click.option(

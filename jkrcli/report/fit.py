@@ -186,7 +186,7 @@ def verdict_words(item: Fit) -> list[str]:
     judged = [] if rivals.named else ["no other model is asked for"]
     judged += [flag for flag in item.flags if flag.endswith(VAGUE)]
     parts = dict.fromkeys(name for one in shown for name in one.model or {})
-    judged += [f"model: {name} not excluded" for name in parts]
+    judged += [f"not excluded: {', '.join(parts)}"] if parts else []
     return [verdict + rejected, *(f"  {'; '.join(lines)}" for lines in (formula, judged) if lines)]
 
 

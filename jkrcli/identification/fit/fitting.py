@@ -23,7 +23,7 @@ from .edges import ADVANCING, RECEDING, RESTING, RestingMember
 from .jkr_beside import jkr_beside
 from .model import PathDistances
 from .points import Points, directed, points_of, points_of_cycle
-from .record import RESTS, beside, differ, fit_record, whole_record
+from .record import RESTS, beside, beyond_the_record, differ, fit_record, reduced, whole_record
 from .result import Fit, FittedValue
 from .rivals import Rivals, rivals_of
 from .search import Minimum, robust, search
@@ -118,15 +118,18 @@ def fit(body: FittedBody, curve: Curve, settings: Settings, pool: Pool | None = 
 
 
 def _fit(body: FittedBody, curve: Curve, settings: Settings, pool: Pool | None) -> Fit:
-    asked = settings
+    given = curve
     check_parameters(body, [parameter.name for parameter in settings.parameters])
     if (record := whole_record(curve, settings)) is not None:
-        return fit_record(body, record, settings, pool)
+        if not beyond_the_record(settings):
+            return fit_record(body, record, settings, pool)
+        curve, settings = reduced(body, record, settings)
+    asked = settings
     if idle := [name for name in settings.uncertain if name in CALIBRATED]:
         raise InputError(f"{curve.where}: --uncertain {idle[0]} is for raw records of a device, it has no effect here")
     curve = with_zero_points(curve) if settings.contact == "estimate" else curve
     curve, zero = parted(curve, settings), settings.parameter("P0")
-    level = 0.0 if zero is None else None if zero.free else zero.value
+    level = 0.0 if zero is None or (curve is not given and zero.free) else None if zero.free else zero.value
     kinds = set(curve.segments())
     rows = partial(points_of_cycle, curve) if kinds & {APPROACH, RETRACT} else partial(points_of, curve)
     points = rows(settings.segment, settings.branch, len(settings.free), level)

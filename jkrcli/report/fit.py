@@ -5,8 +5,10 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ..base import hdf5
 from ..base.arrays import Array
@@ -17,6 +19,11 @@ from ..identification.fit.result import Fit, FittedValue, JKRBeside
 from ..identification.fit.rivals import RANGE
 from . import archive
 from .map import images_of, map_of
+from .output import SHOWN
+from .result import Result
+
+if TYPE_CHECKING:
+    from .plots import Figure
 
 FORMAT, VERSION = archive.FITS, 1  # of the summary
 UNIT_NAMES = {
@@ -35,6 +42,66 @@ FITTED, DOUBTFUL, UNUSABLE = "fitted", "doubtful", "unusable"
 DIMENSIONS = {"a": "length", "delta": "length", "P": "load"}
 VAGUE = "not determined"  # how flags end of what rivals may change by much
 NOTICEABLE = 0.01  # choice: of the standard error; smaller systematic parts are not told in words
+
+
+@dataclass(frozen=True, eq=False)
+class Fits(Result):
+    """Curves that were fitted or could not be; ``body``: what they were taken to be of, in words; ``remarks`` on all of
+    them together."""
+
+    found: Sequence[Fit | Failure]
+    body: str
+    remarks: Sequence[str] = ()
+
+    @property
+    def columns(self) -> dict[str, list[Any]]:  # type: ignore[override]
+        return columns(self.found)
+
+    @cached_property
+    def fits(self) -> list[Fit]:
+        return [item for item in self.found if isinstance(item, Fit)]
+
+    def summary(self) -> dict[str, Any]:
+        return summary(self.found, self.body)
+
+    def words(self) -> list[str]:
+        return [line for lines in self.parts for line in lines]
+
+    @property
+    def parts(self) -> list[list[str]]:
+        if len(self.fits) == 1:
+            return [words(self.fits[0])]
+        told = ((item.where, *words(item)) for item in self.fits[:SHOWN])
+        return [[f"{where}: {first}", *rest] for where, first, *rest in told]
+
+    @property
+    def warnings(self) -> list[str]:
+        both = len({item.surface for item in self.fits}) > 1
+        told = [(f"{item.where}{f', {item.surface}' if both else ''}", item.warnings) for item in self.fits[:SHOWN]]
+        return [*(f"{where}: {line}" for where, lines in told for line in lines), *self.remarks]
+
+
+@dataclass(frozen=True, eq=False)
+class Fitted(Fit, Result):
+    """A fitted curve with what is said of it; ``body``: of what, in words."""
+
+    warnings: tuple[str, ...] = ()
+    body: str = ""
+
+    @property
+    def columns(self) -> dict[str, list[Any]]:  # type: ignore[override]
+        return columns([self])
+
+    def summary(self) -> dict[str, Any]:
+        return summary([self], self.body)
+
+    def words(self) -> list[str]:
+        return words(self)
+
+    def figure(self) -> Figure:
+        from .plots.fit import fit_figure
+
+        return fit_figure(self)
 
 
 def columns(found: Sequence[Fit | Failure]) -> dict[str, list[Any]]:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+
 from site_parts.notebooks import FOLDER, PNG, as_markdown, executed
 
 NOTEBOOKS = sorted(FOLDER.glob("*.ipynb"))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -14,9 +15,18 @@ from .plan import Plan
 from .table import SweepTable
 
 DIMENSIONS = {"_N": "load", "_J_per_m2": "work", "_Pa": "modulus", "_m": "length"}
-WIDELY = 5.0  # choice: ratio of the ends of an axis from which on it is logarithmic
-MARGIN = 0.05  # choice: of an axis, beyond its ends
-SHOWN = 2  # choice: results that are drawn, a panel for each
+
+
+@dataclass(frozen=True)
+class SweepPicture:
+    """What of a sweep is drawn, and how."""
+
+    widely: float = 5.0  # choice: ratio of the ends of an axis from which on it is logarithmic
+    margin: float = 0.05  # choice: of an axis, beyond its ends
+    shown: int = 2  # choice: results that are drawn, a panel for each
+
+
+TUNING = SweepPicture()
 
 
 def sweep_figure(plan: Plan, table: SweepTable) -> Figure | None:
@@ -25,7 +35,7 @@ def sweep_figure(plan: Plan, table: SweepTable) -> Figure | None:
     numbers = dict(_numbers(table))
     axes = sorted(_axes(plan, numbers), key=lambda name: -np.unique(numbers[name]).size)
     results = [name for name in plan.recipe.wanted.columns if name in numbers and "err" not in name]
-    results = ([name for name in results if name.endswith(".P_N")] or results)[:SHOWN]
+    results = ([name for name in results if name.endswith(".P_N")] or results)[: TUNING.shown]
     if not axes or not results:
         return None
     x, *others = axes
@@ -60,7 +70,7 @@ def _panel(held: Mapping[str, Array], x: str, beside: list[str], y: str, style: 
         rows = np.flatnonzero(held[beside[0]] == at) if beside else np.arange(along.size)
         rows = rows[np.argsort(along[rows], kind="stable")]
         lines.append(Line(along[rows], up[rows], _value(beside[0], at) if beside else "", style, color))
-    wide = along.min() > 0 and along.max() > WIDELY * along.min()
+    wide = along.min() > 0 and along.max() > TUNING.widely * along.min()
     shown = np.concatenate([line.y for line in lines])
     return Panel(
         x_label, y_label, lines, logs="x" if wide else "", xlim=None if wide else _ends(along), ylim=_ends(shown)
@@ -70,7 +80,9 @@ def _panel(held: Mapping[str, Array], x: str, beside: list[str], y: str, style: 
 def _ends(values: Array) -> tuple[float, float]:
     """Limits of an axis around finite values."""
     low, high = float(np.nanmin(values)), float(np.nanmax(values))
-    return low - MARGIN * (high - low or abs(high) or 1.0), high + MARGIN * (high - low or abs(high) or 1.0)
+    return low - TUNING.margin * (high - low or abs(high) or 1.0), high + TUNING.margin * (
+        high - low or abs(high) or 1.0
+    )
 
 
 def _scaled(held: Mapping[str, Array], column: str) -> tuple[Array, str]:

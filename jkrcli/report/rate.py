@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -20,7 +20,7 @@ from ..base.units import SI, show
 from ..base.unknown import Unknown, known
 from ..beside.analysis import Analysis
 from ..identification.rate.through import LawThrough
-from .result import Result
+from .result import Result, as_result
 from .tables import point, stiffness
 
 if TYPE_CHECKING:
@@ -67,7 +67,7 @@ class CycledAtSpeed(History, Result):
             raise InputError(f"{body.path}: {error}") from None
         if found.out_of_series is not None:
             raise InputError(f"{body.path}: {found.out_of_series}")
-        return cls(**{item.name: getattr(found, item.name) for item in fields(found)}, body=body, **options)
+        return as_result(cls, found, body=body, **options)
 
     @cached_property
     def columns(self) -> dict[str, Array]:  # type: ignore[override]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,7 +14,7 @@ from ..base.arrays import Array
 from ..base.errors import InputError
 from ..base.units import SI, show
 from ..bodies.relaxation import RELAXATIONS, Relaxation
-from .result import Result
+from .result import Result, as_result
 from .tables import point, stiffness
 
 if TYPE_CHECKING:
@@ -45,7 +45,7 @@ class CycledRelaxing(RelaxedHistory, Result):
         """What happens to ``contact`` under ``program``."""
         try:
             found = contact.history(program)
-            whole = cls(**{item.name: getattr(found, item.name) for item in fields(found)}, file=file, points=points)
+            whole = as_result(cls, found, file=file, points=points)
             whole.summary()  # may find that the contact is loaded again
         except InputError as error:
             raise InputError([f"{file}: {line}" for line in error.lines]) from None

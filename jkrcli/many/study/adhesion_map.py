@@ -40,9 +40,9 @@ class ZoneTuning:
 
     little: float = 0.05  # theory: Johnson and Greenwood (1997): what is left out of a model
     many: float = 20.0  # theory: the same, of delta_a over the range, above which JKR holds
-    points: int = 80  # choice: contact radii of a curve; more are added where it bends
-    beyond: float = 1.2  # choice: of the largest load, to which the body is solved
-    further: float = 1.6  # choice: of the load without adhesion from one solve to the next
+    points: int = 80  # tuned on maps, by `make constants`: contact radii of a curve; more are added where it bends
+    beyond: float = 1.2  # tuned on maps, by `make constants`: of the largest load, to which the body is solved
+    further: float = 1.6  # tuned on maps, by `make constants`: of the load without adhesion from one solve to the next
     attempts: int = 30  # choice: guard
     least_mu: float = 0.01  # choice: below, all is rigid
     largest_mu: float = 100.0  # choice: above, all is JKR or Hertz

@@ -37,8 +37,10 @@ if TYPE_CHECKING:
 class MapTuning:
     """Which part of the map there is, how finely its series are solved, and what that takes."""
 
-    per_decade: int = 40  # choice: of the contact radius; twice as many change the pull-off force by 4e-8
-    tolerance: float = 1e-6  # choice: relative, of the series; a/h near 100 at nu = 1/2 leaves 1e-7
+    # tuned on maps, by `make constants`: of the contact radius; twice as many change the pull-off force by 4e-8
+    per_decade: int = 40
+    # tuned on maps, by `make constants`: relative, of the series; a/h near 100 at nu = 1/2 leaves 1e-7
+    tolerance: float = 1e-6
     least: float = 1e-6  # choice: q, where a/h at pull-off is 0.015
     largest: float = 1e7  # choice: q, where a/h at pull-off is 90
     per_nu: float = 4e-3  # CPU seconds; tuned on maps of 30 and 300 ratios of Poisson, by `make guards`

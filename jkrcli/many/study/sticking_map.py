@@ -27,8 +27,10 @@ class StickingMapTuning:
     """Which part of the map there is, how finely its series are solved, and what that takes."""
 
     per_decade: int = 20  # choice: of the contact radius, between which loads are interpolated to 1e-4
-    beyond: float = 1.2  # of the largest a/h; choice: a stuck contact is wider at equal depth by less
-    tolerance: float = 1e-4  # choice: relative, of the series; ratios are told to four digits
+    # of the largest a/h; tuned on maps, by `make constants`: a stuck contact is wider at equal depth by less
+    beyond: float = 1.2
+    # tuned on maps, by `make constants`: relative, of the series; ratios are told to four digits
+    tolerance: float = 1e-4
     least: float = 1e-2  # choice: a/h where the layer is a half-space
     largest: float = 12.0  # choice: a/h that takes seconds
     per_nu: float = 0.25  # CPU seconds; tuned on maps of 6 and 40 ratios of Poisson, by `make guards`

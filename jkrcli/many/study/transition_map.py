@@ -38,8 +38,8 @@ if TYPE_CHECKING:
 class TransitionTuning:
     """Which part of the map there is, how finely it is solved, and what that takes."""
 
-    points: int = 60  # choice: contact radii of a curve; more are added where it bends
-    room: float = 1.5  # choice: of the largest radius over that of pull-off without a range
+    points: int = 60  # tuned on maps, by `make constants`: contact radii of a curve; more are added where it bends
+    room: float = 1.5  # tuned on maps, by `make constants`: of the largest radius over that of pull-off without a range
     least: float = 1e-4  # choice: q
     largest: float = 1e4  # choice: q
     softest: float = 0.05  # choice: mu, below which all is DMT

@@ -72,18 +72,20 @@ from .series import Solution
 if TYPE_CHECKING:
     from pandas import DataFrame
 
+    from .adhesion.program import Program
     from .adhesion.rate.history import History
     from .adhesion.rate.laws import RateLaw
-    from .adhesion.rate.program import Program
     from .adhesion.relaxation.history import RelaxedHistory
     from .bodies.relaxation import Relaxation
     from .identification.fit import Fit
     from .identification.fit.joint import JointFit
+    from .identification.fit.result import Further
     from .identification.rate.fitting import RateFit
     from .identification.relaxation import RelaxationFit
     from .identification.tension import TensionFit
     from .many.study.maps import MapResult
     from .report.check import Check
+    from .report.compare import Compared
     from .report.look import Look
     from .report.plots import Figure
     from .report.profile import Profile
@@ -92,9 +94,9 @@ if TYPE_CHECKING:
     from .report.work import Work
 
 __all__ = [
-    "check", "cycle_at_speed", "cycle_relaxing", "identify", "identify_joint", "identify_law", "identify_relaxation",
-    "identify_tension", "load_case", "look", "measured_curves", "parse_case", "plot", "profile", "pull_off", "read",
-    "save", "solve", "study_map", "summary", "table", "to_pandas", "transform", "work",
+    "check", "compare", "cycle_at_speed", "cycle_relaxing", "identify", "identify_joint", "identify_law",
+    "identify_relaxation", "identify_tension", "load_case", "look", "measured_curves", "parse_case", "plan", "plot",
+    "profile", "pull_off", "read", "save", "solve", "study_map", "summary", "table", "to_pandas", "transform", "work",
 ]  # fmt: skip
 
 
@@ -186,9 +188,8 @@ def cycle_at_speed(
     The result's ``pull_off``, ``jumps``, ``lost``, ``energy_lost`` and ``error`` tell what happened, ``table(points)``
     gives its columns. Raises InputError where the contact leaves the series.
     """
+    from .adhesion.program import there_and_back
     from .adhesion.rate.history import RateContact
-    from .adhesion.rate.program import there_and_back
-    from .adhesion.rate.turn import held_at_turn
 
     w0, k = _number("w", w, "work"), _number("stiffness", stiffness, "stiffness")
     w_a = w0 if w_approach is None else _number("w_approach", w_approach, "work")
@@ -204,7 +205,7 @@ def cycle_at_speed(
         there = back if speed_approach is None else _number("speed_approach", speed_approach, rate)
         load = None if to_load is None else _number("to_load", to_load, "load")
         depth = None if to_depth is None else _number("to_depth", to_depth, "length")
-        turn = held_at_turn(contact, load, depth, there)
+        turn = contact.turning(load, depth, there)
         program = there_and_back(turn, there, back, _number("hold", hold, "time"), contact.least)
     assert program is not None
     history = contact.history(program)
@@ -241,7 +242,7 @@ def cycle_relaxing(
     The result's ``peak``, ``corners``, ``turn``, ``lost`` and ``error`` tell what happened, ``table(points)`` gives its
     columns. Raises InputError where the contact leaves the series, or is loaded again onto its dent.
     """
-    from .adhesion.rate.program import there_and_back
+    from .adhesion.program import there_and_back
     from .adhesion.relaxation.history import RelaxingContact
 
     solution, k = _solution(solved, None), _number("stiffness", stiffness, "stiffness")
@@ -349,6 +350,15 @@ def identify_joint(
     settings = settings_of(source, free, (fix or {}).items(), **options)
     bodies = with_radii(source, [_number("tip_radii", R, "length") for R in tip_radii], len(curves))
     return one_thread()(joint_fit)(bodies, curves, settings, shared_of(shared, own, settings))
+
+
+def plan(body: Case | Solution | str | Path, found: Fit, slopes: str = "auto") -> tuple[Further, ...]:
+    """Which further measurement would narrow E* and w of a fit most: relative standard errors now and with the same
+    measurement again, other largest loads, tip radii, thicknesses. InputError where the data do not tell both."""
+    from .identification.fit.body import body_of
+    from .identification.fit.plan import further
+
+    return one_thread()(further)(body_of(Path(body) if isinstance(body, str) else body, slopes), found)
 
 
 def identify_law(
@@ -535,6 +545,26 @@ def work(
     evaluation = evaluation_of(solution, unit, reading, modulus_factor, **options)
     with executor(1) as pool:
         return Work.of(path, *along_file(path, reading, evaluation, pool), solution, unit, modulus_factor)
+
+
+def compare(
+    first: Solution | Case | Problem | str | Path,
+    second: Solution | Case | Problem | str | Path,
+    rtol: float = 1e-3,
+    columns: Iterable[str] = (),
+    overlap: float = 0.9,
+) -> Compared:
+    """How far two results of the same problem lie apart: series ("P" and "a" at equal displacement, "S" and "dS" at
+    equal radius), or the CSV files of curves; they ``agree`` where no column that counts (default: P, of curves all)
+    differs by more than ``rtol``. Raises InputError where less than ``overlap`` of their range is common."""
+    from .report.compare import Compared, of_curves, of_solutions
+
+    one, two = (Path(item) if isinstance(item, str | Path) else Path("solved") for item in (first, second))
+    files = one, two
+    if one.suffix == ".csv":
+        return Compared.of(files, of_curves(files), rtol, tuple(columns), overlap)
+    found = of_solutions(files, _solution(first, None), _solution(second, None))
+    return Compared.of(files, found, rtol, tuple(columns) or ("P",), overlap)
 
 
 def study_map(name: str, **axes: Any) -> MapResult:

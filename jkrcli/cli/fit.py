@@ -19,9 +19,10 @@ from ..methods import Forecast
 from ..methods.guards import Limits
 from ..report.output import PICTURES, Files, Output
 from .body import FLAGS, body_options, given_flags, tables_of
+from .fit_idle import EACH, LAW, RELAXATION, SHARED, TENSION, given, refuse_idle
 from .fit_joint import fit_joint
-from .fit_law import fit_law, refuse_unused
-from .fit_relaxation import fit_relaxation, refuse_others
+from .fit_law import fit_law
+from .fit_relaxation import fit_relaxation
 from .fit_tension import fit_tension, is_asked
 from .measured import TUNING, begin_reading, reading_of, reading_options
 from .options import (
@@ -36,7 +37,7 @@ from .options import (
 )
 from .output import answer, into_folder, output_options
 from .verb import Verb
-from .voice import note, progress, say, warn
+from .voice import note, present, progress, say, warn
 
 if TYPE_CHECKING:
     from ..identification.fit import Fit, FittedBody, Settings
@@ -72,7 +73,7 @@ class NamesType(ParamType):
     multiple=True,
     type=NamesType(),
     help="Also free: P0, compliance, E:LAYER, h:LAYER (thickness), range or stress (adhesion of finite range), drift "
-    "(of the depth over time: with --segment both), surface_tension (all records together).",
+    "(of the depth over time), surface_tension (all records together).",
 )
 @click.option(
     "--fix", multiple=True, type=NamedType(), help='Known: w="50 mJ/m^2", delta0=0, modulus=1, E_star="1 MPa".'
@@ -102,6 +103,7 @@ class NamesType(ParamType):
 @click.option("--confidence", type=click.Choice(["covariance", "profile", "bootstrap"]), default="covariance",
               show_default=True, help="How the intervals are found.")  # fmt: skip
 @click.option("--rivals", is_flag=True, help="Print what the data of a raw record say of each other model.")
+@click.option("--plan", is_flag=True, help="Print which further measurement would narrow E* and w most.")
 @click.option("--level", type=float, default=0.95, show_default=True, help="Of the intervals.")
 @click.option(
     "--samples", type=click.IntRange(20, 100_000), default=200, show_default=True, help="Number of bootstrap resamples."
@@ -115,7 +117,7 @@ class NamesType(ParamType):
     "--tip-radius",
     multiple=True,
     type=RangeType(),
-    help="Of records fitted together (--shared, surface_tension): of each file, in order, or of all [default: BODY's].",
+    help="With --shared or surface_tension: of each file, or of all [default: BODY's].",
 )
 @click.option("--surface", type=click.Choice(["sliding", "sticking", "both"]),
               help="Of the body, instead of its own; both: under either, and what the data prefer.")  # fmt: skip
@@ -142,6 +144,7 @@ def fit(
     slopes: str,
     law: str | None,
     rivals: bool,
+    plan: bool,
     relaxation: str | None,
     workers: int | None,
     scheduler: str | None,
@@ -151,43 +154,35 @@ def fit(
 ) -> None:
     """Find E*, w and the zero points that bring the adhesive curves of BODY nearest to each MEASURED curve.
 
-    BODY: a series file, or a case file that is solved on the way, to the radii that the data ask for; or the body by
-    flags (--radius, --nu, --thickness ...: its modulus is not needed), then every file is a measured one. Measured are
-    two or three of a, delta, P; a and P need no zero of the displacement. Free are the common factor of all moduli
-    (told as E*), w and delta0; a layer's own E:LAYER or h:LAYER in their place (LAYER: its name, its number from 1 at
-    the contact, or base). With range or stress free, fixed or in the case adhesion has a finite range; JKR's misfit is
-    told beside it. A reading is delta0 + delta + compliance P, and P0 + P. Orthogonal distances are minimised, in
-    units of the noise. Writes <BODY>-fit.csv (a row per curve), .json, .h5 and <BODY>-fit-<curve>.png, .svg; of the
-    curves of a scan <BODY>-fit-map.png, .svg: images of E*, w, contact point, adhesion force and quality.
+    BODY: a case or series file; or the body by flags (--radius, --nu, --thickness ...: its modulus is not needed), then
+    every file is a measured one. Measured are two or three of a, delta, P. Free are the common factor of all moduli
+    (E*), w and delta0, or a layer's own E:LAYER, h:LAYER (its name, its number from 1 at the contact, or base). A
+    reading is delta0 + delta + compliance P, and P0 + P; orthogonal distances are minimised, in units of the noise.
+    Writes <BODY>-fit.csv (a row per curve), .json, .h5 and a picture per curve; of a scan its map.
 
     \b
-    jkr fit sphere.toml probe.csv
-    jkr fit gel.h5 probe.csv --unit P=mN --confidence profile --uncertain nu=0.005
+    jkr fit curve.jpk-force --radius "5 um" --nu 0.5
+    jkr fit sphere.toml probe.csv --unit P=mN --uncertain nu=0.005
     jkr fit tip.toml curve.csv --free range
     jkr fit coating.toml probe.csv --free E:skin --bound E:skin="1 MPa..1 GPa"
     jkr fit gel.toml probe.csv --surface both
-    jkr fit gel.toml small.csv large.csv --free surface_tension --tip-radius "5 um" --tip-radius "30 um"
-    jkr fit --radius "5 um" --nu 0.5 --shape paraboloid curve.jpk-force
-    jkr fit data.h5 map.jpk-force-map --workers 2
+    jkr fit gel.toml small.csv large.csv --free surface_tension \\
+            --tip-radius "5 um" --tip-radius "30 um"
     jkr fit gel.toml held.csv --relaxation sls
-    jkr fit gel.toml small.csv large.csv --shared E_star,w --tip-radius "5 um" --tip-radius "30 um"
+    jkr fit gel.toml small.csv large.csv --shared E_star,w \\
+            --tip-radius "5 um" --tip-radius "30 um"
     """
     flags = {key: options.pop(key) for key in FLAGS}
     source, paths = _given(body_file, measured, flags)
     inputs = (body_file, *measured)
     common, kept = ([name for group in groups for name in group] for groups in (shared, own))
     names = [*(name for group in free for name in group), *_freed((*common, *kept), fix)]
-    if kept and not common:
-        raise InputError("fit: --own goes with --shared, which names what all records have in common: give both")
-    if relaxation is None and (options["terms"] is not None or "relaxation" in names):
+    if relaxation is None and "relaxation" in names:
         raise InputError(f"fit: the law is not named: give --relaxation {', '.join(RELAXATIONS)}")
-    if relaxation is not None:
-        refuse_others({**options, "rivals": rivals, "bound": bound, "uncertain": uncertain}, start, law, surface)
-    elif law is not None:
-        refuse_unused({**options, "rivals": rivals, "bound": bound, "uncertain": uncertain})
-    timed = law or relaxation or common
-    if common and (given := [flag for flag, value in (("--law", law), ("--relaxation", relaxation)) if value]):
-        raise InputError(f"fit: --shared does not take {given[0]}: its records are fitted together as they are")
+    kind = RELAXATION if relaxation else LAW if law else SHARED if common else EACH
+    timed = kind != EACH
+    if timed:
+        refuse_idle(kind, given())
     endings = (".csv", ".json", ".h5") if not timed else (".csv", ".json", *PICTURES)
     targets = output.files(output.folder(body_file.parent) / f"{body_file.stem}-fit", endings, inputs)
     for longest in beside(targets.stem, ["x" * FILES.shortest]) if not timed else []:
@@ -206,23 +201,23 @@ def fit(
         fit_relaxation(body, relaxation, paths, reading, names, fix, options, targets, told, output)
         return
     options.pop("terms")
-    if not timed and is_asked(body, names, fix):
-        unused = {**options, "rivals": rivals, "bound": bound, "uncertain": uncertain}
+    if kind in (EACH, SHARED) and is_asked(body, names, fix):
+        refuse_idle(TENSION, given())
         targets = output.files(targets.stem, (".csv", ".json"), inputs)
-        fit_tension(body, paths, tip_radius, reading, names, fix, start, unused, targets, told, output)
+        fit_tension(body, paths, tip_radius, reading, names, fix, options["level"], targets, told, output)
         return
-    if tip_radius and not common:
-        raise InputError("fit: --tip-radius: goes with --shared or --free surface_tension: leave it out")
+    if not timed:
+        refuse_idle(EACH, given())
     if law is not None:
         fit_law(body, law, paths, reading, names, fix, start, options, targets, told, output)
         return
     settings, reading = _settings(body, uncertain, names, fix, start, bound, options), replace(reading, contact="as-is")
     if common:
-        unused = {**options, "rivals": rivals, "uncertain": uncertain, "surface": surface}
-        fit_joint(body, paths, tip_radius, reading, settings, common, kept, unused, targets, told, output)
+        fit_joint(body, paths, tip_radius, reading, settings, common, kept, targets, told, output)
         return
     from ..base.executors import executor
     from ..data.measured import usable
+    from ..identification.fit import Fit
     from ..identification.fit.fitting import Failure, fit_all
 
     bodies = [body.on_surface(one) for one in SURFACES[surface or body.problem.surface]]
@@ -236,16 +231,18 @@ def fit(
         with executor(workers, scheduler, progress, seconds) as pool:
             each.append(fit_all(one, curves, settings, pool))
     found = [item for items in each for item in items]
+    if rivals and not any(isinstance(item, Fit) and item.verdict for item in found):
+        raise InputError("fit: --rivals is for raw records, which none of these was fitted as: leave it out")
+    found = [_planned(item, bodies) for item in found] if plan else found
     reasons += [line for item in each[0] if isinstance(item, Failure) for line in item.lines]
     pictures = _pictures(each, bodies, targets, inputs, output) if output.plots else []
     map_file = _write(found, reasons, targets, pictures, told, output, inputs)
     for line in reasons:
         warn(f"skipped: {line}")
-    _tell(found, output.json, told, rivals)
+    drawn = f", {len(pictures)} picture{'s' if len(pictures) > 1 else ''}" if pictures else ""
+    written = f"  written {targets}{drawn}" + (f", the map in {map_file}" if map_file else "")
+    _tell(found, output.json, told, rivals, plan, written)
     _tell_surfaces(found, body, bodies, output.json)
-    if not output.json:
-        drawn = f", {len(pictures)} picture{'s' if len(pictures) > 1 else ''}" if pictures else ""
-        say(f"written {targets}{drawn}" + (f", the map in {map_file}" if map_file else ""))
 
 
 def _freed(names: Sequence[str], fix: Sequence[tuple[str, str]]) -> list[str]:
@@ -333,6 +330,19 @@ def _refits(confidence: str, samples: int, uncertain: int) -> int:
     return fits[confidence] + TUNING.carried * uncertain
 
 
+def _planned(item: Fit | Failure, bodies: list[FittedBody]) -> Fit | Failure:
+    """The fit with what further measurements would tell; a warning where nothing is known of it."""
+    from ..identification.fit.fitting import Failure
+    from ..identification.fit.plan import further
+
+    if isinstance(item, Failure):
+        return item
+    try:
+        return replace(item, plan=further(next(one for one in bodies if one.problem.surface == item.surface), item))
+    except InputError as error:
+        return replace(item, warnings=(*item.warnings, str(error)))
+
+
 def _pictures(
     each: list[list[Fit | Failure]], bodies: list[FittedBody], targets: Files,
     inputs: tuple[Path, ...], output: Output,
@@ -377,7 +387,7 @@ def _draw(drawn: Pictures) -> None:
             target.write(figure=record_figure([examine(item.curve)]))
 
 
-def _tell(found: list[Fit | Failure], as_json: bool, body: str, rivals: bool) -> None:
+def _tell(found: list[Fit | Failure], as_json: bool, body: str, rivals: bool, plan: bool, written: str) -> None:
     from ..identification.fit import Fit
     from ..report import fit as report
 
@@ -385,10 +395,15 @@ def _tell(found: list[Fit | Failure], as_json: bool, body: str, rivals: bool) ->
     if as_json:
         answer(report.summary(found, body))
     else:
-        for item in fits[:SHOWN]:
-            say("\n".join(report.words(item) + (report.rivals_table(item) if rivals else [])))
-        if len(fits) > SHOWN:
-            say(f"... and {len(fits) - SHOWN} more curves")
+        told = [report.words(item) for item in fits[:SHOWN]]
+        if len(fits) > 1:
+            told = [[f"{item.where}: {first}", *rest] for item, (first, *rest) in zip(fits, told, strict=False)]
+        more = f" ({len(fits) - SHOWN:,} more curves)" if len(fits) > SHOWN else ""
+        present(*told, last=f"{written}{more}")
+        for item in fits[:SHOWN] if rivals else ():
+            say("\n".join(report.rivals_table(item)))
+        for item in fits[:SHOWN] if plan else ():
+            say("\n".join(report.plan_table(item)))
     both = len({item.surface for item in fits}) > 1
     for item in fits[:SHOWN]:
         for warning in item.warnings:

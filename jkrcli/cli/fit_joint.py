@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from ..base.errors import InputError, SolveError
 from ..report.output import Files, Output
-from .fit_law import refuse_unused
 from .output import answer
 from .voice import say, warn
 
@@ -20,7 +19,7 @@ if TYPE_CHECKING:
 
 def fit_joint(
     body: FittedBody, measured: Sequence[Path], radii: Sequence[float], reading: Reading, settings: Settings,
-    shared: Sequence[str], own: Sequence[str], options: dict[str, Any], targets: Files, told: str, output: Output,
+    shared: Sequence[str], own: Sequence[str], targets: Files, told: str, output: Output,
 ) -> None:  # fmt: skip
     """One fit of all curves in all files, its table, summary and picture."""
     from ..base.threads import one_thread
@@ -28,7 +27,6 @@ def fit_joint(
     from ..identification.fit.joint import joint_fit, shared_of, with_radii
     from ..report import joint_fit as report
 
-    refuse_unused({**options, "branch": "all", "base_line": "straight", "noise": ()}, "--shared")
     names, curves, bodies = shared_of(shared, own, settings), [], []
     for path, one in zip(measured, with_radii(body, radii, len(measured)), strict=True):
         for item in each(path, replace(reading, contact="as-is")):

@@ -9,30 +9,11 @@ from typing import TYPE_CHECKING, Any
 from ..base.errors import InputError, SolveError
 from ..report.output import Files, Output
 from .output import answer
-from .voice import say, warn
+from .voice import present, warn
 
 if TYPE_CHECKING:
     from ..data.measured import Reading
     from ..identification.fit import FittedBody
-
-UNUSED = {
-    "rivals": "--rivals",
-    "bound": "--bound",
-    "uncertain": "--uncertain",
-    "noise": "--noise",
-    "surface": "--surface",
-}
-
-
-def refuse_unused(options: dict[str, Any], by: str = "--law") -> None:
-    """InputError where an option is given that a fit over time does not take, which ``by`` asks for."""
-    defaults = {"branch": "all", "loss": "linear", "confidence": "covariance", "base_line": "straight"}
-    given = [flag for name, flag in UNUSED.items() if options.get(name)]
-    given += [
-        f"--{name.replace('_', '-')} {options[name]}" for name, usual in defaults.items() if options.get(name) != usual
-    ]
-    if given:
-        raise InputError(f"fit: {by} does not take {given[0]}")
 
 
 def fit_law(
@@ -67,7 +48,6 @@ def fit_law(
     if output.json:
         answer(report.summary(found, told))
     else:
-        say("\n".join(report.words(found)))
-        say(f"written {targets}")
+        present(report.words(found), last=f"  written {targets}")
     for line in found.warnings:
         warn(line)

@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from ..base.errors import InputError
 from ..report.output import Files, Output
-from .fit_law import refuse_unused
 from .output import answer
-from .voice import say, warn
+from .voice import present, warn
 
 if TYPE_CHECKING:
     from ..data.measured import Reading
@@ -56,15 +55,7 @@ def fit_relaxation(
     if output.json:
         answer(report.summary(found, told))
     else:
-        say("\n".join(line for fit in found for line in report.words(fit)))
-        say(f"written {targets}")
+        present(*map(report.words, found), last=f"  written {targets}")
     for fit in found:
         for line in fit.warnings:
             warn(f"{fit.record.curve.where}: {line}")
-
-
-def refuse_others(options: dict[str, Any], start: Sequence[Any], law: str | None, surface: str | None) -> None:
-    """InputError where an option is given that a fit of relaxation does not take."""
-    refuse_unused(options, "--relaxation")
-    if given := [flag for flag, value in (("--law", law), ("--start", start), ("--surface", surface)) if value]:
-        raise InputError(f"fit: --relaxation does not take {given[0]}")

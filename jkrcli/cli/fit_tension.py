@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from ..base.errors import InputError, SolveError
 from ..report.output import Files, Output
-from .fit_law import refuse_unused
 from .output import answer
-from .voice import say, warn
+from .voice import present, warn
 
 if TYPE_CHECKING:
     from ..data.measured import Reading
@@ -27,18 +26,14 @@ def is_asked(body: FittedBody, names: Sequence[str], fix: Sequence[tuple[str, st
 
 def fit_tension(
     body: FittedBody, measured: Sequence[Path], radii: Sequence[float], reading: Reading, names: Sequence[str],
-    fix: Sequence[tuple[str, str]], start: Sequence[tuple[str, str]], options: dict[str, Any], targets: Files,
-    told: str, output: Output,
+    fix: Sequence[tuple[str, str]], level: float, targets: Files, told: str, output: Output,
 ) -> None:  # fmt: skip
     """One fit of all curves in all files, its table and summary."""
     from ..data.measured import each
     from ..identification.tension import known_values, radii_of, tension_fit
     from ..report import tension_fit as report
 
-    if start:
-        raise InputError(f"fit: surface_tension: starts are looked for, leave out --start {start[0][0]}")
     fixed = known_values(body.problem, names, fix)
-    refuse_unused(options, by="surface_tension")
     curves, tips = [], []
     for path, R in zip(measured, radii_of(body.problem, radii, len(measured)), strict=True):
         for item in each(path, replace(reading, contact="as-is")):
@@ -47,14 +42,13 @@ def fit_tension(
             curves.append(item)
             tips.append(R)
     try:
-        found = tension_fit(body.problem, curves, tips, fixed, options["level"])
+        found = tension_fit(body.problem, curves, tips, fixed, level)
     except SolveError as error:
         raise InputError(f"{measured[0]}: {error}") from None
     targets.write(report.columns(found), report.summary(found, told))
     if output.json:
         answer(report.summary(found, told))
     else:
-        say("\n".join(report.words(found, options["level"])))
-        say(f"written {targets}")
+        present(report.words(found, level), last=f"  written {targets}")
     for line in found.warnings:
         warn(line)

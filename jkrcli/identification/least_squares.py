@@ -17,7 +17,7 @@ import numpy as np
 from scipy import optimize
 
 from ..base.arrays import Array
-from ..base.errors import JkrError
+from ..base.errors import JkrError, SolveError
 from .fit.settings import Loss
 from .fit.statistics import costs
 
@@ -80,8 +80,11 @@ class LeastSquares:
                 remembered[:] = [(x.copy(), self.model(x))]
             return remembered[0][1]
 
+        start = np.clip(start, *self.bounds)
+        if not np.isfinite(at(start).residuals).all():
+            raise SolveError("no curve of this body resembles the record")
         found = optimize.least_squares(
-            lambda x: at(x).residuals, np.clip(start, *self.bounds), lambda x: at(x).jacobian, bounds=self.bounds,
+            lambda x: at(x).residuals, start, lambda x: at(x).jacobian, bounds=self.bounds,
             method="trf", x_scale="jac", loss=self.loss, f_scale=self.width, max_nfev=self.evaluations,
             ftol=max(self.cost, self.converged), xtol=self.converged, gtol=self.converged,
         )  # fmt: skip

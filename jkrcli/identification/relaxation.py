@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from ..adhesion.nonadhesive import Nonadhesive
-from ..adhesion.rate.program import Program
+from ..adhesion.program import Program
 from ..adhesion.relaxation.history import RelaxingContact
 from ..base.arrays import Array
 from ..base.errors import InputError, JkrError, did_you_mean

@@ -5,12 +5,13 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 from ..base import hdf5
 from ..base.arrays import Array
-from ..base.units import SI, show
+from ..base.units import SI, scale, show
 from ..identification.fit.fitting import Failure
 from ..identification.fit.record_scores import Score
 from ..identification.fit.result import Fit, FittedValue, JKRBeside
@@ -30,6 +31,7 @@ UNIT_NAMES = {
 }
 ALWAYS = ("file", "curve", "status", "reason", "points")
 SYMBOLS = {"E_star": "E*", "modulus": "moduli over the case's"}
+ZERO_POINTS = ("delta0", "P0", "tilt")  # told last
 FITTED, DOUBTFUL, UNUSABLE = "fitted", "doubtful", "unusable"
 DIMENSIONS = {"a": "length", "delta": "length", "P": "load"}
 VAGUE = "not determined"  # how flags end of what rivals may change by much
@@ -118,6 +120,7 @@ def _summary(item: Fit | Failure) -> dict[str, Any]:
         **({} if item.range_left is None else {"range_left_m": item.range_left}),
         **_beside(item),
         **_verdict(item),
+        **({"plan": [asdict(one) for one in item.plan]} if item.plan else {}),
         **({} if item.quality is None else {"quality": dict(item.quality), "flags": list(item.flags)}),
         "warnings": list(item.warnings),
     }
@@ -148,19 +151,18 @@ def estimate_summary(item: FittedValue) -> dict[str, Any]:
 
 
 def words(item: Fit) -> list[str]:
-    """A fit as lines of text: what was free, and what follows from it."""
+    """A fit as lines of text: the verdict, what was free, and what follows from it."""
     out = f" ({', '.join(item.left_out)} left out)" if item.left_out else ""
     status = f"{_status(item)}, " if item.quality is not None or item.flags else ""
     ways = f", {item.directions}" if item.directions else ""
     stuck = ", no slip" if item.surface == "sticking" else ""
-    lines = verdict_words(item)
-    lines += [f"{item.where}: {status}{item.a.size} rows of {', '.join(item.data)}{ways}{out}{stuck}"]
-    for estimate in item.estimates:
+    lines = [*verdict_words(item), *_range_words(item)]
+    lines += [f"  {item.where}: {status}{item.a.size} rows of {', '.join(item.data)}{ways}{out}{stuck}"]
+    for estimate in sorted(item.estimates, key=lambda one: one.name in ZERO_POINTS):
         if estimate.free and estimate.name != "modulus":
             lines.append(
                 f"  {SYMBOLS.get(estimate.name, estimate.name):<12} {estimate_words(estimate, item.settings.level)}"
             )
-    lines += _range_words(item)
     told = item.correlated("modulus", "w")
     more = [] if told is None else [f"correlation of E* and w {told:.2f}"]
     lines.append(f"  {'scatter':<12} {', '.join([*_scatter(item), *more])}")
@@ -171,28 +173,36 @@ def words(item: Fit) -> list[str]:
 
 
 def verdict_words(item: Fit) -> list[str]:
-    """E* and w with the parts of their errors, what a formula would say, and whether to believe it: of raw records."""
+    """E* and w with the parts of their errors; of raw records also whether the model is rejected, what a formula would
+    give, and which rivals the parts by the model are from."""
+    shown = [one for one in (item.estimate("E_star"), item.work) if one.free]
+    verdict, formula = ", ".join(map(brief, shown or item.estimates)), []
     if item.verdict is None:
-        return []
-    told = [_parts_words(one) for one in (item.estimate("E_star"), item.work) if one.free and one.error is not None]
-    formula, E_star = item.verdict.formula, item.value("E_star")
+        return [verdict]
     if item.verdict.E_star is not None:
         by = item.verdict.E_star
-        told.append(f"{formula} at the deepest row would give {show(by, 'modulus', 3)} ({by / E_star - 1:+.0%})")
+        change = by / item.value("E_star") - 1
+        formula = [f"{item.verdict.formula} at the deepest row would give {show(by, 'modulus', 3)} ({change:+.0%})"]
     rivals = item.verdict.rivals
-    judged = "no other model is asked for" if not rivals.named else f"rejected for {' or '.join(rivals.families)}"
-    vague = [flag for flag in item.flags if flag.endswith(VAGUE)]
-    return [f"{item.where}: {'; '.join([*told, judged, *vague])}"]
+    rejected = f"; rejected for {' or '.join(rivals.families)}" if rivals.named else ""
+    judged = [] if rivals.named else ["no other model is asked for"]
+    judged += [flag for flag in item.flags if flag.endswith(VAGUE)]
+    parts = dict.fromkeys(name for one in shown for name in one.model or {})
+    judged += [f"model: {name} not excluded" for name in parts]
+    return [verdict + rejected, *(f"  {'; '.join(lines)}" for lines in (formula, judged) if lines)]
 
 
-def _parts_words(item: FittedValue) -> str:
-    """A value with its statistical part, that of inputs, and that of the model with the rival which it is from."""
+def brief(item: FittedValue) -> str:
+    """A value with its statistical part, that of inputs, and that of the model."""
+    name = f"{SYMBOLS.get(item.name, item.name)} = {show(item.value, item.dimension, 4)}"
+    if item.error is None:
+        return f"{name} (not determined by the data)" if item.free else name
     calibration = math.hypot(*(item.systematic or {}).values())
-    own = math.sqrt(max((item.error or 0.0) ** 2 - calibration**2, 0.0))
-    parts = {"statistical": own, "calibration": calibration}
-    parts |= {f"model: {name}": size for name, size in (item.model or {}).items()}
-    said = [f"± {show(size, item.dimension, 2)} ({name})" for name, size in parts.items() if size > NOTICEABLE * own]
-    return f"{SYMBOLS.get(item.name, item.name)} = {show(item.value, item.dimension, 4)} {' '.join(said)}"
+    own = math.sqrt(max(item.error**2 - calibration**2, 0.0))
+    parts = {"statistical": own, "calibration": calibration, "model": math.hypot(*(item.model or {}).values())}
+    unit, _ = scale(item.value, item.dimension)
+    said = [f"± {float(f'{size / unit:.2g}'):g} ({kind})" for kind, size in parts.items() if size > NOTICEABLE * own]
+    return " ".join([name, *said])
 
 
 def rivals_table(item: Fit) -> list[str]:
@@ -206,6 +216,18 @@ def rivals_table(item: Fit) -> list[str]:
     )]  # fmt: skip
 
 
+def plan_table(item: Fit) -> list[str]:
+    """What further measurements would tell, the best for E* and for w marked."""
+    best = [min((getattr(one, name) for one in item.plan), default=0.0) for name in ("E_star", "w")]
+    head = [f"  {'a further measurement':<32}{'E* within':>12}{'w within':>12}"] * bool(item.plan)
+    return head + [
+        f"  {one.words:<32}"
+        + "".join(f"{value:>11.2%}{'*' if value == least else ' '}"
+                  for value, least in zip((one.E_star, one.w), best, strict=True))
+        for one in item.plan
+    ]  # fmt: skip
+
+
 def _verdict(item: Fit) -> dict[str, Any]:
     """Rivals of a raw record, each with its score, and what a formula makes of the deepest row."""
     if item.verdict is None:
@@ -213,7 +235,7 @@ def _verdict(item: Fit) -> dict[str, Any]:
     told = item.verdict
     return {"verdict": {
         "named": [one.name for one in told.rivals.named], "families": list(told.rivals.families),
-        "misfit": told.rivals.misfit / told.rivals.dof, "free_rows_tell_the_noise": told.rivals.free_rows,
+        "misfit": told.rivals.misfit / told.rivals.dof, "free_rows_tell_the_noise": told.rivals.loose > 0,
         "formula": {"name": told.formula, "E_star_Pa": told.E_star} if told.E_star is not None else None,
         "rivals": [_score_summary(one) for one in told.rivals.scores],
     }}  # fmt: skip
@@ -244,7 +266,7 @@ def estimate_words(estimate: FittedValue, level: float) -> str:
     dimension = estimate.dimension
     text = f"{show(estimate.value, dimension, 5):<14}"
     if estimate.error is None:
-        text += " (not told by the data)"
+        text += " (not determined by the data)"
         if estimate.low is None and estimate.high is None:
             return text
     else:

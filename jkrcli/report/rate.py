@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from ..adhesion.device import LOAD_CONTROL
-from ..adhesion.rate.history import History, TimedJump, TimedState
+from ..adhesion.path import Jump, TimedState
+from ..adhesion.rate.history import History
 from ..adhesion.rate.laws import RateLaw, parameters_of, rate_parameters
 from ..adhesion.rate.validity import NEGLECTED, Zone
 from ..base.units import SI, show
@@ -85,17 +86,17 @@ def words(history: History, zone: Zone) -> list[str]:
     """Lines for people."""
     contact, pulled, lost = history.contact, history.pull_off, history.lost
     works = show(contact.w_advance, "work"), show(contact.w0, "work")
-    lines = [f"{history.control}, w = {works[0]} on approach, from {works[1]} on retraction; {law_words(contact.law)}"]
+    lines = [
+        f"pull-off force {show(-pulled.P, 'load')} at t = {show(pulled.t, 'time')}, delta = "
+        f"{show(pulled.delta, 'length')}, a = {show(pulled.a, 'length')}; edge up to {show(history.fastest, 'speed')}",
+        f"  {history.control}, w = {works[0]} on approach, from {works[1]} on retraction; {law_words(contact.law)}",
+    ]
     for jump in history.jumps:
         if jump.end is not None:
             lines.append(
                 f"  contact jumps at t = {show(jump.t, 'time')} from a = {show(jump.start.a, 'length')} to "
                 f"a = {show(jump.end.a, 'length')}, P = {show(jump.end.P, 'load')}"
             )
-    lines.append(
-        f"  pull-off force {show(-pulled.P, 'load')} at t = {show(pulled.t, 'time')}, delta = "
-        f"{show(pulled.delta, 'length')}, a = {show(pulled.a, 'length')}; edge up to {show(history.fastest, 'speed')}"
-    )
     told = "contact is not lost" if lost is None else f"contact is lost at t = {show(lost.t, 'time')}"
     if lost is not None and history.waited is not None:
         held = (
@@ -113,7 +114,7 @@ def _state(state: TimedState) -> dict[str, Any]:
     return point(state) | {"t_s": state.t}
 
 
-def _jump(jump: TimedJump) -> dict[str, Any]:
+def _jump(jump: Jump) -> dict[str, Any]:
     return {"t_s": jump.t, "from": point(jump.start), "to": None if jump.end is None else point(jump.end)}
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from ..adhesion.rate.validity import NEGLECTED
 from ..base.units import show
 from ..identification.rate.fitting import RateFit
-from .fit import estimate_summary, estimate_words
+from .fit import brief, estimate_summary, estimate_words
 from .rate import law_words
 from .tables import stiffness
 
@@ -61,7 +61,8 @@ def words(fit: RateFit) -> list[str]:
     rows = sum(record.t.size for record in fit.records)
     speeds = " to ".join(show(v, "speed", 3) for v in fit.speeds)
     records = f"{len(fit.records)} record{'s' if len(fit.records) > 1 else ''}"
-    lines = [f"{records}, {rows} rows; {law_words(fit.law)}; edge {speeds}"]
+    free = [item for item in fit.estimates if item.free and item.name in ("E_star", "w0")]
+    lines = [", ".join(map(brief, free)), f"  {records}, {rows} rows; {law_words(fit.law)}; edge {speeds}"]
     for item in fit.estimates:
         if item.free and item.name != "modulus":
             lines.append(

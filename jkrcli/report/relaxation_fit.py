@@ -7,7 +7,7 @@ from typing import Any
 
 from ..base.units import SI
 from ..identification.relaxation import RelaxationFit
-from .fit import estimate_summary, estimate_words
+from .fit import brief, estimate_summary, estimate_words
 from .relaxation import NEGLECTED, law_summary
 from .tables import stiffness
 
@@ -60,7 +60,8 @@ def words(fit: RelaxationFit) -> list[str]:
     record, level = fit.record, fit.settings.level
     held = "load" if record.loaded else "displacement"
     lines = [
-        f"{record.curve.where}: {fit.relaxation}; {record.t.size} rows, the {held} held, {_pieces(record.knots[0])}"
+        brief(fit.estimate("E_star")),
+        f"  {record.curve.where}: {fit.relaxation}; {record.t.size} rows, the {held} held, {_pieces(record.knots[0])}",
     ]
     for item in fit.estimates:
         if item.free and item.name != "modulus":

@@ -6,7 +6,7 @@ from typing import Any
 
 from ..base.units import show
 from ..identification.tension import TensionFit
-from .fit import estimate_summary, estimate_words
+from .fit import brief, estimate_summary, estimate_words
 
 
 def columns(fit: TensionFit) -> dict[str, list[Any]]:
@@ -36,8 +36,11 @@ def summary(fit: TensionFit, body: str) -> dict[str, Any]:
 def words(fit: TensionFit, level: float) -> list[str]:
     """The fit as lines of text."""
     rows = sum(record.P.size for record in fit.records)
-    lines = [f"{len(fit.records)} records together, {rows} rows, scatter of the load {show(fit.scatter, 'load', 2)}"]
     free = [item for item in fit.estimates if item.free]
+    lines = [
+        ", ".join(map(brief, free)),
+        f"  {len(fit.records)} records together, {rows} rows, scatter of the load {show(fit.scatter, 'load', 2)}",
+    ]
     known = [f"{item.name} = {show(item.value, item.dimension)}" for item in fit.estimates if not item.free]
     lines += [f"  {item.name:<24} {estimate_words(item, level)}" for item in free]
     return lines + ([f"  fixed: {', '.join(known)}"] if known else [])

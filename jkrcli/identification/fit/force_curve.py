@@ -375,6 +375,20 @@ def _problem(model: ForceCurveModel, bounds: tuple[Array, Array], blunt: float, 
     return LeastSquares(partial(_state, model, blunt), bounds, enough, evaluations=TUNING.evaluations)
 
 
+def misfit_at(model: ForceCurveModel, x: Array) -> float:
+    """Half the sum of squares at the unknowns ``x``, of loads over their range."""
+    off = model.residuals(np.clip(x, *_bounds(model, x)), TUNING.blunt[-1])[0] / _scale(model)
+    return float(off @ off) / 2
+
+
+def rough(model: ForceCurveModel, start: Array, steps: int) -> tuple[float, Array]:
+    """Half the sum of squares that is left, of loads over their range, and the unknowns that leave about least, by a
+    search from ``start`` on of a few ``steps``."""
+    problem = _problem(model, _bounds(model, start), TUNING.blunt[-1], TUNING.about)
+    found = replace(problem, evaluations=steps).least(start)
+    return found.cost, found.x
+
+
 def fit(model: ForceCurveModel, start: Array, near: bool = False, loss: Loss = "linear") -> ForceCurveFit:
     """The unknowns that leave least, first with a blunt fold unless ``start`` is ``near``, then as it is. Where the
     rows do not determine them the search creeps along a valley: it is given up, and that is told."""
@@ -498,7 +512,7 @@ def nearest(model: ForceCurveModel, loss: Loss = "linear") -> ForceCurveFit:
     """The unknowns that leave least, from several starts until one leaves no more than noise; SolveError where no
     search converges. Of a retraction alone all are tried: how far its edge rests is told by its shape only."""
     best: ForceCurveFit | SolveError = SolveError("no curve of this body resembles the record")
-    for x in _starts(model):
+    for x in starts_of(model):
         try:
             found = fit(model, x, loss=loss)
         except SolveError as error:
@@ -513,7 +527,7 @@ def nearest(model: ForceCurveModel, loss: Loss = "linear") -> ForceCurveFit:
     return best
 
 
-def _starts(model: ForceCurveModel) -> Iterator[Array]:
+def starts_of(model: ForceCurveModel) -> Iterator[Array]:
     """Unknowns to begin with, as each stretch suggests."""
     if "turn" not in model.names:
         yield from (_start(model, part, 1.0, 0.0) for part in model.stretches)

@@ -7,6 +7,7 @@ differences.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields
 from functools import cached_property
@@ -15,6 +16,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from ...base.arrays import Array
+from ...base.errors import SolveError
 from .device_path import DeviceBranch, Rest, grid, on_grid
 from .family import Family
 from .force_curve import DirectionReadings, ForceCurveFit, ForceCurveModel
@@ -56,6 +58,8 @@ class Bent(Family):
 
 def bent(family: Family, changes: Array) -> Family:
     """A family whose logs of D, T, H, V differ by ``changes`` (4, n) on its grid."""
+    if not np.isfinite(changes).all():
+        raise SolveError("no body has curves that differ so much")
     return Bent(family.logs, family.low, family.high, None, CubicSpline(grid(family), changes.T))
 
 
@@ -63,14 +67,20 @@ def of_body(family: Family, D: Array, S: Array) -> Array:
     """Changes of the logs (4, n) on the grid where those of displacement and stiffness change by ``D`` and ``S`` there:
     the load follows by dP = S d(delta), adhesion by S'."""
     u = grid(family)
-    (d, t, h, v), (dD, dT, _, dV), _ = on_grid(family)
+    (d, t, _, v), (dD, dT, _, dV), _ = on_grid(family)
     s, ds = v / t, v / t * (dV / v - dT / t)
     dS = np.exp(S) * (ds + s * np.gradient(S, u, edge_order=2))
     rate = s * np.exp(S + D) * (dD + d * np.gradient(D, u, edge_order=2))
-    more = CubicSpline(u, rate - s * dD).antiderivative()(u)
-    first = h[0] * (rate[0] / (s[0] * dD[0]) - 1)  # of power laws up to the first radius, alike but for D
     T = np.log(ds / dS) / 2
-    return np.stack([D, T, np.log1p((more + first) / h), S + T])
+    return np.stack([D, T, np.log(_integral(u, rate) / _integral(u, s * dD)), S + T])
+
+
+def _integral(u: Array, rate: Array) -> Array:
+    """The integral of a ``rate`` over ``u``, a power law's up to the first."""
+    log = np.log(rate[:2])
+    first = rate[0] * (u[1] - u[0]) / (log[1] - log[0])
+    found: Array = first + CubicSpline(u, rate).antiderivative()(u)
+    return found
 
 
 Values = Mapping[str, float]
@@ -151,6 +161,7 @@ class RivalModel(ForceCurveModel):
         for i, name in enumerate(self.names):
             if name in self.change.names or (self.change.felt and name.startswith(("ln_s", "q:", "r:", "z0"))):
                 step = TUNING.step * self._unit(name, float(x[i]))
+                step = -step if x[i] + step > self.limits.get(name, (0.0, math.inf))[1] else step
                 rates[:, i] = (super().residuals(x + step * (np.arange(x.size) == i), blunt)[0] - off) / step
         return off, rates
 

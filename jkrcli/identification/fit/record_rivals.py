@@ -53,15 +53,18 @@ class RecordRivalTuning:
     shape: float = 0.005  # choice: exponent of the profile within which a tip is what it is called
     inside: float = 0.9  # choice: of the tip, up to which a layer below it is solved
     thin: float = 4.0  # choice: contact radii over the thickness up to which a layer is looked for
-    beyond: float = 1.5  # choice: of the largest radius, up to which it is solved; moduli may fall on the way
     thicknesses: tuple[float, ...] = (0.3, 1.0)  # choice: contact radii over it, to begin with
     incompressible: float = 0.4999  # choice: largest nu that is looked for; theory: 1/2 at most
     thinned: float = 0.9  # choice: relative, by which the thickness or nu of a layer may be smaller than it was said
     thickened: float = 4.0  # choice: the same, larger thickness
-    layers: tuple[tuple[float], ...] = ((0.0,),)  # choice: relative, of both, to begin with
+    grades: tuple[float, float] = (-0.6, 5.0)  # theory: S' stays above 0 up to ``farther``; choice: the largest
+    pointed: tuple[float, float] = (-1.5, 6.0)  # theory: profiles that rise; choice: exponents 1/2 to 8
+    quartics: tuple[float, float] = (-3.0, 6.0)  # theory: profiles that rise up to a/R = 1; choice: the largest
+    rises: tuple[float, float] = (-5.0, 5.0)  # choice: of the log of w along a record
     farther: float = 1.5  # choice: of the largest radius, beyond which a modulus that changes is even
     profiles: tuple[float, ...] = (-0.8, 0.0)  # choice: exponents less that of a paraboloid, to begin with
     tabor: tuple[float, ...] = (3.0, 1.0, 0.3, 0.1)  # choice: Tabor numbers, to begin with
+    farthest: float = 1e3  # choice: range over how far adhesion deforms the body; longer ones change nothing
     tensions: tuple[float, ...] = (0.03,)  # choice: 2 tension/E* over the contact radius, to begin with
     exponents: tuple[float, ...] = (0.3, 0.8)  # choice: of the speed of the edge, to begin with
     powers: tuple[float, float] = (0.1, 1.5)  # choice: of the speed of the edge, that are looked for; measured 0.1 to 1
@@ -69,7 +72,7 @@ class RecordRivalTuning:
 
 
 TUNING = RecordRivalTuning()
-EXPONENT = "n"
+EXPONENT, ANY = "n", (-math.inf, math.inf)
 Look = Callable[[Situation], Change | Array | None]
 
 
@@ -98,7 +101,9 @@ class Rival:
         return 0.0 if self.positive else -self.possible, self.possible
 
 
-def of_family(changes: Callable[[Family, float], Array], *, last: bool = False) -> Change:
+def of_family(
+    changes: Callable[[Family, float], Array], limits: tuple[float, float] = ANY, *, last: bool = False
+) -> Change:
     """A change of the body by ``changes`` (4, n) of its logs at an amount; of the ``last`` stretch alone or of all."""
 
     def model(plain: ForceCurveModel, part: DirectionReadings, values: Values) -> ForceCurveModel:
@@ -106,23 +111,23 @@ def of_family(changes: Callable[[Family, float], Array], *, last: bool = False) 
             return plain
         return replace(plain, family=bent(plain.family, changes(plain.family, values[AMOUNT])))
 
-    return Change(((0.0,),), model=model)
+    return Change(((0.0,),), limits={AMOUNT: limits}, model=model)
 
 
 def work_over_radius(at: Situation) -> Change | None:
-    """The log of w of the last direction that rises as the contact shrinks, 0 at the largest radius and 1 at the
-    smallest; w is meant there, at pull-off."""
+    """The log of w of the last direction that rises as the contact shrinks, in proportion to the radius, by an amount
+    from the largest to the smallest; w is meant there, at pull-off."""
     a = at.radii[-1][0]
     if not at.work or not (a > 0).any():
         return None
     widest, least = at.widest, float(a[a > 0].min())
 
     def changes(family: Family, amount: float) -> Array:
-        place = np.minimum((widest - np.exp(grid(family))) / max(widest - least, LITTLE * widest), 1.0)
-        half, zero = amount / 2 * np.maximum(place, 0.0), np.zeros_like(place)
+        place = (least - np.minimum(np.exp(grid(family)), widest)) / max(widest - least, LITTLE * widest)
+        half, zero = amount / 2 * place, np.zeros_like(place)
         return np.stack([zero, half, zero, half])
 
-    return of_family(changes, last=True)
+    return of_family(changes, TUNING.rises, last=True)
 
 
 def work_over_speed(at: Situation) -> Change | None:
@@ -193,7 +198,7 @@ def layer_below(at: Situation) -> Change | None:
     h = TUNING.thick * widest
     h = 10 ** (round(math.log10(h) * TUNING.decades) / TUNING.decades)
     column = at.neighbour(_on_rigid(at.body, h, TUNING.under[1]), widest / h)
-    return replace(_below(at.body, widest, TUNING.thick * widest), column=column)
+    return replace(_below(at.body, widest, widest), column=column)
 
 
 def _on_rigid(body: FittedBody, h: float, most: float) -> Family:
@@ -211,7 +216,7 @@ def _below(body: FittedBody, widest: float, h: float) -> Change:
 
     @lru_cache(maxsize=1)
     def ratios(family: Family) -> CubicSpline:
-        other = _on_rigid(body, h, min(TUNING.beyond * widest / h, TUNING.thin))
+        other = _on_rigid(body, h, TUNING.thin)
         u = np.linspace(other.low, other.high, TUNING.radii)
         return CubicSpline(u - math.log(h), np.log(other.at(u)[0] / family.at(u)[0]).T)
 
@@ -226,8 +231,7 @@ def _below(body: FittedBody, widest: float, h: float) -> Change:
 
     told = lambda values: {"thickness": widest / max(values[AMOUNT], LITTLE**2)}  # noqa: E731
     starts = tuple((amount,) for amount in TUNING.thicknesses)
-    limits = {AMOUNT: (0.0, TUNING.thin)}
-    return replace(of_family(changes), starts=starts, limits=limits, told=told, renewed=renewed)
+    return replace(of_family(changes, (0.0, TUNING.thin)), starts=starts, told=told, renewed=renewed)
 
 
 def of_layer(quantity: str) -> Look:
@@ -251,10 +255,9 @@ def of_layer(quantity: str) -> Look:
             return (1 - part) * one + part * other
 
         column = at.neighbour(at_node(-1), -TUNING.neighbour)
-        limits = {AMOUNT: (-TUNING.thinned, most)}
         told = {"h": lambda values: {"thickness": nominal * (1 + values[AMOUNT])},
                 "nu": lambda values: {"nu": nominal * (1 + values[AMOUNT])}}[quantity]  # fmt: skip
-        return replace(of_family(changes), starts=TUNING.layers, limits=limits, told=told, column=column)
+        return replace(of_family(changes, (-TUNING.thinned, most)), told=told, column=column)
 
     return look
 
@@ -267,7 +270,7 @@ def graded(at: Situation) -> Change:
         place = np.minimum(np.exp(grid(family)) / widest, TUNING.farther)
         return of_body(family, np.zeros_like(place), amount * place)
 
-    return of_family(changes)
+    return of_family(changes, TUNING.grades)
 
 
 def exponent(at: Situation) -> Change:
@@ -285,7 +288,7 @@ def _power(widest: float) -> Change:
 
     told = lambda values: {"exponent": 2 + values[AMOUNT]}  # noqa: E731
     starts = tuple((amount,) for amount in TUNING.profiles)
-    return replace(of_family(changes), starts=starts, told=told, renewed=renewed)
+    return replace(of_family(changes, TUNING.pointed), starts=starts, told=told, renewed=renewed)
 
 
 def quartic(at: Situation) -> Change | None:
@@ -297,7 +300,7 @@ def quartic(at: Situation) -> Change | None:
     def changes(family: Family, amount: float) -> Array:
         return of_body(family, *_of_tip(amount * np.minimum(np.exp(grid(family)) / R, 1.0) ** 2 / 3))
 
-    return of_family(changes)
+    return of_family(changes, TUNING.quartics)
 
 
 def _of_tip(D: Array) -> tuple[Array, Array]:
@@ -325,19 +328,36 @@ def finite_range(at: Situation) -> Change | None:
     Interface Sci. 150 (1992) 243, of a half-space; of other bodies near the edge only)."""
     if not at.work:
         return None
-    narrow, E_star = narrow_range(at), at.body.problem.E_star
+    E_star = at.body.problem.E_star
 
     def model(plain: ForceCurveModel, part: DirectionReadings, values: Values) -> ForceCurveModel:
         s = math.exp(values["ln_s"])
-        w, z0 = values[f"q:{part.kind}"] * s, narrow * math.sqrt(max(values[AMOUNT], 0.0))
+        w, z0 = values[f"q:{part.kind}"] * s, range_of(at, values[AMOUNT])
         if w <= 0 or z0 == 0:
             return plain
         return replace(plain, family=bent(plain.family, _ringed(plain.family, s * E_star, w, z0)))
 
-    neck = (at.work**2 * (at.body.problem.indenter.tip_radius or at.widest) / (at.modulus * E_star) ** 2) ** (1 / 3)
-    starts = tuple(((neck / mu / narrow) ** 2,) for mu in TUNING.tabor)
-    told = lambda values: {"range": narrow * math.sqrt(max(values[AMOUNT], 0.0))}  # noqa: E731
-    return Change(starts, limits={AMOUNT: (0.0, math.inf)}, model=model, felt=True, told=told)
+    starts = tuple((amount_of_range(at, neck(at) / mu),) for mu in TUNING.tabor)
+    told = lambda values: {"range": range_of(at, values[AMOUNT])}  # noqa: E731
+    most = amount_of_range(at, TUNING.farthest * neck(at))
+    return Change(starts, limits={AMOUNT: (0.0, most)}, model=model, felt=True, told=told)
+
+
+def neck(at: Situation) -> float:
+    """How far adhesion deforms the body at pull-off [m], about: the range there is 1 over Tabor's number of it."""
+    R = at.body.problem.indenter.tip_radius or at.widest
+    return float((at.work**2 * R / (at.modulus * at.body.problem.E_star) ** 2) ** (1 / 3))
+
+
+def amount_of_range(at: Situation, z0: float) -> float:
+    """The amount of a range [m]: in proportion to its square while it is short, and finite where it is endless."""
+    size = (z0 / narrow_range(at)) ** 2
+    return size / (1 + size / (neck(at) / narrow_range(at)) ** 2)
+
+
+def range_of(at: Situation, amount: float) -> float:
+    """The range [m] of an amount."""
+    return narrow_range(at) * math.sqrt(amount / (1 - amount / (neck(at) / narrow_range(at)) ** 2))
 
 
 def _ringed(family: Family, E: float, w: float, z0: float) -> Array:
@@ -394,8 +414,8 @@ def tension(at: Situation) -> Change | None:
     unit = at.body.problem.E_star * widest / 2
     told = lambda values: {"surface_tension": unit * math.exp(values["ln_s"]) * values[AMOUNT]}  # noqa: E731
     starts = tuple((amount,) for amount in TUNING.tensions)
-    change = of_family(lambda family, amount: of_four(np.log1p(relative(family, amount))))
-    return replace(change, starts=starts, limits={AMOUNT: (0.0, 1.0)}, told=told, column=column)
+    change = of_family(lambda family, amount: of_four(np.log1p(relative(family, amount))), (0.0, 1.0))
+    return replace(change, starts=starts, told=told, column=column)
 
 
 def strains(at: Situation) -> Array | None:
@@ -516,9 +536,8 @@ def of_retraction(at: Situation) -> Change | None:
         same = np.zeros_like(grid(family))
         return of_body(family, same, same + math.log1p(amount))
 
-    limits = {AMOUNT: (LITTLE - 1, math.inf)}
-    return replace(of_family(changes, last=True), limits=limits,
-                   column=at.only(at.back, at.here[1][:, at.found.names.index("ln_s")]))  # fmt: skip
+    column = at.only(at.back, at.here[1][:, at.found.names.index("ln_s")])
+    return replace(of_family(changes, (LITTLE - 1, math.inf), last=True), column=column)
 
 
 def slope_at_rest(at: Situation) -> Array | None:
@@ -578,7 +597,7 @@ RIVALS: tuple[Rival, ...] = (
 def known_amount(at: Situation, rival: Rival, longest: float) -> float:
     """The amount of a rival in either direction that is likely; ``longest``: range of adhesion [m] that is."""
     if rival.look is finite_range and at.work:
-        return (min(longest, TUNING.longest) / narrow_range(at)) ** 2
+        return amount_of_range(at, longest if math.isfinite(longest) else TUNING.longest)
     R = at.body.problem.indenter.tip_radius
     if rival.look is strains and R is not None and at.widest <= LIMITS.a_over_R * R:
         return 0.0  # linear theory is taken as good up to there, as everywhere else

@@ -72,7 +72,7 @@ class Score:
 
     def change(self, rate: float) -> float:
         """Relative change, with the amount found, of a quantity whose logarithm moves by ``rate`` per amount."""
-        return math.expm1(self.amount * rate)
+        return math.expm1(min(self.amount * rate, 700.0))
 
     def moved(self, rate: float) -> float:
         """How far a quantity may be off, relative, that moves by ``rate`` per amount: by the amount found and its 95 %
@@ -94,13 +94,13 @@ class Score:
 class RecordRivals:
     """The ``scores`` of a record, and among them those that are ``named``: asked for, and explaining the misfit about
     as well as the best one, which is the first. ``misfit``: chi^2 of the weighted residuals over their degrees of
-    freedom ``dof``; ``free_rows``: whether free rows told the noise."""
+    freedom ``dof``; ``loose``: free rows that told the noise, 0 where they are too few."""
 
     scores: tuple[Score, ...]
     named: tuple[Score, ...]
     misfit: float
     dof: int
-    free_rows: bool
+    loose: int
 
     @property
     def families(self) -> tuple[str, ...]:
@@ -136,10 +136,9 @@ def rivals_of_record(body: FittedBody, found: ForceCurveFit, longest: float) -> 
     keep = _told_rows(at)
     names, (off, J) = list(held), at.here
     table = np.column_stack([off, J, *held.values()])
-    weighted, free_rows = _weighted(at, table, keep)
+    weighted, loose = _weighted(at, table, keep)
     own, wide = weighted[:, 1 : 1 + J.shape[1]], weighted[:, 1 + J.shape[1] :]
-    scale = np.linalg.norm(own, axis=0)
-    Q, triangle = np.linalg.qr(own / scale)
+    scale, Q, triangle = _spanned(own)
     r, beyond = (item - Q @ (Q.T @ item) for item in (weighted[:, 0], wide))
     sizes = np.linalg.norm(beyond, axis=0)
     left = beyond / np.maximum(sizes, np.finfo(float).tiny)
@@ -152,7 +151,23 @@ def rivals_of_record(body: FittedBody, found: ForceCurveFit, longest: float) -> 
         for rival, size, along, whole, move in zip(
             names, sizes, r @ left, np.linalg.norm(wide, axis=0), moves.T, strict=True)
     ]  # fmt: skip
-    return RecordRivals(tuple(scores), _named(scores, left), misfit, dof, free_rows)
+    return RecordRivals(tuple(scores), _named(scores, left), misfit, dof, loose)
+
+
+def left_over(at: Situation, plain: Situation) -> tuple[float, int]:
+    """chi^2 of what a fit leaves, and its degrees of freedom, on the rows that the ``plain`` one's rivals are judged
+    by."""
+    (off, J), keep = at.here, _told_rows(plain)
+    weighted, _ = _weighted(at, np.column_stack([off, J]), keep)
+    _, Q, _ = _spanned(weighted[:, 1:])
+    r = weighted[:, 0] - Q @ (Q.T @ weighted[:, 0])
+    return float(r @ r), max(int(np.count_nonzero(keep)) - J.shape[1], 1)
+
+
+def _spanned(own: Array) -> tuple[Array, Array, Array]:
+    """Lengths of the model's own columns, and the factors of what they span."""
+    scale = np.maximum(np.linalg.norm(own, axis=0), np.finfo(float).tiny)
+    return (scale, *np.linalg.qr(own / scale))
 
 
 def _named(scores: Sequence[Score], left: Array) -> tuple[Score, ...]:
@@ -227,15 +242,16 @@ def _told_rows(at: Situation) -> Array:
     return np.concatenate(keep)
 
 
-def _weighted(at: Situation, table: Array, keep: Array) -> tuple[Array, bool]:
-    """The rows of ``table`` in units of the noise of the free rows, so that noise has unit variance and no colour."""
+def _weighted(at: Situation, table: Array, keep: Array) -> tuple[Array, int]:
+    """The rows of ``table`` in units of the noise of the free rows, so that noise has unit variance and no colour; how
+    many rows told it, 0 where a stretch has too few."""
     sizes = [part.P.size for part in at.model.stretches]
-    blocks, told = [], True
+    blocks, told = [], []
     for rows, kept, loose in zip(
         *(np.split(item, np.cumsum(sizes)[:-1]) for item in (table, keep)), at.model.free(at.found.x), strict=True
     ):
         spectrum = noise_of(rows[:, 0], loose)
-        told &= loose >= COLOURED.free
+        told.append(loose)
         rows = rows[kept]
         if not spectrum.B:
             blocks.append(rows / math.sqrt(spectrum.A))
@@ -246,4 +262,4 @@ def _weighted(at: Situation, table: Array, keep: Array) -> tuple[Array, bool]:
         slower = np.maximum(TUNING.slow / (max(loose, 1) * f), 1) ** 2
         waves /= np.sqrt(spectrum(f) * slower)[:, None]
         blocks += [waves.real, waves.imag]
-    return np.concatenate(blocks), told
+    return np.concatenate(blocks), sum(told) if min(told) >= COLOURED.free else 0

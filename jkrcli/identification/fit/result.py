@@ -46,6 +46,15 @@ class JKRBeside:
     excess: float
 
 
+@dataclass(frozen=True)
+class Further:
+    """A measurement in ``words``, and the relative standard errors of E* and w with it; of "now" without."""
+
+    words: str
+    E_star: float
+    w: float
+
+
 @dataclass(frozen=True, eq=False)
 class Fit:
     """One fitted curve: plain numbers, light to send between processes.
@@ -61,7 +70,8 @@ class Fit:
     record, between 0 and 1, with its parts, None where readings were prepared; ``adhesion``: its largest tension on
     retraction [N], None where none is told; ``directions``: of it that were fitted. ``pixel``: in a map. ``jkr``: of a
     fit with a range, JKR beside it; ``range_left``: of a fit of JKR, the longest range [m] that the rows leave, None
-    where none was tried; ``verdict``: of a raw record, on its rivals.
+    where none was tried; ``verdict``: of a raw record, on its rivals; ``plan``: what further
+    measurements would tell, where that was asked.
     """
 
     name: str
@@ -93,6 +103,7 @@ class Fit:
     range_left: float | None = None
     directions: str = ""
     verdict: Verdict | None = None
+    plan: tuple[Further, ...] = ()
 
     @property
     def correlation(self) -> Array | None:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from sys import float_info
 
 import numpy as np
 
@@ -31,6 +33,28 @@ class FittedValue:
     high: float | None = None
     systematic: Mapping[str, float] | None = None
     model: Mapping[str, float] | None = None
+
+
+def estimated(
+    name: str, x: float, dimension: str, sigma: float | None, t: float, log: bool = False,
+    ends: tuple[float, float] = (-math.inf, math.inf),
+) -> FittedValue:  # fmt: skip
+    """The estimate of a free unknown ``x``, the ``log`` of a value or the value itself, within its ``ends``, by its
+    standard error ``sigma`` and the half-width of the interval in these, ``t``."""
+    value = math.exp(min(x, float_info.max_10_exp)) if log else x
+    if sigma is None:
+        return FittedValue(name, value, True, dimension)
+    if not log:
+        low, high = max(x - t * sigma, ends[0]), min(x + t * sigma, ends[1])
+        return FittedValue(name, value, True, dimension, sigma, low, high)
+    spread = math.exp(min(t * sigma, float_info.max_10_exp))
+    return FittedValue(name, value, True, dimension, value * sigma, value / spread, value * spread)
+
+
+def times(item: FittedValue, factor: float, name: str, dimension: str) -> FittedValue:
+    """What is ``factor`` times an estimate, under its own ``name``."""
+    error, low, high = (None if end is None else end * factor for end in (item.error, item.low, item.high))
+    return FittedValue(name, item.value * factor, item.free, dimension, error, low, high)
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ EFFECT: Mapping[str, tuple[str, ...]] = {  # others have one on every kind
     "tip_radius": (SHARED, TENSION), "start": (EACH, SHARED, LAW), "bound": (EACH, SHARED),
     "segment": (EACH, SHARED, LAW, RELAXATION), "base_line": (EACH, SHARED), "branch": (EACH, SHARED),
     "noise": (EACH, SHARED), "loss": (EACH,), "confidence": (EACH,), "samples": (EACH,), "seed": (EACH,),
-    "rivals": (EACH,), "plan": (EACH,), "surface": (EACH,), "uncertain": (EACH,),
+    "rivals": (EACH,), "model": (EACH,), "plan": (EACH,), "surface": (EACH,), "uncertain": (EACH,),
     "contact": (EACH, SHARED, LAW, RELAXATION),
 }  # fmt: skip
 GOES_WITH = {

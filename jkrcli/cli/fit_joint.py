@@ -3,52 +3,39 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..base.errors import InputError, SolveError
-from ..report.output import Files, Output
-from .output import answer
-from .voice import say, warn
+from .fit_law import Asked
+from .output import give
 
 if TYPE_CHECKING:
-    from ..data.measured import Reading
-    from ..identification.fit import FittedBody, Settings
+    from ..identification.fit import Settings
 
 
 def fit_joint(
-    body: FittedBody, measured: Sequence[Path], radii: Sequence[float], reading: Reading, settings: Settings,
-    shared: Sequence[str], own: Sequence[str], targets: Files, told: str, output: Output,
-) -> None:  # fmt: skip
+    asked: Asked, radii: Sequence[float], settings: Settings, shared: Sequence[str], own: Sequence[str]
+) -> None:
     """One fit of all curves in all files, its table, summary and picture."""
     from ..base.threads import one_thread
     from ..data.measured import each
     from ..identification.fit.joint import joint_fit, shared_of, with_radii
-    from ..report import joint_fit as report
+    from ..report.joint_fit import JointFitted
+    from ..report.result import as_result
 
     names, curves, bodies = shared_of(shared, own, settings), [], []
-    for path, one in zip(measured, with_radii(body, radii, len(measured)), strict=True):
-        for item in each(path, replace(reading, contact="as-is")):
+    for path, one in zip(asked.measured, with_radii(asked.body, radii, len(asked.measured)), strict=True):
+        for item in each(path, asked.reading):
             if isinstance(item, InputError):
                 raise item
             curves.append(item)
             bodies.append(one)
     try:
         with one_thread():
-            found = joint_fit(bodies, curves, settings, names)
+            found = as_result(
+                JointFitted, joint_fit(bodies, curves, settings, names), body=asked.told, level=settings.level
+            )
     except SolveError as error:
-        raise InputError(f"{measured[0]}: {error}") from None
-    figure = None
-    if output.plots:
-        from ..report.plots.joint import joint_figure
-
-        figure = joint_figure(found)
-    targets.write(report.columns(found), report.summary(found, told), figure)
-    if output.json:
-        answer(report.summary(found, told))
-    else:
-        say("\n".join(report.words(found, settings.level)))
-        say(f"written {targets}")
-    for line in (*found.warnings, *(f"{one.where}: {line}" for one in found.fits for line in one.warnings)):
-        warn(line)
+        raise InputError(f"{asked.measured[0]}: {error}") from None
+    asked.targets.write(found.columns, found.summary(), asked.targets.draw(found.figure))
+    give(found, asked.output, f"  written {asked.targets}")

@@ -12,12 +12,12 @@ from ..base.units import show
 from ..base.unknown import Unknown
 from ..data import measured
 from ..data.record import BaseLine, Direction, ForceCurve, examine
+from .output import SHOWN
 from .result import Result
 
 if TYPE_CHECKING:
     from .plots import Figure
 
-SHOWN = 10  # curves of a file that are told line by line
 NO_BASE_LINE = Unknown("there is no base line")
 NAMES = {"a": "contact radius", "delta": "displacement", "P": "load", "t": "time"}
 

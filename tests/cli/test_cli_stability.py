@@ -247,8 +247,8 @@ REFUSALS = [
     ),
     (
         ("cycle", "p.h5", "--w-approach", "5000 J/m^2"),
-        "p.h5: contact at delta = 0 spreads beyond the largest radius of the series, a = 1.73e-05 m: the series would "
-        "have to reach a larger radius: increase [loading] radius",
+        "p.h5: contact at delta = 0 spreads beyond the largest radius of the series, a = 17.3 um: increase [loading] "
+        "radius",
     ),
     (("study", "pull-off-map", "--nu", "0.6"), "pull-off map: nu must be > -1 and <= 0.5, got 0.6"),
     (("study", "pull-off-map", "--q", "1e9"), "pull-off map: q must be >= 1e-06 and <= 1e+07, got 1000000000.0"),

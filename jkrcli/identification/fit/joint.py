@@ -242,7 +242,8 @@ def joint_fit(
     rise = 2 * (found.cost - sum(part.least.cost / part.noise for part in parts))
     chance = float(chdtrc(m * (len(parts) - 1), max(rise, 0.0)))
     alone = tuple(_alone(part, shared, bodies[0].problem.E_star) for part in parts)
-    return JointFit(tuple(estimates), spread[:m, :m], fits, alone, chance, tuple(_warnings(estimates, chance)))
+    warnings = *_warnings(estimates, chance), *(f"{one.where}: {line}" for one in fits for line in one.warnings)
+    return JointFit(tuple(estimates), spread[:m, :m], fits, alone, chance, warnings)
 
 
 def _alone(part: Part, shared: Sequence[str], E_star: float) -> dict[str, float]:

@@ -62,6 +62,14 @@ def further(body: FittedBody, found: Fit) -> tuple[Further, ...]:
     return tuple(told)
 
 
+def planned(body: FittedBody, found: Fit) -> Fit:
+    """The fit with what further measurements would tell; a warning where nothing is known of it."""
+    try:
+        return replace(found, plan=further(body, found))
+    except InputError as error:
+        return replace(found, warnings=(*found.warnings, str(error)))
+
+
 def _candidates(body: FittedBody, found: Fit, largest: float) -> Iterator[tuple[str, Mapping[str, float], float]]:
     """Measurements in words, changes of the body, and their largest load [N]."""
     for factor in TUNING.loads:

@@ -17,7 +17,7 @@ VALUES = {
     "law": "log", "relaxation": "sls", "terms": "2", "shared": "w", "own": "delta0", "tip_radius": "1 um",
     "start": "w=1 mJ/m^2", "bound": "w=..1", "segment": "retract", "base_line": "sine", "branch": "compressive",
     "noise": "P=1 nN", "loss": "huber", "confidence": "profile", "samples": "50", "seed": "3", "rivals": None,
-    "plan": None, "surface": "both", "uncertain": "radius=3%", "contact": "estimate",
+    "plan": None, "model": "auto", "surface": "both", "uncertain": "radius=3%", "contact": "estimate",
 }  # fmt: skip
 
 

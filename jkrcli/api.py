@@ -82,6 +82,7 @@ if TYPE_CHECKING:
     from .report.check import Check
     from .report.compare import Compared
     from .report.fit import Fitted
+    from .report.joint_fit import JointFitted
     from .report.look import Look
     from .report.plots import Figure
     from .report.profile import Profile
@@ -93,7 +94,8 @@ if TYPE_CHECKING:
     from .report.work import Work
 
 __all__ = [
-    "check", "compare", "cycle_at_speed", "cycle_relaxing", "identify", "identify_law", "identify_relaxation",
+    "check", "compare", "cycle_at_speed", "cycle_relaxing", "identify", "identify_joint", "identify_law",
+    "identify_relaxation",
     "identify_tension", "load_case", "look", "measured_curves", "parse_case", "plot", "profile", "pull_off", "read",
     "save", "solve", "study_map", "summary", "table", "to_pandas", "transform", "work",
 ]  # fmt: skip
@@ -324,6 +326,35 @@ def identify(
     source = body_of(Path(body) if isinstance(body, str) else body, slopes)
     found = one_thread()(fit)(source, curve, settings_of(source, free, (fix or {}).items(), **options))
     return as_result(Fitted, found, body=_named(body, source))
+
+
+def identify_joint(
+    body: Case | Solution | str | Path,
+    measured: Sequence[Curve | str | Path],
+    shared: Iterable[str] = ("E_star", "w"),
+    own: Iterable[str] = (),
+    tip_radii: Sequence[float | str] = (),
+    free: Iterable[str] = (),
+    fix: Mapping[str, str] | None = None,
+    slopes: str = "auto",
+    **options: Any,
+) -> JointFitted:
+    """E*, w or whatever else all records ``measured`` share, from all of them together; the rest is each record's own.
+
+    ``tip_radii`` [m]: of each, or one of all (default: the body's); ``free``, ``fix``, ``options`` as of ``identify``.
+    Raises InputError where a record cannot be used, or the records do not tell what they share.
+    """
+    from .identification.fit.body import body_of
+    from .identification.fit.joint import joint_fit, shared_of, with_radii
+    from .identification.fit.settings import settings_of
+    from .report.joint_fit import JointFitted
+
+    source = body_of(Path(body) if isinstance(body, str) else body, slopes)
+    curves = [_curve_of(item, None) for item in measured]
+    settings = settings_of(source, free, (fix or {}).items(), **options)
+    bodies = with_radii(source, [_number("tip_radii", R, "length") for R in tip_radii], len(curves))
+    found = one_thread()(joint_fit)(bodies, curves, settings, shared_of(shared, own, settings))
+    return as_result(JointFitted, found, body=_named(body, source), level=settings.level)
 
 
 def identify_law(

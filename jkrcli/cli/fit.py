@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -17,6 +18,7 @@ from ..methods.guards import Limits
 from ..report.output import PICTURES, SHOWN, Files, Output
 from .body import FLAGS, body_options, given_flags, tables_of
 from .fit_curves import FEWER, fit_curves, refits_of
+from .fit_joint import fit_joint
 from .fit_law import Asked, fit_law, refuse_unused
 from .fit_relaxation import fit_relaxation, refuse_others
 from .fit_tension import fit_tension, is_asked
@@ -94,17 +96,23 @@ class NamesType(ParamType):
               show_default=True, help="Anything but linear is robust against outliers.")  # fmt: skip
 @click.option("--confidence", type=click.Choice(["covariance", "profile", "bootstrap"]), default="covariance",
               show_default=True, help="How the intervals are found.")  # fmt: skip
+@click.option("--model", type=click.Choice(["jkr", "auto"]), default="jkr", show_default=True,
+              help="Of a raw record; auto: the best other models too, where its data ask for one.")  # fmt: skip
 @click.option("--rivals", is_flag=True, help="Print what the data of a raw record say of each other model.")
 @click.option("--level", type=float, default=0.95, show_default=True, help="Of the intervals.")
 @click.option(
     "--samples", type=click.IntRange(20, 100_000), default=200, show_default=True, help="Number of bootstrap resamples."
 )
 @click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Seed of the resamples.")
+@click.option("--shared", multiple=True, type=NamesType(),
+              help="Fit all records together: parameters that they share, E_star,w.")  # fmt: skip
+@click.option("--own", multiple=True, type=NamesType(),
+              help="With --shared: those of each record, delta0,P0 [default: all other free ones].")  # fmt: skip
 @click.option(
     "--tip-radius",
     multiple=True,
     type=RangeType(),
-    help="With --free surface_tension: of each file, or of all [default: BODY's].",
+    help="Of records fitted together (--shared, surface_tension): of each file, in order, or of all [default: BODY's].",
 )
 @click.option("--surface", type=click.Choice(["sliding", "sticking", "both"]),
               help="Of the body, instead of its own; both: under either, and what the data prefer.")  # fmt: skip
@@ -125,6 +133,8 @@ def fit(
     bound: tuple[tuple[str, str], ...],
     uncertain: tuple[tuple[str, str], ...],
     surface: str | None,
+    shared: tuple[tuple[str, ...], ...],
+    own: tuple[tuple[str, ...], ...],
     tip_radius: tuple[float, ...],
     slopes: str,
     law: str | None,
@@ -153,11 +163,15 @@ def fit(
     jkr fit gel.toml small.csv large.csv --free surface_tension \\
             --tip-radius "5 um" --tip-radius "30 um"
     jkr fit gel.toml held.csv --relaxation sls
+    jkr fit gel.toml small.csv large.csv --shared E_star,w --tip-radius "5 um" --tip-radius "30 um"
     """
     flags = {key: options.pop(key) for key in FLAGS}
     source, paths = _given(body_file, measured, flags)
     inputs = (body_file, *measured)
-    names = [name for group in free for name in group]
+    common, kept = ([name for group in groups for name in group] for groups in (shared, own))
+    names = [*(name for group in free for name in group), *_freed((*common, *kept), fix)]
+    if kept and not common:
+        raise InputError("fit: --own goes with --shared, which names what all records have in common: give both")
     unused = {**options, "rivals": rivals, "bound": bound, "uncertain": uncertain}
     if relaxation is None and (options["terms"] is not None or "relaxation" in names):
         raise InputError(f"fit: the law is not named: give --relaxation {', '.join(RELAXATIONS)}")
@@ -165,8 +179,10 @@ def fit(
         refuse_others(unused, start, law, surface)
     elif law is not None:
         refuse_unused(unused)
-    timed = law or relaxation
-    targets = _targets(body_file, timed is not None, inputs, output)
+    timed = law or relaxation or common
+    if common and (given := [flag for flag, value in (("--law", law), ("--relaxation", relaxation)) if value]):
+        raise InputError(f"fit: --shared does not take {given[0]}: its records are fitted together as they are")
+    targets = _targets(body_file, bool(timed), inputs, output)
     refits = refits_of(options["confidence"], options["samples"], len(uncertain))
     surfaces = len(SURFACES.get(surface or "", ("",)))
     per_row, per_file = TUNING.fit_per_row + refits * TUNING.refit_per_row, refits * TUNING.refit
@@ -175,23 +191,27 @@ def fit(
     options["noise"], options["contact"] = dict(options["noise"]), reading.contact
     body = _body(source, slopes, limits)
     told = str(source) if isinstance(source, Path) else body.problem.words
-    if timed is not None and body.asked:
+    if (law or relaxation) and body.asked:
         raise InputError(f"fit: --{'law' if law else 'relaxation'} {NO_RANGE}")
     asked = Asked(body, paths, reading, names, fix, start, unused, targets, told, output)
     if relaxation is not None:
         fit_relaxation(asked, relaxation)
-    elif timed is None and is_asked(body, names, fix):
+    elif not timed and is_asked(body, names, fix):
         fit_tension(replace(asked, targets=output.files(targets.stem, (".csv", ".json"), inputs)), tip_radius)
-    elif tip_radius:
-        raise InputError("fit: --tip-radius: goes with --free surface_tension alone: leave it out")
+    elif tip_radius and not common:
+        raise InputError("fit: --tip-radius: goes with --shared or --free surface_tension: leave it out")
     elif law is not None:
         fit_law(asked, law)
     else:
         del options["terms"]
+        asked = replace(asked, reading=replace(reading, contact="as-is"))
         settings = _settings(body, uncertain, names, fix, start, bound, options)
+        if common:
+            left = {**options, "rivals": rivals, "uncertain": uncertain, "surface": surface}
+            fit_joint(replace(asked, options=left), tip_radius, settings, common, kept)
+            return
         bodies = [body.on_surface(one) for one in SURFACES[surface or body.problem.surface]]
-        fit_curves(replace(asked, reading=replace(reading, contact="as-is")), bodies, settings, refits, inputs, limits,
-                    workers, scheduler)  # fmt: skip
+        fit_curves(asked, bodies, settings, refits, inputs, limits, workers, scheduler)
 
 
 def _targets(body_file: Path, timed: bool, inputs: tuple[Path, ...], output: Output) -> Files:
@@ -201,6 +221,13 @@ def _targets(body_file: Path, timed: bool, inputs: tuple[Path, ...], output: Out
     for longest in [] if timed else beside(targets.stem, ["x" * FILES.shortest]):
         output.files(longest, PICTURES, inputs)
     return targets
+
+
+def _freed(names: Sequence[str], fix: Sequence[tuple[str, str]]) -> list[str]:
+    """Those of the parameters that records share or have each that are not free anyway."""
+    from ..identification.fit.settings import ALIAS, USUALLY_FREE
+
+    return [name for name in names if name not in (*USUALLY_FREE, ALIAS, *dict(fix))]
 
 
 def _given(

@@ -15,7 +15,13 @@ if TYPE_CHECKING:
     from ..data.measured import Reading
     from ..identification.fit import FittedBody
 
-UNUSED = {"rivals": "--rivals", "bound": "--bound", "uncertain": "--uncertain", "noise": "--noise"}
+UNUSED = {
+    "rivals": "--rivals",
+    "bound": "--bound",
+    "uncertain": "--uncertain",
+    "noise": "--noise",
+    "surface": "--surface",
+}
 
 
 def refuse_unused(options: dict[str, Any], by: str = "--law") -> None:

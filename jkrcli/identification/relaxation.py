@@ -46,7 +46,7 @@ class RelaxationFitTuning:
     reach: float = 12.0  # choice: guard, how far logs may move from their start
     apart: float = 2.5  # theory: rows between two corners, within which no row tells when a step was
     step: float = 1e-6  # theory: of the unknowns, for derivatives: the root of what the histories err by
-    converged: float = 1e-9  # choice: relative, far below any standard error
+    converged: float = 1e-6  # theory: relative, of the sum of squares; a change of 1e-3 standard errors in 1e3 rows
     coarser: int = 3  # choice: steps joined in the histories of a spring or a load, 1e-4 of the loads
     floor: float = 1e-6  # choice: of a column's range, no smaller noise is taken
     grows: float = 0.02  # choice: of the depth, by which a contact may grow again: corners have the noise of readings

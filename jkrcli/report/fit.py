@@ -14,7 +14,8 @@ from ..base import hdf5
 from ..base.arrays import Array
 from ..base.units import SI, scale, show
 from ..identification.fit.fitting import Failure
-from ..identification.fit.record_scores import Score
+from ..identification.fit.record_rivals import OF_RIVALS
+from ..identification.fit.record_scores import Score, Tried
 from ..identification.fit.result import Fit, FittedValue, JKRBeside
 from ..identification.fit.rivals import RANGE
 from . import archive
@@ -33,6 +34,8 @@ UNIT_NAMES = {
     "load": "_N",
     "speed": "_m_per_s",
     "stiffness": "_N_per_m",
+    "tension": "_N_per_m",
+    "time": "_s",
     "number": "",
 }
 ALWAYS = ("file", "curve", "status", "reason", "points")
@@ -252,6 +255,9 @@ def verdict_words(item: Fit) -> list[str]:
     rivals = item.verdict.rivals
     rejected = f"; rejected for {' or '.join(rivals.families)}" if rivals.named else ""
     judged = [] if rivals.named else ["no other model is asked for"]
+    if tied := item.verdict.tied:
+        rejected = f"; by {tied[0].name} ({told_words(tied[0])})"
+        judged = ["JKR as described is rejected", *(f"{one.name} cannot be told from it" for one in tied[1:])]
     judged += [flag for flag in item.flags if flag.endswith(VAGUE)]
     parts = dict.fromkeys(name for one in shown for name in one.model or {})
     judged += [f"not excluded: {', '.join(parts)}"] if parts else []
@@ -271,6 +277,12 @@ def brief(item: FittedValue) -> str:
     return " ".join([name, *said])
 
 
+def told_words(one: Tried) -> str:
+    """What else a rival in full tells, in words."""
+    values = (f"{name} {show(value, OF_RIVALS[name], 3)}" for name, value in one.told.items())
+    return ", ".join([*values, f"chi^2 {-one.falls:.3g}"])
+
+
 def rivals_table(item: Fit) -> list[str]:
     """A line per rival of a raw record: what the data say, how much of it they ask for, and how E* and w would move."""
     if item.verdict is None:
@@ -279,6 +291,10 @@ def rivals_table(item: Fit) -> list[str]:
     return [head, *(
         f"  {one.name:<44}{one.word:<23}{one.chance:>9.1g}{one.change(one.E_star):>+8.1%}{one.change(one.w):>+8.1%}"
         f"{-one.taken:>10.3g}" for one in item.verdict.rivals.scores
+    ), *(
+        f"  in full: {one.name}: {'taken' if one.taken else f'leaves more than noise, p = {one.chance:.1g}'}, "
+        f"E* {show(one.E_star, 'modulus', 4)}, w {show(one.w, 'work', 4)}, {told_words(one)}"
+        for one in item.verdict.tried
     )]  # fmt: skip
 
 
@@ -288,11 +304,22 @@ def _verdict(item: Fit) -> dict[str, Any]:
         return {}
     told = item.verdict
     return {"verdict": {
-        "named": [one.name for one in told.rivals.named], "families": list(told.rivals.families),
+        "model": told.tied[0].name if told.tied else "jkr",
+        "named": [one.name for one in told.rivals.named], "families": list(told.families),
+        "in_full": [_tried_summary(one) for one in told.tried],
         "misfit": told.rivals.misfit / told.rivals.dof, "free_rows_tell_the_noise": told.rivals.loose > 0,
         "formula": {"name": told.formula, "E_star_Pa": told.E_star} if told.E_star is not None else None,
         "rivals": [_score_summary(one) for one in told.rivals.scores],
     }}  # fmt: skip
+
+
+def _tried_summary(one: Tried) -> dict[str, Any]:
+    """A rival in full: how much of the misfit it takes, what it makes of E* and w, and what else it tells."""
+    told = {f"{name}{UNIT_NAMES[OF_RIVALS[name]]}": value for name, value in one.told.items()}
+    return {
+        "name": one.name, "family": one.family, "taken": one.taken, "chi2_falls": one.falls, "p": one.chance,
+        "E_star_Pa": one.E_star, "w_J_per_m2": one.w, **told,
+    }  # fmt: skip
 
 
 def _score_summary(one: Score) -> dict[str, Any]:

@@ -11,8 +11,11 @@ import numpy as np
 import pytest
 
 import jkrcli as python
+from jkrcli.data.foreign import SeriesReading, read_series
 from jkrcli.report.dem import Exported
 from jkrcli.report.result import Result
+from jkrcli.report.solved import Imported
+from jkrcli.series import Solution
 
 CASES = Path(__file__).parent.parent / "cases"
 PROBE = CASES / "measured" / "gel-probe.csv"
@@ -25,7 +28,14 @@ def _gel(jkr: Callable, tmp_path: Path) -> str:
     curve = python.transform("gel.h5", "40 mJ/m^2").curve
     rows = np.column_stack([curve.a, curve.delta, curve.P])[20:]
     np.savetxt("gel.csv", rows, delimiter=",", header="a_m,delta_m,P_N", comments="")
+    series = python.read("gel.h5").series
+    rows = np.column_stack([series.a, series.delta, series.P])
+    np.savetxt("series.csv", rows, delimiter=",", header="a_m,delta_m,P_N", comments="")
     return "gel.h5"
+
+
+def _taken() -> Solution:
+    return read_series(Path("series.csv"), python.load_case(CASES / "gel.toml").model.problem(), SeriesReading())
 
 
 def plain(value: Any) -> Any:
@@ -60,6 +70,11 @@ MADE: dict[str, tuple[tuple[object, ...], Callable[[], Result], str]] = {
     "export": (
         ("export", "gel.h5", "--dem", "--w", "40 mJ/m^2", "--force"),
         lambda: Exported.of(python.transform("gel.h5", 0.04)),
+        "",
+    ),
+    "import": (
+        ("import", "series.csv", "--case", CASES / "gel.toml", "-o", "taken.h5"),
+        lambda: Imported(Path("taken.h5"), _taken(), Path("series.csv")),
         "",
     ),
     "compare": (("compare", "gel.h5", "gel.h5"), lambda: python.compare("gel.h5", "gel.h5"), ""),

@@ -18,7 +18,7 @@ from scipy.special import fdtrc
 from ...base.arrays import Array
 from .body import FittedBody
 from .coloured import TUNING as COLOURED
-from .coloured import noise_of
+from .coloured import in_time
 from .force_curve import ForceCurveFit
 from .record_rivals import Rival, Situation, columns, known_amount
 from .statistics import t_quantile
@@ -38,7 +38,6 @@ class ScoreTuning:
     normal: float = 1.96  # theory: 95 % of a normal value
     alike: float = 0.9  # choice: correlation of what is left of two columns, from which they are named together
     singular: float = 1e-4  # choice: share of a column beyond the model's own, below which no data tell it
-    slow: float = 2.0  # choice: periods in the free rows below which noise is taken to rise as 1/f^2, as a drift's
     fold: float = 0.02  # choice: of the way in contact about folds, where columns diverge
 
 
@@ -135,18 +134,22 @@ def rivals_of_record(body: FittedBody, found: ForceCurveFit, longest: float) -> 
     keep = _told_rows(at)
     names, (off, J) = list(held), at.here
     table = np.column_stack([off, J, *held.values()])
-    weighted, free_rows = _weighted(at, table, keep)
+    noise = found.spread.noise
+    weighted = noise.whitened(in_time(table[keep], at.model.rows[keep]) if noise.slow else table[keep])
+    free_rows = sum(part.line.rows for part in at.model.stretches) >= COLOURED.free
     own, wide = weighted[:, 1 : 1 + J.shape[1]], weighted[:, 1 + J.shape[1] :]
     scale = np.linalg.norm(own, axis=0)
+    scale[scale == 0] = 1.0  # of an unknown that none of these rows tells
     Q, triangle = np.linalg.qr(own / scale)
     r, beyond = (item - Q @ (Q.T @ item) for item in (weighted[:, 0], wide))
     sizes = np.linalg.norm(beyond, axis=0)
     left = beyond / np.maximum(sizes, np.finfo(float).tiny)
     moves = -np.linalg.lstsq(triangle, Q.T @ wide, rcond=None)[0] / scale[:, None]
     dof = max(int(np.count_nonzero(keep)) - J.shape[1], 1)
+    told = max(round(found.spread.dof / found.spread.tau), 1)
     misfit, errors = float(r @ r), _errors(found)
     scores = [
-        _score(rival, float(size), float(along), whole, _rates(found, move), errors, (misfit, dof, len(names)),
+        _score(rival, float(size), float(along), whole, _rates(found, move), errors, (misfit, told, len(names)),
                known_amount(at, rival, longest))
         for rival, size, along, whole, move in zip(
             names, sizes, r @ left, np.linalg.norm(wide, axis=0), moves.T, strict=True)
@@ -171,8 +174,8 @@ def _score(
     judged: tuple[float, int, int], most: float,
 ) -> Score:  # fmt: skip
     """The score of a rival whose weighted column is ``whole`` long, ``size`` of it beyond the model's own, with the
-    product ``along`` of that direction and the residuals; ``errors`` of E* and w, relative; ``judged``: chi^2, its
-    degrees of freedom, and how many rivals there are; ``most``: what is likely of it."""
+    product ``along`` of that direction and the residuals; ``errors`` of E* and w, relative; ``judged``: chi^2, the
+    degrees of freedom of the noise, and how many rivals there are; ``most``: what is likely of it."""
     misfit, dof, count = judged
     told = (rival.name, rival.family, rival.amount, rival.of_directions)
     known = (0.0 if rival.positive else -most, most)
@@ -224,25 +227,3 @@ def _told_rows(at: Situation) -> Array:
         span = max(TUNING.fold * part.reach, 2 * part.spacing)
         keep.append(~touching | (z > near + span) if part.jumped else np.abs(z - near) > span)
     return np.concatenate(keep)
-
-
-def _weighted(at: Situation, table: Array, keep: Array) -> tuple[Array, bool]:
-    """The rows of ``table`` in units of the noise of the free rows, so that noise has unit variance and no colour."""
-    sizes = [part.P.size for part in at.model.stretches]
-    blocks, told = [], True
-    for rows, kept, loose in zip(
-        *(np.split(item, np.cumsum(sizes)[:-1]) for item in (table, keep)), at.model.free(at.found.x), strict=True
-    ):
-        spectrum = noise_of(rows[:, 0], loose)
-        told &= loose >= COLOURED.free
-        rows = rows[kept]
-        if not spectrum.B:
-            blocks.append(rows / math.sqrt(spectrum.A))
-            continue
-        waves = np.fft.rfft(rows, axis=0, norm="ortho")
-        waves[1 : (len(rows) + 1) // 2] *= math.sqrt(2)  # both signs of a frequency
-        f = np.maximum(np.arange(len(waves)), 0.5) / len(rows)
-        slower = np.maximum(TUNING.slow / (max(loose, 1) * f), 1) ** 2
-        waves /= np.sqrt(spectrum(f) * slower)[:, None]
-        blocks += [waves.real, waves.imag]
-    return np.concatenate(blocks), told

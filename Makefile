@@ -24,12 +24,12 @@ CASES   := $(notdir $(basename $(wildcard cases/*.toml)))
 SOURCES := $(shell find jkrcli -name '*.py')
 
 .DEFAULT_GOAL := help
-.PHONY: help setup run test test-all test-minimal test-processors wheel fuzz lint docs validation gallery benchmarks cases bench figures noise-study chart chart-peers failures bounds range-bounds record-bounds relaxation-bounds record-rivals guards mutants tuning sweep audit clean requirements
+.PHONY: help setup run test test-all test-minimal test-processors wheel fuzz lint docs validation gallery benchmarks cases bench figures noise-study chart chart-peers failures bounds range-bounds record-bounds relaxation-bounds record-rivals guards mutants tuning constants sweep audit clean requirements
 .DELETE_ON_ERROR:
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "  make %-14s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
-	@echo "  variables: CASE=my.toml  W='40 mJ/m^2 50 mJ/m^2'  RESULTS=folder  SEED=7  AGAINST=checkout  PYTHON=python3.12"
+	@echo "  variables: CASE=my.toml  W='40 mJ/m^2 50 mJ/m^2'  RESULTS=folder  SEED=7  AGAINST=commit  PYTHON=python3.12"
 
 setup: $(READY) ## virtual environment and the system libraries that the mesher needs
 
@@ -125,6 +125,10 @@ chart-peers: $(READY) ## run other programs on the same work, in an environment 
 tuning: $(READY) ## every tuned number halved and doubled: errors and times of reference bodies (half an hour)
 	@mkdir -p $(RESULTS)/tuning
 	$(STUDY).tuning -o $(RESULTS)/tuning | tee $(RESULTS)/tuning/tuning.txt
+
+constants: $(READY) ## every chosen number halved and doubled: which results move, by how much of their stated errors (an hour)
+	@mkdir -p $(RESULTS)/constants
+	$(STUDY).constants -o $(RESULTS)/constants | tee $(RESULTS)/constants/constants.txt
 
 failures: $(READY) ## where each method is right, refuses, or errs (an hour)
 	$(STUDY).failures -o $(RESULTS)/failures

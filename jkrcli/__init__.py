@@ -13,10 +13,11 @@ TYPE_CHECKING = False  # typing's own takes as long to import as all else here, 
 if TYPE_CHECKING:
     from typing import Any
 
+    from .adhesion.program import Program
     from .adhesion.rate.laws import LogRate, PowerRate
-    from .adhesion.rate.program import Program
     from .api import (
         check,
+        compare,
         cycle_at_speed,
         cycle_relaxing,
         identify,
@@ -68,9 +69,10 @@ __all__ = [
     "JkrError", "Layer", "Layered", "Limits", "Linear", "Loading", "LogRate", "Paraboloid", "Power", "PowerLaw",
     "PowerRate", "PowerRelaxation", "Problem", "Program", "Prony", "Reading", "Refusal", "Rigid", "RoundedCone",
     "RoundedFlat", "Specimen", "Sphere", "StandardSolid", "TableProfile", "Tabulated", "TransverselyIsotropic",
-    "Unknown", "check", "cycle_at_speed", "cycle_relaxing", "identify", "identify_law", "identify_relaxation",
-    "identify_tension", "load_case", "look", "measured_curves", "parse_case", "plot", "profile", "pull_off", "read",
-    "save", "solve", "study_map", "summary", "table", "to_pandas", "transform", "work",
+    "Unknown", "check", "compare", "cycle_at_speed", "cycle_relaxing", "identify", "identify_law",
+    "identify_relaxation", "identify_tension", "load_case", "look", "measured_curves", "parse_case", "plot",
+    "profile", "pull_off", "read", "save", "solve", "study_map", "summary", "table", "to_pandas", "transform",
+    "work",
 ]  # fmt: skip
 _HOMES = {  # of what is not in jkrcli.api
     ".adhesion.rate.laws": ("LogRate", "PowerRate"),

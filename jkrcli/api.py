@@ -72,9 +72,9 @@ from .series import Solution
 if TYPE_CHECKING:
     from pandas import DataFrame
 
+    from .adhesion.program import Program
     from .adhesion.rate.history import History
     from .adhesion.rate.laws import RateLaw
-    from .adhesion.rate.program import Program
     from .adhesion.relaxation.history import RelaxedHistory
     from .bodies.relaxation import Relaxation
     from .identification.fit import Fit
@@ -83,6 +83,7 @@ if TYPE_CHECKING:
     from .identification.tension import TensionFit
     from .many.study.maps import MapResult
     from .report.check import Check
+    from .report.compare import Compared
     from .report.look import Look
     from .report.plots import Figure
     from .report.profile import Profile
@@ -91,7 +92,7 @@ if TYPE_CHECKING:
     from .report.work import Work
 
 __all__ = [
-    "check", "cycle_at_speed", "cycle_relaxing", "identify", "identify_law", "identify_relaxation",
+    "check", "compare", "cycle_at_speed", "cycle_relaxing", "identify", "identify_law", "identify_relaxation",
     "identify_tension", "load_case", "look", "measured_curves", "parse_case", "plot", "profile", "pull_off", "read",
     "save", "solve", "study_map", "summary", "table", "to_pandas", "transform", "work",
 ]  # fmt: skip
@@ -185,9 +186,8 @@ def cycle_at_speed(
     The result's ``pull_off``, ``jumps``, ``lost``, ``energy_lost`` and ``error`` tell what happened, ``table(points)``
     gives its columns. Raises InputError where the contact leaves the series.
     """
+    from .adhesion.program import there_and_back
     from .adhesion.rate.history import RateContact
-    from .adhesion.rate.program import there_and_back
-    from .adhesion.rate.turn import held_at_turn
 
     w0, k = _number("w", w, "work"), _number("stiffness", stiffness, "stiffness")
     w_a = w0 if w_approach is None else _number("w_approach", w_approach, "work")
@@ -203,7 +203,7 @@ def cycle_at_speed(
         there = back if speed_approach is None else _number("speed_approach", speed_approach, rate)
         load = None if to_load is None else _number("to_load", to_load, "load")
         depth = None if to_depth is None else _number("to_depth", to_depth, "length")
-        turn = held_at_turn(contact, load, depth, there)
+        turn = contact.turning(load, depth, there)
         program = there_and_back(turn, there, back, _number("hold", hold, "time"), contact.least)
     assert program is not None
     history = contact.history(program)
@@ -240,7 +240,7 @@ def cycle_relaxing(
     The result's ``peak``, ``corners``, ``turn``, ``lost`` and ``error`` tell what happened, ``table(points)`` gives its
     columns. Raises InputError where the contact leaves the series, or is loaded again onto its dent.
     """
-    from .adhesion.rate.program import there_and_back
+    from .adhesion.program import there_and_back
     from .adhesion.relaxation.history import RelaxingContact
 
     solution, k = _solution(solved, None), _number("stiffness", stiffness, "stiffness")
@@ -315,6 +315,9 @@ def identify(
     given = {name: values for name, values in arrays.items() if values is not None}
     if (measured is None) == (not given):
         raise InputError("identify: give either what was measured or arrays of a, delta, P, t")
+    if reading is not None:  # a fit finds zero points itself, with the rest
+        options = {"contact": reading.contact} | options
+        reading = replace(reading, contact="as-is")
     curve = _curve_of(given if measured is None else measured, reading)
     source = body_of(Path(body) if isinstance(body, str) else body, slopes)
     return one_thread()(fit)(source, curve, settings_of(source, free, (fix or {}).items(), **options))
@@ -504,6 +507,25 @@ def work(
     evaluation = evaluation_of(solution, unit, reading, modulus_factor, **options)
     with executor(1) as pool:
         return Work.of(path, *along_file(path, reading, evaluation, pool), solution, unit, modulus_factor)
+
+
+def compare(
+    first: Solution | Case | Problem | str | Path,
+    second: Solution | Case | Problem | str | Path,
+    rtol: float = 1e-3,
+    columns: Iterable[str] = (),
+    overlap: float = 0.9,
+) -> Compared:
+    """How far two results of the same problem lie apart: series ("P" and "a" at equal displacement, "S" and "dS" at
+    equal radius), or the CSV files of curves; they ``agree`` where no column that counts (default: P, of curves all)
+    differs by more than ``rtol``. Raises InputError where less than ``overlap`` of their range is common."""
+    from .report.compare import Compared, of_curves, of_solutions
+
+    files = tuple(Path(item) if isinstance(item, str | Path) else Path("solved") for item in (first, second))
+    if files[0].suffix == ".csv":
+        return Compared.of(files, of_curves(files), rtol, columns, overlap)
+    found = of_solutions(files, _solution(first, None), _solution(second, None))
+    return Compared.of(files, found, rtol, tuple(columns) or ("P",), overlap)
 
 
 def study_map(name: str, **axes: Any) -> MapResult:

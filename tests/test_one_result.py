@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import jkrcli as python
+from jkrcli.report.dem import Exported
 from jkrcli.report.result import Result
 
 CASES = Path(__file__).parent.parent / "cases"
@@ -55,6 +56,13 @@ MADE: dict[str, tuple[tuple[object, ...], Callable[[], Result], str]] = {
         lambda: python.work("gel.h5", "gel.csv", noise={"P": 2e-6}),
         "results",
     ),
+    "export": (
+        ("export", "gel.h5", "--dem", "--w", "40 mJ/m^2", "--force"),
+        lambda: Exported.of(python.transform("gel.h5", 0.04)),
+        "",
+    ),
+    "compare": (("compare", "gel.h5", "gel.h5"), lambda: python.compare("gel.h5", "gel.h5"), ""),
+    "compare curves": (("compare", "gel.csv", "gel.csv"), lambda: python.compare("gel.csv", "gel.csv"), ""),
     "pull-off map": (
         ("study", "pull-off-map", "--q", "1", "--nu", "0.3", "--no-plots"),
         lambda: python.study_map("pull-off", q=[1.0], nu=[0.3]),
@@ -128,8 +136,15 @@ radius = "0.1 mm"
 def test_arrays_data_frames_and_files_are_identified_alike(tmp_path: Path) -> None:
     body = python.solve(python.parse_case(BALL))
     delta, P = arrays()
-    np.savetxt("ball.csv", np.column_stack([delta, P]), delimiter=",", header="delta_m,P_N", comments="", fmt="%.17g")
-    by_file = python.identify(body, "ball.csv")
+    np.savetxt(
+        tmp_path / "ball.csv",
+        np.column_stack([delta, P]),
+        delimiter=",",
+        header="delta_m,P_N",
+        comments="",
+        fmt="%.17g",
+    )
+    by_file = python.identify(body, tmp_path / "ball.csv")
     assert by_file.value("w") == pytest.approx(0.05, rel=1e-6)
     in_units = python.Reading(units={"P": "nN", "delta": "um"})
     for other in (

@@ -1,8 +1,8 @@
 """`make benchmarks`: whole processes of the commands that users feel, and a line for each in the history.
 
 Runs of the versions compared alternate, so that what else goes on at the machine hits both; the least of all counts.
-`--against FOLDER` names another checkout; the ratio is that of the least CPU seconds, which other work at the machine
-changes least.
+`--against` names another checkout or a commit of this one; the ratio is that of the least CPU seconds, which other
+work at the machine changes least.
 """
 
 from __future__ import annotations
@@ -45,7 +45,20 @@ def timed(words: list[str], package: Path, folder: Path) -> tuple[float, float]:
 
 def commit(folder: Path) -> str:
     words = ["git", "-C", str(folder), "describe", "--always", "--dirty"]
-    return subprocess.run(words, capture_output=True, text=True, check=False).stdout.strip() or "unknown"
+    return subprocess.run(words, capture_output=True, text=True, check=False).stdout.strip() or folder.name
+
+
+def checkout(against: str, folder: Path) -> Path:
+    """The folder called ``against``, else the package of that commit, unpacked into ``folder``, which gets its name."""
+    if (Path(against) / "jkrcli").is_dir():
+        return Path(against).resolve()
+    words = ["git", "-C", str(ROOT), "archive", against, "jkrcli"]
+    packed = subprocess.run(words, capture_output=True, check=False)
+    if packed.returncode:
+        raise SystemExit(f"--against {against}: neither a folder that holds jkrcli nor a commit of this checkout")
+    (folder / against).mkdir()
+    subprocess.run(["tar", "-x", "-C", str(folder / against)], input=packed.stdout, check=True)
+    return folder / against
 
 
 def measure(runs: int, against: Path | None) -> list[dict[str, object]]:
@@ -78,10 +91,11 @@ def measure(runs: int, against: Path | None) -> list[dict[str, object]]:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--runs", type=int, default=20)
-    parser.add_argument("--against", type=Path, help="Another checkout of jkr, for ratios.")
+    parser.add_argument("--against", help="Another checkout of jkr, or a commit of this one, for ratios.")
     parser.add_argument("--keep", action="store_true", help="Append to docs/benchmarks/history.csv.")
     options = parser.parse_args()
-    rows = measure(options.runs, options.against and options.against.resolve())
+    with tempfile.TemporaryDirectory() as name:
+        rows = measure(options.runs, options.against and checkout(options.against, Path(name)))
     if options.keep:
         new = not HISTORY.exists()
         with HISTORY.open("a", newline="", encoding="utf-8") as file:

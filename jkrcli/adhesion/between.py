@@ -25,6 +25,7 @@ class BetweenTuning:
     """How finely the functions are tabulated."""
 
     spacing: float = 0.01  # theory: of log(a - a0); cubics between leave a share of 0.01^4/384 of the energies
+    close: float = 1e-3  # theory: of log a; S' and S'' tell S to the fourth power of it, better than S is known
 
 
 TUNING = BetweenTuning()
@@ -126,7 +127,7 @@ class _Between:
         rows, slopes = self.rows, self.rows.logs.slopes
         rate = rows.a * rows.dS / rows.S
         bend = rate * (1 + slopes(slopes.x, 1)[:, 1] - rate)
-        return PiecewiseQuintic(slopes.x, np.log(rows.S), rate, bend)
+        return PiecewiseQuintic(slopes.x, np.log(rows.S), rate, bend, TUNING.close)
 
     @cached_property
     def gained(self) -> tuple[Array, Array]:

@@ -300,7 +300,9 @@ class EquilibriumCurve(ABC):
         return {"smallest": self.point(float(self.places[0])), "largest": self.point(float(self.places[-1]))}
 
     def work(self, low: float, high: float) -> float:
-        """Work int P d(delta) [J] along the curve between two places [m]."""
+        """Work int P d(delta) [J] along the curve from one place [m] to another."""
+        if high < low:
+            return -self.work(high, low)
         places, works = self._work_between
         first, last = np.searchsorted(places, low, side="right"), np.searchsorted(places, high) - 1
         if last < first:

@@ -69,14 +69,16 @@ class EvenCubic:
 
 
 class PiecewiseQuintic(PiecewisePolynomial):
-    """The quintics that have given values, slopes and second derivatives (n,) at increasing knots ``x`` (n,)."""
+    """The quintics that have given values, slopes and second derivatives (n,) at increasing knots ``x`` (n,); between
+    knots as ``close`` as that quartics, which leave small steps of the value: its error would be one of the slope."""
 
-    def __init__(self, x: Array, y: Array, dydx: Array, bend: Array):
+    def __init__(self, x: Array, y: Array, dydx: Array, bend: Array, close: float = 0.0):
         h = np.diff(x)
         b, half = h * dydx[:-1], h**2 * bend[:-1] / 2
         rise = np.diff(y) - b - half  # what the higher powers of s = distance/h make up at s = 1: value, slope, bend
         steep = h * dydx[1:] - b - 2 * half
         curved = h**2 * bend[1:] - 2 * half
+        rise = np.where(h < close, steep / 2 - curved / 12, rise)
         c3, c4, c5 = (
             10 * rise - 4 * steep + curved / 2, -15 * rise + 7 * steep - curved, 6 * rise - 3 * steep + curved / 2
         )  # fmt: skip

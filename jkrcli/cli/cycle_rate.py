@@ -19,8 +19,8 @@ from ..report.output import Files
 from .options import ParamType
 
 if TYPE_CHECKING:
+    from ..adhesion.program import Program
     from ..adhesion.rate.history import History, RateContact
-    from ..adhesion.rate.program import Program
     from ..beside.analysis import Analysis
     from ..report.plots import Figure
 
@@ -164,18 +164,15 @@ def run(
 
 
 def _program(contact: RateContact, rates: RateOptions, turn: Turn) -> Program:
-    from ..adhesion.rate.turn import held_at_turn
-
-    def turning(speed: float) -> float:
-        return held_at_turn(contact, turn.load, turn.depth, speed)
-
-    return program_of(contact.stiffness, rates, turning, contact.least)
+    return program_of(
+        contact.stiffness, rates, lambda speed: contact.turning(turn.load, turn.depth, speed), contact.least
+    )
 
 
 def program_of(stiffness: float, rates: RateOptions, turning: Callable[[float], float], least: float) -> Program:
     """What the device does, of the speeds or of the table: from ``least`` on to where an approach at a speed is
     ``turning``."""
-    from ..adhesion.rate.program import Program, dwell, there_and_back
+    from ..adhesion.program import Program, dwell, there_and_back
 
     loaded = stiffness == LOAD_CONTROL
     length, speed = ("load", "load rate") if loaded else ("length", "speed")
@@ -207,12 +204,11 @@ def _quantity(option: str, text: str | None, dimension: str, least: float | None
 
 
 def _zone(history: History, body: Analysis, rates: RateOptions) -> Any:
-    from ..adhesion.rate.history import states
     from ..adhesion.rate.validity import zone
 
     pulled, problem = history.pull_off, body.problem
-    edge = history.contact.edge
-    x = pulled.P if edge.stiffness == LOAD_CONTROL else position(pulled.delta, pulled.P, edge.stiffness)
-    G = float(states(edge, np.array([pulled.a]), np.array([x]))[2][0])
+    contact = history.contact
+    x = position(pulled.delta, pulled.P, contact.stiffness)
+    G = float(contact.states(np.array([pulled.a]), np.array([x])).G[0])
     z0 = body.solution.record.z0
     return zone(G, history.contact.w0, problem.E_star, pulled.a, problem.specimen.top_thickness, rates.stress, z0)

@@ -13,10 +13,9 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from scipy.optimize import OptimizeResult, least_squares
 
 from ..adhesion.nonadhesive import Nonadhesive
-from ..adhesion.rate.program import Program
+from ..adhesion.program import Program
 from ..adhesion.relaxation.history import RelaxingContact
 from ..base.arrays import Array
 from ..base.errors import InputError, JkrError, did_you_mean
@@ -27,6 +26,7 @@ from .fit.body import FittedBody
 from .fit.points import third_differences
 from .fit.result import FittedValue
 from .fit.statistics import covariance, t_quantile
+from .least_squares import Least, LeastSquares, State, by_differences
 from .motion import corners
 
 
@@ -295,27 +295,23 @@ class _Problem:
             held, made = record.held + np.ptp(record.held), record.made + np.ptp(record.made)
         return np.concatenate([(held - record.held) / record.sigma[0], (made - record.made) / record.sigma[1]])
 
-    def scatters(self, found: OptimizeResult) -> tuple[float, float]:
+    def scatters(self, found: Least) -> tuple[float, float]:
         """The standard deviations of the readings about the model."""
-        rows, share = self.record.t.size, 1 - found.x.size / found.fun.size
-        held, made = (math.sqrt(float(np.mean(part**2)) / share) for part in (found.fun[:rows], found.fun[rows:]))
+        rows, off = self.record.t.size, found.state.residuals
+        share = 1 - found.x.size / off.size
+        held, made = (math.sqrt(float(np.mean(part**2)) / share) for part in (off[:rows], off[rows:]))
         low = [TUNING.floor * float(np.ptp(column)) for column in (self.record.held, self.record.made)]
         return max(held * self.record.sigma[0], low[0]), max(made * self.record.sigma[1], low[1])
 
-    def minimise(self, start: Array) -> OptimizeResult:
-        low, high = self._bounds(start)
-        return least_squares(
-            self.residuals, np.clip(start, low, high), self._rates, bounds=(low, high), x_scale="jac",
-            ftol=TUNING.converged, xtol=TUNING.converged, gtol=TUNING.converged,
-        )  # fmt: skip
+    def minimise(self, start: Array) -> Least:
+        return LeastSquares(self.state, self._bounds(start), TUNING.converged).least(start)
 
-    def _rates(self, theta: Array) -> Array:
-        """Derivatives of the residuals, backwards where an unknown is a share."""
-        base, shares = self.residuals(theta), [_is_share(name) for name in self.settings.free]
+    def state(self, theta: Array) -> State:
+        """The residuals with their derivatives, backwards where an unknown is a share."""
+        shares = [_is_share(name) for name in self.settings.free]
         steps = np.full(theta.size, TUNING.step)
         steps[: len(shares)] *= np.where(shares, -np.sign(theta[: len(shares)] - TUNING.step), 1.0)
-        columns = [(self.residuals(theta + step) - base) / step.sum() for step in np.diag(steps)]
-        return np.stack(columns, axis=1)
+        return by_differences(self.residuals, theta, steps)
 
     def _bounds(self, start: Array) -> tuple[Array, Array]:
         """Logs stay near their start, shares within 0 and 1, corners between their neighbours."""
@@ -403,11 +399,11 @@ class _Problem:
         return float(record.held[row]) / (float(depths.loads(np.array([depth]))[0]) * left)
 
     # ------------------------------------------------------------------ the answer
-    def result(self, found: OptimizeResult, E_star: float) -> RelaxationFit:
+    def result(self, found: Least, E_star: float) -> RelaxationFit:
         values, settings, record = self.values(found.x), self.settings, self.record
-        dof = max(found.fun.size - found.x.size, 1)
+        dof = max(found.state.residuals.size - found.x.size, 1)
         factor = 2 * found.cost / dof
-        whole, n = covariance(found.jac, factor), len(settings.free)
+        whole, n = covariance(found.state.jacobian, factor), len(settings.free)
         inner = None if whole is None else whole[:n, :n] * np.outer(self.scales, self.scales)
         t = t_quantile(settings.level, dof)
         estimates = [_estimate(name, values[name], settings.free, inner, t) for name in self.names]

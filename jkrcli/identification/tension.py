@@ -15,8 +15,6 @@ from typing import Any, cast
 
 import numpy as np
 from scipy.interpolate import RectBivariateSpline
-from scipy.optimize import least_squares
-from scipy.stats import t as student
 
 from ..adhesion.validity import LIMITS
 from ..base.arrays import Array
@@ -28,6 +26,8 @@ from ..formulas.griffith import shift
 from ..formulas.surface_tension import edge_angle
 from ..methods.layered.layered import Layered, largest_radius, unbounded
 from .fit.result import FittedValue
+from .fit.statistics import covariance, t_quantile
+from .least_squares import Least, LeastSquares, State, by_differences
 
 TENSION = "surface_tension"
 DIMENSIONS = {"E_star": "modulus", TENSION: "tension", "w": "work"}
@@ -46,7 +46,9 @@ class TensionFitTuning:
     beyond: float = 3.0  # times the range of the displacement, to which it reaches; choice: spare for w
     accuracy: float = 1e-6  # choice: far below the noise of any record
     points: int = 800  # of a curve; choice: interpolated to 1e-5
-    step: float = 1e-4  # of logs, for derivatives; choice: the square root of the accuracy is coarser
+    step: float = 1e-4  # of unknowns, for derivatives; choice: the square root of the accuracy is coarser
+    converged: float = 1e-8  # choice: relative, far below any standard error
+    evaluations: int = 200  # choice: guard
     starts: tuple[float, ...] = (0.03, 0.5, 8.0)  # 2 Ups/E* over the largest radius; choice: one in each regime
     fewest: int = 8  # rows of a record; choice: four parameters
 
@@ -188,8 +190,7 @@ def tension_fit(
         for R, record in zip(radii, records, strict=True)
     ]
     model = _Model(problem.E_star, records, families, fixed)
-    searches = [model.search(start) for start in TUNING.starts]
-    best = min(searches, key=lambda found: float(found.cost))
+    best = min((model.search(start) for start in TUNING.starts), key=lambda found: found.cost)
     return _result(model, best, radii, level)
 
 
@@ -242,15 +243,19 @@ class _Model:
         parts = zip(self.loads(x), self.records, strict=True)
         return np.concatenate([(load - record.P) / record.load for load, record in parts])
 
-    def search(self, start: float) -> Any:
+    def state(self, x: Array) -> State:
+        return by_differences(self.residuals, x, np.full(x.size, TUNING.step))
+
+    def search(self, start: float) -> Least:
         """Least squares from 2 Ups/E* = ``start`` times the largest radius."""
         a = max(family.radii[1] for family in self.families)
         E = self.fixed.get("modulus", self._first_modulus(start))
         guess = {"modulus": math.log(E), "surface_tension": math.log(start * a * E / 2), "w": 0.05}
-        least = [float(np.min(r.delta)) / r.depth for r in self.records]
-        x = np.array([*(guess[name] for name in self.free), *least])
+        zeros = [float(np.min(r.delta)) / r.depth for r in self.records]
+        x = np.array([*(guess[name] for name in self.free), *zeros])
+        far = np.full(x.size, np.inf)
         try:
-            return least_squares(self.residuals, x, diff_step=TUNING.step, x_scale="jac", max_nfev=200)
+            return LeastSquares(self.state, (-far, far), TUNING.converged, evaluations=TUNING.evaluations).least(x)
         except ValueError as error:
             raise SolveError(f"fit of surface tension: {error}") from None
 
@@ -261,15 +266,15 @@ class _Model:
         return self.E_star * record.load / float(one[0])
 
 
-def _result(model: _Model, best: Any, radii: Sequence[float], level: float) -> TensionFit:
-    x, J = best.x, best.jac
-    dof = max(best.fun.size - x.size, 1)
-    variance = 2 * float(best.cost) / dof
-    covariance = variance * np.linalg.pinv(J.T @ J)
-    sigma = np.sqrt(np.diag(covariance))
+def _result(model: _Model, best: Least, radii: Sequence[float], level: float) -> TensionFit:
+    x, dof = best.x, max(best.state.residuals.size - best.x.size, 1)
+    variance = 2 * best.cost / dof
+    spread = covariance(best.state.jacobian, variance)
+    if spread is None:
+        raise SolveError("fit of surface tension: the records do not tell the unknowns apart: --fix one of them")
+    sigma = np.sqrt(np.diag(spread))
     names = [*model.free, *(f"delta0:{record.name}" for record in model.records)]
-    correlation = covariance / np.maximum(np.outer(sigma, sigma), 1e-300)
-    half = float(student.ppf((1 + level) / 2, dof)) * sigma
+    correlation, half = spread / np.outer(sigma, sigma), t_quantile(level, dof) * sigma
     told = len(set(radii)) > 1
     values = model.values(x) | dict(zip(names[len(model.free) :], model.zeros(x).tolist(), strict=True))
     spans = {f"delta0:{r.name}": r.depth for r in model.records}

@@ -6,7 +6,8 @@ from pathlib import Path
 from typing import Any
 
 from ..adhesion.device import control
-from ..adhesion.stability import Cycle, Jump
+from ..adhesion.path import Jump
+from ..adhesion.stability import Cycle
 from ..base.units import show
 from ..base.unknown import Unknown
 from . import tables
@@ -18,10 +19,10 @@ def summary(file: Path, found: Cycle) -> dict[str, Any]:
         "file": str(file),
         "control": control(found.stiffness),
         "stiffness_N_per_m": tables.stiffness(found.stiffness),
-        "w_approach_J_per_m2": found.approach.curve.w,
-        "w_retract_J_per_m2": found.retraction.curve.w,
+        "w_approach_J_per_m2": found.contact.advancing.w,
+        "w_retract_J_per_m2": found.contact.receding.w,
         "jump_in": tables.point(found.begin),
-        "turn_a_m": found.approach.curve.point(found.turn).a,
+        "turn_a_m": found.contact.advancing.point(found.turn).a,
         "jumps_on_approach": [tables.jump(jump) for jump in found.jumps_in],
         "jumps_on_retraction": [tables.jump(jump) for jump in found.jumps_out],
         "contact_lost": found.retraction.ends == "lost",
@@ -31,14 +32,14 @@ def summary(file: Path, found: Cycle) -> dict[str, Any]:
 
 def words(file: Path, found: Cycle) -> list[str]:
     """A trace as lines of text, in the order in which the device passes its events."""
-    works = [show(path.curve.w, "work") for path in (found.approach, found.retraction)]
-    begin, onset = found.begin, found.approach.curve.onset
+    works = [show(curve.w, "work") for curve in (found.contact.advancing, found.contact.receding)]
+    begin, onset = found.begin, found.contact.advancing.onset
     jump_in = f"jump-in at delta = {show(onset, 'length') if onset else 0} to"
-    start = jump_in if found.approach.curve.w > 0 else "contact grows from a point; first of the series:"
+    start = jump_in if found.contact.advancing.w > 0 else "contact grows from a point; first of the series:"
     lines = [
         f"{file}: {control(found.stiffness)}, w = {works[0]} on approach, {works[1]} on retraction",
         f"  {start} P = {show(begin.P, 'load')}, a = {show(begin.a, 'length')}",
-        f"  turn at a = {show(found.approach.curve.point(found.turn).a, 'length')}",
+        f"  turn at a = {show(found.contact.advancing.point(found.turn).a, 'length')}",
         *(f"  {_jump(jump)}" for jump in (*found.jumps_in, *found.jumps_out)),
     ]
     if found.retraction.ends != "lost":

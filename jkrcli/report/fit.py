@@ -213,7 +213,7 @@ def _verdict(item: Fit) -> dict[str, Any]:
     told = item.verdict
     return {"verdict": {
         "named": [one.name for one in told.rivals.named], "families": list(told.rivals.families),
-        "misfit": told.rivals.misfit / told.rivals.dof, "free_rows_tell_the_noise": told.rivals.free_rows,
+        "misfit": told.rivals.misfit / told.rivals.dof, "free_rows_tell_the_noise": told.rivals.loose > 0,
         "formula": {"name": told.formula, "E_star_Pa": told.E_star} if told.E_star is not None else None,
         "rivals": [_score_summary(one) for one in told.rivals.scores],
     }}  # fmt: skip

@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from ..adhesion.device import LOAD_CONTROL
-from ..adhesion.rate.history import History, TimedJump, TimedState
+from ..adhesion.path import Jump, TimedState
+from ..adhesion.rate.history import History
 from ..adhesion.rate.laws import RateLaw, parameters_of, rate_parameters
 from ..adhesion.rate.validity import NEGLECTED, Zone
 from ..base.units import SI, show
@@ -113,7 +114,7 @@ def _state(state: TimedState) -> dict[str, Any]:
     return point(state) | {"t_s": state.t}
 
 
-def _jump(jump: TimedJump) -> dict[str, Any]:
+def _jump(jump: Jump) -> dict[str, Any]:
     return {"t_s": jump.t, "from": point(jump.start), "to": None if jump.end is None else point(jump.end)}
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from ..adhesion.rate.history import TimedState
+from ..adhesion.path import TimedState
 from ..adhesion.relaxation.history import HISTORY, RelaxedHistory
 from ..base.units import SI, show
 from ..bodies.relaxation import RELAXATIONS, Relaxation

@@ -11,7 +11,8 @@ import numpy as np
 from ..adhesion.critical import Errors
 from ..adhesion.curve import Equilibrium, EquilibriumCurve
 from ..adhesion.device import CONTROLS, DISPLACEMENT_CONTROL
-from ..adhesion.stability import Behaviour, Jump, behaviour, branch
+from ..adhesion.path import Jump
+from ..adhesion.stability import Behaviour, behaviour, branch
 from ..base import allowance
 from ..base.arrays import Array
 from ..base.errors import InputError

@@ -233,12 +233,21 @@ class Solution:
         """A hash of the physics."""
         return self.problem.key
 
+    @property
+    def unresolved(self) -> Array:
+        """Errors (2, n) of delta [m] and of its slope at the rows where the profile is known at points only: those of F
+        at the surface, more as far as what lies below is softer, as of a spring in series."""
+        series = self.series
+        S = np.gradient(series.P, series.delta) if series.S is None else series.S
+        softer: Array = np.maximum(2 * self.problem.E_star * series.a / S, 1.0)
+        return softer * self.problem.indenter.resolution(series.a)
+
     def widened(self) -> Solution:
         """The same with the error of a profile that is known at points only: of delta, or of the radius where that is
         what errs, and S times it of P."""
         series = self.series
-        shift, _ = self.problem.indenter.resolution(series.a)
-        if not shift.any() or len(series) < 2:
+        shift = np.zeros(1) if len(series) < 2 else self.unresolved[0]
+        if not shift.any():
             return self
         S = np.gradient(series.P, series.delta) if series.S is None else series.S
         more, judged = {"delta": shift, "P": S * shift}, series.delta >= JUDGED * series.delta[-1]

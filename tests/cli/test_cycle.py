@@ -38,9 +38,9 @@ def balance(found: Cycle) -> float:
         return 0.4 * P * delta - P * t + E_STAR * a * t**2 + here.P**2 / (2 * found.stiffness)
 
     into, out = found.begin.a, found.jumps_out[-1].start.a
-    w1, w2 = found.approach.curve.w, found.retraction.curve.w
-    jump_in = math.pi * w1 * into**2 - stored(found.approach.curve, into)
-    jump_out = stored(found.retraction.curve, out) - math.pi * w2 * out**2
+    w1, w2 = found.contact.advancing.w, found.contact.receding.w
+    jump_in = math.pi * w1 * into**2 - stored(found.contact.advancing, into)
+    jump_out = stored(found.contact.receding, out) - math.pi * w2 * out**2
     return math.pi * (w2 - w1) * found.turn**2 + jump_in + jump_out
 
 
@@ -138,7 +138,7 @@ def test_work_of_separation_from_the_zero_load_within_the_turn() -> None:
     found = cycle(soft, strong, 1e5, turn=1.2e-5)
     high, low = soft.point(1.2e-5), strong.point(1.2e-5)
     assert high.P > 0 > low.P
-    assert found.retraction.stretches[0].first == 1.2e-5
+    assert found.retraction.stretches[0].place == 1.2e-5
     columns = trace(found, 20_000)
     rows = (columns["phase"] == "turn") | (columns["phase"] == "retraction")
     D, P = columns["device_m"][rows], np.minimum(columns["P_N"][rows], 0)

@@ -22,8 +22,10 @@ from jkrcli.identification.fit import Fit, fit, record_rivals
 from jkrcli.identification.fit.coloured import Spectrum
 from jkrcli.identification.fit.device_path import grid, on_grid
 from jkrcli.identification.fit.record import _fitted, _kinds, _model, whole_record
-from jkrcli.identification.fit.record_rivals import RIVALS, Situation, columns, narrow_range, work_over_speed
+from jkrcli.identification.fit.record_change import LITTLE, Bent, Change, RivalModel
+from jkrcli.identification.fit.record_rivals import RIVALS, columns, narrow_range, work_over_speed
 from jkrcli.identification.fit.record_scores import ASKED, EXCLUDED, UNTOLD, rivals_of_record
+from jkrcli.identification.fit.record_situation import Situation
 from jkrcli.identification.fit.record_verdict import half_space_modulus
 from jkrcli.identification.fit.settings import Settings
 from jkrcli.report.fit import rivals_table, summary, words
@@ -59,6 +61,16 @@ def named(name: str) -> record_rivals.Rival:
     return next(rival for rival in RIVALS if rival.name == name)
 
 
+def change(name: str) -> Change:
+    found = named(name).look(situation())
+    assert isinstance(found, Change)
+    return found
+
+
+def column(at: Situation, name: str) -> np.ndarray:
+    return columns(at, [named(name)])[named(name)]
+
+
 def test_names_and_families() -> None:
     assert len({rival.name for rival in RIVALS}) == len(RIVALS)
     assert len({rival.family for rival in RIVALS}) == 5
@@ -68,17 +80,12 @@ def test_the_load_of_a_sphere() -> None:
     """By Sneddon's series: P over that of the paraboloid at equal depth is 1 - delta/(5 R) to first order."""
     at = situation()
     a = np.array([1e-2, 1e-1]) * R
-    u = np.log(a)
-    column = named("sphere or paraboloid")
-    seen: list[np.ndarray] = []
-
-    class Watching(Situation):
-        def on(self, changes: np.ndarray) -> np.ndarray:
-            seen.append(np.array([np.interp(u, grid(self.model.family), row) for row in changes]))
-            return super().on(changes)
-
-    column.column(Watching(at.body, at.found))
-    D, _, H, _ = seen[0] / record_rivals.TUNING.little
+    body = RivalModel.of(at.model, change("sphere or paraboloid"))
+    values = at.model.values(at.found.x) | {"amount": LITTLE}
+    family = body.followed(at.model.stretches[0], values).family
+    assert isinstance(family, Bent)
+    assert family.change is not None
+    D, _, H, _ = family.change(np.log(a)).T / LITTLE
     x = a / R
     exact_D, exact_H = np.arctanh(x) / x, 3 / (4 * x**3) * ((1 + x**2) * np.arctanh(x) - x)
     assert pytest.approx(exact_D - 1, rel=0.02) == D  # the next term of the series is 3/5 x^2 of it
@@ -92,12 +99,11 @@ def test_surface_tension_of_a_half_space() -> None:
     by_formula = 4 * kappa * log / math.pi - 2 * 2 * kappa / math.pi * (log - 1)
     assert 1.85841016 - 4 / 3 * 1.18163976**1.5 == pytest.approx(by_formula, rel=0.15)
     at = elastic()
-    column = named("surface tension").column(at)
-    assert column is not None
+    ours = column(at, "surface tension")
     i = int(np.argmax(at.a))
     log = math.log(2 / record_rivals.TUNING.skin) + 0.5772157
     of_theory = at.body.problem.E_star * at.modulus * at.widest**3 / R * (4 * log - 4 * (log - 1)) / math.pi
-    assert column[i] / at.yields[i] == pytest.approx(of_theory, rel=0.02)  # at constant displacement
+    assert ours[i] / at.yields[i] == pytest.approx(of_theory, rel=0.02)  # at constant displacement
 
 
 @lru_cache
@@ -109,8 +115,7 @@ def elastic() -> Situation:
 def test_relaxation_of_a_tenth_of_a_per_cent() -> None:
     """Against Ting's sums of the generator."""
     at = elastic()
-    ours = named("relaxation of one time").column(at)
-    assert ours is not None
+    ours = column(at, "relaxation of one time")
     loads = [wrong_records.relaxing(STILL, lost, 0.5).columns["P"] for lost in (0.0, 1e-3)]
     theirs = (loads[1] - loads[0]) / 1e-3
     part_in, part_out = at.model.stretches
@@ -126,8 +131,7 @@ def test_a_short_range_is_that_of_maugis() -> None:
     at = situation()
     u = grid(at.model.family)
     D, T, H, V = on_grid(at.model.family)[0]
-    ours = named("adhesion of finite range").column(at)
-    assert ours is not None
+    ours = column(at, "adhesion of finite range")
     both = [wrong_records.maugis(STILL, mu).columns for mu in (8.0, 80.0)]
     z0 = [(STILL.w**2 * R / STILL.E**2) ** (1 / 3) / mu for mu in (8.0, 80.0)]
     part = at.model.stretches[1]
@@ -239,6 +243,7 @@ def test_positions_that_repeat_take_no_fit_with_them() -> None:
     stretches = tuple(stepped if one is part else one for one in at.model.stretches)
     coarse = Situation(at.body, replace(at.found, model=replace(at.model, stretches=stretches)))
     with np.errstate(all="raise"):
-        column = work_over_speed(coarse)
-    assert column is not None
-    assert np.isfinite(column).all()
+        look = work_over_speed(coarse)
+    assert look is not None
+    assert look.column is not None
+    assert np.isfinite(look.column).all()

@@ -16,8 +16,8 @@ from ...base.units import show
 from ...bodies.relaxation import Modes, Relaxation
 from ..device import DISPLACEMENT_CONTROL, LOAD_CONTROL, control, position
 from ..nonadhesive import Nonadhesive
-from ..rate.history import TimedState
-from ..rate.program import Program
+from ..path import TimedState
+from ..program import Program
 from .depths import Depths
 from .driven import TUNING as DRIVEN
 from .driven import Drive

@@ -19,7 +19,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.fft import dct
+from scipy.fft import dct, idct
 
 from ...base.arrays import Array
 
@@ -60,6 +60,11 @@ class Spectrum:
         if not self.slow:
             return columns / math.sqrt(self.A)
         return (waves(columns).T / np.sqrt(self(frequencies(len(columns))))).T
+
+    def drawn(self, rng: np.random.Generator, rows: int) -> Array:
+        """A series of so many ``rows`` of this noise."""
+        found: Array = idct(np.sqrt(self(frequencies(rows))) * rng.normal(size=rows), norm="ortho")
+        return found
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,13 +9,13 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
-from scipy.optimize import brentq
 
 from ...base.arrays import Array
-from ...base.errors import InputError, JkrError
+from ...base.errors import InputError
 from ...base.executors import Pool, in_order
 from ...base.unknown import Unknown
 from ...bodies.parts import changed
+from ..least_squares import Least
 from .model import Objective
 from .result import FittedValue, JKRBeside
 from .search import Minimum, minimise
@@ -28,7 +28,6 @@ class ConfidenceTuning:
     """How intervals are found."""
 
     few: int = 10  # choice: degrees of freedom, below which residuals do not tell how the noise changes along the curve
-    doublings: int = 6  # choice: of the step in which a profile must reach its limit, else it has none
     widest: float = 100.0  # choice: half-width of a log, from which on nothing is told of a value (its ends overflow)
     step: float = 1e-5  # theory: of the unknowns, for central differences: about the cube root of round-off
     samples: int = 50  # choice: of a bootstrap, in one task
@@ -59,7 +58,7 @@ def confidence_of(
 
     A range that JKR does without is known on one side only, by its profile; nothing where the search was given up.
     """
-    if not minimum.ended:
+    if not minimum.least.ended:
         settings = replace(settings, confidence="covariance", uncertain={})
     objective, free = minimum.objective, minimum.objective.free
     residuals = minimum.found.residuals
@@ -67,7 +66,7 @@ def confidence_of(
     dof = max(residuals.shape[1] * (columns - 1) - free.size, 1)  # a foot point takes one number from every point
     factor = variance_factor(residuals, dof, settings.loss, minimum.width)
     jacobian = minimum.found.jacobian(free)
-    inner = covariance(jacobian, factor) if minimum.ended else None
+    inner = covariance(jacobian, factor) if minimum.least.ended else None
     even = set(objective.points.columns) <= settings.noise.keys()  # else that is more than a record of a sensor tells
     if settings.loss == "linear" and dof >= TUNING.few and not even:
         inner = larger(inner, covariance_of_uneven(jacobian, residuals))
@@ -157,32 +156,14 @@ class _Spread:
     def _profile(self, i: int, side: int) -> float | None:
         """The end of the interval, where the least cost with parameter ``i`` held is t^2/2 times the variance higher;
         None: it never is."""
-        x, limit = float(self.minimum.x[i]), self.minimum.cost + 0.5 * self.t**2 * self.factor
-        sigma = self._sigma(i)
-        step = side * (self.t * sigma if sigma is not None else 0.1)
-        if self.parameters[i].kind == "log":
-            step = math.copysign(min(abs(step), 1.0), side)  # of a vague one: more would overflow
-        positive = self.parameters[i].kind == "positive"
-        objective = self.minimum.objective.held(self.parameters[i].name)
-        start = self.minimum.x.copy()
-
-        def excess(k: float) -> float:
-            start[i] = x + k * step
-            if objective.free.size == 0:
-                return 0.5 * float(np.sum(objective.distances(start).residuals ** 2)) - limit
-            return minimise(objective, start, self.settings.loss, self.minimum.width).settled().cost - limit
-
-        for k in 2.0 ** np.arange(TUNING.doublings):
-            if positive and x + k * step < 0:
-                k = -x / step
-            try:
-                if excess(k) >= 0:
-                    return x + step * float(brentq(excess, 0.0 if k <= 1 else k / 2, k, xtol=1e-3, rtol=1e-3))
-            except JkrError:
-                return None
-            if positive and x + k * step <= 0:
-                return 0.0
-        return None
+        position, sigma, kind = self._position(i), self._sigma(i), self.parameters[i].kind
+        unit = self.minimum.units * (np.arange(self.minimum.units.size) == position)
+        step = self.t * sigma if sigma is not None else 0.1
+        step = side * min(step, 1.0 if kind == "log" else math.inf)  # of a vague one: more would overflow
+        least = self.minimum.least
+        end = least.profile(lambda y: (float(unit @ y), unit), step, 0.5 * self.t**2 * self.factor)
+        faint = 2 * float(unit @ np.maximum(least.problem.bounds[0], 0.0))
+        return 0.0 if kind == "positive" and end is not None and end <= faint else end
 
     def derived(self) -> list[FittedValue]:
         """E* of the materials that touch and the moduli of the layers, where they follow from free parameters."""
@@ -248,24 +229,16 @@ def _follows(objective: Objective, x: Array) -> dict[str, float]:
 
 def _bootstrap(minimum: Minimum, settings: Settings, pool: Pool | None) -> Array:
     """Free unknowns of fits to rows drawn with replacement, shape (samples, free)."""
-    free = minimum.objective.free
-    slopes = minimum.found.jacobian(free).reshape(*minimum.found.residuals.shape, free.size)
-    drawn = partial(_resampled, minimum, slopes, settings)
+    drawn = partial(_resampled, minimum.least, minimum.found.residuals.shape, settings.seed)
     found = in_order(pool, drawn, range(settings.samples), "bootstrap", TUNING.samples)
-    return np.array([x for x in found if x is not None])
+    return np.array([y * minimum.units for y in found if y is not None])
 
 
-def _resampled(minimum: Minimum, slopes: Array, settings: Settings, number: int) -> Array | None:
-    """The free unknowns of the sample of that ``number``, None where its fit does not converge; ``slopes`` (columns,
-    rows, free) of the residuals, for a first step by Gauss and Newton."""
-    objective, n = minimum.objective, len(minimum.objective.points)
-    rows = np.random.default_rng([settings.seed, number]).integers(0, n, n)
-    drawn = replace(objective, points=objective.points.at(rows))
-    residuals, near = minimum.found.residuals[:, rows].ravel(), minimum.x.copy()
-    near[objective.free] -= np.linalg.lstsq(slopes[:, rows].reshape(residuals.size, -1), residuals, rcond=None)[0]
-    with contextlib.suppress(JkrError):
-        return minimise(drawn, near, settings.loss, minimum.width, TUNING.enough).x[objective.free]
-    return None
+def _resampled(least: Least, shape: tuple[int, int], seed: int, number: int) -> Array | None:
+    """The unknowns of the sample of that ``number``, of residuals of this ``shape`` (columns, rows)."""
+    rows = np.random.default_rng([seed, number]).integers(0, shape[1], shape[1])
+    every = (np.arange(shape[0])[:, None] * shape[1] + rows).ravel()
+    return least.sample(lambda state: state.rows(every), TUNING.enough)
 
 
 # ---------------------------------------------------------------------- uncertain inputs of the body, to first order

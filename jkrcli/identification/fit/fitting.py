@@ -23,7 +23,7 @@ from .edges import ADVANCING, RECEDING, RESTING, RestingMember
 from .jkr_beside import jkr_beside
 from .model import PathDistances
 from .points import Points, directed, points_of, points_of_cycle
-from .record import RESTS, beside, differ, fit_record, whole_record
+from .record import RESTS, beside, beyond_the_record, differ, fit_record, reduced, whole_record
 from .result import Fit, FittedValue
 from .rivals import Rivals, rivals_of
 from .search import Minimum, robust, search
@@ -118,15 +118,18 @@ def fit(body: FittedBody, curve: Curve, settings: Settings, pool: Pool | None = 
 
 
 def _fit(body: FittedBody, curve: Curve, settings: Settings, pool: Pool | None) -> Fit:
-    asked = settings
+    given = curve
     check_parameters(body, [parameter.name for parameter in settings.parameters])
     if (record := whole_record(curve, settings)) is not None:
-        return fit_record(body, record, settings)
+        if not beyond_the_record(settings):
+            return fit_record(body, record, settings, pool)
+        curve, settings = reduced(body, record, settings)
+    asked = settings
     if idle := [name for name in settings.uncertain if name in CALIBRATED]:
         raise InputError(f"{curve.where}: --uncertain {idle[0]} is for raw records of a device, it has no effect here")
     curve = with_zero_points(curve) if settings.contact == "estimate" else curve
     curve, zero = parted(curve, settings), settings.parameter("P0")
-    level = 0.0 if zero is None else None if zero.free else zero.value
+    level = 0.0 if zero is None or (curve is not given and zero.free) else None if zero.free else zero.value
     kinds = set(curve.segments())
     rows = partial(points_of_cycle, curve) if kinds & {APPROACH, RETRACT} else partial(points_of, curve)
     points = rows(settings.segment, settings.branch, len(settings.free), level)
@@ -137,7 +140,7 @@ def _fit(body: FittedBody, curve: Curve, settings: Settings, pool: Pool | None) 
     sharp = None if settings.range is None else jkr_beside(minimum, body, points, settings)
     confidence = confidence_of(minimum, settings, sharp, pool)
     rivals = Rivals((), 1.0)
-    if settings.range is None and minimum.ended:
+    if settings.range is None and minimum.least.ended:
         rivals = rivals_of(minimum, confidence.scatter**2, confidence.dof, settings)
     flags: Mapping[str, str] = {} if curve.stiffness is None else flags_of(curve)
     free = tuple(parameter.name for parameter in minimum.objective.parameters if parameter.free)
@@ -164,14 +167,16 @@ def _fit(body: FittedBody, curve: Curve, settings: Settings, pool: Pool | None) 
         dof=confidence.dof,
         structure=structure(distances.residuals[-1][distances.along]),
         line=distances.line(),
-        evaluations=minimum.evaluations,
+        evaluations=minimum.least.steps,
         settings=settings,
         warnings=(),
         flags=(*flags, *["not determined"] * untold),
         jkr=sharp,
         range_left=None if rivals.range is None else rivals.range.most,
     )
-    said = warnings_of(found, minimum.objective.body, readings.members.plain, minimum.at_bound, rivals, minimum.ended)
+    said = warnings_of(
+        found, minimum.objective.body, readings.members.plain, minimum.at_bound, rivals, minimum.least.ended
+    )
     words = (*words, *[RESTS] * (ADVANCING in edges and "w" not in free))
     found = replace(found, warnings=(*_on_record(flags, zero), *words, *said))
     if edges == {ADVANCING}:

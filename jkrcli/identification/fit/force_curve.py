@@ -17,17 +17,16 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
-from typing import Any
+from functools import cached_property, partial
 
 import numpy as np
-from scipy.optimize import least_squares
 
 from ...base.arrays import Array
 from ...base.errors import SolveError
 from ...base.unknown import known
 from ...data.measured.curve import APPROACH
 from ...data.record import BaseLine, Direction, ForceCurve
+from ..least_squares import Least, LeastSquares, State
 from .coloured import Spectrum, Spread, in_time
 from .coloured import spread as covariance
 from .device_path import DeviceBranch, Rest, branch, on_grid, rest
@@ -156,6 +155,16 @@ class ForceCurveModel:
         """Largest q: of a curve that is pulled off at the end of the series."""
         _, (_, _, dH, dV), _ = on_grid(self.family)
         return 0.9 * float(dH[-1] / dV[-1]) ** 2
+
+    @property
+    def limits(self) -> Mapping[str, tuple[float, float]]:
+        """Least and largest values of unknowns by name."""
+        least, most = (math.log(s) if s > 0 else -math.inf for s in self.moduli)
+        return {"ln_s": (least, most)}
+
+    def further(self, values: Mapping[str, float]) -> dict[str, float]:
+        """What other unknowns mean, SI, by name."""
+        return {}
 
     def values(self, x: Array) -> dict[str, float]:
         """All unknowns by name, the known ones too, and q of each stretch."""
@@ -294,8 +303,8 @@ class ForceCurveFit:
     """The model that fits best: ``values`` and standard errors by name; ``off`` residuals [N] of all rows.
 
     ``sigma``: standard deviation of a reading about the model [N]; ``weight``: the noise that rows were weighted by;
-    ``spread``: covariance of the unknowns, and the noise that it rests on. ``ended``: whether it is a minimum, and not
-    where the search was given up.
+    ``spread``: covariance of the unknowns, and the noise that it rests on. ``least``: as the search sees it, in units
+    of ``weight``. ``ended``: whether it is a minimum, and not where the search was given up.
     """
 
     model: ForceCurveModel
@@ -305,7 +314,7 @@ class ForceCurveFit:
     spread: Spread
     off: Array
     sigma: float
-    evaluations: int
+    least: Least
     ended: bool
 
     @property
@@ -366,23 +375,30 @@ def _even(model: ForceCurveModel) -> Spectrum:
     return Spectrum(max(float(np.ptp(part.P)) for part in model.stretches) ** 2)
 
 
-def _search(
-    model: ForceCurveModel, x: Array, bounds: tuple[Array, Array], blunt: float, enough: float,
-    weight: Spectrum, loss: Loss = "linear", width: float = 1.0,
-) -> Any:  # fmt: skip
-    """SciPy's least squares of the loads, weighted by noise, from ``x`` on, or the least sum of a robust ``loss`` that
-    turns at ``width`` of it."""
-    held: list[tuple[Array, ...]] = []
+def _state(model: ForceCurveModel, weight: Spectrum, blunt: float, x: Array) -> State:
+    """The residuals, weighted by noise."""
+    off, rates = model.residuals(x, blunt)
+    return State(model.whitened(off, weight), partial(model.whitened, rates, weight))
 
-    def at(x: Array) -> tuple[Array, ...]:
-        if not (held and np.array_equal(held[0][0], x)):
-            held[:] = [(x.copy(), *(model.whitened(item, weight) for item in model.residuals(x, blunt)))]
-        return held[0][1:]
 
-    return least_squares(
-        lambda x: at(x)[0], x, lambda x: at(x)[1], bounds=bounds, x_scale="jac", loss=loss, f_scale=width,
-        ftol=enough, xtol=enough, gtol=enough, max_nfev=TUNING.evaluations,
-    )  # fmt: skip
+def _problem(
+    model: ForceCurveModel, weight: Spectrum, bounds: tuple[Array, Array], blunt: float, enough: float
+) -> LeastSquares:
+    return LeastSquares(partial(_state, model, weight, blunt), bounds, enough, evaluations=TUNING.evaluations)
+
+
+def misfit_at(model: ForceCurveModel, x: Array) -> float:
+    """Half the sum of squares at the unknowns ``x``, of loads over their range."""
+    off = _state(model, _even(model), TUNING.blunt[-1], np.clip(x, *_bounds(model, x))).residuals
+    return float(off @ off) / 2
+
+
+def rough(model: ForceCurveModel, start: Array, steps: int) -> tuple[float, Array]:
+    """Half the sum of squares that is left, of loads over their range, and the unknowns that leave about least, by a
+    search from ``start`` on of a few ``steps``."""
+    problem = _problem(model, _even(model), _bounds(model, start), TUNING.blunt[-1], TUNING.about)
+    found = replace(problem, evaluations=steps).least(start)
+    return found.cost, found.x
 
 
 def fit(model: ForceCurveModel, start: Array, near: bool = False, loss: Loss = "linear") -> ForceCurveFit:
@@ -392,40 +408,38 @@ def fit(model: ForceCurveModel, start: Array, near: bool = False, loss: Loss = "
     bounds, even = _bounds(model, start), _even(model)
     x, sharp = np.clip(start, *bounds), TUNING.blunt[-1]
     for blunt in () if near else TUNING.blunt[:-1]:
-        x = _search(model, x, bounds, blunt, TUNING.about, even).x
-    found = _search(model, x, bounds, sharp, TUNING.converged, even)
-    if found.status <= 0:  # of few rows at the fold each makes a kink, between which a search runs to and fro
-        found = _search(model, found.x, bounds, sharp, TUNING.about, even)
-    width = 1.0
+        x = _problem(model, even, bounds, blunt, TUNING.about).least(x).x
+    found = _problem(model, even, bounds, sharp, TUNING.converged).least(x)
+    about = _problem(model, even, bounds, sharp, TUNING.about)
+    if not found.ended:  # of few rows at the fold each makes a kink, between which a search runs to and fro
+        found = about.least(found.x)
     for _ in range(2 * (loss != "linear")):
-        width = TURNS[loss] * robust_scale(model.whitened(model.residuals(found.x, sharp)[0], even))
-        found = _search(model, found.x, bounds, sharp, TUNING.about, even, loss, width)
-    best = _ended(model, found, even, loss, width)
+        width = TURNS[loss] * robust_scale(found.state.residuals)
+        found = replace(about, loss=loss, width=width).least(found.x)
+    best = _fitted(model, found, even)
     noise = best.spread.noise
     if loss != "linear" or not noise.slow:
         return best
-    found = _search(best.model, best.x, _bounds(best.model, best.x), sharp, TUNING.about, noise)
-    return _ended(best.model, found, noise)
+    weighted = _problem(best.model, noise, _bounds(best.model, best.x), sharp, TUNING.about)
+    return _fitted(best.model, weighted.least(best.x), noise)
 
 
-def _ended(
-    model: ForceCurveModel, found: Any, weight: Spectrum, loss: Loss = "linear", width: float = 1.0
-) -> ForceCurveFit:
+def _fitted(model: ForceCurveModel, found: Least, weight: Spectrum) -> ForceCurveFit:
     """What the end of a search means."""
-    model, x = _without_idle(model, found.x)
-    off = model.residuals(x, TUNING.blunt[-1])[0]
+    before, sharp, (model, x) = found.problem, TUNING.blunt[-1], _without_idle(model, found.x)
+    problem = replace(before, model=partial(_state, model, weight, sharp), bounds=_bounds(model, x))
+    found = replace(found, problem=problem, x=x, state=problem.model(x))
+    off = model.residuals(x, sharp)[0]
     J = model.residuals(x, 0.0)[1]  # where the fold lies between two rows, the data do not tell
-    size = width * math.sqrt(_even(model).A)
-    psi, slope = influence(off / size, loss)
+    size = before.width * math.sqrt(_even(model).A)
+    psi, slope = influence(off / size, before.loss)
     pull = psi * size / max(float(np.mean(slope)), 0.1)  # what a row pulls with (Huber 1981, Sec. 7.6)
     dof = max(off.size - x.size, 1)
-    ordered = (model.ordered(item, weight) for item in (pull, J))
-    spread = covariance(*ordered, model.free(off), weight)
+    spread = covariance(*(model.ordered(item, weight) for item in (pull, J)), model.free(off), weight)
     pulls, rates = (model.whitened(item, weight) for item in (pull, J))
     left = np.linalg.lstsq(rates, pulls, rcond=None)[0]  # a step of Gauss and Newton; what chi^2 would fall by
-    ended = found.status > 0 or float(np.sum((rates @ left) ** 2)) < TUNING.near * float(pulls @ pulls) / dof
-    sigma = math.sqrt(float(pull @ pull) / dof)
-    return ForceCurveFit(model, model.names, x, weight, spread, off, sigma, int(found.nfev), ended)
+    ended = found.ended or float(np.sum((rates @ left) ** 2)) < TUNING.near * float(pulls @ pulls) / dof
+    return ForceCurveFit(model, model.names, x, weight, spread, off, math.sqrt(float(pull @ pull) / dof), found, ended)
 
 
 def _without_idle(model: ForceCurveModel, x: Array) -> tuple[ForceCurveModel, Array]:
@@ -506,22 +520,21 @@ def _one_step(model: ForceCurveModel, off: Array, J: Array, weight: Spectrum) ->
 
 def _bounds(model: ForceCurveModel, start: Array) -> tuple[Array, Array]:
     """Least and largest unknowns of a search from ``start`` on."""
-    least, most = (math.log(s) if s > 0 else -math.inf for s in model.moduli)
     names = np.array(model.names, dtype=str)
     reach = np.select([names == "ln_s", names == "ln_period"], [TUNING.moduli, TUNING.periods], np.inf)
     lowest, highest = start - reach, start + reach
     for letter, high in (("q", model.most), ("r", math.sqrt(model.most)), ("t", 1.0)):
         own = np.char.startswith(names, f"{letter}:") | (names == "turn") & (letter == "t")
         lowest, highest = np.where(own, -high, lowest), np.where(own, high, highest)
-    of_s = names == "ln_s"
-    return np.where(of_s, np.maximum(lowest, least), lowest), np.where(of_s, np.minimum(highest, most), highest)
+    least, most = np.array([model.limits.get(name, (-np.inf, np.inf)) for name in model.names]).T
+    return np.maximum(lowest, least), np.minimum(highest, most)
 
 
 def nearest(model: ForceCurveModel, loss: Loss = "linear") -> ForceCurveFit:
     """The unknowns that leave least, from several starts until one leaves no more than noise; SolveError where no
     search converges. Of a retraction alone all are tried: how far its edge rests is told by its shape only."""
     best: ForceCurveFit | SolveError = SolveError("no curve of this body resembles the record")
-    for x in _starts(model):
+    for x in starts_of(model):
         try:
             found = fit(model, x, loss=loss)
         except SolveError as error:
@@ -536,7 +549,7 @@ def nearest(model: ForceCurveModel, loss: Loss = "linear") -> ForceCurveFit:
     return best
 
 
-def _starts(model: ForceCurveModel) -> Iterator[Array]:
+def starts_of(model: ForceCurveModel) -> Iterator[Array]:
     """Unknowns to begin with, as each stretch suggests."""
     if "turn" not in model.names:
         yield from (_start(model, part, 1.0, 0.0) for part in model.stretches)

@@ -11,6 +11,7 @@ import numpy as np
 
 from ...base.arrays import Array
 from ...base.errors import InputError, SolveError
+from ...base.executors import Pool
 from ...base.units import show
 from ...base.unknown import Unknown, known
 from ...data.measured import Curve
@@ -20,6 +21,7 @@ from .body import FittedBody
 from .checks import warnings_of
 from .confidence import changes_by, wider
 from .force_curve import (
+    DirectionReadings,
     ForceCurveFit,
     ForceCurveModel,
     another_modulus,
@@ -32,9 +34,10 @@ from .force_curve import (
 )
 from .interference import Wave, straightened
 from .points import third_differences
+from .record_intervals import of_samples, profiles, rates, samples
 from .record_verdict import judged
 from .result import Fit, FittedValue
-from .settings import CALIBRATED, Settings
+from .settings import CALIBRATED, Parameter, Settings
 from .statistics import structure, t_quantile
 
 
@@ -44,6 +47,7 @@ class WholeRecordTuning:
 
     free_rows: int = 20  # choice: least rows of a base line
     room: float = 1.05  # choice: of the largest contact radius, to which the body is solved anew
+    placed_rows: float = 0.05  # choice: of the loads' relative scatter, that of positions which have none
     placed: float = 0.3  # choice: scatter of positions over that of loads, both over their range, of a table
     rounds: int = 3  # choice: solves to larger radii before the record is given up
     misfit: float = 0.03  # choice: residual over the range of the load above which the model does not describe it
@@ -60,7 +64,6 @@ class WholeRecordTuning:
     one_sided: float = 0.84  # theory: 1.645/1.960, one-sided over two-sided 95 % of a normal value
     drifting: float = 3.0  # choice: standard errors of a drift that was not fitted, from which on it is said
     at_bound: float = 1e-6  # choice: relative distance of a modulus from a bound at which it is said to end there
-    step: float = 1e-6  # choice: of unknowns, for central differences; outcomes are smooth in them
 
 
 TUNING = WholeRecordTuning()
@@ -74,11 +77,10 @@ ZEROS = frozenset({"delta0", "P0", "compliance"})  # always fitted, or told by t
 def whole_record(curve: Curve, settings: Settings) -> ForceCurve | None:
     """The record taken apart, where base line and contact are to be fitted together; None: the readings as they are.
 
-    "estimate" prepares the readings only for what a whole record cannot be fitted with. By itself that is so for
-    records of a device whose deflection is known, or of both directions with a base line each;
+    By itself that is so for records of a device whose deflection is known, or of both directions with a base line each;
     without a base line the zero of the load is that of the file.
     """
-    prepared = settings.contact == "as-is" or (settings.contact == "estimate" and bool(_in_the_way(settings)))
+    prepared = settings.contact == "as-is"
     only = [f"--base-line {settings.base_line}"] * (settings.base_line != "straight") + ["drift"] * settings.drifts
     asked = settings.contact == "fitted" or bool(only)
     if prepared or curve.a is not None or curve.delta is None or curve.P is None:
@@ -93,9 +95,6 @@ def whole_record(curve: Curve, settings: Settings) -> ForceCurve | None:
         return None
     if not (asked or _raw(record)):
         return record if settings.contact == "auto" and _as_read(record, settings) else None
-    if reason := _in_the_way(settings):
-        raise InputError(f"{reason} is not for the fit of a whole raw record: leave it out, or prepare the readings "
-                         "with --contact estimate, or with --zero and --contact as-is")  # fmt: skip
     idle = [name for name in settings.uncertain if name in CALIBRATED and curve.stiffness in (None, math.inf)]
     if idle:
         raise InputError(f"{curve.where}: --uncertain {idle[0]}: the record has no stiffness, so it has no effect here")
@@ -122,22 +121,15 @@ def _raw(record: ForceCurve) -> bool:
 
 def _as_read(record: ForceCurve, settings: Settings) -> bool:
     """Whether a record without a base line is that of a device, on which an edge rests where it turns."""
-    return record.curve.stiffness is not None and bool(record.directions) and not _in_the_way(settings)
+    return record.curve.stiffness is not None and bool(record.directions) and not beyond_the_record(settings)
 
 
-def _in_the_way(settings: Settings) -> str:
-    """What a whole record cannot be fitted with, as the user wrote it; "" where nothing is."""
-    free = settings.free
-    if settings.range is not None:
-        return "adhesion of finite range"
-    told = [f"--free {p.name}" for p in free if p.name not in ASKED]
-    told += [f"--bound {p.name}" for p in free if p.name != "modulus" and (p.low, p.high) != FREE]
-    told += [f"--start {p.name}" for p in free if p.value is not None]
-    told += [f"--fix {p.name}" for p in settings.parameters if p.name in ZEROS & settings.given and not p.free]
-    told += ["--branch compressive"] if settings.branch != "all" else []
-    told += [f"--confidence {settings.confidence}"] if settings.confidence != "covariance" else []
-    told += ["--noise"] if settings.noise else []
-    return next(iter(told), "")
+def beyond_the_record(settings: Settings) -> bool:
+    """Whether something is asked that the model of a whole record does not know."""
+    named = any(p.name not in ASKED or p.value is not None for p in settings.free)
+    bound = any(p.name != "modulus" and (p.low, p.high) != FREE for p in settings.free)
+    fixed = any(p.name in ZEROS & settings.given and not p.free for p in settings.parameters)
+    return settings.range is not None or named or bound or fixed or settings.branch != "all" or bool(settings.noise)
 
 
 def _usable(record: ForceCurve, kind: str) -> bool:
@@ -147,10 +139,11 @@ def _usable(record: ForceCurve, kind: str) -> bool:
     return side.begins_free and side.base.rows >= TUNING.free_rows
 
 
-def fit_record(body: FittedBody, record: ForceCurve, settings: Settings) -> Fit:
+def fit_record(body: FittedBody, record: ForceCurve, settings: Settings, pool: Pool | None = None) -> Fit:
     """Modulus, w, contact point and base lines of a whole record; InputError where it holds no contact.
 
     Where one modulus does not describe both directions, the retraction's answer with that of the approach beside it.
+    ``pool``: for the samples of its bootstrap.
     """
     if (reason := record.flags.get("no contact")) is not None:
         raise InputError(f"{record.curve.where}: no contact: {reason}")
@@ -164,7 +157,7 @@ def fit_record(body: FittedBody, record: ForceCurve, settings: Settings) -> Fit:
 
     deeper, found = of(*kinds)
     whole, joint = deeper, found
-    result = _result(deeper, record, curve, settings, found)
+    result = _result(deeper, record, curve, settings, found, pool)
     if not found.ended:
         return result
     if len(kinds) < 2 or not _apart(found):
@@ -173,8 +166,8 @@ def fit_record(body: FittedBody, record: ForceCurve, settings: Settings) -> Fit:
     error = math.hypot(*(found.error("ln_s") * found.spread.excess for found in (into, back)))
     if not differ(math.exp(into.value("ln_s")), math.exp(back.value("ln_s")), error):
         return judged(result, whole, joint)
-    alone = _result(deeper, record, curve, settings, into)
-    return judged(beside(_result(deeper, record, curve, settings, back), alone, result), whole, joint)
+    alone = _result(deeper, record, curve, settings, into, pool)
+    return judged(beside(_result(deeper, record, curve, settings, back, pool), alone, result), whole, joint)
 
 
 def receding(body: FittedBody, curve: Curve, settings: Settings) -> Curve:
@@ -184,13 +177,52 @@ def receding(body: FittedBody, curve: Curve, settings: Settings) -> Curve:
     if record is None or not any(_usable(record, kind) for kind in _wanted(settings)):
         return curve
     _, found = _fitted(body, _model(body, record, settings, {}, _kinds(record, settings)), settings)
-    part, values = found.model.stretches[-1], found.model.values(found.x)
-    a, rests = found.model.contact_radii(part, values)
-    rows = np.flatnonzero((a > 0) & ~rests)
-    P = (part.P - base_line(part, values)[0])[rows]
-    delta = found.model.depth(part, values)[rows] - P / found.model.k
-    order = np.argsort(part.rows[rows])
-    return replace(curve.rows(part.rows[rows][order]), delta=delta[order], P=P[order])
+    curve = _in_contact(found, curve, found.model.stretches[-1:], still=False)
+    assert curve.delta is not None
+    assert curve.P is not None
+    return replace(curve, delta=curve.delta - curve.P / found.model.k)
+
+
+def _in_contact(found: ForceCurveFit, curve: Curve, parts: Sequence[DirectionReadings], still: bool = True) -> Curve:
+    """The rows in contact of some stretches, those on which the edge is ``still`` too, in order of recording: net load
+    over the position of the device from first touch."""
+    values, each = found.model.values(found.x), []
+    for part in parts:
+        a, rests = found.model.contact_radii(part, values)
+        kept = (a > 0) & (still | ~rests)
+        depth, P = found.model.depth(part, values), part.P - base_line(part, values)[0]
+        each.append((part.rows[kept], depth[kept], P[kept], np.full(np.count_nonzero(kept), part.kind)))
+    rows, delta, P, words = (np.concatenate(columns) for columns in zip(*each, strict=True))
+    order = np.argsort(rows)
+    return replace(curve.rows(rows[order]), delta=delta[order], P=P[order], segment=words[order], stiffness=None)
+
+
+def reduced(body: FittedBody, record: ForceCurve, settings: Settings) -> tuple[Curve, Settings]:
+    """The rows of a raw record that are in contact, less the base lines and from the zero that fit best, for what its
+    model does not know, and the settings by which they are fitted: the device is a compliance that is known, positions
+    have no scatter, what the zeros err by is fitted again."""
+    usual = tuple(Parameter(name, True) for name in ("modulus", "w", "delta0"))
+    plain = replace(settings, parameters=usual, given=frozenset(), noise={}, branch="all", loss="linear")
+    record, waves = straightened(record) if settings.base_line == "sine" else (record, {})
+    _, found = _fitted(body, _model(body, record, plain, waves, _kinds(record, settings)), plain)
+    curve = _in_contact(found, record.curve, found.model.stretches)
+    assert curve.delta is not None
+    assert curve.P is not None
+    told, asked = _outcome(found, found.x, body), {p.name: p for p in settings.parameters if p.name in settings.given}
+    given = {name for name in ("delta0", "P0") if name in asked and not asked[name].free}
+    shift = {name: told[name] if name in given else 0.0 for name in ("delta0", "P0")}
+    stiff = 0.0 if "compliance" in asked else 1 / found.model.k
+    delta = curve.delta - (1 / found.model.k - stiff) * curve.P + shift["delta0"]
+    said = (
+        f"the rows in contact alone are fitted, less the base lines of the whole record and from its zero, delta0 = "
+        f"{show(told['delta0'], 'length', 5)} and P0 = {show(told['P0'], 'load', 5)}"
+    )
+    placed = TUNING.placed_rows * found.sigma * float(np.ptp(delta) / np.ptp(curve.P))
+    fixed = {"compliance": Parameter("compliance", False, stiff)} | {"P0": Parameter("P0", True)}
+    parameters = tuple(fixed.get(p.name, p) if p.name not in asked else p for p in settings.parameters)
+    curve = replace(curve, delta=delta, P=curve.P + shift["P0"], flags=(*curve.flags, said))
+    noise = {"delta": placed, "P": found.sigma} | dict(settings.noise)
+    return curve, replace(settings, parameters=parameters, noise=noise, contact="as-is", base_line="straight")
 
 
 def _fitted(body: FittedBody, model: ForceCurveModel, settings: Settings) -> tuple[FittedBody, ForceCurveFit]:
@@ -360,18 +392,32 @@ DIMENSIONS = {
 }  # fmt: skip
 
 
-def _result(body: FittedBody, record: ForceCurve, curve: Curve, settings: Settings, found: ForceCurveFit) -> Fit:
+def _result(
+    body: FittedBody, record: ForceCurve, curve: Curve, settings: Settings, found: ForceCurveFit, pool: Pool | None
+) -> Fit:
     """The fit of a ``curve`` as every fit gives it; ``record``: without the waves of its base lines."""
     values = _outcome(found, found.x, body)
-    covariance = _propagated(found, body, values)
+
+    def meaning(x: Array) -> dict[str, float]:
+        return _outcome(found, x, body)
+
+    by = np.array(list(rates(found, found.x, meaning).values()))
+    covariance = by @ found.covariance @ by.T
     dof = max(found.off.size - found.x.size, 1)
     t = t_quantile(settings.level, max(round(found.spread.dof / found.spread.tau), 1))
     carried = _carried(body, found, settings, values)
-    estimates = tuple(
-        wider(_estimate(name, value, math.sqrt(max(covariance[i, i], 0.0)), t, found),
-              {source: change[name] for source, change in carried.items()}, t)
+    plain = [
+        _estimate(name, value, math.sqrt(max(covariance[i, i], 0.0)), t, found)
         for i, (name, value) in enumerate(values.items())
-    )  # fmt: skip
+    ]
+    drawn = {}
+    if settings.confidence == "profile" and found.ended:
+        plain = profiles(plain, found, meaning, t)
+    if settings.confidence == "bootstrap" and found.ended:
+        each = [meaning(x) for x in samples(found, settings, pool)]
+        drawn = {name: np.array([told[name] for told in each]) for name in values}
+        plain = [of_samples(item, drawn[item.name], settings.level) for item in plain]
+    estimates = tuple(wider(item, {key: change[item.name] for key, change in carried.items()}, t) for item in plain)
     if not found.ended:
         estimates = tuple(replace(item, error=None, low=None, high=None) for item in estimates)
     free = tuple(item.name for item in estimates if item.free and item.name != "E_star" and ":" not in item.name
@@ -390,7 +436,7 @@ def _result(body: FittedBody, record: ForceCurve, curve: Curve, settings: Settin
         estimates=estimates,
         free=free,
         covariance=covariance[np.ix_(held, held)] if found.ended else None,
-        samples=None,
+        samples=np.stack([drawn[name] for name in free], axis=1) if drawn else None,
         data={"delta": curve.delta[rows[order]], "P": curve.P[rows[order]]},
         rows=rows[order],
         left_out=_left_out(record, rows.size),
@@ -401,7 +447,7 @@ def _result(body: FittedBody, record: ForceCurve, curve: Curve, settings: Settin
         dof=dof,
         structure=structure(found.off[a > 0]),
         line=_line(found),
-        evaluations=found.evaluations,
+        evaluations=found.least.steps,
         settings=settings,
         warnings=(),
         flags=tuple(told),
@@ -413,21 +459,6 @@ def _result(body: FittedBody, record: ForceCurve, curve: Curve, settings: Settin
     at_bound = ["modulus"] * bool(np.isclose(values["modulus"], found.model.moduli, rtol=TUNING.at_bound).any())
     more = warnings_of(result, body, body.family, at_bound)
     return replace(result, warnings=(*said, *_words(found, settings), *more))
-
-
-def _propagated(found: ForceCurveFit, body: FittedBody, values: Mapping[str, float]) -> Array:
-    """Covariance (n, n) of the n outcomes ``values``, in their order, from that of the unknowns: first order, by
-    central differences."""
-    sizes = np.maximum(np.abs(found.x), np.sqrt(np.diag(found.covariance)))
-    curved = [name.startswith(("ln_", "q:", "r:")) for name in found.names]  # all others are linear in the outcome
-    steps = TUNING.step * np.where(curved, np.abs(found.x), sizes)
-    rates = np.zeros((len(values), found.x.size))
-    for i, step in enumerate(steps):
-        unit = step * (np.arange(found.x.size) == i)
-        high, low = _outcome(found, found.x + unit, body), _outcome(found, found.x - unit, body)
-        rates[:, i] = [(high[name] - low[name]) / (2 * step) for name in values]
-    covariance: Array = rates @ found.covariance @ rates.T
-    return covariance
 
 
 def _carried(
@@ -530,7 +561,7 @@ def _judged(record: ForceCurve, found: ForceCurveFit, a: Array) -> tuple[dict[st
     depth = max(part.reach for part in found.model.stretches)
     contact = found.error("z0") / depth if "z0" in found.names else 0.0
     wavy = max(side.base.waviness for side in record.directions) / span
-    flags = {} if found.ended else {"not determined": GIVEN_UP.format(found.evaluations)}
+    flags = {} if found.ended else {"not determined": GIVEN_UP.format(found.least.steps)}
     beyond = (found.spread.excess - 1) / TUNING.excess
     if beyond > 1:
         flags["misfit"] = (

@@ -3,7 +3,7 @@
 ``RIVALS`` is the list: an entry is a name, its family, what its amount is, how much of it is likely before the data,
 and a function from the fit to a column: the derivative of the loads [N] by the amount, at fixed positions of the
 device. Most columns are one more evaluation of the path of the device: on a body whose functions differ a little
-(``Bent``), at other positions, at another stiffness. ``scores`` asks the data for each.
+(``bent``), at other positions, at another stiffness. ``scores`` asks the data for each.
 """
 
 from __future__ import annotations
@@ -11,16 +11,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import lru_cache
 
 import numpy as np
-from scipy.integrate import cumulative_trapezoid
 from scipy.interpolate import CubicSpline
 
-from ...adhesion.validity import LIMITS
+from ...adhesion.validity import EXCESS, LIMITS, STRAINED
 from ...base.arrays import Array
 from ...base.errors import JkrError
-from ...bodies.indenters import Paraboloid, Sphere
 from ...bodies.problem import HalfSpace, Layer, Loading, Rigid, Specimen
 from ...data.measured.curve import APPROACH
 from ...methods.layered.layered import unbounded
@@ -28,13 +26,14 @@ from .body import FittedBody, solved
 from .device_path import grid, on_grid
 from .family import Family
 from .force_curve import DirectionReadings, ForceCurveFit, ForceCurveModel
+from .record_change import AMOUNT, LITTLE, Change, Values, bent, of_body
+from .record_situation import Situation
 
 
 @dataclass(frozen=True)
 class RecordRivalTuning:
     """Amounts of which columns are taken, and what is known of rivals before the data."""
 
-    little: float = 1e-3  # theory: relative amounts whose squares are below the noise of any record
     thick: float = 3.0  # choice: of the largest contact radius, the layer that a half-space is compared with
     under: tuple[float, float] = (3e-3, 0.5)  # of its thickness, radii it is solved at; theory: up to a contact of 0.44
     radii: int = 60  # choice: splines between them err by less than what a rival is told to
@@ -52,151 +51,36 @@ class RecordRivalTuning:
     strains: float = 2.0  # choice: of the effect of large strains on rubber, that of other materials
     device: float = 1.0  # choice: relative, by which a stiffness that someone measured may be off
     shape: float = 0.005  # choice: exponent of the profile within which a tip is what it is called
+    inside: float = 0.9  # choice: of the tip, up to which a layer below it is solved
+    thin: float = 4.0  # choice: contact radii over the thickness up to which a layer is looked for
+    thicknesses: tuple[float, ...] = (0.3, 1.0)  # choice: contact radii over it, to begin with
+    incompressible: float = 0.4999  # choice: largest nu that is looked for; theory: 1/2 at most
+    thinned: float = 0.9  # choice: relative, by which the thickness or nu of a layer may be smaller than it was said
+    thickened: float = 4.0  # choice: the same, larger thickness
+    grades: tuple[float, float] = (-0.6, 5.0)  # theory: S' stays above 0 up to ``farther``; choice: the largest
+    pointed: tuple[float, float] = (-1.5, 6.0)  # theory: profiles that rise; choice: exponents 1/2 to 8
+    quartics: tuple[float, float] = (-3.0, 6.0)  # theory: profiles that rise up to a/R = 1; choice: the largest
+    rises: tuple[float, float] = (-5.0, 5.0)  # choice: of the log of w along a record
+    farther: float = 1.5  # choice: of the largest radius, beyond which a modulus that changes is even
+    profiles: tuple[float, ...] = (-0.8, 0.0)  # choice: exponents less that of a paraboloid, to begin with
+    tabor: tuple[float, ...] = (3.0, 1.0, 0.3, 0.1)  # choice: Tabor numbers, to begin with
+    farthest: float = 1e3  # choice: range over how far adhesion deforms the body; longer ones change nothing
+    tensions: tuple[float, ...] = (0.03,)  # choice: 2 tension/E* over the contact radius, to begin with
+    exponents: tuple[float, ...] = (0.3, 0.8)  # choice: of the speed of the edge, to begin with
+    powers: tuple[float, float] = (0.1, 1.5)  # choice: of the speed of the edge, that are looked for; measured 0.1 to 1
+    fewest: int = 3  # choice: positions that tell a speed
 
 
 TUNING = RecordRivalTuning()
-# Linear theory over the load of a neo-Hookean half-space under a rigid tip at equal depth, less 1, over the contact
-# radius by the tip's, without friction; theory: finite elements, nu = 0.49, on two meshes.
-STRAINS = {
-    Paraboloid: ((0.0, 0.2, 0.3, 0.5, 0.7, 0.8), (0.0, 0.015, 0.026, 0.056, 0.108, 0.15)),
-    Sphere: ((0.0, 0.2, 0.3, 0.5, 0.7, 0.8), (0.0, 0.010, 0.016, 0.029, 0.047, 0.061)),
-}
-
-
-@dataclass(frozen=True, eq=False)
-class Bent(Family):
-    """A family whose four logs differ by ``change``, a spline over log a (n, 4), constant beyond its ends."""
-
-    change: CubicSpline | None = None
-
-    def at(self, u: Array) -> tuple[Array, Array, Array]:
-        assert self.change is not None
-        value, by_u, by_uu = super().at(u)
-        near = np.clip(u, self.change.x[0], self.change.x[-1])
-        g, first, second = (self.change(near, order).T for order in range(3))
-        factor = np.exp(g)
-        return (
-            factor * value, factor * (by_u + first * value),
-            factor * (by_uu + 2 * first * by_u + (second + first**2) * value),
-        )  # fmt: skip
-
-
-@dataclass(frozen=True, eq=False)
-class Situation:
-    """A fit of a record of a ``body``, as rivals look at it."""
-
-    body: FittedBody
-    found: ForceCurveFit
-
-    @property
-    def model(self) -> ForceCurveModel:
-        return self.found.model
-
-    @cached_property
-    def here(self) -> tuple[Array, Array]:
-        """Residuals [N] of all rows and their derivatives by the unknowns."""
-        return self.model.residuals(self.found.x, 0.0)
-
-    @cached_property
-    def back(self) -> DirectionReadings | None:
-        """The retraction."""
-        return next((part for part in self.model.stretches if part.kind != APPROACH), None)
-
-    @cached_property
-    def radii(self) -> list[tuple[Array, Array]]:
-        """Contact radius [m] of the rows of each stretch, and which of them rest."""
-        values = self.model.values(self.found.x)
-        return [self.model.contact_radii(part, values) for part in self.model.stretches]
-
-    @cached_property
-    def a(self) -> Array:
-        """Contact radius [m] of all rows, 0 where they are free."""
-        return np.concatenate([a for a, _ in self.radii])
-
-    @cached_property
-    def widest(self) -> float:
-        """Largest contact radius [m]."""
-        return float(self.a.max())
-
-    @cached_property
-    def modulus(self) -> float:
-        """Factor of the body's moduli."""
-        return math.exp(self.model.values(self.found.x)["ln_s"])
-
-    @cached_property
-    def work(self) -> float:
-        """The largest w of the directions [J/m^2], 0 where none adheres."""
-        values = self.model.values(self.found.x)
-        return max(0.0, *(values[f"q:{part.kind}"] for part in self.model.stretches)) * self.modulus
-
-    @cached_property
-    def by_position(self) -> Array:
-        """Derivative of the loads by the position of the device [N/m], its turn where it is."""
-        step = TUNING.little * min(part.reach for part in self.model.stretches)
-        return self.moved(lambda part: np.full(part.z.size, step)) / step
-
-    @property
-    def yields(self) -> Array:
-        """What is left at fixed position of a change of load at fixed displacement."""
-        return 1 - self.by_position / self.model.k
-
-    def of(self, model: ForceCurveModel) -> Array:
-        """Change of the loads [N] in another model of the same unknowns."""
-        return model.residuals(self.found.x, 0.0)[0] - self.here[0]
-
-    def moved(self, by: Callable[[DirectionReadings], Array]) -> Array:
-        """Change of the loads [N] where rows stand elsewhere ``by`` [m]; base lines stay."""
-        values = self.model.values(self.found.x)
-        parts = tuple(replace(part, z=part.z + by(part)) for part in self.model.stretches)
-        tilts = [values[f"tilt:{old.kind}"] * (new.z - new.z[0] - old.z + old.z[0])
-                 for old, new in zip(self.model.stretches, parts, strict=True)]  # fmt: skip
-        return self.of(replace(self.model, stretches=parts)) - np.concatenate(tilts)
-
-    def on(self, changes: Array) -> Array:
-        """Change of the loads [N] where the logs of D, T, H, V change by ``changes`` (4, n) on the grid."""
-        family = self.model.family
-        spline = CubicSpline(grid(family), changes.T)
-        return self.of(replace(self.model, family=Bent(family.logs, family.low, family.high, None, spline)))
-
-    def neighbour(self, other: Family, size: float) -> Array:
-        """Derivative of the loads by an amount ``size`` of which makes the body that of ``other``."""
-        own = self.model.family
-        inside = np.clip(grid(own), max(own.low, other.low), min(own.high, other.high))
-        change = np.log(other.at(inside)[0] / own.at(inside)[0])
-        return self.on(TUNING.little * change) / (TUNING.little * size)
-
-    def of_body(self, D: Array, S: Array) -> Array:
-        """Derivative of the loads by the size of relative changes of displacement and stiffness, on the grid: the load
-        follows by dP = S d(delta), adhesion by S'."""
-        u, e = grid(self.model.family), TUNING.little
-        (d, t, h, v), (dD, dT, _, dV), _ = on_grid(self.model.family)
-        s, ds = v / t, v / t * (dV / v - dT / t)
-        dS = np.exp(e * S) * (ds + s * e * np.gradient(S, u, edge_order=2))
-        rate = s * np.exp(e * (S + D)) * (dD + d * e * np.gradient(D, u, edge_order=2))
-        H = h + cumulative_trapezoid(rate - s * dD, u, initial=0.0)
-        T = np.log(ds / dS) / 2
-        return self.on(np.stack([e * D, T, np.log(H / h), e * S + T])) / e
-
-    def only(self, part: DirectionReadings, column: Array) -> Array:
-        """A column on the rows of one stretch, 0 on the others."""
-        own = np.concatenate([np.full(one.P.size, one is part) for one in self.model.stretches])
-        return np.where(own, column, 0.0)
-
-    def time(self, part: DirectionReadings) -> Array:
-        """Time since the turn, in units of a whole record; by the number of rows where no column tells it."""
-        spans = [float(np.ptp(one.t)) for one in self.model.stretches]
-        if min(spans) > 0:
-            return np.abs(part.t) / sum(spans)
-        return np.abs(part.rows - part.rows[-1]) / sum(float(np.ptp(one.rows)) for one in self.model.stretches)
-
-
-Column = Callable[[Situation], Array | None]
+EXPONENT, ANY = "n", (-math.inf, math.inf)
+Look = Callable[[Situation], Change | Array | None]
 
 
 @dataclass(frozen=True)
 class Rival:
     """One thing that the model leaves out. ``family``: what cannot be told from it as a rule; ``amount``: what a column
-    is the derivative by, in words; ``column``: None where the rival has no meaning for this record.
+    is the derivative by, in words; ``look``: what a fit makes of it: a change, which can be fitted in full, or a column
+    alone, of first order; None where the rival has no meaning for this record.
 
     ``likely``: amount in either direction that is expected unless the user or the data say otherwise: 0 of what the
     description of the body rules out; ``positive``: in that direction only; ``possible``: the largest that any body,
@@ -206,119 +90,286 @@ class Rival:
     name: str
     family: str
     amount: str
-    column: Column
+    look: Look
     likely: float = 0.0
     positive: bool = False
     possible: float = math.inf
     of_directions: bool = False
 
+    def limits(self) -> tuple[float, float]:
+        """The least and the largest amount that there is."""
+        return 0.0 if self.positive else -self.possible, self.possible
 
-def work_over_radius(at: Situation) -> Array | None:
-    """w of the last direction that rises as the contact shrinks, 0 at the largest radius and 1 at the smallest."""
-    part = at.model.stretches[-1]
+
+def of_family(
+    changes: Callable[[Family, float], Array], limits: tuple[float, float] = ANY, *, last: bool = False
+) -> Change:
+    """A change of the body by ``changes`` (4, n) of its logs at an amount; of the ``last`` stretch alone or of all."""
+
+    def model(plain: ForceCurveModel, part: DirectionReadings, values: Values) -> ForceCurveModel:
+        if last and part is not plain.stretches[-1]:
+            return plain
+        return replace(plain, family=bent(plain.family, changes(plain.family, values[AMOUNT])))
+
+    return Change(((0.0,),), limits={AMOUNT: limits}, model=model)
+
+
+def work_over_radius(at: Situation) -> Change | None:
+    """The log of w of the last direction that rises as the contact shrinks, in proportion to the radius, by an amount
+    from the largest to the smallest; w is meant there, at pull-off."""
     a = at.radii[-1][0]
     if not at.work or not (a > 0).any():
         return None
-    place = np.clip((at.widest - np.exp(grid(at.model.family))) / (at.widest - a[a > 0].min() + 1e-9 * at.widest), 0, 1)
-    zero = np.zeros_like(place)
-    e = TUNING.little
-    return at.only(part, at.on(e / 2 * np.stack([zero, place, zero, place])) / e)
+    widest, least = at.widest, float(a[a > 0].min())
+
+    def changes(family: Family, amount: float) -> Array:
+        place = (least - np.minimum(np.exp(grid(family)), widest)) / max(widest - least, LITTLE * widest)
+        half, zero = amount / 2 * place, np.zeros_like(place)
+        return np.stack([zero, half, zero, half])
+
+    return of_family(changes, TUNING.rises, last=True)
 
 
-def work_over_speed(at: Situation) -> Array | None:
-    """w of the retraction over the log of the speed of its edge."""
+def work_over_speed(at: Situation) -> Change | None:
+    """w of the retraction over the speed of its edge."""
     part, values = at.back, at.model.values(at.found.x)
     name = "" if part is None else f"q:{part.kind}"
     if part is None or name not in at.found.names:
         return None
     a, rests = at.radii[at.model.stretches.index(part)]
-    moves = (a > 0) & ~rests
-    z, rows = np.unique(part.z[moves], return_index=True)  # readings of a position repeat
-    if z.size < 3:
+    speeds = _speeds(part, a, (a > 0) & ~rests)
+    if speeds is None:
         return None
-    speed = np.ones(part.z.size)
-    speed[moves] = np.interp(part.z[moves], z, np.maximum(np.abs(np.gradient(a[moves][rows], z)), 1e-9))
     log = np.zeros(at.a.size)
-    log[np.concatenate([moves if one is part else np.zeros(one.z.size, bool) for one in at.model.stretches])] = np.log(
-        speed[moves] / np.median(speed[moves])
-    )
-    return at.here[1][:, at.found.names.index(name)] * values[name] * log
+    log[at.rows(part, (a > 0) & ~rests)] = speeds.at_rows
+    column = at.here[1][:, at.found.names.index(name)] * values[name] * log
+    return replace(_over_speed(speeds), column=column)
 
 
-def layer_below(at: Situation) -> Array | None:
+@dataclass(frozen=True, eq=False)
+class _Speeds:
+    """Logs of the speed of the edge over their median, ``at_rows`` that move, and over logs ``u`` of the radius."""
+
+    u: Array
+    log: Array
+    at_rows: Array
+
+
+def _speeds(part: DirectionReadings, a: Array, moves: Array) -> _Speeds | None:
+    """None where too few rows move. By position: a device that moves evenly is taken for granted."""
+    z, rows = np.unique(part.z[moves], return_index=True)  # readings of a position repeat
+    if z.size < TUNING.fewest:
+        return None
+    radii = a[moves][rows]
+    log = np.log(np.maximum(np.abs(np.gradient(radii, z)), 1e-9))
+    log -= np.median(log)
+    order = np.unique(np.log(radii), return_index=True)[1]
+    return _Speeds(np.log(radii)[order], log[order], np.interp(part.z[moves], z, log))
+
+
+def _over_speed(speeds: _Speeds) -> Change:
+    """w0 (1 + amount (v/v_m)^n): Gent and Schultz's law about the median speed, made about the speeds of a fit."""
+
+    def model(plain: ForceCurveModel, part: DirectionReadings, values: Values) -> ForceCurveModel:
+        if part is not plain.stretches[-1]:
+            return plain
+        power = np.exp(values[EXPONENT] * np.interp(grid(plain.family), speeds.u, speeds.log))
+        half = np.log1p(values[AMOUNT] * power) / 2
+        zero = np.zeros_like(half)
+        return replace(plain, family=bent(plain.family, np.stack([zero, half, zero, half])))
+
+    def renewed(found: ForceCurveFit) -> Change:
+        part = found.model.stretches[-1]
+        a, rests = found.model.contact_radii(part, found.model.values(found.x))
+        other = _speeds(part, a, (a > 0) & ~rests)
+        return _over_speed(speeds if other is None else other)
+
+    return Change(
+        tuple((0.3, n) for n in TUNING.exponents), (AMOUNT, EXPONENT), {AMOUNT: (0.0, 1e3), EXPONENT: TUNING.powers},
+        model, renewed=renewed,
+    )  # fmt: skip
+
+
+def layer_below(at: Situation) -> Change | None:
     """A rigid base at a depth, in contact radii over it; of a half-space only."""
-    specimen = at.body.problem.specimen
+    specimen, widest = at.body.problem.specimen, at.widest
     if specimen.layers or specimen.radius is not None or not isinstance(specimen.base, HalfSpace):
         return None
-    h = TUNING.thick * at.widest
+    h = TUNING.thick * widest
     h = 10 ** (round(math.log10(h) * TUNING.decades) / TUNING.decades)
-    layer = Specimen((Layer(specimen.base.material, h),), Rigid())
-    problem = replace(unbounded(at.body.problem), specimen=layer)
-    radii = tuple((h * np.geomspace(*TUNING.under, TUNING.radii)).tolist())
-    other = solved(replace(problem, loading=Loading.given("radius", radii)), at.body.tolerance)
-    return at.neighbour(other, at.widest / h)
+    column = at.neighbour(_on_rigid(at.body, h, TUNING.under[1]), widest / h)
+    return replace(_below(at.body, widest, widest), column=column)
 
 
-def of_layer(quantity: str) -> Column:
+def _on_rigid(body: FittedBody, h: float, most: float) -> Family:
+    """The body's half-space as a layer of thickness ``h`` [m] on a rigid base, up to ``most`` times that."""
+    specimen = body.problem.specimen
+    assert isinstance(specimen.base, HalfSpace)
+    problem = replace(unbounded(body.problem), specimen=Specimen((Layer(specimen.base.material, h),), Rigid()))
+    most = min(most, TUNING.inside * problem.indenter.r_max / h)
+    radii = tuple((h * np.geomspace(TUNING.under[0], most, TUNING.radii)).tolist())
+    return solved(replace(problem, loading=Loading.given("radius", radii)), body.tolerance)
+
+
+def _below(body: FittedBody, widest: float, h: float) -> Change:
+    """The same in full, made about a thickness ``h`` [m]: others are a matter of a/h, but for the tip's shape."""
+
+    @lru_cache(maxsize=1)
+    def ratios(family: Family) -> CubicSpline:
+        other = _on_rigid(body, h, TUNING.thin)
+        u = np.linspace(other.low, other.high, TUNING.radii)
+        return CubicSpline(u - math.log(h), np.log(other.at(u)[0] / family.at(u)[0]).T)
+
+    def changes(family: Family, amount: float) -> Array:
+        found = ratios(family)
+        own = grid(family) + math.log(max(amount, LITTLE**2) / widest)
+        least = np.exp(np.minimum(own - found.x[0], 0.0))  # in proportion to a/h below
+        return least * found(np.clip(own, found.x[0], found.x[-1])).T
+
+    def renewed(found: ForceCurveFit) -> Change:
+        return replace(_below(body, widest, widest / max(found.value(AMOUNT), LITTLE)))
+
+    told = lambda values: {"thickness": widest / max(values[AMOUNT], LITTLE**2)}  # noqa: E731
+    starts = tuple((amount,) for amount in TUNING.thicknesses)
+    return replace(of_family(changes, (0.0, TUNING.thin)), starts=starts, told=told, renewed=renewed)
+
+
+def of_layer(quantity: str) -> Look:
     """The relative change of ``quantity`` ("h" or "nu") of the layer in contact; nu towards 1/2 at most."""
 
-    def column(at: Situation) -> Array | None:
+    def look(at: Situation) -> Change | None:
         if not at.body.own_parameters or not at.body.problem.specimen.layers:
             return None
         name = f"{quantity}:{at.body.layer_names[0]}"
-        other = at.body.with_values({name: at.body.nominal(name) * (1 - TUNING.neighbour)})
-        return at.neighbour(other.family, -TUNING.neighbour)
+        nominal = at.body.nominal(name)
+        most = TUNING.incompressible / nominal - 1 if quantity == "nu" else TUNING.thickened
 
-    return column
+        def at_node(i: int) -> Family:
+            return at.body.with_values({name: nominal * (1 + min(i * TUNING.neighbour, most))}).family
+
+        def changes(family: Family, amount: float) -> Array:
+            i = math.floor(amount / TUNING.neighbour)
+            u, part = grid(family), amount / TUNING.neighbour - i
+            inside = np.clip(u, family.low, family.high)
+            one, other = (np.log(at_node(j).at(inside)[0] / family.at(inside)[0]) for j in (i, i + 1))
+            return (1 - part) * one + part * other
+
+        column = at.neighbour(at_node(-1), -TUNING.neighbour)
+        told = {"h": lambda values: {"thickness": nominal * (1 + values[AMOUNT])},
+                "nu": lambda values: {"nu": nominal * (1 + values[AMOUNT])}}[quantity]  # fmt: skip
+        return replace(of_family(changes, (-TUNING.thinned, most)), told=told, column=column)
+
+    return look
 
 
-def graded(at: Situation) -> Array:
+def graded(at: Situation) -> Change:
     """Stiffness that rises in proportion to the contact radius."""
-    place = np.exp(grid(at.model.family)) / at.widest
-    return at.of_body(np.zeros_like(place), place)
+    widest = at.widest
+
+    def changes(family: Family, amount: float) -> Array:
+        place = np.minimum(np.exp(grid(family)) / widest, TUNING.farther)
+        return of_body(family, np.zeros_like(place), amount * place)
+
+    return of_family(changes, TUNING.grades)
 
 
-def exponent(at: Situation) -> Array:
+def exponent(at: Situation) -> Change:
     """Exponent of the profile, the tip as it was at the largest radius."""
-    return at.of_body(*_of_tip(grid(at.model.family) - math.log(at.widest)))
+    return _power(at.widest)
 
 
-def quartic(at: Situation) -> Array | None:
+def _power(widest: float) -> Change:
+    def changes(family: Family, amount: float) -> Array:
+        return of_body(family, *_of_tip(amount * (grid(family) - math.log(widest))))
+
+    def renewed(found: ForceCurveFit) -> Change:
+        values = found.model.values(found.x)
+        return _power(max(float(found.model.contact_radii(part, values)[0].max()) for part in found.model.stretches))
+
+    told = lambda values: {"exponent": 2 + values[AMOUNT]}  # noqa: E731
+    starts = tuple((amount,) for amount in TUNING.profiles)
+    return replace(of_family(changes, TUNING.pointed), starts=starts, told=told, renewed=renewed)
+
+
+def quartic(at: Situation) -> Change | None:
     """From the paraboloid to the sphere of the same radius."""
     R = at.body.problem.indenter.tip_radius
     if R is None:
         return None
-    return at.of_body(*_of_tip(np.minimum(np.exp(grid(at.model.family)) / R, 1.0) ** 2 / 3))
+
+    def changes(family: Family, amount: float) -> Array:
+        return of_body(family, *_of_tip(amount * np.minimum(np.exp(grid(family)) / R, 1.0) ** 2 / 3))
+
+    return of_family(changes, TUNING.quartics)
 
 
 def _of_tip(D: Array) -> tuple[Array, Array]:
     return D, np.zeros_like(D)
 
 
-def no_slip(at: Situation) -> Array | None:
+def no_slip(at: Situation) -> Change | None:
     """From surfaces that slide to such as do not."""
     problem = at.body.problem
     if problem.sticks or problem.specimen.radius is not None:
         return None
     other, u = at.body.on_surface("sticking").family, np.array([at.model.family.high])
-    same = np.abs(np.log(other.at(u)[0] / at.model.family.at(u)[0])).max() < TUNING.same
-    return None if same else at.neighbour(other, 1.0)
+    if np.abs(np.log(other.at(u)[0] / at.model.family.at(u)[0])).max() < TUNING.same:
+        return None
+
+    def changes(family: Family, amount: float) -> Array:
+        inside = np.clip(grid(family), max(family.low, other.low), min(family.high, other.high))
+        return amount * np.log(other.at(inside)[0] / family.at(inside)[0])
+
+    return of_family(changes)
 
 
-def finite_range(at: Situation) -> Array | None:
+def finite_range(at: Situation) -> Change | None:
     """The square of the range of adhesion, over that of which the ring of attraction is narrow (Maugis, J. Colloid
     Interface Sci. 150 (1992) 243, of a half-space; of other bodies near the edge only)."""
     if not at.work:
         return None
-    u, w, E = grid(at.model.family), at.work, at.modulus * at.body.problem.E_star
-    a, (D, _, _, _) = np.exp(u), on_grid(at.model.family)[0]
-    sigma = w / narrow_range(at)
+    E_star = at.body.problem.E_star
+
+    def model(plain: ForceCurveModel, part: DirectionReadings, values: Values) -> ForceCurveModel:
+        s = math.exp(values["ln_s"])
+        w, z0 = values[f"q:{part.kind}"] * s, range_of(at, values[AMOUNT])
+        if w <= 0 or z0 == 0:
+            return plain
+        return replace(plain, family=bent(plain.family, _ringed(plain.family, s * E_star, w, z0)))
+
+    starts = tuple((amount_of_range(at, neck(at) / mu),) for mu in TUNING.tabor)
+    told = lambda values: {"range": range_of(at, values[AMOUNT])}  # noqa: E731
+    most = amount_of_range(at, TUNING.farthest * neck(at))
+    return Change(starts, limits={AMOUNT: (0.0, most)}, model=model, felt=True, told=told)
+
+
+def neck(at: Situation) -> float:
+    """How far adhesion deforms the body at pull-off [m], about: the range there is 1 over Tabor's number of it."""
+    R = at.body.problem.indenter.tip_radius or at.widest
+    return float((at.work**2 * R / (at.modulus * at.body.problem.E_star) ** 2) ** (1 / 3))
+
+
+def amount_of_range(at: Situation, z0: float) -> float:
+    """The amount of a range [m]: in proportion to its square while it is short, and finite where it is endless."""
+    size = (z0 / narrow_range(at)) ** 2
+    return size / (1 + size / (neck(at) / narrow_range(at)) ** 2)
+
+
+def range_of(at: Situation, amount: float) -> float:
+    """The range [m] of an amount."""
+    return narrow_range(at) * math.sqrt(amount / (1 - amount / (neck(at) / narrow_range(at)) ** 2))
+
+
+def _ringed(family: Family, E: float, w: float, z0: float) -> Array:
+    """Changes of the logs (4, n) of a body of E* ``E`` [Pa] whose adhesion ``w`` [J/m^2] has the range ``z0`` [m]."""
+    u, sigma = grid(family), w / z0
+    a, (D, _, _, _) = np.exp(u), on_grid(family)[0]
     m = _rim(a, D, E, w, sigma)
     root, angle = np.sqrt(m**2 - 1), np.arccos(1 / m)
     shift = 2 * sigma * a * root / E / np.sqrt(2 * math.pi * a * w / E)  # over those of JKR
     pull = 2 * sigma * a**2 * (root + m**2 * angle) / np.sqrt(8 * math.pi * w * E * a**3)
     zero = np.zeros_like(a)
-    return at.on(TUNING.little * np.stack([zero, np.log(shift), zero, np.log(pull)])) / TUNING.little
+    return np.stack([zero, np.log(shift), zero, np.log(pull)])
 
 
 def narrow_range(at: Situation) -> float:
@@ -338,30 +389,42 @@ def _rim(a: Array, D: Array, E: float, w: float, sigma: float) -> Array:
     x = np.sqrt(np.minimum(math.pi * E * w / (4 * sigma**2 * a), TUNING.widest_rim))
     for _ in range(TUNING.steps):
         here = released(x)
-        rate = (released(x * (1 + TUNING.little)) - here) / (x * TUNING.little)
+        rate = (released(x * (1 + LITTLE)) - here) / (x * LITTLE)
         x = np.clip(x - (here - w) / rate, x / 3, 3 * x)
     return 1 + x**2
 
 
-def tension(at: Situation) -> Array | None:
+def tension(at: Situation) -> Change | None:
     """Surface tension of a half-space, its length kappa = 2 Ups/E* over the largest radius; first order in kappa/a."""
-    specimen = at.body.problem.specimen
+    specimen, widest = at.body.problem.specimen, at.widest
     if specimen.layers or specimen.radius is not None:
         return None
-    kappa = TUNING.skin * at.widest
-    a = np.maximum(np.exp(grid(at.model.family)), TUNING.finest * kappa)
-    x, log = kappa / (math.pi * a), np.log(2 * a / kappa) + float(np.euler_gamma)
-    changes = np.stack([2 * x * (log - 1), -x / 2, 3 * x * log, x * (log + 1) - x / 2])
-    return at.on(TUNING.little * changes) / (TUNING.little * TUNING.skin)
+
+    def relative(family: Family, amount: float) -> Array:
+        kappa = max(amount, LITTLE**2) * widest
+        a = np.maximum(np.exp(grid(family)), TUNING.finest * kappa)
+        x, log = kappa / (math.pi * a), np.log(2 * a / kappa) + float(np.euler_gamma)
+        return x * np.stack([2 * (log - 1), 3 * log, log + 1, np.ones_like(a)])
+
+    def of_four(changes: Array) -> Array:
+        tip, load, S, dS = changes
+        return np.stack([tip, -dS / 2, load, S - dS / 2])
+
+    column = at.on(LITTLE * of_four(relative(at.model.family, TUNING.skin))) / (LITTLE * TUNING.skin)
+    unit = at.body.problem.E_star * widest / 2
+    told = lambda values: {"surface_tension": unit * math.exp(values["ln_s"]) * values[AMOUNT]}  # noqa: E731
+    starts = tuple((amount,) for amount in TUNING.tensions)
+    change = of_family(lambda family, amount: of_four(np.log1p(relative(family, amount))), (0.0, 1.0))
+    return replace(change, starts=starts, told=told, column=column)
 
 
 def strains(at: Situation) -> Array | None:
     """What linear theory leaves out at large strains, as far as it is known: of half-spaces."""
     problem = at.body.problem
-    told = next((told for kind, told in STRAINS.items() if isinstance(problem.indenter, kind)), None)
-    if told is None or problem.specimen.layers or problem.indenter.tip_radius is None:
+    R, told = problem.indenter.tip_radius, EXCESS.get(problem.indenter.noun)
+    if told is None or problem.specimen.layers or R is None:
         return None
-    excess = np.interp(at.a / problem.indenter.tip_radius, *told)
+    excess = np.interp(at.a / R, STRAINED, told)
     return -excess / (1 + excess) * nonadhesive_load(at) * at.yields
 
 
@@ -371,7 +434,7 @@ def nonadhesive_load(at: Situation) -> Array:
     return np.where(at.a > 0, at.modulus * H, 0.0)
 
 
-def relaxing(memory: Callable[[Array], Array]) -> Column:
+def relaxing(memory: Callable[[Array], Array]) -> Look:
     """Moduli that fall by an amount of ``memory`` of the time since the strain, in units of the record (Ting 1966)."""
 
     def column(at: Situation) -> Array | None:
@@ -427,23 +490,31 @@ def _hereditary(
     return np.interp(way[0], t, into), np.interp(u, v, out)[::-1]
 
 
-def stiffness(at: Situation) -> Array | None:
+def stiffness(at: Situation) -> Change | None:
     """Relative change of the stiffness of the device, its loads as they are."""
-    e = TUNING.little
-    return at.of(replace(at.model, k=at.model.k * (1 + e))) / e if math.isfinite(at.model.k) else None
+    if not math.isfinite(at.model.k):
+        return None
+    return Change(
+        ((0.0,),),
+        limits={AMOUNT: (LITTLE - 1, math.inf)},
+        model=lambda plain, part, values: replace(plain, k=plain.k * (1 + values[AMOUNT])),
+        told=lambda values: {"stiffness": at.model.k * (1 + values[AMOUNT])},
+    )
 
 
-def of_return(place: Callable[[Situation, DirectionReadings], Array]) -> Column:
+def of_return(place: Callable[[Situation, DirectionReadings], Array]) -> Look:
     """An error of the positions of the retraction against the approach, in units of the way in contact."""
 
-    def column(at: Situation) -> Array | None:
-        if len(at.model.stretches) < 2:
-            return None
-        reach = max(part.reach for part in at.model.stretches)
-        e = TUNING.little * reach
-        return at.moved(lambda part: e * place(at, part) if part is at.back else np.zeros(part.z.size)) / TUNING.little
+    def look(at: Situation) -> Change | None:
+        return _moved(at, lambda part: place(at, part) if part.kind != APPROACH else np.zeros(part.z.size))
 
-    return column
+    return look
+
+
+def _moved(at: Situation, place: Callable[[DirectionReadings], Array]) -> Change | None:
+    if len(at.model.stretches) < 2:
+        return None
+    return Change(((0.0,),), moved=lambda part, values: values[AMOUNT] * at.reach * place(part))
 
 
 def _way(at: Situation, part: DirectionReadings) -> Array:
@@ -451,21 +522,22 @@ def _way(at: Situation, part: DirectionReadings) -> Array:
     return (part.turn - part.z) / float(part.turn - part.z.min())
 
 
-def drifting(at: Situation) -> Array | None:
+def drifting(at: Situation) -> Change | None:
     """Drift of the depth, in units of the way in contact over the time of the record."""
-    if len(at.model.stretches) < 2:
-        return None
-    reach = max(part.reach for part in at.model.stretches)
-    sign = {part.kind: -1.0 if part is at.back else 1.0 for part in at.model.stretches}
-    e = TUNING.little * reach
-    return at.moved(lambda part: e * sign[part.kind] * at.time(part)) / TUNING.little
+    return _moved(at, lambda part: (1.0 if part.kind == APPROACH else -1.0) * at.time(part))
 
 
-def of_retraction(at: Situation) -> Array | None:
+def of_retraction(at: Situation) -> Change | None:
     """Another modulus on the way back."""
     if len(at.model.stretches) < 2 or "ln_s" not in at.found.names or at.back is None:
         return None
-    return at.only(at.back, at.here[1][:, at.found.names.index("ln_s")])
+
+    def changes(family: Family, amount: float) -> Array:
+        same = np.zeros_like(grid(family))
+        return of_body(family, same, same + math.log1p(amount))
+
+    column = at.only(at.back, at.here[1][:, at.found.names.index("ln_s")])
+    return replace(of_family(changes, (LITTLE - 1, math.inf), last=True), column=column)
 
 
 def slope_at_rest(at: Situation) -> Array | None:
@@ -476,8 +548,7 @@ def slope_at_rest(at: Situation) -> Array | None:
     rests = at.radii[at.model.stretches.index(part)][1]
     if np.count_nonzero(rests) < 3:
         return None
-    column = np.zeros(at.a.size)
-    rows = np.concatenate([rests if one is part else np.zeros(one.z.size, bool) for one in at.model.stretches])
+    column, rows = np.zeros(at.a.size), at.rows(part, rests)
     column[rows] = (at.by_position * at.yields)[rows] * (part.z[rests] - part.turn)
     return column
 
@@ -525,10 +596,10 @@ RIVALS: tuple[Rival, ...] = (
 
 def known_amount(at: Situation, rival: Rival, longest: float) -> float:
     """The amount of a rival in either direction that is likely; ``longest``: range of adhesion [m] that is."""
-    if rival.column is finite_range and at.work:
-        return (min(longest, TUNING.longest) / narrow_range(at)) ** 2
+    if rival.look is finite_range and at.work:
+        return amount_of_range(at, longest if math.isfinite(longest) else TUNING.longest)
     R = at.body.problem.indenter.tip_radius
-    if rival.column is strains and R is not None and at.widest <= LIMITS.a_over_R * R:
+    if rival.look is strains and R is not None and at.widest <= LIMITS.a_over_R * R:
         return 0.0  # linear theory is taken as good up to there, as everywhere else
     return rival.likely
 
@@ -538,7 +609,8 @@ def columns(at: Situation, rivals: Sequence[Rival] = RIVALS) -> dict[Rival, Arra
     found = {}
     for rival in rivals:
         try:
-            column = rival.column(at)
+            look = rival.look(at)
+            column = at.column(look) if isinstance(look, Change) else look
         except (JkrError, FloatingPointError):
             continue  # a neighbouring body that cannot be solved is no rival, and takes no fit with it
         if column is not None and np.isfinite(column).all() and column.any():

@@ -20,7 +20,8 @@ from .body import FittedBody
 from .coloured import TUNING as COLOURED
 from .coloured import in_time
 from .force_curve import ForceCurveFit
-from .record_rivals import Rival, Situation, columns, known_amount
+from .record_rivals import Rival, columns, known_amount
+from .record_situation import Situation
 from .statistics import t_quantile
 
 ASKED, EXCLUDED, UNTOLD = "asked for by the data", "excluded", "cannot be told"
@@ -35,6 +36,7 @@ class ScoreTuning:
     matters: float = 0.02  # choice: relative change of E* and w, below which a rival is excluded
     tied: float = 9.0  # choice: of chi^2, within which rivals are named together
     near: float = 0.5  # choice: of the misfit that the best takes, the same: one step is of first order
+    over: float = 1.25  # choice: of what is possible, up to which an amount may come out: the same
     normal: float = 1.96  # theory: 95 % of a normal value
     alike: float = 0.9  # choice: correlation of what is left of two columns, from which they are named together
     singular: float = 1e-4  # choice: share of a column beyond the model's own, below which no data tell it
@@ -92,13 +94,13 @@ class Score:
 class RecordRivals:
     """The ``scores`` of a record, and among them those that are ``named``: asked for, and explaining the misfit about
     as well as the best one, which is the first. ``misfit``: chi^2 of the weighted residuals over their degrees of
-    freedom ``dof``; ``free_rows``: whether free rows told the noise."""
+    freedom ``dof``; ``loose``: free rows that told the noise, 0 where they are too few."""
 
     scores: tuple[Score, ...]
     named: tuple[Score, ...]
     misfit: float
     dof: int
-    free_rows: bool
+    loose: int
 
     @property
     def families(self) -> tuple[str, ...]:
@@ -134,13 +136,9 @@ def rivals_of_record(body: FittedBody, found: ForceCurveFit, longest: float) -> 
     keep = _told_rows(at)
     names, (off, J) = list(held), at.here
     table = np.column_stack([off, J, *held.values()])
-    noise = found.spread.noise
-    weighted = noise.whitened(in_time(table[keep], at.model.rows[keep]) if noise.slow else table[keep])
-    free_rows = sum(part.line.rows for part in at.model.stretches) >= COLOURED.free
+    weighted, loose = _weighted(at, table, keep)
     own, wide = weighted[:, 1 : 1 + J.shape[1]], weighted[:, 1 + J.shape[1] :]
-    scale = np.linalg.norm(own, axis=0)
-    scale[scale == 0] = 1.0  # of an unknown that none of these rows tells
-    Q, triangle = np.linalg.qr(own / scale)
+    scale, Q, triangle = _spanned(own)
     r, beyond = (item - Q @ (Q.T @ item) for item in (weighted[:, 0], wide))
     sizes = np.linalg.norm(beyond, axis=0)
     left = beyond / np.maximum(sizes, np.finfo(float).tiny)
@@ -154,7 +152,23 @@ def rivals_of_record(body: FittedBody, found: ForceCurveFit, longest: float) -> 
         for rival, size, along, whole, move in zip(
             names, sizes, r @ left, np.linalg.norm(wide, axis=0), moves.T, strict=True)
     ]  # fmt: skip
-    return RecordRivals(tuple(scores), _named(scores, left), misfit, dof, free_rows)
+    return RecordRivals(tuple(scores), _named(scores, left), misfit, dof, loose)
+
+
+def left_over(at: Situation, plain: Situation) -> tuple[float, int]:
+    """chi^2 of what a fit leaves, and its degrees of freedom, on the rows that the ``plain`` one's rivals are judged
+    by."""
+    (off, J), keep = at.here, _told_rows(plain)
+    weighted, _ = _weighted(at, np.column_stack([off, J]), keep)
+    _, Q, _ = _spanned(weighted[:, 1:])
+    r = weighted[:, 0] - Q @ (Q.T @ weighted[:, 0])
+    return float(r @ r), max(int(np.count_nonzero(keep)) - J.shape[1], 1)
+
+
+def _spanned(own: Array) -> tuple[Array, Array, Array]:
+    """Lengths of the model's own columns, and the factors of what they span."""
+    scale = np.maximum(np.linalg.norm(own, axis=0), np.finfo(float).tiny)
+    return (scale, *np.linalg.qr(own / scale))
 
 
 def _named(scores: Sequence[Score], left: Array) -> tuple[Score, ...]:
@@ -183,8 +197,8 @@ def _score(
         return Score(*told, 0.0, math.inf, 1.0, 0.0, 0.0, *rates, *known, UNTOLD)
     amount, error, taken = -along / size, 1 / size, along**2
     chance = float(fdtrc(1, dof, taken))
-    room = TUNING.normal * error
-    possible = (0.0 if rival.positive else -rival.possible) - room <= amount <= rival.possible + room
+    room, reach = TUNING.normal * error, TUNING.over * rival.possible
+    possible = (0.0 if rival.positive else -reach) - room <= amount <= reach + room
     asked = (
         possible
         and chance * count < TUNING.chance
@@ -227,3 +241,11 @@ def _told_rows(at: Situation) -> Array:
         span = max(TUNING.fold * part.reach, 2 * part.spacing)
         keep.append(~touching | (z > near + span) if part.jumped else np.abs(z - near) > span)
     return np.concatenate(keep)
+
+
+def _weighted(at: Situation, table: Array, keep: Array) -> tuple[Array, int]:
+    """The rows of ``table`` in units of the noise of the free rows, so that noise has unit variance and no colour; how
+    many rows told it, 0 where they are too few."""
+    noise, loose = at.found.spread.noise, sum(part.size for part in at.model.free(table[:, 0]))
+    ordered = in_time(table[keep], at.model.rows[keep]) if noise.slow else table[keep]
+    return noise.whitened(ordered), loose if loose >= COLOURED.free else 0

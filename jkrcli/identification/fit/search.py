@@ -12,13 +12,14 @@ import itertools
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
-from scipy.optimize import least_squares
 
 from ...base.arrays import Array
 from ...base.errors import InputError, JkrError, SolveError
 from ...base.units import show
+from ..least_squares import Least, LeastSquares, State
 from .body import FittedBody
 from .edges import ADVANCING, RECEDING, RESTING, RestingMember
 from .family import Family
@@ -90,38 +91,69 @@ TUNING = FitSearchTuning()
 
 # ---------------------------------------------------------------------- least squares
 @dataclass(frozen=True, eq=False)
-class Minimum:
-    """The point of least sum of losses: ``x`` all unknowns, ``found`` the distances there, ``cost`` half that sum.
+class ScaledDistances(State):
+    """The distances ``found`` at some unknowns as the search takes them."""
 
-    ``at_bound``: names of parameters that end on a bound; ``width``: of the robust loss, in scaled units; ``ended``:
-    whether it is a minimum, and not where the search was given up.
-    """
+    found: Distances | PathDistances
+
+
+def _scaled(objective: Objective, begin: Array, units: Array, y: Array) -> ScaledDistances:
+    """The distances at the free unknowns ``y`` in ``units``, the others as in ``begin``."""
+    x = begin.copy()
+    x[objective.free] = y * units
+    found = objective.distances(x)
+    return ScaledDistances(found.residuals.ravel(), partial(_rates, found, objective.free, units), found)
+
+
+def _rates(found: Distances | PathDistances, free: Array, units: Array) -> Array:
+    return found.jacobian(free) * units
+
+
+@dataclass(frozen=True, eq=False)
+class Minimum:
+    """The point of least sum of losses of an ``objective``: ``x`` all unknowns, ``least``: that of the free ones, in
+    ``units``."""
 
     objective: Objective
     x: Array
-    found: Distances | PathDistances
-    cost: float
-    at_bound: tuple[str, ...]
-    evaluations: int
-    width: float = 1.0
-    ended: bool = True
+    units: Array
+    least: Least
+
+    @property
+    def found(self) -> Distances | PathDistances:
+        """The distances there."""
+        assert isinstance(self.least.state, ScaledDistances)
+        return self.least.state.found
+
+    @property
+    def cost(self) -> float:
+        """Half the sum of the losses."""
+        return self.least.cost
+
+    @property
+    def width(self) -> float:
+        """At which the robust loss turns, in scaled units."""
+        return self.least.problem.width
+
+    @property
+    def at_bound(self) -> tuple[str, ...]:
+        """Names of parameters that end on a bound."""
+        free = zip(self.objective.free, self.least.at_bound, strict=True)
+        return tuple(self.objective.parameters[i].name for i, held in free if held)
 
     def settled(self) -> Minimum:
         """This minimum; SolveError where its search was given up."""
-        if not self.ended:
+        if not self.least.ended:
             raise SolveError(f"the fit did not converge in {TUNING.evaluations} steps")
         return self
 
 
-def minimise(
-    objective: Objective, start: Array, loss: Loss = "linear", width: float = 1.0, enough: float = 0.0
-) -> Minimum:
-    """The least sum of squares (or of a robust ``loss`` that turns at ``width``) from the unknowns ``start``; relative
-    changes of unknowns and cost below ``enough`` are none.
+def minimise(objective: Objective, start: Array, loss: Loss = "linear", width: float = 1.0) -> Minimum:
+    """The least sum of squares (or of a robust ``loss`` that turns at ``width``) from the unknowns ``start``.
 
-    SciPy's trust region (method "trf", bounds respected). Where the data do not determine the unknowns it may creep
-    along a valley that has no lowest point, and whether it stops there is a matter of round-off: it is given up after
-    so many evaluations, and the point is told as one that did not end.
+    Where the data do not determine the unknowns the search may creep along a valley that has no lowest point, and
+    whether it stops there is a matter of round-off: it is given up after so many evaluations, and the point is told as
+    one that did not end.
     """
     free = objective.free
     begin = np.array(start, dtype=float)
@@ -129,30 +161,17 @@ def minimise(
     begin[free] = np.clip(begin, low, high)[free]
     natural = objective.natural_units()
     units = np.array([1.0 if p.kind == "log" else natural[p.name] for p in objective.parameters])[free]
-    remembered: list[tuple[Array, Distances | PathDistances]] = []
-
-    def unknowns(y: Array) -> Array:
-        x = begin.copy()
-        x[free] = y * units
-        return x
-
-    def at(y: Array) -> Distances | PathDistances:
-        if not (remembered and np.array_equal(remembered[0][0], y)):
-            remembered[:] = [(y.copy(), objective.distances(unknowns(y)))]
-        return remembered[0][1]
-
     bounds = low[free] / units, high[free] / units
     splines = objective.ranged or any(objective.parameters[i].of_body for i in free)
     close = TUNING.converged_layers if splines else TUNING.converged
-    close = max(close if loss == "linear" else TUNING.converged_robust, enough)
-    found = least_squares(
-        lambda y: at(y).residuals.ravel(), _inside(begin[free] / units, *bounds),
-        lambda y: at(y).jacobian(free) * units, bounds=bounds, method="trf", x_scale="jac",
-        loss=loss, f_scale=width, ftol=close, xtol=close, gtol=close, max_nfev=TUNING.evaluations,
-    )  # fmt: skip
-    held = tuple(objective.parameters[i].name for i, mask in zip(free, found.active_mask, strict=True) if mask != 0)
-    cost, steps, ended = float(found.cost), int(found.nfev), found.status > 0
-    return Minimum(objective, unknowns(found.x), at(found.x), cost, held, steps, width, ended)
+    close = close if loss == "linear" else max(close, TUNING.converged_robust)
+    problem = LeastSquares(
+        partial(_scaled, objective, begin, units), bounds, close, 0.0, TUNING.evaluations, loss, width
+    )
+    found = problem.least(_inside(begin[free] / units, *bounds))
+    x = begin.copy()
+    x[free] = found.x * units
+    return Minimum(objective, x, units, found)
 
 
 def robust(minimum: Minimum, loss: Loss) -> Minimum:
@@ -354,14 +373,24 @@ def _there_and_back(body: FittedBody, points: Points, settings: Settings) -> Min
     """The best fit to both directions, from that to the approach on."""
     assert points.edges is not None
     forth = replace(points.at(points.edges == ADVANCING), edges=None)
-    into = _of_a_branch(body, forth, settings.of_the_approach)
-    objective = replace(into.objective, parameters=settings.parameters, points=points)
+    law = settings.range
+    plain = settings.without_range
+    into = _of_a_branch(body, forth, plain.of_the_approach)
+    objective = replace(into.objective, parameters=plain.parameters, points=points)
     values = into.objective.values(into.x) | {"a_turn": float(into.found.a.max())}
     values["w_approach"] = values["w"]
     shifts = np.append(0.0, np.geomspace(TUNING.least_shift, 1, TUNING.nodes // 8)) ** 2
     natural = objective.body.family.natural_work * values["modulus"]
     tried = [{**values, "w": values["w_approach"] + shift * natural} for shift in shifts]
-    return _settled(objective, min(tried, key=lambda values: _assigned(objective, values)[0]))
+    values = min(tried, key=lambda values: _assigned(objective, values)[0])
+    jkr = _settled(objective, values)
+    if law is None:
+        return jkr
+    values, objective = jkr.objective.values(jkr.x), replace(objective, parameters=settings.parameters)
+    tried = list(_ranged(body, values, law.name)) if law.free else [{**values, law.name: float(law.value or 0.0)}]
+    tried.sort(key=lambda values: _assigned(objective, values)[0])
+    found = [_settled(objective, values) for values in tried[: TUNING.followed_ranges]]
+    return min(found, key=lambda item: item.cost)
 
 
 def _back(body: FittedBody, points: Points, settings: Settings) -> Minimum:
@@ -521,11 +550,17 @@ def _all_starts(body: FittedBody, points: Points, settings: Settings) -> list[St
 def _with_ranges(body: FittedBody, tried: Sequence[Start], name: str) -> Iterator[Start]:
     """The nearest starts with ranges (or tensions) from those of a rigid sphere to those of JKR."""
     for start in tried[: TUNING.ranged]:
-        s = start.values["modulus"]
-        w = max(start.values["w"], TUNING.least_work * body.family.natural_work * s)
-        for part in TUNING.ranges:
-            length = part * body.family.neck(s, w)
-            yield replace(start, values={**start.values, "w": w, name: length if name == "range" else w / length})
+        for values in _ranged(body, start.values, name):
+            yield replace(start, values=values)
+
+
+def _ranged(body: FittedBody, values: Mapping[str, float], name: str) -> Iterator[dict[str, float]]:
+    """These values with ranges (or tensions, as ``name`` says) from those of a rigid sphere to those of JKR."""
+    s = values["modulus"]
+    w = max(values["w"], TUNING.least_work * body.family.natural_work * s)
+    for part in TUNING.ranges:
+        length = part * body.family.neck(s, w)
+        yield {**values, "w": w, name: length if name == "range" else w / length}
 
 
 def _bodies(body: FittedBody, settings: Settings) -> Iterator[dict[str, float]]:

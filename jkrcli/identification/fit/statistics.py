@@ -34,6 +34,19 @@ def influence(z: Array, loss: Loss) -> tuple[Array, Array]:
     return z, np.ones_like(z)
 
 
+def costs(residuals: Array, loss: Loss, width: float) -> float:
+    """Half the sum of the losses of ``residuals``, which turn at ``width``."""
+    z = (residuals / width) ** 2
+    match loss:
+        case "huber":
+            z = np.where(z <= 1, z, 2 * np.sqrt(z) - 1)
+        case "soft_l1":
+            z = 2 * (np.sqrt(1 + z) - 1)
+        case "cauchy":
+            z = np.log1p(z)
+    return 0.5 * width**2 * float(np.sum(z))
+
+
 def variance_factor(residuals: Array, dof: int, loss: Loss, width: float) -> float:
     """Factor of (J^T J)^-1: the residual variance, or its counterpart for M-estimates (Huber 1981, Sec. 7.6)."""
     turn = 1.0 if loss == "linear" else width

@@ -9,11 +9,10 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
-from scipy.optimize import least_squares
 
 from ...adhesion.nonadhesive import Nonadhesive
 from ...adhesion.rate.laws import RATE_LAWS, RateLaw, rate_parameters
@@ -27,6 +26,7 @@ from ..fit.fitting import fit
 from ..fit.result import FittedValue
 from ..fit.settings import Parameter, Settings
 from ..fit.statistics import covariance, t_quantile
+from ..least_squares import Least, LeastSquares, State
 from ..work import WorkAlong, work_along
 from .prediction import BESIDE, Prediction, predict
 from .record import LEAST, RateRecord, rate_record, recovered
@@ -164,13 +164,13 @@ def rate_fit(body: FittedBody, curves: Sequence[Curve], settings: RateSettings) 
     """
     problem = _Problem(body, tuple(rate_record(curve, settings.segment) for curve in curves), settings)
     coarse = problem.thinned()
-    best: Any = None
+    best: Least | None = None
     for start in coarse.starts():
         found = coarse.minimise(start, TUNING.started)
         if found is not None and (best is None or found.cost < best.cost):
             best = found
         usual = 1 + TUNING.good / math.sqrt(2 * coarse.size)
-        if best is not None and coarse.scatter(best) < usual and not best.active_mask.any():
+        if best is not None and coarse.scatter(best) < usual and not best.at_bound.any():
             break
     found = None if best is None else problem.minimise(best.x)
     if found is not None:
@@ -241,7 +241,7 @@ class _Problem:
         """The functions of the body with its own moduli."""
         return Nonadhesive(self.body.series, self.body.slopes)
 
-    def equations(self, theta: Array) -> tuple[Array, Array]:
+    def equations(self, theta: Array) -> State:
         """Residuals in standard deviations, and their derivatives by the unknowns."""
         n = theta.size
         parts, rates = [], []
@@ -265,27 +265,15 @@ class _Problem:
                 rates.append(matrix / sigma)
             parts.append(theta[first + 1 : first + 3])
             rates.append(np.eye(n)[first + 1 : first + 3])
-        return np.concatenate(parts), np.concatenate(rates)
+        return State(np.concatenate(parts), partial(np.concatenate, rates))
 
-    def minimise(self, start: Array, converged: float = TUNING.converged) -> Any:
-        """The least sum of squares from ``start`` on, ``converged`` relatively; None where the way there fails."""
-        kept: list[tuple[Array, tuple[Array, Array]]] = []
-
-        def at(theta: Array) -> tuple[Array, Array]:
-            if not (kept and np.array_equal(kept[0][0], theta)):
-                kept[:] = [(theta.copy(), self.equations(theta))]
-            return kept[0][1]
-
-        low, high = self._bounds(start)
+    def minimise(self, start: Array, cost: float = 0.0) -> Least | None:
+        """The least sum of squares from ``start`` on, to ``cost`` relatively; None where the way there fails."""
         try:
-            found = least_squares(
-                lambda theta: at(theta)[0], np.clip(start, low, high), lambda theta: at(theta)[1], bounds=(low, high),
-                x_scale="jac", ftol=converged, xtol=TUNING.converged, gtol=TUNING.converged,
-                max_nfev=TUNING.evaluations,
-            )  # fmt: skip
+            bounds = self._bounds(start)
+            return LeastSquares(self.equations, bounds, TUNING.converged, cost, TUNING.evaluations).least(start)
         except (JkrError, FloatingPointError, OverflowError, np.linalg.LinAlgError):
             return None
-        return found
 
     def _bounds(self, start: Array) -> tuple[Array, Array]:
         """Logs stay near their start, exponents where laws have them."""
@@ -297,7 +285,7 @@ class _Problem:
             low[names.index("n")], high[names.index("n")] = np.log(TUNING.laws)
         return low, high
 
-    def scatter(self, found: Any) -> float:
+    def scatter(self, found: Least) -> float:
         """Standard deviation of the residuals over what they are weighed by."""
         return math.sqrt(2 * found.cost / max(self.size - found.x.size + 2 * len(self.records), 1))
 
@@ -306,7 +294,7 @@ class _Problem:
         """Number of readings."""
         return sum(record.t.size * len(record.noise) for record in self.records)
 
-    def residuals(self, found: Any) -> list[dict[str, Array]]:
+    def residuals(self, found: Least) -> list[dict[str, Array]]:
         """What each record's columns differ from the prediction."""
         parts = []
         for i, record in enumerate(self.records):
@@ -315,13 +303,13 @@ class _Problem:
             parts.append({"P": P} | ({} if record.a is None else {"a": told.a - record.a}))
         return parts
 
-    def misfit(self, found: Any) -> float:
+    def misfit(self, found: Least) -> float:
         """Standard deviation of the residuals over the noise from row to row."""
         parts = zip(self.records, self.residuals(found), strict=True)
         squares = sum(float(np.sum((part[name] / record.noise[name]) ** 2)) for record, part in parts for name in part)
         return math.sqrt(squares / max(self.size - found.x.size + 2 * len(self.records), 1))
 
-    def settled(self, found: Any) -> _Problem:
+    def settled(self, found: Least) -> _Problem:
         """The problem with each record cut at its predicted loss of contact, as its last row is else chosen by its own
         noise, and weighed by its residuals, which tell the noise better than the differences of neighbours."""
         share = (found.x.size - 2 * len(self.records)) / self.size
@@ -361,7 +349,7 @@ class _Problem:
 
     def _cost(self, theta: Array) -> float:
         try:
-            return float(np.sum(np.square(self.equations(theta)[0])))
+            return float(np.sum(np.square(self.equations(theta).residuals)))
         except (JkrError, OverflowError):
             return math.inf
 
@@ -428,12 +416,12 @@ class _Problem:
         return {name: found.value(name) for name in ("modulus", "delta0", "P0")}
 
     # ------------------------------------------------------------------ the answer
-    def result(self, found: Any) -> RateFit:
+    def result(self, found: Least) -> RateFit:
         values, settings = self.common(found.x), self.settings
         law, w0 = law_of(settings.law, values[1:-2])
-        dof = max(found.fun.size - found.x.size, 1)
+        dof = max(found.state.residuals.size - found.x.size, 1)
         scatter, misfit = self.scatter(found), self.misfit(found)
-        whole = covariance(found.jac, max(scatter, 1e-12) ** 2)
+        whole = covariance(found.state.jacobian, max(scatter, 1e-12) ** 2)
         size = int(self.free.sum())
         inner = None if whole is None else whole[:size, :size]
         names = tuple(name for name in self.names if name in settings.free)
@@ -450,7 +438,7 @@ class _Problem:
         speeds = tuple(map(float, np.quantile(moving, (0.05, 0.95)))) if moving.size else (0.0, 0.0)
         fit = RateFit(
             law, w0, tuple(estimates), names, inner, self.records, predictions, float(values[-1]), misfit, dof,
-            (speeds[0], speeds[1]), int(found.nfev), settings, (),
+            (speeds[0], speeds[1]), found.steps, settings, (),
         )  # fmt: skip
         return replace(fit, warnings=tuple(_warnings(fit)))
 

@@ -7,13 +7,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import OptimizeResult, least_squares
 
 from ...adhesion.rate.laws import RATE_LAWS, RateLaw, rate_parameters
 from ...adhesion.slopes.result import TWO_SIDED_90
 from ...base.arrays import Array
 from ...base.unknown import Unknown
 from ..fit.statistics import NORMAL_MEDIAN, covariance, larger, t_quantile
+from ..least_squares import Least, LeastSquares, State
 from ..work import WorkAlong
 
 
@@ -26,6 +26,7 @@ class ThroughTuning:
     exponents: tuple[float, ...] = (0.25, 0.5, 1.0)  # choice: starts of n
     laws: tuple[float, float] = (0.1, 3.0)  # choice: exponents that are sought; measured ones are 0.1 to 1
     reach: float = 40.0  # choice: guard, how far logs move
+    converged: float = 1e-8  # choice: relative, far below any standard error
     sure: float = 0.3  # choice: relative half-width of a speed, beyond which its point tells nothing of a law
     rounds: int = 3  # choice: of weights by the errors of the speeds, which ask for the law
     blocks: int = 8  # choice: of neighbouring points that are left out in turn
@@ -176,17 +177,18 @@ def _starts(name: str, v: Array, w: Array) -> list[Array]:
     return starts
 
 
-def _nearest(name: str, v: Array, w: Array, sigma: Array, start: Array) -> OptimizeResult:
+def _nearest(name: str, v: Array, w: Array, sigma: Array, start: Array) -> Least:
     def residuals(logs: Array) -> Array:
         law, w0 = law_of(name, logs)
         return np.log(law.work(w0, v) / w) / sigma
 
-    def rates(logs: Array) -> Array:
-        return (log_rates(*law_of(name, logs), v) / sigma).T
+    def state(logs: Array) -> State:
+        return State(residuals(logs), lambda: (log_rates(*law_of(name, logs), v) / sigma).T)
 
     scale = max(float(np.median(np.abs(residuals(start)))), 1e-3)
     bounds = start - TUNING.reach, start + TUNING.reach
     if "n" in rate_parameters(name):
         i = 1 + list(rate_parameters(name)).index("n")
         bounds[0][i], bounds[1][i] = np.log(TUNING.laws)
-    return least_squares(residuals, start, rates, loss="soft_l1", f_scale=scale * TUNING.turn / 10, bounds=bounds)
+    width = scale * TUNING.turn / 10
+    return LeastSquares(state, bounds, TUNING.converged, loss="soft_l1", width=width).least(start)

@@ -16,9 +16,9 @@ import numpy as np
 
 from ...adhesion.curve import AdhesiveCurve
 from ...adhesion.nonadhesive import Nonadhesive
+from ...adhesion.program import Program
 from ...adhesion.rate.history import RateContact
 from ...adhesion.rate.laws import rate_law_of
-from ...adhesion.rate.program import Program
 from ...adhesion.slopes.choice import slopes
 from ...base.errors import SolveError
 from ...base.units import Ranged
@@ -68,7 +68,7 @@ def _points(values: Values, thickness: float) -> Columns:
 def _point(body: Nonadhesive, a: float, law: Any, stiffness: float, speed: float) -> tuple[float, float, float]:
     contact = RateContact(body, law, 1.0, 1.0, stiffness)
     x = float(contact.edge.held_at(np.array(a), 1.0))
-    found = contact.history(Program(np.array([0.0]), np.array([x]), -speed), a)
+    found = contact.history(Program.on(x, -speed), a)
     return -found.pull_off.P / math.pi, found.dissipated / (math.pi * a**2), known(found.error["P"]) or 0.0
 
 

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...adhesion.rate.history import TimedJump
+from ...adhesion.path import Jump
 from ...base.arrays import Array
 from ...base.units import scale, show
 from ...identification.rate.fitting import RateFit
@@ -46,7 +46,7 @@ AXES = {
 }
 
 
-def history_figure(columns: Mapping[str, Array], jumps: Sequence[TimedJump], title: str) -> Figure:
+def history_figure(columns: Mapping[str, Array], jumps: Sequence[Jump], title: str) -> Figure:
     """Load over displacement, and load and contact radius over time, each phase in its colour and line; where the
     contact ``jumps``, and where it is lost. ``columns``: as ``History.table`` gives them."""
     with drawing(WIDE, 3.2) as figure:

@@ -1,0 +1,177 @@
+"""A rival in full: the model of a raw record with an amount of what it leaves out as one more unknown, or two.
+
+A ``Change`` says what an amount does to the body, the device or the positions of a stretch; ``RivalModel`` is the model
+with it, whose search, covariance and result are those of any record. Derivatives by what a change depends on are
+differences.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, fields
+from functools import cached_property
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from ...base.arrays import Array
+from ...base.errors import SolveError
+from .device_path import DeviceBranch, Rest, grid, on_grid
+from .family import Family
+from .force_curve import DirectionReadings, ForceCurveFit, ForceCurveModel
+
+AMOUNT = "amount"
+
+
+@dataclass(frozen=True)
+class ChangeTuning:
+    """Differences by amounts."""
+
+    little: float = 1e-3  # theory: relative amounts whose squares are below the noise of any record
+    step: float = 1e-5  # theory: relative, for one-sided differences of loads that are good to 1e-9
+    small: float = 1e-2  # choice: amounts, and shares of the largest w, below which steps are no smaller
+    remembered: int = 8  # choice: changed models kept, one for each stretch and set of amounts
+
+
+TUNING = ChangeTuning()
+LITTLE = TUNING.little
+
+
+@dataclass(frozen=True, eq=False)
+class Bent(Family):
+    """A family whose four logs differ by ``change``, a spline over log a (n, 4), constant beyond its ends."""
+
+    change: CubicSpline | None = None
+
+    def at(self, u: Array) -> tuple[Array, Array, Array]:
+        assert self.change is not None
+        value, by_u, by_uu = super().at(u)
+        near = np.clip(u, self.change.x[0], self.change.x[-1])
+        g, first, second = (self.change(near, order).T for order in range(3))
+        factor = np.exp(g)
+        return (
+            factor * value, factor * (by_u + first * value),
+            factor * (by_uu + 2 * first * by_u + (second + first**2) * value),
+        )  # fmt: skip
+
+
+def bent(family: Family, changes: Array) -> Family:
+    """A family whose logs of D, T, H, V differ by ``changes`` (4, n) on its grid."""
+    if not np.isfinite(changes).all():
+        raise SolveError("no body has curves that differ so much")
+    return Bent(family.logs, family.low, family.high, None, CubicSpline(grid(family), changes.T))
+
+
+def of_body(family: Family, D: Array, S: Array) -> Array:
+    """Changes of the logs (4, n) on the grid where those of displacement and stiffness change by ``D`` and ``S`` there:
+    the load follows by dP = S d(delta), adhesion by S'."""
+    u = grid(family)
+    (d, t, _, v), (dD, dT, _, dV), _ = on_grid(family)
+    s, ds = v / t, v / t * (dV / v - dT / t)
+    dS = np.exp(S) * (ds + s * np.gradient(S, u, edge_order=2))
+    rate = s * np.exp(S + D) * (dD + d * np.gradient(D, u, edge_order=2))
+    T = np.log(ds / dS) / 2
+    return np.stack([D, T, np.log(_integral(u, rate) / _integral(u, s * dD)), S + T])
+
+
+def _integral(u: Array, rate: Array) -> Array:
+    """The integral of a ``rate`` over ``u``, a power law's up to the first."""
+    log = np.log(rate[:2])
+    first = rate[0] * (u[1] - u[0]) / (log[1] - log[0])
+    found: Array = first + CubicSpline(u, rate).antiderivative()(u)
+    return found
+
+
+Values = Mapping[str, float]
+
+
+@dataclass(frozen=True, eq=False)
+class Change:
+    """What an amount of a rival does. ``model``: the model that a stretch follows at the values of the unknowns, from
+    the plain one; ``moved``: what its positions are off [m]; ``load``: its loads [N], all, in place of a path's.
+
+    ``starts``: values of the unknowns ``names`` to begin with; ``limits``: their least and largest; ``told``: what they
+    mean, SI, by name. ``felt``: whether ``model`` or ``load`` depend on the other unknowns too. ``renewed``: the change
+    about a fit that it led to, where it is made about one. ``column``: in place of the derivative at the amount 0,
+    where another one looks further.
+    """
+
+    starts: tuple[tuple[float, ...], ...]
+    names: tuple[str, ...] = (AMOUNT,)
+    limits: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    model: Callable[[ForceCurveModel, DirectionReadings, Values], ForceCurveModel] | None = None
+    moved: Callable[[DirectionReadings, Values], Array] | None = None
+    load: Callable[[ForceCurveModel, DirectionReadings, Values], Array] | None = None
+    felt: bool = False
+    told: Callable[[Values], dict[str, float]] = lambda values: {}
+    renewed: Callable[[ForceCurveFit], Change] | None = None
+    column: Array | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class RivalModel(ForceCurveModel):
+    """The model of a record with a ``change``."""
+
+    change: Change = Change(())
+
+    @classmethod
+    def of(cls, plain: ForceCurveModel, change: Change) -> RivalModel:
+        """The ``plain`` model, of a rival or not, with a change in place of its own."""
+        held = {item.name: getattr(plain, item.name) for item in fields(ForceCurveModel)}
+        return cls(**held, change=change)
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        return (*super().names, *(name for name in self.change.names if name not in self.known))
+
+    @property
+    def limits(self) -> Mapping[str, tuple[float, float]]:
+        return {**super().limits, **self.change.limits}
+
+    def further(self, values: Values) -> dict[str, float]:
+        return self.change.told(values)
+
+    @cached_property
+    def _changed(self) -> dict[object, ForceCurveModel]:
+        return {}
+
+    def followed(self, part: DirectionReadings, values: Values) -> ForceCurveModel:
+        """The plain model that a stretch follows."""
+        key = part.kind, *(values[name] for name in (values if self.change.felt else self.change.names))
+        if key not in self._changed:
+            if len(self._changed) >= TUNING.remembered:
+                self._changed.clear()
+            plain = ForceCurveModel(**{item.name: getattr(self, item.name) for item in fields(ForceCurveModel)})
+            self._changed[key] = plain if self.change.model is None else self.change.model(plain, part, values)
+        return self._changed[key]
+
+    def branch(self, part: DirectionReadings, values: Values) -> DeviceBranch:
+        return self.followed(part, values).branch(part, values)
+
+    def rest(self, part: DirectionReadings, values: Values) -> Rest | None:
+        return self.followed(part, values).rest(part, values)
+
+    def depth(self, part: DirectionReadings, values: Values) -> Array:
+        depth = super().depth(part, values)
+        return depth if self.change.moved is None else depth + self.change.moved(part, values)
+
+    def residuals(self, x: Array, blunt: float) -> tuple[Array, Array]:
+        off, rates = super().residuals(x, blunt)
+        for i, name in enumerate(self.names):
+            if name in self.change.names or (self.change.felt and name.startswith(("ln_s", "q:", "r:", "z0"))):
+                step = TUNING.step * self._unit(name, float(x[i]))
+                step = -step if x[i] + step > self.limits.get(name, (0.0, math.inf))[1] else step
+                rates[:, i] = (super().residuals(x + step * (np.arange(x.size) == i), blunt)[0] - off) / step
+        return off, rates
+
+    def _unit(self, name: str, x: float) -> float:
+        """The size of an unknown that is ``x``."""
+        if name == "z0":
+            return max(part.reach for part in self.stretches)
+        return max(abs(x), TUNING.small * (self.most if name.startswith(("q:", "r:")) else 1.0))
+
+    def _contact(self, part: DirectionReadings, values: Values, blunt: float) -> tuple[Array, dict[str, Array]]:
+        if self.change.load is None:
+            return super()._contact(part, values, blunt)
+        return self.change.load(self, part, values), {}

@@ -1,0 +1,121 @@
+"""The best rivals of each family, fitted in full where the data ask for them, and the one that is taken.
+
+A rival is taken where its misfit is lower than that of the plain model by more than ``TUNING.falls``, in chi^2, and
+what it leaves is no more than the noise of the free rows. Of several that are taken the first is the best one; those
+within as much of it cannot be told from it.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+from scipy.special import fdtrc
+
+from ...base.arrays import Array
+from ...base.errors import JkrError
+from .body import FittedBody
+from .force_curve import ForceCurveFit, fit, misfit_at, rough, starts_of
+from .record_change import AMOUNT, Change, RivalModel
+from .record_rivals import RIVALS
+from .record_scores import RecordRivals, Score, left_over
+from .record_situation import Situation
+
+
+@dataclass(frozen=True)
+class FullTuning:
+    """Which rivals are fitted in full, and when one is taken."""
+
+    falls: float = 9.0  # choice: of chi^2, by which a rival must be better: three standard errors of one number
+    passes: float = 1e-3  # choice: chance of what is left, by the noise of the free rows, below which it is misfit
+    each: int = 2  # choice: of a family, its best by one step, which does not always name the right one
+    steps: int = 25  # choice: guard, of a search that only finds out which rivals are worth a fit
+    promising: float = 1.2  # choice: of the least sum of squares, up to which a rival is fitted to the end
+    rounds: int = 4  # choice: guard, fits of a change that is made about a fit
+    settled: float = 0.1  # choice: standard errors of the modulus, by which the last round may move it
+
+
+TUNING = FullTuning()
+
+
+@dataclass(frozen=True, eq=False)
+class InFull:
+    """A rival fitted in full: its one-step ``score``, what was ``found``; ``misfit``: chi^2 of what is left in units of
+    the noise of the free rows; ``chance``: that this noise leaves as much; ``falls``: how much lower than without."""
+
+    score: Score
+    found: ForceCurveFit
+    misfit: float
+    chance: float
+    falls: float
+
+    @property
+    def passes(self) -> bool:
+        return self.found.ended and self.falls > TUNING.falls and self.chance > TUNING.passes
+
+
+@np.errstate(all="ignore")
+def fitted_in_full(body: FittedBody, found: ForceCurveFit, rivals: RecordRivals) -> tuple[InFull, ...]:
+    """The best of each family, by increasing misfit, those that are taken first."""
+    at, tried = Situation(body, found), []
+    for score in _likeliest(rivals.scores):
+        with contextlib.suppress(JkrError):  # what cannot be solved is not taken
+            look = next(rival for rival in RIVALS if rival.name == score.name).look(at)
+            tried += [(*_roughly(at, look, score.amount), look, score)] if isinstance(look, Change) else []
+    least = min((cost for cost, *_ in tried), default=0.0)
+    each = []
+    for cost, x, change, score in tried:
+        with contextlib.suppress(JkrError):
+            each += [_in_full(at, change, x, score, rivals)] if cost <= TUNING.promising * least else []
+    return tuple(sorted(each, key=lambda one: (not one.passes, one.misfit)))
+
+
+def _likeliest(scores: Sequence[Score]) -> Iterator[Score]:
+    """Those of each family that one step takes most from the misfit with: it detects, so that neither sign nor size of
+    an amount that is not small says much."""
+    ranked = sorted((one for one in scores if one.taken > TUNING.falls), key=lambda one: -one.taken)
+    for family in dict.fromkeys(one.family for one in ranked):
+        yield from [one for one in ranked if one.family == family][: TUNING.each]
+
+
+def _roughly(at: Situation, change: Change, amount: float) -> tuple[float, Array]:
+    """About the least misfit with a ``change``, and its unknowns: from the best of its starts, and of what one step
+    asks for."""
+    low, high = change.limits.get(AMOUNT, (-math.inf, math.inf))
+    starts = dict.fromkeys([(min(max(amount, low), high), *change.starts[0][1:]), *change.starts])
+    model = RivalModel.of(at.model, change)
+    begun = [np.append(at.found.x, start) for start in starts], [x for start in starts for x in _new(at, model, start)]
+    searches = [rough(model, min(some, key=partial(misfit_at, model)), TUNING.steps) for some in begun if some]
+    return min(searches, key=lambda one: one[0])
+
+
+def _new(at: Situation, model: RivalModel, start: tuple[float, ...]) -> Iterator[Array]:
+    """Unknowns about an amount to ``start`` from, as its body suggests."""
+    if model.change.model is None or model.change.felt:
+        return
+    values = at.model.values(at.found.x) | dict(zip(model.change.names, start, strict=True))
+    with contextlib.suppress(JkrError):
+        yield from (np.append(x, start) for x in starts_of(model.followed(at.model.stretches[-1], values)))
+
+
+def _in_full(at: Situation, change: Change, x: Array, score: Score, rivals: RecordRivals) -> InFull:
+    found = settled(fit(RivalModel.of(at.model, change), x, near=True), change)
+    misfit, dof = left_over(Situation(at.body, found), at)
+    chance = float(fdtrc(dof, max(rivals.loose, 1), misfit / dof))
+    return InFull(score, found, misfit, chance, rivals.misfit - misfit)
+
+
+def settled(found: ForceCurveFit, change: Change) -> ForceCurveFit:
+    """A fit whose ``change`` is made about it."""
+    for _ in range(TUNING.rounds if change.renewed is not None else 0):
+        if change.renewed is None or AMOUNT not in found.names:
+            break
+        change, before = change.renewed(found), found
+        found = fit(RivalModel.of(found.model, change), found.x, near=True)
+        if abs(found.value("ln_s") - before.value("ln_s")) < TUNING.settled * found.error("ln_s"):
+            break
+    return found

@@ -1,0 +1,132 @@
+"""A fit of a raw record as rivals look at it: radii, loads and positions of its rows, and what changes of the model
+make of its loads."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from ...base.arrays import Array
+from ...data.measured.curve import APPROACH
+from .body import FittedBody
+from .device_path import grid
+from .family import Family
+from .force_curve import DirectionReadings, ForceCurveFit, ForceCurveModel
+from .record_change import LITTLE, Change, RivalModel, bent
+
+
+@dataclass(frozen=True, eq=False)
+class Situation:
+    """A fit of a record of a ``body``, as rivals look at it."""
+
+    body: FittedBody
+    found: ForceCurveFit
+
+    @property
+    def model(self) -> ForceCurveModel:
+        return self.found.model
+
+    @cached_property
+    def here(self) -> tuple[Array, Array]:
+        """Residuals [N] of all rows and their derivatives by the unknowns."""
+        return self.model.residuals(self.found.x, 0.0)
+
+    @cached_property
+    def back(self) -> DirectionReadings | None:
+        """The retraction."""
+        return next((part for part in self.model.stretches if part.kind != APPROACH), None)
+
+    @cached_property
+    def radii(self) -> list[tuple[Array, Array]]:
+        """Contact radius [m] of the rows of each stretch, and which of them rest."""
+        values = self.model.values(self.found.x)
+        return [self.model.contact_radii(part, values) for part in self.model.stretches]
+
+    @cached_property
+    def a(self) -> Array:
+        """Contact radius [m] of all rows, 0 where they are free."""
+        return np.concatenate([a for a, _ in self.radii])
+
+    @cached_property
+    def widest(self) -> float:
+        """Largest contact radius [m]."""
+        return float(self.a.max())
+
+    @cached_property
+    def modulus(self) -> float:
+        """Factor of the body's moduli."""
+        return math.exp(self.model.values(self.found.x)["ln_s"])
+
+    @cached_property
+    def work(self) -> float:
+        """The largest w of the directions [J/m^2], 0 where none adheres."""
+        values = self.model.values(self.found.x)
+        return max(0.0, *(values[f"q:{part.kind}"] for part in self.model.stretches)) * self.modulus
+
+    @cached_property
+    def by_position(self) -> Array:
+        """Derivative of the loads by the position of the device [N/m], its turn where it is."""
+        step = LITTLE * min(part.reach for part in self.model.stretches)
+        return self.moved(lambda part: np.full(part.z.size, step)) / step
+
+    @property
+    def yields(self) -> Array:
+        """What is left at fixed position of a change of load at fixed displacement."""
+        return 1 - self.by_position / self.model.k
+
+    def of(self, model: ForceCurveModel) -> Array:
+        """Change of the loads [N] in another model of the same unknowns."""
+        return model.residuals(self.found.x, 0.0)[0] - self.here[0]
+
+    def moved(self, by: Callable[[DirectionReadings], Array]) -> Array:
+        """Change of the loads [N] where rows stand elsewhere ``by`` [m]; base lines stay."""
+        values = self.model.values(self.found.x)
+        parts = tuple(replace(part, z=part.z + by(part)) for part in self.model.stretches)
+        tilts = [values[f"tilt:{old.kind}"] * (new.z - new.z[0] - old.z + old.z[0])
+                 for old, new in zip(self.model.stretches, parts, strict=True)]  # fmt: skip
+        return self.of(replace(self.model, stretches=parts)) - np.concatenate(tilts)
+
+    def on(self, changes: Array) -> Array:
+        """Change of the loads [N] where the logs of D, T, H, V change by ``changes`` (4, n) on the grid."""
+        return self.of(replace(self.model, family=bent(self.model.family, changes)))
+
+    def neighbour(self, other: Family, size: float) -> Array:
+        """Derivative of the loads by an amount ``size`` of which makes the body that of ``other``."""
+        own = self.model.family
+        inside = np.clip(grid(own), max(own.low, other.low), min(own.high, other.high))
+        change = np.log(other.at(inside)[0] / own.at(inside)[0])
+        return self.on(LITTLE * change) / (LITTLE * size)
+
+    def column(self, change: Change) -> Array:
+        """Derivative of the loads by the amount of a change, at 0."""
+        if change.column is not None:
+            return change.column
+        model = RivalModel.of(self.model, change)
+        e, first = LITTLE, change.starts[0]
+        x = np.concatenate([self.found.x, [e, *first[1:]]])
+        return (model.residuals(x, 0.0)[0] - self.here[0]) / e
+
+    @cached_property
+    def reach(self) -> float:
+        """How far the device moves in contact [m]."""
+        return max(part.reach for part in self.model.stretches)
+
+    def only(self, part: DirectionReadings, column: Array) -> Array:
+        """A column on the rows of one stretch, 0 on the others."""
+        own = np.concatenate([np.full(one.P.size, one is part) for one in self.model.stretches])
+        return np.where(own, column, 0.0)
+
+    def rows(self, part: DirectionReadings, chosen: Array) -> Array:
+        """Which rows of all are those of one stretch that are ``chosen``."""
+        return np.concatenate([chosen if one is part else np.zeros(one.P.size, bool) for one in self.model.stretches])
+
+    def time(self, part: DirectionReadings) -> Array:
+        """Time since the turn, in units of a whole record; by the number of rows where no column tells it."""
+        spans = [float(np.ptp(one.t)) for one in self.model.stretches]
+        if min(spans) > 0:
+            return np.abs(part.t) / sum(spans)
+        return np.abs(part.rows - part.rows[-1]) / sum(float(np.ptp(one.rows)) for one in self.model.stretches)

@@ -1,0 +1,166 @@
+"""The one search of all fits, and what follows from searching again: profiles and samples.
+
+``LeastSquares`` is what is minimised: a model, which gives its ``State`` at any unknowns, bounds and the loss. It has
+the memory of the last state, SciPy's trust region (method "trf") and what ended it. An interval by the profile holds
+what follows from the unknowns with one more row; samples search through changed rows.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from scipy import optimize
+
+from ..base.arrays import Array
+from ..base.errors import JkrError, SolveError
+from .fit.settings import Loss
+from .fit.statistics import costs
+
+
+@dataclass(frozen=True)
+class SearchTuning:
+    """How often is searched again."""
+
+    doublings: int = 6  # choice: of the step in which a profile must reach its limit, else it has none
+    held: float = 10.0  # theory: how much more a held value weighs than the data, whose pull is then a hundredth
+    close: float = 1e-3  # choice: of the step, to which the end of a profile is found
+
+
+TUNING = SearchTuning()
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """What a model says at some unknowns: ``residuals`` (n,), and the ``jacobian`` (n, unknowns), which ``rates`` gives
+    when it is asked for."""
+
+    residuals: Array
+    rates: Callable[[], Array]
+
+    @cached_property
+    def jacobian(self) -> Array:
+        return self.rates()
+
+    def rows(self, chosen: Array) -> State:
+        """That of the ``chosen`` rows."""
+        return State(self.residuals[chosen], lambda: self.jacobian[chosen])
+
+    def moved(self, by: Array) -> State:
+        """That of readings which are less ``by`` so much."""
+        return State(self.residuals + by, lambda: self.jacobian)
+
+
+Outcome = Callable[[Array], tuple[float, Array]]  # a value and its derivatives by the unknowns
+
+
+@dataclass(frozen=True, eq=False)
+class LeastSquares:
+    """What is minimised: the squares, or the robust ``loss`` that turns at ``width``, of a ``model``, within
+    ``bounds``; relative changes below ``converged`` are none, those of the cost below ``cost`` if that is more."""
+
+    model: Callable[[Array], State]
+    bounds: tuple[Array, Array]
+    converged: float
+    cost: float = 0.0
+    evaluations: int | None = None
+    loss: Loss = "linear"
+    width: float = 1.0
+
+    def least(self, start: Array) -> Least:
+        """The least from the unknowns ``start`` on."""
+        remembered: list[tuple[Array, State]] = []
+
+        def at(x: Array) -> State:
+            if not (remembered and np.array_equal(remembered[0][0], x)):
+                remembered[:] = [(x.copy(), self.model(x))]
+            return remembered[0][1]
+
+        start = np.clip(start, *self.bounds)
+        if not np.isfinite(at(start).residuals).all():
+            raise SolveError("no curve of this body resembles the record")
+        found = optimize.least_squares(
+            lambda x: at(x).residuals, start, lambda x: at(x).jacobian, bounds=self.bounds,
+            method="trf", x_scale="jac", loss=self.loss, f_scale=self.width, max_nfev=self.evaluations,
+            ftol=max(self.cost, self.converged), xtol=self.converged, gtol=self.converged,
+        )  # fmt: skip
+        steps, ended = int(found.nfev), found.status > 0
+        return Least(self, found.x, at(found.x), float(found.cost), found.active_mask != 0, steps, ended)
+
+    def through(self, change: Callable[[State], State]) -> LeastSquares:
+        """The same with all states changed."""
+        return replace(self, model=lambda x: change(self.model(x)))
+
+    def holding(self, outcome: Outcome, value: float, weight: float) -> LeastSquares:
+        """The same with one more row, that pulls an ``outcome`` to a ``value``."""
+
+        def model(x: Array) -> State:
+            state, (here, by) = self.model(x), outcome(x)
+            off = np.append(state.residuals, weight * (here - value))
+            return State(off, lambda: np.vstack([state.jacobian, weight * by]))
+
+        return replace(self, model=model)
+
+
+@dataclass(frozen=True, eq=False)
+class Least:
+    """The unknowns ``x`` of the least ``cost``, half the sum of the losses, of a ``problem``, and the ``state`` there;
+    ``at_bound``: mask of those that end on a bound; ``ended``: whether it is a minimum, and not where the search was
+    given up after so many ``steps``."""
+
+    problem: LeastSquares
+    x: Array
+    state: State
+    cost: float
+    at_bound: Array
+    steps: int
+    ended: bool
+
+    def profile(self, outcome: Outcome, step: float, limit: float) -> float | None:
+        """The value of an ``outcome`` at which the least cost with it held is ``limit`` higher, where a ``step`` from
+        here leads to; None: it never is.
+
+        The held value is pulled at by one more row: what it comes to, and what that costs, lie on the profile.
+        """
+        here, loss, width = outcome(self.x)[0], self.problem.loss, self.problem.width
+        weight = TUNING.held * math.sqrt(2 * limit) / abs(step)
+        near = [self.x]
+
+        def excess(k: float) -> float:
+            held = self.problem.holding(outcome, here + k * step, weight).least(near[0])
+            near[0] = held.x
+            cost = costs(held.state.residuals[:-1], loss, width)
+            return math.sqrt(max(cost - self.cost, 0.0)) - math.sqrt(limit)
+
+        with contextlib.suppress(JkrError):
+            for k in 2.0 ** np.arange(TUNING.doublings):
+                if excess(k) >= 0:
+                    optimize.brentq(excess, 0.0 if k <= 1 else k / 2, k, xtol=TUNING.close, rtol=TUNING.close)
+                    return outcome(near[0])[0]
+                reached = outcome(near[0])[0]
+                if abs(reached - here) < k * abs(step) / 2:  # a bound holds it
+                    return reached
+        return None
+
+    def sample(self, change: Callable[[State], State], cost: float) -> Array | None:
+        """The unknowns of the least where all states are changed, from a first step by Gauss and Newton, to ``cost``
+        relatively; None where it is not found."""
+        here = change(self.state)
+        near = self.x - np.linalg.lstsq(here.jacobian, here.residuals, rcond=None)[0]
+        with contextlib.suppress(JkrError):
+            return replace(self.problem.through(change), converged=cost, cost=cost).least(near).x
+        return None
+
+
+def by_differences(residuals: Callable[[Array], Array], x: Array, steps: Array) -> State:
+    """The state of a model that gives residuals alone: derivatives by forward ``steps`` of the unknowns."""
+    here = residuals(x)
+
+    def rates() -> Array:
+        return np.stack([(residuals(x + step) - here) / step.sum() for step in np.diag(steps)], axis=1)
+
+    return State(here, rates)

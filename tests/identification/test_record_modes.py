@@ -1,0 +1,90 @@
+"""The shipped raw record, E* 200 kPa, w 1 mJ/m^2 on its way out and 0.2 mJ/m^2 on its way in, fitted every way."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+import jkrcli as python
+from jkrcli.data.measured import Curve, read
+from jkrcli.identification.fit import Fit, FittedBody, fit
+from jkrcli.identification.fit.body import body_of
+from jkrcli.identification.fit.settings import settings_of
+
+RAW = Path(__file__).parents[2] / "cases" / "measured" / "raw-force-curve.txt"
+TRUTH = {"E_star": 200e3, "w": 1e-3, "w_approach": 0.2e-3}
+CASE = """
+[indenter]
+shape = "sphere"
+radius = "5 um"
+[specimen.half_space]
+E = "100 kPa"
+nu = 0.5
+[loading]
+radius = "1 um"
+points = 60
+spacing = "log"
+"""
+
+
+@pytest.fixture(scope="module", name="body")
+def _body() -> FittedBody:
+    return body_of(python.parse_case(CASE))
+
+
+@pytest.fixture(scope="module", name="record")
+def _record() -> Curve:
+    return read(RAW)[0]
+
+
+def holds(found: Fit, narrow: float = 0.1) -> None:
+    """Each interval holds the truth, and is ``narrow``."""
+    for name, value in TRUTH.items():
+        item = found.estimate(name)
+        assert item.low is not None
+        assert item.high is not None
+        assert item.low <= value <= item.high, name
+        assert item.high - item.low < narrow * value, name
+
+
+@pytest.mark.parametrize("options", [{}, {"confidence": "profile"}, {"confidence": "bootstrap", "samples": 60}])
+def test_every_confidence(body: FittedBody, record: Curve, options: dict[str, object]) -> None:
+    """The model is all but linear within the noise: three ways to one interval."""
+    found, plain = (fit(body, record, settings_of(body, **words)) for words in (options, {}))
+    holds(found)
+    for name in TRUTH:
+        wide, usual = ((item.high or 0) - (item.low or 0) for item in (found.estimate(name), plain.estimate(name)))
+        assert wide == pytest.approx(usual, rel=0.02 if options.get("confidence") == "profile" else 0.35)
+    assert (found.samples is None) == (options.get("confidence") != "bootstrap")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("options", "narrow"),
+    [
+        ({"free": ["E:base"]}, 0.3),
+        ({"free": ["range"]}, 0.4),
+        ({"free": ["stress"]}, 0.4),
+        ({"branch": "compressive"}, 0.4),
+        ({"free": ["E:base"], "confidence": "profile"}, 0.3),
+    ],
+)
+def test_every_unknown(body: FittedBody, record: Curve, options: dict[str, object], narrow: float) -> None:
+    holds(fit(body, record, settings_of(body, **options)), narrow)
+
+
+@pytest.mark.first(2)
+@pytest.mark.parametrize("contact", ["estimate", "as-is", "auto", "fitted"])
+def test_python_and_the_command_agree_to_the_last_digit(jkr: Callable, contact: str) -> None:
+    Path("gel.toml").write_text(CASE)
+    done = jkr("fit", "gel.toml", str(RAW), "--contact", contact, "--json", "--no-plots")
+    assert done.code == 0, done.err
+    (told,) = json.loads(done.out)["curves"]
+    by_settings = python.identify("gel.toml", RAW, contact=contact)
+    by_reading = python.identify("gel.toml", RAW, reading=python.Reading(contact=contact))
+    for found in (by_settings, by_reading):
+        for item in found.estimates:
+            assert told["estimates"][item.name]["value"] == item.value

@@ -66,7 +66,7 @@ from .data.measured import Curve, Reading, from_columns
 from .data.measured import read as read_curves
 from .methods import Method
 from .methods.guards import Limits
-from .report.result import Result
+from .report.result import Result, as_result
 from .series import Solution
 
 if TYPE_CHECKING:
@@ -77,22 +77,25 @@ if TYPE_CHECKING:
     from .adhesion.rate.laws import RateLaw
     from .adhesion.relaxation.history import RelaxedHistory
     from .bodies.relaxation import Relaxation
-    from .identification.fit import Fit
-    from .identification.rate.fitting import RateFit
-    from .identification.relaxation import RelaxationFit
-    from .identification.tension import TensionFit
+    from .identification.fit import FittedBody
     from .many.study.maps import MapResult
     from .report.check import Check
     from .report.compare import Compared
+    from .report.fit import Fitted
+    from .report.joint_fit import JointFitted
     from .report.look import Look
     from .report.plots import Figure
     from .report.profile import Profile
     from .report.pull_off import MeasuredPullOff, PullOff
+    from .report.rate_fit import LawFit
+    from .report.relaxation_fit import RelaxationFitted
+    from .report.tension_fit import TensionFitted
     from .report.transform import Transformed
     from .report.work import Work
 
 __all__ = [
-    "check", "compare", "cycle_at_speed", "cycle_relaxing", "identify", "identify_law", "identify_relaxation",
+    "check", "compare", "cycle_at_speed", "cycle_relaxing", "identify", "identify_joint", "identify_law",
+    "identify_relaxation",
     "identify_tension", "load_case", "look", "measured_curves", "parse_case", "plot", "profile", "pull_off", "read",
     "save", "solve", "study_map", "summary", "table", "to_pandas", "transform", "work",
 ]  # fmt: skip
@@ -154,7 +157,7 @@ def transform(
     asked = _range(solution, stress, length)
     from .report.transform import Transformed
 
-    return Transformed.of(analyse(solution, [_number("w", w, "work")], slopes, modulus_factor, asked)[0])
+    return as_result(Transformed, analyse(solution, [_number("w", w, "work")], slopes, modulus_factor, asked)[0])
 
 
 @one_thread()
@@ -298,7 +301,7 @@ def identify(
     P: Any = None,
     t: Any = None,
     **options: Any,
-) -> Fit:
+) -> Fitted:
     """E*, w and the zero points that bring the adhesive curve of ``body`` nearest to one ``measured`` curve: of a file,
     a data frame with columns named as in a table ("delta_um", "P (nN)"), or arrays of ``a, delta, P, t`` [SI]. In these
     ``reading``, Reading(units={"P": "nN"}), tells units, signs and the device.
@@ -310,6 +313,7 @@ def identify(
     from .identification.fit import fit
     from .identification.fit.body import body_of
     from .identification.fit.settings import settings_of
+    from .report.fit import Fitted
 
     arrays = {"a": a, "delta": delta, "P": P, "t": t}
     given = {name: values for name, values in arrays.items() if values is not None}
@@ -320,7 +324,37 @@ def identify(
         reading = replace(reading, contact="as-is")
     curve = _curve_of(given if measured is None else measured, reading)
     source = body_of(Path(body) if isinstance(body, str) else body, slopes)
-    return one_thread()(fit)(source, curve, settings_of(source, free, (fix or {}).items(), **options))
+    found = one_thread()(fit)(source, curve, settings_of(source, free, (fix or {}).items(), **options))
+    return as_result(Fitted, found, body=_named(body, source))
+
+
+def identify_joint(
+    body: Case | Solution | str | Path,
+    measured: Sequence[Curve | str | Path],
+    shared: Iterable[str] = ("E_star", "w"),
+    own: Iterable[str] = (),
+    tip_radii: Sequence[float | str] = (),
+    free: Iterable[str] = (),
+    fix: Mapping[str, str] | None = None,
+    slopes: str = "auto",
+    **options: Any,
+) -> JointFitted:
+    """E*, w or whatever else all records ``measured`` share, from all of them together; the rest is each record's own.
+
+    ``tip_radii`` [m]: of each, or one of all (default: the body's); ``free``, ``fix``, ``options`` as of ``identify``.
+    Raises InputError where a record cannot be used, or the records do not tell what they share.
+    """
+    from .identification.fit.body import body_of
+    from .identification.fit.joint import joint_fit, shared_of, with_radii
+    from .identification.fit.settings import settings_of
+    from .report.joint_fit import JointFitted
+
+    source = body_of(Path(body) if isinstance(body, str) else body, slopes)
+    curves = [_curve_of(item, None) for item in measured]
+    settings = settings_of(source, free, (fix or {}).items(), **options)
+    bodies = with_radii(source, [_number("tip_radii", R, "length") for R in tip_radii], len(curves))
+    found = one_thread()(joint_fit)(bodies, curves, settings, shared_of(shared, own, settings))
+    return as_result(JointFitted, found, body=_named(body, source), level=settings.level)
 
 
 def identify_law(
@@ -331,7 +365,7 @@ def identify_law(
     fix: Mapping[str, str] | None = None,
     slopes: str = "auto",
     **options: Any,
-) -> RateFit:
+) -> LawFit:
     """w0, the parameters of a ``law`` over the edge's speed, E* and the zero point, from records with time together.
 
     ``measured``: curves of retractions at one or several speeds, or their files; ``free``: more parameters ("P0");
@@ -340,12 +374,13 @@ def identify_law(
     """
     from .identification.fit.body import body_of
     from .identification.rate.fitting import rate_fit, rate_settings
+    from .report.rate_fit import LawFit
 
     source = body_of(Path(body) if isinstance(body, str) else body, slopes)
     start = options.pop("start", {}).items()
     settings = rate_settings(source, law, free, (fix or {}).items(), start, **options)
     curves = [curve for each in measured for curve in ([each] if isinstance(each, Curve) else measured_curves(each))]
-    return one_thread()(rate_fit)(source, curves, settings)
+    return as_result(LawFit, one_thread()(rate_fit)(source, curves, settings), body=_named(body, source))
 
 
 def identify_relaxation(
@@ -355,7 +390,7 @@ def identify_relaxation(
     fix: Mapping[str, str] | None = None,
     slopes: str = "auto",
     **options: Any,
-) -> RelaxationFit:
+) -> RelaxationFitted:
     """The modulus, the parameters of a ``law`` of relaxation and the zero point, from a record with time.
 
     ``measured``: one curve of t, delta, P, or its file; ``fix``: known ones, {"ratio": "0.3"}; ``options``: level,
@@ -363,10 +398,12 @@ def identify_relaxation(
     """
     from .identification.fit.body import body_of
     from .identification.relaxation import relaxation_fit, relaxation_settings
+    from .report.relaxation_fit import RelaxationFitted
 
     source = body_of(Path(body) if isinstance(body, str) else body, slopes)
     curve = _curve_of(measured, None)
-    return one_thread()(relaxation_fit)(source, curve, relaxation_settings(law, (fix or {}).items(), **options))
+    found = one_thread()(relaxation_fit)(source, curve, relaxation_settings(law, (fix or {}).items(), **options))
+    return as_result(RelaxationFitted, found, body=_named(body, source))
 
 
 def identify_tension(
@@ -375,7 +412,7 @@ def identify_tension(
     tip_radii: Sequence[float | str] = (),
     fix: Mapping[str, str] | None = None,
     level: float = 0.95,
-) -> TensionFit:
+) -> TensionFitted:
     """Surface tension, E*, w and the zero points from records by tips of one or more radii on the same body, together.
 
     ``measured``: curves or their files; ``tip_radii`` [m]: of each, or one of all (default: the body's); ``fix``: known
@@ -383,12 +420,20 @@ def identify_tension(
     """
     from .identification.fit.body import body_of
     from .identification.tension import TENSION, known_values, radii_of, tension_fit
+    from .report.tension_fit import TensionFitted
 
-    problem = body_of(Path(body) if isinstance(body, str) else body).problem
+    source = body_of(Path(body) if isinstance(body, str) else body)
+    problem = source.problem
     curves = [_curve_of(item, None) for item in measured]
     radii = radii_of(problem, [_number("tip_radii", R, "length") for R in tip_radii], len(curves))
     known = known_values(problem, [] if TENSION in (fix or {}) else [TENSION], (fix or {}).items())
-    return one_thread()(tension_fit)(problem, curves, radii, known, level)
+    found = one_thread()(tension_fit)(problem, curves, radii, known, level)
+    return as_result(TensionFitted, found, body=_named(body, source), level=level)
+
+
+def _named(body: Any, source: FittedBody) -> str:
+    """What was fitted in words: its file, or the body."""
+    return str(body) if isinstance(body, str | Path) else source.problem.words
 
 
 def _curve_of(measured: Any, reading: Reading | None) -> Curve:
@@ -521,9 +566,10 @@ def compare(
     differs by more than ``rtol``. Raises InputError where less than ``overlap`` of their range is common."""
     from .report.compare import Compared, of_curves, of_solutions
 
-    files = tuple(Path(item) if isinstance(item, str | Path) else Path("solved") for item in (first, second))
-    if files[0].suffix == ".csv":
-        return Compared.of(files, of_curves(files), rtol, columns, overlap)
+    one, two = (Path(item) if isinstance(item, str | Path) else Path("solved") for item in (first, second))
+    files = one, two
+    if one.suffix == ".csv":
+        return Compared.of(files, of_curves(files), rtol, tuple(columns), overlap)
     found = of_solutions(files, _solution(first, None), _solution(second, None))
     return Compared.of(files, found, rtol, tuple(columns) or ("P",), overlap)
 

@@ -38,7 +38,7 @@ from .options import (
 from .output import answer, into_folder, output_options
 from .series import begin_curves, read_series, series_file, works_of
 from .verb import Verb
-from .voice import say, warn
+from .voice import present, warn
 
 if TYPE_CHECKING:
     from ..report.plots import Figure
@@ -89,8 +89,8 @@ def cycle(
 
     \b
     jkr cycle data.h5 --stiffness "10 kN/m"
-    jkr cycle gel.h5 --w-approach "35 mJ/m^2" --w-retract "45 mJ/m^2" --to-load "0.5 mN"
-    jkr cycle gel.h5 --rate v0="1 um/s",n=0.6 --speed "10 um/s" --to-load "0.5 mN"
+    jkr cycle gel.h5 --w-retract "45 mJ/m^2" --to-load "0.5 mN"
+    jkr cycle gel.h5 --rate v0="1 um/s",n=0.6 --speed "10 um/s"
     jkr cycle relaxing-gel.h5 --w-approach 0 --speed "10 um/s" --hold "30 s"
     """
     if to_load is not None and to_depth is not None:
@@ -149,7 +149,7 @@ def _tell(file: Path, told: dict[tuple[str, float], Told], targets: list[Files],
     for ((name, share), item), files in zip(told.items(), targets, strict=True):
         if not json:
             head = [f"limit of {name} cycles, the moduli times {share:.4g}:"] if name else []
-            say("\n".join([*head, *item.lines, f"  written {files}"]))
+            present([*head, *item.lines], last=f"  written {files}")
         for line in item.warnings:
             warn(f"{file}: {line}")
 

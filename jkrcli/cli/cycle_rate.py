@@ -160,7 +160,7 @@ def run(
     warnings = report.warnings_of(history, zone)
     first, *rest = report.words(history, zone)
     found = {"file": str(file)} | report.summary(history, zone) | {"warnings": warnings}
-    return Told(found, [f"{file}: {first}", *rest], warnings)
+    return Told(found, [f"{first}: {file}", *rest], warnings)
 
 
 def _program(contact: RateContact, rates: RateOptions, turn: Turn) -> Program:

@@ -58,4 +58,4 @@ def run(
     targets.write(columns, figure=targets.draw(figure))
     first, *rest = report.words(history)
     warnings = report.warnings_of(history)
-    return Told({"file": str(file)} | found | {"warnings": warnings}, [f"{file}: {first}", *rest], warnings)
+    return Told({"file": str(file)} | found | {"warnings": warnings}, [f"{first}: {file}", *rest], warnings)

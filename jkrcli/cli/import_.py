@@ -79,9 +79,9 @@ def import_(
     wedge of 2 degrees of an axisymmetric body: --factor P=180.
 
     \b
-    jkr import abaqus.rpt --case my.toml --unit delta=um --unit P=mN --unit area=um^2
-    jkr import table.csv -o data.h5 --radius "1 mm" --E "15 kPa" --nu 0.5 --thickness "0.3 mm"
-    jkr import run.csv --case my.toml --column P=RF2 --column a=4 --unit P=uN --unit a=um --factor P=180
+    jkr import abaqus.rpt --case my.toml --unit delta=um --unit P=mN
+    jkr import table.csv -o data.h5 --radius "1 mm" --E "15 kPa" --nu 0.5
+    jkr import run.csv --case my.toml --column P=RF2 --column a=4 --factor P=180
     """
     body = {key: options.pop(key) for key in FLAGS}
     target = output.series(Path(f"{table.stem}.h5"), [table, *([case] if case else [])])

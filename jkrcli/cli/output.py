@@ -13,7 +13,7 @@ from ..base.errors import InputError
 from ..base.files import real
 from ..base.table import as_json
 from ..report.output import Output
-from .voice import say, warn
+from .voice import present, warn
 
 ONE_FILE = "Replace an existing file that jkr did not write."  # help of --force
 FILES = (".msh", ".vtu", ".csv", ".json", ".png", ".svg", ".pdf", ".h5", ".html", ".toml", ".txt")
@@ -90,6 +90,6 @@ def give(result: Result, output: Output, written: str = "") -> None:
     if output.json:
         answer(result.summary())
     else:
-        say("\n".join(filter(None, (str(result), written))))
+        present(*result.parts, last=written)
     for line in result.warnings:
         warn(line)

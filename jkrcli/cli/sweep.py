@@ -16,7 +16,7 @@ from ..many.sweep.table import SweepTable
 from ..report import tables
 from .options import NumberRange, parallel_options
 from .verb import Verb
-from .voice import note, progress, say, warn
+from .voice import note, present, progress, warn
 
 
 @click.command(cls=Verb)
@@ -95,8 +95,9 @@ def _print_summary(plan: Plan, table: SweepTable, paths: list[Path], as_json: bo
         }
         click.echo(tables.as_json(summary).rstrip())
     else:
-        say(f"{plan.title or plan.source}: {plan.count:,} cases, {len(failed):,} of them failed")
-        say(f"  written   {', '.join(str(path) for path in paths)}")
-        say(f"  one case  {rerun(plan, failed[0][0] if failed else 0)}")
+        present([
+            f"{plan.count:,} cases, {len(failed):,} of them failed: {plan.title or plan.source}",
+            f"  one case  {rerun(plan, failed[0][0] if failed else 0)}",
+        ], last=f"  written   {', '.join(str(path) for path in paths)}")  # fmt: skip
     if failed:
         warn(f"{len(failed):,} cases failed, the first because: {failed[0][1]}")

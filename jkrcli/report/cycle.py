@@ -36,18 +36,17 @@ def words(file: Path, found: Cycle) -> list[str]:
     begin, onset = found.begin, found.contact.advancing.onset
     jump_in = f"jump-in at delta = {show(onset, 'length') if onset else 0} to"
     start = jump_in if found.contact.advancing.w > 0 else "contact grows from a point; first of the series:"
+    energies = {"energy lost per cycle": found.energy_lost, "work of separation": found.separation}
+    told = [f"{name} {value if isinstance(value, Unknown) else f'{value:.4g} J'}" for name, value in energies.items()]
     lines = [
-        f"{file}: {control(found.stiffness)}, w = {works[0]} on approach, {works[1]} on retraction",
+        f"{'; '.join(told)}: {file}",
+        f"  {control(found.stiffness)}, w = {works[0]} on approach, {works[1]} on retraction",
         f"  {start} P = {show(begin.P, 'load')}, a = {show(begin.a, 'length')}",
         f"  turn at a = {show(found.contact.advancing.point(found.turn).a, 'length')}",
         *(f"  {_jump(jump)}" for jump in (*found.jumps_in, *found.jumps_out)),
     ]
     if found.retraction.ends != "lost":
         lines.append("  contact is not lost within the series: the trace ends at its smallest radius")
-    energies = {"energy lost per cycle": found.energy_lost, "work of separation": found.separation}
-    lines += [
-        f"  {name}: {value if isinstance(value, Unknown) else f'{value:.4g} J'}" for name, value in energies.items()
-    ]
     return lines
 
 

@@ -135,12 +135,12 @@ class Exported(Result):
 
     def words(self) -> list[str]:
         law, result = self.law, self.result
-        w, end = result.w, show(law.delta[-1], "length")
+        w, tear_off, end = result.w, law.tear_off, show(law.delta[-1], "length")
         lines = [
-            f"{result.path}: w = {show(w, 'work')}, {law.delta.size} rows up to {end}; "
-            f"interpolation good to {law.error:.1g}",
+            f"tear-off at P = {show(tear_off.P, 'load')}, delta = {show(tear_off.delta, 'length')} "
+            f"(displacement control), w = {show(w, 'work')}: {result.path}",
+            f"  table      {law.delta.size} rows up to {end}, good to {law.error:.1g} between",
             f"  touch      {_state(0.0, law.jump_in.P)}",
-            f"  tear-off   {_state(law.tear_off.delta, law.tear_off.P)} (displacement control)",
         ]
         if law.load is not None:
             lines.append(f"  pull-off   {_state(law.load.delta, law.load.P)} (load control)")

@@ -86,17 +86,17 @@ def words(history: History, zone: Zone) -> list[str]:
     """Lines for people."""
     contact, pulled, lost = history.contact, history.pull_off, history.lost
     works = show(contact.w_advance, "work"), show(contact.w0, "work")
-    lines = [f"{history.control}, w = {works[0]} on approach, from {works[1]} on retraction; {law_words(contact.law)}"]
+    lines = [
+        f"pull-off force {show(-pulled.P, 'load')} at t = {show(pulled.t, 'time')}, delta = "
+        f"{show(pulled.delta, 'length')}, a = {show(pulled.a, 'length')}; edge up to {show(history.fastest, 'speed')}",
+        f"  {history.control}, w = {works[0]} on approach, from {works[1]} on retraction; {law_words(contact.law)}",
+    ]
     for jump in history.jumps:
         if jump.end is not None:
             lines.append(
                 f"  contact jumps at t = {show(jump.t, 'time')} from a = {show(jump.start.a, 'length')} to "
                 f"a = {show(jump.end.a, 'length')}, P = {show(jump.end.P, 'load')}"
             )
-    lines.append(
-        f"  pull-off force {show(-pulled.P, 'load')} at t = {show(pulled.t, 'time')}, delta = "
-        f"{show(pulled.delta, 'length')}, a = {show(pulled.a, 'length')}; edge up to {show(history.fastest, 'speed')}"
-    )
     told = "contact is not lost" if lost is None else f"contact is lost at t = {show(lost.t, 'time')}"
     if lost is not None and history.waited is not None:
         held = (

@@ -43,9 +43,9 @@ def words(history: RelaxedHistory) -> list[str]:
     """Lines for people."""
     peak, lost = history.peak, history.lost
     lines = [
-        f"{history.control}, no adhesion; {history.contact.law}",
-        f"  largest load {show(peak.P, 'load')} at t = {show(peak.t, 'time')}, delta = {show(peak.delta, 'length')}, "
+        f"largest load {show(peak.P, 'load')} at t = {show(peak.t, 'time')}, delta = {show(peak.delta, 'length')}, "
         f"a = {show(peak.a, 'length')}",
+        f"  {history.control}, no adhesion; {history.contact.law}",
     ]
     for corner in history.corners:
         if corner.t > peak.t:

@@ -10,7 +10,7 @@ from typing import Any
 from ..adhesion.validity import check, end_of_body, judge, sizes
 from ..base.arrays import Array
 from ..base.units import reached
-from ..base.unknown import Estimate, Unknown
+from ..base.unknown import Estimate, Unknown, accuracy
 from ..beside.sticking import StickingEffect, as_told, sticking_warnings
 from ..bodies.problem import Problem
 from ..methods.choose import Choice
@@ -76,12 +76,10 @@ class Solved(Held):
         }
 
     def words(self) -> list[str]:
-        total = self.solution.budget.total
         return [
-            self.solution.problem.words,
+            f"{self._reached} in {len(self.solution.series)} points; {accuracy(self.solution.budget.total)}",
+            f"  body      {self.solution.problem.words}",
             f"  method    {self.choice.name}: {self.choice.reason}",
-            f"  reached   {self._reached} in {len(self.solution.series)} points",
-            f"  error     {total if isinstance(total, Unknown) else f'{total:.1e} relative (estimated)'}",
             f"  written   {self.file} ({self.seconds:.2f} s CPU)",
         ]
 
@@ -109,10 +107,9 @@ class Imported(Held):
     def words(self) -> list[str]:
         facts = self.solution.facts
         return [
-            self.solution.problem.words,
+            f"{self._reached}; {facts['rows']} rows, {len(self.solution.series)} different contact radii",
+            f"  body      {self.solution.problem.words}",
             f"  columns   {facts['columns']}; separated by: {facts['separator']}",
-            f"  read      {facts['rows']} rows, {len(self.solution.series)} different contact radii",
-            f"  reached   {self._reached}",
             f"  written   {self.file}",
         ]
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +20,7 @@ from ..base.errors import InputError
 from ..base.files import read_bytes
 from ..base.table import as_json as as_json
 from ..base.units import show
-from ..base.unknown import Estimate, Unknown, known
+from ..base.unknown import Estimate, Unknown, accuracy, known
 from ..beside.analysis import Analysis
 
 SUMMARY_FORMAT, SUMMARY_VERSION = "jkr-summary", 1
@@ -125,6 +126,19 @@ def law_words(result: Analysis) -> str:
     if result.law is None:
         return ""
     return f", stress {show(result.law.stress, 'modulus')} up to {show(result.law.length, 'length')}"
+
+
+def lost_words(
+    result: Analysis, points: Mapping[str, tuple[Equilibrium | Unknown, Errors | Unknown | None]]
+) -> list[str]:
+    """The verdict on a curve: its pull-off force under each control, ``points`` with their half-widths; then the
+    largest numerical error of these."""
+    there = {name: (at, half) for name, (at, half) in points.items() if not isinstance(at, Unknown) and at.P}
+    forces = ", ".join(f"{show(-at.P, 'load')} ({name})" for name, (at, _) in there.items())
+    told = f"pull-off force {forces}" if there else "no pull-off in the series"
+    errors = [half["P"] / abs(at.P) for at, half in there.values() if half and not isinstance(half, Unknown)]
+    lines = [f"{told} at w = {show(result.w, 'work')}{law_words(result)}: {result.path}"]
+    return lines + ([f"  pull-off: {accuracy(max(errors))} (90 %)"] if errors else [])
 
 
 def point(found: Equilibrium | Unknown) -> dict[str, Any]:

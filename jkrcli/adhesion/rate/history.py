@@ -17,7 +17,7 @@ from ..curve import AdhesiveCurve
 from ..device import DISPLACEMENT_CONTROL, LOAD_CONTROL
 from ..edge import Edge
 from ..nonadhesive import Nonadhesive
-from ..path import ADVANCE, FREE, RECEDE, REST, AtOnce, Contact, Jump, Path, Piece, TimedState, held, path
+from ..path import ADVANCE, FREE, RECEDE, REST, AtOnce, Contact, Jump, Path, Piece, TimedState, path
 from ..program import Program
 from ..stability import UNBOUNDED, turning_radius
 from .laws import RateLaw
@@ -198,14 +198,14 @@ class History(Path):
                 t, a = piece.rows(TUNING.looked_at)
                 t, a = np.append(t[t <= end.t], end.t), np.append(a[t <= end.t], end.a)
                 t, a = t[t <= piece.last[0]], a[t <= piece.last[0]]
-                found += (-piece.speeds(a, self.contact.states(a, held(piece, t)).G)).tolist()
+                found += (-piece.speeds(a, self.states(piece, t, a).G)).tolist()
         return max(speed for speed in found if math.isfinite(speed))  # where it jumps it has none
 
     def first_held(self, quantity: str, value: float) -> float | None:
         """What the device holds where "P" [N] or "delta" [m] first rises to ``value``; None: it never does."""
 
         def excess(piece: Piece, t: Array) -> Array:
-            _, delta, P, _ = self.contact.states(piece.at(t), held(piece, t))
+            _, delta, P, _ = self.states(piece, t, piece.at(t))
             return (P if quantity == "P" else delta) - value
 
         for piece in self.pieces:

@@ -149,7 +149,7 @@ def fit_record(body: FittedBody, record: ForceCurve, settings: Settings, pool: P
         raise InputError(f"{record.curve.where}: no contact: {reason}")
     curve = record.curve
     record, waves = straightened(record) if settings.base_line == "sine" else (record, {})
-    body = body.with_values({p.name: float(p.value) for p in settings.parameters if p.of_body and p.value is not None})
+    body = _with_known(body, settings)
     kinds = _kinds(record, settings)
 
     def of(*kinds: str) -> tuple[FittedBody, ForceCurveFit]:
@@ -168,6 +168,18 @@ def fit_record(body: FittedBody, record: ForceCurve, settings: Settings, pool: P
         return judged(result, whole, joint)
     alone = _result(deeper, record, curve, settings, into, pool)
     return judged(beside(_result(deeper, record, curve, settings, back, pool), alone, result), whole, joint)
+
+
+def whole_fit(body: FittedBody, record: ForceCurve, settings: Settings) -> ForceCurveFit:
+    """What leaves least of all directions of a record."""
+    record, waves = straightened(record) if settings.base_line == "sine" else (record, {})
+    body = _with_known(body, settings)
+    return _fitted(body, _model(body, record, settings, waves, _kinds(record, settings)), settings)[1]
+
+
+def _with_known(body: FittedBody, settings: Settings) -> FittedBody:
+    """The body with the known values of its layers."""
+    return body.with_values({p.name: float(p.value) for p in settings.parameters if p.of_body and p.value is not None})
 
 
 def receding(body: FittedBody, curve: Curve, settings: Settings) -> Curve:
@@ -203,8 +215,7 @@ def reduced(body: FittedBody, record: ForceCurve, settings: Settings) -> tuple[C
     have no scatter, what the zeros err by is fitted again."""
     usual = tuple(Parameter(name, True) for name in ("modulus", "w", "delta0"))
     plain = replace(settings, parameters=usual, given=frozenset(), noise={}, branch="all", loss="linear")
-    record, waves = straightened(record) if settings.base_line == "sine" else (record, {})
-    _, found = _fitted(body, _model(body, record, plain, waves, _kinds(record, settings)), plain)
+    found = whole_fit(body, record, plain)
     curve = _in_contact(found, record.curve, found.model.stretches)
     assert curve.delta is not None
     assert curve.P is not None
@@ -218,6 +229,7 @@ def reduced(body: FittedBody, record: ForceCurve, settings: Settings) -> tuple[C
         f"{show(told['delta0'], 'length', 5)} and P0 = {show(told['P0'], 'load', 5)}"
     )
     placed = TUNING.placed_rows * found.sigma * float(np.ptp(delta) / np.ptp(curve.P))
+    placed = max(placed, found.sigma * (1 / found.model.k - stiff))
     fixed = {"compliance": Parameter("compliance", False, stiff)} | {"P0": Parameter("P0", True)}
     parameters = tuple(fixed.get(p.name, p) if p.name not in asked else p for p in settings.parameters)
     curve = replace(curve, delta=delta, P=curve.P + shift["P0"], flags=(*curve.flags, said))

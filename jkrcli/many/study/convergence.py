@@ -72,15 +72,17 @@ class Convergence(Meshes, Result):
 
     def words(self) -> list[str]:
         against = "the exact solution" if self.exact is not None else "the extrapolated value or the finest mesh"
-        at = f"delta = {show(self.depth, 'length')}, w = {show(self.w, 'work')}"
+        finest = [abs(error) for name in QUANTITIES if (error := self.errors(name)[-1]) is not None]
+        told = f"errors within {max(finest):.1e} of {against}" if finest else "no errors"
         return [
-            self.problem.words,
-            f"  at        {at}; errors against {against}",
+            f"elements of {show(self.levels[-1].size, 'length', 3)}: {told}",
+            f"  body      {self.problem.words}",
+            f"  at        delta = {show(self.depth, 'length')}, w = {show(self.w, 'work')}",
+            *map(self._order, QUANTITIES),
+            f"  {'CPU seconds':<15} grow like the number of unknowns to the power {self.time_exponent:.2f}",
             f"  {'size':>10}{'elements':>10}{'a':>12}{'error':>9}{'P':>12}{'error':>9}{'pull-off':>12}{'error':>9}"
             f"{'kept':>6}{'dropped':>8}{'CPU s':>7}",
             *map(self._row, range(len(self.levels))),
-            *map(self._order, QUANTITIES),
-            f"  {'CPU seconds':<15} grow like the number of unknowns to the power {self.time_exponent:.2f}",
         ]
 
     def _row(self, i: int) -> str:

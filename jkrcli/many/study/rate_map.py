@@ -117,7 +117,7 @@ MAP = Map(
 
     \b
     jkr study rate-map --rate n=0.6 --thickness 0.3 -o map
-    jkr study rate-map --rate law=log,b=0.3 --stiffness rigid --speed 0.01 --speed 1
+    jkr study rate-map --rate law=log,b=0.3 --stiffness rigid --speed 1
     """,
     {
         "rate": Axis({"n": "0.6"}, "The law in units of w0 and v0: n=0.6; law=log,b=0.3.", several=False,

@@ -348,6 +348,7 @@ def _stretch(record: ForceCurve, side: Direction, wave: Wave | None) -> Directio
     line, tension, touching, keep = _told(side, z, P)
     contact = np.count_nonzero(touching) or rows.size - side.border[1]
     keep[rows.size - round(TUNING.turning * contact) :] = False
+    keep &= ~np.isin(rows, record.spikes)
     t = np.zeros(len(curve)) if curve.t is None else curve.t - curve.t[int(np.argmax(curve.device))]
     return DirectionReadings(
         side.segment.kind, rows[keep], line, z[keep], P[keep], touching[keep], bool(touching.any()), t[rows[keep]],

@@ -33,7 +33,7 @@ class ColouredTuning:
     rounds: int = 8  # choice: of reweighting; the likelihood is then good to 1e-3
     share: float = 0.25  # choice: of an octave that the fit must have left, below which it joins the next
     least: float = 4.0  # choice: of 2 ln of the likelihoods' ratio that a second part of the spectrum must gain
-    beside: int = 8  # choice: rows on each side of missing ones, whose means a line goes through
+    beside: int = 8  # choice: least rows on each side of missing ones, whose means a line goes through
     likely: float = 0.05  # choice: of the likeliest spectrum, likelihood below which one has no share
     free: int = 40  # choice: free rows of a direction that tell its noise
     seen: float = 4.0  # choice: of the lowest frequency of the free rows, the lowest corner that they tell
@@ -91,18 +91,19 @@ def waves(columns: Array) -> Array:
     return found
 
 
-def in_time(columns: Array, rows: Array) -> Array:
-    """Columns of some ``rows`` of a record in the order of time, straight lines over the rows that are missing: noise
-    that is slow goes on meanwhile."""
+def in_time(columns: Array, rows: Array, noise: Spectrum) -> Array:
+    """Columns of some ``rows`` of a record in the order of time. Over the rows that are missing straight lines through
+    the means of as many beside them, as much of them as ``noise`` of that length is slow: it goes on meanwhile."""
     order = np.argsort(rows)
     columns, rows = columns[order], rows[order] - rows.min()
     found = np.zeros((int(rows[-1]) + 1, *columns.shape[1:]))
     found[rows] = columns
     for i in np.flatnonzero(np.diff(rows) > 1) + 1:
-        first, last = (
-            part.mean(axis=0) for part in (columns[max(i - TUNING.beside, 0) : i], columns[i:][: TUNING.beside])
-        )
-        share = np.arange(1, rows[i] - rows[i - 1]) / (rows[i] - rows[i - 1])
+        count = int(rows[i] - rows[i - 1]) - 1
+        slow = 1 - noise.A / float(noise(np.array(1 / (2 * count))))
+        beside = max(count, TUNING.beside)
+        first, last = (slow * part.mean(axis=0) for part in (columns[max(i - beside, 0) : i], columns[i : i + beside]))
+        share = np.arange(1, count + 1) / (count + 1)
         found[rows[i - 1] + 1 : rows[i]] = first + np.multiply.outer(share, last - first)
     return found
 

@@ -124,7 +124,7 @@ class ForceCurveModel:
 
     def ordered(self, columns: Array, noise: Spectrum) -> Array:
         """Columns of all rows as they were taken, where the order matters to the ``noise``."""
-        return in_time(columns, self.rows) if noise.slow else columns
+        return in_time(columns, self.rows, noise) if noise.slow else columns
 
     def whitened(self, columns: Array, noise: Spectrum) -> Array:
         """Columns of all rows so that a noise has unit variance and no colour."""

@@ -279,5 +279,5 @@ def _weighted(at: Situation, table: Array, keep: Array) -> tuple[Array, int]:
     """The rows of ``table`` in units of the noise of the free rows, so that noise has unit variance and no colour; how
     many rows told it, 0 where they are too few."""
     noise, loose = at.found.spread.noise, sum(part.size for part in at.model.free(table[:, 0]))
-    ordered = in_time(table[keep], at.model.rows[keep]) if noise.slow else table[keep]
+    ordered = in_time(table[keep], at.model.rows[keep], noise) if noise.slow else table[keep]
     return noise.whitened(ordered), loose if loose >= COLOURED.free else 0

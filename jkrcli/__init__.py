@@ -30,6 +30,7 @@ if TYPE_CHECKING:
         look,
         measured_curves,
         parse_case,
+        plan,
         plot,
         profile,
         pull_off,
@@ -73,8 +74,8 @@ __all__ = [
     "RoundedFlat", "Specimen", "Sphere", "StandardSolid", "TableProfile", "Tabulated", "TransverselyIsotropic",
     "Unknown", "check", "compare", "cycle", "cycle_at_speed", "cycle_relaxing", "identify", "identify_joint",
     "identify_law", "identify_relaxation", "identify_tension", "load_case", "look", "measured_curves", "parse_case",
-    "plot", "profile", "pull_off", "read", "save", "solve", "study_map", "summary", "table", "to_pandas", "transform",
-    "work",
+    "plan", "plot", "profile", "pull_off", "read", "save", "solve", "study_map", "summary", "table", "to_pandas",
+    "transform", "work",
 ]  # fmt: skip
 _HOMES = {  # of what is not in jkrcli.api
     ".adhesion.rate.laws": ("LogRate", "PowerRate"),

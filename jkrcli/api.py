@@ -77,7 +77,8 @@ if TYPE_CHECKING:
     from .adhesion.rate.laws import RateLaw
     from .adhesion.relaxation.history import RelaxingContact
     from .bodies.relaxation import Relaxation
-    from .identification.fit import FittedBody
+    from .identification.fit import Fit, FittedBody
+    from .identification.fit.result import Further
     from .many.study.maps import MapResult
     from .report.check import Check
     from .report.compare import Compared
@@ -98,8 +99,8 @@ if TYPE_CHECKING:
 
 __all__ = [
     "check", "compare", "cycle", "cycle_at_speed", "cycle_relaxing", "identify", "identify_joint", "identify_law",
-    "identify_relaxation", "identify_tension", "load_case", "look", "measured_curves", "parse_case", "plot", "profile",
-    "pull_off", "read", "save", "solve", "study_map", "summary", "table", "to_pandas", "transform", "work",
+    "identify_relaxation", "identify_tension", "load_case", "look", "measured_curves", "parse_case", "plan", "plot",
+    "profile", "pull_off", "read", "save", "solve", "study_map", "summary", "table", "to_pandas", "transform", "work",
 ]  # fmt: skip
 
 
@@ -388,6 +389,15 @@ def identify_joint(
     bodies = with_radii(source, [_number("tip_radii", R, "length") for R in tip_radii], len(curves))
     found = one_thread()(joint_fit)(bodies, curves, settings, shared_of(shared, own, settings))
     return as_result(JointFitted, found, body=_named(body, source), level=settings.level)
+
+
+def plan(body: Case | Solution | str | Path, found: Fit, slopes: str = "auto") -> tuple[Further, ...]:
+    """Which further measurement would narrow E* and w of a fit most: relative standard errors now and with the same
+    measurement again, other largest loads, tip radii, thicknesses. InputError where the data do not tell both."""
+    from .identification.fit.body import body_of
+    from .identification.fit.plan import further
+
+    return one_thread()(further)(body_of(Path(body) if isinstance(body, str) else body, slopes), found)
 
 
 def identify_law(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -189,6 +189,7 @@ def _summary(item: Fit | Failure) -> dict[str, Any]:
         **({} if item.range_left is None else {"range_left_m": item.range_left}),
         **_beside(item),
         **_verdict(item),
+        **({"plan": [asdict(one) for one in item.plan]} if item.plan else {}),
         **({} if item.quality is None else {"quality": dict(item.quality), "flags": list(item.flags)}),
         "warnings": list(item.warnings),
     }
@@ -243,8 +244,9 @@ def words(item: Fit) -> list[str]:
 def verdict_words(item: Fit) -> list[str]:
     """E* and w with the parts of their errors; of raw records also whether the model is rejected, what a formula would
     give, and which rivals the parts by the model are from."""
-    shown = [one for one in (item.estimate("E_star"), item.work) if one.free]
-    verdict, formula = ", ".join(map(brief, shown or item.estimates)), []
+    shown, formula = [item.estimate("E_star"), item.work], list[str]()
+    doubts = [flag for flag in item.flags if not flag.endswith(VAGUE)]
+    verdict = ", ".join(map(brief, shown)) + (f"; doubtful: {', '.join(doubts)}" if doubts else "")
     if item.verdict is None:
         return [verdict]
     if item.verdict.E_star is not None:
@@ -267,7 +269,7 @@ def brief(item: FittedValue) -> str:
     """A value with its statistical part, that of inputs, and that of the model."""
     name = f"{SYMBOLS.get(item.name, item.name)} = {show(item.value, item.dimension, 4)}"
     if item.error is None:
-        return f"{name} (not determined by the data)" if item.free else name
+        return f"{name} (not determined by the data)" if item.free else f"{name} (held)"
     calibration = math.hypot(*(item.systematic or {}).values())
     own = math.sqrt(max(item.error**2 - calibration**2, 0.0))
     parts = {"statistical": own, "calibration": calibration, "model": math.hypot(*(item.model or {}).values())}
@@ -295,6 +297,18 @@ def rivals_table(item: Fit) -> list[str]:
         f"E* {show(one.E_star, 'modulus', 4)}, w {show(one.w, 'work', 4)}, {told_words(one)}"
         for one in item.verdict.tried
     )]  # fmt: skip
+
+
+def plan_table(item: Fit) -> list[str]:
+    """What further measurements would tell, the best for E* and for w marked."""
+    best = [min((getattr(one, name) for one in item.plan), default=0.0) for name in ("E_star", "w")]
+    head = [f"  {'a further measurement':<32}{'E* within':>12}{'w within':>12}"] * bool(item.plan)
+    return head + [
+        f"  {one.words:<32}"
+        + "".join(f"{value:>11.2%}{'*' if value == least else ' '}"
+                  for value, least in zip((one.E_star, one.w), best, strict=True))
+        for one in item.plan
+    ]  # fmt: skip
 
 
 def _verdict(item: Fit) -> dict[str, Any]:

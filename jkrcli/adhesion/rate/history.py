@@ -30,8 +30,12 @@ class HistoryTuning:
 
     tolerance: float = 3e-11  # choice: relative, of a step of the integrator; leaves 3e-9 of the energies
     evaluations: int = 100_000  # choice: guard, six times what the slowest pull in tests takes
-    coarser: float = 4.0  # choice: factor of the tolerance of the second run, from whose distance the error is told
-    floor: float = 0.5  # choice: of the tolerance, no smaller error is stated; true ones are 0.01 to 1.7 of it
+    # tuned on curves, by `make constants`: factor of the tolerance of the second run, from whose distance the error is
+    # told
+    coarser: float = 4.0
+    # tuned on curves, by `make constants`: of the tolerance, no smaller error is stated; true ones are 0.01 to 1.7 of
+    # it
+    floor: float = 0.5
     slow: float = (
         3e-11  # theory: excess of w at the edge, below which equilibrium errs as a step of the integrator does
     )

@@ -244,8 +244,9 @@ def words(item: Fit) -> list[str]:
 def verdict_words(item: Fit) -> list[str]:
     """E* and w with the parts of their errors; of raw records also whether the model is rejected, what a formula would
     give, and which rivals the parts by the model are from."""
-    shown = [one for one in (item.estimate("E_star"), item.work) if one.free]
-    verdict, formula = ", ".join(map(brief, shown or item.estimates)), []
+    shown, formula = [item.estimate("E_star"), item.work], list[str]()
+    doubts = [flag for flag in item.flags if not flag.endswith(VAGUE)]
+    verdict = ", ".join(map(brief, shown)) + (f"; doubtful: {', '.join(doubts)}" if doubts else "")
     if item.verdict is None:
         return [verdict]
     if item.verdict.E_star is not None:
@@ -268,7 +269,7 @@ def brief(item: FittedValue) -> str:
     """A value with its statistical part, that of inputs, and that of the model."""
     name = f"{SYMBOLS.get(item.name, item.name)} = {show(item.value, item.dimension, 4)}"
     if item.error is None:
-        return f"{name} (not determined by the data)" if item.free else name
+        return f"{name} (not determined by the data)" if item.free else f"{name} (held)"
     calibration = math.hypot(*(item.systematic or {}).values())
     own = math.sqrt(max(item.error**2 - calibration**2, 0.0))
     parts = {"statistical": own, "calibration": calibration, "model": math.hypot(*(item.model or {}).values())}

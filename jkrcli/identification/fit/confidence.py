@@ -67,12 +67,26 @@ def confidence_of(
     untold = isinstance(jkr, JKRBeside) and jkr.excess < 0.5 * t**2 * factor
     spread = _Spread(minimum, settings, inner, samples, t, factor, untold)
     estimates = (*(spread.parameter(i) for i in range(len(objective.parameters))), *spread.derived())
+    if untold and isinstance(jkr, JKRBeside):
+        here = objective.values(minimum.x)
+        estimates = tuple(_and_none(item, jkr.values, here) for item in estimates)
     if settings.uncertain:
         changes = {name: _changes(minimum, settings, name, sigma) for name, sigma in settings.uncertain.items()}
         estimates = tuple(
             wider(item, {name: change[item.name] for name, change in changes.items()}, t) for item in estimates
         )
     return Confidence(estimates, spread.outer_covariance(), spread.outer_samples(), math.sqrt(factor), dof)
+
+
+def _and_none(item: FittedValue, jkr: Mapping[str, float], here: Mapping[str, float]) -> FittedValue:
+    """The estimate where the data do not tell a range from none: its interval holds that of JKR as well."""
+    name = "modulus" if item.dimension == "modulus" and item.name not in jkr else item.name
+    if item.name in RANGES or name not in jkr or item.error is None or item.low is None or item.high is None:
+        return item
+    shift = jkr[name] - here[name] if name == item.name else item.value * (jkr[name] / here[name] - 1)
+    low, high = min(item.low, item.low + shift), max(item.high, item.high + shift)
+    low = max(low, 0.0) if item.dimension == "work" else low
+    return replace(item, error=math.hypot(item.error, shift), low=low, high=high)
 
 
 def spread_of(minimum: Minimum, settings: Settings) -> tuple[Array | None, float, int]:

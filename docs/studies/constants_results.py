@@ -21,6 +21,7 @@ from jkrcli.bodies.indenters import TableProfile
 from jkrcli.data.foreign import SeriesReading, read_series
 from jkrcli.data.measured import Curve
 from jkrcli.methods import method_class
+from jkrcli.report.dem import Exported
 from jkrcli.series import Solution
 
 METHODS: tuple[tuple[str, dict[str, float]], ...] = (
@@ -29,6 +30,7 @@ METHODS: tuple[tuple[str, dict[str, float]], ...] = (
     ("closed-form", {}),
 )
 Numbers: TypeAlias = dict[str, tuple[float, float]]  # by name: the number, its stated error (0: none)
+NO_RESULTS = ("errors", "cpu_s", "version", "smoothing_lambda")  # of a summary: what is said elsewhere, or no number
 CASES = Path(__file__).parents[2] / "cases"
 RECORD, TABLE = CASES / "measured" / "raw-force-curve.txt", CASES / "measured" / "gel-probe.csv"
 SOFT, STIFF, GEL = jkr.Elastic(1e6, 0.4), jkr.Elastic(2e7, 0.3), jkr.Elastic(1e6, 0.499)
@@ -80,18 +82,18 @@ def _series(solution: Solution) -> Numbers:
 
 
 def summary(make: Callable[[], Any]) -> Numbers:
-    """All numbers that a result's summary holds; the error of P_N is what stands beside it as P_err_N."""
+    """All numbers that a result's summary holds; the error of P_N is what stands beside it as P_err_N. Errors
+    themselves have to be good to their own size."""
     return dict(_flat("", make().summary()))
 
 
 def _flat(path: str, value: Any) -> list[tuple[str, tuple[float, float]]]:
     match value:
         case Mapping():
-            errors = {key.replace("_err", "", 1): item for key, item in value.items() if "_err" in key}
             return [
-                (name, (number, error or _plain(errors.get(key))))
+                (name, (number, error or _stated(key, value)))
                 for key, item in value.items()
-                if "_err" not in key and key not in ("errors", "cpu_s", "seconds")
+                if key not in NO_RESULTS
                 for name, (number, error) in _flat(f"{path}.{key}", item)
             ]
         case list() | tuple():
@@ -103,17 +105,24 @@ def _flat(path: str, value: Any) -> list[tuple[str, tuple[float, float]]]:
     return []
 
 
+def _stated(name: str, told: Mapping[str, Any]) -> float:
+    """The error that stands beside a number; of an error itself."""
+    if "_err" in name:
+        return _plain(told[name])
+    return next((_plain(item) for key, item in told.items() if key.replace("_err", "", 1) == name != key), 0.0)
+
+
 def _plain(error: Any) -> float:
-    return float(error) if isinstance(error, int | float) and math.isfinite(error) else 0.0
+    return abs(float(error)) if isinstance(error, int | float) and math.isfinite(error) else 0.0
 
 
 def columns(make: Callable[[], Any]) -> Numbers:
     """A tenth of the rows of each column of numbers."""
     found: Numbers = {}
-    for name, values in make().columns.items():
-        array = np.asarray(values)
-        if array.dtype.kind == "f":
-            found |= {f"{name}[{i}]": (float(array[i]), 0.0) for i in range(0, array.size, max(array.size // 10, 1))}
+    told = {name: np.asarray(values) for name, values in make().columns.items()}
+    for name, array in told.items():
+        for i in range(0, array.size if array.dtype.kind == "f" else 0, max(array.size // 10, 1)):
+            found[f"{name}[{i}]"] = float(array[i]), _stated(name, {key: item[i].item() for key, item in told.items()})
     return found
 
 
@@ -167,8 +176,8 @@ def _history(make: Callable[[], Any]) -> Numbers:
     }
 
 
-def _relaxing() -> Any:
-    return jkr.cycle_relaxing(_case("relaxing-gel"), speed="20 um/s", to_depth="20 um", hold="5 s")
+def _relaxing(**options: Any) -> Any:
+    return jkr.cycle_relaxing(_case("relaxing-gel"), speed="20 um/s", to_depth="20 um", hold="5 s", **options)
 
 
 def _relaxation() -> Any:
@@ -239,6 +248,9 @@ RESULTS: dict[str, Callable[[], Numbers]] = {
     "at speed": lambda: _history(_at_speed),
     "at speed by a spring": lambda: _history(lambda: _at_speed(stiffness="1 kN/m")),
     "relaxing": lambda: _history(_relaxing),
+    "relaxing by a spring": lambda: _history(lambda: _relaxing(stiffness="1 kN/m")),
+    "contact law": lambda: columns(lambda: Exported.of(jkr.transform(_case("gel"), 0.04))),
+    "half-space": lambda: summary(lambda: jkr.transform(_problem("half-space"), W)),
     "look": lambda: summary(lambda: jkr.look(RECORD)),
     "import": _imported,
     "fit of a table": lambda: fitted(lambda: jkr.identify(_case("gel"), TABLE)),

@@ -516,7 +516,7 @@ class AdhesiveCurve(EquilibriumCurve):
             'ask for smaller radii: loading.spacing = "log", by fem a smaller mesh.smallest '
             "(or contact shrinks to a point before it is lost)"
             if end == "smallest"
-            else "the series would have to reach a larger radius: increase [loading] radius"
+            else "increase [loading] radius"
         )
         return (
             f"the {quantity} is lowest at the {end} radius of the series, a = {show(lowest.a, 'length')} "

@@ -10,6 +10,7 @@ or at a speed (``rate/motion.py: ByLaw``). Between the two it rests: P over delt
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -34,6 +35,7 @@ class PathTuning:
 
     rests: float = 1e-11  # theory: of positions, what round-off of times and radii leaves
     jumped: float = 1e-9  # theory: of a radius, the same; what is more between two pieces is a jump
+    points: int = 200  # choice: rows of a piece where nothing else is asked for
     restarts: int = 1_000  # choice: guard, pieces of one ramp
 
 
@@ -42,63 +44,72 @@ ADVANCE, REST, RECEDE, FREE = "advance", "rest", "recede", "free"
 
 
 # ---------------------------------------------------------------------- what a path is made of
-class Piece(Protocol):
+class Piece(ABC):
     """What the contact does on one ``ramp``, from ``first`` to ``last``: time [s] and place [m], 0 out of contact.
 
-    ``ends``: "ramp"; "rest", G has come to w; "fold", from where it jumps to the place ``lands``; "series", at the end
-    of the data; "jump", out of the data; "lost"."""
+    ``ends``: "ramp"; "rest", G has come to w; "fold", from where it jumps to the place ``lands``; "fast", too fast for
+    equilibrium; "series", at the end of the data; "jump", out of the data; "lost". ``phase``: a word for it; ``work``
+    [J] of the device, under load control of the load; ``dissipated``: - int G d(pi a^2) [J].
+    """
 
-    @property
-    def phase(self) -> str: ...
-    @property
-    def ramp(self) -> Ramp: ...
-    @property
-    def ends(self) -> str: ...
-    @property
-    def lands(self) -> float | None: ...
-    @property
-    def first(self) -> tuple[float, float]: ...
-    @property
-    def last(self) -> tuple[float, float]: ...
+    if TYPE_CHECKING:  # fields of some, properties of others
+
+        @property
+        def phase(self) -> str: ...
+        @property
+        def ramp(self) -> Ramp: ...
+        @property
+        def ends(self) -> str: ...
+        @property
+        def lands(self) -> float | None: ...
+        @property
+        def first(self) -> tuple[float, float]: ...
+        @property
+        def last(self) -> tuple[float, float]: ...
+        @property
+        def work(self) -> float: ...
+        @property
+        def dissipated(self) -> float: ...
+
     @property
     def parting(self) -> tuple[float, float]:
         """The last state that is told."""
+        return self.last
 
-    @property
-    def work(self) -> float:
-        """Work of the device [J]; under load control of the load."""
-
-    @property
-    def dissipated(self) -> float:
-        """- int G d(pi a^2) [J]."""
-
+    @abstractmethod
     def rows(self, points: int) -> tuple[Array, Array]:
         """Times [s] and places [m] of at most ``points`` states."""
 
+    @abstractmethod
     def at(self, t: Array) -> Array:
         """Places [m] at the times ``t`` [s] of the piece."""
 
+    @abstractmethod
     def lowest(self) -> tuple[float, float]:
         """Time [s] and place [m] at the least load."""
 
+    @abstractmethod
     def speeds(self, a: Array, G: Array) -> Array:
         """da/dt [m/s] at places ``a`` [m] and energy release rates ``G`` [J/m^2] of the piece."""
 
     def unloaded(self) -> Piece | None:
-        """The piece from its last state without load on; None where it has none."""
+        """The piece from its last state without load on; None where it has none, or is not asked for it."""
+        return None
 
 
 class Now(NamedTuple):
-    """Time [s], place [m] (0: no contact) and what is held, between two pieces; ``rests``: G has just come to w."""
+    """Time [s], place [m] (0: no contact) and what is held, between two pieces; ``rests``: G has just come to w;
+    ``stands``: the edge is in equilibrium, and moves with the device."""
 
     t: float
     place: float
     x: float
     rests: bool = False
+    stands: bool = False
 
 
 @dataclass(frozen=True)
-class Rest:
+class Rest(Piece):
     """The edge rests at a ``place`` [m] between two times [s]: P, delta and x lie on one straight line. At the place 0
     there is no contact."""
 
@@ -124,8 +135,6 @@ class Rest:
     @property
     def last(self) -> tuple[float, float]:
         return self.t_end, self.place
-
-    parting = last
 
     @property
     def _ends(self) -> States:
@@ -158,7 +167,7 @@ class Rest:
 
 
 @dataclass(frozen=True, eq=False)
-class Follow:
+class Follow(Piece):
     """Equilibria of a ``curve`` from ``place`` to ``end`` [m] along a stable branch, as fast as the device moves. On a
     step, an instant: the edge comes to equilibrium at ``place``."""
 
@@ -171,15 +180,13 @@ class Follow:
     ends: str = "ramp"
     lands: float | None = None
 
-    @property
+    @cached_property
     def first(self) -> tuple[float, float]:
         return self._time(self.place), self.place
 
-    @property
+    @cached_property
     def last(self) -> tuple[float, float]:
         return self._time(self.end), self.end
-
-    parting = last
 
     @property
     def work(self) -> float:
@@ -275,13 +282,16 @@ class AtOnce:
         return TUNING.rests * (abs(self.held(place)) + place * abs(self.rises(place)))
 
     def move(self, ramp: Ramp, now: Now) -> Follow | None:
-        stands = now.place and abs(self.held(now.place) - now.x) <= self.slack(now.place)
-        place = now.place if stands else self.settled(now.place, now.x)
+        place = now.place if self.stands(now) else self.settled(now.place, now.x)
         if place is None:
             return None
         if ramp.rate * (1 if self.grows else -1) <= 0:
             return self._piece(Ramp(now.t, now.x, now.t, now.x, 0.0), place, place)
         return self.along(ramp, place)
+
+    def stands(self, now: Now) -> bool:
+        """Whether the edge is in equilibrium ``now``."""
+        return now.stands or bool(now.place and abs(self.held(now.place) - now.x) <= self.slack(now.place))
 
     def along(self, ramp: Ramp, place: float) -> Follow:
         """From an equilibrium at a ``place`` [m] on as far as the ``ramp``, or the stable branch, goes."""
@@ -313,13 +323,13 @@ class AtOnce:
                 return Unknown(f"the surfaces leap together to contact radii below {show(smallest, 'length')}, where "
                                "the curve begins")  # fmt: skip
             return Unknown(
-                f"contact at delta = 0 settles below the smallest radius of the series, a = {smallest:.4g} m: "
-                "the series would have to begin at a smaller radius"
+                "contact at delta = 0 settles below the smallest radius of the series, a = "
+                f"{show(smallest, 'length')}: begin at smaller radii"
             )
         where = f"delta = {curve.onset:.4g}{' m' if curve.onset else ''}"
         return self.settled(0.0, held) or Unknown(
-            f"contact at {where} spreads beyond the largest radius of the series, a = {largest:.4g} m: "
-            "the series would have to reach a larger radius: increase [loading] radius"
+            f"contact at {where} spreads beyond the largest radius of the series, a = "
+            f"{show(largest, 'length')}: increase [loading] radius"
         )
 
     def _branch(self, ramp: Ramp, place: float) -> Follow:
@@ -330,8 +340,8 @@ class AtOnce:
             begin, end = self.curve.places[[0, -1]].tolist()
             gone = self.curve.complete and not self.grows
             return self._piece(ramp, place, end if self.grows else begin, "lost" if gone else "series")
-        x = self.held(fold)
-        lands = self.settled(fold, x)
+        x, others = self.held(fold), self.curve.critical(self.stiffness)
+        lands = self.settled(fold, x) if any(self._beyond(fold, point.place) for point in others) else None
         if lands is not None:
             return self._piece(ramp, place, fold, "fold", lands)
         lost = not self.grows and x <= float(position(self.curve.onset, 0.0, self.stiffness))
@@ -524,24 +534,29 @@ class Path:
         """The state of a ``piece`` at the time ``t`` [s] and ``place`` [m]."""
         if isinstance(piece, Follow):
             return TimedState(**vars(piece.curve.point(place)), t=t)
-        a, delta, P, _ = (
-            float(column[0]) for column in self.contact.states(np.array([place]), held(piece, np.array([t])))
-        )
+        a, delta, P, _ = (float(column[0]) for column in self.states(piece, np.array([t]), np.array([place])))
         return TimedState(a=a, delta=delta, P=P, t=t)
+
+    def states(self, piece: Piece, t: Array, places: Array) -> States:
+        """The states of a ``piece`` at times [s] and ``places`` [m] of it."""
+        if not isinstance(piece, Follow):
+            return self.contact.states(places, held(piece, t))
+        curve = piece.curve
+        return States(curve.contact_radii(places), *curve.at(places), np.full_like(places, curve.w))
 
     def rows(self, points: int) -> dict[str, Array]:
         """Rows of the whole path, at most ``points`` to a piece: "t_s", "a_m" (0 out of
         contact), "delta_m", "P_N", "device_m" (not under load control), "G_J_per_m2", "phase", "part", "c_m" where
         attraction has a range."""
-        parts = [(*piece.rows(points), piece) for piece in self.pieces]
-        x = np.concatenate([held(piece, t) for t, _, piece in parts])
-        t, places = (np.concatenate([part[i] for part in parts]) for i in (0, 1))
+        parts = [piece.rows(points) for piece in self.pieces]
+        both = list(zip(self.pieces, parts, strict=True))
+        a, delta, P, G = map(np.concatenate, zip(*(self.states(piece, *part) for piece, part in both), strict=True))
+        t, places = map(np.concatenate, zip(*parts, strict=True))
         t = np.maximum.accumulate(np.maximum(t, self.pieces[0].ramp.t))  # pieces meet but for round-off
-        sizes = [part[0].size for part in parts]
-        a, delta, P, G = self.contact.states(places, x)
         columns = {"t_s": t, "a_m": a, "delta_m": delta, "P_N": P}
         if self.contact.stiffness != LOAD_CONTROL:
-            columns["device_m"] = x
+            columns["device_m"] = np.concatenate([held(piece, part[0]) for piece, part in both])
+        sizes = [part[0].size for part in parts]
         phases = np.repeat([piece.phase for piece in self.pieces], sizes)
         columns |= {"G_J_per_m2": G, "phase": phases, "part": np.repeat(np.arange(len(parts)) + 1, sizes)}
         return columns | ({"c_m": places} if self.contact.recede.equilibrium.curve.ranged else {})
@@ -555,16 +570,17 @@ def held(piece: Piece, t: Array) -> Array:
     return np.asarray(ramp.at(t))
 
 
-def path(contact: Contact, program: Program, start: float = 0.0) -> Path:
-    """What happens under ``program``; ``start``: the place [m] of a contact that is there already, else 0."""
+def path(contact: Contact, program: Program, start: float = 0.0, stands: bool = False) -> Path:
+    """What happens under ``program``; ``start``: the place [m] of a contact that is there already, else 0; ``stands``:
+    in equilibrium, moving with the device."""
     pieces: list[Piece] = []
-    ends, place = "program", start
+    ends, now = "program", Now(0.0, start, 0.0, stands=stands)
     for ramp in program.ramps():
-        found, ends = _on_ramp(contact, ramp, place, program)
+        found, ends = _on_ramp(contact, ramp, now, program)
         pieces += found
         if ends != "program":
             break
-        place = _after(ramp, pieces[-1]).place
+        now = Now(0.0, _after(ramp, pieces[-1]).place, 0.0)
     if not pieces:
         raise InputError(
             "program: the contact grows beyond the largest radius of the series: increase [loading] radius"
@@ -572,9 +588,9 @@ def path(contact: Contact, program: Program, start: float = 0.0) -> Path:
     return Path(contact, tuple(pieces), ends)
 
 
-def _on_ramp(contact: Contact, ramp: Ramp, place: float, program: Program) -> tuple[list[Piece], str]:
+def _on_ramp(contact: Contact, ramp: Ramp, now: Now, program: Program) -> tuple[list[Piece], str]:
     """The pieces of one ramp, and how it ends: "program", "series", "jump", or "lost" where no contact forms anew."""
-    now, pieces = Now(ramp.t, place, ramp.x), list[Piece]()
+    now, pieces = now._replace(t=ramp.t, x=ramp.x), list[Piece]()
     for _ in range(TUNING.restarts):
         piece = _next(contact, ramp, now)
         if piece is None:
@@ -595,7 +611,7 @@ def _after(ramp: Ramp, piece: Piece) -> Now:
         t = ramp.t_end
     x = piece.x_end if isinstance(piece, Rest) else ramp.x_end if t >= ramp.t_end else float(ramp.at(t))
     place = 0.0 if piece.ends == "lost" else place if piece.lands is None else piece.lands
-    return Now(t, place, x, piece.ends == "rest")
+    return Now(t, place, x, piece.ends == "rest", piece.ends == "fold")
 
 
 def _next(contact: Contact, ramp: Ramp, now: Now) -> Piece | None:
@@ -604,6 +620,8 @@ def _next(contact: Contact, ramp: Ramp, now: Now) -> Piece | None:
         return _form(contact, ramp, now)
     if ramp.is_step:
         return Rest(contact, ramp, now.place, now.t, now.t, ramp.x, ramp.x_end)
+    if now.stands:
+        return (contact.advance if ramp.rate > 0 else contact.recede).move(ramp, now)
     recedes, advances, slack = contact.limits(now.place)
     beyond = now.x - recedes
     if not now.rests and (beyond <= slack if ramp.rate < 0 else beyond < -slack):
@@ -632,13 +650,14 @@ def grow(contact: QuasiStatic) -> Path | Unknown:
     """The states passed on approach, from where the free bodies begin to attract each other to the end of the series;
     Unknown where the first of them is not in it."""
     first = contact.advance.first()
-    return first if isinstance(first, Unknown) else path(contact, Program.on(contact.least, 1.0), first)
+    return first if isinstance(first, Unknown) else path(contact, Program.on(contact.least, 1.0), first, True)
 
 
 def shrink(contact: QuasiStatic, begin: float) -> Path:
     """The states passed on retraction from an equilibrium of the advancing edge at the place ``begin`` [m] on, stable
     there or not."""
-    return path(contact, Program.on(contact.advance.held(begin), -1.0), begin)
+    no_rest = contact.advancing.w == contact.receding.w
+    return path(contact, Program.on(contact.advance.held(begin), -1.0), begin, no_rest)
 
 
 def largest_stable(curve: EquilibriumCurve, stiffness: float) -> float | None:

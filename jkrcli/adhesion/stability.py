@@ -148,9 +148,11 @@ def behaviour(curve: EquilibriumCurve, stiffness: float) -> Behaviour:
     if curve.w == 0:
         return Behaviour(stiffness, (), NO_ADHESION, NO_ADHESION, (), NO_ADHESION, NO_ADHESION)
     critical, pull_off = curve.critical(stiffness), curve.pull_off(stiffness)
-    start = largest_stable(curve, stiffness)
-    partial = () if start is None else shrink(QuasiStatic(curve, curve, stiffness), start).jumps
-    whole = cycle(curve, curve, stiffness)
+    start, whole = largest_stable(curve, stiffness), cycle(curve, curve, stiffness)
+    if isinstance(whole, Cycle) and whole.turn == start:
+        partial = whole.jumps_out
+    else:
+        partial = () if start is None else shrink(QuasiStatic(curve, curve, stiffness), start).jumps
     if isinstance(whole, Unknown):
         energies: tuple[Estimate, Estimate] = (whole, whole)
         jump_in: Equilibrium | Unknown = whole

@@ -90,6 +90,6 @@ def give(result: Result, output: Output, written: str = "") -> None:
     if output.json:
         answer(result.summary())
     else:
-        present(result.words(), last=written)
+        present(*result.parts, last=written)
     for line in result.warnings:
         warn(line)

@@ -7,7 +7,8 @@ from typing import Any
 
 import click
 
-TWO_SCREENS = 80  # choice: lines, of 80 columns, that help takes at most
+from .voice import TUNING
+
 ALL = "jkr.help_all"
 
 GROUPS = {
@@ -46,7 +47,7 @@ class Verb(click.Command):
         ctx.meta[ALL] = True
         whole = super().get_help(ctx)
         ctx.meta[ALL] = asked
-        return whole if asked or whole.count("\n") < TWO_SCREENS else super().get_help(ctx)
+        return whole if asked or whole.count("\n") < TUNING.help else super().get_help(ctx)
 
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         rows: dict[str, list[tuple[str, str]]] = {title: [] for title in ("Options", *GROUPS)}

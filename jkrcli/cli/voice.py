@@ -29,6 +29,7 @@ class VoiceTuning:
 
     behind: int = 10  # choice: lines behind the verdict, the last one among them; the rest is printed with -v
     width: int = 120  # choice: characters of a line where no terminal says how many
+    help: int = 80  # choice: lines, of 80 columns, of a verb's help: two screens
     narrowest: int = 40  # choice: characters of a line on any terminal
     further: int = 4  # choice: how far what is folded is set in
     anew: float = 2.0  # choice: factor of what was announced from which on more is announced anew

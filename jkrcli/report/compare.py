@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -31,21 +31,22 @@ class Compared(Result):
 
     @classmethod
     def of(
-        cls, files: tuple[Path, Path], found: Sequence[Difference], rtol: float, counting: Collection[str],
+        cls, files: Sequence[Path], found: Sequence[Difference], rtol: float, counting: Iterable[str],
         overlap: float,
     ) -> Compared:  # fmt: skip
         """InputError where a column is not in both, or where less than ``overlap`` of their range is; none named: all
         count."""
-        counting = set(counting) or {one.column for one in found}
-        if missing := counting - {one.column for one in found}:
+        counts = set(counting) or {one.column for one in found}
+        if missing := counts - {one.column for one in found}:
             raise InputError(f"compare: column {sorted(missing)[0]} is not in both files")
         for one in found:
-            if one.column in counting and one.coverage < overlap:
+            if one.column in counts and one.coverage < overlap:
                 raise InputError(
                     f"compare: {files[0]} and {files[1]} share only {one.coverage:.0%} of their range of {one.over}; "
                     f"load both as far, or allow it with --overlap {one.coverage:.2f}"
                 )
-        return cls(*files, found, rtol, counting)
+        first, second = files
+        return cls(first, second, found, rtol, counts)
 
     @property
     def agree(self) -> bool:
@@ -86,7 +87,7 @@ class Compared(Result):
         return differences_figure(self.differences, self.rtol)
 
 
-def of_solutions(files: tuple[Path, Path], one: Solution, two: Solution) -> list[Difference]:
+def of_solutions(files: Sequence[Path], one: Solution, two: Solution) -> list[Difference]:
     """Differences of two series of the same bodies; InputError where they are of others."""
     for name in ("indenter", "specimen"):
         if getattr(one.problem, name) != getattr(two.problem, name):
@@ -94,6 +95,6 @@ def of_solutions(files: tuple[Path, Path], one: Solution, two: Solution) -> list
     return series_differences(one.filtered, two.filtered)
 
 
-def of_curves(files: tuple[Path, Path]) -> list[Difference]:
+def of_curves(files: Sequence[Path]) -> list[Difference]:
     """Differences of the columns that two CSV files of adhesive curves share."""
     return curve_differences(*map(read_curve, files))

@@ -12,12 +12,12 @@ from ..base.units import show
 from ..base.unknown import Unknown
 from ..data import measured
 from ..data.record import BaseLine, Direction, ForceCurve, examine
+from .output import SHOWN
 from .result import Result
 
 if TYPE_CHECKING:
     from .plots import Figure
 
-SHOWN = 10  # curves of a file that are told line by line
 NO_BASE_LINE = Unknown("there is no base line")
 NAMES = {"a": "contact radius", "delta": "displacement", "P": "load", "t": "time"}
 
@@ -153,7 +153,7 @@ def _said(item: Direction) -> list[str]:
         return [f"no straight base line: where contact {where} are unknown"]
     touch = f"{show(item.touch, 'length')} ± {show(item.touch_err, 'length', 3)}"
     tension = (
-        item.adhesion.reason
+        f"unknown, {item.adhesion.reason}"
         if isinstance(item.adhesion, Unknown)
         else f"{show(item.adhesion, 'load', 3)} at {show(item.adhesion_at, 'length')}"
     )

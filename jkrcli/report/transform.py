@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -24,10 +24,6 @@ if TYPE_CHECKING:
 @dataclass(frozen=True, eq=False, repr=False)
 class Transformed(Analysis, Result):
     """An adhesive curve with what is said of it."""
-
-    @classmethod
-    def of(cls, found: Analysis) -> Transformed:
-        return cls(**{item.name: getattr(found, item.name) for item in fields(found)})
 
     @cached_property
     def columns(self) -> dict[str, Array]:  # type: ignore[override]

@@ -22,6 +22,7 @@ from ..data.text_table import some
 from ..identification.rate.through import LawThrough, law_along
 from ..identification.work import ABOVE, BELOW, NONE, OK, WorkAlong, typical
 from ..series import Solution
+from .output import SHOWN
 from .rate import through_summary, through_words
 from .result import Result
 
@@ -30,7 +31,6 @@ if TYPE_CHECKING:
 
 FORMAT, VERSION = "jkr-work", 1
 QUARTILES = (0.25, 0.5, 0.75)
-SHOWN = 10  # curves of a file that are told line by line
 MANY = 0.1  # of the rows: as many without a work of adhesion are said in a warning
 
 

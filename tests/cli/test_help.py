@@ -22,7 +22,7 @@ from jkrcli.cli import doctor as doctor_part
 from jkrcli.cli import jkr as root
 from jkrcli.cli.study import STUDIES
 from jkrcli.cli.verb import GROUPS as OPTIONS
-from jkrcli.cli.verb import TWO_SCREENS
+from jkrcli.cli.voice import TUNING
 
 BIN = Path(sys.executable).parent
 
@@ -65,13 +65,13 @@ def test_help_fits_two_screens(jkr: Callable, monkeypatch: pytest.MonkeyPatch, w
     """Two screens of 40 lines and 80 columns; all options of a longer one by --help-all."""
     monkeypatch.setenv("COLUMNS", "80")
     lines = jkr(*words, "--help").out.splitlines()
-    assert len(lines) <= TWO_SCREENS
+    assert len(lines) <= TUNING.help
     assert [line for line in lines if len(line) > 80] == []
     if any("--help-all" in line for line in lines):
         named = set(re.findall(r"--[a-zA-Z-]+", "\n".join(lines)))
         whole = jkr(*words, "--help-all").out
         assert named - {"--help-all"} <= set(re.findall(r"--[a-zA-Z-]+", whole))
-        assert len(whole.splitlines()) > TWO_SCREENS
+        assert len(whole.splitlines()) > TUNING.help
 
 
 @pytest.mark.parametrize("verb", VERBS)

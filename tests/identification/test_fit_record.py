@@ -315,7 +315,7 @@ def test_another_indenter_is_flagged_as_misfit() -> None:
     assert found.quality["quality"] < 0.6
 
 
-@pytest.mark.first(2)
+@pytest.mark.first(1)
 @pytest.mark.parametrize(
     "asked",
     [

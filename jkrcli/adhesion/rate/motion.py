@@ -25,7 +25,7 @@ from ...base.arrays import Array
 from ...base.errors import SolveError
 from ..device import LOAD_CONTROL, position
 from ..edge import Edge
-from ..path import ADVANCE, RECEDE, AtOnce, Follow, Now
+from ..path import ADVANCE, RECEDE, AtOnce, Follow, Now, Piece
 from ..program import Ramp
 from .laws import RateLaw
 
@@ -66,7 +66,7 @@ class Driven:
 
 
 @dataclass(frozen=True, eq=False)
-class Motion:
+class Motion(Piece):
     """The path of the edge from one state until it rests, leaves the series or the ramp ends.
 
     ``path``: of s gives t/T from the ramp's begin on, log a, the works [J] of device and edge over ``energy``, and the
@@ -154,31 +154,32 @@ class Motion:
             return self.last if self.ramp.rate < 0 else self.first
 
         def slope(s: float) -> float:
-            t, a = self._states(np.array([s]))
-            return float(self._load_rate(t, a)[0])
+            return float(self._load_rate(np.array([s]))[0])
 
-        t, a = self._states(self.nodes)
-        signs = np.sign(self._load_rate(t, a))
+        signs = np.sign(self._load_rate(self.nodes))
         inner = [brentq(slope, self.nodes[i], self.nodes[i + 1], xtol=1e-12, rtol=1e-12)
                  for i in np.flatnonzero((signs[:-1] < 0) & (signs[1:] > 0))]  # fmt: skip
         times, radii = self._states(np.array([self.nodes[0], *inner, self.nodes[-1]]))
         i = int(np.argmin(self.edge.state(radii, self.ramp.at(times)).P))
         return float(times[i]), float(radii[i])
 
-    def unloaded(self) -> None:
-        """Not asked for."""
-
-    def _load_rate(self, t: Array, a: Array) -> Array:
-        """(1 + S/k) dP/dt [N/s] = S dx/dt - S' L da/dt."""
+    def _load_rate(self, s: Array) -> Array:
+        """(1 + S/k) dP/dt [N/s] = S dx/dt - S' L da/dt; of a receding edge by the excess that was followed, which has
+        less round-off than the state's."""
+        t, a = self._states(s)
         here, state = self.edge.body.parts(a), self.edge.state(a, self.ramp.at(t))
-        return here.S * self.ramp.rate - here.dS * state.lag * self._speed(t, a)
+        excess = self.path(s)[4] if self.driven.receding else state.G / self.driven.w - 1
+        return here.S * self.ramp.rate - here.dS * state.lag * self._moving(excess)
 
     def _speed(self, t: Array, a: Array) -> Array:
         return self.speeds(a, self.edge.state(a, self.ramp.at(t)).G)
 
     def speeds(self, a: Array, G: Array) -> Array:
         """da/dt [m/s] at energy release rates ``G`` [J/m^2]."""
-        return np.array([_bounded(self.driven, e, TUNING.fastest) for e in (G / self.driven.w - 1).tolist()])
+        return self._moving(G / self.driven.w - 1)
+
+    def _moving(self, excess: Array) -> Array:
+        return np.array([_bounded(self.driven, e, TUNING.fastest) for e in excess.tolist()])
 
     def _states(self, s: Array) -> tuple[Array, Array]:
         tau, u, *_ = self.path(s)
@@ -211,7 +212,7 @@ class ByLaw:
     def _slowly(self, ramp: Ramp, now: Now) -> Follow | None:
         """How far the edge is in equilibrium; None: not at all."""
         rule, a = self.equilibrium, now.place
-        if abs(rule.held(a) - now.x) > rule.slack(a) or not self.slow or ramp.rate == 0:
+        if not (self.slow and ramp.rate and rule.stands(now)):
             return None
         if self._excess(ramp, np.array([a]))[0] > self.slow:
             return None

@@ -84,6 +84,17 @@ class RelaxationSettings:
         """The parameters of the law."""
         return _of_law(self.law, self.terms)
 
+    def with_terms(self, terms: int) -> RelaxationSettings:
+        """The same of a Prony series of so many terms."""
+        others = [name for name in self.free if name not in self.names]
+        own = [name for name in _of_law(self.law, terms) if name not in self.fixed]
+        fixed = {
+            name: value
+            for name, value in self.fixed.items()
+            if name not in set(self.names) - set(_of_law(self.law, terms))
+        }
+        return replace(self, terms=terms, free=(*others, *own), fixed=fixed)
+
     def relaxation(self, values: Mapping[str, float]) -> Relaxation:
         """The law with its parameters."""
         found = {name: values[name] for name in self.names}
@@ -255,7 +266,25 @@ def relaxation_fit(body: FittedBody, curve: Curve, settings: RelaxationSettings)
     for _ in range(TUNING.rounds - 1):
         problem = replace(problem, record=replace(problem.record, sigma=problem.scatters(found)))
         found = problem.minimise(found.x)
-    return problem.result(found, body.problem.E_star)
+    fit = problem.result(found, body.problem.E_star)
+    told = _fewer(body, fit)
+    return fit if told is None else replace(fit, warnings=(*fit.warnings, told))
+
+
+def _fewer(body: FittedBody, fit: RelaxationFit) -> str | None:
+    """What is said where a term less of a Prony series does as well, by the information criterion of Bayes."""
+    terms = fit.settings.terms - 1
+    if fit.settings.law != "prony" or terms == 0:
+        return None
+    fewer = relaxation_fit(body, fit.record.curve, fit.settings.with_terms(terms))
+    rows = fit.record.t.size
+    scores = [rows * math.log(np.sum((one.made - one.record.made) ** 2)) for one in (fit, fewer)]
+    rise = scores[0] - scores[1] + (len(fit.free) - len(fewer.free)) * math.log(rows)
+    if rise < 0:
+        return None
+    return (
+        f"{terms + 1} terms are not told from {terms}, whose score is better by {rise:.2g} (BIC): take --terms {terms}"
+    )
 
 
 def _with_base_line(record: TimedRecord, settings: RelaxationSettings) -> RelaxationSettings:

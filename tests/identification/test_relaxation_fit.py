@@ -158,3 +158,13 @@ def test_a_motion_that_is_not_straight_is_followed(body: FittedBody) -> None:
     assert fit.record.read
     assert "the displacement of the tip is taken as it was read" in fit.warnings[0]
     assert max(map(abs, off(fit, E_star=1.0, ratio=0.25, time=1.0, delta0=0.0).values())) < 3.5
+
+
+@pytest.mark.slow
+def test_terms_that_a_record_does_not_tell(body: FittedBody) -> None:
+    """Of one time no second is told; two that are a decade apart are."""
+    for modes, untold in ((SOLID, True), ((0.2, (0.4, 0.4), (3.0, 0.3)), False)):
+        made = record(loads(body), 1.4, modes, (np.array([0.0, 0.2, 9.0, 9.3]), HELD[1]), rows=150, seed=2, noise=0.003)
+        fit = relaxation_fit(body, made, relaxation_settings("prony", [("delta0", "0")]))
+        said = [line for line in fit.warnings if "2 terms are not told from 1, whose score is better by" in line]
+        assert bool(said) == untold, (fit.estimates, fit.warnings)

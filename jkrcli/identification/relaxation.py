@@ -181,6 +181,14 @@ class TimedRecord:
         depth = self.made if self.loaded else self.held
         return float(depth[self.shows :].max() - depth[self.shows])
 
+    @property
+    def by_tip(self) -> TimedRecord:
+        """The record by the displacement of its tip as it was read, where a spring is between: quickly followed."""
+        if not 0 < self.stiffness < math.inf or self.curve.delta is None:
+            return self
+        knots = followed(self.t, self.curve.delta)
+        return replace(self, held=self.curve.delta, stiffness=math.inf, read=True, knots=knots)
+
     def thinned(self) -> TimedRecord:
         """The record by a few of its rows."""
         some = np.unique(np.linspace(0, self.t.size - 1, min(self.t.size, TUNING.some)).astype(int))
@@ -409,21 +417,22 @@ class _Problem:
     # ------------------------------------------------------------------ where to begin
     def start(self) -> Array:
         """The best of some values, the modulus by the loads in proportion."""
-        thin, found, reason = replace(self, record=self.record.thinned()), [], ""
-        for values in self._tried():
-            theta = self._from(values)
+        thin, found, reason = replace(self, record=self.record.by_tip.thinned()), [], ""
+        for values in thin._tried():
+            theta = thin._from(values)
             try:
                 theta = thin._with_modulus(theta, values)
             except (JkrError, FloatingPointError, OverflowError, ValueError) as error:
                 reason = f" ({error})"
                 continue
-            found.append((float(np.sum(thin.residuals(theta) ** 2)), theta))
+            found.append((float(np.sum(thin.residuals(theta) ** 2)), theta[: len(self.settings.free)], values))
         if not found:
             raise InputError(
                 f"{self.record.curve.where}: no history of this body comes near the record{reason}: it must press, "
                 "wait and retract once; check the units and the tip's radius, or fix delta0"
             )
-        return min(found, key=lambda item: item[0])[1]
+        _, own, values = min(found, key=lambda item: item[0])
+        return np.append(own, self._from(values)[own.size :])
 
     def _tried(self) -> list[dict[str, float]]:
         """Values of the parameters to begin with, those that are fixed among them."""

@@ -35,6 +35,7 @@ class PathTuning:
 
     rests: float = 1e-11  # theory: of positions, what round-off of times and radii leaves
     jumped: float = 1e-9  # theory: of a radius, the same; what is more between two pieces is a jump
+    points: int = 200  # choice: rows of a piece where nothing else is asked for
     restarts: int = 1_000  # choice: guard, pieces of one ramp
 
 
@@ -322,13 +323,13 @@ class AtOnce:
                 return Unknown(f"the surfaces leap together to contact radii below {show(smallest, 'length')}, where "
                                "the curve begins")  # fmt: skip
             return Unknown(
-                f"contact at delta = 0 settles below the smallest radius of the series, a = {smallest:.4g} m: "
-                "the series would have to begin at a smaller radius"
+                "contact at delta = 0 settles below the smallest radius of the series, a = "
+                f"{show(smallest, 'length')}: begin at smaller radii"
             )
         where = f"delta = {curve.onset:.4g}{' m' if curve.onset else ''}"
         return self.settled(0.0, held) or Unknown(
-            f"contact at {where} spreads beyond the largest radius of the series, a = {largest:.4g} m: "
-            "the series would have to reach a larger radius: increase [loading] radius"
+            f"contact at {where} spreads beyond the largest radius of the series, a = "
+            f"{show(largest, 'length')}: increase [loading] radius"
         )
 
     def _branch(self, ramp: Ramp, place: float) -> Follow:

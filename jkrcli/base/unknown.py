@@ -23,14 +23,12 @@ class Unknown:
 
 Estimate: TypeAlias = float | Unknown  # mostly a relative error
 
-SMALL = 1e-4  # choice: an error below it is told as a bound, a power of ten
-
 
 def accuracy(error: Estimate) -> str:
     """A relative numerical error in words: where it is small, a power of ten above it."""
     if isinstance(error, Unknown):
         return f"numerical error {error}"
-    if error >= SMALL:
+    if error >= 1e-4:
         return f"numerical error {float(f'{100 * error:.2g}'):g} %"
     return f"numerical error below {10.0 ** math.ceil(math.log10(max(error, 1e-15))):.0e}".replace("e-0", "e-")
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,7 +14,8 @@ from ..base import hdf5
 from ..base.arrays import Array
 from ..base.units import SI, scale, show
 from ..identification.fit.fitting import Failure
-from ..identification.fit.record_scores import Score
+from ..identification.fit.record_rivals import OF_RIVALS
+from ..identification.fit.record_scores import Score, Tried
 from ..identification.fit.result import Fit, FittedValue, JKRBeside
 from ..identification.fit.rivals import RANGE
 from . import archive
@@ -33,6 +34,8 @@ UNIT_NAMES = {
     "load": "_N",
     "speed": "_m_per_s",
     "stiffness": "_N_per_m",
+    "tension": "_N_per_m",
+    "time": "_s",
     "number": "",
 }
 ALWAYS = ("file", "curve", "status", "reason", "points")
@@ -186,6 +189,7 @@ def _summary(item: Fit | Failure) -> dict[str, Any]:
         **({} if item.range_left is None else {"range_left_m": item.range_left}),
         **_beside(item),
         **_verdict(item),
+        **({"plan": [asdict(one) for one in item.plan]} if item.plan else {}),
         **({} if item.quality is None else {"quality": dict(item.quality), "flags": list(item.flags)}),
         "warnings": list(item.warnings),
     }
@@ -240,8 +244,9 @@ def words(item: Fit) -> list[str]:
 def verdict_words(item: Fit) -> list[str]:
     """E* and w with the parts of their errors; of raw records also whether the model is rejected, what a formula would
     give, and which rivals the parts by the model are from."""
-    shown = [one for one in (item.estimate("E_star"), item.work) if one.free]
-    verdict, formula = ", ".join(map(brief, shown or item.estimates)), []
+    shown, formula = [item.estimate("E_star"), item.work], list[str]()
+    doubts = [flag for flag in item.flags if not flag.endswith(VAGUE)]
+    verdict = ", ".join(map(brief, shown)) + (f"; doubtful: {', '.join(doubts)}" if doubts else "")
     if item.verdict is None:
         return [verdict]
     if item.verdict.E_star is not None:
@@ -251,9 +256,12 @@ def verdict_words(item: Fit) -> list[str]:
     rivals = item.verdict.rivals
     rejected = f"; rejected for {' or '.join(rivals.families)}" if rivals.named else ""
     judged = [] if rivals.named else ["no other model is asked for"]
+    if tied := item.verdict.tied:
+        rejected = f"; by {tied[0].name} ({told_words(tied[0])})"
+        judged = ["JKR as described is rejected", *(f"{one.name} cannot be told from it" for one in tied[1:])]
     judged += [flag for flag in item.flags if flag.endswith(VAGUE)]
     parts = dict.fromkeys(name for one in shown for name in one.model or {})
-    judged += [f"model: {name} not excluded" for name in parts]
+    judged += [f"not excluded: {', '.join(parts)}"] if parts else []
     return [verdict + rejected, *(f"  {'; '.join(lines)}" for lines in (formula, judged) if lines)]
 
 
@@ -261,13 +269,19 @@ def brief(item: FittedValue) -> str:
     """A value with its statistical part, that of inputs, and that of the model."""
     name = f"{SYMBOLS.get(item.name, item.name)} = {show(item.value, item.dimension, 4)}"
     if item.error is None:
-        return f"{name} (not determined by the data)" if item.free else name
+        return f"{name} (not determined by the data)" if item.free else f"{name} (held)"
     calibration = math.hypot(*(item.systematic or {}).values())
     own = math.sqrt(max(item.error**2 - calibration**2, 0.0))
     parts = {"statistical": own, "calibration": calibration, "model": math.hypot(*(item.model or {}).values())}
     unit, _ = scale(item.value, item.dimension)
     said = [f"± {float(f'{size / unit:.2g}'):g} ({kind})" for kind, size in parts.items() if size > NOTICEABLE * own]
     return " ".join([name, *said])
+
+
+def told_words(one: Tried) -> str:
+    """What else a rival in full tells, in words."""
+    values = (f"{name} {show(value, OF_RIVALS[name], 3)}" for name, value in one.told.items())
+    return ", ".join([*values, f"chi^2 {-one.falls:.3g}"])
 
 
 def rivals_table(item: Fit) -> list[str]:
@@ -278,7 +292,23 @@ def rivals_table(item: Fit) -> list[str]:
     return [head, *(
         f"  {one.name:<44}{one.word:<23}{one.chance:>9.1g}{one.change(one.E_star):>+8.1%}{one.change(one.w):>+8.1%}"
         f"{-one.taken:>10.3g}" for one in item.verdict.rivals.scores
+    ), *(
+        f"  in full: {one.name}: {'taken' if one.taken else f'leaves more than noise, p = {one.chance:.1g}'}, "
+        f"E* {show(one.E_star, 'modulus', 4)}, w {show(one.w, 'work', 4)}, {told_words(one)}"
+        for one in item.verdict.tried
     )]  # fmt: skip
+
+
+def plan_table(item: Fit) -> list[str]:
+    """What further measurements would tell, the best for E* and for w marked."""
+    best = [min((getattr(one, name) for one in item.plan), default=0.0) for name in ("E_star", "w")]
+    head = [f"  {'a further measurement':<32}{'E* within':>12}{'w within':>12}"] * bool(item.plan)
+    return head + [
+        f"  {one.words:<32}"
+        + "".join(f"{value:>11.2%}{'*' if value == least else ' '}"
+                  for value, least in zip((one.E_star, one.w), best, strict=True))
+        for one in item.plan
+    ]  # fmt: skip
 
 
 def _verdict(item: Fit) -> dict[str, Any]:
@@ -287,11 +317,22 @@ def _verdict(item: Fit) -> dict[str, Any]:
         return {}
     told = item.verdict
     return {"verdict": {
-        "named": [one.name for one in told.rivals.named], "families": list(told.rivals.families),
+        "model": told.tied[0].name if told.tied else "jkr",
+        "named": [one.name for one in told.rivals.named], "families": list(told.families),
+        "in_full": [_tried_summary(one) for one in told.tried],
         "misfit": told.rivals.misfit / told.rivals.dof, "free_rows_tell_the_noise": told.rivals.loose > 0,
         "formula": {"name": told.formula, "E_star_Pa": told.E_star} if told.E_star is not None else None,
         "rivals": [_score_summary(one) for one in told.rivals.scores],
     }}  # fmt: skip
+
+
+def _tried_summary(one: Tried) -> dict[str, Any]:
+    """A rival in full: how much of the misfit it takes, what it makes of E* and w, and what else it tells."""
+    told = {f"{name}{UNIT_NAMES[OF_RIVALS[name]]}": value for name, value in one.told.items()}
+    return {
+        "name": one.name, "family": one.family, "taken": one.taken, "chi2_falls": one.falls, "p": one.chance,
+        "E_star_Pa": one.E_star, "w_J_per_m2": one.w, **told,
+    }  # fmt: skip
 
 
 def _score_summary(one: Score) -> dict[str, Any]:

@@ -153,7 +153,7 @@ def _said(item: Direction) -> list[str]:
         return [f"no straight base line: where contact {where} are unknown"]
     touch = f"{show(item.touch, 'length')} ± {show(item.touch_err, 'length', 3)}"
     tension = (
-        item.adhesion.reason
+        f"unknown, {item.adhesion.reason}"
         if isinstance(item.adhesion, Unknown)
         else f"{show(item.adhesion, 'load', 3)} at {show(item.adhesion_at, 'length')}"
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -134,10 +135,16 @@ def lost_words(
     """The verdict on a curve: its pull-off force under each control, ``points`` with their half-widths; then the
     largest numerical error of these."""
     there = {name: (at, half) for name, (at, half) in points.items() if not isinstance(at, Unknown) and at.P}
-    forces = ", ".join(f"{show(-at.P, 'load')} ({name})" for name, (at, _) in there.items())
+    forces = ", ".join(f"{show(-at.P, 'load')} ({name.removesuffix(' control')})" for name, (at, _) in there.items())
     told = f"pull-off force {forces}" if there else "no pull-off in the series"
+    R, loaded = result.problem.indenter.tip_radius, there.get("load control")
+    if R is not None and loaded is not None:
+        classical = 1.5 * math.pi * result.w * R
+        beside = f"; 1.5 pi w R = {show(classical, 'load')} ({-classical / loaded[0].P - 1:+.0%})"
+    else:
+        beside = ""
     errors = [half["P"] / abs(at.P) for at, half in there.values() if half and not isinstance(half, Unknown)]
-    lines = [f"{told} at w = {show(result.w, 'work')}{law_words(result)}: {result.path}"]
+    lines = [f"{told} at w = {show(result.w, 'work')}{law_words(result)}{beside}: {result.path}"]
     return lines + ([f"  pull-off: {accuracy(max(errors))} (90 %)"] if errors else [])
 
 

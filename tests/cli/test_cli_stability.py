@@ -58,8 +58,8 @@ def test_pull_off_in_words(jkr, body: Path) -> None:
     unit = (50**5 * 1e-16 / (5e9 / 0.84) ** 2) ** (1 / 3)
     lines = outcome.out.splitlines()
     assert lines == [
-        f"pull-off force {show(1.5 * PULL_OFF, 'load')} (load control), {show(5 / 6 * PULL_OFF, 'load')} (displacement "
-        "control) at w = 50 J/m^2: p.h5",
+        f"pull-off force {show(1.5 * PULL_OFF, 'load')} (load), {show(5 / 6 * PULL_OFF, 'load')} (displacement) "
+        f"at w = 50 J/m^2; 1.5 pi w R = {show(1.5 * PULL_OFF, 'load')} (+0%): p.h5",
         "  pull-off: numerical error below 1e-9 (90 %)",
         "  Tabor number 639: JKR holds",
         "  a/R = 0.173, a/R at pull-off = 0.0667",
@@ -95,7 +95,8 @@ def test_many_files_and_works(jkr, body: Path) -> None:
     out = jkr("pull-off", "p.h5", "coating.h5", "--w", "10 mJ/m^2", "--w", "20 mJ/m^2").out
     heads = [line for line in out.splitlines() if not line.startswith(" ")]
     ends = [line.partition(" at ")[2] for line in heads]
-    assert ends == [f"w = {w} mJ/m^2: {name}" for name in ("p.h5", "coating.h5") for w in (10, 20)]
+    asked = [(f"w = {w} mJ/m^2; 1.5 pi w R = ", f": {name}") for name in ("p.h5", "coating.h5") for w in (10, 20)]
+    assert all(text.startswith(a) and text.endswith(b) for text, (a, b) in zip(ends, asked, strict=True))
 
 
 @pytest.mark.slow
@@ -247,8 +248,8 @@ REFUSALS = [
     ),
     (
         ("cycle", "p.h5", "--w-approach", "5000 J/m^2"),
-        "p.h5: contact at delta = 0 spreads beyond the largest radius of the series, a = 1.73e-05 m: the series would "
-        "have to reach a larger radius: increase [loading] radius",
+        "p.h5: contact at delta = 0 spreads beyond the largest radius of the series, a = 17.3 um: increase [loading] "
+        "radius",
     ),
     (("study", "pull-off-map", "--nu", "0.6"), "pull-off map: nu must be > -1 and <= 0.5, got 0.6"),
     (("study", "pull-off-map", "--q", "1e9"), "pull-off map: q must be >= 1e-06 and <= 1e+07, got 1000000000.0"),

@@ -215,7 +215,7 @@ def test_turns_that_are_not_passed_are_refused_with_the_range() -> None:
         "cycle: the turn at delta = 5 um is not passed on approach, which in this series goes from 0 m to 2.037 um"
     )
     assert refused(lambda: turning_radius(half_space(50.0, last=4e-6), RIGID, load=1.0)).startswith(
-        "cycle: contact at delta = 0 spreads beyond the largest radius of the series, a = 4e-06 m"
+        "cycle: contact at delta = 0 spreads beyond the largest radius of the series, a = 4 um"
     )
 
 
@@ -236,7 +236,7 @@ def test_no_cycle_where_first_contact_lies_outside_the_series() -> None:
     late = half_space(50.0, first=9e-6)
     found = cycle(late, late, RIGID)
     assert isinstance(found, Unknown)
-    assert "settles below the smallest radius of the series, a = 9e-06 m" in found.reason
+    assert "settles below the smallest radius of the series, a = 9 um" in found.reason
 
 
 @pytest.mark.parametrize(("length", "force"), [(1e6, 1.0), (1e-3, 1e7)])

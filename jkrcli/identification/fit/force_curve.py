@@ -384,7 +384,7 @@ def misfit_at(model: ForceCurveModel, x: Array) -> float:
 def rough(model: ForceCurveModel, start: Array, steps: int) -> tuple[float, Array]:
     """Half the sum of squares that is left, of loads over their range, and the unknowns that leave about least, by a
     search from ``start`` on of a few ``steps``."""
-    problem = _problem(model, _bounds(model, start), TUNING.blunt[-1], TUNING.about)
+    problem = _problem(model, _bounds(model, start), TUNING.blunt[1], TUNING.about)
     found = replace(problem, evaluations=steps).least(start)
     return found.cost, found.x
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -35,9 +35,10 @@ from .force_curve import (
 from .interference import Wave, straightened
 from .points import third_differences
 from .record_intervals import of_samples, profiles, rates, samples
-from .record_verdict import judged
+from .record_rivals import OF_RIVALS
+from .record_verdict import by_rivals, judged
 from .result import Fit, FittedValue
-from .settings import CALIBRATED, Parameter, Settings
+from .settings import AUTO, CALIBRATED, Parameter, Settings
 from .statistics import structure, t_quantile
 
 
@@ -82,6 +83,7 @@ def whole_record(curve: Curve, settings: Settings) -> ForceCurve | None:
     """
     prepared = settings.contact == "as-is"
     only = [f"--base-line {settings.base_line}"] * (settings.base_line != "straight") + ["drift"] * settings.drifts
+    only += [f"--model {settings.model}"] * (settings.model == AUTO)
     asked = settings.contact == "fitted" or bool(only)
     if prepared or curve.a is not None or curve.delta is None or curve.P is None:
         if only:
@@ -155,19 +157,32 @@ def fit_record(body: FittedBody, record: ForceCurve, settings: Settings, pool: P
     def of(*kinds: str) -> tuple[FittedBody, ForceCurveFit]:
         return _fitted(body, _model(body, record, settings, waves, kinds), settings)
 
-    deeper, found = of(*kinds)
-    whole, joint = deeper, found
-    result = _result(deeper, record, curve, settings, found, pool)
-    if not found.ended:
+    def told(body: FittedBody, found: ForceCurveFit) -> Fit:
+        return _result(body, record, curve, settings, found, pool)
+
+    whole, joint = of(*kinds)
+    if not joint.ended:
+        return told(whole, joint)
+    plain = judged(_of_directions(of, told, whole, joint), whole, joint)
+    if settings.model != AUTO:
+        return plain
+    fresh = _model(whole, record, settings, waves, kinds)
+    return by_rivals(plain, whole, joint, fresh, partial(told, whole))
+
+
+def _of_directions(
+    of: Callable[..., tuple[FittedBody, ForceCurveFit]], told: Callable[[FittedBody, ForceCurveFit], Fit],
+    whole: FittedBody, joint: ForceCurveFit,
+) -> Fit:  # fmt: skip
+    """The fit of both directions by one modulus, or each by its own where they differ."""
+    result = told(whole, joint)
+    if len(joint.model.stretches) < 2 or not _apart(joint):
         return result
-    if len(kinds) < 2 or not _apart(found):
-        return judged(result, whole, joint)
     (_, into), (deeper, back) = of(APPROACH), of(RETRACT)
     error = math.hypot(*(found.error("ln_s") * found.spread.excess for found in (into, back)))
     if not differ(math.exp(into.value("ln_s")), math.exp(back.value("ln_s")), error):
-        return judged(result, whole, joint)
-    alone = _result(deeper, record, curve, settings, into, pool)
-    return judged(beside(_result(deeper, record, curve, settings, back, pool), alone, result), whole, joint)
+        return result
+    return beside(told(deeper, back), told(deeper, into), result)
 
 
 def whole_fit(body: FittedBody, record: ForceCurve, settings: Settings) -> ForceCurveFit:
@@ -387,6 +402,7 @@ def _outcome(found: ForceCurveFit, x: Array, body: FittedBody) -> dict[str, floa
         told["drift"] = values["drift"]
     if last.wave is not None:
         told |= {"wave_period": wave.period, "wave_amplitude": math.hypot(wave.cos, wave.sin)}
+    told |= found.model.further(values)
     told["E_star"] = s * problem.E_star
     if problem.indenter.material is None:
         materials = problem.specimen.materials
@@ -400,7 +416,7 @@ NAMES = {APPROACH: APPROACH, RETRACT: "retraction"}
 WORKS = {APPROACH: "w_approach", RETRACT: "w"}
 DIMENSIONS = {
     "modulus": "number", "w": "work", "w_approach": "work", "delta0": "length", "P0": "load",
-    "tilt": "stiffness", "drift": "speed", "wave_period": "length", "wave_amplitude": "load",
+    "tilt": "stiffness", "drift": "speed", "wave_period": "length", "wave_amplitude": "load", **OF_RIVALS,
 }  # fmt: skip
 
 

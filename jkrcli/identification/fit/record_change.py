@@ -104,7 +104,7 @@ class Change:
     moved: Callable[[DirectionReadings, Values], Array] | None = None
     load: Callable[[ForceCurveModel, DirectionReadings, Values], Array] | None = None
     felt: bool = False
-    told: Callable[[Values], dict[str, float]] = lambda values: {}
+    told: Callable[[Values], dict[str, float]] = lambda values: {AMOUNT: values[AMOUNT]}
     renewed: Callable[[ForceCurveFit], Change] | None = None
     column: Array | None = None
 

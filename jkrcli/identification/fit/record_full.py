@@ -10,7 +10,7 @@ from __future__ import annotations
 import contextlib
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -19,7 +19,7 @@ from scipy.special import fdtrc
 from ...base.arrays import Array
 from ...base.errors import JkrError
 from .body import FittedBody
-from .force_curve import ForceCurveFit, fit, misfit_at, rough, starts_of
+from .force_curve import ForceCurveFit, ForceCurveModel, fit, misfit_at, rough, starts_of, windowed
 from .record_change import AMOUNT, Change, RivalModel
 from .record_rivals import RIVALS
 from .record_scores import RecordRivals, Score, left_over
@@ -32,8 +32,8 @@ class FullTuning:
 
     falls: float = 9.0  # choice: of chi^2, by which a rival must be better: three standard errors of one number
     passes: float = 1e-3  # choice: chance of what is left, by the noise of the free rows, below which it is misfit
-    each: int = 2  # choice: of a family, its best by one step, which does not always name the right one
-    steps: int = 25  # choice: guard, of a search that only finds out which rivals are worth a fit
+    each: int = 3  # choice: of a family, its best by one step, which does not always name the right one
+    steps: int = 20  # choice: guard, of a search that only finds out which rivals are worth a fit
     promising: float = 1.2  # choice: of the least sum of squares, up to which a rival is fitted to the end
     rounds: int = 4  # choice: guard, fits of a change that is made about a fit
     settled: float = 0.1  # choice: standard errors of the modulus, by which the last round may move it
@@ -45,7 +45,8 @@ TUNING = FullTuning()
 @dataclass(frozen=True, eq=False)
 class InFull:
     """A rival fitted in full: its one-step ``score``, what was ``found``; ``misfit``: chi^2 of what is left in units of
-    the noise of the free rows; ``chance``: that this noise leaves as much; ``falls``: how much lower than without."""
+    the noise of the free rows; ``chance``: that this noise leaves as much; ``falls``: how much lower than without, on
+    the rows that both are judged by."""
 
     score: Score
     found: ForceCurveFit
@@ -59,19 +60,23 @@ class InFull:
 
 
 @np.errstate(all="ignore")
-def fitted_in_full(body: FittedBody, found: ForceCurveFit, rivals: RecordRivals) -> tuple[InFull, ...]:
-    """The best of each family, by increasing misfit, those that are taken first."""
+def fitted_in_full(
+    body: FittedBody, found: ForceCurveFit, fresh: ForceCurveModel, rivals: RecordRivals
+) -> tuple[InFull, ...]:
+    """The best of each family, by how much the misfit falls, those that are taken first; ``fresh``: the model of the
+    record before any row was left out by what was ``found``."""
     at, tried = Situation(body, found), []
+    fresh = replace(fresh, family=found.model.family)
     for score in _likeliest(rivals.scores):
         with contextlib.suppress(JkrError):  # what cannot be solved is not taken
             look = next(rival for rival in RIVALS if rival.name == score.name).look(at)
-            tried += [(*_roughly(at, look, score.amount), look, score)] if isinstance(look, Change) else []
+            tried += [(*_roughly(at, fresh, look, score.amount), look, score)] if isinstance(look, Change) else []
     least = min((cost for cost, *_ in tried), default=0.0)
     each = []
     for cost, x, change, score in tried:
         with contextlib.suppress(JkrError):
-            each += [_in_full(at, change, x, score, rivals)] if cost <= TUNING.promising * least else []
-    return tuple(sorted(each, key=lambda one: (not one.passes, one.misfit)))
+            each += [_in_full(at, RivalModel.of(fresh, change), x, score)] if cost <= TUNING.promising * least else []
+    return tuple(sorted(each, key=lambda one: (not one.passes, -one.falls)))
 
 
 def _likeliest(scores: Sequence[Score]) -> Iterator[Score]:
@@ -82,15 +87,23 @@ def _likeliest(scores: Sequence[Score]) -> Iterator[Score]:
         yield from [one for one in ranked if one.family == family][: TUNING.each]
 
 
-def _roughly(at: Situation, change: Change, amount: float) -> tuple[float, Array]:
+def _roughly(at: Situation, fresh: ForceCurveModel, change: Change, amount: float) -> tuple[float, Array]:
     """About the least misfit with a ``change``, and its unknowns: from the best of its starts, and of what one step
     asks for."""
     low, high = change.limits.get(AMOUNT, (-math.inf, math.inf))
     starts = dict.fromkeys([(min(max(amount, low), high), *change.starts[0][1:]), *change.starts])
-    model = RivalModel.of(at.model, change)
-    begun = [np.append(at.found.x, start) for start in starts], [x for start in starts for x in _new(at, model, start)]
+    model, x = RivalModel.of(fresh, change), _known(at, fresh)
+    begun = [[np.append(x, start) for start in starts], [x for start in starts for x in _new(at, model, start)]]
+    begun = begun if change.load is None else [[start] for start in begun[0]]
     searches = [rough(model, min(some, key=partial(misfit_at, model)), TUNING.steps) for some in begun if some]
     return min(searches, key=lambda one: one[0])
+
+
+def _known(at: Situation, fresh: ForceCurveModel) -> Array:
+    """The unknowns of a ``fresh`` model as they were found, those that were held at what they were."""
+    values = at.model.values(at.found.x)
+    roots = {f"r:{kind}": math.sqrt(max(values[f"q:{kind}"], 0.0)) for kind in (part.kind for part in fresh.stretches)}
+    return np.array([({"turn": 0.0} | roots | values)[name] for name in fresh.names])
 
 
 def _new(at: Situation, model: RivalModel, start: tuple[float, ...]) -> Iterator[Array]:
@@ -99,23 +112,27 @@ def _new(at: Situation, model: RivalModel, start: tuple[float, ...]) -> Iterator
         return
     values = at.model.values(at.found.x) | dict(zip(model.change.names, start, strict=True))
     with contextlib.suppress(JkrError):
-        yield from (np.append(x, start) for x in starts_of(model.followed(at.model.stretches[-1], values)))
+        yield from (np.append(x, start) for x in starts_of(model.followed(model.stretches[-1], values)))
 
 
-def _in_full(at: Situation, change: Change, x: Array, score: Score, rivals: RecordRivals) -> InFull:
-    found = settled(fit(RivalModel.of(at.model, change), x, near=True), change)
-    misfit, dof = left_over(Situation(at.body, found), at)
-    chance = float(fdtrc(dof, max(rivals.loose, 1), misfit / dof))
-    return InFull(score, found, misfit, chance, rivals.misfit - misfit)
+def _in_full(at: Situation, model: RivalModel, x: Array, score: Score) -> InFull:
+    found = fit(model, x, near=True)
+    if (without := windowed(found)) is not found.model:
+        found = fit(without, found.x, near=True)
+    found = settled(found)
+    here = Situation(at.body, found)
+    (misfit, dof, loose), (plain, *_) = left_over(here, at), left_over(at, here)
+    chance = float(fdtrc(dof, max(loose, 1), misfit / dof))
+    return InFull(score, found, misfit, chance, plain - misfit)
 
 
-def settled(found: ForceCurveFit, change: Change) -> ForceCurveFit:
-    """A fit whose ``change`` is made about it."""
-    for _ in range(TUNING.rounds if change.renewed is not None else 0):
-        if change.renewed is None or AMOUNT not in found.names:
+def settled(found: ForceCurveFit) -> ForceCurveFit:
+    """A fit whose change is made about it."""
+    for _ in range(TUNING.rounds):
+        model, before = found.model, found
+        if not isinstance(model, RivalModel) or model.change.renewed is None or AMOUNT not in found.names:
             break
-        change, before = change.renewed(found), found
-        found = fit(RivalModel.of(found.model, change), found.x, near=True)
+        found = fit(RivalModel.of(model, model.change.renewed(found)), found.x, near=True)
         if abs(found.value("ln_s") - before.value("ln_s")) < TUNING.settled * found.error("ln_s"):
             break
     return found

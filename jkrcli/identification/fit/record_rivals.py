@@ -9,23 +9,28 @@ device. Most columns are one more evaluation of the path of the device: on a bod
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import lru_cache, partial
+from typing import Any, cast
 
 import numpy as np
 from scipy.interpolate import CubicSpline
 
+from ...adhesion.nonadhesive import Nonadhesive
+from ...adhesion.program import Program
+from ...adhesion.relaxation.history import RelaxingContact
 from ...adhesion.validity import EXCESS, LIMITS, STRAINED
 from ...base.arrays import Array
-from ...base.errors import JkrError
+from ...base.errors import InputError, JkrError
 from ...bodies.problem import HalfSpace, Layer, Loading, Rigid, Specimen
+from ...bodies.relaxation import PowerRelaxation, Relaxation, StandardSolid
 from ...data.measured.curve import APPROACH
 from ...methods.layered.layered import unbounded
 from .body import FittedBody, solved
 from .device_path import grid, on_grid
 from .family import Family
-from .force_curve import DirectionReadings, ForceCurveFit, ForceCurveModel
+from .force_curve import DirectionReadings, ForceCurveFit, ForceCurveModel, base_line
 from .record_change import AMOUNT, LITTLE, Change, Values, bent, of_body
 from .record_situation import Situation
 
@@ -45,9 +50,16 @@ class RecordRivalTuning:
     same: float = 1e-6  # choice: relative difference of bodies below which they are one, errors of their solution
     widest_rim: float = 0.3  # choice: of the contact radius, a ring with which the search for its width begins
     steps: int = 12  # choice: of Newton's method for it; it needs four
-    times: int = 150  # choice: instants at which hereditary integrals are taken
+    pieces: int = 60  # choice: of the way of the tip in each direction, for the history of a body that relaxes
+    deeper: float = 1.5  # choice: of the way in contact, to which that body is solved
+    histories: int = 8  # choice: kept, more only saves time
+    coarser: int = 2  # choice: steps joined in them, 1e-5 of the loads
+    grows: float = 0.02  # choice: of the depth, by which a contact may grow again: noise of the deflection
+    times: int = 50  # choice: instants of each direction at which those loads are solved; splines between them
+    smooth: float = 2 / 3  # theory: power of the load in which they are drawn, at first contact it is delta^1.5
+    instants: int = 150  # choice: at which hereditary integrals are taken
     longest: float = 10e-9  # choice: [m], range of adhesion that is likely; of molecules a nanometre, of hairs more
-    cone: float = 1.0  # theory: exponent by which a cone's profile differs from a paraboloid's, and a cylinder's more
+    cone: float = 2.0  # choice: twice what a cone's exponent differs from a paraboloid's by, as one step may overshoot
     strains: float = 2.0  # choice: of the effect of large strains on rubber, that of other materials
     device: float = 1.0  # choice: relative, by which a stiffness that someone measured may be off
     shape: float = 0.005  # choice: exponent of the profile within which a tip is what it is called
@@ -72,7 +84,12 @@ class RecordRivalTuning:
 
 
 TUNING = RecordRivalTuning()
-EXPONENT, ANY = "n", (-math.inf, math.inf)
+# What the unknowns of rivals mean, by dimension:
+OF_RIVALS = {
+    AMOUNT: "number", "thickness": "length", "nu": "number", "exponent": "number", "range": "length",
+    "surface_tension": "tension", "stiffness": "stiffness", "fall": "number", "relaxation_time": "time", "n": "number",
+}  # fmt: skip
+EXPONENT, TIME, ANY = "n", "relaxation_time", (-math.inf, math.inf)
 Look = Callable[[Situation], Change | Array | None]
 
 
@@ -116,18 +133,20 @@ def of_family(
 
 def work_over_radius(at: Situation) -> Change | None:
     """The log of w of the last direction that rises as the contact shrinks, in proportion to the radius, by an amount
-    from the largest to the smallest; w is meant there, at pull-off."""
+    from the largest to the smallest; told is w there, at pull-off."""
     a = at.radii[-1][0]
     if not at.work or not (a > 0).any():
         return None
     widest, least = at.widest, float(a[a > 0].min())
 
     def changes(family: Family, amount: float) -> Array:
-        place = (least - np.minimum(np.exp(grid(family)), widest)) / max(widest - least, LITTLE * widest)
-        half, zero = amount / 2 * place, np.zeros_like(place)
+        place = (widest - np.exp(grid(family))) / max(widest - least, LITTLE * widest)
+        half, zero = amount / 2 * np.maximum(place, -1.0), np.zeros_like(place)
         return np.stack([zero, half, zero, half])
 
-    return of_family(changes, TUNING.rises, last=True)
+    name = f"q:{at.model.stretches[-1].kind}"
+    told = lambda values: {"w": values[name] * math.exp(values["ln_s"] + values[AMOUNT])}  # noqa: E731
+    return replace(of_family(changes, TUNING.rises, last=True), told=told)
 
 
 def work_over_speed(at: Situation) -> Change | None:
@@ -186,7 +205,7 @@ def _over_speed(speeds: _Speeds) -> Change:
 
     return Change(
         tuple((0.3, n) for n in TUNING.exponents), (AMOUNT, EXPONENT), {AMOUNT: (0.0, 1e3), EXPONENT: TUNING.powers},
-        model, renewed=renewed,
+        model, renewed=renewed, told=lambda values: {name: values[name] for name in (AMOUNT, EXPONENT)},
     )  # fmt: skip
 
 
@@ -434,10 +453,18 @@ def nonadhesive_load(at: Situation) -> Array:
     return np.where(at.a > 0, at.modulus * H, 0.0)
 
 
-def relaxing(memory: Callable[[Array], Array]) -> Look:
-    """Moduli that fall by an amount of ``memory`` of the time since the strain, in units of the record (Ting 1966)."""
+def relaxing(memory: Callable[[Array], Array], law: Callable[[Values, float], Relaxation], **own: Any) -> Look:
+    """Moduli that fall by an amount of ``memory`` of the time since the strain, in units of the record (Ting 1966); in
+    full by a ``law`` of the unknowns and of how long the record lasts, where nothing adheres."""
 
-    def column(at: Situation) -> Array | None:
+    def look(at: Situation) -> Change | Array | None:
+        column = first_order(at)
+        if column is None or any(part.tension for part in at.model.stretches) or not np.ptp(at.model.stretches[0].t):
+            return column
+        load = _relaxed(at, lambda values: law(values, at.lasting))
+        return Change(load=load, felt=True, column=column, told=partial(_fall, at.lasting), **own)
+
+    def first_order(at: Situation) -> Array | None:
         if len(at.model.stretches) < 2:
             return None
         way, back = at.model.stretches
@@ -459,7 +486,44 @@ def relaxing(memory: Callable[[Array], Array]) -> Look:
         column[np.concatenate([held_in, held_out])] = np.concatenate(change)
         return column * at.yields
 
-    return column
+    return look
+
+
+def _fall(lasting: float, values: Values) -> dict[str, float]:
+    told = {"fall": values[AMOUNT]}
+    return told | ({TIME: lasting * values[TIME]} if TIME in values else {})
+
+
+def _relaxed(
+    at: Situation, law: Callable[[Values], Relaxation]
+) -> Callable[[ForceCurveModel, DirectionReadings, Values], Array]:
+    """Loads [N] of all rows of a stretch of a body that relaxes, by its whole history."""
+    way, back = at.model.stretches
+    values, thin = at.model.values(at.found.x), slice(None, None, max(way.P.size // TUNING.pieces, 1))
+    deflected = [(part.P - base_line(part, values)[0]) / at.model.k for part in (way, back)]
+    x = np.concatenate([(way.z - deflected[0])[thin], [at.tip_turn], (back.z - deflected[1])[::-1][thin]])
+    t = np.concatenate([way.t[thin], [0.0], back.t[::-1][thin]])
+    order = np.argsort(t, kind="stable")
+    body = at.body.to_depth(TUNING.deeper * at.reach)
+    nonadhesive = Nonadhesive(body.series, body.slopes)
+
+    @lru_cache(maxsize=TUNING.histories)
+    def history(z0: float, moduli: Hashable) -> tuple[CubicSpline, ...]:
+        contact = RelaxingContact(nonadhesive, cast(Relaxation, moduli), coarser=TUNING.coarser, grows=TUNING.grows)
+        try:
+            path = contact.history(Program(t[order], x[order] - z0)).path
+            lost = min(path.lost, float(t.max()))
+            both = [np.linspace(*ends, TUNING.times) for ends in ((path.begin, path.turn), (path.turn, lost))]
+            return tuple(CubicSpline(one, path.states(one)[2] ** TUNING.smooth) for one in both)
+        except InputError:  # there is no such history
+            return (CubicSpline([t.min(), t.max()], [0.0, 0.0]),) * 2
+
+    def load(model: ForceCurveModel, part: DirectionReadings, values: Values) -> Array:
+        own = history(values["z0"], cast(Hashable, law(values)))[int(part.kind != APPROACH)]
+        P: Array = np.maximum(own(np.clip(part.t, *own.x[[0, -1]])), 0.0) ** (1 / TUNING.smooth)
+        return math.exp(values["ln_s"]) * np.where((part.t >= own.x[0]) & (part.t <= own.x[-1]), P, 0.0)
+
+    return load
 
 
 def _stiffness(at: Situation, a: Array) -> Array:
@@ -475,7 +539,7 @@ def _hereditary(
     of time; of the way back with time, delta and a in the order of position, and its contact stiffness."""
     t, P, d, a = way
     u, e, b = (item[::-1] for item in back)
-    pick, last = (np.unique(np.linspace(0, n - 1, TUNING.times).astype(int)) for n in (t.size, u.size))
+    pick, last = (np.unique(np.linspace(0, n - 1, TUNING.instants).astype(int)) for n in (t.size, u.size))
     t, P, d, a = t[pick], P[pick], d[pick], np.maximum.accumulate(a[pick])
     v, e, b, S = u[last], e[last], b[last], S[::-1][last]
     middle, dP = np.append(t[0], (t[1:] + t[:-1]) / 2), np.diff(P, prepend=0.0)
@@ -581,8 +645,14 @@ RIVALS: tuple[Rival, ...] = (
     Rival("no slip", BODY, "from none to full", no_slip, 1.0, True),
     Rival("surface tension", BODY, "2 tension/E* over the contact radius", tension, positive=True),
     Rival("large strains", BODY, "of what is known of them", strains, 1.0, True, TUNING.strains),
-    Rival("relaxation over a factor of time", MEMORY, "fall per factor e", relaxing(lambda t: np.log1p(100 * t))),
-    Rival("relaxation of one time", MEMORY, "fall", relaxing(lambda t: 1 - np.exp(-4 * t))),
+    Rival("relaxation over a factor of time", MEMORY, "fall per factor e",
+          relaxing(lambda t: np.log1p(100 * t), lambda values, lasting: PowerRelaxation(lasting, values[AMOUNT]),
+                   starts=((0.1,), (0.3,)), limits={AMOUNT: (1e-4, 0.9)})),
+    Rival("relaxation of one time", MEMORY, "fall",
+          relaxing(lambda t: 1 - np.exp(-4 * t),
+                   lambda values, lasting: StandardSolid(1 - values[AMOUNT], lasting * values[TIME]),
+                   names=(AMOUNT, TIME), starts=((0.3, 0.03), (0.3, 0.2), (0.6, 0.5)),
+                   limits={AMOUNT: (1e-4, 0.999), TIME: (1e-3, 10.0)})),
     Rival("residual depth", MEMORY, "of the depth of contact", of_return(_dent), of_directions=True),
     Rival("another modulus on the way back", MEMORY, "relative change", of_retraction, of_directions=True),
     Rival("another slope at rest", MEMORY, "relative change", slope_at_rest, of_directions=True),

@@ -9,7 +9,7 @@ of the misfit as the best are named together.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -72,7 +72,7 @@ class Score:
 
     def change(self, rate: float) -> float:
         """Relative change, with the amount found, of a quantity whose logarithm moves by ``rate`` per amount."""
-        return math.expm1(self.amount * rate)
+        return math.expm1(min(self.amount * rate, 700.0))
 
     def moved(self, rate: float) -> float:
         """How far a quantity may be off, relative, that moves by ``rate`` per amount: by the amount found and its 95 %
@@ -120,13 +120,43 @@ class RecordRivals:
 
 
 @dataclass(frozen=True)
+class Tried:
+    """A rival fitted in full: by how much chi^2 ``falls``, the ``chance`` that the noise of the free rows leaves as
+    much, whether it is ``taken``; E* [Pa], w [J/m^2], and what else it ``told``, SI, by name."""
+
+    name: str
+    family: str
+    falls: float
+    chance: float
+    taken: bool
+    E_star: float
+    w: float
+    told: Mapping[str, float]
+
+
+@dataclass(frozen=True)
 class Verdict:
     """The ``rivals`` of a record and what a formula of the half-space makes of its deepest row: ``formula`` by name and
-    its ``E_star`` [Pa], None where the tip has no radius."""
+    its ``E_star`` [Pa], None where the tip has no radius. ``tried``: rivals that were fitted in full, best first; where
+    the first is taken it is the model of the answer, and those ``tied`` with it, taken too, cannot be told from it;
+    ``rest``: the rivals of that model."""
 
     rivals: RecordRivals
     formula: str
     E_star: float | None
+    tried: tuple[Tried, ...] = ()
+    rest: RecordRivals | None = None
+
+    @property
+    def tied(self) -> tuple[Tried, ...]:
+        """Those that are taken, within ``TUNING.tied`` of the best one, which is the first."""
+        taken = [one for one in self.tried if one.taken]
+        return tuple(one for one in taken if one.falls > taken[0].falls - TUNING.tied)
+
+    @property
+    def families(self) -> tuple[str, ...]:
+        """The families that are named: of those that are tied, else of those that one step names."""
+        return tuple(dict.fromkeys(one.family for one in self.tied)) or self.rivals.families
 
 
 def rivals_of_record(body: FittedBody, found: ForceCurveFit, longest: float) -> RecordRivals:
@@ -154,14 +184,16 @@ def rivals_of_record(body: FittedBody, found: ForceCurveFit, longest: float) -> 
     return RecordRivals(tuple(scores), _named(scores, left), misfit, dof, loose)
 
 
-def left_over(at: Situation, plain: Situation) -> tuple[float, int]:
-    """chi^2 of what a fit leaves, and its degrees of freedom, on the rows that the ``plain`` one's rivals are judged
-    by."""
-    (off, J), keep = at.here, _told_rows(plain)
-    weighted, _ = _weighted(at, np.column_stack([off, J]), keep)
+def left_over(at: Situation, other: Situation) -> tuple[float, int, int]:
+    """chi^2 of what a fit leaves on the rows that the rivals of an ``other`` fit are judged by, too, its degrees of
+    freedom, and how many rows told the noise."""
+    off, J = at.here
+    rows, held = (np.concatenate([part.rows for part in one.model.stretches]) for one in (at, other))
+    keep = _told_rows(at) & np.isin(rows, held[_told_rows(other)])
+    weighted, loose = _weighted(at, np.column_stack([off, J]), keep)
     _, Q, _ = _spanned(weighted[:, 1:])
     r = weighted[:, 0] - Q @ (Q.T @ weighted[:, 0])
-    return float(r @ r), max(int(np.count_nonzero(keep)) - J.shape[1], 1)
+    return float(r @ r), max(int(np.count_nonzero(keep)) - J.shape[1], 1), loose
 
 
 def _spanned(own: Array) -> tuple[Array, Array, Array]:
@@ -242,13 +274,19 @@ def _told_rows(at: Situation) -> Array:
     return np.concatenate(keep)
 
 
+def _loose(at: Situation) -> list[int]:
+    """How many rows of each stretch are free, by the model and by the record itself: a wrong model may begin late."""
+    pairs = zip(at.model.free(at.found.x), at.model.stretches, strict=True)
+    return [min(free, part.line.rows) if part.line.rows else free for free, part in pairs]
+
+
 def _weighted(at: Situation, table: Array, keep: Array) -> tuple[Array, int]:
     """The rows of ``table`` in units of the noise of the free rows, so that noise has unit variance and no colour; how
     many rows told it, 0 where a stretch has too few."""
     sizes = [part.P.size for part in at.model.stretches]
     blocks, told = [], []
     for rows, kept, loose in zip(
-        *(np.split(item, np.cumsum(sizes)[:-1]) for item in (table, keep)), at.model.free(at.found.x), strict=True
+        *(np.split(item, np.cumsum(sizes)[:-1]) for item in (table, keep)), _loose(at), strict=True
     ):
         spectrum = noise_of(rows[:, 0], loose)
         told.append(loose)

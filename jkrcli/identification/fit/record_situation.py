@@ -15,7 +15,7 @@ from ...data.measured.curve import APPROACH
 from .body import FittedBody
 from .device_path import grid
 from .family import Family
-from .force_curve import DirectionReadings, ForceCurveFit, ForceCurveModel
+from .force_curve import DirectionReadings, ForceCurveFit, ForceCurveModel, base_line
 from .record_change import LITTLE, Change, RivalModel, bent
 
 
@@ -119,6 +119,19 @@ class Situation:
         """A column on the rows of one stretch, 0 on the others."""
         own = np.concatenate([np.full(one.P.size, one is part) for one in self.model.stretches])
         return np.where(own, column, 0.0)
+
+    @property
+    def lasting(self) -> float:
+        """How long the record lasts [s]."""
+        return sum(float(np.ptp(part.t)) for part in self.model.stretches)
+
+    @property
+    def tip_turn(self) -> float:
+        """Where the tip turns [m], beside z0: at the device's turn less its deflection there."""
+        part = self.model.stretches[0]
+        i = int(np.argmax(part.z))
+        line = base_line(part, self.model.values(self.found.x))[0][i]
+        return part.turn - float(part.P[i] - line) / self.model.k
 
     def rows(self, part: DirectionReadings, chosen: Array) -> Array:
         """Which rows of all are those of one stretch that are ``chosen``."""

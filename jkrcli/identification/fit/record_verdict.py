@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -11,9 +11,10 @@ from scipy.optimize import brentq
 
 from ...bodies.problem import Problem
 from .body import FittedBody
-from .force_curve import ForceCurveFit, base_line
+from .force_curve import ForceCurveFit, ForceCurveModel, base_line
+from .record_full import InFull, fitted_in_full
 from .record_rivals import MEMORY
-from .record_scores import RecordRivals, Verdict, rivals_of_record
+from .record_scores import RecordRivals, Tried, Verdict, rivals_of_record
 from .result import Fit, FittedValue
 
 REJECTED, DIFFER = "model rejected", "directions differ"
@@ -42,6 +43,50 @@ def judged(result: Fit, body: FittedBody, found: ForceCurveFit) -> Fit:
     )  # fmt: skip
 
 
+def by_rivals(
+    plain: Fit, body: FittedBody, found: ForceCurveFit, fresh: ForceCurveModel, told: Callable[[ForceCurveFit], Fit]
+) -> Fit:  # fmt: skip
+    """The fit by the best of the rivals that are taken, where the data ask for one; ``told``: what a fit of the record
+    says. The systematic part holds what is tied with it."""
+    verdict = plain.verdict
+    if verdict is None or not verdict.rivals.named:
+        return plain
+    full = fitted_in_full(body, found, fresh, verdict.rivals)
+    verdict = replace(verdict, tried=tuple(_tried(one, body) for one in full))
+    if not verdict.tied:
+        return replace(plain, verdict=verdict)
+    result, rest = told(full[0].found), rivals_of_record(body, full[0].found, plain.settings.range_at_most)
+    said = {name: sentence for name, sentence in _flags(rest) if name not in result.flags}
+    estimates = tuple(_with_ties(_with_part(item, rest), verdict.tied) for item in result.estimates)
+    warnings = tuple(f"{name}: {sentence}" for name, sentence in said.items())
+    return replace(
+        result, estimates=estimates, flags=(*result.flags, *said), warnings=(*warnings, *result.warnings),
+        verdict=replace(verdict, rest=rest),
+    )  # fmt: skip
+
+
+def _tried(one: InFull, body: FittedBody) -> Tried:
+    found = one.found
+    values = found.model.values(found.x)
+    s, last = math.exp(values["ln_s"]), found.model.stretches[-1].kind
+    told = found.model.further(values)
+    w = told.pop("w", max(values[f"q:{last}"], 0.0) * s)
+    return Tried(one.score.name, one.score.family, one.falls, one.chance, one.passes, s * body.problem.E_star, w, told)
+
+
+def _with_ties(item: FittedValue, tied: Sequence[Tried]) -> FittedValue:
+    """The estimate with what the farthest of those that are tied makes of it, where that is more."""
+    of_modulus, best = _of_modulus(item), tied[0]
+    if item.error is None or not (of_modulus or item.dimension == "work"):
+        return item
+    pairs = {one.name: (one.E_star / best.E_star - 1) if of_modulus else one.w - best.w for one in tied[1:]}
+    moves = {name: abs(move) * (item.value if of_modulus else 1.0) for name, move in pairs.items()} | dict(
+        item.model or {}
+    )
+    worst = max(moves, key=lambda name: moves[name], default="")
+    return replace(item, model={worst: moves[worst]}) if worst else item
+
+
 def _flags(rivals: RecordRivals) -> Iterator[tuple[str, str]]:
     """Flags with a sentence each."""
     if rivals.named:
@@ -59,9 +104,13 @@ def _flags(rivals: RecordRivals) -> Iterator[tuple[str, str]]:
 
 def _with_part(item: FittedValue, rivals: RecordRivals) -> FittedValue:
     """The estimate with what the worst rival may move it by."""
-    of_modulus = item.dimension == "modulus" or item.name == "modulus"
+    of_modulus = _of_modulus(item)
     worst = rivals.worst("E_star" if of_modulus else "w") if of_modulus or item.dimension == "work" else None
     return item if worst is None or item.error is None else replace(item, model={worst[0]: worst[1] * abs(item.value)})
+
+
+def _of_modulus(item: FittedValue) -> bool:
+    return item.dimension == "modulus" or item.name == "modulus"
 
 
 def _by_formula(problem: Problem, found: ForceCurveFit) -> tuple[str, float | None]:

@@ -19,6 +19,8 @@ Loss = Literal["linear", "soft_l1", "huber", "cauchy"]
 ContactName = Literal["auto", "fitted", "as-is", "estimate"]
 ConfidenceName = Literal["covariance", "profile", "bootstrap"]
 BaseLineName = Literal["straight", "sine"]
+ModelName = Literal["jkr", "auto"]
+AUTO: ModelName = "auto"
 DIMENSIONS = {"modulus": "number", "w": "work", "delta0": "length", "P0": "load", "compliance": "number",
               "drift": "speed", "range": "length", "stress": "modulus"}  # fmt: skip
 OF_A_CYCLE = {"w_approach": "work", "a_turn": "length"}  # added where both directions are fitted; a_turn: radius there
@@ -116,6 +118,7 @@ class Settings:
     seed``: of the bootstrap.
     ``contact``: "fitted": base line and contact point are fitted with the rest (``record``), "auto": where the curve is
     a raw record, else readings as they are. ``base_line`` of a raw record: "sine": with a wave by interference.
+    ``model`` of a raw record: "auto" fits the best rivals in full where the data ask for one.
     ``given``: names of the parameters that are not left out. ``range_at_most`` [m]: what is known of the range of
     adhesion where JKR is fitted.
     """
@@ -132,6 +135,7 @@ class Settings:
     seed: int = 0
     contact: ContactName = "auto"
     base_line: BaseLineName = "straight"
+    model: ModelName = "jkr"
     given: frozenset[str] = frozenset()
     range_at_most: float = math.inf
 

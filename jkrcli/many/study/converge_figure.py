@@ -56,10 +56,10 @@ def errors_panel(study: Meshes) -> Panel:
         errors = study.errors(name)
         there = np.array([error not in (None, 0.0) for error in errors])
         if there.any():
-            values = np.abs(np.array([error for error in errors if error not in (None, 0.0)], dtype=float))
+            values = 100 * np.abs(np.array([error for error in errors if error not in (None, 0.0)], dtype=float))
             lines.append(Line(unknowns[there], values, words, "o-", color))
     against = "the exact value" if study.exact is not None else "the extrapolated value"
-    return Panel(UNKNOWNS, f"difference to {against}", lines, logs="xy")
+    return Panel(UNKNOWNS, f"difference to {against} (%)", lines, logs="xy")
 
 
 def cost_panel(study: Meshes) -> Panel:

@@ -76,7 +76,7 @@ __all__ = [
 ]  # fmt: skip
 _HOMES = {  # of what is not in jkrcli.api
     ".adhesion.rate.laws": ("LogRate", "PowerRate"),
-    ".adhesion.rate.program": ("Program",),
+    ".adhesion.program": ("Program",),
     ".base.errors": ("InputError", "JkrError", "Refusal"),
     ".base.unknown": ("Unknown",),
     ".bodies.grading": ("Exponential", "Linear", "Power", "Tabulated"),

@@ -92,18 +92,20 @@ def _roughly(at: Situation, fresh: ForceCurveModel, change: Change, amount: floa
     asks for."""
     low, high = change.limits.get(AMOUNT, (-math.inf, math.inf))
     starts = dict.fromkeys([(min(max(amount, low), high), *change.starts[0][1:]), *change.starts])
-    model, x = RivalModel.of(fresh, change), _known(at, fresh)
+    model = RivalModel.of(fresh, change)
+    x = _known(at, model)
     begun = [[np.append(x, start) for start in starts], [x for start in starts for x in _new(at, model, start)]]
     begun = begun if change.load is None else [[start] for start in begun[0]]
     searches = [rough(model, min(some, key=partial(misfit_at, model)), TUNING.steps) for some in begun if some]
     return min(searches, key=lambda one: one[0])
 
 
-def _known(at: Situation, fresh: ForceCurveModel) -> Array:
-    """The unknowns of a ``fresh`` model as they were found, those that were held at what they were."""
+def _known(at: Situation, model: RivalModel) -> Array:
+    """The unknowns of a ``model`` but its change's as they were found, those that were held at what they were."""
     values = at.model.values(at.found.x)
-    roots = {f"r:{kind}": math.sqrt(max(values[f"q:{kind}"], 0.0)) for kind in (part.kind for part in fresh.stretches)}
-    return np.array([({"turn": 0.0} | roots | values)[name] for name in fresh.names])
+    roots = {f"r:{kind}": math.sqrt(max(values[f"q:{kind}"], 0.0)) for kind in (part.kind for part in model.stretches)}
+    own = [name for name in model.names if name not in model.change.names]
+    return np.array([({"turn": 0.0} | roots | values)[name] for name in own])
 
 
 def _new(at: Situation, model: RivalModel, start: tuple[float, ...]) -> Iterator[Array]:

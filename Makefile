@@ -24,7 +24,7 @@ CASES   := $(notdir $(basename $(wildcard cases/*.toml)))
 SOURCES := $(shell find jkrcli -name '*.py')
 
 .DEFAULT_GOAL := help
-.PHONY: help setup run test test-all test-minimal test-processors wheel fuzz lint docs validation gallery benchmarks cases bench figures noise-study chart chart-peers failures bounds range-bounds record-bounds relaxation-bounds record-rivals guards mutants tuning sweep audit clean requirements
+.PHONY: help setup run test test-all test-minimal test-processors wheel fuzz lint docs validation gallery notebooks benchmarks cases bench figures noise-study chart chart-peers failures bounds range-bounds record-bounds relaxation-bounds record-rivals guards mutants tuning constants sweep audit clean requirements
 .DELETE_ON_ERROR:
 
 help: ## list the targets
@@ -87,6 +87,9 @@ validation: $(READY) ## tables against published and independent values: docs/va
 gallery: $(READY) ## the pictures of docs/gallery from the commands that stand there
 	$(VENV)/bin/python -m docs.gallery.draw
 
+notebooks: $(READY) ## run the notebooks of docs/notebooks and keep what they print and draw
+	$(VENV)/bin/python docs/site_parts/notebooks.py
+
 benchmarks: $(READY) ## whole processes of six commands, twenty runs each, into docs/benchmarks/history.csv
 	$(VENV)/bin/python -m docs.benchmarks.measure --keep $(if $(AGAINST),--against $(call QUOTE,$(AGAINST)))
 
@@ -125,6 +128,10 @@ chart-peers: $(READY) ## run other programs on the same work, in an environment 
 tuning: $(READY) ## every tuned number halved and doubled: errors and times of reference bodies (half an hour)
 	@mkdir -p $(RESULTS)/tuning
 	$(STUDY).tuning -o $(RESULTS)/tuning | tee $(RESULTS)/tuning/tuning.txt
+
+constants: $(READY) ## every chosen number halved and doubled: which results move, by how much of their stated errors (an hour)
+	@mkdir -p $(RESULTS)/constants
+	$(STUDY).constants -o $(RESULTS)/constants | tee $(RESULTS)/constants/constants.txt
 
 failures: $(READY) ## where each method is right, refuses, or errs (an hour)
 	$(STUDY).failures -o $(RESULTS)/failures

@@ -13,13 +13,16 @@ TYPE_CHECKING = False  # typing's own takes as long to import as all else here, 
 if TYPE_CHECKING:
     from typing import Any
 
+    from .adhesion.program import Program
     from .adhesion.rate.laws import LogRate, PowerRate
-    from .adhesion.rate.program import Program
     from .api import (
         check,
+        compare,
+        cycle,
         cycle_at_speed,
         cycle_relaxing,
         identify,
+        identify_joint,
         identify_law,
         identify_relaxation,
         identify_tension,
@@ -27,6 +30,7 @@ if TYPE_CHECKING:
         look,
         measured_curves,
         parse_case,
+        plan,
         plot,
         profile,
         pull_off,
@@ -68,13 +72,14 @@ __all__ = [
     "JkrError", "Layer", "Layered", "Limits", "Linear", "Loading", "LogRate", "Paraboloid", "Power", "PowerLaw",
     "PowerRate", "PowerRelaxation", "Problem", "Program", "Prony", "Reading", "Refusal", "Rigid", "RoundedCone",
     "RoundedFlat", "Specimen", "Sphere", "StandardSolid", "TableProfile", "Tabulated", "TransverselyIsotropic",
-    "Unknown", "check", "cycle_at_speed", "cycle_relaxing", "identify", "identify_law", "identify_relaxation",
-    "identify_tension", "load_case", "look", "measured_curves", "parse_case", "plot", "profile", "pull_off", "read",
-    "save", "solve", "study_map", "summary", "table", "to_pandas", "transform", "work",
+    "Unknown", "check", "compare", "cycle", "cycle_at_speed", "cycle_relaxing", "identify", "identify_joint",
+    "identify_law", "identify_relaxation", "identify_tension", "load_case", "look", "measured_curves", "parse_case",
+    "plan", "plot", "profile", "pull_off", "read", "save", "solve", "study_map", "summary", "table", "to_pandas",
+    "transform", "work",
 ]  # fmt: skip
 _HOMES = {  # of what is not in jkrcli.api
     ".adhesion.rate.laws": ("LogRate", "PowerRate"),
-    ".adhesion.rate.program": ("Program",),
+    ".adhesion.program": ("Program",),
     ".base.errors": ("InputError", "JkrError", "Refusal"),
     ".base.unknown": ("Unknown",),
     ".bodies.grading": ("Exponential", "Linear", "Power", "Tabulated"),

@@ -66,34 +66,41 @@ from .data.measured import Curve, Reading, from_columns
 from .data.measured import read as read_curves
 from .methods import Method
 from .methods.guards import Limits
-from .report.result import Result
+from .report.result import Result, as_result
 from .series import Solution
 
 if TYPE_CHECKING:
     from pandas import DataFrame
 
-    from .adhesion.rate.history import History
+    from .adhesion.program import Program
+    from .adhesion.rate.history import RateContact
     from .adhesion.rate.laws import RateLaw
-    from .adhesion.rate.program import Program
-    from .adhesion.relaxation.history import RelaxedHistory
+    from .adhesion.relaxation.history import RelaxingContact
     from .bodies.relaxation import Relaxation
-    from .identification.fit import Fit
-    from .identification.rate.fitting import RateFit
-    from .identification.relaxation import RelaxationFit
-    from .identification.tension import TensionFit
+    from .identification.fit import Fit, FittedBody
+    from .identification.fit.result import Further
     from .many.study.maps import MapResult
     from .report.check import Check
+    from .report.compare import Compared
+    from .report.cycle import Cycled
+    from .report.fit import Fitted
+    from .report.joint_fit import JointFitted
     from .report.look import Look
     from .report.plots import Figure
     from .report.profile import Profile
     from .report.pull_off import MeasuredPullOff, PullOff
+    from .report.rate import CycledAtSpeed
+    from .report.rate_fit import LawFit
+    from .report.relaxation import CycledRelaxing
+    from .report.relaxation_fit import RelaxationFitted
+    from .report.tension_fit import TensionFitted
     from .report.transform import Transformed
     from .report.work import Work
 
 __all__ = [
-    "check", "cycle_at_speed", "cycle_relaxing", "identify", "identify_law", "identify_relaxation",
-    "identify_tension", "load_case", "look", "measured_curves", "parse_case", "plot", "profile", "pull_off", "read",
-    "save", "solve", "study_map", "summary", "table", "to_pandas", "transform", "work",
+    "check", "compare", "cycle", "cycle_at_speed", "cycle_relaxing", "identify", "identify_joint", "identify_law",
+    "identify_relaxation", "identify_tension", "load_case", "look", "measured_curves", "parse_case", "plan", "plot",
+    "profile", "pull_off", "read", "save", "solve", "study_map", "summary", "table", "to_pandas", "transform", "work",
 ]  # fmt: skip
 
 
@@ -153,7 +160,36 @@ def transform(
     asked = _range(solution, stress, length)
     from .report.transform import Transformed
 
-    return Transformed.of(analyse(solution, [_number("w", w, "work")], slopes, modulus_factor, asked)[0])
+    return as_result(Transformed, analyse(solution, [_number("w", w, "work")], slopes, modulus_factor, asked)[0])
+
+
+@one_thread()
+def cycle(
+    solved: Solution | Case | Problem | str | Path,
+    w: float | str,
+    *,
+    w_approach: float | str | None = None,
+    to_load: float | str | None = None,
+    to_depth: float | str | None = None,
+    stiffness: float | str = DISPLACEMENT_CONTROL,
+    slopes: str = "auto",
+    modulus_factor: float = 1.0,
+    stress: float | str | None = None,
+    length: float | str | None = None,
+) -> Cycled:
+    """What a device records that presses the bodies together and pulls them apart, however slowly.
+
+    ``w`` on retraction [J/m^2], not smaller than ``w_approach`` (default: ``w``). The device of ``stiffness`` [N/m] (0:
+    load control, infinite, the default: a rigid one) turns at ``to_load`` or ``to_depth``, default: the end of the
+    series. ``stress`` [Pa] or ``length`` [m]: adhesion of finite range, else what the case says.
+    """
+    from .report.cycle import Cycled
+
+    solution, k = _solution(solved, None), _number("stiffness", stiffness, "stiffness")
+    works = [_number("w", value, "work") for value in (w if w_approach is None else w_approach, w)]
+    curves = analyse(solution, works, slopes, modulus_factor, _range(solution, stress, length))
+    turn = _maybe("to_load", to_load, "load"), _maybe("to_depth", to_depth, "length")
+    return Cycled.of([with_solved_points(curve, k) for curve in curves], k, *turn)
 
 
 @one_thread()
@@ -172,7 +208,8 @@ def cycle_at_speed(
     hold: float | str = 0.0,
     stiffness: float | str = DISPLACEMENT_CONTROL,
     slopes: str = "auto",
-) -> History:
+    stress: float | str | None = None,
+) -> CycledAtSpeed:
     """What a device records over time while the work of adhesion depends on the speed of the contact's edge.
 
     ``w`` at rest on retraction [J/m^2] and its ``law``: PowerRate(v0=1e-6, n=0.6), LogRate, or their keys as of ``jkr
@@ -180,14 +217,13 @@ def cycle_at_speed(
     ``to_load`` or ``to_depth`` (default: the end of the series), waits for the time ``hold`` and goes back at
     ``speed``; or it does what a ``program`` says. Its speeds are in m/s, under load control in N/s. ``w_approach``:
     default ``w``; ``law_approach``: else an advancing edge follows at once. ``stiffness`` [N/m]: 0 is load control,
-    infinite (default) a rigid device. Numbers are SI, text carries its unit.
+    infinite (default) a rigid device; ``stress`` [Pa] in the zone at the edge. Numbers are SI, text carries its unit.
 
     The result's ``pull_off``, ``jumps``, ``lost``, ``energy_lost`` and ``error`` tell what happened, ``table(points)``
     gives its columns. Raises InputError where the contact leaves the series.
     """
     from .adhesion.rate.history import RateContact
-    from .adhesion.rate.program import there_and_back
-    from .adhesion.rate.turn import held_at_turn
+    from .report.rate import CycledAtSpeed
 
     w0, k = _number("w", w, "work"), _number("stiffness", stiffness, "stiffness")
     w_a = w0 if w_approach is None else _number("w_approach", w_approach, "work")
@@ -195,27 +231,8 @@ def cycle_at_speed(
     solution = _solution(solved, None)
     result = with_solved_points(analyse(solution, [w0], slopes)[0], k)
     contact = RateContact(result.jkr.nonadhesive, _law(law), w0, w_a, k, inwards)
-    if (speed is None) == (program is None):
-        raise InputError("cycle_at_speed: give either the speed of the device or its program")
-    if speed is not None:
-        rate = "load rate" if k == LOAD_CONTROL else "speed"
-        back = _number("speed", speed, rate)
-        there = back if speed_approach is None else _number("speed_approach", speed_approach, rate)
-        load = None if to_load is None else _number("to_load", to_load, "load")
-        depth = None if to_depth is None else _number("to_depth", to_depth, "length")
-        turn = held_at_turn(contact, load, depth, there)
-        program = there_and_back(turn, there, back, _number("hold", hold, "time"), contact.least)
-    assert program is not None
-    history = contact.history(program)
-    if history.out_of_series is not None:
-        raise InputError(f"cycle_at_speed: {history.out_of_series}")
-    return history
-
-
-def _range(solution: Solution, stress: float | str | None, length: float | str | None) -> AskedRange:
-    """Adhesion of finite range as it is asked for, in numbers or text."""
-    tension = None if stress is None else _number("stress", stress, "modulus")
-    return AskedRange.of(solution.record, tension, None if length is None else _number("length", length, "length"))
+    driven = _driven("cycle_at_speed", contact, program, speed, speed_approach, to_load, to_depth, hold)
+    return CycledAtSpeed.of(contact, driven, result, stress=_maybe("stress", stress, "modulus"))
 
 
 @one_thread()
@@ -231,7 +248,7 @@ def cycle_relaxing(
     hold: float | str = 0.0,
     stiffness: float | str = DISPLACEMENT_CONTROL,
     slopes: str = "auto",
-) -> RelaxedHistory:
+) -> CycledRelaxing:
     """What a device records over time while the moduli of the specimen relax, without adhesion.
 
     ``relaxation``: StandardSolid(ratio=0.25, time=1.0), PowerRelaxation, Prony; default: that of the specimen. The
@@ -240,8 +257,8 @@ def cycle_relaxing(
     The result's ``peak``, ``corners``, ``turn``, ``lost`` and ``error`` tell what happened, ``table(points)`` gives its
     columns. Raises InputError where the contact leaves the series, or is loaded again onto its dent.
     """
-    from .adhesion.rate.program import there_and_back
     from .adhesion.relaxation.history import RelaxingContact
+    from .report.relaxation import CycledRelaxing
 
     solution, k = _solution(solved, None), _number("stiffness", stiffness, "stiffness")
     law = relaxation or solution.problem.specimen.relaxation
@@ -249,19 +266,34 @@ def cycle_relaxing(
         raise InputError(
             "cycle_relaxing: the specimen has no relaxation: give one, StandardSolid(ratio=0.25, time=1.0)"
         )
-    if (speed is None) == (program is None):
-        raise InputError("cycle_relaxing: give either the speed of the device or its program")
     relaxing = replace(solution.problem, specimen=replace(solution.problem.specimen, relaxation=law))  # may refuse
     contact = RelaxingContact(nonadhesive(replace(solution, problem=relaxing), slopes), law, k)
-    if speed is not None:
-        rate = "load rate" if k == LOAD_CONTROL else "speed"
-        back = _number("speed", speed, rate)
-        there = back if speed_approach is None else _number("speed_approach", speed_approach, rate)
-        load = None if to_load is None else _number("to_load", to_load, "load")
-        depth = None if to_depth is None else _number("to_depth", to_depth, "length")
-        program = there_and_back(contact.turning(load, depth, there), there, back, _number("hold", hold, "time"))
-    assert program is not None
-    return contact.history(program)
+    driven = _driven("cycle_relaxing", contact, program, speed, speed_approach, to_load, to_depth, hold)
+    return CycledRelaxing.of(contact, driven, solution.record.path)
+
+
+def _driven(
+    verb: str, contact: RateContact | RelaxingContact, program: Program | None, speed: float | str | None,
+    speed_approach: float | str | None, to_load: float | str | None, to_depth: float | str | None, hold: float | str,
+) -> Program:  # fmt: skip
+    """The ``program``, or there and back at a speed."""
+    from .adhesion.program import there_and_back
+
+    if (speed is None) == (program is None):
+        raise InputError(f"{verb}: give either the speed of the device or its program")
+    if speed is None:
+        assert program is not None
+        return program
+    rate = "load rate" if contact.stiffness == LOAD_CONTROL else "speed"
+    back = _number("speed", speed, rate)
+    there = back if speed_approach is None else _number("speed_approach", speed_approach, rate)
+    turn = contact.turning(_maybe("to_load", to_load, "load"), _maybe("to_depth", to_depth, "length"), there)
+    return there_and_back(turn, there, back, _number("hold", hold, "time"), contact.least)
+
+
+def _range(solution: Solution, stress: float | str | None, length: float | str | None) -> AskedRange:
+    """Adhesion of finite range as it is asked for, in numbers or text."""
+    return AskedRange.of(solution.record, _maybe("stress", stress, "modulus"), _maybe("length", length, "length"))
 
 
 def _law(law: RateLaw | Mapping[str, Any]) -> RateLaw:
@@ -275,6 +307,11 @@ def _solution(solved: Solution | Case | Problem | str | Path, method: str | Meth
     if isinstance(solved, Case | Problem) or (not isinstance(solved, Solution) and Path(solved).suffix == ".toml"):
         solved = solve(solved, method)
     return solved if isinstance(solved, Solution) else store.read(solved)
+
+
+def _maybe(name: str, value: float | str | None, dimension: str) -> float | None:
+    """The same where it is given."""
+    return None if value is None else _number(name, value, dimension)
 
 
 def _number(name: str, value: float | str, dimension: str) -> float:
@@ -298,7 +335,7 @@ def identify(
     P: Any = None,
     t: Any = None,
     **options: Any,
-) -> Fit:
+) -> Fitted:
     """E*, w and the zero points that bring the adhesive curve of ``body`` nearest to one ``measured`` curve: of a file,
     a data frame with columns named as in a table ("delta_um", "P (nN)"), or arrays of ``a, delta, P, t`` [SI]. In these
     ``reading``, Reading(units={"P": "nN"}), tells units, signs and the device.
@@ -310,14 +347,57 @@ def identify(
     from .identification.fit import fit
     from .identification.fit.body import body_of
     from .identification.fit.settings import settings_of
+    from .report.fit import Fitted
 
     arrays = {"a": a, "delta": delta, "P": P, "t": t}
     given = {name: values for name, values in arrays.items() if values is not None}
     if (measured is None) == (not given):
         raise InputError("identify: give either what was measured or arrays of a, delta, P, t")
+    if reading is not None:  # a fit finds zero points itself, with the rest
+        options = {"contact": reading.contact} | options
+        reading = replace(reading, contact="as-is")
     curve = _curve_of(given if measured is None else measured, reading)
     source = body_of(Path(body) if isinstance(body, str) else body, slopes)
-    return one_thread()(fit)(source, curve, settings_of(source, free, (fix or {}).items(), **options))
+    found = one_thread()(fit)(source, curve, settings_of(source, free, (fix or {}).items(), **options))
+    return as_result(Fitted, found, body=_named(body, source))
+
+
+def identify_joint(
+    body: Case | Solution | str | Path,
+    measured: Sequence[Curve | str | Path],
+    shared: Iterable[str] = ("E_star", "w"),
+    own: Iterable[str] = (),
+    tip_radii: Sequence[float | str] = (),
+    free: Iterable[str] = (),
+    fix: Mapping[str, str] | None = None,
+    slopes: str = "auto",
+    **options: Any,
+) -> JointFitted:
+    """E*, w or whatever else all records ``measured`` share, from all of them together; the rest is each record's own.
+
+    ``tip_radii`` [m]: of each, or one of all (default: the body's); ``free``, ``fix``, ``options`` as of ``identify``.
+    Raises InputError where a record cannot be used, or the records do not tell what they share.
+    """
+    from .identification.fit.body import body_of
+    from .identification.fit.joint import joint_fit, shared_of, with_radii
+    from .identification.fit.settings import settings_of
+    from .report.joint_fit import JointFitted
+
+    source = body_of(Path(body) if isinstance(body, str) else body, slopes)
+    curves = [_curve_of(item, None) for item in measured]
+    settings = settings_of(source, free, (fix or {}).items(), **options)
+    bodies = with_radii(source, [_number("tip_radii", R, "length") for R in tip_radii], len(curves))
+    found = one_thread()(joint_fit)(bodies, curves, settings, shared_of(shared, own, settings))
+    return as_result(JointFitted, found, body=_named(body, source), level=settings.level)
+
+
+def plan(body: Case | Solution | str | Path, found: Fit, slopes: str = "auto") -> tuple[Further, ...]:
+    """Which further measurement would narrow E* and w of a fit most: relative standard errors now and with the same
+    measurement again, other largest loads, tip radii, thicknesses. InputError where the data do not tell both."""
+    from .identification.fit.body import body_of
+    from .identification.fit.plan import further
+
+    return one_thread()(further)(body_of(Path(body) if isinstance(body, str) else body, slopes), found)
 
 
 def identify_law(
@@ -328,7 +408,7 @@ def identify_law(
     fix: Mapping[str, str] | None = None,
     slopes: str = "auto",
     **options: Any,
-) -> RateFit:
+) -> LawFit:
     """w0, the parameters of a ``law`` over the edge's speed, E* and the zero point, from records with time together.
 
     ``measured``: curves of retractions at one or several speeds, or their files; ``free``: more parameters ("P0");
@@ -337,12 +417,13 @@ def identify_law(
     """
     from .identification.fit.body import body_of
     from .identification.rate.fitting import rate_fit, rate_settings
+    from .report.rate_fit import LawFit
 
     source = body_of(Path(body) if isinstance(body, str) else body, slopes)
     start = options.pop("start", {}).items()
     settings = rate_settings(source, law, free, (fix or {}).items(), start, **options)
     curves = [curve for each in measured for curve in ([each] if isinstance(each, Curve) else measured_curves(each))]
-    return one_thread()(rate_fit)(source, curves, settings)
+    return as_result(LawFit, one_thread()(rate_fit)(source, curves, settings), body=_named(body, source))
 
 
 def identify_relaxation(
@@ -352,7 +433,7 @@ def identify_relaxation(
     fix: Mapping[str, str] | None = None,
     slopes: str = "auto",
     **options: Any,
-) -> RelaxationFit:
+) -> RelaxationFitted:
     """The modulus, the parameters of a ``law`` of relaxation and the zero point, from a record with time.
 
     ``measured``: one curve of t, delta, P, or its file; ``fix``: known ones, {"ratio": "0.3"}; ``options``: level,
@@ -360,10 +441,12 @@ def identify_relaxation(
     """
     from .identification.fit.body import body_of
     from .identification.relaxation import relaxation_fit, relaxation_settings
+    from .report.relaxation_fit import RelaxationFitted
 
     source = body_of(Path(body) if isinstance(body, str) else body, slopes)
     curve = _curve_of(measured, None)
-    return one_thread()(relaxation_fit)(source, curve, relaxation_settings(law, (fix or {}).items(), **options))
+    found = one_thread()(relaxation_fit)(source, curve, relaxation_settings(law, (fix or {}).items(), **options))
+    return as_result(RelaxationFitted, found, body=_named(body, source))
 
 
 def identify_tension(
@@ -372,7 +455,7 @@ def identify_tension(
     tip_radii: Sequence[float | str] = (),
     fix: Mapping[str, str] | None = None,
     level: float = 0.95,
-) -> TensionFit:
+) -> TensionFitted:
     """Surface tension, E*, w and the zero points from records by tips of one or more radii on the same body, together.
 
     ``measured``: curves or their files; ``tip_radii`` [m]: of each, or one of all (default: the body's); ``fix``: known
@@ -380,12 +463,20 @@ def identify_tension(
     """
     from .identification.fit.body import body_of
     from .identification.tension import TENSION, known_values, radii_of, tension_fit
+    from .report.tension_fit import TensionFitted
 
-    problem = body_of(Path(body) if isinstance(body, str) else body).problem
+    source = body_of(Path(body) if isinstance(body, str) else body)
+    problem = source.problem
     curves = [_curve_of(item, None) for item in measured]
     radii = radii_of(problem, [_number("tip_radii", R, "length") for R in tip_radii], len(curves))
     known = known_values(problem, [] if TENSION in (fix or {}) else [TENSION], (fix or {}).items())
-    return one_thread()(tension_fit)(problem, curves, radii, known, level)
+    found = one_thread()(tension_fit)(problem, curves, radii, known, level)
+    return as_result(TensionFitted, found, body=_named(body, source), level=level)
+
+
+def _named(body: Any, source: FittedBody) -> str:
+    """What was fitted in words: its file, or the body."""
+    return str(body) if isinstance(body, str | Path) else source.problem.words
 
 
 def _curve_of(measured: Any, reading: Reading | None) -> Curve:
@@ -504,6 +595,26 @@ def work(
     evaluation = evaluation_of(solution, unit, reading, modulus_factor, **options)
     with executor(1) as pool:
         return Work.of(path, *along_file(path, reading, evaluation, pool), solution, unit, modulus_factor)
+
+
+def compare(
+    first: Solution | Case | Problem | str | Path,
+    second: Solution | Case | Problem | str | Path,
+    rtol: float = 1e-3,
+    columns: Iterable[str] = (),
+    overlap: float = 0.9,
+) -> Compared:
+    """How far two results of the same problem lie apart: series ("P" and "a" at equal displacement, "S" and "dS" at
+    equal radius), or the CSV files of curves; they ``agree`` where no column that counts (default: P, of curves all)
+    differs by more than ``rtol``. Raises InputError where less than ``overlap`` of their range is common."""
+    from .report.compare import Compared, of_curves, of_solutions
+
+    one, two = (Path(item) if isinstance(item, str | Path) else Path("solved") for item in (first, second))
+    files = one, two
+    if one.suffix == ".csv":
+        return Compared.of(files, of_curves(files), rtol, tuple(columns), overlap)
+    found = of_solutions(files, _solution(first, None), _solution(second, None))
+    return Compared.of(files, found, rtol, tuple(columns) or ("P",), overlap)
 
 
 def study_map(name: str, **axes: Any) -> MapResult:

@@ -52,6 +52,12 @@ def _coarse_pictures(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyP
         monkeypatch.setattr(plots, "DPI", 40)
 
 
+@pytest.fixture(autouse=True)
+def _whole_lines(monkeypatch: pytest.MonkeyPatch) -> None:
+    """No line that is printed is folded, so that tests find their sentences."""
+    monkeypatch.setenv("COLUMNS", "10000")
+
+
 @pytest.fixture(name="seed")
 def _seed(request: pytest.FixtureRequest) -> int:
     """What random inputs are drawn from: the same in every run that does not ask for others."""

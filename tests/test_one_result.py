@@ -11,9 +11,11 @@ import numpy as np
 import pytest
 
 import jkrcli as python
+from jkrcli.report.dem import Exported
 from jkrcli.report.result import Result
 
 CASES = Path(__file__).parent.parent / "cases"
+PROBE = CASES / "measured" / "gel-probe.csv"
 RECORD = CASES / "measured" / "raw-force-curve.txt"
 
 
@@ -55,6 +57,23 @@ MADE: dict[str, tuple[tuple[object, ...], Callable[[], Result], str]] = {
         lambda: python.work("gel.h5", "gel.csv", noise={"P": 2e-6}),
         "results",
     ),
+    "export": (
+        ("export", "gel.h5", "--dem", "--w", "40 mJ/m^2", "--force"),
+        lambda: Exported.of(python.transform("gel.h5", 0.04)),
+        "",
+    ),
+    "compare": (("compare", "gel.h5", "gel.h5"), lambda: python.compare("gel.h5", "gel.h5"), ""),
+    "compare curves": (("compare", "gel.csv", "gel.csv"), lambda: python.compare("gel.csv", "gel.csv"), ""),
+    "fit": (
+        ("fit", CASES / "gel.toml", PROBE, "--no-plots", "--force", "-o", "."),
+        lambda: python.identify(str(CASES / "gel.toml"), PROBE),
+        "",
+    ),
+    "fit of a record": (
+        ("fit", "gel.h5", RECORD, "--no-plots", "--force"),
+        lambda: python.identify("gel.h5", RECORD),
+        "",
+    ),
     "pull-off map": (
         ("study", "pull-off-map", "--q", "1", "--nu", "0.3", "--no-plots"),
         lambda: python.study_map("pull-off", q=[1.0], nu=[0.3]),
@@ -75,7 +94,7 @@ def test_command_and_python_say_the_same(jkr: Callable, gel: str, name: str) -> 
     assert done.code == 0, done.err
     found = json.loads(done.out)
     assert plain(result.summary()) == (found[inside][0] if inside else found)
-    assert str(result) in jkr(*words).out
+    assert str(result) in jkr(*words, "-v").out
 
 
 def test_a_profile_is_that_of_the_command(jkr: Callable, gel: str) -> None:
@@ -128,8 +147,9 @@ radius = "0.1 mm"
 def test_arrays_data_frames_and_files_are_identified_alike(tmp_path: Path) -> None:
     body = python.solve(python.parse_case(BALL))
     delta, P = arrays()
-    np.savetxt("ball.csv", np.column_stack([delta, P]), delimiter=",", header="delta_m,P_N", comments="", fmt="%.17g")
-    by_file = python.identify(body, "ball.csv")
+    table = tmp_path / "ball.csv"
+    np.savetxt(table, np.column_stack([delta, P]), delimiter=",", header="delta_m,P_N", comments="", fmt="%.17g")
+    by_file = python.identify(body, table)
     assert by_file.value("w") == pytest.approx(0.05, rel=1e-6)
     in_units = python.Reading(units={"P": "nN", "delta": "um"})
     for other in (

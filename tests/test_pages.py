@@ -54,7 +54,7 @@ RUN = [page for page in PAGES if any(b.kind in ("sh", "python") and not b.mark f
 def test_every_unmarked_block_runs_and_prints_what_the_page_shows(page: Path, tmp_path: Path) -> None:
     for given in GIVEN:
         (tmp_path / given).symlink_to(ROOT / given)
-    environment = {**os.environ, "PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}"}
+    environment = {**os.environ, "PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}", "COLUMNS": "120"}
     printed = ""
     for block in blocks(page):
         if block.kind == "text" and not block.mark:

@@ -25,9 +25,14 @@ def main() -> None:
             print(commands, end="")
             subprocess.run(["bash", "-euc", commands], cwd=folder, check=True, env=os.environ | {"PATH": path})
         for picture in re.findall(r"!\[[^\]]*\]\(([^)/]+)\)", page):
-            with Image.open(folder / picture) as full:  # half the size and 64 colours: a tenth of the bytes
-                half = full.convert("RGB").resize((full.width // 2, full.height // 2))
-                half.quantize(64).save(HERE / picture, optimize=True)
+            keep(folder / picture)
+
+
+def keep(picture: Path) -> None:
+    """Half the size and 256 colours, of which fewer gave lines those of others: a sixth of the bytes."""
+    with Image.open(picture) as full:
+        half = full.convert("RGB").resize((full.width // 2, full.height // 2))
+        half.quantize(256).save(HERE / picture.name, optimize=True)
 
 
 if __name__ == "__main__":

@@ -13,6 +13,7 @@ from sphinx.util.docutils import SphinxDirective
 import jkrcli
 from jkrcli.cli import GROUPS, jkr
 from jkrcli.cli.study import STUDIES
+from jkrcli.cli.verb import ALL
 
 
 def verbs() -> str:
@@ -38,6 +39,7 @@ def _help(*words: str) -> str:
         found = command.get_command(context, word)
         assert found is not None
         command, context = found, click.Context(found, info_name=word, parent=context)
+    context.meta[ALL] = True
     return command.get_help(context)
 
 

@@ -221,7 +221,7 @@ Judged = tuple[str, float, float, bool]  # of a quantity: its name, ratio, state
 
 def _columns(solution: Solution) -> list[Judged]:
     """Each column with its worst ratio of true to stated error, and the stated one there, relative; and the budget's
-    total against the worst of all at equal depth, or radius where that is exact."""
+    total against the largest true error of all at equal depth, or radius where that is exact."""
     series = solution.series
     rows = np.flatnonzero(series.delta >= 0.01 * series.delta[-1])
     rows = rows[np.unique(np.linspace(0, rows.size - 1, ROWS).round().astype(int))]
@@ -239,21 +239,23 @@ def _columns(solution: Solution) -> list[Judged]:
             for name in ("a", "P")
         ]
     alike = found[-2:] if at_depth else found
-    worst, total = max((ratio * stated for _, ratio, stated, _ in alike), default=0.0), solution.budget.total
+    worst, total = max((largest for _, largest in alike), default=0.0), solution.budget.total
+    judged = [column for column, _ in found]
     if isinstance(total, float) and total > 0:
-        found.append(("total", worst / total, total, worst > max(SMALL, 3 * exact.accuracy)))
-    return found
+        judged.append(("total", worst / total, total, worst > max(SMALL, 3 * exact.accuracy)))
+    return judged
 
 
 def _ratio(
     words: str, series: Series, exact: Reference, name: str, errors: Any, rows: Any, unsure: Array | float
-) -> Judged:
+) -> tuple[Judged, float]:
+    """A column by its worst row, and its largest true error, relative."""
     truth = getattr(exact.series, name)
     off = np.abs(getattr(series, name)[rows] / truth - 1)
     error, stated = np.maximum(off - unsure, 0.0), errors[rows] / np.abs(truth)
     worst = int(np.argmax(error / stated))
     clear = off[worst] > max(SMALL, 3 * float(np.max(unsure)))
-    return words, float(error[worst] / stated[worst]), float(stated[worst]), bool(clear)
+    return (words, float(error[worst] / stated[worst]), float(stated[worst]), bool(clear)), float(error.max())
 
 
 def _points(solution: Solution) -> list[Judged]:

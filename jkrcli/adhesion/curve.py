@@ -300,7 +300,9 @@ class EquilibriumCurve(ABC):
         return {"smallest": self.point(float(self.places[0])), "largest": self.point(float(self.places[-1]))}
 
     def work(self, low: float, high: float) -> float:
-        """Work int P d(delta) [J] along the curve between two places [m]."""
+        """Work int P d(delta) [J] along the curve from one place [m] to another."""
+        if high < low:
+            return -self.work(high, low)
         places, works = self._work_between
         first, last = np.searchsorted(places, low, side="right"), np.searchsorted(places, high) - 1
         if last < first:
@@ -442,29 +444,40 @@ class AdhesiveCurve(EquilibriumCurve):
     def interpolation_at(self, a: Array) -> dict[str, Array] | Unknown:
         """Errors of "delta" [m] and "P" [N] between the points, at radii within the series; 0 at the points.
 
-        What leaving out every second point changes there, over the cube of the ratio of the gaps: the rule is of fourth
-        order in the spacing, of third where its splines end; of few points nothing of the kind is assumed. Of the two
-        halves of the points the one counts in which the radius lies nearer to the middle of a gap.
+        What leaving out every second point changes in this gap or one beside, over the cube of the ratio of the gaps:
+        the rule is of fourth order in the spacing, of third where its splines end; of few points nothing of the kind is
+        assumed. Of the two halves of the points the one counts in which the radius lies nearer to the middle of a gap.
         """
         knots = self.nonadhesive.knots.a - self.series.a0
         if knots.size < TUNING.fewest:
             return Unknown(f"unknown: fewer than {TUNING.fewest} points")
-        a = self._inside(a)
-        if np.max(_gap(knots, a - self.series.a0)) > math.log(TUNING.widest):
+        y = self._inside(a) - self.series.a0
+        gaps, at, place = np.diff(np.log(knots)), _before(knots, y), _place_between(knots, y)
+        if np.max(gaps[at]) > math.log(TUNING.widest):
             return Unknown(f"unknown: neighbouring radii differ by more than a factor of {TUNING.widest:g}")
-        here, place, gap = self._at(a), _place_between(knots, a - self.series.a0), _gap(knots, a - self.series.a0)
-        order = TUNING.order if knots.size >= TUNING.few else 0
-        found = {name: np.zeros_like(a) for name in ("delta", "P")}
+        beside = np.clip(np.stack([at - 1, at, at + 1]) if self._order else at[None], 0, gaps.size - 1)
+        shape = 4 * place * (1 - place) * (gaps[at] / gaps[beside]) ** self._order
+        return {name: np.max(changes[beside] * shape, axis=0) for name, changes in self._gap_errors.items()}
+
+    @property
+    def _order(self) -> int:
+        return TUNING.order if self.nonadhesive.knots.a.size >= TUNING.few else 0
+
+    @cached_property
+    def _gap_errors(self) -> dict[str, Array]:
+        """Errors (n - 1,) of "delta" [m] and "P" [N] in the middle of each gap between the points."""
+        knots = self.nonadhesive.knots.a - self.series.a0
+        y, gaps = np.sqrt(knots[1:] * knots[:-1]), np.diff(np.log(knots))
+        a = self.series.a0 + y
+        here, rounding = np.stack(self._at(a)), TUNING.zero * np.stack(self.nonadhesive.parts(a)[:2])
+        found = np.zeros_like(here)
         for coarser in self.halves:
-            gaps = coarser.a - self.series.a0
-            beside = _place_between(gaps, a - self.series.a0)
-            depth = 16 * (beside * (1 - beside)) ** 2
-            wider = _gap(gaps, a - self.series.a0) / gap
-            shape, counts = 4 * place * (1 - place) / wider**order, (wider > 1) & (depth >= TUNING.middle)
-            for name, ours, there in zip(found, here, coarser._at(a), strict=True):
-                change = np.divide(np.abs(there - ours) * shape, depth, out=np.zeros_like(a), where=counts)
-                found[name] = np.maximum(found[name], change)
-        return found
+            fewer = coarser.a - self.series.a0
+            place, wider = _place_between(fewer, y), np.diff(np.log(fewer))[_before(fewer, y)] / gaps
+            depth = 16 * (place * (1 - place)) ** 2
+            change = np.maximum(np.abs(coarser._at(a) - here) - rounding, 0.0) / wider**self._order / depth
+            found = np.where((wider > 1) & (depth >= TUNING.middle), np.maximum(found, change), found)
+        return {"delta": found[0], "P": found[1]}
 
     @cached_property
     def halves(self) -> tuple[AdhesiveCurve, AdhesiveCurve]:
@@ -503,7 +516,7 @@ class AdhesiveCurve(EquilibriumCurve):
             'ask for smaller radii: loading.spacing = "log", by fem a smaller mesh.smallest '
             "(or contact shrinks to a point before it is lost)"
             if end == "smallest"
-            else "the series would have to reach a larger radius: increase [loading] radius"
+            else "increase [loading] radius"
         )
         return (
             f"the {quantity} is lowest at the {end} radius of the series, a = {show(lowest.a, 'length')} "
@@ -512,13 +525,12 @@ class AdhesiveCurve(EquilibriumCurve):
         )
 
 
-def _gap(points: Array, x: Array) -> Array:
-    """Logarithm of the ratio of the increasing ``points`` on both sides of each ``x``."""
-    at = np.clip(np.searchsorted(points, x, side="right"), 1, points.size - 1)
-    return np.log(points[at] / points[at - 1])
+def _before(points: Array, x: Array) -> Array:
+    """Number of the gap between the increasing ``points`` in which each ``x`` lies."""
+    return np.clip(np.searchsorted(points, x, side="right"), 1, points.size - 1) - 1
 
 
 def _place_between(points: Array, x: Array) -> Array:
     """Place of each ``x`` between the increasing ``points`` on both sides of it, in logarithms, from 0 to 1."""
-    at = np.clip(np.searchsorted(points, x, side="right"), 1, points.size - 1)
-    return np.clip(np.log(x / points[at - 1]) / np.log(points[at] / points[at - 1]), 0.0, 1.0)
+    at = _before(points, x)
+    return np.clip(np.log(x / points[at]) / np.log(points[at + 1] / points[at]), 0.0, 1.0)

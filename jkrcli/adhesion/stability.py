@@ -6,7 +6,6 @@ with jumps in between. Energies are those of quasi-static cycles: what the devic
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -19,10 +18,11 @@ from ..base.units import show
 from ..base.unknown import Estimate, Unknown
 from .curve import NO_ADHESION, CriticalPoint, Equilibrium, EquilibriumCurve
 from .device import DISPLACEMENT_CONTROL, LOAD_CONTROL, control, position
-from .passage import Passage, grow, held_by_free, largest_stable, shrink
+from .path import ADVANCE, RECEDE, REST, Jump, Path, QuasiStatic, grow, largest_stable, shrink
 
 STABLE, GRIPPED, UNSTABLE = "stable", "displacement-control", "unstable"
 UNBOUNDED = Unknown("not defined under load control")
+PHASES = {ADVANCE: "approach", REST: "turn", RECEDE: "retraction"}  # in the trace of a cycle
 
 
 def branch(curve: EquilibriumCurve) -> Array:
@@ -37,30 +37,28 @@ def branch(curve: EquilibriumCurve) -> Array:
     return np.where(dP > 0, STABLE, np.where(ddelta > 0, GRIPPED, UNSTABLE))
 
 
-@dataclass(frozen=True)
-class Jump:
-    """A jump of the contact radius from ``start`` to ``end`` at standing device; ``end = None``: it is lost."""
-
-    start: Equilibrium
-    end: Equilibrium | None
-
-
 @dataclass(frozen=True, eq=False)
 class Cycle:
-    """Approach, turn at the place ``turn`` of the curve [m], retraction, by a device of ``stiffness`` [N/m].
+    """Approach, turn at the place ``turn`` of the curve [m], retraction, in equilibrium all the way.
 
     At the turn the contact keeps its radius, as a flat punch would, until the energy release rate has risen from the
-    work of adhesion of the approach to that of the retraction.
+    work of adhesion of the approach to that of the retraction: the first piece of the ``retraction``.
     """
 
-    approach: Passage
+    contact: QuasiStatic
+    approach: Path
     turn: float
-    retraction: Passage
+    retraction: Path
+
+    @property
+    def path(self) -> Path:
+        """The whole, from first contact on."""
+        return replace(self.retraction, pieces=(*self.approach.pieces, *self.retraction.pieces))
 
     @property
     def stiffness(self) -> float:
         """Stiffness of the device [N/m]: 0 load control, infinite displacement control."""
-        return self.approach.stiffness
+        return self.contact.stiffness
 
     @property
     def begin(self) -> Equilibrium:
@@ -70,12 +68,12 @@ class Cycle:
     @property
     def jumps_in(self) -> tuple[Jump, ...]:
         """Jumps between stable radii on approach, after first contact."""
-        return jumps(self.approach)
+        return self.approach.jumps
 
     @property
     def jumps_out(self) -> tuple[Jump, ...]:
         """Jumps on retraction; the last is the loss of contact where it lies in the series."""
-        return jumps(self.retraction)
+        return self.retraction.jumps
 
     @cached_property
     def energy_lost(self) -> Estimate:
@@ -86,7 +84,7 @@ class Cycle:
         missing = self._no_energy()
         if missing is not None:
             return missing
-        return self.approach.work + self._first_chord() + self._straight(*self._held) + self.retraction.work
+        return self.approach.work + self._first_chord() + self.retraction.work
 
     @cached_property
     def separation(self) -> Estimate:
@@ -94,16 +92,9 @@ class Cycle:
         missing = self._no_energy()
         if missing is not None:
             return missing
-        curve = self.retraction.curve
-        loaded = [a for a in curve.radii(P=0.0) if a > 0]  # at 0 the bodies are apart
-        free = [a for a in loaded if self.retraction.holds(a)]
-        if free:
-            return self.retraction.beyond(free[0]).work
-        high, low = self._held
-        if not high.P > 0 >= low.P:
-            return Unknown("no state of zero load is passed on retraction: increase [loading] radius")
-        unloaded = Equilibrium(low.a, low.delta - low.P * (high.delta - low.delta) / (high.P - low.P), 0.0)
-        return self._straight(unloaded, low) + self.retraction.work
+        work = self.retraction.unloaded_work
+        none = Unknown("no state of zero load is passed on retraction: increase [loading] radius")
+        return none if work is None else work
 
     def _no_energy(self) -> Unknown | None:
         if self.stiffness == LOAD_CONTROL:
@@ -114,17 +105,9 @@ class Cycle:
         return None
 
     def _first_chord(self) -> float:
-        return self._straight(Equilibrium(0.0, 0.0, 0.0), self.begin) if self.approach.curve.w == 0 else 0.0
-
-    @property
-    def _held(self) -> tuple[Equilibrium, Equilibrium]:
-        """First and last state of the turn, at one radius."""
-        return self.approach.curve.point(self.turn), self.retraction.curve.point(self.turn)
-
-    def _straight(self, first: Equilibrium, last: Equilibrium) -> float:
-        """Work int P dD [J] of the device along a straight line of P over delta."""
-        work = (first.P + last.P) / 2 * (last.delta - first.delta)
-        return work if math.isinf(self.stiffness) else work + (last.P**2 - first.P**2) / (2 * self.stiffness)
+        """Work [J] along a straight line from no contact to the first state without adhesion."""
+        first, k = self.begin, self.stiffness
+        return first.P / 2 * float(position(first.delta, first.P, k)) if self.contact.advancing.w == 0 else 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,7 +139,7 @@ def behaviours(curve: EquilibriumCurve, devices: Sequence[float]) -> list[Behavi
     """What ``curve`` says about each of the ``devices`` of a stiffness [N/m]."""
     if curve.w > 0:
         curve.look_for_critical(devices)
-        curve.look_for_held([(held_by_free(curve, stiffness), stiffness) for stiffness in devices])
+        curve.look_for_held([(float(position(curve.onset, 0.0, stiffness)), stiffness) for stiffness in devices])
     return [behaviour(curve, stiffness) for stiffness in devices]
 
 
@@ -165,9 +148,11 @@ def behaviour(curve: EquilibriumCurve, stiffness: float) -> Behaviour:
     if curve.w == 0:
         return Behaviour(stiffness, (), NO_ADHESION, NO_ADHESION, (), NO_ADHESION, NO_ADHESION)
     critical, pull_off = curve.critical(stiffness), curve.pull_off(stiffness)
-    start = largest_stable(curve, stiffness)
-    partial = () if start is None else jumps(shrink(curve, stiffness, start))
-    whole = cycle(curve, curve, stiffness)
+    start, whole = largest_stable(curve, stiffness), cycle(curve, curve, stiffness)
+    if isinstance(whole, Cycle) and whole.turn == start:
+        partial = whole.jumps_out
+    else:
+        partial = () if start is None else shrink(QuasiStatic(curve, curve, stiffness), start).jumps
     if isinstance(whole, Unknown):
         energies: tuple[Estimate, Estimate] = (whole, whole)
         jump_in: Equilibrium | Unknown = whole
@@ -187,28 +172,24 @@ def cycle(
     ``approach`` and ``retraction`` are curves of one series; w must not be smaller on retraction. Unknown where the
     first stable contact is not in the series.
     """
-    if retraction.w < approach.w:
-        raise InputError(
-            f"cycle: the work of adhesion on retraction must be >= that on approach, got {show(retraction.w, 'work')} "
-            f"after {show(approach.w, 'work')}"
-        )
-    inwards = grow(approach, stiffness)
+    contact = QuasiStatic(approach, retraction, stiffness)
+    inwards = grow(contact)
     if isinstance(inwards, Unknown):
         return inwards
     turn = inwards.last if turn is None else turn
-    return Cycle(inwards.up_to(turn), turn, shrink(retraction, stiffness, turn))
+    return Cycle(contact, inwards.up_to(turn), turn, shrink(contact, turn))
 
 
 def turning_radius(
     curve: EquilibriumCurve, stiffness: float, *, load: float | None = None, depth: float | None = None
 ) -> float:
-    """The place [m] on the curve at which the approach first meets a ``load`` [N] or a ``depth`` delta [m]."""
-    inwards = grow(curve, stiffness)
+    """The place [m] where the approach first meets a ``load`` [N] or a ``depth`` delta [m]; else the last."""
+    inwards = grow(QuasiStatic(curve, curve, stiffness))
     if isinstance(inwards, Unknown):
         raise InputError(f"cycle: {inwards.reason}")
     held, value = (LOAD_CONTROL, load) if depth is None else (DISPLACEMENT_CONTROL, depth)
     if value is None:
-        raise InputError("cycle: give a load or a depth to turn at")
+        return inwards.last
     met = [a for a in curve.radii_at(value, held) if inwards.holds(a)]
     if not met:
         first, last = first_contact(inwards), curve.point(inwards.last)
@@ -220,23 +201,15 @@ def turning_radius(
     return met[0]
 
 
-def first_contact(approach: Passage) -> Equilibrium:
+def first_contact(approach: Path) -> Equilibrium:
     """The first state of an approach; what the device holds there is exactly that of the free bodies."""
-    first = approach.curve.point(approach.stretches[0].first)
-    if approach.curve.w == 0:
+    curve, k = approach.stretches[0].curve, approach.contact.stiffness
+    first = curve.point(approach.stretches[0].place)
+    if curve.w == 0:
         return first
-    if approach.stiffness == LOAD_CONTROL:
+    if k == LOAD_CONTROL:
         return replace(first, P=0.0)
-    return replace(first, delta=approach.curve.onset) if approach.stiffness == DISPLACEMENT_CONTROL else first
-
-
-def jumps(path: Passage) -> tuple[Jump, ...]:
-    """The jumps between the stretches of a path, and the loss of contact at its end."""
-    starts = [path.curve.point(stretch.last) for stretch in path.stretches]
-    ends: list[Equilibrium | None] = [path.curve.point(stretch.first) for stretch in path.stretches[1:]]
-    if path.ends == "lost":
-        ends.append(None)
-    return tuple(Jump(start, end) for start, end in zip(starts, ends, strict=False))
+    return replace(first, delta=curve.onset) if k == DISPLACEMENT_CONTROL else first
 
 
 def trace(found: Cycle, points: int) -> dict[str, Array]:
@@ -246,45 +219,25 @@ def trace(found: Cycle, points: int) -> dict[str, Array]:
     left out under load control, where there is no such length), "phase" in words and "part", a number: jumps lie
     between two parts; "c_m" where adhesion has a range.
     """
-    inwards, outwards = found.approach, found.retraction
-    parts = [("approach", *part) for part in _along(inwards, points)]
-    if outwards.curve.w > inwards.curve.w:
-        parts.append(("turn", *_held(found, points)))
-    parts += [("retraction", *part) for part in _along(outwards, points)]
     before, after = _out_of_contact(found, points)
-    parts.insert(0, ("free approach", np.zeros_like(before), before, np.zeros_like(before)))
-    if after.size:
-        parts.append(("free retraction", np.zeros_like(after), after, np.zeros_like(after)))
-    words, places, delta, P = zip(*parts, strict=True)
-    where = np.concatenate(places)
-    columns = {"a_m": inwards.curve.contact_radii(where), "delta_m": np.concatenate(delta), "P_N": np.concatenate(P)}
-    if found.stiffness != LOAD_CONTROL:
-        columns["device_m"] = position(columns["delta_m"], columns["P_N"], found.stiffness)
-    sizes = [part.size for part in places]
-    columns |= {"phase": np.repeat(words, sizes), "part": np.repeat(np.arange(len(words)) + 1, sizes)}
-    return columns | ({"c_m": where} if inwards.curve.ranged else {})
-
-
-def _along(path: Passage, points: int) -> list[tuple[Array, Array, Array]]:
-    places = [np.linspace(s.first, s.last, points if s.first != s.last else 1) for s in path.stretches]
-    return [(some, *path.curve.at(some)) for some in places]
-
-
-def _held(found: Cycle, points: int) -> tuple[Array, Array, Array]:
-    """Positions of the device at the turn: the contact is a flat punch of constant radius there, a straight line."""
-    a = np.full(points, found.turn)
-    first, last = (np.array(path.curve.at(np.array(found.turn))) for path in (found.approach, found.retraction))
-    delta, P = first[:, None] + np.outer(last - first, np.linspace(0, 1, points))
-    return a, delta, P
+    along = {name: column for name, column in found.path.rows(points).items() if name not in ("t_s", "G_J_per_m2")}
+    words = np.array([PHASES[phase] for phase in along["phase"]])
+    around = {"phase": ("free approach", "free retraction"), "part": (0, along["part"][-1] + 1),
+              "delta_m": (before, after), "device_m": (before, after)}  # fmt: skip
+    columns = {}
+    for name, column in (along | {"phase": words}).items():
+        first, last = around.get(name, (0.0, 0.0))
+        columns[name] = np.concatenate([np.full(before.size, first), column, np.full(after.size, last)])
+    return columns | {"part": columns["part"] + 1}
 
 
 def _out_of_contact(found: Cycle, points: int) -> tuple[Array, Array]:
     """Positions [m] before contact and after it is lost; they reach a quarter beyond where it is lost."""
-    path = found.retraction.curve
-    last = path.point(found.retraction.last)
+    curve = found.contact.receding
+    last = curve.point(found.retraction.last)
     D = last.delta if found.stiffness == LOAD_CONTROL else position(last.delta, last.P, found.stiffness)
-    furthest = -1.25 * max(abs(D), -path.onset)
-    before = np.linspace(furthest, path.onset, points)
+    furthest = -1.25 * max(abs(D), -curve.onset)
+    before = np.linspace(furthest, curve.onset, points)
     if found.retraction.ends != "lost" or found.stiffness == LOAD_CONTROL:
         return before, np.array([])
     return before, np.linspace(D, furthest, points)

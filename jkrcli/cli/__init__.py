@@ -17,7 +17,7 @@ from .. import __version__
 from ..base import interrupts
 from ..base.errors import InputError, JkrError, did_you_mean, printable
 from ..base.threads import begin_with_one
-from .voice import give_up, level_options, tell, warn
+from .voice import folded, give_up, level_options, tell, warn
 
 begin_with_one()  # the same numbers everywhere, and faster at these sizes
 os.environ["PYDANTIC_DISABLE_PLUGINS"] = "__all__"  # nothing foreign reads along, and no search for it
@@ -71,6 +71,7 @@ VOICED = frozenset({
     "new", "run", "import", "mesh", "transform", "cycle", "profile", "fields", "export", "explore", "look", "fit",
     "work", "compare", "sweep",
 })  # fmt: skip
+SILENT = frozenset({"completion", "study"})  # what one prints is a script, the other is a group
 
 
 class Verbs(click.Group):
@@ -84,8 +85,8 @@ class Verbs(click.Group):
             return None
         attribute = name.replace("-", "_") + "_" * keyword.iskeyword(name)
         command: click.Command = getattr(importlib.import_module(f"{__name__}.{attribute}"), attribute)
-        if name in VOICED and not any("--quiet" in parameter.opts for parameter in command.params):
-            command.params += level_options()
+        if name not in SILENT and not any("--verbose" in parameter.opts for parameter in command.params):
+            command.params += level_options(quiet=name in VOICED)
         interrupts.raise_from_here()
         return command
 
@@ -112,9 +113,9 @@ def jkr() -> None:
 
     \b
     jkr new my.toml                               a commented case file to edit
-    jkr transform my.toml --w "50 mJ/m^2"         its adhesive curve: CSV, JSON, plots
-    jkr pull-off my.toml --load "12 uN"           the work of adhesion that a pull-off force means
-    jkr fit curve.csv --radius "5 um" --nu 0.5    E* and w of a measured force curve
+    jkr transform my.toml --w "50 mJ/m^2"         its adhesive curve: CSV, plots
+    jkr pull-off my.toml --load "12 uN"           w that a pull-off force means
+    jkr fit curve.csv --radius "5 um" --nu 0.5    E* and w of a force curve
 
     Exit codes: 0 done, 2 bad input, 130 interrupted (Ctrl-C), 1 anything else.
     """
@@ -220,5 +221,6 @@ def _one_line(error: click.ClickException) -> str:
 
 def _fail(lines: Sequence[str], code: int) -> int:
     for line in lines:
-        tell(f"jkr: error: {printable(line)}")
+        words = f"jkr: error: {printable(line)}"
+        tell(folded(words) if sys.stderr.isatty() else words)  # one line in a log
     return code

@@ -20,7 +20,7 @@ from ..methods import METHODS
 from ..methods.guards import Limits
 from .options import limits_options
 from .verb import Verb
-from .voice import announce, note
+from .voice import announce, note, present
 
 IMPORTS = "import time; t = time.process_time(); import {}; print(time.process_time() - t)"
 
@@ -52,10 +52,12 @@ def bench(case: Path, method: str | None, repeat: int, limits: Limits, as_json: 
         click.echo(json.dumps({"case": str(case), "method": choice.name, "repeat": repeat, "stages": table}, indent=2))
         return
     shown, few = printable(str(case)), min(repeat, 3)
-    click.echo(f"{shown} by {choice.name}, CPU seconds of {repeat} runs (imports and whole process: {few})")
-    click.echo(f"  {'stage':<18}{'min':>9}{'median':>9}")
-    for stage, figures in table.items():
-        click.echo(f"  {stage:<18}{figures['min_s']:>9.4f}{figures['median_s']:>9.4f}")
+    whole = table["whole process"]["median_s"]
+    present([
+        f"{whole:.2f} s CPU by {choice.name}: {shown}; {repeat} runs, imports and whole process {few}",
+        f"  {'stage':<18}{'min':>9}{'median':>9}",
+        *(f"  {stage:<18}{figures['min_s']:>9.4f}{figures['median_s']:>9.4f}" for stage, figures in table.items()),
+    ])  # fmt: skip
 
 
 def _once(case: Case, name: str) -> dict[str, float]:

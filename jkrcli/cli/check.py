@@ -11,7 +11,7 @@ from ..methods.choose import long_look
 from ..report.check import Check
 from .output import answer, json_option
 from .verb import Verb
-from .voice import note, say, warn
+from .voice import note, present, warn
 
 
 @click.command(cls=Verb)
@@ -32,6 +32,6 @@ def check(case: Path, as_json: bool) -> None:
     if as_json:
         answer(result.summary())
         return
-    say(str(result))
+    present(result.words())
     for warning in result.warnings:
         warn(warning)

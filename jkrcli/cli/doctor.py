@@ -19,7 +19,7 @@ from .. import __version__
 from ..base.installing import installs
 from .output import answer, json_option
 from .verb import Verb
-from .voice import say
+from .voice import present
 
 REQUIRED = ("numpy", "scipy", "h5py", "click", "pydantic", "tomli-w", "matplotlib", "scikit-fem", "meshio",
             "threadpoolctl")  # fmt: skip
@@ -59,10 +59,12 @@ def doctor(as_json: bool) -> int:
     if as_json:
         answer({"jkr": __version__, "sound": sound, "findings": [asdict(finding) for finding in findings]})
         return int(not sound)
-    say(f"jkr {__version__}")
-    for finding in findings:
+    works = sum(finding.state == "ok" for finding in findings)
+    lines = [f"{works} of {len(findings)} parts work; jkr {__version__} {'is sound' if sound else 'is NOT sound'}"]
+    for finding in sorted(findings, key=lambda finding: finding.state == "ok"):  # what lacks first
         remedy = f"; type: {finding.remedy}" if finding.remedy else ""
-        say(f"  {MARKS[finding.state]}  {finding.part:<16} {finding.found}{remedy}")
+        lines.append(f"  {MARKS[finding.state]}  {finding.part:<16} {finding.found}{remedy}")
+    present(lines)
     return int(not sound)
 
 

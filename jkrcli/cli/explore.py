@@ -20,7 +20,7 @@ from .options import WorkType, limits_options, slopes_option
 from .output import ONE_FILE, answer, into_file, output_options
 from .series import begin_curves, read_series, series_file, without_range
 from .verb import Verb
-from .voice import say
+from .voice import present
 
 
 @click.command(cls=Verb)
@@ -73,5 +73,5 @@ def explore(
         answer(summary | {"measured_curves": len(curves), "measured_points": points})
         return
     overlaid = f", {points} measured points in {len(curves)} curves" if curves else ""
-    say(f"{file}: {len(result.curve.series)} points{overlaid}")
-    say(f"  written {target} ({size / 1e6:.1f} MB): open it in a browser")
+    lines = [f"{len(result.curve.series)} points{overlaid}: {file}"]
+    present(lines, last=f"  written {target} ({size / 1e6:.1f} MB): open it in a browser")

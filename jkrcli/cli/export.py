@@ -13,10 +13,9 @@ from ..beside.analysis import analyse
 from ..methods.guards import Limits
 from ..report.output import Output
 from .options import WorkType, limits_options, slopes_option
-from .output import answer, into_folder, output_options
+from .output import give, into_folder, output_options
 from .series import begin_curves, first_work, read_series, series_file, without_range
 from .verb import Verb
-from .voice import say
 
 
 @click.command(cls=Verb)
@@ -47,18 +46,10 @@ def export(file: Path, dem: bool, work: float | None, slopes: str, limits: Limit
         raise InputError(f"{file}: a contact without adhesion needs no table of what holds it: give --w")
     targets = output.files(output.folder(file.parent) / f"{file.stem}-dem", (".h", ".csv"), [file])
     begin_curves("export", [solution], [(w,)], [AskedRange()], limits)
-    from ..adhesion.dem import DemLaw
-    from ..report import dem as report
+    from ..report.dem import Exported
 
-    result = analyse(solution, [w], slopes)[0]
-    try:
-        law = DemLaw.of(result.curve)
-    except InputError as error:
-        raise InputError(f"{file}: {error}") from None
+    found = Exported.of(analyse(solution, [w], slopes)[0])
     with together():
-        write_text(targets[".h"], report.header(law, result))
-        targets.write(report.columns(law))
-    if output.json:
-        answer(report.summary(law, result))
-    else:
-        say("\n".join([*report.words(law, result), f"  written    {targets}"]))
+        write_text(targets[".h"], found.header)
+        targets.write(found.columns)
+    give(found, output, f"  written    {targets}")

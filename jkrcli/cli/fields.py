@@ -21,7 +21,7 @@ from .options import LengthType, LoadType, WorkType
 from .output import answer, into_folder, output_options
 from .series import first_work, read_series, series_file, without_range
 from .verb import Verb
-from .voice import say
+from .voice import present
 
 if TYPE_CHECKING:
     from ..bodies.problem import Problem
@@ -145,14 +145,15 @@ def _summary(file: Path, w: float, P: float, state: ContactState) -> dict[str, A
 
 
 def _print(file: Path, w: float, state: ContactState, summary: dict[str, Any], written: Files) -> None:
-    say(f"{file}: a = {show(state.a, 'length')}, w = {show(w, 'work')}, delta = {show(state.delta, 'length')}")
-    say(
-        f"  load         {show(state.P, 'load')}, of the series {show(summary['P_series_N'], 'load')}: "
+    end = f"P = {show(state.P, 'load')}, a = {show(state.a, 'length')}, delta = {show(state.delta, 'length')}"
+    lines = [f"{end}, w = {show(w, 'work')}: {file}"]
+    lines.append(
+        f"  load         of the series {show(summary['P_series_N'], 'load')}: "
         f"{summary['difference']:.0e} of the forces in the contact apart; {summary['elements']} elements"
     )
     for name, line in summary["lines"].items():
-        say(
+        lines.append(
             f"  {name:<12} carries {show(line['load_N'], 'load'):<10} (balance within {abs(line['imbalance']):.0e}); "
             f"tractions good to {line['error']:.0e} on average"
         )
-    say(f"  written      {written}")
+    present(lines, last=f"  written      {written}")

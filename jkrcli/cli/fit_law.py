@@ -3,65 +3,58 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..base.errors import InputError, SolveError
 from ..report.output import Files, Output
-from .output import answer
-from .voice import say, warn
+from .output import give
 
 if TYPE_CHECKING:
     from ..data.measured import Reading
     from ..identification.fit import FittedBody
 
-UNUSED = {"rivals": "--rivals", "bound": "--bound", "uncertain": "--uncertain", "noise": "--noise"}
+
+@dataclass(frozen=True, eq=False)
+class Asked:
+    """What is fitted to what, how the files are read, and where it goes; ``told``: the ``body`` in words; ``options``:
+    all the others by name."""
+
+    body: FittedBody
+    measured: Sequence[Path]
+    reading: Reading
+    names: Sequence[str]
+    fix: Sequence[tuple[str, str]]
+    start: Sequence[tuple[str, str]]
+    options: dict[str, Any]
+    targets: Files
+    told: str
+    output: Output
 
 
-def refuse_unused(options: dict[str, Any], by: str = "--law") -> None:
-    """InputError where an option is given that a fit over time does not take, which ``by`` asks for."""
-    defaults = {"branch": "all", "loss": "linear", "confidence": "covariance", "base_line": "straight"}
-    given = [flag for name, flag in UNUSED.items() if options.get(name)]
-    given += [
-        f"--{name.replace('_', '-')} {options[name]}" for name, usual in defaults.items() if options.get(name) != usual
-    ]
-    if given:
-        raise InputError(f"fit: {by} does not take {given[0]}")
-
-
-def fit_law(
-    body: FittedBody, law: str, measured: Sequence[Path], reading: Reading, names: Sequence[str],
-    fix: Sequence[tuple[str, str]], start: Sequence[tuple[str, str]], options: dict[str, Any], targets: Files,
-    told: str, output: Output,
-) -> None:  # fmt: skip
+def fit_law(asked: Asked, law: str) -> None:
     """One fit of all curves in all files, its table, summary and picture."""
     from ..base.threads import one_thread
     from ..data.measured import each
     from ..identification.rate.fitting import rate_fit, rate_settings
-    from ..report import rate_fit as report
+    from ..report.rate_fit import LawFit
+    from ..report.result import as_result
 
-    settings = rate_settings(body, law, names, fix, start, level=options["level"], segment=options["segment"])
+    body, options, targets = asked.body, asked.options, asked.targets
+    settings = rate_settings(
+        body, law, asked.names, asked.fix, asked.start, level=options["level"], segment=options["segment"]
+    )
     curves = []
-    for path in measured:
-        for item in each(path, reading):
+    for path in asked.measured:
+        for item in each(path, asked.reading):
             if isinstance(item, InputError):
                 raise item
             curves.append(item)
     try:
         with one_thread():
-            found = rate_fit(body, curves, settings)
+            found = as_result(LawFit, rate_fit(body, curves, settings), body=asked.told)
     except SolveError as error:
-        raise InputError(f"{measured[0]}: {error}") from None
-    figure = None
-    if output.plots:
-        from ..report.plots.rate import rate_fit_figure
-
-        figure = rate_fit_figure(found)
-    targets.write(report.columns(found), report.summary(found, told), figure)
-    if output.json:
-        answer(report.summary(found, told))
-    else:
-        say("\n".join(report.words(found)))
-        say(f"written {targets}")
-    for line in found.warnings:
-        warn(line)
+        raise InputError(f"{asked.measured[0]}: {error}") from None
+    targets.write(found.columns, found.summary(), targets.draw(found.figure))
+    give(found, asked.output, f"  written {targets}")

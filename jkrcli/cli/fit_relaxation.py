@@ -2,39 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
-
 from ..base.errors import InputError
-from ..report.output import Files, Output
-from .fit_law import refuse_unused
-from .output import answer
-from .voice import say, warn
-
-if TYPE_CHECKING:
-    from ..data.measured import Reading
-    from ..identification.fit import FittedBody
+from .fit_law import Asked
+from .output import give
+from .voice import warn
 
 
-def fit_relaxation(
-    body: FittedBody, law: str, measured: Sequence[Path], reading: Reading, names: Sequence[str],
-    fix: Sequence[tuple[str, str]], options: dict[str, Any], targets: Files, told: str, output: Output,
-) -> None:  # fmt: skip
+def fit_relaxation(asked: Asked, law: str) -> None:
     """A fit of each curve in all files, their table, summary and picture; curves that cannot be used are skipped and
     said."""
     from ..base.threads import one_thread
     from ..data.measured import each
     from ..data.text_table import some
     from ..identification.relaxation import relaxation_fit, relaxation_settings
-    from ..report import relaxation_fit as report
+    from ..report.relaxation_fit import RelaxationFits
 
+    body, options, targets = asked.body, asked.options, asked.targets
     terms = {} if options["terms"] is None else {"terms": options["terms"]}
     E_star = body.problem.E_star
-    settings = relaxation_settings(law, fix, names, E_star, level=options["level"], **terms)
+    settings = relaxation_settings(law, asked.fix, asked.names, E_star, level=options["level"], **terms)
     found, skipped = [], list[str]()
-    for path in measured:
-        for item in each(path, reading):
+    for path in asked.measured:
+        for item in each(path, asked.reading):
             try:
                 if isinstance(item, InputError):
                     raise item
@@ -45,26 +34,8 @@ def fit_relaxation(
                 skipped += error.lines
     if not found:
         raise InputError(some(skipped))
-    figure = None
-    if output.plots:
-        from ..report.plots.relaxation import relaxation_fit_figure
-
-        figure = relaxation_fit_figure(found)
-    targets.write(report.columns(found), report.summary(found, told), figure)
+    result = RelaxationFits(found, asked.told)
+    targets.write(result.columns, result.summary(), targets.draw(result.figure))
     for line in skipped:
         warn(f"skipped: {line}")
-    if output.json:
-        answer(report.summary(found, told))
-    else:
-        say("\n".join(line for fit in found for line in report.words(fit)))
-        say(f"written {targets}")
-    for fit in found:
-        for line in fit.warnings:
-            warn(f"{fit.record.curve.where}: {line}")
-
-
-def refuse_others(options: dict[str, Any], start: Sequence[Any], law: str | None, surface: str | None) -> None:
-    """InputError where an option is given that a fit of relaxation does not take."""
-    refuse_unused(options, "--relaxation")
-    if given := [flag for flag, value in (("--law", law), ("--start", start), ("--surface", surface)) if value]:
-        raise InputError(f"fit: --relaxation does not take {given[0]}")
+    give(result, asked.output, f"  written {targets}")

@@ -14,20 +14,19 @@ import tomli_w
 
 from ..base.errors import InputError
 from ..base.files import read_bytes
-from ..base.units import reached
 from ..case import Case, load_case, parse_case, store
 from ..case.models import CaseModel, LoadingTable
 from ..data.foreign import NAMES, SeriesReading, read_series
 from ..data.text_table import SEPARATORS
 from ..report.output import Output
+from ..report.solved import Imported
 from ..series import Solution
 from .body import FLAGS, body_options, flag, tables_of
 from .measured import begin_reading
 from .options import ColumnUnitType, KeyNumberType, KeyValueType, LengthType, ScaleType
-from .output import ONE_FILE, answer, into_file, output_options
-from .series import end_of
+from .output import ONE_FILE, give, into_file, output_options
 from .verb import Verb
-from .voice import command_line, say, warn
+from .voice import command_line
 
 KEYS = tuple(NAMES.quantities)
 SOME_LOADING = b"\n[loading]\ndepth = 1.0\n"  # stands in where a case has none: the table says how far it went
@@ -80,9 +79,9 @@ def import_(
     wedge of 2 degrees of an axisymmetric body: --factor P=180.
 
     \b
-    jkr import abaqus.rpt --case my.toml --unit delta=um --unit P=mN --unit area=um^2
-    jkr import table.csv -o data.h5 --radius "1 mm" --E "15 kPa" --nu 0.5 --thickness "0.3 mm"
-    jkr import run.csv --case my.toml --column P=RF2 --column a=4 --unit P=uN --unit a=um --factor P=180
+    jkr import abaqus.rpt --case my.toml --unit delta=um --unit P=mN
+    jkr import table.csv -o data.h5 --radius "1 mm" --E "15 kPa" --nu 0.5
+    jkr import run.csv --case my.toml --column P=RF2 --column a=4 --factor P=180
     """
     body = {key: options.pop(key) for key in FLAGS}
     target = output.series(Path(f"{table.stem}.h5"), [table, *([case] if case else [])])
@@ -93,17 +92,7 @@ def import_(
     loaded = _with_loading(held, solution)
     solution = replace(solution, record=store.record_of(loaded))
     store.write(target, solution, command_line())
-    if output.json:
-        answer(_as_dict(target, solution))
-        return
-    series = solution.series
-    say(solution.problem.words)
-    say(f"  columns   {solution.facts['columns']}; separated by: {solution.facts['separator']}")
-    say(f"  read      {solution.facts['rows']} rows, {len(series)} different contact radii")
-    say(f"  reached   {reached(series.a[-1], series.delta[-1], series.P[-1])}")
-    say(f"  written   {target}")
-    for warning in solution.warnings:
-        warn(f"{table}: {warning}")
+    give(Imported(target, solution, table), output)
 
 
 def _case(path: Path | None, body: dict[str, str | None]) -> Case:
@@ -126,14 +115,3 @@ def _with_loading(case: Case, solution: Solution) -> Case:
     loading = LoadingTable.model_validate({went.to: went.maximum, "points": went.points, "spacing": went.spacing})
     model: CaseModel = case.model.model_copy(update={"loading": loading})
     return Case(model, case.source)
-
-
-def _as_dict(target: Path, solution: Solution) -> dict[str, Any]:
-    return {
-        "file": str(target),
-        "method": solution.method,
-        **end_of(solution.series),
-        "facts": dict(solution.facts),
-        "errors": solution.budget.as_dict(),
-        "warnings": list(solution.warnings),
-    }

@@ -12,7 +12,7 @@ from ..report.output import PICTURES, Output
 from .measured import begin_reading, reading_of, reading_options
 from .output import answer, into_folder, output_options, refuse_doubles
 from .verb import Verb
-from .voice import say, warn
+from .voice import present, warn
 
 
 @click.command(cls=Verb)
@@ -40,17 +40,20 @@ def look(files: tuple[Path, ...], output: Output, **options: Any) -> None:
     output.folder(Path())
     targets = [output.files(stem, PICTURES, files) for stem in stems]
     begin_reading("look", files)
-    results = []
+    results, told, pictures = [], [], list[str]()
     for path, target in zip(files, targets, strict=True):
         result = Look.at(path, reading)
         results.append(result)
         drawn = output.plots and bool(result.records)
         if drawn:
             target.write(figure=result.figure())
-        if result.records and not output.json:
-            say(f"{result}\n  drawn in {target}" if drawn else str(result))
+            pictures.append(str(target))
+        if result.records:
+            told.append(result.words())
     if output.json:
         answer({"files": [result.summary() for result in results]})
+    elif told:
+        present(*told, last=f"  drawn in {', '.join(pictures)}" if pictures else "")
     failures = [line for result in results for line in result.warnings]
     if not any(result.records for result in results):
         raise InputError(failures)

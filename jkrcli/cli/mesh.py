@@ -19,7 +19,7 @@ from ..report.plots.body import mesh_figure
 from .options import begin, limits_options
 from .output import into_folder, output_options
 from .verb import Verb
-from .voice import say
+from .voice import present
 
 # What tells jkr that it wrote a file, where the format keeps comments.
 MARKS = {".msh": f"$Comments\njkr {__version__}\n$EndComments\n", ".vtu": f"\n<!-- jkr {__version__} -->\n"}
@@ -51,10 +51,9 @@ def mesh(case: Path, limits: Limits, output: Output) -> None:
         targets.write(figure=mesh_figure(grid, reach))
     quality = grid.quality()
     touched = int(np.sum(grid.surface_radii() <= reach))
-    say(f"{case}: {len(grid.cells)} {grid.element}s, {len(grid.points)} vertices")
-    say(
+    present([
+        f"{len(grid.cells)} {grid.element}s, {len(grid.points)} vertices: {case}",
         f"  body      r <= {show(grid.width, 'length')}, depth {show(grid.depth, 'length')}; "
-        f"{touched} surface vertices within the expected contact of {show(reach, 'length')}"
-    )
-    say(f"  quality   {quality.min():.3f} to {quality.max():.3f}, median {np.median(quality):.3f} (1 is best)")
-    say(f"  written   {targets}")
+        f"{touched} surface vertices within the expected contact of {show(reach, 'length')}",
+        f"  quality   {quality.min():.3f} to {quality.max():.3f}, median {np.median(quality):.3f} (1 is best)",
+    ], last=f"  written   {targets}")  # fmt: skip

@@ -13,11 +13,14 @@ from ..base.errors import InputError
 from ..base.files import real
 from ..base.table import as_json
 from ..report.output import Output
+from .voice import present, warn
 
 ONE_FILE = "Replace an existing file that jkr did not write."  # help of --force
 FILES = (".msh", ".vtu", ".csv", ".json", ".png", ".svg", ".pdf", ".h5", ".html", ".toml", ".txt")
 Command = Callable[..., Any]
 if TYPE_CHECKING:
+    from ..report.result import Result
+
     _Path = click.Path[Path]
 else:
     _Path = click.Path  # not generic in every version of click
@@ -80,3 +83,13 @@ def refuse_doubles(stems: Sequence[Path], remedy: str) -> None:
 def answer(data: Mapping[str, Any]) -> None:
     """A result for machines on stdout."""
     click.echo(as_json(data), nl=False)
+
+
+def give(result: Result, output: Output, written: str = "") -> None:
+    """A result on stdout, for machines or for people, these with what is ``written``; then its warnings."""
+    if output.json:
+        answer(result.summary())
+    else:
+        present(*result.parts, last=written)
+    for line in result.warnings:
+        warn(line)

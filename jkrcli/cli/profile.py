@@ -16,7 +16,7 @@ from .options import LengthType, LoadType, WorkType, limits_options, range_optio
 from .output import into_folder, output_options
 from .series import begin_curves, first_work, read_series, series_file
 from .verb import Verb
-from .voice import say
+from .voice import present
 
 
 @click.command(cls=Verb)
@@ -64,4 +64,4 @@ def profile(
         radius = radius_under(solution, load, w, asked)
     result = Profile(file, radius, w, profile_columns(solution, radius, w, asked))
     targets.write(result.columns, figure=result.figure())
-    say(f"{result}\n  written {targets}")
+    present(result.words(), last=f"  written {targets}")

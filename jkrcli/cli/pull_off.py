@@ -29,7 +29,7 @@ from .options import (
 from .output import answer, json_option
 from .series import begin_curves, read_files, without_range, works_of
 from .verb import Verb
-from .voice import say, warn
+from .voice import present, warn
 
 SEARCHED = (0.05,) * 10  # works of adhesion [J/m^2] that are tried for that of a measured force; choice: for forecasts
 
@@ -99,7 +99,7 @@ def pull_off(
     else:
         wanted, beside = _searched(held, len(stiffnesses) or 1, [name for name, _ in uncertain])
         begin_curves("pull-off --load", held, wanted, asked, limits, beside=beside)
-    results: list[Result] = []
+    results, warnings = list[Result](), list[str]()
     for solution, some, ranged in zip(held, wanted, asked, strict=True):
         if force is None:
             curves = where_lost(solution, some, stiffnesses, slopes, modulus_factor, ranged)
@@ -112,14 +112,14 @@ def pull_off(
             for stiffness in stiffnesses or (LOAD_CONTROL,)
         ]
         effect = effect_on(solution, [means[0].found.w])
-        for warning in sticking_warnings(solution.problem, effect):
-            warn(f"{solution.record.path}: {warning}")
+        warnings += [f"{solution.record.path}: {text}" for text in sticking_warnings(solution.problem, effect)]
         results += map(MeasuredPullOff, means)
     if as_json:
         answer({"results": [result.summary() for result in results]})
-        return
-    for result in results:
-        say(str(result))
+    else:
+        present(*(result.words() for result in results))
+    for text in warnings:
+        warn(text)
 
 
 def _searched(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from .. import __version__
 from ..base.errors import InputError
@@ -14,7 +14,7 @@ from ..case import Case, load_case, store
 from ..case.models import other_tables
 from ..methods import Forecast
 from ..methods.guards import Limits
-from ..series import Record, Series, Solution
+from ..series import Record, Solution
 from .options import begin
 from .voice import announce, command_line, note, warn
 
@@ -137,9 +137,3 @@ def begin_curves(
     what = f"{verb} of {rows:,} rows for {sum(map(len, works)):,} works of adhesion{under}"
     less = f"fewer rows, files{', controls' if devices else ''} or works of adhesion, or leave out the plots"
     begin(what, total, limits, less)
-
-
-def end_of(series: Series) -> dict[str, Any]:
-    """How far a series goes, for machines."""
-    return {"points": len(series), "a_m": float(series.a[-1]), "delta_m": float(series.delta[-1]),
-            "P_N": float(series.P[-1])}  # fmt: skip

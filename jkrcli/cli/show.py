@@ -7,15 +7,15 @@ from typing import Any
 
 import click
 
-from ..base.errors import printable
 from ..base.units import show as quantity
+from ..base.unknown import accuracy
 from ..case import plain_toml
 from ..report import archive
 from ..series import COLUMNS, Solution
 from .output import answer, json_option
 from .series import announce_files, read_series, series_file
 from .verb import Verb
-from .voice import warn
+from .voice import present, warn
 
 
 @click.command(cls=Verb)
@@ -36,11 +36,10 @@ def show(files: tuple[Path, ...], case_only: bool, as_json: bool) -> None:
     if as_json:
         answer({"files": [_as_dict(item) if isinstance(item, Solution) else item for item in held]})
         return
-    for item in held:
-        if isinstance(item, Solution):
-            click.echo(plain_toml(item.record.toml).rstrip() if case_only else _text(item))
-        else:
-            click.echo("\n".join(map(printable, archive.words(item))))
+    if case_only:
+        click.echo("\n".join(plain_toml(item.record.toml).rstrip() for item in held if isinstance(item, Solution)))
+        return
+    present(*(_words(item) if isinstance(item, Solution) else archive.words(item) for item in held))
 
 
 def _held(path: Path, case_only: bool) -> Solution | dict[str, Any]:
@@ -72,24 +71,23 @@ def _as_dict(solution: Solution) -> dict[str, Any]:
     }
 
 
-def _text(solution: Solution) -> str:
+def _words(solution: Solution) -> list[str]:
     raw = solution.increments
     lines = [
-        f"{solution.record.path}: {raw.a.size} rows by method {solution.method}, "
-        f"columns {', '.join(_columns(solution))}",
+        f"{raw.a.size} rows by method {solution.method}, {accuracy(solution.budget.total)}: {solution.record.path}",
+        f"  columns   {', '.join(_columns(solution))}",
         f"  a         {quantity(raw.a[0], 'length')} to {quantity(raw.a[-1], 'length')}",
         f"  delta     {quantity(raw.delta[0], 'length')} to {quantity(raw.delta[-1], 'length')}",
         f"  P         {quantity(raw.P[0], 'load')} to {quantity(raw.P[-1], 'load')}",
         f"  surface   {solution.problem.surface}",
         f"  written   by: {solution.record.command_line or 'unknown'}",
     ]
+    lines += [f"  warning   {warning}" for warning in solution.warnings]
     lines += [f"  error     {name}: {_number(value)}" for name, value in solution.budget.as_dict().items()]
     lines += [f"  fact      {name}: {_number(_plain(value))}" for name, value in solution.facts.items()]
     lines += [f"  time      {name}: {_seconds(seconds)} s CPU" for name, seconds in solution.timings.items()]
     lines += [f"  version   {name} {version}" for name, version in solution.record.versions.items()]
-    lines += [f"  warning   {warning}" for warning in solution.warnings]
-    lines += ["  case", *(f"    {line}" for line in solution.record.toml.splitlines() if line)]
-    return "\n".join(map(printable, lines))
+    return [*lines, "  case", *(f"    {line}" for line in solution.record.toml.splitlines() if line)]
 
 
 def _columns(solution: Solution) -> list[str]:

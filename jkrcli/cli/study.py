@@ -12,7 +12,7 @@ from ..report.output import PICTURES, Output
 from .options import parallel_options
 from .output import answer, into_folder, output_options
 from .verb import Verb
-from .voice import progress, say, warn
+from .voice import level_options, present, progress, warn
 
 if TYPE_CHECKING:
     from ..many.study.maps import Axis, Map
@@ -37,6 +37,12 @@ class Studies(click.Group):
     def get_command(self, ctx: click.Context, name: str) -> click.Command | None:
         if name not in STUDIES:
             return None
+        command = self._named(name)
+        if not any("--verbose" in parameter.opts for parameter in command.params):
+            command.params += level_options()
+        return command
+
+    def _named(self, name: str) -> click.Command:
         if name == "converge":
             from .study_converge import study_converge
 
@@ -87,7 +93,7 @@ def _command(row: Map) -> click.Command:
         if output.json:
             answer(result.summary())
         else:
-            say(f"{result}\n  written {files}")
+            present(result.words(), last=f"  written {files}")
 
     for name, axis in reversed(list(row.axes.items())):
         study_map = _option(name, axis)(study_map)

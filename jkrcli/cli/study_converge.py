@@ -2,32 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
 
 import click
 
 from ..base.errors import InputError
 from ..base.executors import executor
-from ..base.units import show
-from ..base.unknown import Unknown
 from ..case import load_case
 from ..case.numerics import method_of
-from ..many.study.converge import QUANTITIES, Convergence, converge
+from ..many.study.converge import converge
 from ..methods.fem.method import FEM
-from ..report import tables
 from ..report.output import PICTURES, Output
 from .options import WorkType, parallel_options
-from .output import answer, into_folder, output_options
+from .output import give, into_folder, output_options
 from .verb import Verb
-from .voice import progress, say, warn
-
-if TYPE_CHECKING:
-    from ..report.plots import Figure
-
-WORDS = {"a": "contact radius", "P": "load", "pull_off": "pull-off force"}
+from .voice import progress
 
 
 @click.command("converge", cls=Verb)
@@ -69,99 +59,5 @@ def study_converge(
     problem = loaded.model.problem()
     with executor(workers, scheduler, progress, method.forecast(problem).seconds) as pool:
         found = converge(problem, method, w, levels, pool=pool)
-    data = as_dict(found)
-    files.write(_columns(found), data, files.draw(lambda: _figure(found)))
-    if output.json:
-        answer(data)
-    else:
-        _print(found)
-        say(f"  written   {files}")
-
-
-def _figure(found: Convergence) -> Figure:
-    from ..many.study.converge_figure import convergence_figure
-
-    return convergence_figure(found)
-
-
-def as_dict(found: Convergence) -> dict[str, Any]:
-    """The study as JSON: the meshes from coarse to fine, the exact values where there are some, the limits."""
-    return {
-        "format": "jkr-convergence",
-        "version": 1,
-        "problem": found.problem.words,
-        "w_J_per_m2": found.w,
-        "depth_m": found.depth,
-        "levels": [
-            {
-                "size_m": level.size,
-                "elements": level.elements,
-                "unknowns": level.unknowns,
-                "a_m": level.state.a,
-                "P_N": level.state.P,
-                "pull_off": tables.point(level.state.point),
-                "points": {"kept": level.kept, "dropped": level.dropped},
-                "cpu_s": level.seconds,
-            }
-            for level in found.levels
-        ],
-        "exact": {WORDS[name]: found.exact.value(name) for name in QUANTITIES} if found.exact is not None else None,
-        "extrapolated": {
-            WORDS[name]: {"reason": limit} if isinstance(limit, Unknown) else {"order": limit[0], "value": limit[1]}
-            for name, limit in found.extrapolated.items()
-        },
-        "order": {WORDS[name]: found.order(name) for name in QUANTITIES},
-        "errors": {WORDS[name]: found.errors(name) for name in QUANTITIES},
-        "time_exponent": found.time_exponent,
-    }
-
-
-def _columns(found: Convergence) -> dict[str, Sequence[Any]]:
-    """A row per mesh; the pull-off cell is empty where it lies outside the series."""
-    levels = found.levels
-    return {
-        "size_m": [level.size for level in levels],
-        "elements": [level.elements for level in levels],
-        "unknowns": [level.unknowns for level in levels],
-        "a_m": found.values("a"),
-        "P_N": found.values("P"),
-        "pull_off_P_N": found.values("pull_off"),
-        "points_kept": [level.kept for level in levels],
-        "points_dropped": [level.dropped for level in levels],
-        "cpu_s": [level.seconds for level in levels],
-    }
-
-
-def _print(found: Convergence) -> None:
-    say(found.problem.words)
-    against = "the exact solution" if found.exact is not None else "the extrapolated value or the finest mesh"
-    say(f"  at        delta = {show(found.depth, 'length')}, w = {show(found.w, 'work')}; errors against {against}")
-    say(f"  {'size':>10}{'elements':>10}{'a':>12}{'error':>9}{'P':>12}{'error':>9}{'pull-off':>12}{'error':>9}"
-               f"{'kept':>6}{'dropped':>8}{'CPU s':>7}")  # fmt: skip
-    errors = {name: found.errors(name) for name in QUANTITIES}
-    for i, level in enumerate(found.levels):
-        cells = "".join(
-            _cell(level.state.value(name), errors[name][i], "length" if name == "a" else "load") for name in QUANTITIES
-        )
-        say(f"  {show(level.size, 'length', 3):>10}{level.elements:>10}{cells}{level.kept:>6}{level.dropped:>8}"
-                   f"{level.seconds:>7.2f}")  # fmt: skip
-    for name in QUANTITIES:
-        order, limit = found.order(name), found.extrapolated[name]
-        dimension = "length" if name == "a" else "load"
-        words = f"no order: {order}" if isinstance(order, Unknown) else f"observed order {order:.2f}"
-        ends = (
-            f"not extrapolated: {limit}"
-            if isinstance(limit, Unknown)
-            else f"extrapolated {show(limit[1], dimension, 6)}"
-        )
-        say(f"  {WORDS[name]:<15} {words}; {ends}")
-    say(f"  {'CPU seconds':<15} grow like the number of unknowns to the power {found.time_exponent:.2f}")
-    for level in found.levels:
-        if isinstance(level.state.point, Unknown):
-            warn(f"elements of {show(level.size, 'length', 3)}: {level.state.point.reason}")
-
-
-def _cell(value: float | None, error: float | None, dimension: str) -> str:
-    if value is None:
-        return f"{'none':>12}{'':>9}"
-    return f"{show(value, dimension):>12}" + (f"{'':>9}" if error is None else f"{error:>+9.1e}")
+    files.write(found.columns, found.summary(), files.draw(found.figure))
+    give(found, output, f"  written   {files}")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import click
@@ -12,40 +13,38 @@ from ..many.sweep.plan import Plan, load_plan
 from ..many.sweep.running import Means, alone, rerun
 from ..many.sweep.running import sweep as carry_out
 from ..many.sweep.solving import FAILED
-from ..many.sweep.table import SweepTable
+from ..many.sweep.table import STEM, SweepTable
 from ..report import tables
+from ..report.output import PICTURES, Files, Output
 from .options import NumberRange, parallel_options
+from .output import into_folder, output_options
 from .verb import Verb
-from .voice import note, progress, say, warn
+from .voice import note, present, progress, warn
 
 
 @click.command(cls=Verb)
 @click.argument("sweep_file", metavar="SWEEP", type=click.Path(path_type=Path))
-@click.option(
-    "-o", "--output", type=click.Path(path_type=Path, file_okay=False), help="Folder [default: <sweep>-results here]."
-)
+@into_folder("Folder [default: <sweep>-results here].")
 @parallel_options
 @click.option("--hours", type=NumberRange(min=0), default=10.0, show_default=True, help="Most core hours to begin.")
 @click.option("--retry-failed", is_flag=True, help="Try the failed cases of an earlier run again.")
 @click.option("--only", type=click.IntRange(min=0), metavar="CASE", help="Solve this case alone and print its row.")
 @click.option("--show-case", type=click.IntRange(min=0), metavar="CASE", help="Print this case as a case file.")
-@click.option("--force", is_flag=True, help="Replace existing tables that jkr did not write.")
-@click.option("--json", "as_json", is_flag=True, help="Print the summary (or the row) as JSON.")
+@output_options(plots="Draw nothing.", json="Print the summary (or the row) as JSON.")
 def sweep(
     sweep_file: Path,
-    output: Path | None,
+    output: Output,
     workers: int | None,
     scheduler: str | None,
     hours: float,
     retry_failed: bool,
     only: int | None,
     show_case: int | None,
-    force: bool,
-    as_json: bool,
 ) -> None:
     """Solve all cases that SWEEP (TOML) makes of a base case; a table with a row per case: CSV, HDF5, Parquet.
 
-    Run again after an interruption it goes on where it stopped; cases that share a solve are solved once.
+    Draws forces (else the first results) over the longest axis, a line per value of the next: table.png, .svg. Run
+    again after an interruption it goes on where it stopped; cases that share a solve are solved once.
 
     \b
     jkr sweep cases/sweeps/gel.toml -o results
@@ -57,12 +56,24 @@ def sweep(
     if show_case is not None:
         click.echo(plain_toml(plan.case(_number(plan, show_case, "--show-case")).to_toml()), nl=False)
     elif only is not None:
-        _print_row(plan, _number(plan, only, "--only"), as_json)
+        _print_row(plan, _number(plan, only, "--only"), output.json)
     else:
-        folder = output if output is not None else Path(f"{sweep_file.stem}-results")
+        folder = replace(output, where=output.where or Path(f"{sweep_file.stem}-results")).folder(Path())
+        pictures = output.files(folder / STEM, PICTURES)
         means = Means(workers, scheduler, hours, retry_failed, progress)
-        table, paths = carry_out(plan, folder, means, force, note)
-        _print_summary(plan, table, paths, as_json)
+        table, paths = carry_out(plan, folder, means, output.force, note)
+        if output.plots and _draw(plan, table, pictures):
+            paths += [pictures[ending] for ending in PICTURES]
+        _print_summary(plan, table, paths, output.json)
+
+
+def _draw(plan: Plan, table: SweepTable, pictures: Files) -> bool:
+    """Whether the table has a picture; it is written."""
+    from ..many.sweep.figure import sweep_figure
+
+    figure = sweep_figure(plan, table)
+    pictures.write(figure=figure)
+    return figure is not None
 
 
 def _number(plan: Plan, number: int, option: str) -> int:
@@ -95,8 +106,9 @@ def _print_summary(plan: Plan, table: SweepTable, paths: list[Path], as_json: bo
         }
         click.echo(tables.as_json(summary).rstrip())
     else:
-        say(f"{plan.title or plan.source}: {plan.count:,} cases, {len(failed):,} of them failed")
-        say(f"  written   {', '.join(str(path) for path in paths)}")
-        say(f"  one case  {rerun(plan, failed[0][0] if failed else 0)}")
+        present([
+            f"{plan.count:,} cases, {len(failed):,} of them failed: {plan.title or plan.source}",
+            f"  one case  {rerun(plan, failed[0][0] if failed else 0)}",
+        ], last=f"  written   {', '.join(str(path) for path in paths)}")  # fmt: skip
     if failed:
         warn(f"{len(failed):,} cases failed, the first because: {failed[0][1]}")

@@ -22,7 +22,7 @@ from .options import ScaleType, WorkType, limits_options, modulus_factor_option,
 from .output import answer, into_folder, output_options, refuse_doubles
 from .series import begin_curves, read_files, works_of
 from .verb import Verb
-from .voice import say, warn
+from .voice import present, warn
 
 if TYPE_CHECKING:
     from ..report.plots import Figure
@@ -80,7 +80,7 @@ def transform(
     figures = output.plots and not together
     begin_curves("transform", held, wanted, asked, limits, tables=True, figures=figures)
     plans = _plans(files, wanted, asked, modulus_factor, together, output)
-    summaries = []
+    summaries, told, written, warnings = [], list[list[str]](), list[str](), list[str]()
     for solution, plan in zip(held, plans, strict=True):
         results = analyse(solution, plan.works, slopes, modulus_factor, plan.asked)
         effect = effect_on(solution.scaled(modulus_factor), plan.works)
@@ -89,16 +89,18 @@ def transform(
             summaries.append(_write(result, target, scales, figures, effect))
         if plan.picture is not None:
             plan.picture.write(figure=_figure(results, users))
-        for warning in sticking_warnings(solution.problem, effect):
-            warn(f"{solution.record.path}: {warning}")
-        if not output.json:
-            say("\n".join(report.words(results, list(map(str, plan.targets)))))
-            for warning in dict.fromkeys(text for result in results for text in result.warnings):
-                warn(f"{results[0].path}: {warning}")
-            if plan.picture is not None:
-                say(f"  all works of adhesion in one picture: {plan.picture}")
+        warnings += [f"{solution.record.path}: {text}" for text in sticking_warnings(solution.problem, effect)]
+        told += map(report.words, results)
+        written += map(str, plan.targets)
+        warnings += [f"{result.path}: {text}" for result in results for text in result.warnings if not output.json]
     if output.json:
         answer({"results": summaries})
+    else:
+        more = f" and {len(written) - 1:,} more like it" if len(written) > 1 else ""
+        pictures = ", ".join(str(plan.picture) for plan in plans if plan.picture is not None)
+        present(*told, last=f"  written {written[0]}{more}{pictures and f', all in one picture: {pictures}'}")
+    for text in warnings:
+        warn(text)
 
 
 @dataclass(frozen=True, eq=False)

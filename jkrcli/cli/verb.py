@@ -1,8 +1,15 @@
-"""A verb, and how its help groups the options: what everybody needs first, each other kind under its title."""
+"""A verb, and how its help groups the options: what everybody needs first, each other kind under its title. What
+would be longer than two screens names the options of the other kinds; ``--help-all`` describes them."""
 
 from __future__ import annotations
 
+from typing import Any
+
 import click
+
+from .voice import TUNING
+
+ALL = "jkr.help_all"
 
 GROUPS = {
     "Reading": (
@@ -30,6 +37,18 @@ FIRST = {"cycle": ("stiffness",), "pull-off": ("stiffness", "uncertain"), "rate-
 class Verb(click.Command):
     """A command whose help shows its options in groups."""
 
+    def __init__(self, *words: Any, **others: Any):
+        super().__init__(*words, **others)
+        told = {"is_flag": True, "is_eager": True, "expose_value": False, "hidden": True}
+        self.params.append(click.Option(["--help-all"], callback=_help_all, help="Describe every option.", **told))
+
+    def get_help(self, ctx: click.Context) -> str:
+        asked = ctx.meta.get(ALL, False)
+        ctx.meta[ALL] = True
+        whole = super().get_help(ctx)
+        ctx.meta[ALL] = asked
+        return whole if asked or whole.count("\n") < TUNING.help else super().get_help(ctx)
+
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         rows: dict[str, list[tuple[str, str]]] = {title: [] for title in ("Options", *GROUPS)}
         for parameter in self.get_params(ctx):
@@ -37,11 +56,27 @@ class Verb(click.Command):
             if record is not None:
                 rows[self._group(max(parameter.opts, key=len).removeprefix("--"))].append(record)
         for title, records in rows.items():
-            if records:
+            if not records:
+                continue
+            if ctx.meta[ALL] or title in ("Options", "Output"):
                 with formatter.section(title):
                     formatter.write_dl(records)
+            else:
+                formatter.write_paragraph()
+                names = " ".join(record[0].split()[0] for record in records)
+                formatter.write_text(f"{title}: {names}")
+        if not ctx.meta[ALL]:
+            formatter.write_paragraph()
+            formatter.write_text(f"Every option described: {ctx.command_path} --help-all")
 
     def _group(self, option: str) -> str:
         if option in FIRST.get(self.name or "", ()):
             return "Options"
         return next((title for title, names in GROUPS.items() if option in names), "Options")
+
+
+def _help_all(ctx: click.Context, param: click.Parameter, value: bool) -> None:
+    if value and not ctx.resilient_parsing:
+        ctx.meta[ALL] = True
+        click.echo(ctx.get_help())
+        ctx.exit()

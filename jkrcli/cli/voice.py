@@ -1,4 +1,5 @@
-"""How loud a verb is: results to stdout unless quiet, details to stderr when verbose, warnings to stderr always."""
+"""How loud a verb is: results to stdout unless quiet, all of them and details when verbose, warnings to stderr always;
+lines are folded to the terminal's width."""
 
 from __future__ import annotations
 
@@ -6,8 +7,11 @@ import contextlib
 import math
 import os
 import shlex
+import shutil
 import sys
-from collections.abc import Callable, Iterator
+import textwrap
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from typing import Any, TextIO
 
 import click
@@ -17,26 +21,31 @@ from ..base.errors import printable, writable
 
 LEVEL, SAID, ANNOUNCED = "jkr.level", "jkr.said", "jkr.announced"
 QUIET, USUAL, VERBOSE = range(3)
-ANEW = 2.0  # choice: factor of what was told from which on more is told anew
 
 
-def level_options() -> list[click.Option]:
-    """``-q`` and ``-v``, of every verb whose result is a file."""
+@dataclass(frozen=True)
+class VoiceTuning:
+    """How much is printed, and how wide."""
+
+    behind: int = 10  # choice: lines behind the verdict, the last one among them; the rest is printed with -v
+    width: int = 120  # choice: characters of a line where no terminal says how many
+    help: int = 80  # choice: lines, of 80 columns, of a verb's help: two screens
+    narrowest: int = 40  # choice: characters of a line on any terminal
+    further: int = 4  # choice: how far what is folded is set in
+    anew: float = 2.0  # choice: factor of what was announced from which on more is announced anew
+
+
+TUNING = VoiceTuning()
+
+
+def level_options(quiet: bool = True) -> list[click.Option]:
+    """``-v``, and ``-q`` of every verb whose result is a file."""
+    levels = {"verbose": (VERBOSE, "Print all of the result, and stages and costs on stderr.")}
+    if quiet:
+        levels = {"quiet": (QUIET, "Print warnings and errors only, and JSON.")} | levels
     return [
-        click.Option(
-            ["-q", "--quiet"],
-            is_flag=True,
-            expose_value=False,
-            callback=_set(QUIET),
-            help="Print warnings and errors only (results asked for as JSON are printed all the same).",
-        ),
-        click.Option(
-            ["-v", "--verbose"],
-            is_flag=True,
-            expose_value=False,
-            callback=_set(VERBOSE),
-            help="Say more on stderr: stages, costs, versions.",
-        ),
+        click.Option([f"-{name[0]}", f"--{name}"], is_flag=True, expose_value=False, callback=_set(level), help=words)
+        for name, (level, words) in levels.items()
     ]
 
 
@@ -56,6 +65,15 @@ def _level() -> int:
     return USUAL if ctx is None else ctx.meta.get(LEVEL, USUAL)
 
 
+def folded(line: str) -> str:
+    """A line as several of the terminal's width, broken between words; all but the first are set in."""
+    width = max(shutil.get_terminal_size((TUNING.width, 0)).columns, TUNING.narrowest)
+    if len(line) <= width:
+        return line
+    indent = " " * (len(line) - len(line.lstrip()) + TUNING.further)
+    return textwrap.fill(line, width, subsequent_indent=indent, break_long_words=False, break_on_hyphens=False)
+
+
 def tell(line: str) -> None:
     """A line on stderr; where nobody can receive it (a full disk, a reader that is gone) work goes on without."""
     try:
@@ -72,21 +90,32 @@ def give_up(stream: TextIO | None) -> None:
 
 
 def say(text: str) -> None:
-    """A line of the summary."""
+    """Lines of the summary."""
     if _level() != QUIET:
-        click.echo("\n".join(map(printable, text.split("\n"))))
+        click.echo("\n".join(folded(printable(line)) for line in text.split("\n")))
+
+
+def present(*results: Sequence[str], last: str = "") -> None:
+    """The verdict of a result, its first line, and what fits behind it; of several results their verdicts; then the
+    ``last`` line. All of it with -v."""
+    lines, room = [line for lines in results for line in lines], TUNING.behind + 1 - bool(last)
+    shown = lines if len(results) == 1 or _level() == VERBOSE else [lines[0] for lines in results]
+    if _level() != VERBOSE and (len(shown) > room or shown != lines):
+        shown = shown[: room - 1]
+        shown.append(f"  ... {len(lines) - len(shown):,} more lines with -v")
+    say("\n".join([*shown, *filter(None, [last])]))
 
 
 def note(text: str) -> None:
     """A line on stderr on what goes on, for who waits."""
     if _level() != QUIET:
-        tell(f"jkr: {printable(text)}")
+        tell(folded(f"jkr: {printable(text)}"))
 
 
 def detail(text: str) -> None:
     """A line for those who want to know more."""
     if _level() == VERBOSE:
-        tell(f"jkr: {printable(text)}")
+        tell(folded(f"jkr: {printable(text)}"))
 
 
 def warn(text: str) -> None:
@@ -95,7 +124,7 @@ def warn(text: str) -> None:
     said: set[str] = set() if ctx is None else ctx.meta.setdefault(SAID, set())
     if text not in said:
         said.add(text)
-        tell(f"jkr: warning: {printable(text)}")
+        tell(folded(f"jkr: warning: {printable(text)}"))
 
 
 def announce(what: str, seconds: float) -> None:
@@ -108,7 +137,7 @@ def forewarn(words: str, seconds: float) -> None:
     """A note on what will take so many CPU ``seconds``, unless the command has told of about as many."""
     ctx = click.get_current_context(silent=True)
     said: dict[str, float] = {} if ctx is None else ctx.meta
-    if seconds > ANEW * said.get(ANNOUNCED, -1.0):
+    if seconds > TUNING.anew * said.get(ANNOUNCED, -1.0):
         said[ANNOUNCED] = seconds
         note(words)
 

@@ -12,7 +12,7 @@ from .measured import TUNING, begin_reading, reading_of, reading_options
 from .options import WORKERS, ScaleType, modulus_factor_option, slopes_option
 from .output import answer, into_folder, output_options, refuse_doubles
 from .verb import Verb
-from .voice import progress, say, warn
+from .voice import present, progress, warn
 
 
 @click.command(cls=Verb)
@@ -50,7 +50,7 @@ def work(
 
     \b
     jkr work gel.h5 microscope.csv --noise a="2 um" --noise P="5 uN"
-    jkr work gel.h5 probe.csv --unit P=mN --flip delta --stiffness "2 kN/m" --zero delta="-310 um"
+    jkr work gel.h5 probe.csv --unit P=mN --flip delta --stiffness "2 kN/m"
     jkr work data.h5 map.jpk-force-map --contact estimate --segment retract
     """
     from ..base.executors import executor
@@ -77,9 +77,9 @@ def work(
         result = Work.of(path, found, skipped, solution, unit, modulus_factor)
         results.append(result)
         target.write(result.columns, result.summary(), target.draw(result.figure))
-        if not output.json:
-            say(f"{result}\n  written {target}")
-        for warning in result.warnings:
-            warn(warning)
     if output.json:
         answer({"results": [result.summary() for result in results]})
+    else:
+        present(*(result.words() for result in results), last=f"  written {', '.join(map(str, targets))}")
+    for warning in [text for result in results for text in result.warnings]:
+        warn(warning)

@@ -26,14 +26,13 @@ TUNING = MotionTuning()
 def corners(t: Array, x: Array, noise: float) -> tuple[Array, Array]:
     """The times and places of the corners, ends among them, of straight pieces that leave of ``x`` at rising times
     ``t`` no more than ``noise``; as many as are worth it."""
-    knots = [0, t.size - 1]
+    knots, sums = [0, t.size - 1], _Sums.of(t, x)
     while len(knots) < TUNING.most:
         rest = x - _through(t, x, knots)[1]
         if np.sqrt(np.mean(rest**2)) < TUNING.straight * noise:
             break
-        better = _settled(t, x, sorted([*knots, _next(rest, knots)]))
-        gain = np.sum(rest**2) - np.sum((x - _through(t, x, better)[1]) ** 2)
-        if gain < TUNING.worth * noise**2:
+        better = _settled(sums, sorted([*knots, _next(rest, knots)]))
+        if sums.left(knots) - sums.left(better) < TUNING.worth * noise**2:
             break
         knots = better
     return t[knots], _through(t, x, knots)[0]
@@ -46,6 +45,35 @@ def _through(t: Array, x: Array, knots: list[int]) -> tuple[Array, Array]:
     return places, hats @ places
 
 
+@dataclass(frozen=True, eq=False)
+class _Sums:
+    """Sums of 1, t, t^2, x, t x and x^2 over the rows before each, ``upto`` (rows + 1, 6), of columns about their
+    means: what is left by any straight pieces follows from them."""
+
+    t: Array
+    upto: Array
+
+    @classmethod
+    def of(cls, t: Array, x: Array) -> _Sums:
+        t, x = (t - t.mean()) / np.ptp(t), x - x.mean()
+        rows = np.stack([np.ones_like(t), t, t**2, x, t * x, x**2], axis=1)
+        return cls(t, np.concatenate([np.zeros((1, 6)), np.cumsum(rows, axis=0)]))
+
+    def left(self, knots: list[int]) -> float:
+        """The least sum of squares about straight pieces between ``knots``."""
+        first, last = np.array(knots[:-1]), np.array(knots[1:])
+        a, h = self.t[first], self.t[last] - self.t[first]
+        last[-1] += 1
+        n, t, tt, x, tx, xx = (self.upto[last] - self.upto[first]).T
+        u, uu, ux = (t - n * a) / h, (tt - 2 * a * t + n * a**2) / h**2, (tx - a * x) / h  # of u = (t - a)/h
+        ends, both, right = np.zeros(len(knots)), u - uu, np.zeros(len(knots))
+        ends[:-1], right[:-1] = n - 2 * u + uu, x - ux
+        ends[1:] += uu
+        right[1:] += ux
+        matrix = np.diag(ends) + np.diag(both, 1) + np.diag(both, -1)
+        return float(np.sum(xx) - right @ np.linalg.solve(matrix, right))
+
+
 def _next(rest: Array, knots: list[int]) -> int:
     """The row of a new corner: in the piece that leaves most, where a hat stands out most in what is left."""
     squares = [float(np.sum(rest[a : b + 1] ** 2)) if b - a > 1 else -1.0 for a, b in itertools.pairwise(knots)]
@@ -55,7 +83,7 @@ def _next(rest: Array, knots: list[int]) -> int:
     return int(tops[int(np.argmax(sums))])
 
 
-def _settled(t: Array, x: Array, knots: list[int]) -> list[int]:
+def _settled(sums: _Sums, knots: list[int]) -> list[int]:
     """The knots moved, one after the other, each to the row between its neighbours that leaves least, until none
     moves."""
     for _ in range(TUNING.most):
@@ -64,13 +92,9 @@ def _settled(t: Array, x: Array, knots: list[int]) -> list[int]:
             width = max((knots[i + 1] - knots[i - 1]) // 8, 1)
             while width:
                 tried = [k for k in (knots[i] - width, knots[i], knots[i] + width) if knots[i - 1] < k < knots[i + 1]]
-                best = min(tried, key=lambda k: _left(t, x, [*knots[:i], k, *knots[i + 1 :]]))
+                best = min(tried, key=lambda k: sums.left([*knots[:i], k, *knots[i + 1 :]]))
                 width = width if best != knots[i] else width // 2
                 knots[i] = best
         if knots == before:
             break
     return knots
-
-
-def _left(t: Array, x: Array, knots: list[int]) -> float:
-    return float(np.sum((x - _through(t, x, knots)[1]) ** 2))

@@ -113,11 +113,11 @@ def words(held: Mapping[str, Any]) -> list[str]:
     """The ``summary`` of an archive as lines of text."""
     by = f"format {held['format']} {held['version']}, jkr {held['jkr']}"
     if held["format"] == FITS:
-        lines = [f"{held['file']}: fits of {len(held['curves']):,} curves to {held['body']} ({by})"]
+        lines = [f"{len(held['curves']):,} curves fitted to {held['body']}: {held['file']} ({by})"]
         lines += [line for curve in held["curves"][:SHOWN] for line in _curve(curve)]
         lines += [f"  ... and {len(held['curves']) - SHOWN:,} more"] * (len(held["curves"]) > SHOWN)
     else:
-        lines = [f"{held['file']}: a sweep of {held['rows']:,} cases ({by})"]
+        lines = [f"{held['rows']:,} cases of a sweep: {held['file']} ({by})"]
         lines += [f"  {name:<40} {_span(ends)}".rstrip() for name, ends in held["columns"].items()]
     return lines + [f"  warning   {warning}" for warning in held["warnings"]]
 

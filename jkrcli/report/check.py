@@ -65,13 +65,14 @@ class Check(Result):
         sticking = [] if isinstance(self.effect, Unknown) else [f"  no slip   makes {self.effect.words} as large"]
         options = (f"            {option.name:<12} {_option(option)}" for option in self.options)
         return [
-            self.problem.words,
-            f"  method    {self.choice.name}: {self.choice.brief}",
-            *options,
+            f"method {self.choice.name}: {self.choice.brief}",
+            f"  body      {self.problem.words}",
             *self._reaches(),
             *self._relaxes(),
             *sticking,
             *self._tension(),
+            "  methods   that there are, each with its cost:",
+            *options,
         ]
 
     @property
@@ -101,14 +102,15 @@ class Check(Result):
             ratio = 1 + expected.half_space_error
             yield f"  layers    make the load at this depth {ratio:.4g} times that of a half-space of the top material"
         for w, point, judged in expected.adhesion:
-            yield f"  w = {show(w, 'work')}: pull-off (load control): {_pull_off(point)}"
             regime = f": {judged.regime}" if not isinstance(judged.tabor, Unknown) else ""
             regime = regime if range_ == "" else "" if isinstance(range_, Unknown) else f"; {range_}"
-            yield f"            Tabor number {_ratio(judged.tabor)}{regime}"
-            sizes = {"a/R": judged.a_over_R, "a/h": judged.a_over_h, "delta/h": judged.delta_over_h}
-            known = [f"{name} = {value:.3g}" for name, value in sizes.items() if not isinstance(value, Unknown)]
-            if known:
-                yield f"            {', '.join(known)}"
+            tabor = f"Tabor number {_ratio(judged.tabor)}{regime}"
+            yield f"  w = {show(w, 'work')}: pull-off (load control) {_pull_off(point)}; {tabor}"
+        sizes = {"a/R": "a_over_R", "a/h": "a_over_h", "delta/h": "delta_over_h"}
+        for *_, judged in expected.adhesion[-1:]:
+            values = ((name, getattr(judged, key)) for name, key in sizes.items())
+            if known := [f"{name} = {value:.3g}" for name, value in values if not isinstance(value, Unknown)]:
+                yield f"  sizes     {', '.join(known)} at the largest contact radius"
 
 
 def _range(model: CaseModel, method: str) -> str | Unknown:

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from ..adhesion.dem import DemLaw
 from ..base.arrays import Array
+from ..base.errors import InputError
 from ..base.units import show
 from ..beside.analysis import Analysis
 from ..formulas.half_space import jkr
+from .result import Result
 
 CODE = """
 /* The state at an overlap delta [m]; touching: whether the two were in contact before. Returns 1 in contact, 0 free,
@@ -63,78 +65,94 @@ int main(void)
 """
 
 
-def columns(law: DemLaw) -> dict[str, Array]:
-    """The table."""
-    return {"fraction": np.linspace(0, 1, law.delta.size), "delta_m": law.delta, "P_N": law.P, "a_m": law.a}
+@dataclass(frozen=True, eq=False)
+class Exported(Result):
+    """The contact law of an adhesive curve: ``columns`` are its table, ``header`` the C header."""
 
+    law: DemLaw
+    result: Analysis
 
-def header(law: DemLaw, result: Analysis) -> str:
-    """The C header (C99, no other file) with the table, a function that reads it, test vectors and a check."""
-    numbers = {"DELTA_TOUCH": 0.0, "FORCE_TOUCH": law.jump_in.P, "RADIUS_TOUCH": law.jump_in.a,
-               "DELTA_TEAR": law.tear_off.delta, "FORCE_TEAR": law.tear_off.P, "RADIUS_TEAR": law.tear_off.a,
-               "SPAN": law.delta[-1] - law.delta[0], "FORCE_SCALE": abs(law.P).max(),
-               "RADIUS_SCALE": law.a.max()}  # fmt: skip
-    if law.load is not None:
-        numbers |= {"DELTA_LOAD": law.load.delta, "FORCE_LOAD": law.load.P, "RADIUS_LOAD": law.load.a}
-    vectors = ",\n".join("    { " + ", ".join(f"{float(cell)!r}" for cell in row) + " }" for row in law.vectors)
-    return "\n".join([
-        f"/* Written by jkr: adhesive contact of {result.problem.words.replace('*/', '* /')};",
-        f"   w = {result.w!r} J/m^2. SI units; overlap and compressive force positive; the force of one contact.",
-        "   TOUCH: after first contact; TEAR: contact lost under displacement control, as in a particle code whose",
-        "   time step resolves it; LOAD: under load control. The interpolation is good to "
-        f"{law.error:.1g} of the largest force and radius. */",
-        "#ifndef JKR_CONTACT_H", "#define JKR_CONTACT_H", "#include <math.h>",
-        f"#define JKR_ROWS {law.delta.size}", f"#define JKR_VECTORS {len(law.vectors)}",
-        *(f"#define JKR_{name} ({float(value)!r})" for name, value in numbers.items()),
-        *(f"static const double jkr_{name}[JKR_ROWS] = {{\n{_listed(column)} }};"
-          for name, column in (("force", law.P), ("radius", law.a))),
-        f"static const double jkr_vector[JKR_VECTORS][3] = {{ /* delta, force, radius */\n{vectors} }};",
-    ]) + CODE  # fmt: skip
+    @classmethod
+    def of(cls, result: Analysis) -> Exported:
+        try:
+            return cls(DemLaw.of(result.curve), result)
+        except InputError as error:
+            raise InputError(f"{result.path}: {error}") from None
+
+    @property
+    def columns(self) -> dict[str, Array]:  # type: ignore[override]
+        law = self.law
+        return {"fraction": np.linspace(0, 1, law.delta.size), "delta_m": law.delta, "P_N": law.P, "a_m": law.a}
+
+    @property
+    def header(self) -> str:
+        """The C header (C99, no other file) with the table, a function that reads it, test vectors and a check."""
+        law, result = self.law, self.result
+        numbers = {"DELTA_TOUCH": 0.0, "FORCE_TOUCH": law.jump_in.P, "RADIUS_TOUCH": law.jump_in.a,
+                   "DELTA_TEAR": law.tear_off.delta, "FORCE_TEAR": law.tear_off.P, "RADIUS_TEAR": law.tear_off.a,
+                   "SPAN": law.delta[-1] - law.delta[0], "FORCE_SCALE": abs(law.P).max(),
+                   "RADIUS_SCALE": law.a.max()}  # fmt: skip
+        if law.load is not None:
+            numbers |= {"DELTA_LOAD": law.load.delta, "FORCE_LOAD": law.load.P, "RADIUS_LOAD": law.load.a}
+        vectors = ",\n".join("    { " + ", ".join(f"{float(cell)!r}" for cell in row) + " }" for row in law.vectors)
+        return "\n".join([
+            f"/* Written by jkr: adhesive contact of {result.problem.words.replace('*/', '* /')};",
+            f"   w = {result.w!r} J/m^2. SI units; overlap and compressive force positive; the force of one contact.",
+            "   TOUCH: after first contact; TEAR: contact lost under displacement control, as in a particle code whose",
+            "   time step resolves it; LOAD: under load control. The interpolation is good to "
+            f"{law.error:.1g} of the largest force and radius. */",
+            "#ifndef JKR_CONTACT_H", "#define JKR_CONTACT_H", "#include <math.h>",
+            f"#define JKR_ROWS {law.delta.size}", f"#define JKR_VECTORS {len(law.vectors)}",
+            *(f"#define JKR_{name} ({float(value)!r})" for name, value in numbers.items()),
+            *(f"static const double jkr_{name}[JKR_ROWS] = {{\n{_listed(column)} }};"
+              for name, column in (("force", law.P), ("radius", law.a))),
+            f"static const double jkr_vector[JKR_VECTORS][3] = {{ /* delta, force, radius */\n{vectors} }};",
+        ]) + CODE  # fmt: skip
+
+    @property
+    def half_space(self) -> dict[str, tuple[float, float]]:
+        """Overlap [m] and force [N] at which classical JKR of the uppermost material lets go, by control; empty for a
+        tip without a radius."""
+        problem, w = self.result.problem, self.result.w
+        R, E_star = problem.indenter.tip_radius, problem.E_star
+        if R is None:
+            return {}
+        cubes = {"displacement": 1 / 8, "load": 9 / 8}  # of a, over pi w R^2/E*
+        found = {}
+        for control, cube in cubes.items():
+            delta, P = jkr(np.array((cube * math.pi * w * R**2 / E_star) ** (1 / 3)), E_star, R, w)
+            found[control] = (float(delta), float(P))
+        return found
+
+    def summary(self) -> dict[str, Any]:
+        law, result = self.law, self.result
+        named = {"touch": law.jump_in, "tear_off": law.tear_off, "load_control": law.load}
+        points = {name: None if at is None else {"delta_m": at.delta, "P_N": at.P, "a_m": at.a}
+                  for name, at in named.items()}  # fmt: skip
+        classical = {name: dict(zip(("delta_m", "P_N"), pair, strict=True)) for name, pair in self.half_space.items()}
+        return {"file": str(result.path), "w_J_per_m2": result.w, "rows": law.delta.size, "error": law.error,
+                **points, "half_space": classical}  # fmt: skip
+
+    def words(self) -> list[str]:
+        law, result = self.law, self.result
+        w, tear_off, end = result.w, law.tear_off, show(law.delta[-1], "length")
+        lines = [
+            f"tear-off at P = {show(tear_off.P, 'load')}, delta = {show(tear_off.delta, 'length')} "
+            f"(displacement control), w = {show(w, 'work')}: {result.path}",
+            f"  table      {law.delta.size} rows up to {end}, good to {law.error:.1g} between",
+            f"  touch      {_state(0.0, law.jump_in.P)}",
+        ]
+        if law.load is not None:
+            lines.append(f"  pull-off   {_state(law.load.delta, law.load.P)} (load control)")
+        if found := self.half_space:
+            lines.append(f"  JKR of a half-space of the uppermost material, gamma = w/2 = {show(w / 2, 'work')}:")
+            lines += [f"    lets go  {_state(*pair)} ({control} control)" for control, pair in found.items()]
+        return lines
 
 
 def _listed(column: Array) -> str:
     cells = [f"{float(cell)!r}" for cell in column]
     return ",\n".join("    " + ", ".join(cells[i : i + 4]) for i in range(0, len(cells), 4))
-
-
-def half_space(result: Analysis) -> dict[str, tuple[float, float]]:
-    """Overlap [m] and force [N] at which classical JKR of the uppermost material lets go, under displacement and under
-    load control; empty for a tip without a radius."""
-    R, w, E_star = result.problem.indenter.tip_radius, result.w, result.problem.E_star
-    if R is None:
-        return {}
-    cubes = {"displacement": 1 / 8, "load": 9 / 8}  # of a, over pi w R^2/E*
-    found = {}
-    for control, cube in cubes.items():
-        delta, P = jkr(np.array((cube * math.pi * w * R**2 / E_star) ** (1 / 3)), E_star, R, w)
-        found[control] = (float(delta), float(P))
-    return found
-
-
-def summary(law: DemLaw, result: Analysis) -> Mapping[str, Any]:
-    """What was exported, for machines."""
-    named = {"touch": law.jump_in, "tear_off": law.tear_off, "load_control": law.load}
-    points = {name: None if at is None else {"delta_m": at.delta, "P_N": at.P, "a_m": at.a}
-              for name, at in named.items()}  # fmt: skip
-    classical = {name: dict(zip(("delta_m", "P_N"), pair, strict=True)) for name, pair in half_space(result).items()}
-    return {"file": str(result.path), "w_J_per_m2": result.w, "rows": law.delta.size, "error": law.error,
-            **points, "half_space": classical}  # fmt: skip
-
-
-def words(law: DemLaw, result: Analysis) -> list[str]:
-    """What was exported, for people."""
-    lines = [
-        f"{result.path}: w = {show(result.w, 'work')}, {law.delta.size} rows up to {show(law.delta[-1], 'length')}; "
-        f"interpolation good to {law.error:.1g}",
-        f"  touch      {_state(0.0, law.jump_in.P)}",
-        f"  tear-off   {_state(law.tear_off.delta, law.tear_off.P)} (displacement control)",
-    ]
-    if law.load is not None:
-        lines.append(f"  pull-off   {_state(law.load.delta, law.load.P)} (load control)")
-    if found := half_space(result):
-        lines.append(f"  JKR of a half-space of the uppermost material, gamma = w/2 = {show(result.w / 2, 'work')}:")
-        lines += [f"    lets go  {_state(*pair)} ({control} control)" for control, pair in found.items()]
-    return lines
 
 
 def _state(delta: float, P: float) -> str:

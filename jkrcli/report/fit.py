@@ -5,12 +5,14 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ..base import hdf5
 from ..base.arrays import Array
-from ..base.units import SI, show
+from ..base.units import SI, scale, show
 from ..identification.fit.fitting import Failure
 from ..identification.fit.record_rivals import OF_RIVALS
 from ..identification.fit.record_scores import Score, Tried
@@ -18,6 +20,11 @@ from ..identification.fit.result import Fit, FittedValue, JKRBeside
 from ..identification.fit.rivals import RANGE
 from . import archive
 from .map import images_of, map_of
+from .output import SHOWN
+from .result import Result
+
+if TYPE_CHECKING:
+    from .plots import Figure
 
 FORMAT, VERSION = archive.FITS, 1  # of the summary
 UNIT_NAMES = {
@@ -33,10 +40,71 @@ UNIT_NAMES = {
 }
 ALWAYS = ("file", "curve", "status", "reason", "points")
 SYMBOLS = {"E_star": "E*", "modulus": "moduli over the case's"}
+ZERO_POINTS = ("delta0", "P0", "tilt")  # told last
 FITTED, DOUBTFUL, UNUSABLE = "fitted", "doubtful", "unusable"
 DIMENSIONS = {"a": "length", "delta": "length", "P": "load"}
 VAGUE = "not determined"  # how flags end of what rivals may change by much
 NOTICEABLE = 0.01  # choice: of the standard error; smaller systematic parts are not told in words
+
+
+@dataclass(frozen=True, eq=False)
+class Fits(Result):
+    """Curves that were fitted or could not be; ``body``: what they were taken to be of, in words; ``remarks`` on all of
+    them together."""
+
+    found: Sequence[Fit | Failure]
+    body: str
+    remarks: Sequence[str] = ()
+
+    @property
+    def columns(self) -> dict[str, list[Any]]:  # type: ignore[override]
+        return columns(self.found)
+
+    @cached_property
+    def fits(self) -> list[Fit]:
+        return [item for item in self.found if isinstance(item, Fit)]
+
+    def summary(self) -> dict[str, Any]:
+        return summary(self.found, self.body)
+
+    def words(self) -> list[str]:
+        return [line for lines in self.parts for line in lines]
+
+    @property
+    def parts(self) -> list[list[str]]:
+        if len(self.fits) == 1:
+            return [words(self.fits[0])]
+        told = ((item.where, *words(item)) for item in self.fits[:SHOWN])
+        return [[f"{where}: {first}", *rest] for where, first, *rest in told]
+
+    @property
+    def warnings(self) -> list[str]:
+        both = len({item.surface for item in self.fits}) > 1
+        told = [(f"{item.where}{f', {item.surface}' if both else ''}", item.warnings) for item in self.fits[:SHOWN]]
+        return [*(f"{where}: {line}" for where, lines in told for line in lines), *self.remarks]
+
+
+@dataclass(frozen=True, eq=False)
+class Fitted(Fit, Result):
+    """A fitted curve with what is said of it; ``body``: of what, in words."""
+
+    warnings: tuple[str, ...] = ()
+    body: str = ""
+
+    @property
+    def columns(self) -> dict[str, list[Any]]:  # type: ignore[override]
+        return columns([self])
+
+    def summary(self) -> dict[str, Any]:
+        return summary([self], self.body)
+
+    def words(self) -> list[str]:
+        return words(self)
+
+    def figure(self) -> Figure:
+        from .plots.fit import fit_figure
+
+        return fit_figure(self)
 
 
 def columns(found: Sequence[Fit | Failure]) -> dict[str, list[Any]]:
@@ -121,6 +189,7 @@ def _summary(item: Fit | Failure) -> dict[str, Any]:
         **({} if item.range_left is None else {"range_left_m": item.range_left}),
         **_beside(item),
         **_verdict(item),
+        **({"plan": [asdict(one) for one in item.plan]} if item.plan else {}),
         **({} if item.quality is None else {"quality": dict(item.quality), "flags": list(item.flags)}),
         "warnings": list(item.warnings),
     }
@@ -151,19 +220,18 @@ def estimate_summary(item: FittedValue) -> dict[str, Any]:
 
 
 def words(item: Fit) -> list[str]:
-    """A fit as lines of text: what was free, and what follows from it."""
+    """A fit as lines of text: the verdict, what was free, and what follows from it."""
     out = f" ({', '.join(item.left_out)} left out)" if item.left_out else ""
     status = f"{_status(item)}, " if item.quality is not None or item.flags else ""
     ways = f", {item.directions}" if item.directions else ""
     stuck = ", no slip" if item.surface == "sticking" else ""
-    lines = verdict_words(item)
-    lines += [f"{item.where}: {status}{item.a.size} rows of {', '.join(item.data)}{ways}{out}{stuck}"]
-    for estimate in item.estimates:
+    lines = [*verdict_words(item), *_range_words(item)]
+    lines += [f"  {item.where}: {status}{item.a.size} rows of {', '.join(item.data)}{ways}{out}{stuck}"]
+    for estimate in sorted(item.estimates, key=lambda one: one.name in ZERO_POINTS):
         if estimate.free and estimate.name != "modulus":
             lines.append(
                 f"  {SYMBOLS.get(estimate.name, estimate.name):<12} {estimate_words(estimate, item.settings.level)}"
             )
-    lines += _range_words(item)
     told = item.correlated("modulus", "w")
     more = [] if told is None else [f"correlation of E* and w {told:.2f}"]
     lines.append(f"  {'scatter':<12} {', '.join([*_scatter(item), *more])}")
@@ -174,31 +242,40 @@ def words(item: Fit) -> list[str]:
 
 
 def verdict_words(item: Fit) -> list[str]:
-    """E* and w with the parts of their errors, what a formula would say, and whether to believe it: of raw records."""
+    """E* and w with the parts of their errors; of raw records also whether the model is rejected, what a formula would
+    give, and which rivals the parts by the model are from."""
+    shown, formula = [item.estimate("E_star"), item.work], list[str]()
+    doubts = [flag for flag in item.flags if not flag.endswith(VAGUE)]
+    verdict = ", ".join(map(brief, shown)) + (f"; doubtful: {', '.join(doubts)}" if doubts else "")
     if item.verdict is None:
-        return []
-    told = [_parts_words(one) for one in (item.estimate("E_star"), item.work) if one.free and one.error is not None]
-    formula, E_star = item.verdict.formula, item.value("E_star")
+        return [verdict]
     if item.verdict.E_star is not None:
         by = item.verdict.E_star
-        told.append(f"{formula} at the deepest row would give {show(by, 'modulus', 3)} ({by / E_star - 1:+.0%})")
+        change = by / item.value("E_star") - 1
+        formula = [f"{item.verdict.formula} at the deepest row would give {show(by, 'modulus', 3)} ({change:+.0%})"]
     rivals = item.verdict.rivals
-    judged = "no other model is asked for" if not rivals.named else f"rejected for {' or '.join(rivals.families)}"
+    rejected = f"; rejected for {' or '.join(rivals.families)}" if rivals.named else ""
+    judged = [] if rivals.named else ["no other model is asked for"]
     if tied := item.verdict.tied:
-        judged = f"by {tied[0].name} ({told_words(tied[0])}), for which JKR as described is rejected"
-        judged += f"; {' or '.join(one.name for one in tied[1:])} cannot be told from it" if tied[1:] else ""
-    vague = [flag for flag in item.flags if flag.endswith(VAGUE)]
-    return [f"{item.where}: {'; '.join([*told, judged, *vague])}"]
+        rejected = f"; by {tied[0].name} ({told_words(tied[0])})"
+        judged = ["JKR as described is rejected", *(f"{one.name} cannot be told from it" for one in tied[1:])]
+    judged += [flag for flag in item.flags if flag.endswith(VAGUE)]
+    parts = dict.fromkeys(name for one in shown for name in one.model or {})
+    judged += [f"not excluded: {', '.join(parts)}"] if parts else []
+    return [verdict + rejected, *(f"  {'; '.join(lines)}" for lines in (formula, judged) if lines)]
 
 
-def _parts_words(item: FittedValue) -> str:
-    """A value with its statistical part, that of inputs, and that of the model with the rival which it is from."""
+def brief(item: FittedValue) -> str:
+    """A value with its statistical part, that of inputs, and that of the model."""
+    name = f"{SYMBOLS.get(item.name, item.name)} = {show(item.value, item.dimension, 4)}"
+    if item.error is None:
+        return f"{name} (not determined by the data)" if item.free else f"{name} (held)"
     calibration = math.hypot(*(item.systematic or {}).values())
-    own = math.sqrt(max((item.error or 0.0) ** 2 - calibration**2, 0.0))
-    parts = {"statistical": own, "calibration": calibration}
-    parts |= {f"model: {name}": size for name, size in (item.model or {}).items()}
-    said = [f"± {show(size, item.dimension, 2)} ({name})" for name, size in parts.items() if size > NOTICEABLE * own]
-    return f"{SYMBOLS.get(item.name, item.name)} = {show(item.value, item.dimension, 4)} {' '.join(said)}"
+    own = math.sqrt(max(item.error**2 - calibration**2, 0.0))
+    parts = {"statistical": own, "calibration": calibration, "model": math.hypot(*(item.model or {}).values())}
+    unit, _ = scale(item.value, item.dimension)
+    said = [f"± {float(f'{size / unit:.2g}'):g} ({kind})" for kind, size in parts.items() if size > NOTICEABLE * own]
+    return " ".join([name, *said])
 
 
 def told_words(one: Tried) -> str:
@@ -220,6 +297,18 @@ def rivals_table(item: Fit) -> list[str]:
         f"E* {show(one.E_star, 'modulus', 4)}, w {show(one.w, 'work', 4)}, {told_words(one)}"
         for one in item.verdict.tried
     )]  # fmt: skip
+
+
+def plan_table(item: Fit) -> list[str]:
+    """What further measurements would tell, the best for E* and for w marked."""
+    best = [min((getattr(one, name) for one in item.plan), default=0.0) for name in ("E_star", "w")]
+    head = [f"  {'a further measurement':<32}{'E* within':>12}{'w within':>12}"] * bool(item.plan)
+    return head + [
+        f"  {one.words:<32}"
+        + "".join(f"{value:>11.2%}{'*' if value == least else ' '}"
+                  for value, least in zip((one.E_star, one.w), best, strict=True))
+        for one in item.plan
+    ]  # fmt: skip
 
 
 def _verdict(item: Fit) -> dict[str, Any]:
@@ -271,7 +360,7 @@ def estimate_words(estimate: FittedValue, level: float) -> str:
     dimension = estimate.dimension
     text = f"{show(estimate.value, dimension, 5):<14}"
     if estimate.error is None:
-        text += " (not told by the data)"
+        text += " (not determined by the data)"
         if estimate.low is None and estimate.high is None:
             return text
     else:

@@ -12,12 +12,12 @@ from ..base.units import show
 from ..base.unknown import Unknown
 from ..data import measured
 from ..data.record import BaseLine, Direction, ForceCurve, examine
+from .output import SHOWN
 from .result import Result
 
 if TYPE_CHECKING:
     from .plots import Figure
 
-SHOWN = 10  # curves of a file that are told line by line
 NO_BASE_LINE = Unknown("there is no base line")
 NAMES = {"a": "contact radius", "delta": "displacement", "P": "load", "t": "time"}
 
@@ -53,8 +53,11 @@ class Look(Result):
 
     def words(self) -> list[str]:
         lines = [line for record in self.records[:SHOWN] for line in words(record)]
-        more = len(self.records) - SHOWN
-        return lines + ([f"  ... and {more} more curves (--json tells all)"] if more > 0 else [])
+        if (count := len(self.records)) > 1:
+            flagged = sum(bool(record.flags) for record in self.records)
+            head = [f"{count} curves, {flagged} of them with remarks: {self.path}"]
+            lines = [*head, *(f"  {words(record)[0]}" for record in self.records[:SHOWN]), *lines]
+        return lines + ([f"  ... and {count - SHOWN} more curves (--json tells all)"] if count > SHOWN else [])
 
     @property
     def warnings(self) -> Sequence[str]:
@@ -117,14 +120,26 @@ def words(record: ForceCurve) -> list[str]:
     parts = ", ".join(f"{segment.kind} {len(segment)}" for segment in record.segments)
     parts += f", {record.rest} of neither" if record.rest else ""
     return [
-        f"{curve.where}: {len(curve)} rows of {held}; {parts}",
-        *(f"  {flag}" for flag in curve.flags),
-        *(f"  {item.segment.kind:8}  {_said(item)}" for item in record.directions),
+        f"{_verdict(record)}: {curve.where}",
+        f"  {len(curve)} rows of {held}; {parts}",
         *(f"  {name}: {sentence}" for name, sentence in record.flags.items()),
+        *(f"  {item.segment.kind:8}  {line}" for item in record.directions for line in _said(item)),
+        *(f"  {flag}" for flag in curve.flags),
     ]
 
 
-def _said(item: Direction) -> str:
+def _verdict(record: ForceCurve) -> str:
+    """The adhesion force and the largest load, where the base line gives them."""
+    told = {}
+    for item in record.directions if all(item.based for item in record.directions) else ():
+        if item.segment.kind != "approach" and not isinstance(item.adhesion, Unknown):
+            told["adhesion force"] = item.adhesion
+        told["largest load"] = max(item.largest, told.get("largest load", item.largest))
+    words = [f"{name} {show(told[name], 'load', 3)}" for name in ("adhesion force", "largest load") if name in told]
+    return ", ".join(words) or "no force without a base line"
+
+
+def _said(item: Direction) -> list[str]:
     approach = item.segment.kind == "approach"
     base = item.base
     line = (
@@ -132,20 +147,20 @@ def _said(item: Direction) -> str:
         f"tilt {show(base.tilt, 'stiffness', 3)}, waviness {show(base.waviness, 'load', 3)}"
     )
     if isinstance(item.touch, Unknown):
-        return f"{item.touch.reason}; {line}"
+        return [item.touch.reason, line]
     if not item.based:
         where = "begins and the largest load" if approach else "ends and the adhesion force"
-        return f"no straight base line: where contact {where} are unknown"
+        return [f"no straight base line: where contact {where} are unknown"]
     touch = f"{show(item.touch, 'length')} ± {show(item.touch_err, 'length', 3)}"
     tension = (
-        item.adhesion.reason
+        f"unknown, {item.adhesion.reason}"
         if isinstance(item.adhesion, Unknown)
         else f"{show(item.adhesion, 'load', 3)} at {show(item.adhesion_at, 'length')}"
     )
     count = len(item.jumps)
     if approach:
         jump = f"jump into contact by {show(-item.jumps[0].step, 'load', 3)}" if count else "no jump into contact"
-        return f"contact from {touch} on, up to {show(item.largest, 'load', 3)}, {jump}; {line}"
+        return [f"contact from {touch} on, up to {show(item.largest, 'load', 3)}, {jump}", line]
     places = ", ".join(show(jump.position, "length") for jump in item.jumps)
     jumps = {0: "without a jump", 1: f"by one jump at {places}"}.get(count, f"by {count} jumps at {places}")
-    return f"adhesion force: {tension}; free from {touch} on, {jumps}; {line}"
+    return [f"adhesion force {tension}; free from {touch} on, {jumps}", line]

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from .plots import Figure
 
 PICTURES = (".png", ".svg")
+SHOWN = 10  # curves that are told line by line, and drawn
 
 
 @dataclass(frozen=True)

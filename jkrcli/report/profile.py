@@ -29,7 +29,7 @@ class Profile(Result):
         return {"file": str(self.path), "a_m": self.a, "w_J_per_m2": self.w, **lists(self.columns)}
 
     def words(self) -> list[str]:
-        return [f"{self.path}: a = {show(self.a, 'length')}, w = {show(self.w, 'work')}"]
+        return [f"a = {show(self.a, 'length')}, w = {show(self.w, 'work')}: {self.path}"]
 
     def figure(self) -> Figure:
         from .plots.body import profile_figure

@@ -13,7 +13,7 @@ from ..adhesion.sharp import yielding
 from ..adhesion.stability import Behaviour
 from ..adhesion.validity import check
 from ..base.units import show
-from ..base.unknown import Estimate, Unknown, known
+from ..base.unknown import Estimate, Unknown, accuracy, known
 from ..beside.analysis import Analysis
 from ..beside.lost import Lost
 from ..beside.solved import is_solved
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 SIZES = {"a/R": "a_over_R", "a/R at pull-off": "a_over_R_pull_off", "a/h": "a_over_h", "a/L": "a_over_L",
          "theta": "edge_angle"}  # fmt: skip
-OF_SERIES = "90 % half-width from the error of the series alone; --uncertain load=5% and others add theirs"
+OF_INPUTS = "load and body taken as exact: --uncertain load=5% and others give w its standard error"
 ABOVE = "Tabor", "at the range"  # how the warnings begin that say again what the line of the Tabor number says
 
 
@@ -57,10 +57,9 @@ class PullOff(Result):
 
     def words(self) -> list[str]:
         result, lost = self.result, self.lost
-        lines = [f"{result.path}: w = {show(result.w, 'work')}{tables.law_words(result)}"]
-        for found, error in lost:
-            lines += _control(found, error, _solved(result, found))
-        return lines + _validity(result)
+        points = {found.control: (found.pull_off, error) for found, error in lost}
+        lines = [*tables.lost_words(result, points), *_validity(result)]
+        return lines + [line for found, error in lost for line in _control(found, error, _solved(result, found))]
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,17 +89,18 @@ class MeasuredPullOff(Result):
     def words(self) -> list[str]:
         told = self.told
         found = told.found
-        error = "?" if isinstance(told.error, Unknown) else show(told.error, "work")
+        error = "" if isinstance(told.error, Unknown) or not told.parts else f" ± {show(told.error, 'work', 3)}"
         lines = [
-            f"{told.result.path}: a pull-off force of {show(found.load, 'load')} means w = {show(found.w, 'work')} ± "
-            f"{error} ({control(found.stiffness)}, a = {show(found.point.a, 'length')})"
+            f"w = {show(found.w, 'work')}{error}: the pull-off force {show(found.load, 'load')} of {told.result.path} "
+            f"({control(found.stiffness)}, a = {show(found.point.a, 'length')})"
         ]
         if told.parts:
             parts = (f"{name} {show(part, 'work')}" for name, part in told.parts.items())
-            series = str(told.series) if isinstance(told.series, Unknown) else show(told.series, "work")
-            lines.append(f"  standard error from {', '.join(parts)}; that of the series {series}")
+            lines.append(f"  standard error from {', '.join(parts)}")
         else:
-            lines.append(f"  {OF_SERIES}")
+            lines.append(f"  {OF_INPUTS}")
+        series = told.series if isinstance(told.series, Unknown) else told.series / found.w
+        lines.append(f"  {accuracy(series)} (90 %)")
         if found.half_space is None:
             lines.append("  no tip radius: classical JKR has no answer for this indenter")
         else:
@@ -118,12 +118,10 @@ def _solved(result: Analysis, found: Behaviour) -> bool:
 
 def _control(found: Behaviour, error: Errors | Unknown | None, solved: bool) -> list[str]:
     """Points, jumps and energies under one control; the pull-off point ``solved`` or read off between the rows."""
-    lines = [f"  {found.control}", f"    pull-off            {_point(found.pull_off)}"]
+    between = "; interpolated" if not solved and error and not isinstance(error, Unknown) else ""
+    lines = [f"  {found.control}", f"    pull-off            {_point(found.pull_off)}{between}"]
     if isinstance(error, Unknown):
         lines.append(f"    its error           {error}")
-    elif error is not None:
-        half_widths = f"P within {show(error['P'], 'load')}, delta within {show(error['delta'], 'length')}"
-        lines.append(f"    its error           {half_widths} (90 %{'' if solved else ', interpolated'})")
     others = [point for point in found.critical if point != found.pull_off]
     if not found.critical and not isinstance(found.pull_off, Unknown):
         lines.append("    critical points     none in the series")

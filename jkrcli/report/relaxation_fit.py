@@ -3,40 +3,92 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 from ..base.units import SI
 from ..identification.relaxation import RelaxationFit
-from .fit import estimate_summary, estimate_words
+from .fit import brief, estimate_summary, estimate_words
 from .relaxation import NEGLECTED, law_summary
+from .result import Result
 from .tables import stiffness
+
+if TYPE_CHECKING:
+    from .plots import Figure
 
 FORMAT = "jkr-relaxation-fit"
 
 
-def columns(fits: Sequence[RelaxationFit]) -> dict[str, list[Any]]:
-    """A row per record: its estimates with their standard errors, and the scatter."""
-    found: dict[str, list[Any]] = {
-        "curve": [fit.record.curve.where for fit in fits], "law": [fit.settings.law for fit in fits],
-    }  # fmt: skip
-    for item in fits[0].estimates:
-        if item.free and item.name != "modulus":
-            head = f"{item.name}_{SI[item.dimension]}".rstrip("_")
-            found[head] = [fit.estimate(item.name).value for fit in fits]
-            found[f"{head}_error"] = [fit.estimate(item.name).error for fit in fits]
-    return found | {"scatter": [fit.scatter for fit in fits], "rows": [fit.record.t.size for fit in fits]}
+@dataclass(frozen=True, eq=False)
+class RelaxationFits(Result):
+    """Fits of one law, each of a record; ``body``: of what, in words."""
+
+    fits: Sequence[RelaxationFit]
+    body: str
+
+    @property
+    def columns(self) -> dict[str, list[Any]]:  # type: ignore[override]
+        """A row per record: its estimates with their standard errors, and the scatter."""
+        fits = self.fits
+        found: dict[str, list[Any]] = {
+            "curve": [fit.record.curve.where for fit in fits], "law": [fit.settings.law for fit in fits],
+        }  # fmt: skip
+        for item in fits[0].estimates:
+            if item.free and item.name != "modulus":
+                head = f"{item.name}_{SI[item.dimension]}".rstrip("_")
+                found[head] = [fit.estimate(item.name).value for fit in fits]
+                found[f"{head}_error"] = [fit.estimate(item.name).error for fit in fits]
+        return found | {"scatter": [fit.scatter for fit in fits], "rows": [fit.record.t.size for fit in fits]}
+
+    def summary(self) -> dict[str, Any]:
+        return {
+            "format": FORMAT,
+            "version": 1,
+            "body": self.body,
+            "level": self.fits[0].settings.level,
+            "fits": [_fit(fit) for fit in self.fits],
+            "neglected": NEGLECTED,
+        }
+
+    def words(self) -> list[str]:
+        return [line for lines in self.parts for line in lines]
+
+    @property
+    def parts(self) -> list[list[str]]:
+        return list(map(_words, self.fits))
+
+    @property
+    def warnings(self) -> list[str]:
+        return [f"{fit.record.curve.where}: {line}" for fit in self.fits for line in fit.warnings]
+
+    def figure(self) -> Figure:
+        from .plots.relaxation import relaxation_fit_figure
+
+        return relaxation_fit_figure(self.fits)
 
 
-def summary(fits: Sequence[RelaxationFit], body: str) -> dict[str, Any]:
-    """What stands in the JSON file."""
-    return {
-        "format": FORMAT,
-        "version": 1,
-        "body": body,
-        "level": fits[0].settings.level,
-        "fits": [_fit(fit) for fit in fits],
-        "neglected": NEGLECTED,
-    }
+@dataclass(frozen=True, eq=False)
+class RelaxationFitted(RelaxationFit, Result):
+    """A fit with what is said of it; ``body``: of what, in words."""
+
+    body: str = ""
+
+    @property
+    def _alone(self) -> RelaxationFits:
+        return RelaxationFits([self], self.body)
+
+    @property
+    def columns(self) -> dict[str, list[Any]]:  # type: ignore[override]
+        return self._alone.columns
+
+    def summary(self) -> dict[str, Any]:
+        return self._alone.summary()
+
+    def words(self) -> list[str]:
+        return _words(self)
+
+    def figure(self) -> Figure:
+        return self._alone.figure()
 
 
 def _fit(fit: RelaxationFit) -> dict[str, Any]:
@@ -55,12 +107,13 @@ def _fit(fit: RelaxationFit) -> dict[str, Any]:
     }
 
 
-def words(fit: RelaxationFit) -> list[str]:
+def _words(fit: RelaxationFit) -> list[str]:
     """Lines for people."""
     record, level = fit.record, fit.settings.level
     held = "load" if record.loaded else "displacement"
     lines = [
-        f"{record.curve.where}: {fit.relaxation}; {record.t.size} rows, the {held} held, {_pieces(record.knots[0])}"
+        brief(fit.estimate("E_star")),
+        f"  {record.curve.where}: {fit.relaxation}; {record.t.size} rows, the {held} held, {_pieces(record.knots[0])}",
     ]
     for item in fit.estimates:
         if item.free and item.name != "modulus":

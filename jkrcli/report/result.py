@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from dataclasses import fields
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from ..base.errors import InputError
 from ..base.installing import installs
@@ -12,6 +13,8 @@ if TYPE_CHECKING:
     from pandas import DataFrame
 
     from .plots import Figure
+
+Held = TypeVar("Held", bound="Result")
 
 
 class Result:
@@ -27,6 +30,11 @@ class Result:
     def words(self) -> Sequence[str]:
         """Lines of text."""
         raise NotImplementedError
+
+    @property
+    def parts(self) -> Sequence[Sequence[str]]:
+        """The lines of each of several results in one; the first line of each is its verdict."""
+        return [self.words()]
 
     @property
     def warnings(self) -> Sequence[str]:
@@ -47,3 +55,8 @@ class Result:
 
     def __str__(self) -> str:
         return "\n".join(self.words())
+
+
+def as_result(kind: type[Held], found: Any, **more: Any) -> Held:
+    """What was ``found``, a dataclass, as a result of the ``kind`` that extends its class with what is ``more``."""
+    return kind(**{item.name: getattr(found, item.name) for item in fields(found)}, **more)

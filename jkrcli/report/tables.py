@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import contextlib
+import math
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -11,14 +13,15 @@ import numpy as np
 from ..adhesion.critical import Errors
 from ..adhesion.curve import Equilibrium, EquilibriumCurve
 from ..adhesion.device import CONTROLS, DISPLACEMENT_CONTROL
-from ..adhesion.stability import Behaviour, Jump, behaviour, branch
+from ..adhesion.path import Jump
+from ..adhesion.stability import Behaviour, behaviour, branch
 from ..base import allowance
 from ..base.arrays import Array
 from ..base.errors import InputError
 from ..base.files import read_bytes
 from ..base.table import as_json as as_json
 from ..base.units import show
-from ..base.unknown import Estimate, Unknown, known
+from ..base.unknown import Estimate, Unknown, accuracy, known
 from ..beside.analysis import Analysis
 
 SUMMARY_FORMAT, SUMMARY_VERSION = "jkr-summary", 1
@@ -124,6 +127,25 @@ def law_words(result: Analysis) -> str:
     if result.law is None:
         return ""
     return f", stress {show(result.law.stress, 'modulus')} up to {show(result.law.length, 'length')}"
+
+
+def lost_words(
+    result: Analysis, points: Mapping[str, tuple[Equilibrium | Unknown, Errors | Unknown | None]]
+) -> list[str]:
+    """The verdict on a curve: its pull-off force under each control, ``points`` with their half-widths; then the
+    largest numerical error of these."""
+    there = {name: (at, half) for name, (at, half) in points.items() if not isinstance(at, Unknown) and at.P}
+    forces = ", ".join(f"{show(-at.P, 'load')} ({name.removesuffix(' control')})" for name, (at, _) in there.items())
+    told = f"pull-off force {forces}" if there else "no pull-off in the series"
+    R, loaded = result.problem.indenter.tip_radius, there.get("load control")
+    if R is not None and loaded is not None:
+        classical = 1.5 * math.pi * result.w * R
+        beside = f"; 1.5 pi w R = {show(classical, 'load')} ({-classical / loaded[0].P - 1:+.0%})"
+    else:
+        beside = ""
+    errors = [half["P"] / abs(at.P) for at, half in there.values() if half and not isinstance(half, Unknown)]
+    lines = [f"{told} at w = {show(result.w, 'work')}{law_words(result)}{beside}: {result.path}"]
+    return lines + ([f"  pull-off: {accuracy(max(errors))} (90 %)"] if errors else [])
 
 
 def point(found: Equilibrium | Unknown) -> dict[str, Any]:

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, fields
+from collections.abc import Iterator
+from dataclasses import dataclass
 from functools import cached_property
-from itertools import zip_longest
 from typing import TYPE_CHECKING, Any
 
 from ..adhesion.curve import CriticalPoint
 from ..base.arrays import Array
 from ..base.units import show
-from ..base.unknown import Estimate, Unknown
+from ..base.unknown import Estimate, Unknown, accuracy
 from ..beside.analysis import Analysis
 from ..beside.solved import is_solved
 from ..beside.sticking import StickingEffect, as_told, effect_on
@@ -26,10 +25,6 @@ if TYPE_CHECKING:
 class Transformed(Analysis, Result):
     """An adhesive curve with what is said of it."""
 
-    @classmethod
-    def of(cls, found: Analysis) -> Transformed:
-        return cls(**{item.name: getattr(found, item.name) for item in fields(found)})
-
     @cached_property
     def columns(self) -> dict[str, Array]:  # type: ignore[override]
         return tables.curve_columns(self.curve)
@@ -43,7 +38,7 @@ class Transformed(Analysis, Result):
         return tables.summary(self) | {"sticking": as_told(self.sticking)}
 
     def words(self) -> list[str]:
-        return words([self], [])
+        return words(self)
 
     def figure(self) -> Figure:
         from .plots.curve import curve_figure, physical_units
@@ -51,49 +46,36 @@ class Transformed(Analysis, Result):
         return curve_figure(self, physical_units(self.curve))
 
 
-def words(results: Sequence[Analysis], written: Sequence[str]) -> list[str]:
-    """The curves of one series for several works of adhesion as lines of text; ``written``: the files of each."""
-    first = results[0]
-    kept, slopes = len(first.curve.series), first.curve.slopes
-    lines = [f"{first.path}: {kept} points kept, {first.dropped} dropped; slopes {slopes.method} ({slopes.reason})"]
-    for result, files in zip_longest(results, written):
-        lines.append(f"  w = {show(result.w, 'work')}{tables.law_words(result)}")
-        lines += [f"    {line}" for line in _of_curve(result)]
-        lines += [f"    written {files}"] if files else []
-    return lines
+def words(result: Analysis) -> list[str]:
+    """A curve as lines of text: where contact is lost, what the numbers are worth, what an exact solution says."""
+    errors = result.pull_off_errors
+    points = {f"{name} control": (point, errors.get(name)) for name, point in result.pull_off.items()}
+    return [*tables.lost_words(result, points), *(f"  {line}" for line in _of_curve(result))]
 
 
 def _of_curve(result: Analysis) -> Iterator[str]:
-    """Where contact is lost, what the numbers are worth, and what an exact solution says."""
     for name, point in result.pull_off.items():
         if isinstance(point, CriticalPoint):
-            between = "" if is_solved(result.curve, point) else " (interpolated)"
-            load = f"{show(point.P, 'load')} {_half_width(result, name)}{between}"
+            between = "" if is_solved(result.curve, point) else "; interpolated"
             yield (
-                f"pull-off, {name + ' control:':<22} P = {load:<22} delta = {show(point.delta, 'length'):<12} "
-                f"a = {show(point.a, 'length')}"
+                f"{name + ' control':<21} P = {show(point.P, 'load'):<11} delta = {show(point.delta, 'length'):<12} "
+                f"a = {show(point.a, 'length')}{between}"
             )
         elif result.w > 0:
-            yield f"pull-off, {name + ' control:':<22} not in the series (see the warning)"
+            yield f"{name + ' control':<21} not in the series (see the warning)"
     tabor = result.validity.tabor
     if not isinstance(tabor, Unknown):
         yield f"Tabor number {tabor:.3g}: {result.validity.regime}"
     yield from _comparison(result)
-    budget = result.budget
+    budget, slopes = result.budget, result.curve.slopes
     yield (
-        f"estimated error: {_estimate(budget.total)} "
-        f"(series {_estimate(budget.series)}, slopes {_estimate(budget.smoothing)}); "
+        f"curve: {accuracy(budget.total)} (series {_estimate(budget.series)}, slopes {_estimate(budget.smoothing)}); "
         f"between the rows up to {_estimate(result.curve.interpolation_error)} more"
     )
-
-
-def _half_width(result: Analysis, control: str) -> str:
-    """The 90 % half-width of the pull-off force, relative to it; the JSON file says why there is none."""
-    found, point = result.pull_off_errors[control], result.pull_off[control]
-    if isinstance(found, Unknown) or not isinstance(point, CriticalPoint) or point.P == 0:
-        return "± ?"
-    percent = 100 * found["P"] / abs(point.P)
-    return f"± {float(f'{percent:.2g}'):g} %"
+    yield (
+        f"series: {len(result.curve.series)} points kept, {result.dropped} dropped; "
+        f"slopes {slopes.method} ({slopes.reason})"
+    )
 
 
 def _comparison(result: Analysis) -> Iterator[str]:

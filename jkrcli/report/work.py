@@ -22,6 +22,7 @@ from ..data.text_table import some
 from ..identification.rate.through import LawThrough, law_along
 from ..identification.work import ABOVE, BELOW, NONE, OK, WorkAlong, typical
 from ..series import Solution
+from .output import SHOWN
 from .rate import through_summary, through_words
 from .result import Result
 
@@ -30,7 +31,6 @@ if TYPE_CHECKING:
 
 FORMAT, VERSION = "jkr-work", 1
 QUARTILES = (0.25, 0.5, 0.75)
-SHOWN = 10  # curves of a file that are told line by line
 MANY = 0.1  # of the rows: as many without a work of adhesion are said in a warning
 
 
@@ -61,7 +61,7 @@ class Work(Result):
         return summary(self.found, self.body, self.path, self.skipped) | {"rate_law": through_summary(self.law)}
 
     def words(self) -> list[str]:
-        lines = ["\n    ".join([words(item), *item.curve.flags]) for item in self.found[:SHOWN]]
+        lines = [line for item in self.found[:SHOWN] for line in words(item)]
         if len(self.found) > SHOWN:
             lines.append(f"  ... and {len(self.found) - SHOWN} more curves")
         return lines + ([] if self.law is None else [f"  {through_words(self.law)}"])
@@ -192,14 +192,14 @@ def body_warnings(body: Analysis) -> list[str]:
     return [*body.solution.warnings, *body.curve.slopes.flags, *check(body.validity)]
 
 
-def words(item: WorkAlong) -> str:
-    """One curve in one line."""
-    parts = [f"{item.curve.where}: {int(item.ok.sum())} of {len(item.curve)} rows"]
+def words(item: WorkAlong) -> list[str]:
+    """One curve: the work of adhesion along all rows, then of advancing and receding edges."""
+    parts = [f"{int(item.ok.sum())} of {len(item.curve)} rows: {item.curve.where}"]
     for name, held in curve_summary(item)["w"].items():
         if held is None:
             continue
         low, high = (show(value, "work") for value in held["quartiles_J_per_m2"])
         label = "w" if name == "all" else f"{name} w"
-        error = f" +- {show(held['err_J_per_m2'], 'work')}" if "err_by_noise_J_per_m2" in held else ""
+        error = f" ± {show(held['err_J_per_m2'], 'work')}" if "err_by_noise_J_per_m2" in held else ""
         parts.append(f"{label} = {show(held['median_J_per_m2'], 'work')}{error} (half of the rows: {low} to {high})")
-    return ", ".join(parts[:2]) + "".join(f"\n    {part}" for part in parts[2:])
+    return [", ".join([*parts[1:2], parts[0]]), *(f"    {part}" for part in (*parts[2:], *item.curve.flags))]

@@ -11,9 +11,9 @@ from stopwatch import takes_less_than
 
 from jkrcli.adhesion.between import Rows
 from jkrcli.adhesion.nonadhesive import Nonadhesive
+from jkrcli.adhesion.program import there_and_back
 from jkrcli.adhesion.rate.history import RateContact
 from jkrcli.adhesion.rate.laws import PowerRate
-from jkrcli.adhesion.rate.program import there_and_back
 from jkrcli.adhesion.slopes.choice import slopes
 from jkrcli.base.arrays import Array
 from jkrcli.bodies.indenters import Paraboloid, RoundedFlat

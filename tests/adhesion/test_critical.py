@@ -147,10 +147,11 @@ def test_the_summary_and_the_printed_line_hold_it(jkr, points: int, method: str)
     assert jkr("run", "x.toml", "--method", method).code == 0
     outcome = jkr("transform", "x.h5", "--w", "10 mJ/m^2", "--no-plots")
     assert outcome.code == 0, outcome.err
-    found = json.loads(Path("x-w0.01.json").read_text(encoding="utf-8"))["pull_off"]["load"]
-    assert 0 < found["P_err_N"] < 1e-4 * abs(found["P_N"])
-    percent = 100 * found["P_err_N"] / abs(found["P_N"])
-    assert f"± {float(f'{percent:.2g}'):g} % " in outcome.out
+    controls = json.loads(Path("x-w0.01.json").read_text(encoding="utf-8"))["pull_off"].values()
+    worst = max(found["P_err_N"] / abs(found["P_N"]) for found in controls if "P_err_N" in found)
+    assert 0 < worst < 1e-4
+    said = float(outcome.out.partition("pull-off: numerical error below ")[2].split()[0])
+    assert worst <= said < 10 * worst
 
 
 def test_smoothing_splines_are_measured_against_the_other_slopes(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -13,9 +13,9 @@ from stopwatch import takes_less_than
 
 from jkrcli.adhesion.curve import AdhesiveCurve
 from jkrcli.adhesion.nonadhesive import Nonadhesive
+from jkrcli.adhesion.program import Program, dwell, there_and_back
 from jkrcli.adhesion.rate.history import TUNING, History, RateContact
 from jkrcli.adhesion.rate.laws import RATE_LAWS, LogRate, PowerRate
-from jkrcli.adhesion.rate.program import Program, dwell, there_and_back
 from jkrcli.adhesion.slopes.choice import slopes
 from jkrcli.adhesion.stability import cycle
 from jkrcli.base.errors import InputError

@@ -57,7 +57,7 @@ def test_values_of_a_bonded_layer() -> None:
 
 
 @pytest.mark.first(1)
-@pytest.mark.parametrize("stiffness", [math.inf, 1.0, 0.0])
+@pytest.mark.parametrize("stiffness", [math.inf, 1.0, 0.05, 0.0])
 @pytest.mark.parametrize("body", [(None, SPHERE), (0.5, CONE)], ids=["half-space", "cone on a layer"])
 def test_the_unilateral_problem_stepped_through_time(stiffness: float, body: tuple[float | None, Indenter]) -> None:
     """A ramp, a slower one, a wait and the way back, of a body with two times."""
@@ -123,6 +123,16 @@ def test_a_stiff_spring_holds_the_depth() -> None:
     stiff, rigid = path(SOLID, *TRIANGLE, stiffness=1e7), path(SOLID, *TRIANGLE)
     np.testing.assert_allclose(stiff.states(rows)[2], rigid.states(rows)[2], atol=1e-6)  # 1.6e-7, that is P/k
     assert stiff.lost == pytest.approx(rigid.lost, abs=1e-6)
+
+
+def test_a_soft_spring_lets_go_as_a_load_does() -> None:
+    """With a vertical slope; steps joined by three find the same."""
+    fine, coarse = (Drive(depths(), SOLID.modes(2.0), 0.05, TRIANGLE[0], 10 * TRIANGLE[1], r) for r in (1.3, 1.3**3))
+    one, other = fine.path(), coarse.path()
+    assert one.lost == pytest.approx(1.97099976, abs=1e-8)
+    assert other.lost == pytest.approx(one.lost, abs=1e-8)  # 5e-10
+    t = np.append(np.linspace(0.1, 1.9, 7), 1.97)
+    np.testing.assert_allclose(other.states(t)[2], one.states(t)[2], rtol=0, atol=1e-6)
 
 
 def test_units_scale() -> None:

@@ -14,7 +14,7 @@ from scipy.optimize import brentq
 
 from jkrcli.adhesion.curve import AdhesiveCurve, CriticalPoint, transform
 from jkrcli.adhesion.device import position
-from jkrcli.adhesion.passage import grow, largest_stable, shrink
+from jkrcli.adhesion.path import QuasiStatic, grow, largest_stable, shrink
 from jkrcli.adhesion.slopes.choice import slopes
 from jkrcli.adhesion.slopes.result import Slopes
 from jkrcli.adhesion.stability import (
@@ -29,7 +29,6 @@ from jkrcli.adhesion.stability import (
     branch,
     control,
     cycle,
-    jumps,
 )
 from jkrcli.base.unknown import Unknown
 from jkrcli.bodies.indenters import Paraboloid
@@ -222,7 +221,7 @@ def test_a_thin_compressible_layer_is_not_lost_under_displacement_control() -> N
     assert "the displacement is lowest at the smallest radius of the series, a = 283.3 nm" in found.pull_off.reason
     assert found.energy_lost == found.separation == found.pull_off
     assert found.jump_in.delta == 0
-    assert shrink(thin("compressible"), RIGID, 1.7e-5).ends == "series"
+    assert shrink(QuasiStatic(thin("compressible"), thin("compressible"), RIGID), 1.7e-5).ends == "series"
 
 
 def test_a_series_that_ends_too_early_says_so() -> None:
@@ -230,8 +229,7 @@ def test_a_series_that_ends_too_early_says_so() -> None:
     for stiffness in (0.0, RIGID):
         found = behaviour(short, stiffness)
         assert found.jump_in == Unknown(
-            "contact at delta = 0 spreads beyond the largest radius of the series, a = 4e-06 m: the series would have "
-            "to reach a larger radius: increase [loading] radius"
+            "contact at delta = 0 spreads beyond the largest radius of the series, a = 4 um: increase [loading] radius"
         )
     assert behaviour(short, 0.0).critical == ()
     assert "the load is lowest at the largest radius of the series" in behaviour(short, 0.0).pull_off.reason
@@ -245,8 +243,7 @@ def test_a_series_that_begins_too_late_says_so() -> None:
     late = curve(Series(a, delta, P, 2 * E_STAR * a, np.full(30, 2 * E_STAR)))
     found = behaviour(late, RIGID)
     assert found.jump_in == Unknown(
-        "contact at delta = 0 settles below the smallest radius of the series, a = 9e-06 m: "
-        "the series would have to begin at a smaller radius"
+        "contact at delta = 0 settles below the smallest radius of the series, a = 9 um: begin at smaller radii"
     )
     assert isinstance(found.pull_off, Unknown)
 
@@ -295,10 +292,13 @@ def test_paths_are_the_envelope_of_the_device_position(body: str, stiffness: flo
     a = np.geomspace(ours.a[0], ours.a[-1], 4001)[1:-1]
     D = position(*ours.at(a), stiffness)
     lowest, highest = np.minimum.accumulate(D[::-1])[::-1], np.maximum.accumulate(np.maximum(D, 0))
-    back, forth = shrink(ours, stiffness, float(ours.a[-1])), grow(ours, stiffness)
+    back, forth = (
+        shrink(QuasiStatic(ours, ours, stiffness), float(ours.a[-1])),
+        grow(QuasiStatic(ours, ours, stiffness)),
+    )
     assert back.ends == "lost"
     for path, passed in ((back, lowest == D), (forth, (highest == D) & (D > 0))):
-        ends = np.array([end for stretch in path.stretches for end in (stretch.first, stretch.last)])
+        ends = np.array([end for stretch in path.stretches for end in (stretch.place, stretch.end)])
         clear = np.all(np.abs(np.log(a[:, None] / ends)) > np.log(a[1] / a[0]), axis=1)
         assert clear.sum() >= a.size - 2 * ends.size
         assert [path.holds(radius) for radius in a[clear]] == list(passed[clear])
@@ -316,18 +316,18 @@ def test_a_contact_pressed_together_is_not_lost_but_leaves_the_series() -> None:
         "below the smallest radius of the series, a = 8e-06 m, where some must remain: the series would have to begin "
         "at a smaller radius"
     )
-    path = shrink(ours, RIGID, float(ours.a[-1]))
+    path = shrink(QuasiStatic(ours, ours, RIGID), float(ours.a[-1]))
     assert (path.ends, path.last) == ("jump", lowest.a)
 
 
 def test_an_approach_with_jumps_lands_on_the_next_stable_branch() -> None:
     ours = BODIES["several landings in"]()
-    path = grow(ours, RIGID)
+    path = grow(QuasiStatic(ours, ours, RIGID))
     tops = [point.a for point in ours.critical(RIGID) if point.kind == "maximum"]
     assert len(path.stretches) == 4
-    assert [stretch.last for stretch in path.stretches[:-1]] == tops
+    assert [stretch.end for stretch in path.stretches[:-1]] == tops
     for before, after in zip(path.stretches, path.stretches[1:], strict=False):
-        deltas = [float(ours.at(np.array(a))[0]) for a in (before.last, after.first)]
+        deltas = [float(ours.at(np.array(a))[0]) for a in (before.end, after.place)]
         assert deltas[0] == pytest.approx(deltas[1], rel=1e-9)
     assert path.ends == "series"
 
@@ -351,10 +351,10 @@ def test_an_approach_that_jumps_out_of_the_series_ends_there() -> None:
     cut = Series(*(getattr(series, name)[keep] for name in ("a", "delta", "P")))
     slopes_cut = Slopes(whole.slopes.S[keep], whole.slopes.dS[keep], "exact", 0.0)
     ours = transform(cut, slopes_cut, 1.0)
-    path = grow(ours, RIGID)
+    path = grow(QuasiStatic(ours, ours, RIGID))
     assert path.ends == "jump"
     assert [point.a for point in ours.critical(RIGID) if point.kind == "maximum"] == [path.last]
-    assert jumps(path) == ()  # where it lands is not known
+    assert path.jumps == ()  # where it lands is not known
 
 
 def test_jumps_of_a_stiff_coating_dissipate() -> None:

@@ -38,9 +38,9 @@ def balance(found: Cycle) -> float:
         return 0.4 * P * delta - P * t + E_STAR * a * t**2 + here.P**2 / (2 * found.stiffness)
 
     into, out = found.begin.a, found.jumps_out[-1].start.a
-    w1, w2 = found.approach.curve.w, found.retraction.curve.w
-    jump_in = math.pi * w1 * into**2 - stored(found.approach.curve, into)
-    jump_out = stored(found.retraction.curve, out) - math.pi * w2 * out**2
+    w1, w2 = found.contact.advancing.w, found.contact.receding.w
+    jump_in = math.pi * w1 * into**2 - stored(found.contact.advancing, into)
+    jump_out = stored(found.contact.receding, out) - math.pi * w2 * out**2
     return math.pi * (w2 - w1) * found.turn**2 + jump_in + jump_out
 
 
@@ -138,7 +138,7 @@ def test_work_of_separation_from_the_zero_load_within_the_turn() -> None:
     found = cycle(soft, strong, 1e5, turn=1.2e-5)
     high, low = soft.point(1.2e-5), strong.point(1.2e-5)
     assert high.P > 0 > low.P
-    assert found.retraction.stretches[0].first == 1.2e-5
+    assert found.retraction.stretches[0].place == 1.2e-5
     columns = trace(found, 20_000)
     rows = (columns["phase"] == "turn") | (columns["phase"] == "retraction")
     D, P = columns["device_m"][rows], np.minimum(columns["P_N"][rows], 0)
@@ -215,7 +215,7 @@ def test_turns_that_are_not_passed_are_refused_with_the_range() -> None:
         "cycle: the turn at delta = 5 um is not passed on approach, which in this series goes from 0 m to 2.037 um"
     )
     assert refused(lambda: turning_radius(half_space(50.0, last=4e-6), RIGID, load=1.0)).startswith(
-        "cycle: contact at delta = 0 spreads beyond the largest radius of the series, a = 4e-06 m"
+        "cycle: contact at delta = 0 spreads beyond the largest radius of the series, a = 4 um"
     )
 
 
@@ -236,7 +236,7 @@ def test_no_cycle_where_first_contact_lies_outside_the_series() -> None:
     late = half_space(50.0, first=9e-6)
     found = cycle(late, late, RIGID)
     assert isinstance(found, Unknown)
-    assert "settles below the smallest radius of the series, a = 9e-06 m" in found.reason
+    assert "settles below the smallest radius of the series, a = 9 um" in found.reason
 
 
 @pytest.mark.parametrize(("length", "force"), [(1e6, 1.0), (1e-3, 1e7)])

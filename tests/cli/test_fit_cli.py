@@ -43,9 +43,13 @@ def test_a_case_and_a_curve_give_table_summary_archive_and_picture(jkr, folder: 
     outcome = jkr("fit", "sphere.toml", "probe.csv")
     assert outcome.code == 0
     lines = outcome.out.splitlines()
-    assert lines[0] == "probe.csv: 200 rows of delta, P"
-    assert lines[1].startswith("  w            99.799 mJ/m^2  ± ")
-    assert lines[-1] == "written sphere-fit{.csv,.json,.h5}, 1 picture"
+    assert lines[0].startswith(
+        "E* = 1 MPa ± 0.0017 (statistical) ± 0.018 (model), w = 99.8 mJ/m^2 ± 0.25 (statistical)"
+    )
+    assert lines[1].startswith("  range        the data allow up to ")
+    assert lines[2] == "  probe.csv: 200 rows of delta, P"
+    assert lines[3].startswith("  w            99.799 mJ/m^2  ± ")
+    assert lines[-1] == "  written sphere-fit{.csv,.json,.h5}, 1 picture"
     assert outcome.err.startswith("jkr: warning: probe.csv: a/R = 0.68")
     assert len(outcome.err.splitlines()) == 1
     assert sorted(path.name for path in folder.glob("sphere-fit*")) == [

@@ -6,6 +6,7 @@ import importlib
 import importlib.util
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -21,6 +22,7 @@ from jkrcli.cli import doctor as doctor_part
 from jkrcli.cli import jkr as root
 from jkrcli.cli.study import STUDIES
 from jkrcli.cli.verb import GROUPS as OPTIONS
+from jkrcli.cli.voice import TUNING
 
 BIN = Path(sys.executable).parent
 
@@ -56,6 +58,20 @@ def test_every_option_says_what_it_does() -> None:
         for parameter in command.params:
             if isinstance(parameter, click.Option):
                 assert parameter.help, f"jkr {verb} {parameter.opts[0]}"
+
+
+@pytest.mark.parametrize("words", [(), *((verb,) for verb in VERBS), *(("study", name) for name in STUDIES)])
+def test_help_fits_two_screens(jkr: Callable, monkeypatch: pytest.MonkeyPatch, words: tuple[str, ...]) -> None:
+    """Two screens of 40 lines and 80 columns; all options of a longer one by --help-all."""
+    monkeypatch.setenv("COLUMNS", "80")
+    lines = jkr(*words, "--help").out.splitlines()
+    assert len(lines) <= TUNING.help
+    assert [line for line in lines if len(line) > 80] == []
+    if any("--help-all" in line for line in lines):
+        named = set(re.findall(r"--[a-zA-Z-]+", "\n".join(lines)))
+        whole = jkr(*words, "--help-all").out
+        assert named - {"--help-all"} <= set(re.findall(r"--[a-zA-Z-]+", whole))
+        assert len(whole.splitlines()) > TUNING.help
 
 
 @pytest.mark.parametrize("verb", VERBS)

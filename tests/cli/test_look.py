@@ -30,7 +30,8 @@ def table(tmp_path: Path) -> Path:
 def test_a_table_is_told_and_drawn(jkr: Callable[..., Outcome], table: Path) -> None:
     done = jkr("look", str(table), "--stiffness", "0.05 N/m")
     assert done.code == 0
-    assert done.out.startswith(f"{table}: 2100 rows of displacement, load, time; approach 100")
+    assert done.out.startswith("adhesion force 2.38 nN, largest load 9.43 nN: ")
+    assert done.out.splitlines()[1].startswith("  2100 rows of displacement, load, time; approach 100")
     assert ", pause " in done.out
     assert "no jump into contact" in done.out
     assert "by one jump at -" in done.out
@@ -57,7 +58,7 @@ def test_no_base_line_leaves_nothing_that_is_told_over_it(jkr: Callable[..., Out
     words = "no straight base line: where contact"
     assert f"approach  {words} begins and the largest load are unknown" in done.out
     assert f"retract   {words} ends and the adhesion force are unknown" in done.out
-    assert done.out.count("base line") == 3  # that there is none, of each direction and of the record
+    assert done.out.count("base line") == 4  # that there is none: the verdict, of each direction and of the record
     told = json.loads(jkr("look", str(path), "--json", "--no-plots").out)["files"][0]["curves"][0]["retract"]
     assert told["base_line"] is None
     assert told["touch_m"] is None

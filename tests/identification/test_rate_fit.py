@@ -12,8 +12,8 @@ from rate_records import retraction
 from stopwatch import takes_less_than
 
 from jkrcli.adhesion.nonadhesive import Nonadhesive
+from jkrcli.adhesion.program import Program
 from jkrcli.adhesion.rate.laws import PowerRate
-from jkrcli.adhesion.rate.program import Program
 from jkrcli.adhesion.slopes.choice import slopes
 from jkrcli.base.errors import InputError
 from jkrcli.bodies.indenters import Paraboloid

@@ -49,6 +49,12 @@ AXIS = '[[axes]]\nkey = "specimen.half_space.nu"\nvalues = [0.1, 0.3, 0.5]\n'
 R = 1e-3
 
 
+@pytest.fixture(autouse=True)
+def _no_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
+    """They are drawn in test_sweep_figure.py: each takes longer than the sweeps here."""
+    monkeypatch.setattr("jkrcli.cli.sweep._draw", lambda *_: False)
+
+
 def axis(key: str, rest: str) -> str:
     """An axis of a sweep file."""
     return f'[[axes]]\nkey = "{key}"\n{rest}\n'

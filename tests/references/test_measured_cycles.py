@@ -61,14 +61,14 @@ def cycled(solution: Solution, k: float, works: tuple[float, float], turn: dict[
 
 
 def last_stable(found: Cycle) -> tuple[float, float, float]:
-    point = found.retraction.curve.point(found.retraction.last)
+    point = found.contact.receding.point(found.retraction.last)
     return point.a, float(position(point.delta, point.P, found.stiffness)), point.P
 
 
 @pytest.mark.parametrize(("k", "w_in", "w_out", "where", "turn", "rest", "last"), HALF_SPACE)
 def test_half_space(k, w_in, w_out, where, turn, rest, last) -> None:
     found = cycled(half_space(), k, (w_in, w_out), where)
-    first, end = (path.curve.point(found.turn) for path in (found.approach, found.retraction))
+    first, end = (curve.point(found.turn) for curve in (found.contact.advancing, found.contact.receding))
     assert (first.a, first.P) == pytest.approx(turn, abs=1e-9)
     assert (end.delta, end.P) == pytest.approx(rest or (first.delta, first.P), abs=1e-9)
     assert last_stable(found) == pytest.approx(last, abs=1e-8)
@@ -77,7 +77,7 @@ def test_half_space(k, w_in, w_out, where, turn, rest, last) -> None:
 @pytest.mark.parametrize(("k", "last"), LAYER)
 def test_incompressible_layer(k, last) -> None:
     found = cycled(layer(), k, (0.001, 0.005), {"depth": 0.246339984878})
-    first, end = (path.curve.point(found.turn) for path in (found.approach, found.retraction))
+    first, end = (curve.point(found.turn) for curve in (found.contact.advancing, found.contact.receding))
     assert (first.a, first.delta, first.P) == pytest.approx((2.5, *TURN), abs=1e-7)
     assert (end.delta, end.P) == pytest.approx(REST, abs=1e-7)
     assert last_stable(found) == pytest.approx(last, abs=1e-7)

@@ -181,10 +181,10 @@ def test_an_archive_of_a_later_release_is_refused(jkr, archives: dict[str, Path]
 
 
 def test_archives_are_told(jkr, archives: dict[str, Path]) -> None:
-    fits, table = jkr("show", *archives.values()).out.split("\n" + str(archives["table"]))
-    assert fits.startswith(f"{archives['fits']}: fits of 1 curves to s.toml (format jkr-fit 2, ")
+    fits, table = jkr("show", *archives.values(), "-v").out.split("\n8 cases of a sweep: ")
+    assert fits.startswith(f"1 curves fitted to s.toml: {archives['fits']} (format jkr-fit 2, ")
     assert "  probe.csv, probe: fitted" in fits
-    assert table.startswith(": a sweep of 8 cases (format jkr-sweep-table 2, ")
+    assert table.startswith(f"{archives['table']} (format jkr-sweep-table 2, ")
     assert "  status                                   failed, ok" in table
     told = json.loads(jkr("show", "--json", *archives.values()).out)["files"]
     assert told[0]["curves"] == json.loads(Path("s-fit.json").read_text())["curves"]

@@ -89,7 +89,7 @@ def test_the_page_is_whole(jkr: Callable, gel: Path) -> None:
     outcome = jkr("explore", "gel.h5", "--w", "40 mJ/m^2")
     assert (outcome.code, outcome.err) == (0, "")
     page = gel.with_name("gel-explore.html")
-    assert outcome.out.splitlines()[0] == "gel.h5: 100 points"
+    assert outcome.out.splitlines()[0] == "100 points: gel.h5"
     assert page.stat().st_size < 6e6
     assert is_ours(page)
     text = page.read_text()
@@ -114,7 +114,7 @@ def test_measured_curves_are_overlaid(jkr: Callable, gel: Path) -> None:
     Path("one.csv").write_text("delta_m,P_N\n1e-6,2e-4\n2e-6,3e-4\n3e-6,5e-4\n4e-6,7e-4\n5e-6,9e-4\n")
     outcome = jkr("explore", "gel.h5", "one.csv")
     assert (outcome.code, outcome.err) == (0, "")
-    assert outcome.out.splitlines()[0] == "gel.h5: 100 points, 5 measured points in 1 curves"
+    assert outcome.out.splitlines()[0] == "100 points, 5 measured points in 1 curves: gel.h5"
     (curve,) = content(gel.with_name("gel-explore.html"))["measured"]
     assert (curve["delta"], curve["P"], curve["a"]) == (
         [1e-6, 2e-6, 3e-6, 4e-6, 5e-6],

@@ -321,3 +321,12 @@ def test_matplotlib_keeps_its_own_words_but_in_the_program(begun: bool) -> None:
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.split() == [str(not begun), "True"]
+
+
+def test_phases_of_a_history_are_drawn_apart_and_without_gaps() -> None:
+    """A first row out of contact once gave its colour to all of the approach."""
+    from jkrcli.report.plots.rate import _runs
+
+    phases = np.array(["free", "advance", "advance", "rest", "recede", "recede"])
+    held = list(_runs({"phase": phases, "part": np.array([1, 1, 1, 2, 3, 3])}))
+    assert held == [("free", slice(0, 2)), ("advance", slice(1, 3)), ("rest", slice(3, 4)), ("recede", slice(4, 6))]

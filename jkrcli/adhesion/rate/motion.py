@@ -13,7 +13,7 @@ import itertools
 import math
 import warnings
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -23,10 +23,11 @@ from scipy.optimize import brentq
 
 from ...base.arrays import Array
 from ...base.errors import SolveError
-from ..device import LOAD_CONTROL
-from .edge import Edge
+from ..device import LOAD_CONTROL, position
+from ..edge import Edge
+from ..path import ADVANCE, RECEDE, AtOnce, Follow, Now, Piece
+from ..program import Ramp
 from .laws import RateLaw
-from .program import Ramp
 
 
 @dataclass(frozen=True)
@@ -39,6 +40,8 @@ class MotionTuning:
     fastest: float = 1e200  # theory: in radii per T: a speed beyond numbers, its square must not overflow
     longest: float = 1e15  # theory: of s; beyond it the round-off of a double is longer than a step
     instant: float = 1e-6  # choice: of a motion's time, at its end: contact runs away, which inertia would delay
+    # theory: distances to a fold, over the first, at which a slow edge is looked at; D rises by the square of the last
+    nearer: Array = field(default_factory=lambda: np.geomspace(1, 1e-6, 200))
     newton: int = 8  # choice: guard; two steps bring s of a given time to round-off
 
 
@@ -63,12 +66,11 @@ class Driven:
 
 
 @dataclass(frozen=True, eq=False)
-class Motion:
+class Motion(Piece):
     """The path of the edge from one state until it rests, leaves the series or the ramp ends.
 
     ``path``: of s gives t/T from the ramp's begin on, log a, the works [J] of device and edge over ``energy``, and the
-    excess G/w - 1; ``nodes``: the s of the integrator's steps; ``ends``: "ramp", "rest", "first" or "last" radius of
-    the series.
+    excess G/w - 1; ``nodes``: the s of the integrator's steps; ``ends``: "ramp", "rest", "lost" or "series".
     """
 
     edge: Edge
@@ -79,10 +81,11 @@ class Motion:
     path: Callable[[Array], Array]
     nodes: Array
     ends: str
+    lands = None
 
     @property
     def phase(self) -> str:
-        return "recede" if self.driven.receding else "advance"
+        return RECEDE if self.driven.receding else ADVANCE
 
     @cached_property
     def steps(self) -> Array:
@@ -124,7 +127,7 @@ class Motion:
     def _told(self) -> float:
         """The s up to which states are told."""
         tau, end = self.steps[0], float(self.nodes[-1])
-        if self.ends != "first":
+        if self.ends != "lost":
             return end
         until = tau[-1] - TUNING.instant * (tau[-1] - tau[0])
         i = min(int(np.searchsorted(tau, until)), tau.size - 1)
@@ -151,33 +154,78 @@ class Motion:
             return self.last if self.ramp.rate < 0 else self.first
 
         def slope(s: float) -> float:
-            t, a = self._states(np.array([s]))
-            return float(self._load_rate(t, a)[0])
+            return float(self._load_rate(np.array([s]))[0])
 
-        t, a = self._states(self.nodes)
-        signs = np.sign(self._load_rate(t, a))
+        signs = np.sign(self._load_rate(self.nodes))
         inner = [brentq(slope, self.nodes[i], self.nodes[i + 1], xtol=1e-12, rtol=1e-12)
                  for i in np.flatnonzero((signs[:-1] < 0) & (signs[1:] > 0))]  # fmt: skip
         times, radii = self._states(np.array([self.nodes[0], *inner, self.nodes[-1]]))
         i = int(np.argmin(self.edge.state(radii, self.ramp.at(times)).P))
         return float(times[i]), float(radii[i])
 
-    def _load_rate(self, t: Array, a: Array) -> Array:
-        """(1 + S/k) dP/dt [N/s] = S dx/dt - S' L da/dt."""
+    def _load_rate(self, s: Array) -> Array:
+        """(1 + S/k) dP/dt [N/s] = S dx/dt - S' L da/dt; of a receding edge by the excess that was followed, which has
+        less round-off than the state's."""
+        t, a = self._states(s)
         here, state = self.edge.body.parts(a), self.edge.state(a, self.ramp.at(t))
-        return here.S * self.ramp.rate - here.dS * state.lag * self._speed(t, a)
+        excess = self.path(s)[4] if self.driven.receding else state.G / self.driven.w - 1
+        return here.S * self.ramp.rate - here.dS * state.lag * self._moving(excess)
 
     def _speed(self, t: Array, a: Array) -> Array:
         return self.speeds(a, self.edge.state(a, self.ramp.at(t)).G)
 
     def speeds(self, a: Array, G: Array) -> Array:
         """da/dt [m/s] at energy release rates ``G`` [J/m^2]."""
-        return np.array([_bounded(self.driven, e, TUNING.fastest) for e in (G / self.driven.w - 1).tolist()])
+        return self._moving(G / self.driven.w - 1)
+
+    def _moving(self, excess: Array) -> Array:
+        return np.array([_bounded(self.driven, e, TUNING.fastest) for e in excess.tolist()])
 
     def _states(self, s: Array) -> tuple[Array, Array]:
         tau, u, *_ = self.path(s)
         ends = self.edge.body.a[[0, -1]]
         return self.ramp.t + self.unit * tau, np.clip(np.exp(u), *ends)
+
+
+@dataclass(frozen=True, eq=False)
+class ByLaw:
+    """An edge that moves by a law of its speed as ``driven``, in a device of ``stiffness`` of the ``edge``: infinitely
+    slowly in ``equilibrium``, from which it is told apart where the law's excess of w is more than ``slow``."""
+
+    edge: Edge
+    driven: Driven
+    equilibrium: AtOnce
+    tolerance: float
+    evaluations: int
+    slow: float
+
+    @property
+    def begins(self) -> float:
+        return float(self.edge.body.a[0])
+
+    def move(self, ramp: Ramp, now: Now) -> Motion | Follow:
+        slowly = self._slowly(ramp, now)
+        if slowly is not None:
+            return slowly
+        return move(self.edge, ramp, self.driven, now.t, now.place, self.tolerance, self.evaluations)
+
+    def _slowly(self, ramp: Ramp, now: Now) -> Follow | None:
+        """How far the edge is in equilibrium; None: not at all."""
+        rule, a = self.equilibrium, now.place
+        if not (self.slow and ramp.rate and rule.stands(now)):
+            return None
+        if self._excess(ramp, np.array([a]))[0] > self.slow:
+            return None
+        whole = rule.along(ramp, a)
+        near = whole.end + (a - whole.end) * TUNING.nearer
+        fast = np.flatnonzero(self._excess(ramp, near) > self.slow)
+        return whole if not fast.size else replace(whole, end=float(near[fast[0]]), ends="fast", lands=None)
+
+    def _excess(self, ramp: Ramp, a: Array) -> Array:
+        """The excess of w over that at rest, at the speed of an edge in equilibrium at the radii ``a`` [m]."""
+        rises = position(*self.equilibrium.curve.rates(a), self.edge.stiffness)
+        v = np.divide(abs(ramp.rate), rises, out=np.full_like(a, np.inf), where=rises > 0)
+        return np.asarray(self.driven.law.work(self.driven.w, v) / self.driven.w - 1)
 
 
 def move(edge: Edge, ramp: Ramp, driven: Driven, t: float, a: float, tolerance: float, most: int) -> Motion:
@@ -199,7 +247,8 @@ def move(edge: Edge, ramp: Ramp, driven: Driven, t: float, a: float, tolerance: 
             raise _unfollowed(a) from None
     if found.status != 1:
         raise _unfollowed(math.exp(found.y[1, -1]))
-    names = ("ramp", "first" if driven.receding else "last", "rest")
+    pressed = ramp.at(ramp.t + unit * found.y[0, -1]) > 0  # a smaller contact outside the data remains
+    names = ("ramp", "lost" if driven.receding and not pressed else "series", "rest")
     ends = next(name for name, times in zip(names, found.t_events, strict=False) if len(times))
     return Motion(edge, ramp, driven, unit, energy, found.sol, found.t, ends)
 

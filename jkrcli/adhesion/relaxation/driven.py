@@ -1,7 +1,7 @@
 """A contact that relaxes in a device that does not hold its depth: a spring, or a load.
 
 position(delta, P) = x(t), with P and delta bound by the same sums as at a given depth, is an integral equation for
-delta(t); it is solved by collocation from step to step, steps growing after each corner of the program.
+delta(t); it is solved by collocation, in many steps at once, which grow after each corner of the program.
 """
 
 from __future__ import annotations
@@ -9,10 +9,10 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
-from numpy.polynomial import Polynomial
 
 from ...base.arrays import Array
 from ...base.cubic import zeros_between
@@ -34,9 +34,12 @@ class DrivenTuning:
     """Steps in time, and how they are solved."""
 
     first: float = 1e-9  # choice: of a piece of the program, the first step after its corner
-    ratio: float = 1.3  # choice: of times after a corner from step to step; leaves 1e-9
+    ratio: float = 1.3  # choice: of parts after a corner from step to step; leaves 1e-9
+    last: float = 1e-5  # choice: the same of the step in which contact is lost, of which it may be a power 2/3
+    together: int = 24  # choice: steps solved at once; no result depends on it
     newton: int = 60  # choice: guard
     converged: float = 1e-7  # theory: relative, of what Newton's last step is the square root
+    rounding: float = 1e-13  # theory: of what the device holds, about the round-off of what follows from it
     falls: float = 1e-10  # theory: of the depth, what is no round-off
     ends: float = 1e-9  # choice: of the last step of growth or of contact, by which its end may be missed
     cuts: int = 30  # choice: guard, of the same step
@@ -46,14 +49,19 @@ class DrivenTuning:
 TUNING = DrivenTuning()
 
 
-class Step(NamedTuple):
-    """A solved step: its ``end`` [s]; at its places, from its begin on, ``depth`` of the tip and ``contact``, the depth
-    [m] at which the contact grew through its radius, and ``load`` P_H [N] while it grows."""
+class Run(NamedTuple):
+    """Solved steps: their ``ends`` (n,) [s], equal in a jump; at their places (n, 7), from the begin on, ``depth`` of
+    the tip and ``contact``, the depth [m] at which the contact grew through its radius, and ``load`` P_H [N] while it
+    grows."""
 
-    end: float
+    ends: Array
     depth: Array
     contact: Array
     load: Array
+
+    def first(self, count: int) -> Run:
+        """The first steps."""
+        return Run(*(column[:count] for column in self))
 
 
 class Now(NamedTuple):
@@ -67,33 +75,58 @@ class Now(NamedTuple):
     of_load: Array
 
 
-Solver: TypeAlias = Callable[[Now, float, Array], tuple[Step, Polynomial]]
+class Held(NamedTuple):
+    """Steps in a piece of a program: lengths ``h`` (n,) [s], and what the device holds at their inner places (6 n,)."""
+
+    h: Array
+    x: Array
+
+
+# Steps, and polynomials (n, 7) of their fractions that are positive up to the end of what happens; None: not found
+Solver: TypeAlias = Callable[[Now, Held], "tuple[Run, Array] | None"]
 
 
 @dataclass(frozen=True, eq=False)
 class Kernel:
-    """int r(t - s) dq(s) at the inner places of a step of ``h`` [s]: ``seen`` of what is remembered, (places, m), and
-    ``matrix`` times the values of q at all places."""
+    """int r(t - s) dq(s) at the inner places of steps of ``h`` (n,) [s], one after the other: ``seen`` of what is
+    remembered at their begin, and ``matrix`` times q there and at all these places."""
 
     modes: Modes
-    h: float
+    h: Array
+
+    @cached_property
+    def since(self) -> Array:
+        """Times [s] since the begin (6 n,)."""
+        return (np.cumsum(self.h)[:, None] - np.multiply.outer(self.h, 1 - INNER)).ravel()
+
+    @cached_property
+    def gains(self) -> Array:
+        """What is remembered at the end of each step of the values at its places, (n, m, 7)."""
+        found = moments(np.multiply.outer(self.h, self.modes.rates), DEGREE)
+        return np.asarray(np.stack([0 * found[0], *((j + 1) * x for j, x in enumerate(found))], -1) @ POWERS.T)
 
     def seen(self, memory: Array) -> Array:
-        return np.exp(-np.multiply.outer(INNER * self.h, self.modes.rates)) @ (self.modes.weights * memory)
+        return np.exp(-np.multiply.outer(self.since, self.modes.rates)) @ (self.modes.weights * memory)
 
-    @property
+    @cached_property
     def matrix(self) -> Array:
-        found = moments(np.multiply.outer(INNER * self.h, self.modes.rates), DEGREE)
-        memory = [(j + 1) * moment @ self.modes.weights for j, moment in enumerate(found)]
-        powers = INNER[:, None] ** np.arange(DEGREE + 1)
-        return np.asarray((self.modes.relaxed + np.stack([np.zeros(DEGREE), *memory], 1)) * powers) @ POWERS.T
+        modes, n = self.modes, self.h.size
+        found = moments(np.multiply.outer(np.multiply.outer(self.h, INNER), modes.rates), DEGREE)
+        own = np.stack([0 * self.since.reshape(n, -1), *((j + 1) * x @ modes.weights for j, x in enumerate(found))], -1)
+        own = (own * INNER[:, None] ** np.arange(DEGREE + 1)) @ POWERS.T
+        whole = np.eye(n * DEGREE, n * DEGREE + 1, 1) * modes.relaxed
+        for k, end in enumerate(np.cumsum(self.h)):
+            rows, columns = DEGREE * k, slice(DEGREE * k, DEGREE * (k + 1) + 1)
+            whole[rows : rows + DEGREE, columns] += own[k]
+            later = np.exp(-np.multiply.outer(self.since[rows + DEGREE :] - end, modes.rates))
+            whole[rows + DEGREE :, columns] += (later * modes.weights) @ self.gains[k]
+        return whole
 
     def after(self, memory: Array, values: Array) -> Array:
-        """What is remembered at the end."""
-        x = self.h * self.modes.rates
-        p = values @ POWERS
-        gained = sum((j + 1) * p[j + 1] * moment for j, moment in enumerate(moments(x, DEGREE)))
-        return np.asarray(np.exp(-x) * memory + gained)
+        """What is remembered at the end of as many steps as there are ``values`` (k, 7) of."""
+        for x, gain, row in zip(np.multiply.outer(self.h, self.modes.rates), self.gains, values, strict=False):
+            memory = np.exp(-x) * memory + gain @ row
+        return memory
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,141 +144,179 @@ class Drive:
 
     def path(self) -> RelaxedPath:
         """What happens."""
-        steps, now, i, turned = self._growth(math.inf)
+        runs, now, i, turned = self._growth(math.inf)
         grown, lost = (
-            RelaxedPath(self.depths, self._steps(steps, "depth"), self._steps(steps, "load"), grows=self.grows),
+            RelaxedPath(self.depths, self._steps(runs, "depth"), self._steps(runs, "load"), grows=self.grows),
             False,
         )
         while turned and not lost and i < self.t.size - 1:
-            lost, now = self._piece(steps, now, i, Falling(self, grown).step)
+            lost, now = self._piece(runs, now, i, Falling(self, grown).steps, self._to_end(TUNING.last))
             i += 1
         lost |= turned and self.stiffness == LOAD_CONTROL and self.x[-1] == 0
-        return replace(grown, depth=self._steps(steps, "depth"), lost=now.t if lost else math.inf)
+        return replace(grown, depth=self._steps(runs, "depth"), lost=now.t if lost else math.inf)
 
     def grown(self, deepest: float) -> RelaxedPath | None:
         """The growth of the contact up to the depth ``deepest`` [m]; None where it ends before."""
-        steps, now, _, turned = self._growth(deepest)
+        runs, now, _, turned = self._growth(deepest)
         if not turned or now.depth < deepest * (1 - PATH.grows):
             return None
-        return RelaxedPath(self.depths, self._steps(steps, "depth"), self._steps(steps, "load"))
+        return RelaxedPath(self.depths, self._steps(runs, "depth"), self._steps(runs, "load"))
 
-    def _growth(self, deepest: float) -> tuple[list[Step], Now, int, bool]:
+    def _growth(self, deepest: float) -> tuple[list[Run], Now, int, bool]:
         """The steps up to where the contact stops to grow or comes to the depth ``deepest`` [m], the state there, the
         piece of the program, and whether it came to that before the end."""
         none = np.zeros(self.modes.rates.size)
-        steps, now = list[Step](), Now(float(self.t[0]), 0.0, 0.0, 0.0, none, none)
+        runs, now = list[Run](), Now(float(self.t[0]), 0.0, 0.0, 0.0, none, none)
 
-        def solved(now: Now, end: float, x: Array) -> tuple[Step, Polynomial]:
-            step, left = self._grown(now, end, x)
-            return step, Polynomial((deepest - step.depth) @ POWERS) if step.depth[-1] > deepest else left
+        def solver(now: Now, held: Held) -> tuple[Run, Array] | None:
+            run = self._grown(now, held)
+            if run is None:
+                return None
+            left = self._rising(run.depth)
+            beyond = run.depth[:, -1] > deepest
+            left[beyond] = (deepest - run.depth[beyond]) @ POWERS
+            return run, left
 
         for i in range(self.t.size - 1):
-            turned, now = self._piece(steps, now, i, solved)
+            turned, now = self._piece(runs, now, i, solver, np.ones(1))
             if turned:
-                return steps, now, i, True
-        return steps, now, self.t.size - 1, False
+                return runs, now, i, True
+        return runs, now, self.t.size - 1, False
 
-    def _steps(self, steps: list[Step], name: str) -> Steps:
-        t = np.array([self.t[0], *(step.end for step in steps)])
-        return Steps(self.modes, t, np.stack([getattr(step, name) for step in steps]) @ POWERS)
+    def _steps(self, runs: list[Run], name: str) -> Steps:
+        t = np.concatenate([self.t[:1], *(run.ends for run in runs)])
+        return Steps(self.modes, t, np.concatenate([getattr(run, name) for run in runs]) @ POWERS)
 
-    def _piece(self, steps: list[Step], now: Now, i: int, solved: Solver) -> tuple[bool, Now]:
+    def _piece(self, runs: list[Run], now: Now, i: int, solver: Solver, last: Array) -> tuple[bool, Now]:
         """Add the steps through the piece ``i`` of the program, or up to where the contact turns or is lost; whether it
-        does, and the state there."""
-        for whole in self._ends(now.t, i):
-            end = float(whole)
-            step, left = solved(now, end, self._held(i, now.t, end))
-            part = _first_fall(left)
-            ends = part < 1
-            for _ in range(TUNING.cuts):
-                if part == 0 or end == now.t or abs(part - 1) < TUNING.ends:
-                    break
-                end = now.t + part * (end - now.t)
-                step, left = solved(now, end, self._held(i, now.t, end))
-                part = _zero_near_end(left)
-            if not ends or end < whole:
-                steps.append(step)
-                now = self._after(now, step)
-            if ends:
-                return True, now
+        does, and the state there. ``last``: ends of the steps, parts, in which the one is solved where it does."""
+        lasts, count = self.t[i + 1] - self.t[i], TUNING.together
+        begin = float((now.t - self.t[i]) / lasts) if lasts > 0 else 0.0
+        ends = self._ends(begin, i)
+        while ends.size:
+            solved = solver(now, self._held(i, begin, ends[:count]))
+            if solved is None:
+                if count == 1:
+                    raise SolveError(f"relaxation: the contact at t = {now.t:g} s is not found")
+                count = max(min(count, ends.size) // 2, 1)
+                continue
+            whole, part = _first_fall(solved[1])
+            now = self._add(runs, now, solved[0].first(whole))
+            if whole < len(solved[1]):
+                begin = float(ends[whole - 1]) if whole else begin
+                return True, self._last(runs, now, i, begin, part * float(ends[whole] - begin), last, solver)
+            begin, ends = float(ends[whole - 1]), ends[whole:]
         return False, now
 
-    def _after(self, now: Now, step: Step) -> Now:
-        kernel = Kernel(self.modes, step.end - now.t)
-        memories = kernel.after(now.of_depth, step.depth), kernel.after(now.of_load, step.load)
-        return Now(step.end, float(step.depth[-1]), float(step.contact[-1]), float(step.load[-1]), *memories)
+    def _last(self, runs: list[Run], now: Now, i: int, begin: float, part: float, last: Array, solver: Solver) -> Now:
+        """Add steps up to where the contact turns or is lost, about ``part`` beyond the part ``begin`` of piece
+        ``i``."""
+        run = None
+        for _ in range(TUNING.cuts if part > 0 else 0):
+            held = self._held(i, begin, begin + part * last)
+            if (solved := solver(now, held)) is None:
+                raise SolveError(f"relaxation: the contact at t = {now.t:g} s is not found")
+            run, left = solved
+            beyond = _beyond(left[-1]) * np.diff(last, prepend=0.0)[-1]  # in parts of all steps
+            part *= 1 + min(max(beyond, 1 / TUNING.far - 1), TUNING.far - 1)
+            if abs(beyond) < TUNING.ends:
+                break
+        return now if run is None else self._add(runs, now, run)
 
-    def _ends(self, t: float, i: int) -> Array:
-        """Ends of the steps from the time ``t`` [s] on to the end of piece ``i``, closer to each other at first, and
+    def _from_begin(self, first: float) -> Array:
+        """Ends of steps, parts of all of them, close to each other at the begin."""
+        return self.ratio ** -np.arange(math.ceil(math.log(1 / first) / math.log(self.ratio)), -1.0, -1)
+
+    def _to_end(self, last: float) -> Array:
+        """The same, close to each other at the end."""
+        return np.append(1 - self._from_begin(last)[-2::-1], 1.0)
+
+    def _add(self, runs: list[Run], now: Now, run: Run) -> Now:
+        """The state after the steps of ``run``, which are added."""
+        if not run.ends.size:
+            return now
+        runs.append(run)
+        kernel = Kernel(self.modes, np.diff(run.ends, prepend=now.t))
+        t, depth, contact, load = (float(column.flat[-1]) for column in run)
+        of_depth, of_load = (kernel.after(*pair) for pair in ((now.of_depth, run.depth), (now.of_load, run.load)))
+        return Now(t, depth, contact, load, of_depth, of_load)
+
+    def _ends(self, begin: float, i: int) -> Array:
+        """Ends of the steps from the part ``begin`` of piece ``i`` on, parts of it, closer to each other at first, and
         where a load comes to 0: the contact does as its power 2/3."""
-        left = self.t[i + 1] - t
-        if left <= 0:
-            return self.t[i + 1 : i + 2]
-        parts = self.ratio ** -np.arange(math.ceil(math.log(1 / TUNING.first) / math.log(self.ratio)), -1.0, -1)
+        parts = self._from_begin(TUNING.first)
         if self.stiffness == LOAD_CONTROL and self.x[i + 1] == 0:
-            parts = np.concatenate([parts / 2, 1 - parts[-2::-1] / 2, [1.0]])
-        return np.asarray(t + left * parts)
+            parts = np.concatenate([parts / 2, (1 + self._to_end(TUNING.first)) / 2])
+        return np.asarray(begin + (1 - begin) * parts if begin < 1 else parts[:0])
 
-    def _held(self, i: int, t: float, end: float) -> Array:
-        """What the device holds at the inner places of a step."""
-        lasts = self.t[i + 1] - self.t[i]
-        first, last = ((time - self.t[i]) / lasts for time in (t, end)) if lasts > 0 else (0.0, 1.0)
-        return np.asarray(self.x[i] + (self.x[i + 1] - self.x[i]) * (first + (last - first) * INNER))
+    def _held(self, i: int, begin: float, ends: Array) -> Held:
+        """Steps from the part ``begin`` of piece ``i`` to ``ends``."""
+        h = np.diff(ends, prepend=begin)
+        inner = (ends[:, None] - np.multiply.outer(h, 1 - INNER)).ravel()
+        return Held(h * (self.t[i + 1] - self.t[i]), self.x[i] + (self.x[i + 1] - self.x[i]) * inner)
 
-    def _grown(self, now: Now, end: float, x: Array) -> tuple[Step, Polynomial]:
-        """A step in which the contact grows, and what is positive in it up to the largest depth."""
-        kernel = Kernel(self.modes, end - now.t)
-        matrix, seen = kernel.matrix, kernel.seen(now.of_load)
-        seen, by = seen + matrix[:, 0] * now.load, matrix[:, 1:]
-        log, loaded = self._guess(now, x, float(by[-1].sum())), self.stiffness == LOAD_CONTROL
+    def _grown(self, now: Now, held: Held) -> Run | None:
+        """Steps in which the contact grows; None where Newton's iteration does not find them."""
+        kernel, x = Kernel(self.modes, held.h), held.x
+        seen, by = kernel.seen(now.of_load) + kernel.matrix[:, 0] * now.load, kernel.matrix[:, 1:]
+        log, loaded = self._guess(seen, by.sum(axis=1), x), self.stiffness == LOAD_CONTROL
         for _ in range(TUNING.newton):
             depth = np.exp(log)
             load, S = self.depths.with_slopes(depth)
             missing = position(depth, seen + by @ load, self.stiffness) - x
-            rates = by * S if loaded else np.eye(DEGREE) + by * S / self.stiffness
+            rates = by * S if loaded else np.eye(x.size) + by * S / self.stiffness
             change = np.linalg.solve(rates * depth, missing)
             log = log - np.clip(change, -TUNING.far, TUNING.far)
             if np.max(np.abs(change)) < TUNING.converged:
                 break
         else:
-            raise SolveError(f"relaxation: the growth of the contact at t = {end:g} s is not found")
+            return None
         depth = np.exp(log)
-        whole = np.append(now.depth, depth)
-        return Step(end, whole, whole, np.append(now.load, self.depths.loads(depth))), self._rising(whole)
+        whole = _places(now.depth, depth)
+        return Run(now.t + np.cumsum(held.h), whole, whole, _places(now.load, self.depths.loads(depth)))
 
-    def _guess(self, now: Now, x: Array, stiff: float) -> Array:
-        """log depth to begin with: of an elastic contact ``stiff`` times as stiff at first, then that before."""
-        if now.depth > 0:
-            return np.full(DEGREE, math.log(now.depth))
-        edges = np.log(np.array([self.depths.least, self.depths.most]))
-        low, high = (np.full(DEGREE, edge) for edge in edges)
+    def _guess(self, seen: Array, stiff: Array, x: Array) -> Array:
+        """log depths to begin with: of an elastic contact ``stiff`` times as stiff, loaded in one step."""
+        low, high = (np.full(x.size, math.log(edge)) for edge in (self.depths.least, self.depths.most))
 
         def excess(log: Array) -> Array:
             depth = np.exp(log)
-            return np.asarray(position(depth, stiff * self.depths.loads(depth), self.stiffness) - x)
+            return np.asarray(position(depth, seen + stiff * self.depths.loads(depth), self.stiffness) - x)
 
+        low = np.where(excess(low) > 0, high, low)
         return zeros_between(excess, low, np.where(excess(high) > 0, high, low), TUNING.far)
 
-    def _rising(self, depth: Array) -> Polynomial:
-        """What is positive in a step while the depth rises; it may fall by round-off."""
-        if (np.diff(depth) > -TUNING.falls * depth.max()).all():
-            return Polynomial([1.0])
-        return Polynomial(depth @ POWERS).deriv()
+    def _rising(self, depth: Array) -> Array:
+        """What is positive in steps while the depth rises; it may fall by round-off."""
+        rises = (np.diff(depth) > -TUNING.falls * depth.max(axis=1, keepdims=True)).all(axis=1)
+        slopes = depth @ POWERS * np.arange(DEGREE + 1)
+        return np.where(rises[:, None], np.eye(1, DEGREE + 1), np.roll(slopes, -1, axis=1))
 
 
-def _first_fall(left: Polynomial) -> float:
-    """Where in a step what is ``left`` falls below 0 first: 0 at its begin, 1 nowhere."""
+def _places(first: float, values: Array) -> Array:
+    """Values at all places of steps (n, 7), from those at the inner ones (6 n,)."""
+    steps = values.reshape(-1, DEGREE)
+    return np.column_stack([np.append(first, steps[:-1, -1]), steps])
+
+
+def _first_fall(left: Array) -> tuple[int, float]:
+    """The number of whole steps before what is ``left`` (n, 7) falls below 0, and where in the next it does: 0 at its
+    begin."""
     y = np.linspace(0, 1, 16 * DEGREE)
-    falls = np.flatnonzero(left(y) < 0)
-    if not falls.size or falls[0] == 0:
-        return 0.0 if falls.size else 1.0
-    return float(zeros_between(left, y[falls[:1] - 1], y[falls[:1]], 0.0)[0])
+    found = left @ np.vander(y, left.shape[1], increasing=True).T < 0
+    if not found.any():
+        return len(left), 1.0
+    step = int(np.argmax(found.any(axis=1)))
+    at = int(np.argmax(found[step]))
+    if at == 0:
+        return step, 0.0
+    return step, float(zeros_between(np.polynomial.Polynomial(left[step]), y[at - 1 : at], y[at : at + 1], 0.0)[0])
 
 
-def _zero_near_end(left: Polynomial) -> float:
-    """Where a step ends at which nothing is ``left``, that ends near there."""
-    rate = float(left.deriv()(1.0))
-    return 1.0 if rate == 0 else min(max(1 - float(left(1.0)) / rate, 1 / TUNING.far), TUNING.far)
+def _beyond(left: Array) -> float:
+    """How far beyond the end of a step, in such steps, nothing is ``left`` (7), if it goes on straight."""
+    rate = float(left @ np.arange(left.size))
+    return 0.0 if rate == 0 else -float(left.sum()) / rate
 
 
 @dataclass(frozen=True, eq=False)
@@ -255,27 +326,37 @@ class Falling:
     drive: Drive
     grown: RelaxedPath
 
-    def step(self, now: Now, end: float, x: Array) -> tuple[Step, Polynomial]:
-        """A step, and what is positive in it up to the loss of contact."""
-        kernel, times = Kernel(self.drive.modes, end - now.t), now.t + INNER * (end - now.t)
-        k, matrix = self.drive.stiffness, kernel.matrix
-        inverse = np.linalg.inv(matrix[:, 1:])
-        seen = kernel.seen(now.of_depth) + matrix[:, 0] * now.depth
-        contact, least = np.full(DEGREE, now.contact), self.drive.depths.least if k == LOAD_CONTROL else -math.inf
+    def steps(self, now: Now, held: Held) -> tuple[Run, Array] | None:
+        """Steps, and what is positive in them up to the loss of contact; None where they are not found."""
+        kernel, x = Kernel(self.drive.modes, held.h), held.x
+        k, inverse = self.drive.stiffness, np.linalg.inv(kernel.matrix[:, 1:])
+        seen = kernel.seen(now.of_depth) + kernel.matrix[:, 0] * now.depth
+        contact, least = np.full(x.size, now.contact), self.drive.depths.least if k == LOAD_CONTROL else -math.inf
         for _ in range(TUNING.newton):
-            (depth, by_depth), (P, by_P) = self._held(contact, times)
+            (depth, by_depth), (P, by_P) = self._held(contact, now.t + kernel.since)
             delta = inverse @ (depth - seen)
             rates = np.diag(by_P) if k == LOAD_CONTROL else inverse * by_depth + np.diag(by_P) / k
-            change = np.linalg.solve(rates, position(delta, P, k) - x)
+            missing = position(delta, P, k) - x
+            change = np.linalg.solve(rates, missing)
             contact = np.clip(contact - change, least, self.top)
-            if np.max(np.abs(change)) < TUNING.converged * self.top:
+            still = np.abs(change) > TUNING.converged * self.top
+            if not (still & (np.abs(missing) > TUNING.rounding * self.drive.x.max())).any():
                 break
-        whole = np.append(now.contact, contact)
-        if (np.diff(whole) > self.drive.grows * self.top).any():
-            raise InputError(f"program: at t = {show(end, 'time')} the contact {AGAIN}")
-        return Step(end, np.append(now.depth, delta), whole, np.zeros(DEGREE + 1)), Polynomial(whole @ POWERS)
+        else:
+            return None
+        ends, whole = now.t + np.cumsum(held.h), _places(now.contact, contact)
+        self._check(ends, whole)
+        left = np.ones_like(whole) if k == LOAD_CONTROL else whole @ POWERS  # a load is lost where it ends
+        return Run(ends, _places(now.depth, delta), whole, np.zeros_like(whole)), left
 
-    @property
+    def _check(self, ends: Array, contact: Array) -> None:
+        """InputError where the contact grows again before it is lost."""
+        there = np.logical_and.accumulate((contact >= 0).all(axis=1))
+        again = there & (np.diff(contact) > self.drive.grows * self.top).any(axis=1)
+        if again.any():
+            raise InputError(f"program: at t = {show(float(ends[again][0]), 'time')} the contact {AGAIN}")
+
+    @cached_property
     def top(self) -> float:
         """The depth [m] at which the contact stopped to grow."""
         return float(self.grown.depth.values(np.array([self.grown.last]))[0])

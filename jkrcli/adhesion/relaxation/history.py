@@ -16,8 +16,8 @@ from ...base.units import show
 from ...bodies.relaxation import Modes, Relaxation
 from ..device import DISPLACEMENT_CONTROL, LOAD_CONTROL, control, position
 from ..nonadhesive import Nonadhesive
-from ..rate.history import TimedState
-from ..rate.program import Program
+from ..path import TimedState
+from ..program import Program
 from .depths import Depths
 from .driven import TUNING as DRIVEN
 from .driven import Drive
@@ -46,6 +46,8 @@ class RelaxingContact:
     stiffness: float = DISPLACEMENT_CONTROL
     coarser: int = 1
     grows: float = TUNING.grows
+
+    least = 0.0  # what the device holds at first contact
 
     @cached_property
     def depths(self) -> Depths:

@@ -22,18 +22,22 @@ class MomentTuning:
 TUNING = MomentTuning()
 
 
-def moments(x: Array, count: int) -> list[Array]:
-    """int_0^1 exp(-x (1 - y)) y^j dy at ``x`` >= 0 of any shape, for j < ``count``."""
+def moments(x: Array, count: int) -> Array:
+    """int_0^1 exp(-x (1 - y)) y^j dy at ``x`` >= 0 of any shape, for j < ``count``, (count, ...)."""
     if count == 1:
-        return [np.divide(-np.expm1(-x), x, out=np.ones_like(x), where=x > 0)]
-    small, large = np.minimum(x, TUNING.large), np.maximum(x, TUNING.large)
-    below = [np.full_like(x, 1.0 / (TUNING.terms + 1))]
+        return np.divide(-np.expm1(-x), x, out=np.ones_like(x), where=x > 0)[None]
+    found, less = np.empty((count, *x.shape)), x < TUNING.large
+    small, large = x[less], x[~less]
+    below = np.full_like(small, 1.0 / (TUNING.terms + 1))
     for j in range(TUNING.terms, 0, -1):
-        below.append((1 - small * below[-1]) / j)
-    above = [-np.expm1(-large) / large]
-    for j in range(1, count):
-        above.append((1 - j * above[-1]) / large)
-    return [np.where(x < TUNING.large, low, high) for low, high in zip(below[::-1], above, strict=False)]
+        below = (1 - small * below) / j
+        if j <= count:
+            found[j - 1, less] = below
+    above = -np.expm1(-large) / large
+    for j in range(count):
+        found[j, ~less] = above
+        above = (1 - (j + 1) * above) / large
+    return found
 
 
 def remembered(p: Array, x: Array) -> Array:
@@ -81,6 +85,15 @@ class Steps:
     def values(self, places: Array) -> Array:
         """q at ``places`` (n,)."""
         return np.asarray(self.parts(places)[2].sum(axis=1))
+
+    def seen_ends(self, now: Array) -> Array:
+        """``held`` up to all times ``t`` seen from the times ``now`` [s] behind them, (now, times)."""
+        since = np.maximum(now[:, None] - self.t, 0.0)
+        values = np.append(self.p[:, 0], self.p[-1].sum())
+        found = self.modes.relaxed * values + np.zeros_like(since)
+        for weight, rate, state in zip(self.modes.weights, self.modes.rates, self.states.T, strict=True):
+            found += weight * state * np.exp(-rate * since)
+        return found
 
     def held(self, places: Array, now: Array) -> Array:
         """int r(now - s) dq(s) up to ``places`` (n,), seen from the times ``now`` [s] there or later."""

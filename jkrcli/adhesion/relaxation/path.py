@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -78,8 +79,9 @@ class RelaxedPath:
         found, later = self.depth.places(t), t > self.turn
         if later.any():
             now, places = t[later], found[later]
-            held, low, high = self.depth.held(places, now), np.zeros_like(now), np.full_like(now, self.last)
-            found[later] = zeros_between(lambda place: held - self.depth.held(place, now), low, high, TUNING.places)
+            held, steps = self.depth.held(places, now), self.depth.seen_ends(now)
+            low = np.clip(np.sum(steps[:, : int(self.last) + 1] < held[:, None], axis=1) - 1.0, 0.0, self.last - 1)
+            found[later] = zeros_between(lambda place: held - self.depth.held(place, now), low, low + 1, TUNING.places)
             self._check(now, found[later])
         return found
 
@@ -90,10 +92,15 @@ class RelaxedPath:
 
     def place_at(self, depth: Array) -> Array:
         """The places at which the contact grew through depths [m] (n,)."""
-        knots = self.depth.values(np.arange(self.last + 1))
-        k = np.clip(np.searchsorted(knots, depth) - 1, 0, knots.size - 2)
-        found = zeros_between(lambda y: self.depth.values(k + y) - depth, 0.0 * depth, 0.0 * depth + 1, TUNING.places)
-        return np.asarray(k + found)
+        places, depths = self._inner
+        k = np.clip(np.searchsorted(depths, depth) - 1, 0, depths.size - 2)
+        return zeros_between(lambda place: self.depth.values(place) - depth, places[k], places[k + 1], TUNING.places)
+
+    @cached_property
+    def _inner(self) -> tuple[Array, Array]:
+        """Places of the growth, several to a step, and the depths [m] there."""
+        places = np.append(np.add.outer(np.arange(self.last), PLACES[:-1]).ravel(), self.last)
+        return places, np.maximum.accumulate(self.depth.values(places))
 
     def states(self, t: Array) -> tuple[Array, Array, Array]:
         """a [m], delta [m], P [N] at the rising times ``t`` [s] (n,) from first contact on; a = P = 0 where it is

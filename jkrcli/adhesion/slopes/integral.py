@@ -29,7 +29,6 @@ from .result import TWO_SIDED_90, Slopes, covariance_from_errors, shift_error
 from .scatter import Scatter, correlation_length, estimate, floored, whitener
 
 TOO_FEW = "how errors of neighbouring rows go together is not known from so few points"
-FITTED = {"a", "delta", "P"}  # columns
 UNSETTLED = "the fit did not settle: a, delta and P contradict each other somewhere; look for points out of place"
 
 
@@ -122,9 +121,10 @@ def _slopes(
     delta_H, P_H, S, dS = values
     if errors:
         order = np.argsort(a)
-        there = {name: np.interp(wanted, a[order], np.asarray(errors[name])[order]) for name in FITTED & errors.keys()}
-        if "P" in there:  # S and S' are those of the fit, not the series' own: P's errors, which vary as slowly
-            there |= {"S": there["P"] / P_H * S, "dS": there["P"] / P_H * dS}
+        there = {name: np.interp(wanted, a[order], np.asarray(errors[name])[order]) for name in errors}
+        if "P" in there:  # S and S' are those of the fit: P's errors, which vary as slowly, or the series' own if less
+            of_P = {"S": there["P"] / P_H * S, "dS": there["P"] / P_H * dS}
+            there |= {name: np.minimum(error, there.get(name, error)) for name, error in of_P.items()}
         if "a" in there:
             there["a"] = TUNING.radii * there["a"]
         given = covariance_from_errors(

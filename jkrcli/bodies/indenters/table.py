@@ -27,7 +27,7 @@ class TableTuning:
     straight: float = 1e-9  # of the largest chord: the rise between two of a straight profile; theory: rounding
     pointed: float = 0.25  # slope at the axis over the first chord above which a tip has a point; choice: a cone has 1
     # What every second point changes of F and of its slope, over the error of all of them:
-    factors: tuple[float, float] = (6.0, 2.4)  # theory: fourth and third power of the spacing (16, 8), less at ends
+    factors: tuple[float, float] = (5.0, 2.2)  # theory: fourth and third power of the spacing (16, 8), less at ends
     looks: int = 400  # choice: radii at which that is looked at
     few: int = 7  # theory: points of a table, of every second of which no spline is left,
     first: int = 3  # theory: or up to a radius, where the tip alone counts, and then
@@ -125,11 +125,12 @@ class TableProfile(Indenter):
         as P does; of its slope the most near ``a``."""
         x = np.linspace(0, self.r_max, TUNING.looks + 1)[1:]
         others = self._thinned()
-        change, slope = (
-            np.max([np.abs(getattr(other, name)(x) - getattr(self, name)(x)) for other in others], axis=0)
+        changes, slopes = (
+            np.array([getattr(other, name)(x) - getattr(self, name)(x) for other in others])
             for name in ("abel", "abel_slope")
         )
-        mean = np.cumsum(change) / np.arange(1.0, x.size + 1)
+        change, slope = np.max(np.abs(changes), axis=0), np.max(np.abs(slopes), axis=0)
+        mean = np.max(np.abs(np.cumsum(changes, axis=1)), axis=0) / np.arange(1.0, x.size + 1)
         last = np.clip(np.searchsorted(x, a), 0, x.size - 1).tolist()
         found = [(change[i // 2 : i + 1].max() + mean[i], slope[i // 2 : i + 1].max()) for i in last]
         few = (np.searchsorted(self.r, a) < TUNING.first) | (len(self.r) < TUNING.few)

@@ -60,16 +60,7 @@ def confidence_of(
     """
     if not minimum.least.ended:
         settings = replace(settings, confidence="covariance", uncertain={})
-    objective, free = minimum.objective, minimum.objective.free
-    residuals = minimum.found.residuals
-    columns = len(objective.points.columns)
-    dof = max(residuals.shape[1] * (columns - 1) - free.size, 1)  # a foot point takes one number from every point
-    factor = variance_factor(residuals, dof, settings.loss, minimum.width)
-    jacobian = minimum.found.jacobian(free)
-    inner = covariance(jacobian, factor) if minimum.least.ended else None
-    even = set(objective.points.columns) <= settings.noise.keys()  # else that is more than a record of a sensor tells
-    if settings.loss == "linear" and dof >= TUNING.few and not even:
-        inner = larger(inner, covariance_of_uneven(jacobian, residuals))
+    objective, (inner, factor, dof) = minimum.objective, spread_of(minimum, settings)
     samples = _bootstrap(minimum, settings, pool) if settings.confidence == "bootstrap" else None
     t = t_quantile(settings.level, dof)
     untold = isinstance(jkr, JKRBeside) and jkr.excess < 0.5 * t**2 * factor
@@ -81,6 +72,21 @@ def confidence_of(
             wider(item, {name: change[item.name] for name, change in changes.items()}, t) for item in estimates
         )
     return Confidence(estimates, spread.outer_covariance(), spread.outer_samples(), math.sqrt(factor), dof)
+
+
+def spread_of(minimum: Minimum, settings: Settings) -> tuple[Array | None, float, int]:
+    """The covariance of the free unknowns, the variance of the residuals, and their degrees of freedom."""
+    objective, free = minimum.objective, minimum.objective.free
+    residuals = minimum.found.residuals
+    columns = len(objective.points.columns)
+    dof = max(residuals.shape[1] * (columns - 1) - free.size, 1)  # a foot point takes one number from every point
+    factor = variance_factor(residuals, dof, settings.loss, minimum.width)
+    jacobian = minimum.found.jacobian(free)
+    inner = covariance(jacobian, factor) if minimum.least.ended else None
+    even = set(objective.points.columns) <= settings.noise.keys()  # else that is more than a record of a sensor tells
+    if settings.loss == "linear" and dof >= TUNING.few and not even:
+        inner = larger(inner, covariance_of_uneven(jacobian, residuals))
+    return inner, factor, dof
 
 
 @dataclass(frozen=True, eq=False)

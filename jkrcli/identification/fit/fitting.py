@@ -15,7 +15,7 @@ from ...base.executors import Pool, completed, executor
 from ...data.measured import Curve
 from ...data.measured.contact import with_zero_points
 from ...data.measured.curve import APPROACH, AS_DEPTH, NOT_SUBTRACTED, OVERRULED, RETRACT, Pixel
-from ...data.record import examine
+from ...data.record import ForceCurve, examine
 from .body import FittedBody, check_parameters
 from .checks import warnings_of
 from .confidence import confidence_of
@@ -23,7 +23,7 @@ from .edges import ADVANCING, RECEDING, RESTING, RestingMember
 from .jkr_beside import jkr_beside
 from .model import PathDistances
 from .points import Points, directed, points_of, points_of_cycle
-from .record import RESTS, beside, differ, fit_record, whole_record
+from .record import RESTS, beside, beyond_the_record, differ, fit_record, reduced, whole_record
 from .result import Fit, FittedValue
 from .rivals import Rivals, rivals_of
 from .search import Minimum, robust, search
@@ -117,22 +117,47 @@ def fit(body: FittedBody, curve: Curve, settings: Settings, pool: Pool | None = 
         raise SolveError(f"{curve.where}: {error}") from None
 
 
-def _fit(body: FittedBody, curve: Curve, settings: Settings, pool: Pool | None) -> Fit:
-    asked = settings
+@dataclass(frozen=True, eq=False)
+class Prepared:
+    """What is fitted of a ``curve``: its ``points``, the ``settings`` that its columns and edges leave of those that
+    were ``asked``, and ``words`` on it."""
+
+    curve: Curve
+    points: Points
+    settings: Settings
+    asked: Settings
+    words: tuple[str, ...]
+
+
+def prepared(body: FittedBody, curve: Curve, settings: Settings) -> Prepared | ForceCurve:
+    """The points of a curve, or a raw record, which is fitted as a whole."""
+    given = curve
     check_parameters(body, [parameter.name for parameter in settings.parameters])
     if (record := whole_record(curve, settings)) is not None:
-        return fit_record(body, record, settings, pool)
+        if not beyond_the_record(settings):
+            return record
+        curve, settings = reduced(body, record, settings)
+    asked = settings
     if idle := [name for name in settings.uncertain if name in CALIBRATED]:
         raise InputError(f"{curve.where}: --uncertain {idle[0]} is for raw records of a device, it has no effect here")
     curve = with_zero_points(curve) if settings.contact == "estimate" else curve
     curve, zero = parted(curve, settings), settings.parameter("P0")
-    level = 0.0 if zero is None else None if zero.free else zero.value
+    level = 0.0 if zero is None or (curve is not given and zero.free) else None if zero.free else zero.value
     kinds = set(curve.segments())
     rows = partial(points_of_cycle, curve) if kinds & {APPROACH, RETRACT} else partial(points_of, curve)
     points = rows(settings.segment, settings.branch, len(settings.free), level)
     settings, words = _told_by(settings, points)
     edges = set() if points.edges is None else set(points.edges)
     settings = settings.of_a_cycle(ADVANCING in edges) if RECEDING in edges else settings
+    return Prepared(curve, points, settings, asked, (*curve.flags[len(given.flags) :], *words))
+
+
+def _fit(body: FittedBody, curve: Curve, settings: Settings, pool: Pool | None) -> Fit:
+    ready = prepared(body, curve, settings)
+    if isinstance(ready, ForceCurve):
+        return fit_record(body, ready, settings, pool)
+    curve, points, settings, words = ready.curve, ready.points, ready.settings, ready.words
+    edges, zero = set() if points.edges is None else set(points.edges), settings.parameter("P0")
     minimum = robust(search(body, points, settings), settings.loss)
     sharp = None if settings.range is None else jkr_beside(minimum, body, points, settings)
     confidence = confidence_of(minimum, settings, sharp, pool)
@@ -180,7 +205,7 @@ def _fit(body: FittedBody, curve: Curve, settings: Settings, pool: Pool | None) 
         return _of_an_approach(found)
     if ADVANCING not in edges or not _apart(minimum, confidence.scatter):
         return found
-    into, back = (_fit(body, curve, replace(asked, segment=kind), pool) for kind in DIRECTIONS)
+    into, back = (_fit(body, curve, replace(ready.asked, segment=kind), pool) for kind in DIRECTIONS)
     moduli = [one.estimate("E_star") for one in (into, back)]
     error = math.hypot(*((item.error or 0.0) / item.value for item in moduli))
     return beside(back, into, found) if differ(moduli[0].value, moduli[1].value, error) else found

@@ -21,6 +21,7 @@ from .body import FittedBody
 from .checks import warnings_of
 from .confidence import changes_by, wider
 from .force_curve import (
+    DirectionReadings,
     ForceCurveFit,
     ForceCurveModel,
     another_modulus,
@@ -37,7 +38,7 @@ from .record_intervals import of_samples, profiles, rates, samples
 from .record_rivals import OF_RIVALS
 from .record_verdict import by_rivals, judged
 from .result import Fit, FittedValue
-from .settings import AUTO, CALIBRATED, Settings
+from .settings import AUTO, CALIBRATED, Parameter, Settings
 from .statistics import structure, t_quantile
 
 
@@ -47,6 +48,7 @@ class WholeRecordTuning:
 
     free_rows: int = 20  # choice: least rows of a base line
     room: float = 1.05  # choice: of the largest contact radius, to which the body is solved anew
+    placed_rows: float = 0.05  # choice: of the loads' relative scatter, that of positions which have none
     placed: float = 0.3  # choice: scatter of positions over that of loads, both over their range, of a table
     rounds: int = 3  # choice: solves to larger radii before the record is given up
     misfit: float = 0.03  # choice: residual over the range of the load above which the model does not describe it
@@ -76,11 +78,10 @@ ZEROS = frozenset({"delta0", "P0", "compliance"})  # always fitted, or told by t
 def whole_record(curve: Curve, settings: Settings) -> ForceCurve | None:
     """The record taken apart, where base line and contact are to be fitted together; None: the readings as they are.
 
-    "estimate" prepares the readings only for what a whole record cannot be fitted with. By itself that is so for
-    records of a device whose deflection is known, or of both directions with a base line each;
+    By itself that is so for records of a device whose deflection is known, or of both directions with a base line each;
     without a base line the zero of the load is that of the file.
     """
-    prepared = settings.contact == "as-is" or (settings.contact == "estimate" and bool(_in_the_way(settings)))
+    prepared = settings.contact == "as-is"
     only = [f"--base-line {settings.base_line}"] * (settings.base_line != "straight") + ["drift"] * settings.drifts
     only += [f"--model {settings.model}"] * (settings.model == AUTO)
     asked = settings.contact == "fitted" or bool(only)
@@ -96,9 +97,6 @@ def whole_record(curve: Curve, settings: Settings) -> ForceCurve | None:
         return None
     if not (asked or _raw(record)):
         return record if settings.contact == "auto" and _as_read(record, settings) else None
-    if reason := _in_the_way(settings):
-        raise InputError(f"{reason} is not for the fit of a whole raw record: leave it out, or prepare the readings "
-                         "with --contact estimate, or with --zero and --contact as-is")  # fmt: skip
     idle = [name for name in settings.uncertain if name in CALIBRATED and curve.stiffness in (None, math.inf)]
     if idle:
         raise InputError(f"{curve.where}: --uncertain {idle[0]}: the record has no stiffness, so it has no effect here")
@@ -125,21 +123,15 @@ def _raw(record: ForceCurve) -> bool:
 
 def _as_read(record: ForceCurve, settings: Settings) -> bool:
     """Whether a record without a base line is that of a device, on which an edge rests where it turns."""
-    return record.curve.stiffness is not None and bool(record.directions) and not _in_the_way(settings)
+    return record.curve.stiffness is not None and bool(record.directions) and not beyond_the_record(settings)
 
 
-def _in_the_way(settings: Settings) -> str:
-    """What a whole record cannot be fitted with, as the user wrote it; "" where nothing is."""
-    free = settings.free
-    if settings.range is not None:
-        return "adhesion of finite range"
-    told = [f"--free {p.name}" for p in free if p.name not in ASKED]
-    told += [f"--bound {p.name}" for p in free if p.name != "modulus" and (p.low, p.high) != FREE]
-    told += [f"--start {p.name}" for p in free if p.value is not None]
-    told += [f"--fix {p.name}" for p in settings.parameters if p.name in ZEROS & settings.given and not p.free]
-    told += ["--branch compressive"] if settings.branch != "all" else []
-    told += ["--noise"] if settings.noise else []
-    return next(iter(told), "")
+def beyond_the_record(settings: Settings) -> bool:
+    """Whether something is asked that the model of a whole record does not know."""
+    named = any(p.name not in ASKED or p.value is not None for p in settings.free)
+    bound = any(p.name != "modulus" and (p.low, p.high) != FREE for p in settings.free)
+    fixed = any(p.name in ZEROS & settings.given and not p.free for p in settings.parameters)
+    return settings.range is not None or named or bound or fixed or settings.branch != "all" or bool(settings.noise)
 
 
 def _usable(record: ForceCurve, kind: str) -> bool:
@@ -159,7 +151,7 @@ def fit_record(body: FittedBody, record: ForceCurve, settings: Settings, pool: P
         raise InputError(f"{record.curve.where}: no contact: {reason}")
     curve = record.curve
     record, waves = straightened(record) if settings.base_line == "sine" else (record, {})
-    body = body.with_values({p.name: float(p.value) for p in settings.parameters if p.of_body and p.value is not None})
+    body = _with_known(body, settings)
     kinds = _kinds(record, settings)
 
     def of(*kinds: str) -> tuple[FittedBody, ForceCurveFit]:
@@ -193,6 +185,18 @@ def _of_directions(
     return beside(told(deeper, back), told(deeper, into), result)
 
 
+def whole_fit(body: FittedBody, record: ForceCurve, settings: Settings) -> ForceCurveFit:
+    """What leaves least of all directions of a record."""
+    record, waves = straightened(record) if settings.base_line == "sine" else (record, {})
+    body = _with_known(body, settings)
+    return _fitted(body, _model(body, record, settings, waves, _kinds(record, settings)), settings)[1]
+
+
+def _with_known(body: FittedBody, settings: Settings) -> FittedBody:
+    """The body with the known values of its layers."""
+    return body.with_values({p.name: float(p.value) for p in settings.parameters if p.of_body and p.value is not None})
+
+
 def receding(body: FittedBody, curve: Curve, settings: Settings) -> Curve:
     """The rows of a raw record's last direction on which the edge of the contact moves, less the base line and from the
     zero that fit best; a curve that is no raw record, or has no base line, as it is."""
@@ -200,13 +204,52 @@ def receding(body: FittedBody, curve: Curve, settings: Settings) -> Curve:
     if record is None or not any(_usable(record, kind) for kind in _wanted(settings)):
         return curve
     _, found = _fitted(body, _model(body, record, settings, {}, _kinds(record, settings)), settings)
-    part, values = found.model.stretches[-1], found.model.values(found.x)
-    a, rests = found.model.contact_radii(part, values)
-    rows = np.flatnonzero((a > 0) & ~rests)
-    P = (part.P - base_line(part, values)[0])[rows]
-    delta = found.model.depth(part, values)[rows] - P / found.model.k
-    order = np.argsort(part.rows[rows])
-    return replace(curve.rows(part.rows[rows][order]), delta=delta[order], P=P[order])
+    curve = _in_contact(found, curve, found.model.stretches[-1:], still=False)
+    assert curve.delta is not None
+    assert curve.P is not None
+    return replace(curve, delta=curve.delta - curve.P / found.model.k)
+
+
+def _in_contact(found: ForceCurveFit, curve: Curve, parts: Sequence[DirectionReadings], still: bool = True) -> Curve:
+    """The rows in contact of some stretches, those on which the edge is ``still`` too, in order of recording: net load
+    over the position of the device from first touch."""
+    values, each = found.model.values(found.x), []
+    for part in parts:
+        a, rests = found.model.contact_radii(part, values)
+        kept = (a > 0) & (still | ~rests)
+        depth, P = found.model.depth(part, values), part.P - base_line(part, values)[0]
+        each.append((part.rows[kept], depth[kept], P[kept], np.full(np.count_nonzero(kept), part.kind)))
+    rows, delta, P, words = (np.concatenate(columns) for columns in zip(*each, strict=True))
+    order = np.argsort(rows)
+    return replace(curve.rows(rows[order]), delta=delta[order], P=P[order], segment=words[order], stiffness=None)
+
+
+def reduced(body: FittedBody, record: ForceCurve, settings: Settings) -> tuple[Curve, Settings]:
+    """The rows of a raw record that are in contact, less the base lines and from the zero that fit best, for what its
+    model does not know, and the settings by which they are fitted: the device is a compliance that is known, positions
+    have no scatter, what the zeros err by is fitted again."""
+    usual = tuple(Parameter(name, True) for name in ("modulus", "w", "delta0"))
+    plain = replace(settings, parameters=usual, given=frozenset(), noise={}, branch="all", loss="linear")
+    found = whole_fit(body, record, plain)
+    curve = _in_contact(found, record.curve, found.model.stretches)
+    assert curve.delta is not None
+    assert curve.P is not None
+    told, asked = _outcome(found, found.x, body), {p.name: p for p in settings.parameters if p.name in settings.given}
+    given = {name for name in ("delta0", "P0") if name in asked and not asked[name].free}
+    shift = {name: told[name] if name in given else 0.0 for name in ("delta0", "P0")}
+    stiff = 0.0 if "compliance" in asked else 1 / found.model.k
+    delta = curve.delta - (1 / found.model.k - stiff) * curve.P + shift["delta0"]
+    said = (
+        f"the rows in contact alone are fitted, less the base lines of the whole record and from its zero, delta0 = "
+        f"{show(told['delta0'], 'length', 5)} and P0 = {show(told['P0'], 'load', 5)}"
+    )
+    placed = TUNING.placed_rows * found.sigma * float(np.ptp(delta) / np.ptp(curve.P))
+    placed = max(placed, found.sigma * (1 / found.model.k - stiff))
+    fixed = {"compliance": Parameter("compliance", False, stiff)} | {"P0": Parameter("P0", True)}
+    parameters = tuple(fixed.get(p.name, p) if p.name not in asked else p for p in settings.parameters)
+    curve = replace(curve, delta=delta, P=curve.P + shift["P0"], flags=(*curve.flags, said))
+    noise = {"delta": placed, "P": found.sigma} | dict(settings.noise)
+    return curve, replace(settings, parameters=parameters, noise=noise, contact="as-is", base_line="straight")
 
 
 def _fitted(body: FittedBody, model: ForceCurveModel, settings: Settings) -> tuple[FittedBody, ForceCurveFit]:

@@ -18,7 +18,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from ...adhesion.nonadhesive import Nonadhesive
-from ...adhesion.rate.program import Program
+from ...adhesion.program import Program
 from ...adhesion.relaxation.history import RelaxingContact
 from ...adhesion.validity import EXCESS, LIMITS, STRAINED
 from ...base.arrays import Array
@@ -187,7 +187,7 @@ def _speeds(part: DirectionReadings, a: Array, moves: Array) -> _Speeds | None:
 
 
 def _over_speed(speeds: _Speeds) -> Change:
-    """w0 (1 + amount (v/v_m)^n): Gent and Schultz's law about the median speed, made about the speeds of a fit."""
+    """w0 (1 + amount (v/v_m)^n): the power law about the median speed, made about the speeds of a fit."""
 
     def model(plain: ForceCurveModel, part: DirectionReadings, values: Values) -> ForceCurveModel:
         if part is not plain.stretches[-1]:

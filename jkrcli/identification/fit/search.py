@@ -373,14 +373,24 @@ def _there_and_back(body: FittedBody, points: Points, settings: Settings) -> Min
     """The best fit to both directions, from that to the approach on."""
     assert points.edges is not None
     forth = replace(points.at(points.edges == ADVANCING), edges=None)
-    into = _of_a_branch(body, forth, settings.of_the_approach)
-    objective = replace(into.objective, parameters=settings.parameters, points=points)
+    law = settings.range
+    plain = settings.without_range
+    into = _of_a_branch(body, forth, plain.of_the_approach)
+    objective = replace(into.objective, parameters=plain.parameters, points=points)
     values = into.objective.values(into.x) | {"a_turn": float(into.found.a.max())}
     values["w_approach"] = values["w"]
     shifts = np.append(0.0, np.geomspace(TUNING.least_shift, 1, TUNING.nodes // 8)) ** 2
     natural = objective.body.family.natural_work * values["modulus"]
     tried = [{**values, "w": values["w_approach"] + shift * natural} for shift in shifts]
-    return _settled(objective, min(tried, key=lambda values: _assigned(objective, values)[0]))
+    values = min(tried, key=lambda values: _assigned(objective, values)[0])
+    jkr = _settled(objective, values)
+    if law is None:
+        return jkr
+    values, objective = jkr.objective.values(jkr.x), replace(objective, parameters=settings.parameters)
+    tried = list(_ranged(body, values, law.name)) if law.free else [{**values, law.name: float(law.value or 0.0)}]
+    tried.sort(key=lambda values: _assigned(objective, values)[0])
+    found = [_settled(objective, values) for values in tried[: TUNING.followed_ranges]]
+    return min(found, key=lambda item: item.cost)
 
 
 def _back(body: FittedBody, points: Points, settings: Settings) -> Minimum:
@@ -540,11 +550,17 @@ def _all_starts(body: FittedBody, points: Points, settings: Settings) -> list[St
 def _with_ranges(body: FittedBody, tried: Sequence[Start], name: str) -> Iterator[Start]:
     """The nearest starts with ranges (or tensions) from those of a rigid sphere to those of JKR."""
     for start in tried[: TUNING.ranged]:
-        s = start.values["modulus"]
-        w = max(start.values["w"], TUNING.least_work * body.family.natural_work * s)
-        for part in TUNING.ranges:
-            length = part * body.family.neck(s, w)
-            yield replace(start, values={**start.values, "w": w, name: length if name == "range" else w / length})
+        for values in _ranged(body, start.values, name):
+            yield replace(start, values=values)
+
+
+def _ranged(body: FittedBody, values: Mapping[str, float], name: str) -> Iterator[dict[str, float]]:
+    """These values with ranges (or tensions, as ``name`` says) from those of a rigid sphere to those of JKR."""
+    s = values["modulus"]
+    w = max(values["w"], TUNING.least_work * body.family.natural_work * s)
+    for part in TUNING.ranges:
+        length = part * body.family.neck(s, w)
+        yield {**values, "w": w, name: length if name == "range" else w / length}
 
 
 def _bodies(body: FittedBody, settings: Settings) -> Iterator[dict[str, float]]:

@@ -11,13 +11,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...adhesion.edge import Edge
 from ...adhesion.nonadhesive import Nonadhesive
-from ...adhesion.rate.edge import Edge
+from ...adhesion.path import REST
+from ...adhesion.program import Program
 from ...adhesion.rate.history import RateContact
 from ...adhesion.rate.laws import RateLaw
 from ...adhesion.rate.motion import Motion
-from ...adhesion.rate.pieces import Rest
-from ...adhesion.rate.program import Program
 from ...base.arrays import Array
 from .through import log_rates
 
@@ -60,7 +60,9 @@ def predict(
 
     ``tilt``: middle and half-width [s] of the times, over which a tilt of the program grows from -1 to 1.
     """
-    contact = RateContact(body, law, w0, 0.0, stiffness, tolerance=TUNING.tolerance, evaluations=TUNING.evaluations)
+    contact = RateContact(
+        body, law, w0, 0.0, stiffness, tolerance=TUNING.tolerance, evaluations=TUNING.evaluations, slow=0.0
+    )
     pieces = contact.once(program, start).pieces
     edge, parameters = contact.edge, BESIDE + 1 + 1 + len(vars(law))
     y = np.zeros(parameters)
@@ -71,8 +73,8 @@ def predict(
         x = np.where(t > program.t[-1], program.x[-1] + program.rate * (t - program.t[-1]), x)
     for piece in pieces:
         rows = (t >= piece.first[0]) & (t <= piece.last[0])
-        if isinstance(piece, Rest):
-            u[rows], rates[:, rows] = np.log(piece.a), y[:, None]
+        if piece.phase == REST:
+            u[rows], rates[:, rows] = np.log(piece.last[1]), y[:, None]
         elif isinstance(piece, Motion):
             u[rows], rates[:, rows], y, speed[rows] = _moving(edge, piece, law, w0, tilt, y, t[rows])
     return _readings(edge, u, rates, x, (t - tilt[0]) / tilt[1], speed)

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...adhesion.rate.program import Program
+from ...adhesion.program import Program
 from ...base.arrays import Array
 from ...base.errors import InputError
 from ...data.measured import Curve

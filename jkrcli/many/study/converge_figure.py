@@ -9,18 +9,18 @@ from ...base.errors import InputError
 from ...base.units import scale
 from ...report.plots import BLACK, BLUE, GREEN, ORANGE, Figure, pretty
 from ...report.plots.study import Line, Panel, panels_figure
-from .converge import Convergence
+from .meshes import Meshes
 
 UNKNOWNS = "unknowns"
 COLORS = (ORANGE, BLUE, GREEN, "#CC79A7", "#56B4E9", "#E69F00", "#F0E442")
 
 
-def convergence_figure(study: Convergence) -> Figure:
+def convergence_figure(study: Meshes) -> Figure:
     """Contact radius over element size, adhesive curves, errors, and what the meshes cost."""
     return panels_figure([radius_panel(study), curves_panel(study), errors_panel(study), cost_panel(study)])
 
 
-def radius_panel(study: Convergence) -> Panel:
+def radius_panel(study: Meshes) -> Panel:
     """Contact radius at the depth of the study over the number of unknowns."""
     unit, name = scale(study.levels[-1].state.a, "length")
     unknowns = _unknowns(study)
@@ -30,7 +30,7 @@ def radius_panel(study: Convergence) -> Panel:
     return Panel(UNKNOWNS, f"contact radius a ({pretty(name)})", lines, logs="x")
 
 
-def curves_panel(study: Convergence) -> Panel:
+def curves_panel(study: Meshes) -> Panel:
     """Adhesive load over displacement of every mesh."""
     held = [(level, level.state.curve) for level in study.levels if level.state.curve is not None]
     if not held:
@@ -48,7 +48,7 @@ def curves_panel(study: Convergence) -> Panel:
     return Panel(f"displacement δ ({pretty(delta_name)})", f"load P ({pretty(P_name)})", lines)
 
 
-def errors_panel(study: Convergence) -> Panel:
+def errors_panel(study: Meshes) -> Panel:
     """Relative errors over the number of unknowns."""
     unknowns = _unknowns(study)
     lines = []
@@ -56,13 +56,13 @@ def errors_panel(study: Convergence) -> Panel:
         errors = study.errors(name)
         there = np.array([error not in (None, 0.0) for error in errors])
         if there.any():
-            values = np.abs(np.array([error for error in errors if error not in (None, 0.0)], dtype=float))
+            values = 100 * np.abs(np.array([error for error in errors if error not in (None, 0.0)], dtype=float))
             lines.append(Line(unknowns[there], values, words, "o-", color))
     against = "the exact value" if study.exact is not None else "the extrapolated value"
-    return Panel(UNKNOWNS, f"difference to {against}", lines, logs="xy")
+    return Panel(UNKNOWNS, f"difference to {against} (%)", lines, logs="xy")
 
 
-def cost_panel(study: Convergence) -> Panel:
+def cost_panel(study: Meshes) -> Panel:
     """Points kept and CPU seconds over the number of unknowns."""
     unknowns = _unknowns(study)
     kept = np.array([level.kept for level in study.levels], dtype=float)
@@ -71,6 +71,6 @@ def cost_panel(study: Convergence) -> Panel:
     return Panel(UNKNOWNS, "points kept", [points], logs="xy", right=("CPU time (s)", time))
 
 
-def _unknowns(study: Convergence) -> Array:
+def _unknowns(study: Meshes) -> Array:
     """The axis of the study: it grows from mesh to mesh, while coarse meshes may share their largest element."""
     return np.array([level.unknowns for level in study.levels], dtype=float)

@@ -16,9 +16,9 @@ import numpy as np
 
 from ...adhesion.curve import AdhesiveCurve
 from ...adhesion.nonadhesive import Nonadhesive
+from ...adhesion.program import Program
 from ...adhesion.rate.history import RateContact
 from ...adhesion.rate.laws import rate_law_of
-from ...adhesion.rate.program import Program
 from ...adhesion.slopes.choice import slopes
 from ...base.errors import SolveError
 from ...base.units import Ranged
@@ -38,10 +38,12 @@ if TYPE_CHECKING:
 class RateMapTuning:
     """How finely and how far its series go, and what they take."""
 
-    per_decade: int = 40  # choice: of the contact radius; twice as many change the forces by less than 1e-7
-    smallest: float = 1e-3  # choice: radius in units of that at no load, where contact is as good as lost
+    # tuned on maps, by `make constants`: of the contact radius; twice as many change the forces by less than 1e-7
+    per_decade: int = 40
+    # tuned on maps, by `make constants`: radius in units of that at no load, where contact is as good as lost
+    smallest: float = 1e-3
     largest: float = 1.3  # choice: the same, beyond which no path goes
-    tolerance: float = 1e-7  # choice: relative, of the layer's series
+    tolerance: float = 1e-7  # tuned on maps, by `make constants`: relative, of the layer's series
     per_point: float = 0.075  # CPU seconds; tuned on maps of 13 and 100 speeds, by `make guards`
 
 
@@ -68,7 +70,7 @@ def _points(values: Values, thickness: float) -> Columns:
 def _point(body: Nonadhesive, a: float, law: Any, stiffness: float, speed: float) -> tuple[float, float, float]:
     contact = RateContact(body, law, 1.0, 1.0, stiffness)
     x = float(contact.edge.held_at(np.array(a), 1.0))
-    found = contact.history(Program(np.array([0.0]), np.array([x]), -speed), a)
+    found = contact.history(Program.on(x, -speed), a)
     return -found.pull_off.P / math.pi, found.dissipated / (math.pi * a**2), known(found.error["P"]) or 0.0
 
 
@@ -117,7 +119,7 @@ MAP = Map(
 
     \b
     jkr study rate-map --rate n=0.6 --thickness 0.3 -o map
-    jkr study rate-map --rate law=log,b=0.3 --stiffness rigid --speed 0.01 --speed 1
+    jkr study rate-map --rate law=log,b=0.3 --stiffness rigid --speed 1
     """,
     {
         "rate": Axis({"n": "0.6"}, "The law in units of w0 and v0: n=0.6; law=log,b=0.3.", several=False,

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import itertools
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...adhesion.rate.history import TimedJump
+from ...adhesion.path import Jump
 from ...base.arrays import Array
 from ...base.units import scale, show
 from ...identification.rate.fitting import RateFit
@@ -46,17 +47,16 @@ AXES = {
 }
 
 
-def history_figure(columns: Mapping[str, Array], jumps: Sequence[TimedJump], title: str) -> Figure:
+def history_figure(columns: Mapping[str, Array], jumps: Sequence[Jump], title: str) -> Figure:
     """Load over displacement, and load and contact radius over time, each phase in its colour and line; where the
     contact ``jumps``, and where it is lost. ``columns``: as ``History.table`` gives them."""
     with drawing(WIDE, 3.2) as figure:
         axes = figure.subplots(1, len(PANELS))
         for place, (over, column) in zip(axes, PANELS, strict=True):
             (x_factor, x_label), (y_factor, y_label) = (_axis(columns, name) for name in (over, column))
-            for part in np.unique(columns["part"]):
-                rows = columns["part"] == part
+            for phase, rows in _runs(columns):
                 if np.ptp(columns["t_s"][rows]) > 0:
-                    colour, line = PHASES[phase := str(columns["phase"][rows][0])]
+                    colour, line = PHASES[phase]
                     x, y = columns[over][rows] / x_factor, columns[column][rows] / y_factor
                     place.plot(x, y, line, color=colour, label=phase)
             for jump in jumps:
@@ -70,6 +70,15 @@ def history_figure(columns: Mapping[str, Array], jumps: Sequence[TimedJump], tit
         legend_below(figure, axes, 6)
         figure.suptitle(pretty(title))
         return figure
+
+
+def _runs(columns: Mapping[str, Array]) -> Iterator[tuple[str, slice]]:
+    """Rows of one part and phase that follow each other, with the first of the next of the same part: no gaps."""
+    phases, parts = columns["phase"], columns["part"]
+    changes = np.flatnonzero((phases[1:] != phases[:-1]) | (parts[1:] != parts[:-1])) + 1
+    for first, last in itertools.pairwise([0, *changes.tolist(), len(parts)]):
+        joined = last < len(parts) and parts[last] == parts[first]
+        yield str(phases[first]), slice(first, last + joined)
 
 
 def _axis(columns: Mapping[str, Array], name: str) -> tuple[float, str]:

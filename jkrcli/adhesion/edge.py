@@ -15,11 +15,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...base.arrays import Array
-from ..curve import AdhesiveCurve
-from ..device import LOAD_CONTROL, position
-from ..nonadhesive import Nonadhesive
-from ..passage import work as work_along
+from ..base.arrays import Array
+from .curve import AdhesiveCurve
+from .device import LOAD_CONTROL, position
+from .nonadhesive import Nonadhesive
 
 
 class EdgeState(NamedTuple):
@@ -63,7 +62,7 @@ class Edge:
 
         U = int P_H d(delta_H) - P_H L + S L^2/2, as dU = P d(delta) + G d(pi a^2); the device's spring has P^2/(2 k).
         """
-        return work_along(self.free, first[0], last[0]) + self._beside(*last) - self._beside(*first)
+        return self.free.work(first[0], last[0]) + self._beside(*last) - self._beside(*first)
 
     @cached_property
     def free(self) -> AdhesiveCurve:

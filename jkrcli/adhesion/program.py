@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from ...base.arrays import Array
-from ...base.errors import InputError
+from ..base.arrays import Array
+from ..base.errors import InputError
 
 
 @dataclass(frozen=True)
@@ -68,6 +68,11 @@ class Program:
             raise InputError(
                 f"program: time must not fall, got t = {self.t[row + 1]:g} s after {self.t[row]:g} s in row {row + 2}"
             )
+
+    @classmethod
+    def on(cls, x: float, rate: float) -> Program:
+        """From ``x`` on at a ``rate``."""
+        return cls(np.zeros(1), np.array([x]), rate)
 
     def highest(self, t: float) -> float:
         """The largest that is held after the time ``t`` [s]."""

@@ -1,0 +1,668 @@
+"""The path of a device: what a contact does while the device presses, waits and goes back, turning wherever it may.
+
+The contact is free, or its edge advances, rests, or recedes; it jumps where no stable state goes on. A device of
+stiffness k holds D = delta + P/k (load control: P). At fixed D the contact at radius a is stable where dD/da > 0, the
+energy release rate then falls as the contact shrinks (Maugis, J. Phys. D 18 (1985) 293). Two rules that can be
+exchanged say how the edge moves each way: in equilibrium with a curve, G = w_a or w_r, or of finite range (``AtOnce``),
+or at a speed (``rate/motion.py: ByLaw``). Between the two it rests: P over delta is a straight line of slope S.
+"""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, NamedTuple, Protocol
+
+import numpy as np
+
+from ..base.arrays import Array
+from ..base.cubic import zeros_between
+from ..base.errors import InputError
+from ..base.units import show
+from ..base.unknown import Unknown
+from .curve import AdhesiveCurve, Equilibrium, EquilibriumCurve
+from .device import LOAD_CONTROL, control, position
+from .edge import Edge
+from .program import Program, Ramp
+
+
+@dataclass(frozen=True)
+class PathTuning:
+    """Round-off, and how long a path may become."""
+
+    rests: float = 1e-11  # theory: of positions, what round-off of times and radii leaves
+    jumped: float = 1e-9  # theory: of a radius, the same; what is more between two pieces is a jump
+    points: int = 200  # choice: rows of a piece where nothing else is asked for
+    restarts: int = 1_000  # choice: guard, pieces of one ramp
+
+
+TUNING = PathTuning()
+ADVANCE, REST, RECEDE, FREE = "advance", "rest", "recede", "free"
+
+
+# ---------------------------------------------------------------------- what a path is made of
+class Piece(ABC):
+    """What the contact does on one ``ramp``, from ``first`` to ``last``: time [s] and place [m], 0 out of contact.
+
+    ``ends``: "ramp"; "rest", G has come to w; "fold", from where it jumps to the place ``lands``; "fast", too fast for
+    equilibrium; "series", at the end of the data; "jump", out of the data; "lost". ``phase``: a word for it; ``work``
+    [J] of the device, under load control of the load; ``dissipated``: - int G d(pi a^2) [J].
+    """
+
+    if TYPE_CHECKING:  # fields of some, properties of others
+
+        @property
+        def phase(self) -> str: ...
+        @property
+        def ramp(self) -> Ramp: ...
+        @property
+        def ends(self) -> str: ...
+        @property
+        def lands(self) -> float | None: ...
+        @property
+        def first(self) -> tuple[float, float]: ...
+        @property
+        def last(self) -> tuple[float, float]: ...
+        @property
+        def work(self) -> float: ...
+        @property
+        def dissipated(self) -> float: ...
+
+    @property
+    def parting(self) -> tuple[float, float]:
+        """The last state that is told."""
+        return self.last
+
+    @abstractmethod
+    def rows(self, points: int) -> tuple[Array, Array]:
+        """Times [s] and places [m] of at most ``points`` states."""
+
+    @abstractmethod
+    def at(self, t: Array) -> Array:
+        """Places [m] at the times ``t`` [s] of the piece."""
+
+    @abstractmethod
+    def lowest(self) -> tuple[float, float]:
+        """Time [s] and place [m] at the least load."""
+
+    @abstractmethod
+    def speeds(self, a: Array, G: Array) -> Array:
+        """da/dt [m/s] at places ``a`` [m] and energy release rates ``G`` [J/m^2] of the piece."""
+
+    def unloaded(self) -> Piece | None:
+        """The piece from its last state without load on; None where it has none, or is not asked for it."""
+        return None
+
+
+class Now(NamedTuple):
+    """Time [s], place [m] (0: no contact) and what is held, between two pieces; ``rests``: G has just come to w;
+    ``stands``: the edge is in equilibrium, and moves with the device."""
+
+    t: float
+    place: float
+    x: float
+    rests: bool = False
+    stands: bool = False
+
+
+@dataclass(frozen=True)
+class Rest(Piece):
+    """The edge rests at a ``place`` [m] between two times [s]: P, delta and x lie on one straight line. At the place 0
+    there is no contact."""
+
+    contact: Contact
+    ramp: Ramp
+    place: float
+    t: float
+    t_end: float
+    x: float
+    x_end: float
+    ends = "ramp"
+    lands = None
+    dissipated = 0.0
+
+    @property
+    def phase(self) -> str:
+        return REST if self.place else FREE
+
+    @property
+    def first(self) -> tuple[float, float]:
+        return self.t, self.place
+
+    @property
+    def last(self) -> tuple[float, float]:
+        return self.t_end, self.place
+
+    @property
+    def _ends(self) -> States:
+        return self.contact.states(np.full(2, self.place), np.array([self.x, self.x_end]))
+
+    @property
+    def work(self) -> float:
+        ends = self._ends
+        moved = ends.delta if self.contact.stiffness == LOAD_CONTROL else np.array([self.x, self.x_end])
+        return float((ends.P[0] + ends.P[1]) / 2 * (moved[1] - moved[0]))
+
+    def rows(self, points: int) -> tuple[Array, Array]:
+        t = np.linspace(self.t, self.t_end, points)
+        return t, np.full(points, self.place)
+
+    def at(self, t: Array) -> Array:
+        return np.full(t.shape, self.place)
+
+    def lowest(self) -> tuple[float, float]:
+        return self.first if self.x < self.x_end else self.last
+
+    def speeds(self, a: Array, G: Array) -> Array:
+        return np.zeros_like(a)
+
+    def unloaded(self) -> Rest | None:
+        high, low = self._ends.P.tolist()
+        if not high > 0 >= low:
+            return None
+        return replace(self, x=self.x_end - low * (self.x - self.x_end) / (high - low))
+
+
+@dataclass(frozen=True, eq=False)
+class Follow(Piece):
+    """Equilibria of a ``curve`` from ``place`` to ``end`` [m] along a stable branch, as fast as the device moves. On a
+    step, an instant: the edge comes to equilibrium at ``place``."""
+
+    curve: EquilibriumCurve
+    stiffness: float
+    phase: str
+    ramp: Ramp
+    place: float
+    end: float
+    ends: str = "ramp"
+    lands: float | None = None
+
+    @cached_property
+    def first(self) -> tuple[float, float]:
+        return self._time(self.place), self.place
+
+    @cached_property
+    def last(self) -> tuple[float, float]:
+        return self._time(self.end), self.end
+
+    @property
+    def work(self) -> float:
+        along, k = self.curve.work(self.place, self.end), self.stiffness
+        P = self.curve.at(np.array([self.place, self.end]))[1]
+        return along + (0.0 if k in (LOAD_CONTROL, math.inf) else float(P[1] ** 2 - P[0] ** 2) / (2 * k))
+
+    @property
+    def dissipated(self) -> float:
+        a = self.curve.contact_radii(np.array([self.place, self.end]))
+        return -float(np.pi * self.curve.w * (a[1] ** 2 - a[0] ** 2))
+
+    def rows(self, points: int) -> tuple[Array, Array]:
+        if self.ramp.is_step or self.place == self.end:
+            return np.array([self.first[0]]), np.array([self.place])
+        places = np.linspace(self.place, self.end, points)
+        return self.ramp.t + (self._held(places) - self.ramp.x) / self.ramp.rate, places
+
+    def at(self, t: Array) -> Array:
+        if self.ramp.is_step:
+            return np.full(t.shape, self.place)
+        low, high = (np.full(t.shape, place) for place in sorted((self.place, self.end)))
+        x = np.clip(self.ramp.at(t), self._held(low), self._held(high))
+        return zeros_between(lambda places: self._held(places) - x, low, high, 0.0)
+
+    def lowest(self) -> tuple[float, float]:
+        inner = [point.place for point in self.curve.critical(LOAD_CONTROL) if self.holds(point.place)]
+        places = np.array([self.place, *inner, self.end])
+        best = float(places[np.argmin(self.curve.at(places)[1])])
+        return self._time(best), best
+
+    def speeds(self, a: Array, G: Array) -> Array:
+        rising = position(*self.curve.rates(a), self.stiffness)
+        rate = 0.0 if self.ramp.is_step else self.ramp.rate
+        return np.divide(rate, rising, out=np.full_like(a, np.copysign(np.inf, rate)), where=rising > 0)
+
+    def unloaded(self) -> Follow | None:
+        places = [place for place in self.curve.radii(P=0.0) if place > 0 and self.holds(place)]
+        return replace(self, place=places[0]) if places else None
+
+    def holds(self, place: float) -> bool:
+        """Whether the ``place`` [m] is passed through."""
+        return min(self.place, self.end) <= place <= max(self.place, self.end)
+
+    def _held(self, places: Array) -> Array:
+        return position(*self.curve.at(places), self.stiffness)
+
+    def _time(self, place: float) -> float:
+        return self.ramp.when(float(self._held(np.array(place))))
+
+
+# ---------------------------------------------------------------------- how an edge moves
+class EdgeRule(Protocol):
+    """How the edge of a contact moves one way, in a device. ``equilibrium``: the rule of an edge that moves infinitely
+    slowly; ``begins``: the place [m] from which a contact forms."""
+
+    @property
+    def equilibrium(self) -> AtOnce: ...
+    @property
+    def begins(self) -> float: ...
+    def move(self, ramp: Ramp, now: Now) -> Piece | None:
+        """What it does ``now``; None where that is not in the series."""
+
+
+@dataclass(frozen=True, eq=False)
+class AtOnce:
+    """An edge in equilibrium with ``curve`` whenever it moves: up a stable branch to its maximum of D, if the contact
+    ``grows``, else down to its minimum, and on from there by a jump at that D to the next stable radius."""
+
+    curve: EquilibriumCurve
+    stiffness: float
+    grows: bool
+
+    @property
+    def equilibrium(self) -> AtOnce:
+        return self
+
+    @property
+    def begins(self) -> float:
+        """Without adhesion contact begins at a point and the path at the first radius of the series."""
+        return float(self.curve.places[0]) if self.curve.w == 0 else 0.0
+
+    def held(self, place: float) -> float:
+        """What the device holds in equilibrium at a ``place`` [m]."""
+        return float(position(*self.curve.at(np.array(place)), self.stiffness))
+
+    def rises(self, place: float) -> float:
+        """dD/da at a ``place`` [m], > 0 where it is stable."""
+        return float(position(*self.curve.rates(np.array(place)), self.stiffness))
+
+    def slack(self, place: float) -> float:
+        """Round-off of what is held there."""
+        return TUNING.rests * (abs(self.held(place)) + place * abs(self.rises(place)))
+
+    def move(self, ramp: Ramp, now: Now) -> Follow | None:
+        place = now.place if self.stands(now) else self.settled(now.place, now.x)
+        if place is None:
+            return None
+        if ramp.rate * (1 if self.grows else -1) <= 0:
+            return self._piece(Ramp(now.t, now.x, now.t, now.x, 0.0), place, place)
+        return self.along(ramp, place)
+
+    def stands(self, now: Now) -> bool:
+        """Whether the edge is in equilibrium ``now``."""
+        return now.stands or bool(now.place and abs(self.held(now.place) - now.x) <= self.slack(now.place))
+
+    def along(self, ramp: Ramp, place: float) -> Follow:
+        """From an equilibrium at a ``place`` [m] on as far as the ``ramp``, or the stable branch, goes."""
+        whole = self._branch(ramp, place)
+        if not math.isfinite(ramp.x_end):
+            return whole
+        stops = [r for r in self.curve.radii_at(ramp.x_end, self.stiffness) if whole.holds(r)]
+        if stops:
+            return self._piece(ramp, place, self._next(stops))
+        there = abs(self.held(whole.end) - ramp.x_end) <= self.slack(whole.end)
+        return self._piece(ramp, place, whole.end) if there else whole
+
+    def settled(self, place: float, x: float) -> float | None:
+        """The next stable place [m] beyond ``place`` at which the device holds ``x``; None: there is none."""
+        found = [r for r in self.curve.radii_at(x, self.stiffness) if self._beyond(place, r) and self.rises(r) > 0]
+        return self._next(found) if found else None
+
+    def first(self) -> float | Unknown:
+        """The place [m] of first contact, where the free bodies begin to attract each other.
+
+        JKR forces have no range: nothing happens before the undeformed gap closes (D = delta = 0), and there the
+        contact spreads to the first stable radius."""
+        curve, held = self.curve, float(position(self.curve.onset, 0.0, self.stiffness))
+        if self.begins:
+            return self.begins
+        smallest, largest = curve.contact_radii(curve.places[[0, -1]]).tolist()
+        if not curve.complete and self.held(float(curve.places[0])) > held:
+            if curve.ranged:
+                return Unknown(f"the surfaces leap together to contact radii below {show(smallest, 'length')}, where "
+                               "the curve begins")  # fmt: skip
+            return Unknown(
+                "contact at delta = 0 settles below the smallest radius of the series, a = "
+                f"{show(smallest, 'length')}: begin at smaller radii"
+            )
+        where = f"delta = {curve.onset:.4g}{' m' if curve.onset else ''}"
+        return self.settled(0.0, held) or Unknown(
+            f"contact at {where} spreads beyond the largest radius of the series, a = "
+            f"{show(largest, 'length')}: increase [loading] radius"
+        )
+
+    def _branch(self, ramp: Ramp, place: float) -> Follow:
+        """The rest of the stable branch, and how it ends. Contact is lost only where the free bodies do not attract
+        each other (without range: overlap, D > 0): else a smaller contact outside the data remains."""
+        fold = self._fold(place)
+        if fold is None:
+            begin, end = self.curve.places[[0, -1]].tolist()
+            gone = self.curve.complete and not self.grows
+            return self._piece(ramp, place, end if self.grows else begin, "lost" if gone else "series")
+        x, others = self.held(fold), self.curve.critical(self.stiffness)
+        lands = self.settled(fold, x) if any(self._beyond(fold, point.place) for point in others) else None
+        if lands is not None:
+            return self._piece(ramp, place, fold, "fold", lands)
+        lost = not self.grows and x <= float(position(self.curve.onset, 0.0, self.stiffness))
+        return self._piece(ramp, place, fold, "lost" if lost else "jump")
+
+    def _fold(self, place: float) -> float | None:
+        """Where the stable branch that a ``place`` lies on ends; the place itself where it is not stable."""
+        critical, kind = self.curve.critical(self.stiffness), "maximum" if self.grows else "minimum"
+        here = next((point.kind for point in critical if point.place == place), None)
+        if here == kind or (here is None and self.rises(place) <= 0):
+            return place
+        ahead = [point.place for point in critical if point.kind == kind and self._beyond(place, point.place)]
+        return self._next(ahead) if ahead else None
+
+    def _piece(self, ramp: Ramp, place: float, end: float, ends: str = "ramp", lands: float | None = None) -> Follow:
+        phase = ADVANCE if self.grows else RECEDE
+        return Follow(self.curve, self.stiffness, phase, ramp, place, end, ends, lands)
+
+    def _beyond(self, place: float, other: float) -> bool:
+        return other > place if self.grows else other < place
+
+    def _next(self, increasing: list[float]) -> float:
+        return increasing[0] if self.grows else increasing[-1]
+
+
+class States(NamedTuple):
+    """Contact radius, displacement [m], load [N] and energy release rate [J/m^2]."""
+
+    a: Array
+    delta: Array
+    P: Array
+    G: Array
+
+
+class Contact:
+    """A contact in a device of ``stiffness`` [N/m], whose edge moves by two rules, ``advance`` and ``recede``."""
+
+    if TYPE_CHECKING:  # fields of some, properties of others
+
+        @property
+        def stiffness(self) -> float: ...
+        @property
+        def advance(self) -> EdgeRule: ...
+        @property
+        def recede(self) -> EdgeRule: ...
+
+    @cached_property
+    def edge(self) -> Edge | None:
+        """What gives the states between equilibria; None where attraction has a range: there are none."""
+        curve = self.recede.equilibrium.curve
+        return Edge(curve.nonadhesive, self.stiffness) if isinstance(curve, AdhesiveCurve) else None
+
+    @property
+    def free(self) -> float:
+        """What the device holds where the free bodies begin to attract each other."""
+        return float(position(self.advance.equilibrium.curve.onset, 0.0, self.stiffness))
+
+    @cached_property
+    def least(self) -> float:
+        """What the device holds when contact begins: that, without adhesion what it holds at the first radius."""
+        advance = self.advance.equilibrium
+        return advance.held(advance.begins) if advance.begins else self.free
+
+    def states(self, places: Array, x: Array) -> States:
+        """The states at ``places`` [m], 0 out of contact, while the device holds ``x``."""
+        curve, touching = self.recede.equilibrium.curve, places > 0
+        inside = np.where(touching, places, curve.places[0])
+        if self.edge is None:
+            delta, P, G = *curve.at(inside), np.full_like(inside, curve.w)
+        else:
+            delta, P, G, _ = self.edge.state(inside, x)
+        free = np.zeros_like(x) if self.stiffness == LOAD_CONTROL else x
+        a, P, G = (np.where(touching, column, 0.0) for column in (curve.contact_radii(inside), P, G))
+        return States(a, np.where(touching, delta, free), P, G)
+
+    def limits(self, place: float) -> tuple[float, float, float]:
+        """What the device holds where the edge at ``place`` [m] begins to recede, and to advance, and their
+        round-off."""
+        recede, advance = self.recede.equilibrium, self.advance.equilibrium
+        return recede.held(place), advance.held(place), max(recede.slack(place), advance.slack(place))
+
+
+@dataclass(frozen=True, eq=False)
+class QuasiStatic(Contact):
+    """A contact in equilibrium with one curve while it grows, and with another of no smaller w while it shrinks."""
+
+    advancing: EquilibriumCurve
+    receding: EquilibriumCurve
+    stiffness: float
+
+    def __post_init__(self) -> None:
+        if self.receding.w < self.advancing.w:
+            raise InputError(
+                "cycle: the work of adhesion on retraction must be >= that on approach, got "
+                f"{show(self.receding.w, 'work')} after {show(self.advancing.w, 'work')}"
+            )
+
+    @cached_property
+    def advance(self) -> AtOnce:
+        return AtOnce(self.advancing, self.stiffness, True)
+
+    @cached_property
+    def recede(self) -> AtOnce:
+        return AtOnce(self.receding, self.stiffness, False)
+
+
+# ---------------------------------------------------------------------- one piece after the other
+@dataclass(frozen=True)
+class Jump:
+    """A jump from ``start`` to ``end`` at standing device, at the time ``t`` [s]; ``end = None``: contact is lost."""
+
+    start: Equilibrium
+    end: Equilibrium | None
+    t: float = 0.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class TimedState(Equilibrium):
+    """A state at the time ``t`` [s]."""
+
+    t: float
+
+
+@dataclass(frozen=True, eq=False)
+class Path:
+    """The ``pieces`` of what happened to ``contact``, in order, and how it ``ends``: "program", "series" (the contact
+    grows beyond its radii, or shrinks below them), "jump" (out of them), or "lost"."""
+
+    contact: Contact
+    pieces: tuple[Piece, ...]
+    ends: str
+
+    @property
+    def last(self) -> float:
+        """The place [m] at its end."""
+        return self.pieces[-1].last[1]
+
+    @property
+    def work(self) -> float:
+        """Work of the device [J]; at jumps, the device standing still, it does none."""
+        return sum(piece.work for piece in self.pieces)
+
+    @property
+    def stretches(self) -> tuple[Follow, ...]:
+        """The pieces in equilibrium."""
+        return tuple(piece for piece in self.pieces if isinstance(piece, Follow))
+
+    def holds(self, place: float) -> bool:
+        """Whether equilibrium at the ``place`` [m] is passed through."""
+        return any(piece.holds(place) for piece in self.stretches)
+
+    def up_to(self, place: float) -> Path:
+        """The path that ends in equilibrium at the ``place`` [m]."""
+        for i, piece in enumerate(self.pieces):
+            if isinstance(piece, Follow) and piece.holds(place):
+                return replace(self, pieces=(*self.pieces[:i], replace(piece, end=place, ends="ramp")), ends="program")
+        raise InputError(f"cycle: the turn at a = {show(place, 'length')} is not passed by stable contact on approach")
+
+    @cached_property
+    def unloaded_work(self) -> float | None:
+        """Work of the device [J] from the last state without load on; None where it passes none."""
+        total = 0.0
+        for piece in reversed(self.pieces):
+            if (part := piece.unloaded()) is not None:
+                return total + part.work
+            total += piece.work
+        return None
+
+    @cached_property
+    def jumps(self) -> tuple[Jump, ...]:
+        """Where the radius changes while no time goes by, and where contact is lost."""
+        return tuple(self._jumps())
+
+    @property
+    def control(self) -> str:
+        return control(self.contact.stiffness)
+
+    def _jumps(self) -> Iterator[Jump]:
+        for one, two in zip(self.pieces[:-1], self.pieces[1:], strict=True):
+            gone = one.phase != FREE and two.phase == FREE
+            if gone or (abs(two.first[1] - one.last[1]) > TUNING.jumped * one.last[1]):
+                yield self._jump(one, None if gone else self.state(two, *two.first))
+        if self.ends == "lost":
+            yield self._jump(self.pieces[-1], None)
+
+    def _jump(self, piece: Piece, end: TimedState | None) -> Jump:
+        return Jump(self.state(piece, *piece.parting), end, piece.last[0])
+
+    def state(self, piece: Piece, t: float, place: float) -> TimedState:
+        """The state of a ``piece`` at the time ``t`` [s] and ``place`` [m]."""
+        if isinstance(piece, Follow):
+            return TimedState(**vars(piece.curve.point(place)), t=t)
+        a, delta, P, _ = (float(column[0]) for column in self.states(piece, np.array([t]), np.array([place])))
+        return TimedState(a=a, delta=delta, P=P, t=t)
+
+    def states(self, piece: Piece, t: Array, places: Array) -> States:
+        """The states of a ``piece`` at times [s] and ``places`` [m] of it."""
+        if not isinstance(piece, Follow):
+            return self.contact.states(places, held(piece, t))
+        curve = piece.curve
+        return States(curve.contact_radii(places), *curve.at(places), np.full_like(places, curve.w))
+
+    def rows(self, points: int) -> dict[str, Array]:
+        """Rows of the whole path, at most ``points`` to a piece: "t_s", "a_m" (0 out of
+        contact), "delta_m", "P_N", "device_m" (not under load control), "G_J_per_m2", "phase", "part", "c_m" where
+        attraction has a range."""
+        parts = [piece.rows(points) for piece in self.pieces]
+        both = list(zip(self.pieces, parts, strict=True))
+        a, delta, P, G = map(np.concatenate, zip(*(self.states(piece, *part) for piece, part in both), strict=True))
+        t, places = map(np.concatenate, zip(*parts, strict=True))
+        t = np.maximum.accumulate(np.maximum(t, self.pieces[0].ramp.t))  # pieces meet but for round-off
+        columns = {"t_s": t, "a_m": a, "delta_m": delta, "P_N": P}
+        if self.contact.stiffness != LOAD_CONTROL:
+            columns["device_m"] = np.concatenate([held(piece, part[0]) for piece, part in both])
+        sizes = [part[0].size for part in parts]
+        phases = np.repeat([piece.phase for piece in self.pieces], sizes)
+        columns |= {"G_J_per_m2": G, "phase": phases, "part": np.repeat(np.arange(len(parts)) + 1, sizes)}
+        return columns | ({"c_m": places} if self.contact.recede.equilibrium.curve.ranged else {})
+
+
+def held(piece: Piece, t: Array) -> Array:
+    """What the device holds at the times ``t`` of a piece."""
+    ramp = piece.ramp
+    if ramp.is_step:
+        return np.linspace(ramp.x, ramp.x_end, t.size) if t.size > 1 else np.array([ramp.x_end])
+    return np.asarray(ramp.at(t))
+
+
+def path(contact: Contact, program: Program, start: float = 0.0, stands: bool = False) -> Path:
+    """What happens under ``program``; ``start``: the place [m] of a contact that is there already, else 0; ``stands``:
+    in equilibrium, moving with the device."""
+    pieces: list[Piece] = []
+    ends, now = "program", Now(0.0, start, 0.0, stands=stands)
+    for ramp in program.ramps():
+        found, ends = _on_ramp(contact, ramp, now, program)
+        pieces += found
+        if ends != "program":
+            break
+        now = Now(0.0, _after(ramp, pieces[-1]).place, 0.0)
+    if not pieces:
+        raise InputError(
+            "program: the contact grows beyond the largest radius of the series: increase [loading] radius"
+        )
+    return Path(contact, tuple(pieces), ends)
+
+
+def _on_ramp(contact: Contact, ramp: Ramp, now: Now, program: Program) -> tuple[list[Piece], str]:
+    """The pieces of one ramp, and how it ends: "program", "series", "jump", or "lost" where no contact forms anew."""
+    now, pieces = now._replace(t=ramp.t, x=ramp.x), list[Piece]()
+    for _ in range(TUNING.restarts):
+        piece = _next(contact, ramp, now)
+        if piece is None:
+            return pieces, "series"
+        pieces.append(piece)
+        now = _after(ramp, piece)
+        if piece.ends in ("series", "jump") or (piece.ends == "lost" and not program.highest(now.t) > contact.least):
+            return pieces, piece.ends
+        if now.t >= ramp.t_end:
+            return pieces, "program"
+    raise InputError(f"program: more than {TUNING.restarts} changes between rest and motion on one ramp")
+
+
+def _after(ramp: Ramp, piece: Piece) -> Now:
+    """The state behind a piece."""
+    t, place = piece.last
+    if math.isfinite(ramp.t_end) and ramp.t_end - t <= TUNING.rests * (ramp.t_end - ramp.t):
+        t = ramp.t_end
+    x = piece.x_end if isinstance(piece, Rest) else ramp.x_end if t >= ramp.t_end else float(ramp.at(t))
+    place = 0.0 if piece.ends == "lost" else place if piece.lands is None else piece.lands
+    return Now(t, place, x, piece.ends == "rest", piece.ends == "fold")
+
+
+def _next(contact: Contact, ramp: Ramp, now: Now) -> Piece | None:
+    """What happens from ``now`` on; None where it is not in the series."""
+    if now.place == 0:
+        return _form(contact, ramp, now)
+    if ramp.is_step:
+        return Rest(contact, ramp, now.place, now.t, now.t, ramp.x, ramp.x_end)
+    if now.stands:
+        return (contact.advance if ramp.rate > 0 else contact.recede).move(ramp, now)
+    recedes, advances, slack = contact.limits(now.place)
+    beyond = now.x - recedes
+    if not now.rests and (beyond <= slack if ramp.rate < 0 else beyond < -slack):
+        return contact.recede.move(ramp, now)
+    if not now.rests and (now.x > advances + slack or (ramp.rate > 0 and now.x >= advances - slack)):
+        return contact.advance.move(ramp, now)
+    target = {1: advances, -1: recedes, 0: now.x}[int(np.sign(ramp.rate))]
+    ends = max(ramp.when(target), now.t)
+    if ends >= ramp.t_end:
+        ends, target = ramp.t_end, ramp.x_end
+    return Rest(contact, ramp, now.place, now.t, ends, now.x, target)
+
+
+def _form(contact: Contact, ramp: Ramp, now: Now) -> Piece | None:
+    """No contact until the device comes to where the free bodies attract each other; then the first place."""
+    least = contact.least
+    if ramp.is_step or now.x < least or (now.x == least and ramp.rate <= 0):
+        comes = ramp.rate > 0 and ramp.x_end > least and not ramp.is_step
+        end = max(ramp.when(least), now.t) if comes else ramp.t_end
+        return Rest(contact, ramp, 0.0, now.t, end, now.x, least if comes else ramp.x_end)
+    return contact.advance.move(ramp, now._replace(place=contact.advance.begins))
+
+
+# ---------------------------------------------------------------------- one way
+def grow(contact: QuasiStatic) -> Path | Unknown:
+    """The states passed on approach, from where the free bodies begin to attract each other to the end of the series;
+    Unknown where the first of them is not in it."""
+    first = contact.advance.first()
+    return first if isinstance(first, Unknown) else path(contact, Program.on(contact.least, 1.0), first, True)
+
+
+def shrink(contact: QuasiStatic, begin: float) -> Path:
+    """The states passed on retraction from an equilibrium of the advancing edge at the place ``begin`` [m] on, stable
+    there or not."""
+    no_rest = contact.advancing.w == contact.receding.w
+    return path(contact, Program.on(contact.advance.held(begin), -1.0), begin, no_rest)
+
+
+def largest_stable(curve: EquilibriumCurve, stiffness: float) -> float | None:
+    """The largest place [m] of the curve from which a device can retract; None where no branch in it is stable."""
+    last = float(curve.places[-1])
+    if AtOnce(curve, stiffness, False).rises(last) > 0:
+        return last
+    return max((point.place for point in curve.critical(stiffness) if point.kind == "maximum"), default=None)

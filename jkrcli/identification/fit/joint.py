@@ -1,0 +1,281 @@
+"""Many records fitted together: unknowns that all of them share, such as E* and w, and those that each has for itself.
+
+Each record is fitted alone first. Then all are searched at once, the unknowns of each by those of all; each in units of
+its own noise as its own covariance states it, so that records of other instruments, kinds and noise weigh as they may.
+What a record is fitted with besides, and what is drawn of it, is its own fit with the shared values fixed.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from scipy.special import chdtrc
+
+from ...base.arrays import Array
+from ...base.errors import InputError, did_you_mean
+from ...bodies.parts import RADIUS
+from ...data.measured import Curve
+from ...data.record import ForceCurve
+from ..least_squares import Least, LeastSquares, State
+from .body import FittedBody
+from .confidence import spread_of
+from .fitting import fit, prepared
+from .record import whole_fit
+from .result import Fit, FittedValue, estimated, times
+from .search import robust, search
+from .settings import ALIAS, Parameter, Settings, dimension_of
+from .statistics import covariance, t_quantile
+
+
+@dataclass(frozen=True)
+class JointTuning:
+    """How the search ends, and when records are said not to share what they are asked to."""
+
+    converged: float = 1e-10  # choice: relative, far below any standard error
+    evaluations: int = 100  # choice: guard
+    apart: float = 1e-3  # choice: chance of such differences, below which it is said
+
+
+TUNING = JointTuning()
+
+
+def shared_of(names: Iterable[str], own: Iterable[str], settings: Settings) -> tuple[str, ...]:
+    """The shared parameters by their own names; InputError where one is not free, or every record's own as well."""
+    free = [p.name for p in settings.free]
+    shared, kept = (["modulus" if name == ALIAS else name for name in group] for group in (names, own))
+    for option, group in (("shared", shared), ("own", kept)):
+        if unknown := [name for name in group if name not in free]:
+            hint = did_you_mean(unknown[0], free)
+            raise InputError(f"fit: --{option} {unknown[0]}: is not free{hint} (free: {', '.join(free)})")
+    if both := set(shared) & set(kept):
+        raise InputError(f"fit: {min(both)} cannot be shared and every record's own: leave one out")
+    if left := [name for name in free if kept and name not in (*shared, *kept)]:
+        raise InputError(f"fit: --own: {left[0]} is free too: name it in --shared or in --own")
+    return tuple(dict.fromkeys(shared))
+
+
+def with_radii(body: FittedBody, radii: Sequence[float], count: int) -> list[FittedBody]:
+    """The body under the tip radius [m] of each of ``count`` files."""
+    if len(radii) not in (0, 1, count):
+        raise InputError(f"fit: --tip-radius: give one for each of the {count} files, or one for all, got {len(radii)}")
+    if radii and not (hasattr(body.problem.indenter, "R") and body.own_parameters):
+        raise InputError("fit: --tip-radius: needs a sphere or a paraboloid on a specimen without an end")
+    each = list(radii) * (count // len(radii)) if radii else []
+    return [body.with_values({RADIUS: R}) for R in each] if radii else [body] * count
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """A record's own ``least``, with the ``names`` of its unknowns; ``units`` of those that may be shared, by their
+    names; ``noise``: variance of its residuals that its covariance rests on; ``counted``: where works are counted in
+    moduli, the factor of these if it is known; 0 where they are not."""
+
+    where: str
+    least: Least
+    names: tuple[str, ...]
+    units: Mapping[str, float]
+    noise: float
+    renamed: Mapping[str, str]
+    counted: float
+
+    def place(self, name: str) -> int:
+        """Where the shared parameter is among the unknowns."""
+        own = self.renamed.get(name, name)
+        if own not in self.names:
+            raise InputError(f"{self.where}: does not tell {'E*' if name == 'modulus' else name}: it cannot be shared")
+        return self.names.index(own)
+
+    def unknowns(self, values: Mapping[str, float], own: Array) -> tuple[Array, dict[str, Array]]:
+        """All unknowns by the shared ``values`` and its ``own``, and their derivatives by the shared ones."""
+        places = {name: self.place(name) for name in values}
+        x, rates = np.zeros(len(self.names)), {name: np.zeros(len(self.names)) for name in values}
+        x[self.own(values)] = own
+        for name, i in places.items():
+            unit = self.units.get(name, 1.0)
+            x[i], rates[name][i] = values[name] / unit, 1 / unit
+        if self.counted and "w" in values:  # in the modulus
+            i, s = places["w"], self.modulus(x)
+            x[i], rates["w"][i] = x[i] / s, rates["w"][i] / s
+            if "modulus" in values:
+                rates["modulus"][i] = -x[i]
+        return x, rates
+
+    def own(self, shared: Iterable[str]) -> Array:
+        """Indices of the unknowns that are not shared."""
+        return np.setdiff1d(np.arange(len(self.names)), [self.place(name) for name in shared])
+
+    def value(self, name: str) -> float:
+        """The shared unknown as it is found in this record alone."""
+        x = float(self.least.x[self.place(name)]) * self.units.get(name, 1.0)
+        return x * self.modulus(self.least.x) if self.counted and name == "w" else x
+
+    def modulus(self, x: Array) -> float:
+        """The factor of all moduli that works are counted in."""
+        return math.exp(x[self.names.index("ln_s")]) if "ln_s" in self.names else self.counted
+
+
+def part_of(body: FittedBody, curve: Curve, settings: Settings) -> Part:
+    """A curve fitted alone, by its points or as a whole record."""
+    ready = prepared(body, curve, settings)
+    if isinstance(ready, ForceCurve):
+        found = whole_fit(body, ready, settings)
+        last = found.model.stretches[-1].kind
+        plain = covariance(found.least.state.jacobian, 1.0)
+        return Part(curve.where, found.least, found.names, {}, _noise(found.covariance, plain),
+                    {"modulus": "ln_s", "w": f"q:{last}"}, math.exp(found.model.known.get("ln_s", 0.0)))  # fmt: skip
+    minimum = robust(search(body, ready.points, ready.settings), ready.settings.loss)
+    names = tuple(minimum.objective.parameters[i].name for i in minimum.objective.free)
+    inner, scale = spread_of(minimum, ready.settings)[0], np.outer(minimum.units, minimum.units)
+    plain = covariance(minimum.least.state.jacobian, 1.0)
+    noise = _noise(None if inner is None else inner / scale, plain)
+    return Part(curve.where, minimum.least, names, dict(zip(names, minimum.units, strict=True)), noise, {}, 0.0)
+
+
+def _noise(stated: Array | None, plain: Array | None) -> float:
+    """The variance of residuals that a stated covariance rests on, by that of unit variance."""
+    if stated is None or plain is None:
+        raise InputError("a record does not tell its own unknowns apart: fix one of them (--fix)")
+    return float(np.median(np.diag(stated) / np.diag(plain)))
+
+
+@dataclass(frozen=True, eq=False)
+class Joint:
+    """All ``parts`` as one model of the ``shared`` unknowns and then those of each."""
+
+    parts: tuple[Part, ...]
+    shared: tuple[str, ...]
+
+    @cached_property
+    def own(self) -> list[Array]:
+        return [part.own(self.shared) for part in self.parts]
+
+    def state(self, x: Array) -> State:
+        """Residuals of all records in units of their noise."""
+        m, residuals, rates = len(self.shared), [], []
+        values, first = dict(zip(self.shared, x[:m].tolist(), strict=True)), m
+        for part, own in zip(self.parts, self.own, strict=True):
+            y, by = part.unknowns(values, x[first : first + own.size])
+            found, J = part.least.problem.model(y), np.zeros((0, 0))
+            J = np.zeros((found.residuals.size, x.size))
+            J[:, :m] = found.jacobian @ np.stack([by[name] for name in self.shared], axis=1)
+            J[:, first : first + own.size] = found.jacobian[:, own]
+            scale, first = math.sqrt(part.noise), first + own.size
+            residuals.append(found.residuals / scale)
+            rates.append(J / scale)
+        return State(np.concatenate(residuals), lambda: np.concatenate(rates))
+
+    @property
+    def bounds(self) -> tuple[Array, Array]:
+        ends = [[np.full(len(self.shared), sign * np.inf)] for sign in (-1, 1)]
+        for part, own in zip(self.parts, self.own, strict=True):
+            for end, bound in zip(ends, part.least.problem.bounds, strict=True):
+                end.append(bound[own])
+        for i, name in enumerate(self.shared):
+            if name != "modulus" and not any(part.counted for part in self.parts):
+                lows = [part.least.problem.bounds[0][part.place(name)] * part.units[name] for part in self.parts]
+                ends[0][0][i] = max(lows)
+        return np.concatenate(ends[0]), np.concatenate(ends[1])
+
+    def search(self) -> Least:
+        """From the mean of what each record says of the shared unknowns, by its certainty."""
+        weights, values = [], []
+        for part in self.parts:
+            spread = covariance(part.least.state.jacobian, part.noise)
+            assert spread is not None
+            places = [part.place(name) for name in self.shared]
+            values.append([part.value(name) for name in self.shared])
+            weights.append(1 / (np.diag(spread)[places] * [part.units.get(name, 1.0) ** 2 for name in self.shared]))
+        start = [np.average(values, axis=0, weights=weights)]
+        start += [part.least.x[own] for part, own in zip(self.parts, self.own, strict=True)]
+        problem = LeastSquares(self.state, self.bounds, TUNING.converged, evaluations=TUNING.evaluations)
+        return problem.least(np.concatenate(start))
+
+
+@dataclass(frozen=True, eq=False)
+class JointFit:
+    """Records fitted together: ``shared`` estimates with the ``covariance`` of their unknowns, logs of moduli; ``fits``
+    of the records with these; ``alone``: what each says by itself; ``chance`` that records which share them differ as
+    much."""
+
+    shared: tuple[FittedValue, ...]
+    covariance: Array
+    fits: tuple[Fit, ...]
+    alone: tuple[Mapping[str, float], ...]
+    chance: float
+    warnings: tuple[str, ...]
+
+    def estimate(self, name: str) -> FittedValue:
+        """The shared estimate called ``name``."""
+        return next(item for item in self.shared if item.name == name)
+
+    @property
+    def correlation(self) -> Array:
+        sigma = np.sqrt(np.diag(self.covariance))
+        return self.covariance / np.outer(sigma, sigma)
+
+
+def joint_fit(
+    bodies: Sequence[FittedBody], curves: Sequence[Curve], settings: Settings, shared: Sequence[str]
+) -> JointFit:
+    """The fit of all ``curves``, each on its body, that share unknowns; InputError where one does not tell them."""
+    if len(curves) < 2:
+        raise InputError(f"fit: --shared: needs two records or more, got {len(curves)}")
+    parts = tuple(part_of(body, curve, settings) for body, curve in zip(bodies, curves, strict=True))
+    found = Joint(parts, tuple(shared)).search()
+    m, dof = len(shared), max(found.state.residuals.size - found.x.size, 1)
+    spread = covariance(found.state.jacobian, 1.0)
+    if spread is None or not found.ended:
+        raise InputError(f"fit: the records together do not tell {', '.join(shared)} apart: fix one of them (--fix)")
+    sigma, t = np.sqrt(np.diag(spread))[:m], t_quantile(settings.level, dof)
+    estimates = [_estimated(name, float(x), float(s), t) for name, x, s in zip(shared, found.x, sigma, strict=False)]
+    known = {item.name: item.value for item in estimates}
+    if "modulus" in known:
+        modulus = estimates[list(shared).index("modulus")]
+        estimates.append(times(modulus, bodies[0].problem.E_star, "E_star", "modulus"))
+    fixed = tuple(Parameter(p.name, False, known[p.name]) if p.name in known else p for p in settings.parameters)
+    asked = replace(settings, parameters=fixed, given=settings.given)
+    fits = tuple(_sharing(fit(body, curve, asked), estimates) for body, curve in zip(bodies, curves, strict=True))
+    rise = 2 * (found.cost - sum(part.least.cost / part.noise for part in parts))
+    chance = float(chdtrc(m * (len(parts) - 1), max(rise, 0.0)))
+    alone = tuple(_alone(part, shared, bodies[0].problem.E_star) for part in parts)
+    warnings = *_warnings(estimates, chance), *(f"{one.where}: {line}" for one in fits for line in one.warnings)
+    return JointFit(tuple(estimates), spread[:m, :m], fits, alone, chance, warnings)
+
+
+def _alone(part: Part, shared: Sequence[str], E_star: float) -> dict[str, float]:
+    """What a record says by itself of what it shares, E* for the modulus."""
+    found = {name: float(_outer(name, part.value(name))) for name in shared}
+    modulus = {} if "modulus" not in found else {"E_star": found.pop("modulus") * E_star}
+    return modulus | found
+
+
+def _outer(name: str, x: float) -> float:
+    return math.exp(x) if _is_log(name) else x
+
+
+def _is_log(name: str) -> bool:
+    """Whether the unknown of a parameter is its log."""
+    return Parameter(name, True).kind == "log"
+
+
+def _estimated(name: str, x: float, sigma: float, t: float) -> FittedValue:
+    dimension, log = dimension_of(name), _is_log(name)
+    return estimated(name, x, dimension, sigma, t, log, (0.0 if dimension == "work" else -math.inf, math.inf))
+
+
+def _sharing(one: Fit, shared: Sequence[FittedValue]) -> Fit:
+    """The fit of a record with the shared estimates in the place of those that were fixed in it."""
+    known = {item.name: item for item in shared}
+    return replace(one, estimates=tuple(known.get(item.name, item) for item in one.estimates))
+
+
+def _warnings(shared: Sequence[FittedValue], chance: float) -> list[str]:
+    if chance > TUNING.apart:
+        return []
+    names = " and ".join("E*" if item.name == "E_star" else item.name for item in shared if item.name != "modulus")
+    return [f"the records differ by more than their noise (p = {chance:.1g}): they do not share {names}; see what each "
+            "says alone"]  # fmt: skip

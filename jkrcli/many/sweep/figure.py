@@ -1,0 +1,103 @@
+"""The figure of a sweep: its results over the axis with the most values, a line for each value of the next."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...base.arrays import Array
+from ...base.units import scale, show
+from ...report.plots import COLORS, Figure, pretty
+from ...report.plots.study import Line, Panel, panels_figure
+from .plan import Plan
+from .table import SweepTable
+
+DIMENSIONS = {"_N": "load", "_J_per_m2": "work", "_Pa": "modulus", "_m": "length"}
+
+
+@dataclass(frozen=True)
+class SweepPicture:
+    """What of a sweep is drawn, and how."""
+
+    widely: float = 5.0  # choice: ratio of the ends of an axis from which on it is logarithmic
+    margin: float = 0.05  # choice: of an axis, beyond its ends
+    shown: int = 2  # choice: results that are drawn, a panel for each
+
+
+TUNING = SweepPicture()
+
+
+def sweep_figure(plan: Plan, table: SweepTable) -> Figure | None:
+    """Forces where there are some, else the first results; other axes at their first value, which the title says. None
+    where no axis or no result is a number."""
+    numbers = dict(_numbers(table))
+    axes = sorted(_axes(plan, numbers), key=lambda name: -np.unique(numbers[name]).size)
+    results = [name for name in plan.recipe.wanted.columns if name in numbers and "err" not in name]
+    results = ([name for name in results if name.endswith(".P_N")] or results)[: TUNING.shown]
+    if not axes or not results:
+        return None
+    x, *others = axes
+    first = {name: numbers[name][0] for name in others[1:]}
+    rows = np.logical_and.reduce([np.isfinite(numbers[x]), *(numbers[name] == at for name, at in first.items())])
+    held = {name: values[rows] for name, values in numbers.items()}
+    joint = any(x in plan.key_columns and len(axis.keys) > 1 for axis in plan.axes)
+    panels = [_panel(held, x, others[:1], name, "o" if joint else "o-") for name in results]
+    return panels_figure(panels, ", ".join(_value(name, at) for name, at in first.items()))
+
+
+def _numbers(table: SweepTable) -> Iterator[tuple[str, Array]]:
+    """Columns that hold numbers alone, NaN where a case failed."""
+    for name, values in table.columns.items():
+        if all(value is None or isinstance(value, int | float) for value in values):
+            yield name, np.array([np.nan if value is None else value for value in values], dtype=float)
+
+
+def _axes(plan: Plan, numbers: Mapping[str, Array]) -> Iterator[str]:
+    """The first column of each axis that holds several numbers."""
+    columns = iter(plan.key_columns)
+    for axis in plan.axes:
+        names = [next(columns) for _ in axis.keys]
+        yield from [name for name in names if name in numbers and np.unique(numbers[name]).size > 1][:1]
+
+
+def _panel(held: Mapping[str, Array], x: str, beside: list[str], y: str, style: str) -> Panel:
+    (along, x_label), (up, y_label) = (_scaled(held, name) for name in (x, y))
+    groups = np.unique(held[beside[0]])[: len(COLORS)] if beside else [None]
+    lines = []
+    for at, color in zip(groups, COLORS, strict=False):
+        rows = np.flatnonzero(held[beside[0]] == at) if beside else np.arange(along.size)
+        rows = rows[np.argsort(along[rows], kind="stable")]
+        lines.append(Line(along[rows], up[rows], _value(beside[0], at) if beside else "", style, color))
+    wide = along.min() > 0 and along.max() > TUNING.widely * along.min()
+    shown = np.concatenate([line.y for line in lines])
+    return Panel(
+        x_label, y_label, lines, logs="x" if wide else "", xlim=None if wide else _ends(along), ylim=_ends(shown)
+    )
+
+
+def _ends(values: Array) -> tuple[float, float]:
+    """Limits of an axis around finite values."""
+    low, high = float(np.nanmin(values)), float(np.nanmax(values))
+    return low - TUNING.margin * (high - low or abs(high) or 1.0), high + TUNING.margin * (
+        high - low or abs(high) or 1.0
+    )
+
+
+def _scaled(held: Mapping[str, Array], column: str) -> tuple[Array, str]:
+    """A column in the unit that people would use, and the label of its axis."""
+    stem, dimension = _split(column)
+    factor, unit = scale(float(np.nanmax(np.abs(held[column]))), dimension)
+    return held[column] / factor, f"{stem} ({pretty(unit)})" if unit else stem
+
+
+def _value(column: str, value: float) -> str:
+    stem, dimension = _split(column)
+    return f"{stem.rpartition('.')[2]} = {pretty(show(value, dimension))}"
+
+
+def _split(column: str) -> tuple[str, str]:
+    """A column's name without its unit, and its dimension."""
+    ending = next((ending for ending in DIMENSIONS if column.endswith(ending)), "")
+    return column.removesuffix(ending), DIMENSIONS.get(ending, "number")

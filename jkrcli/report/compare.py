@@ -1,0 +1,100 @@
+"""Two results of the same problem: how far they lie apart, column by column."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ..base.errors import InputError
+from ..series import Solution
+from ..series.differences import Difference, curve_differences, series_differences
+from .result import Result
+from .tables import read_curve
+
+if TYPE_CHECKING:
+    from .plots import Figure
+
+
+@dataclass(frozen=True, eq=False)
+class Compared(Result):
+    """Differences of the ``second`` from the ``first``; they ``agree`` where none of the columns that are ``counting``
+    differs by more than ``rtol``."""
+
+    first: Path
+    second: Path
+    differences: Sequence[Difference]
+    rtol: float
+    counting: Collection[str]
+
+    @classmethod
+    def of(
+        cls, files: Sequence[Path], found: Sequence[Difference], rtol: float, counting: Iterable[str],
+        overlap: float,
+    ) -> Compared:  # fmt: skip
+        """InputError where a column is not in both, or where less than ``overlap`` of their range is; none named: all
+        count."""
+        counts = set(counting) or {one.column for one in found}
+        if missing := counts - {one.column for one in found}:
+            raise InputError(f"compare: column {sorted(missing)[0]} is not in both files")
+        for one in found:
+            if one.column in counts and one.coverage < overlap:
+                raise InputError(
+                    f"compare: {files[0]} and {files[1]} share only {one.coverage:.0%} of their range of {one.over}; "
+                    f"load both as far, or allow it with --overlap {one.coverage:.2f}"
+                )
+        first, second = files
+        return cls(first, second, found, rtol, counts)
+
+    @property
+    def agree(self) -> bool:
+        return all(one.worst <= self.rtol for one in self.differences if one.column in self.counting)
+
+    @cached_property
+    def _rows(self) -> Mapping[str, Mapping[str, Any]]:
+        return {
+            one.column: {
+                "worst": one.worst,
+                "over": one.over,
+                "at": float(one.x[one.worst_row]),
+                "counts": one.column in self.counting,
+            }
+            for one in self.differences
+        }
+
+    @property
+    def columns(self) -> dict[str, list[Any]]:  # type: ignore[override]
+        rows = [{"column": name} | dict(row) for name, row in self._rows.items()]
+        return {name: [row[name] for row in rows] for name in rows[0]}
+
+    def summary(self) -> dict[str, Any]:
+        files = {"first": str(self.first), "second": str(self.second)}
+        return files | {"rtol": self.rtol, "agree": self.agree, "columns": dict(self._rows)}
+
+    def words(self) -> list[str]:
+        lines = [f"{self.first} against {self.second}: {'agree' if self.agree else 'DIFFER'} at rtol {self.rtol:g}"]
+        for one in self.differences:
+            counts = "" if one.column in self.counting else "  (not counted)"
+            where = f"at {one.over} = {one.x[one.worst_row]:.6g}, {one.x.size} rows of {self.first.name}"
+            lines.append(f"  {one.column:<16} worst {one.worst:.3e} {where}{counts}")
+        return lines
+
+    def figure(self) -> Figure:
+        from .plots.study import differences_figure
+
+        return differences_figure(self.differences, self.rtol)
+
+
+def of_solutions(files: Sequence[Path], one: Solution, two: Solution) -> list[Difference]:
+    """Differences of two series of the same bodies; InputError where they are of others."""
+    for name in ("indenter", "specimen"):
+        if getattr(one.problem, name) != getattr(two.problem, name):
+            raise InputError(f"{files[1]}: its {name} is not that of {files[0]}; compare results of the same problem")
+    return series_differences(one.filtered, two.filtered)
+
+
+def of_curves(files: Sequence[Path]) -> list[Difference]:
+    """Differences of the columns that two CSV files of adhesive curves share."""
+    return curve_differences(*map(read_curve, files))

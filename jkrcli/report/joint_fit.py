@@ -1,0 +1,63 @@
+"""Records fitted together as a table, as a summary and in words."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from ..base.units import show
+from ..identification.fit.joint import JointFit
+from . import fit as each
+from .fit import brief, estimate_summary, estimate_words
+from .result import Result
+
+if TYPE_CHECKING:
+    from .plots import Figure
+
+
+@dataclass(frozen=True, eq=False)
+class JointFitted(JointFit, Result):
+    """Records fitted together with what is said of them; ``body``: of what, in words; ``level`` of their intervals."""
+
+    warnings: tuple[str, ...] = ()
+    body: str = ""
+    level: float = 0.95
+
+    @property
+    def columns(self) -> dict[str, list[Any]]:  # type: ignore[override]
+        """A row for each record: what all share, and its own."""
+        return each.columns(self.fits)
+
+    def summary(self) -> dict[str, Any]:
+        return {
+            "format": "jkr-joint-fit",
+            "version": 1,
+            "body": self.body,
+            "shared": {item.name: estimate_summary(item) for item in self.shared},
+            "correlation": self.correlation.tolist(),
+            "chance": self.chance,
+            "alone": [dict(values) for values in self.alone],
+            "curves": each.summary(self.fits, self.body)["curves"],
+            "warnings": list(self.warnings),
+        }
+
+    def words(self) -> list[str]:
+        """What is shared, then what each record says alone, and its own."""
+        shared = [item for item in self.shared if item.name != "modulus"]
+        lines = [
+            ", ".join(map(brief, shared)),
+            f"  {len(self.fits)} records together (p = {self.chance:.2g} that such records differ as much)",
+        ]
+        lines += [f"  {item.name:<12} {estimate_words(item, self.level)}" for item in shared]
+        told = {item.name: item.dimension for item in self.shared}
+        for one, values in zip(self.fits, self.alone, strict=True):
+            own = [item for item in one.estimates if item.free and item.name not in told]
+            parts = [f"{name} = {show(value, told[name], 4)}" for name, value in values.items()]
+            kept = ", ".join(f"{i.name} = {show(i.value, i.dimension, 4)}" for i in own if i.dimension != "modulus")
+            lines.append(f"  {one.name}: alone {', '.join(parts)}; its own {kept or 'none'}")
+        return lines
+
+    def figure(self) -> Figure:
+        from .plots.joint import joint_figure
+
+        return joint_figure(self)

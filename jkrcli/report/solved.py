@@ -1,0 +1,138 @@
+"""A solved case and an imported table: how far their series go, by what method, how exactly."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ..adhesion.validity import check, end_of_body, judge, sizes
+from ..base.arrays import Array
+from ..base.units import reached
+from ..base.unknown import Estimate, Unknown, accuracy
+from ..beside.sticking import StickingEffect, as_told, sticking_warnings
+from ..bodies.problem import Problem
+from ..methods.choose import Choice
+from ..series import COLUMNS, Series, Solution
+from .result import Result
+
+
+def end_of(series: Series) -> dict[str, Any]:
+    """How far a series goes, for machines."""
+    return {"points": len(series), "a_m": float(series.a[-1]), "delta_m": float(series.delta[-1]),
+            "P_N": float(series.P[-1])}  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class Held(Result):
+    """A ``solution`` and the ``file`` that holds it."""
+
+    file: Path
+    solution: Solution
+
+    @property
+    def columns(self) -> Mapping[str, Array]:  # type: ignore[override]
+        values = {name: getattr(self.solution.series, name) for name in COLUMNS}
+        units = dict(zip(COLUMNS, ("m", "m", "N", "N_per_m", "N_per_m2"), strict=True))
+        return {f"{name}_{units[name]}": column for name, column in values.items() if column is not None}
+
+    @property
+    def _reached(self) -> str:
+        series = self.solution.series
+        return reached(series.a[-1], series.delta[-1], series.P[-1])
+
+
+@dataclass(frozen=True, eq=False)
+class Solved(Held):
+    """A case solved by the method of a ``choice`` in CPU ``seconds``; ``sticking``: what it matters whether surfaces
+    stick; ``tolerance``: what was asked for; ``remarks`` on the case."""
+
+    choice: Choice
+    sticking: StickingEffect | Unknown
+    seconds: float
+    tolerance: float | None = None
+    remarks: Sequence[str] = ()
+
+    @property
+    def warnings(self) -> list[str]:
+        problem = self.solution.problem
+        return [
+            *missed(self.tolerance, self.solution.budget.total), *self.remarks, *self.solution.warnings,
+            *_geometry(problem, self.solution), *sticking_warnings(problem, self.sticking),
+        ]  # fmt: skip
+
+    def summary(self) -> dict[str, Any]:
+        return {
+            "file": str(self.file),
+            "method": self.choice.name,
+            "reason": self.choice.reason,
+            "surface": self.solution.problem.surface,
+            **end_of(self.solution.series),
+            "errors": self.solution.budget.as_dict(),
+            "warnings": self.warnings,
+            "cpu_s": self.seconds,
+            "sticking": as_told(self.sticking),
+        }
+
+    def words(self) -> list[str]:
+        return [
+            f"{self._reached} in {len(self.solution.series)} points; {accuracy(self.solution.budget.total)}",
+            f"  body      {self.solution.problem.words}",
+            f"  method    {self.choice.name}: {self.choice.reason}",
+            f"  written   {self.file} ({self.seconds:.2f} s CPU)",
+        ]
+
+
+@dataclass(frozen=True, eq=False)
+class Imported(Held):
+    """A series that another program computed, read from a ``table``."""
+
+    table: Path
+
+    @property
+    def warnings(self) -> list[str]:
+        return [f"{self.table}: {warning}" for warning in self.solution.warnings]
+
+    def summary(self) -> dict[str, Any]:
+        return {
+            "file": str(self.file),
+            "method": self.solution.method,
+            **end_of(self.solution.series),
+            "facts": dict(self.solution.facts),
+            "errors": self.solution.budget.as_dict(),
+            "warnings": list(self.solution.warnings),
+        }
+
+    def words(self) -> list[str]:
+        facts = self.solution.facts
+        return [
+            f"{self._reached}; {facts['rows']} rows, {len(self.solution.series)} different contact radii",
+            f"  body      {self.solution.problem.words}",
+            f"  columns   {facts['columns']}; separated by: {facts['separator']}",
+            f"  written   {self.file}",
+        ]
+
+
+def missed(tolerance: float | None, error: Estimate) -> list[str]:
+    """A warning where the ``error`` of a solution is not known to be what was asked for."""
+    if tolerance is None or (not isinstance(error, Unknown) and error <= tolerance):
+        return []
+    words = error.reason if isinstance(error, Unknown) else f"{error:.1e}"
+    return [f"--tolerance: {tolerance:g} was asked for, and the error is {words}"]
+
+
+def _geometry(problem: Problem, solution: Solution) -> list[str]:
+    """Warnings that need no work of adhesion: a/R, delta/h, a/L, and too few points to go on with."""
+    series = solution.series
+    judged = judge(
+        a=float(series.a[-1]),
+        delta=float(series.delta[-1]),
+        w=0.0,
+        **sizes(problem),
+        L=end_of_body(problem, solution.facts),
+        z0=None,
+        end_is_cut=problem.specimen.radius is None,
+    )
+    few = [f"only {len(series)} points: adhesive curves need at least 5"] if len(series) < 5 else []
+    return [*check(judged), *few]

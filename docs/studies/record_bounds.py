@@ -87,19 +87,17 @@ def approaches(seed: int, count: int, bodies: dict[Any, FittedBody], exact: dict
             found = fit(bodies[layer], Curve("made", delta=z - P / device.k, P=P, stiffness=device.k),
                         settings_of(bodies[layer], segment=APPROACH))  # fmt: skip
             E, item = found.estimate("E_star"), found.estimate("w_approach")
-            ends = (E.error, E.low, E.high, item.low, item.high)
-            if any(end is None for end in ends):
+            if E.error is None or E.low is None or E.high is None or item.low is None or item.high is None:
                 told["not determined"].append(1.0)
                 break
-            error, E_low, E_high, low, high = (float(end or 0.0) for end in ends)
-            shown = shown or high
-            told["E_star"].append(float(E_low <= E_star <= E_high))
-            told["bias of E_star"].append((E.value - E_star) / error)
-            told["w_approach"].append(float(low <= w <= high))
-            if low == 0:
-                told["upper limit"].append(float(w <= high))
+            shown = shown or item.high
+            told["E_star"].append(float(E.low <= E_star <= E.high))
+            told["bias of E_star"].append((E.value - E_star) / E.error)
+            told["w_approach"].append(float(item.low <= w <= item.high))
+            if item.low == 0:
+                told["upper limit"].append(float(w <= item.high))
             told["w of a retraction"].append(float("w" in {one.name for one in found.estimates}))
-            far = max(abs(E.value - E_star) / (E_high - E_low), abs(item.value - w) / (high - low))
+            far = max(abs(E.value - E_star) / (E.high - E.low), abs(item.value - w) / (item.high - item.low))
             told["silent"].append(float(far > OFF / 2 and not found.flags))
     print(
         "approach alone", ", ".join(f"{name} {np.mean(values):.3f} of {len(values)}" for name, values in told.items())

@@ -67,7 +67,7 @@ def test_every_confidence(body: FittedBody, record: Curve, options: dict[str, ob
     [
         ({"free": ["E:base"]}, 0.3),
         ({"free": ["range"]}, 0.4),
-        ({"free": ["stress"]}, 0.4),
+        ({"free": ["stress"]}, 0.5),
         ({"branch": "compressive"}, 0.4),
         ({"free": ["E:base"], "confidence": "profile"}, 0.3),
     ],

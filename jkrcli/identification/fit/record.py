@@ -86,8 +86,9 @@ def whole_record(curve: Curve, settings: Settings) -> ForceCurve | None:
     only += [f"--model {settings.model}"] * (settings.model == AUTO)
     asked = settings.contact == "fitted" or bool(only)
     if prepared or curve.a is not None or curve.delta is None or curve.P is None:
-        if only:
-            raise InputError(f"{only[0]} is for raw records of displacement and load, with --contact fitted or auto")
+        if asked:
+            what = next(iter(only), "--contact fitted")
+            raise InputError(f"{what} is for raw records of displacement and load, with --contact fitted or auto")
         return None
     try:
         record = examine(curve)

@@ -138,14 +138,13 @@ class Tried:
 class Verdict:
     """The ``rivals`` of a record and what a formula of the half-space makes of its deepest row: ``formula`` by name and
     its ``E_star`` [Pa], None where the tip has no radius. ``tried``: rivals that were fitted in full, best first; where
-    the first is taken it is the model of the answer, and those ``tied`` with it, taken too, cannot be told from it;
-    ``rest``: the rivals of that model."""
+    the first is taken it is the model of the answer, and those ``tied`` with it, taken too, cannot be told from it.
+    """
 
     rivals: RecordRivals
     formula: str
     E_star: float | None
     tried: tuple[Tried, ...] = ()
-    rest: RecordRivals | None = None
 
     @property
     def tied(self) -> tuple[Tried, ...]:

@@ -96,7 +96,7 @@ def rate_options(command: Callable[..., Any]) -> Callable[..., Any]:
         click.option("--dwell", help="Go back as far as this position (load under load control) and stay there."),
         click.option("--dwell-time", help="How long to stay."),
         click.option("--program", type=click.Path(path_type=Path), help="Table t, x of the device instead: times [s] "
-                     "and positions (loads) between which it moves evenly, to and fro; equal times are steps."),
+                     "and positions (loads) between which it moves evenly; equal times are steps."),
     )  # fmt: skip
 
     @functools.wraps(command)

@@ -43,6 +43,7 @@ def plain(value: Any) -> Any:
     return json.loads(json.dumps(value, default=lambda unknown: unknown.reason))
 
 
+WAY = [0.0, 1.0, 2.0, 3.0, 4.0], [-1e-5, 2e-5, 0.0, 3e-5, -1e-4]
 MADE: dict[str, tuple[tuple[object, ...], Callable[[], Result], str]] = {
     "check": (("check", CASES / "gel.toml"), lambda: python.check(CASES / "gel.toml"), ""),
     "look": (("look", RECORD, "--no-plots"), lambda: python.look(RECORD), "files"),
@@ -75,6 +76,11 @@ MADE: dict[str, tuple[tuple[object, ...], Callable[[], Result], str]] = {
             "--no-plots",
         ),
         lambda: python.cycle("gel.h5", "45 mJ/m^2", w_approach=0.035, to_load=5e-4),
+        "",
+    ),
+    "cycle by a program": (
+        ("cycle", "gel.h5", "--w-approach", "35 mJ/m^2", "--w-retract", "0.045", "--program", "way.csv", "--no-plots"),
+        lambda: python.cycle("gel.h5", 0.045, w_approach=0.035, program=python.Program(*WAY)),
         "",
     ),
     "cycle at speed": (
@@ -130,6 +136,7 @@ MADE: dict[str, tuple[tuple[object, ...], Callable[[], Result], str]] = {
 @pytest.mark.parametrize("name", MADE)
 def test_command_and_python_say_the_same(jkr: Callable, gel: str, name: str) -> None:
     words, make, inside = MADE[name]
+    np.savetxt("way.csv", np.transpose(WAY), delimiter=",", header="t_s,x_m", comments="")
     if "soft.h5" in words:
         assert jkr("run", CASES / "relaxing-gel.toml", "-o", "soft.h5").code == 0
     result, done = make(), jkr(*words, "--json")

@@ -101,7 +101,7 @@ def test_a_limit_that_is_no_number_is_refused(jkr, series: Path) -> None:
 
 def test_a_time_that_is_no_number_is_shown(jkr, series: Path) -> None:
     edit(series, lambda file: file["timings_s"].attrs.__setitem__("solve", float("nan")))
-    assert "time      solve: nan s CPU" in jkr("show", series).out
+    assert "time      solve: nan s CPU" in jkr("show", series, "-v").out
 
 
 # ---------------------------------------------------------------------- names

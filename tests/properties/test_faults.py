@@ -517,7 +517,7 @@ def test_without_a_folder_for_temporary_files(jkr: Callable[..., Outcome], monke
         monkeypatch.setattr(f"tempfile.{name}", none)
     done = jkr("doctor")
     assert done.code == 1
-    assert done.out.splitlines()[-1] == (
+    assert done.out.splitlines()[1] == (
         "  MISSING   temporary files  No usable temporary directory found in ['/tmp']; "
         "type: set TMPDIR to a folder that can be written"
     )

@@ -279,7 +279,7 @@ def test_output_in_a_poor_encoding(tmp_path: Path, path: Path) -> None:
     environment = os.environ | {"PYTHONIOENCODING": "latin-1"}
     done = subprocess.run(words, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
     assert (done.returncode, done.stderr) == (0, "")
-    assert done.stdout.startswith("\\u03b4.h5: 100 rows")
+    assert done.stdout.splitlines()[0].endswith(": \\u03b4.h5")
 
 
 def test_estimate_without_words(jkr: Callable, path: Path) -> None:
@@ -404,7 +404,7 @@ def test_a_mesh_of_more_points_than_fit_is_refused_and_other_methods_are_told(jk
     """The surface of a thin layer, on which sizes end to grow, was laid out to count its elements."""
     text = (CASES / "thin-layer.toml").read_text(encoding="utf-8").replace("30 um", width)
     Path("x.toml").write_text(text, encoding="utf-8")
-    done = jkr("check", "x.toml")
+    done = jkr("check", "x.toml", "-v")
     assert done.code == 0, done.err
     assert "fem          cannot: mesh: " in done.out
 

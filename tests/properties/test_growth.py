@@ -71,7 +71,7 @@ def test_long_tables_are_announced_before_they_are_read(
 
     monkeypatch.setattr("jkrcli.data.measured.each", reading)
     monkeypatch.setattr("jkrcli.identification.work_of_files.each", reading)
-    monkeypatch.setattr("jkrcli.report.tables.read_curve", reading)
+    monkeypatch.setattr("jkrcli.report.compare.read_curve", reading)
     monkeypatch.setattr("jkrcli.cli.fit._body", reading)
     Path("s.toml").write_text(HALF_SPACE.format(method="closed-form", loading='radius = "0.1 mm"'))
     Path("long.csv").write_text("delta_m,P_N\n" + "1e-6,12345e-6\n" * 1_000_000)

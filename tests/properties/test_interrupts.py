@@ -260,4 +260,4 @@ def test_an_interrupt_behind_the_last_word_is_one_line(
 
 
 def test_the_exit_code_is_told() -> None:
-    assert f"{interrupts.CODE} after Ctrl-C" in (ROOT / "README.md").read_text(encoding="utf-8")
+    assert f"{interrupts.CODE} interrupted (Ctrl-C)" in (cli.jkr.help or "")

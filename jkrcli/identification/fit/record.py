@@ -570,8 +570,13 @@ def _line(found: ForceCurveFit) -> dict[str, Array]:
 
 
 def _left_out(record: ForceCurve, used: int) -> tuple[str, ...]:
-    rest = len(record.curve) - used
-    return (f"{rest} rows of other segments, next to the turning point or in jumps",) if rest else ()
+    spikes = record.spikes.size
+    rest = len(record.curve) - used - spikes
+    said = [f"{rest} rows of other segments, next to the turning point or in jumps"] * (rest > 0)
+    return (
+        *said,
+        *[f"{spikes} {'rows that stand' if spikes > 1 else 'row that stands'} alone off the others"] * (spikes > 0),
+    )
 
 
 def _judged(record: ForceCurve, found: ForceCurveFit, a: Array) -> tuple[dict[str, str], dict[str, float]]:

@@ -45,7 +45,7 @@ def test_an_option_without_an_effect_is_refused(jkr: Callable, kind: str, name: 
 
 @pytest.mark.parametrize(
     "words",
-    [("--noise", "a=1 um"), ("--samples", "50"), ("--seed", "1"), ("--relaxation", "sls", "--terms", "2"),
+    [("--samples", "50"), ("--seed", "1"), ("--relaxation", "sls", "--terms", "2"),
      ("--law", "power", "--contact", "fitted"), ("--rivals",)],
 )  # fmt: skip
 def test_options_that_go_with_others(jkr: Callable, words: tuple[str, ...]) -> None:
@@ -55,6 +55,15 @@ def test_options_that_go_with_others(jkr: Callable, words: tuple[str, ...]) -> N
     assert "fit: " in done.err
     assert done.err.count("\n") == 1
     assert not list(Path().iterdir())
+
+
+def test_noise_of_what_was_not_measured(jkr: Callable) -> None:
+    rows = "\n".join(f"{i / 10},{i**1.5 / 100}" for i in range(1, 21))
+    Path("one.csv").write_text(f"delta (um),P (mN)\n{rows}\n")
+    done = jkr("fit", GEL, "one.csv", "--noise", "a=1 um", "-o", ".")
+    assert done.code == 2
+    assert "--noise a: it was not measured" in done.err
+    assert done.err.count("\n") == 1
 
 
 def test_the_table_names_options_that_are_there() -> None:

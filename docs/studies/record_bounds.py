@@ -87,7 +87,7 @@ def approaches(seed: int, count: int, bodies: dict[Any, FittedBody], exact: dict
             found = fit(bodies[layer], Curve("made", delta=z - P / device.k, P=P, stiffness=device.k),
                         settings_of(bodies[layer], segment=APPROACH))  # fmt: skip
             E, item = found.estimate("E_star"), found.estimate("w_approach")
-            if None in (E.error, E.low, E.high, item.low, item.high):
+            if E.error is None or E.low is None or E.high is None or item.low is None or item.high is None:
                 told["not determined"].append(1.0)
                 break
             shown = shown or item.high

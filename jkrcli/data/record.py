@@ -180,14 +180,14 @@ def examine(curve: Curve) -> ForceCurve:
         )
     if len(curve) < TUNING.least_rows:
         raise InputError(f"{curve.where}: holds {len(curve)} rows, at least {TUNING.least_rows} are needed to look at")
-    whole, spikes = curve, _spikes(curve.P)
+    whole, P, spikes = curve, curve.P, _spikes(curve.P)
     if spikes.size:
-        z, P = curve.device, curve.P.copy()
+        z, P = curve.device, P.copy()
         P[spikes] = (P[spikes - 1] + P[spikes + 1]) / 2
         curve = replace(curve, P=P, delta=z if curve.stiffness is None else z - P / curve.stiffness)
     parts = _found(curve.device) if curve.segment is None else _told(curve)
     sides = [part for part in parts if part.kind in (APPROACH, RETRACT) and len(part) >= TUNING.least_rows]
-    directions = tuple(_direction(curve.device, curve.P, part) for part in sides)
+    directions = tuple(_direction(curve.device, P, part) for part in sides)
     return ForceCurve(whole, tuple(parts), directions, _flags(curve, parts, directions), spikes)
 
 

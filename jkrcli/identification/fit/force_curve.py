@@ -436,7 +436,7 @@ def _fitted(model: ForceCurveModel, found: Least, weight: Spectrum) -> ForceCurv
     psi, slope = influence(off / size, before.loss)
     pull = psi * size / max(float(np.mean(slope)), 0.1)  # what a row pulls with (Huber 1981, Sec. 7.6)
     dof = max(off.size - x.size, 1)
-    spread = covariance(*(model.ordered(item, weight) for item in (pull, J)), model.free(off), weight)
+    spread = covariance(model.ordered(pull, weight), model.ordered(J, weight), model.free(off), weight)
     pulls, rates = (model.whitened(item, weight) for item in (pull, J))
     left = np.linalg.lstsq(rates, pulls, rcond=None)[0]  # a step of Gauss and Newton; what chi^2 would fall by
     ended = found.ended or float(np.sum((rates @ left) ** 2)) < TUNING.near * float(pulls @ pulls) / dof
@@ -514,8 +514,8 @@ def another_modulus(found: ForceCurveFit) -> tuple[float, float]:
 
 def _one_step(model: ForceCurveModel, off: Array, J: Array, weight: Spectrum) -> tuple[Array, Array]:
     """One step of Gauss and Newton from residuals ``off`` with derivatives ``J``, and its standard errors."""
-    step = -np.linalg.lstsq(*(model.whitened(item, weight) for item in (J, off)), rcond=None)[0]
-    spread = covariance(*(model.ordered(item, weight) for item in (off + J @ step, J)), (), weight)
+    step = -np.linalg.lstsq(model.whitened(J, weight), model.whitened(off, weight), rcond=None)[0]
+    spread = covariance(model.ordered(off + J @ step, weight), model.ordered(J, weight), (), weight)
     return step, np.sqrt(np.maximum(np.diag(spread.covariance), 0.0))
 
 

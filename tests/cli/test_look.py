@@ -158,3 +158,14 @@ def test_a_body_file_and_flags_are_not_both_taken(jkr: Callable[..., Outcome], t
     assert (done.code, done.err) == (
         2, "jkr: error: fit: give a body file or the body by flags, not both: sphere.toml and --radius, --nu\n"
     )  # fmt: skip
+
+
+def test_a_sensitivity_without_volts_is_refused(jkr, tmp_path: Path) -> None:
+    rows = "".join(f"{i},{i * i},{i**3}\n" for i in range(1, 12))
+    (tmp_path / "probe.csv").write_text(f"a_um,delta_nm,P_nN\n{rows}")
+    done = jkr("look", "probe.csv", "--sensitivity", "45 nm/V")
+    assert done.code == 2
+    assert done.err == (
+        "jkr: error: probe.csv: --sensitivity makes a deflection of volts, and this file holds none, its load is "
+        'column 3 "P_nN": leave it out, or give the unit: --unit P=V\n'
+    )

@@ -70,7 +70,7 @@ def _parts(cell: dict[str, Any]) -> Iterator[str]:
 
 def setup(app: Any) -> dict[str, bool]:
     """Registers the ending .ipynb with Sphinx."""
-    from myst_parser.sphinx_ import MystParser
+    from myst_parser.parsers.sphinx_ import MystParser
 
     class NotebookParser(MystParser):  # type: ignore[misc]
         """Reads a notebook as the page that it stands for."""

@@ -160,14 +160,12 @@ def fit(
     \b
     jkr fit curve.jpk-force --radius "5 um" --nu 0.5
     jkr fit sphere.toml probe.csv --unit P=mN --uncertain nu=0.005
-    jkr fit tip.toml curve.csv --free range
     jkr fit coating.toml probe.csv --free E:skin --bound E:skin="1 MPa..1 GPa"
     jkr fit gel.toml probe.csv --surface both
     jkr fit gel.toml small.csv large.csv --free surface_tension \\
             --tip-radius "5 um" --tip-radius "30 um"
     jkr fit gel.toml held.csv --relaxation sls
-    jkr fit gel.toml small.csv large.csv --shared E_star,w \\
-            --tip-radius "5 um" --tip-radius "30 um"
+    jkr fit gel.toml small.csv large.csv --shared E_star,w
     """
     flags = {key: options.pop(key) for key in FLAGS}
     source, paths = _given(body_file, measured, flags)

@@ -19,6 +19,7 @@ from wrong_records import WRONG, Drawn, Wrong, right
 
 from jkrcli.data.measured import Curve
 from jkrcli.identification.fit import Fit, fit, record_rivals
+from jkrcli.identification.fit.coloured import Spectrum
 from jkrcli.identification.fit.device_path import grid, on_grid
 from jkrcli.identification.fit.record import _fitted, _kinds, _model, whole_record
 from jkrcli.identification.fit.record_change import LITTLE, Bent, Change, RivalModel
@@ -195,7 +196,8 @@ def test_what_the_model_itself_takes_is_no_rivals() -> None:
 def _noisy(at: Situation, seed: int) -> object:
     rng, parts = np.random.default_rng(seed), at.model.stretches
     noisy = tuple(replace(part, P=part.P + 1e-11 * rng.normal(size=part.P.size)) for part in parts)
-    return replace(at.found, model=replace(at.model, stretches=noisy))
+    told = replace(at.found.spread, noise=Spectrum(1e-22))
+    return replace(at.found, model=replace(at.model, stretches=noisy), spread=told)
 
 
 def test_what_is_left_of_a_known_amount() -> None:

@@ -32,7 +32,7 @@ def preferences(found: Sequence[Fit | Failure]) -> Iterator[str]:
     for one in fits:
         other = sticking.get((one.file, one.name))
         if one.surface == "sliding" and other is not None:
-            yield f"{one.where}: {_values(one)}; {_values(other)}; {_verdict(one, other)}"
+            yield f"{_verdict(one, other)}; {_values(one)}; {_values(other)}: {one.where}"
 
 
 def _values(item: Fit) -> str:

@@ -303,7 +303,8 @@ def _power(widest: float) -> Change:
 
     def renewed(found: ForceCurveFit) -> Change:
         part, values = found.model.stretches[0], found.model.values(found.x)
-        return _power(float(found.model.branch(part, values).radii(np.array(part.turn - values["z0"]))))
+        turn = float(found.model.branch(part, values).radii(np.array(part.turn - values["z0"])))
+        return _power(math.sqrt(widest * turn))  # of a cone the radius falls as that of its scale rises
 
     told = lambda values: {"exponent": 2 + values[AMOUNT]}  # noqa: E731
     starts = tuple((amount,) for amount in TUNING.profiles)

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from .api import (
         check,
         compare,
+        cycle,
         cycle_at_speed,
         cycle_relaxing,
         identify,
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
         look,
         measured_curves,
         parse_case,
+        plan,
         plot,
         profile,
         pull_off,
@@ -70,9 +72,10 @@ __all__ = [
     "JkrError", "Layer", "Layered", "Limits", "Linear", "Loading", "LogRate", "Paraboloid", "Power", "PowerLaw",
     "PowerRate", "PowerRelaxation", "Problem", "Program", "Prony", "Reading", "Refusal", "Rigid", "RoundedCone",
     "RoundedFlat", "Specimen", "Sphere", "StandardSolid", "TableProfile", "Tabulated", "TransverselyIsotropic",
-    "Unknown", "check", "compare", "cycle_at_speed", "cycle_relaxing", "identify", "identify_joint", "identify_law",
-    "identify_relaxation", "identify_tension", "load_case", "look", "measured_curves", "parse_case", "plot", "profile",
-    "pull_off", "read", "save", "solve", "study_map", "summary", "table", "to_pandas", "transform", "work",
+    "Unknown", "check", "compare", "cycle", "cycle_at_speed", "cycle_relaxing", "identify", "identify_joint",
+    "identify_law", "identify_relaxation", "identify_tension", "load_case", "look", "measured_curves", "parse_case",
+    "plan", "plot", "profile", "pull_off", "read", "save", "solve", "study_map", "summary", "table", "to_pandas",
+    "transform", "work",
 ]  # fmt: skip
 _HOMES = {  # of what is not in jkrcli.api
     ".adhesion.rate.laws": ("LogRate", "PowerRate"),

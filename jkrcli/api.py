@@ -73,31 +73,34 @@ if TYPE_CHECKING:
     from pandas import DataFrame
 
     from .adhesion.program import Program
-    from .adhesion.rate.history import History
+    from .adhesion.rate.history import RateContact
     from .adhesion.rate.laws import RateLaw
-    from .adhesion.relaxation.history import RelaxedHistory
+    from .adhesion.relaxation.history import RelaxingContact
     from .bodies.relaxation import Relaxation
-    from .identification.fit import FittedBody
+    from .identification.fit import Fit, FittedBody
+    from .identification.fit.result import Further
     from .many.study.maps import MapResult
     from .report.check import Check
     from .report.compare import Compared
+    from .report.cycle import Cycled
     from .report.fit import Fitted
     from .report.joint_fit import JointFitted
     from .report.look import Look
     from .report.plots import Figure
     from .report.profile import Profile
     from .report.pull_off import MeasuredPullOff, PullOff
+    from .report.rate import CycledAtSpeed
     from .report.rate_fit import LawFit
+    from .report.relaxation import CycledRelaxing
     from .report.relaxation_fit import RelaxationFitted
     from .report.tension_fit import TensionFitted
     from .report.transform import Transformed
     from .report.work import Work
 
 __all__ = [
-    "check", "compare", "cycle_at_speed", "cycle_relaxing", "identify", "identify_joint", "identify_law",
-    "identify_relaxation",
-    "identify_tension", "load_case", "look", "measured_curves", "parse_case", "plot", "profile", "pull_off", "read",
-    "save", "solve", "study_map", "summary", "table", "to_pandas", "transform", "work",
+    "check", "compare", "cycle", "cycle_at_speed", "cycle_relaxing", "identify", "identify_joint", "identify_law",
+    "identify_relaxation", "identify_tension", "load_case", "look", "measured_curves", "parse_case", "plan", "plot",
+    "profile", "pull_off", "read", "save", "solve", "study_map", "summary", "table", "to_pandas", "transform", "work",
 ]  # fmt: skip
 
 
@@ -161,6 +164,35 @@ def transform(
 
 
 @one_thread()
+def cycle(
+    solved: Solution | Case | Problem | str | Path,
+    w: float | str,
+    *,
+    w_approach: float | str | None = None,
+    to_load: float | str | None = None,
+    to_depth: float | str | None = None,
+    stiffness: float | str = DISPLACEMENT_CONTROL,
+    slopes: str = "auto",
+    modulus_factor: float = 1.0,
+    stress: float | str | None = None,
+    length: float | str | None = None,
+) -> Cycled:
+    """What a device records that presses the bodies together and pulls them apart, however slowly.
+
+    ``w`` on retraction [J/m^2], not smaller than ``w_approach`` (default: ``w``). The device of ``stiffness`` [N/m] (0:
+    load control, infinite, the default: a rigid one) turns at ``to_load`` or ``to_depth``, default: the end of the
+    series. ``stress`` [Pa] or ``length`` [m]: adhesion of finite range, else what the case says.
+    """
+    from .report.cycle import Cycled
+
+    solution, k = _solution(solved, None), _number("stiffness", stiffness, "stiffness")
+    works = [_number("w", value, "work") for value in (w if w_approach is None else w_approach, w)]
+    curves = analyse(solution, works, slopes, modulus_factor, _range(solution, stress, length))
+    turn = _maybe("to_load", to_load, "load"), _maybe("to_depth", to_depth, "length")
+    return Cycled.of([with_solved_points(curve, k) for curve in curves], k, *turn)
+
+
+@one_thread()
 def cycle_at_speed(
     solved: Solution | Case | Problem | str | Path,
     w: float | str,
@@ -176,7 +208,8 @@ def cycle_at_speed(
     hold: float | str = 0.0,
     stiffness: float | str = DISPLACEMENT_CONTROL,
     slopes: str = "auto",
-) -> History:
+    stress: float | str | None = None,
+) -> CycledAtSpeed:
     """What a device records over time while the work of adhesion depends on the speed of the contact's edge.
 
     ``w`` at rest on retraction [J/m^2] and its ``law``: PowerRate(v0=1e-6, n=0.6), LogRate, or their keys as of ``jkr
@@ -184,13 +217,13 @@ def cycle_at_speed(
     ``to_load`` or ``to_depth`` (default: the end of the series), waits for the time ``hold`` and goes back at
     ``speed``; or it does what a ``program`` says. Its speeds are in m/s, under load control in N/s. ``w_approach``:
     default ``w``; ``law_approach``: else an advancing edge follows at once. ``stiffness`` [N/m]: 0 is load control,
-    infinite (default) a rigid device. Numbers are SI, text carries its unit.
+    infinite (default) a rigid device; ``stress`` [Pa] in the zone at the edge. Numbers are SI, text carries its unit.
 
     The result's ``pull_off``, ``jumps``, ``lost``, ``energy_lost`` and ``error`` tell what happened, ``table(points)``
     gives its columns. Raises InputError where the contact leaves the series.
     """
-    from .adhesion.program import there_and_back
     from .adhesion.rate.history import RateContact
+    from .report.rate import CycledAtSpeed
 
     w0, k = _number("w", w, "work"), _number("stiffness", stiffness, "stiffness")
     w_a = w0 if w_approach is None else _number("w_approach", w_approach, "work")
@@ -198,27 +231,8 @@ def cycle_at_speed(
     solution = _solution(solved, None)
     result = with_solved_points(analyse(solution, [w0], slopes)[0], k)
     contact = RateContact(result.jkr.nonadhesive, _law(law), w0, w_a, k, inwards)
-    if (speed is None) == (program is None):
-        raise InputError("cycle_at_speed: give either the speed of the device or its program")
-    if speed is not None:
-        rate = "load rate" if k == LOAD_CONTROL else "speed"
-        back = _number("speed", speed, rate)
-        there = back if speed_approach is None else _number("speed_approach", speed_approach, rate)
-        load = None if to_load is None else _number("to_load", to_load, "load")
-        depth = None if to_depth is None else _number("to_depth", to_depth, "length")
-        turn = contact.turning(load, depth, there)
-        program = there_and_back(turn, there, back, _number("hold", hold, "time"), contact.least)
-    assert program is not None
-    history = contact.history(program)
-    if history.out_of_series is not None:
-        raise InputError(f"cycle_at_speed: {history.out_of_series}")
-    return history
-
-
-def _range(solution: Solution, stress: float | str | None, length: float | str | None) -> AskedRange:
-    """Adhesion of finite range as it is asked for, in numbers or text."""
-    tension = None if stress is None else _number("stress", stress, "modulus")
-    return AskedRange.of(solution.record, tension, None if length is None else _number("length", length, "length"))
+    driven = _driven("cycle_at_speed", contact, program, speed, speed_approach, to_load, to_depth, hold)
+    return CycledAtSpeed.of(contact, driven, result, stress=_maybe("stress", stress, "modulus"))
 
 
 @one_thread()
@@ -234,7 +248,7 @@ def cycle_relaxing(
     hold: float | str = 0.0,
     stiffness: float | str = DISPLACEMENT_CONTROL,
     slopes: str = "auto",
-) -> RelaxedHistory:
+) -> CycledRelaxing:
     """What a device records over time while the moduli of the specimen relax, without adhesion.
 
     ``relaxation``: StandardSolid(ratio=0.25, time=1.0), PowerRelaxation, Prony; default: that of the specimen. The
@@ -243,8 +257,8 @@ def cycle_relaxing(
     The result's ``peak``, ``corners``, ``turn``, ``lost`` and ``error`` tell what happened, ``table(points)`` gives its
     columns. Raises InputError where the contact leaves the series, or is loaded again onto its dent.
     """
-    from .adhesion.program import there_and_back
     from .adhesion.relaxation.history import RelaxingContact
+    from .report.relaxation import CycledRelaxing
 
     solution, k = _solution(solved, None), _number("stiffness", stiffness, "stiffness")
     law = relaxation or solution.problem.specimen.relaxation
@@ -252,19 +266,34 @@ def cycle_relaxing(
         raise InputError(
             "cycle_relaxing: the specimen has no relaxation: give one, StandardSolid(ratio=0.25, time=1.0)"
         )
-    if (speed is None) == (program is None):
-        raise InputError("cycle_relaxing: give either the speed of the device or its program")
     relaxing = replace(solution.problem, specimen=replace(solution.problem.specimen, relaxation=law))  # may refuse
     contact = RelaxingContact(nonadhesive(replace(solution, problem=relaxing), slopes), law, k)
-    if speed is not None:
-        rate = "load rate" if k == LOAD_CONTROL else "speed"
-        back = _number("speed", speed, rate)
-        there = back if speed_approach is None else _number("speed_approach", speed_approach, rate)
-        load = None if to_load is None else _number("to_load", to_load, "load")
-        depth = None if to_depth is None else _number("to_depth", to_depth, "length")
-        program = there_and_back(contact.turning(load, depth, there), there, back, _number("hold", hold, "time"))
-    assert program is not None
-    return contact.history(program)
+    driven = _driven("cycle_relaxing", contact, program, speed, speed_approach, to_load, to_depth, hold)
+    return CycledRelaxing.of(contact, driven, solution.record.path)
+
+
+def _driven(
+    verb: str, contact: RateContact | RelaxingContact, program: Program | None, speed: float | str | None,
+    speed_approach: float | str | None, to_load: float | str | None, to_depth: float | str | None, hold: float | str,
+) -> Program:  # fmt: skip
+    """The ``program``, or there and back at a speed."""
+    from .adhesion.program import there_and_back
+
+    if (speed is None) == (program is None):
+        raise InputError(f"{verb}: give either the speed of the device or its program")
+    if speed is None:
+        assert program is not None
+        return program
+    rate = "load rate" if contact.stiffness == LOAD_CONTROL else "speed"
+    back = _number("speed", speed, rate)
+    there = back if speed_approach is None else _number("speed_approach", speed_approach, rate)
+    turn = contact.turning(_maybe("to_load", to_load, "load"), _maybe("to_depth", to_depth, "length"), there)
+    return there_and_back(turn, there, back, _number("hold", hold, "time"), contact.least)
+
+
+def _range(solution: Solution, stress: float | str | None, length: float | str | None) -> AskedRange:
+    """Adhesion of finite range as it is asked for, in numbers or text."""
+    return AskedRange.of(solution.record, _maybe("stress", stress, "modulus"), _maybe("length", length, "length"))
 
 
 def _law(law: RateLaw | Mapping[str, Any]) -> RateLaw:
@@ -278,6 +307,11 @@ def _solution(solved: Solution | Case | Problem | str | Path, method: str | Meth
     if isinstance(solved, Case | Problem) or (not isinstance(solved, Solution) and Path(solved).suffix == ".toml"):
         solved = solve(solved, method)
     return solved if isinstance(solved, Solution) else store.read(solved)
+
+
+def _maybe(name: str, value: float | str | None, dimension: str) -> float | None:
+    """The same where it is given."""
+    return None if value is None else _number(name, value, dimension)
 
 
 def _number(name: str, value: float | str, dimension: str) -> float:
@@ -355,6 +389,15 @@ def identify_joint(
     bodies = with_radii(source, [_number("tip_radii", R, "length") for R in tip_radii], len(curves))
     found = one_thread()(joint_fit)(bodies, curves, settings, shared_of(shared, own, settings))
     return as_result(JointFitted, found, body=_named(body, source), level=settings.level)
+
+
+def plan(body: Case | Solution | str | Path, found: Fit, slopes: str = "auto") -> tuple[Further, ...]:
+    """Which further measurement would narrow E* and w of a fit most: relative standard errors now and with the same
+    measurement again, other largest loads, tip radii, thicknesses. InputError where the data do not tell both."""
+    from .identification.fit.body import body_of
+    from .identification.fit.plan import further
+
+    return one_thread()(further)(body_of(Path(body) if isinstance(body, str) else body, slopes), found)
 
 
 def identify_law(

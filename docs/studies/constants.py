@@ -13,12 +13,14 @@ import gc
 import importlib
 import itertools
 import math
+import pkgutil
 import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+import jkrcli
 from jkrcli.base.executors import completed
 
 from .command import call, output_of, parser_of, pool_of
@@ -74,9 +76,15 @@ class Shipped:
     read: dict[str, set[tuple[str, str]]] = field(default_factory=dict)
 
 
-@functools.cache
 def shipped() -> Shipped:
     """Each result once, in this process, with the tunings that it reads; nothing computed before is used."""
+    global SHIPPED
+    if SHIPPED is None:
+        SHIPPED = _shipped()
+    return SHIPPED
+
+
+def _shipped() -> Shipped:
     found = Shipped()
     for name, make in RESULTS.items():
         forget()
@@ -146,10 +154,15 @@ def forget() -> None:
         item.cache_clear()
 
 
+SHIPPED: Shipped | None = None  # of this process
+
+
 @functools.cache
 def _memories() -> list[Any]:
-    """The caches of all modules, each of which has to be loaded by now."""
-    knobs(without=WITHOUT)
+    """The caches of all modules, each of which is loaded for it."""
+    for module in pkgutil.walk_packages(jkrcli.__path__, "jkrcli."):
+        if not module.name.endswith("__main__"):
+            importlib.import_module(module.name)
     caches = [item for item in gc.get_objects() if isinstance(item, functools._lru_cache_wrapper)]
     return [item for item in caches if item.__module__ != __name__]
 
@@ -171,7 +184,8 @@ def varied(knob: Knob, value: float) -> Iterator[None]:
 def _watched() -> Iterator[set[tuple[str, str]]]:
     """The modules and fields of tunings that are read meanwhile."""
     seen: set[tuple[str, str]] = set()
-    held = {id(item): item for item in (getattr(sys.modules[k.module], k.name) for k in knobs((), "", WITHOUT))}
+    loaded = [vars(module) for name, module in list(sys.modules.items()) if name.startswith("jkrcli.")]
+    held = {id(item): item for names in loaded for name, item in names.items() if name.endswith("TUNING")}
     usual = [(item, type(item)) for item in held.values()]
     for item, cls in usual:
         object.__setattr__(item, "__class__", type(cls.__name__, (cls,), {"__getattribute__": _telling(cls, seen)}))
@@ -217,7 +231,9 @@ def main(words: Sequence[str] | None = None) -> int:
     """
     parser = parser_of(str(main.__doc__))
     parser.add_argument("algorithms", nargs="*", help="parts of modules' names, such as hybrid [default: all]")
-    parser.add_argument("--says", default="choice:", help="what the comment of a number says [default: choice:]")
+    parser.add_argument(
+        "--says", default="choice:|make constants", help="pattern of its comment [default: chosen or tuned here]"
+    )
     given = parser.parse_args(words)
     files = output_of(given).files(given.output / "constants", (".csv",))
     every = knobs(given.algorithms, given.says, WITHOUT)

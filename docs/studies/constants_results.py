@@ -21,6 +21,7 @@ from jkrcli.bodies.indenters import TableProfile
 from jkrcli.data.foreign import SeriesReading, read_series
 from jkrcli.data.measured import Curve
 from jkrcli.methods import method_class
+from jkrcli.report.dem import Exported
 from jkrcli.series import Solution
 
 METHODS: tuple[tuple[str, dict[str, float]], ...] = (
@@ -175,8 +176,8 @@ def _history(make: Callable[[], Any]) -> Numbers:
     }
 
 
-def _relaxing() -> Any:
-    return jkr.cycle_relaxing(_case("relaxing-gel"), speed="20 um/s", to_depth="20 um", hold="5 s")
+def _relaxing(**options: Any) -> Any:
+    return jkr.cycle_relaxing(_case("relaxing-gel"), speed="20 um/s", to_depth="20 um", hold="5 s", **options)
 
 
 def _relaxation() -> Any:
@@ -247,6 +248,9 @@ RESULTS: dict[str, Callable[[], Numbers]] = {
     "at speed": lambda: _history(_at_speed),
     "at speed by a spring": lambda: _history(lambda: _at_speed(stiffness="1 kN/m")),
     "relaxing": lambda: _history(_relaxing),
+    "relaxing by a spring": lambda: _history(lambda: _relaxing(stiffness="1 kN/m")),
+    "contact law": lambda: columns(lambda: Exported.of(jkr.transform(_case("gel"), 0.04))),
+    "half-space": lambda: summary(lambda: jkr.transform(_problem("half-space"), W)),
     "look": lambda: summary(lambda: jkr.look(RECORD)),
     "import": _imported,
     "fit of a table": lambda: fitted(lambda: jkr.identify(_case("gel"), TABLE)),

@@ -13,6 +13,7 @@ import gc
 import importlib
 import inspect
 import pkgutil
+import re
 import sys
 import time
 from collections.abc import Collection, Iterator, Mapping, Sequence
@@ -57,6 +58,7 @@ BODIES = {name: Problem(Paraboloid(1e-3), held, Loading("radius", 5e-6, 25)) for
 NOISY = ("noisy Hertz", "noisy layer")  # series for slopes, with relative noise of 1e-3
 RECORDED = ("half-space", "thin layer")  # bodies of simulated records that are fitted
 USERS = {"integral": ("layered", "hybrid")}  # methods that share what stands in a folder; else the folder's own
+TUNED = "tuned(?!.*make constants)"  # what comments say of the numbers that this study is of
 SHARED: dict[str, Reference] = {}  # exact solutions of this process, by shipped tunings
 
 
@@ -99,7 +101,7 @@ class Outcome:
 
 
 def knobs(
-    asked: Sequence[str] = (), says: str = "tuned", without: Collection[str] = ("cli", "many", "report", "__main__")
+    asked: Sequence[str] = (), says: str = TUNED, without: Collection[str] = ("cli", "many", "report", "__main__")
 ) -> list[Knob]:
     """All numbers of the algorithms ``asked`` for (parts of modules' names; none: of all) whose comment ``says`` so,
     but of the rooms ``without`` a part here."""
@@ -117,7 +119,7 @@ def knobs(
 
 
 def _saying(words: str, cls: type) -> list[str]:
-    """The fields whose comment, beside or right above them, has these words."""
+    """The fields whose comment, beside or right above them, matches."""
     lines = inspect.getsource(cls).splitlines()
     (tree,) = ast.parse("\n".join(lines)).body
     fields = []
@@ -127,7 +129,7 @@ def _saying(words: str, cls: type) -> list[str]:
             while lines[first - 1].lstrip().startswith("#"):
                 first -= 1
             told = " ".join(line.partition("#")[2] for line in lines[first : node.end_lineno])
-            fields += [node.target.id] if words in told else []
+            fields += [node.target.id] if re.search(words, told, re.DOTALL) else []
     return fields
 
 

@@ -40,14 +40,18 @@ from .slopes.result import Slopes
 class FiniteRangeTuning:
     """Points of the curve, and what is said of its interpolation."""
 
-    apart: int = 32  # points without contact, even in c; choice: delta is smooth there, its spline good to 1e-9
+    # points without contact, even in c; tuned on curves, by `make constants`: delta is smooth there, its spline good to
+    # 1e-9
+    apart: int = 32
     spacing: float = (
-        0.08  # largest step of arcosh sqrt(c/c0) from point to point; choice: splines good to 1e-7 of the lowest load
+        # largest step of arcosh sqrt(c/c0) from point to point; tuned on curves, by `make constants`: splines good to
+        # 1e-7 of the lowest load
+        0.08
     )
     degree: int = 5  # theory: of the splines through the points; errors fall with the power degree + 1 of the spacing
     halved: float = 16.0  # theory: halving the spacing divides the error by 64, by a fourth of it where it is uneven
     touching: float = 1e-9  # choice: of c0, within which the rate at first touch is taken
-    rounds: int = 3  # choice: of inserting points where they are too far apart
+    rounds: int = 3  # tuned on curves, by `make constants`: of inserting points where they are too far apart
     # Radii on either side of a kink, up to a part of its own, the first of that; theory: F bends with the power 3/2
     beside: int = 24  # choice: 1.8 from one to the next
     around: float = 0.2  # choice: where the rows of the series are as dense
@@ -58,7 +62,8 @@ class FiniteRangeTuning:
     # Steps to both sides of pull-off, fractions of its radius, at which it is solved:
     close: tuple[float, ...] = (0.01, 0.02, 0.03, 0.045, 0.065, 0.1)  # choice: to where rows of a series lie
     solved: float = 1e-4  # choice: of its radius, from where the error of the splines is rounding
-    safety: float = 4.0  # on the change of the second panels; choice: as for series of `layered`
+    # on the change of the second panels; tuned on curves, by `make constants`: as for series of `layered`
+    safety: float = 4.0
     looked_at: int = 8  # contact radii at which separations are looked at; choice: for a warning
     samples: int = 4  # choice: per interval, where zeros are looked for
     no_claim: float = 1e-12  # theory: smaller errors are rounding

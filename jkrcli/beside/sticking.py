@@ -27,10 +27,14 @@ from ..series import Series, Solution
 class StickingEffectTuning:
     """The rough solutions, and when their difference is worth a word."""
 
-    accuracy: float = 1e-2  # choice: of ratios that are told to three digits; most are a hundred times as good
-    radii: int = 25  # choice: where pull-off is looked for
-    smallest: float = 0.02  # of the largest radius, the least of them; choice: below, the contact is a half-space's
-    beyond: float = 1.1  # of it, one more; choice: a stuck contact is wider at equal depth by less
+    # tuned on bodies, by `make constants`: of ratios that are told to three digits; most are a hundred times as good
+    accuracy: float = 1e-2
+    radii: int = 25  # tuned on bodies, by `make constants`: where pull-off is looked for
+    # of the largest radius, the least of them; tuned on bodies, by `make constants`: below, the contact is a
+    # half-space's
+    smallest: float = 0.02
+    # of it, one more; tuned on bodies, by `make constants`: a stuck contact is wider at equal depth by less
+    beyond: float = 1.1
     widest: float = 20.0  # largest radius over the kernel's scale; choice: a fraction of a second
     told: float = 0.05  # relative change from which a reader is warned; choice: as for Tabor numbers
 

@@ -23,11 +23,15 @@ from .again import again
 class TensionEffectTuning:
     """The trial, and what is worth a word."""
 
-    slight: float = 0.01  # kappa over the largest radius; choice: the change is then in proportion to within a fifth
-    changed: float = 0.01  # choice: of the load at equal depth or a pull-off force, as for a range
-    radii: int = 40  # choice: a tenth of a second
-    smallest: float = 0.02  # of the largest radius; choice: pull-off below is not looked for
-    accuracy: float = 1e-6  # choice: far below the change
+    # kappa over the largest radius; tuned on bodies, by `make constants`: the change is then in proportion to within a
+    # fifth
+    slight: float = 0.01
+    # tuned on bodies, by `make constants`: of the load at equal depth or a pull-off force, as for a range
+    changed: float = 0.01
+    radii: int = 40  # tuned on bodies, by `make constants`: a tenth of a second
+    # of the largest radius; tuned on bodies, by `make constants`: pull-off below is not looked for
+    smallest: float = 0.02
+    accuracy: float = 1e-6  # tuned on bodies, by `make constants`: far below the change
 
 
 TUNING = TensionEffectTuning()

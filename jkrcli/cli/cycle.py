@@ -2,26 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
-from ..adhesion.device import control
 from ..adhesion.law import AskedRange
-from ..adhesion.stability import cycle as run_cycle
-from ..adhesion.stability import trace, turning_radius
 from ..base.errors import InputError
 from ..base.units import show
-from ..base.unknown import Unknown
-from ..beside.analysis import Analysis, analyse, with_solved_points
+from ..beside.analysis import analyse, with_solved_points
 from ..methods.guards import Limits
-from ..report import cycle as report
+from ..report.cycle import Cycled
 from ..report.output import PICTURES, Files, Output
+from ..report.result import Result
 from ..series import Solution
-from .cycle_rate import RateOptions, Told, Turn, rate_options, run
+from .cycle_rate import RateOptions, Turn, rate_options, run
 from .cycle_relaxing import limits_of
 from .cycle_relaxing import run as run_relaxing
 from .measured import TUNING, begin_reading
@@ -39,9 +34,6 @@ from .output import answer, into_folder, output_options
 from .series import begin_curves, read_series, series_file, works_of
 from .verb import Verb
 from .voice import present, warn
-
-if TYPE_CHECKING:
-    from ..report.plots import Figure
 
 
 @click.command(cls=Verb)
@@ -120,16 +112,17 @@ def cycle(
     named = [stem.with_name("-".join([stem.name, *name.split()])) for name in shares]
     targets = [output.files(one, (".csv", *PICTURES), [file]) for one in named]
     begin_curves("cycle", [solution], [works], [asked], limits)
-    told = []
+    told: list[Result] = []
     for share, files in zip(shares.values(), targets, strict=True):
         curves = analyse(solution, works, slopes, modulus_factor * share, asked)
         results, turn = [with_solved_points(curve, stiffness) for curve in curves], Turn(to_load, to_depth)
         if law is not None and not any(works):
-            told.append(run_relaxing(file, results[0], law, stiffness, turn, points, rates, files))
+            told.append(run_relaxing(results[0], law, stiffness, turn, points, rates))
         elif rates.rate is not None:
-            told.append(run(file, results, stiffness, turn, points, rates, files))
+            told.append(run(results, stiffness, turn, points, rates))
         else:
-            told.append(_quasi_static(file, results, stiffness, turn, points, files))
+            told.append(Cycled.of(results, stiffness, to_load, to_depth, points))
+        files.write(told[-1].columns, figure=files.draw(told[-1].figure))
     _tell(file, dict(zip(shares.items(), told, strict=True)), targets, output.json)
 
 
@@ -141,36 +134,14 @@ def _works(solution: Solution, approach: float | None, retract: float | None) ->
     return approach, approach if retract is None else retract
 
 
-def _tell(file: Path, told: dict[tuple[str, float], Told], targets: list[Files], json: bool) -> None:
+def _tell(file: Path, told: dict[tuple[str, float], Result], targets: list[Files], json: bool) -> None:
     """Print what was found: once, or for each limit by its name and its share of the moduli."""
-    found = {name: {"moduli": share} | item.summary for (name, share), item in told.items()}
+    found = {name: {"moduli": share} | item.summary() for (name, share), item in told.items()}
     if json:
-        answer(next(iter(told.values())).summary if "" in found else {"file": str(file), "limits": found})
+        answer(next(iter(told.values())).summary() if "" in found else {"file": str(file), "limits": found})
     for ((name, share), item), files in zip(told.items(), targets, strict=True):
         if not json:
             head = [f"limit of {name} cycles, the moduli times {share:.4g}:"] if name else []
-            present([*head, *item.lines], last=f"  written {files}")
+            present([*head, *item.words()], last=f"  written {files}")
         for line in item.warnings:
             warn(f"{file}: {line}")
-
-
-def _quasi_static(
-    file: Path, curves: Sequence[Analysis], stiffness: float, turn: Turn, points: int, targets: Files
-) -> Told:
-    """Trace, figure and summary of equilibrium states; ``curves``: those of approach and of retraction."""
-    inwards, outwards = (result.curve for result in curves)
-    radius = None
-    if turn.load is not None or turn.depth is not None:
-        radius = turning_radius(inwards, stiffness, load=turn.load, depth=turn.depth)
-    found = run_cycle(inwards, outwards, stiffness, radius)
-    if isinstance(found, Unknown):
-        raise InputError(f"{file}: {found.reason}")
-    columns = trace(found, points)
-
-    def figure() -> Figure:
-        from ..report.plots.curve import cycle_figure
-
-        return cycle_figure(columns, control(stiffness))
-
-    targets.write(columns, figure=targets.draw(figure))
-    return Told(report.summary(file, found), report.words(file, found), [])

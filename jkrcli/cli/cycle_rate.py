@@ -10,19 +10,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
-import numpy as np
 
-from ..adhesion.device import LOAD_CONTROL, position
-from ..base.errors import InputError, SolveError
+from ..adhesion.device import LOAD_CONTROL
+from ..base.errors import InputError
 from ..base.units import parse
-from ..report.output import Files
 from .options import ParamType
 
 if TYPE_CHECKING:
     from ..adhesion.program import Program
-    from ..adhesion.rate.history import History, RateContact
+    from ..adhesion.rate.history import RateContact
+    from ..adhesion.relaxation.history import RelaxingContact
     from ..beside.analysis import Analysis
-    from ..report.plots import Figure
+    from ..report.rate import CycledAtSpeed
 
 
 class PairsType(ParamType):
@@ -120,61 +119,26 @@ class Turn:
     depth: float | None
 
 
-@dataclass(frozen=True)
-class Told:
-    """What a verb says of a result: for machines, in lines, and what to heed."""
-
-    summary: dict[str, Any]
-    lines: list[str]
-    warnings: list[str]
-
-
 def run(
-    file: Path, curves: Sequence[Analysis], stiffness: float, turn: Turn, points: int, rates: RateOptions,
-    targets: Files,
-) -> Told:  # fmt: skip
-    """Trace, figure and summary of what happens over time; ``curves``: those of approach and of retraction."""
+    curves: Sequence[Analysis], stiffness: float, turn: Turn, points: int, rates: RateOptions
+) -> CycledAtSpeed:  # fmt: skip
+    """What happens over time; ``curves``: those of approach and of retraction."""
     from ..adhesion.rate.history import RateContact
     from ..adhesion.rate.laws import rate_law_of
-    from ..report import rate as report
+    from ..report.rate import CycledAtSpeed
 
     inwards, outwards = curves
     law = rate_law_of(rates.rate or {}, "--rate")
     advance = None if rates.rate_advance is None else rate_law_of(rates.rate_advance, "--rate-advance")
     contact = RateContact(outwards.jkr.nonadhesive, law, outwards.w, inwards.w, stiffness, advance)
-    try:
-        history = contact.history(_program(contact, rates, turn))
-    except SolveError as error:
-        raise InputError(f"{file}: {error}") from None
-    if history.out_of_series is not None:
-        raise InputError(f"{file}: {history.out_of_series}")
-    zone = _zone(history, outwards, rates)
-    columns = history.table(points)
-
-    def figure() -> Figure:
-        from ..report.plots.rate import history_figure
-
-        return history_figure(columns, history.jumps, f"{history.control}, {report.law_words(law)}")
-
-    targets.write(columns, figure=targets.draw(figure))
-    warnings = report.warnings_of(history, zone)
-    first, *rest = report.words(history, zone)
-    found = {"file": str(file)} | report.summary(history, zone) | {"warnings": warnings}
-    return Told(found, [f"{first}: {file}", *rest], warnings)
+    return CycledAtSpeed.of(contact, program_of(contact, rates, turn), outwards, stress=rates.stress, points=points)
 
 
-def _program(contact: RateContact, rates: RateOptions, turn: Turn) -> Program:
-    return program_of(
-        contact.stiffness, rates, lambda speed: contact.turning(turn.load, turn.depth, speed), contact.least
-    )
-
-
-def program_of(stiffness: float, rates: RateOptions, turning: Callable[[float], float], least: float) -> Program:
-    """What the device does, of the speeds or of the table: from ``least`` on to where an approach at a speed is
-    ``turning``."""
+def program_of(contact: RateContact | RelaxingContact, rates: RateOptions, turn: Turn) -> Program:
+    """What the device does, of the speeds or of the table."""
     from ..adhesion.program import Program, dwell, there_and_back
 
-    loaded = stiffness == LOAD_CONTROL
+    loaded, least = contact.stiffness == LOAD_CONTROL, contact.least
     length, speed = ("load", "load rate") if loaded else ("length", "speed")
     if rates.program is not None:
         from ..data.device_program import read_program
@@ -183,7 +147,7 @@ def program_of(stiffness: float, rates: RateOptions, turning: Callable[[float], 
     back = _quantity("--speed", rates.speed, speed)
     there = _quantity("--speed-approach", rates.speed_approach, speed) if rates.speed_approach else back
     hold = 0.0 if rates.hold is None else _quantity("--hold", rates.hold, "time", least=0.0)
-    x = turning(there)
+    x = contact.turning(turn.load, turn.depth, there)
     if rates.dwell is None:
         return there_and_back(x, there, back, hold, least)
     held = _quantity("--dwell", rates.dwell, length, least=-math.inf)
@@ -201,14 +165,3 @@ def _quantity(option: str, text: str | None, dimension: str, least: float | None
     if wrong or not math.isfinite(value):
         raise InputError(f"{option}: must be {'> 0' if least is None else f'>= {least:g}'}, got {text}")
     return value
-
-
-def _zone(history: History, body: Analysis, rates: RateOptions) -> Any:
-    from ..adhesion.rate.validity import zone
-
-    pulled, problem = history.pull_off, body.problem
-    contact = history.contact
-    x = position(pulled.delta, pulled.P, contact.stiffness)
-    G = float(contact.states(np.array([pulled.a]), np.array([x])).G[0])
-    z0 = body.solution.record.z0
-    return zone(G, history.contact.w0, problem.E_star, pulled.a, problem.specimen.top_thickness, rates.stress, z0)

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..base.errors import InputError
 from ..bodies.relaxation import Relaxation
-from ..report.output import Files
-from .cycle_rate import RateOptions, Told, Turn, flag, program_of
+from .cycle_rate import RateOptions, Turn, flag, program_of
 
 if TYPE_CHECKING:
     from ..beside.analysis import Analysis
-    from ..report.plots import Figure
+    from ..report.relaxation import CycledRelaxing
 
 
 def limits_of(law: Relaxation, rates: RateOptions) -> dict[str, float]:
@@ -31,31 +29,15 @@ def limits_of(law: Relaxation, rates: RateOptions) -> dict[str, float]:
 
 
 def run(
-    file: Path, body: Analysis, law: Relaxation, stiffness: float, turn: Turn, points: int, rates: RateOptions,
-    targets: Files,
-) -> Told:  # fmt: skip
-    """Trace, figure and summary of what happens over time without adhesion."""
+    body: Analysis, law: Relaxation, stiffness: float, turn: Turn, points: int, rates: RateOptions
+) -> CycledRelaxing:
+    """What happens over time without adhesion."""
     from ..adhesion.relaxation.history import RelaxingContact
-    from ..report import relaxation as report
+    from ..report.relaxation import CycledRelaxing
 
     if rates.rate is not None:
         raise InputError("cycle: --rate needs adhesion: give --w-approach, or leave it out")
     if rates.speed is None and rates.program is None:
         raise InputError('cycle: the specimen relaxes: say what the device does, --speed "10 um/s" or --program TABLE')
     contact = RelaxingContact(body.jkr.nonadhesive, law, stiffness)
-    program = program_of(stiffness, rates, lambda speed: contact.turning(turn.load, turn.depth, speed), 0.0)
-    try:
-        history = contact.history(program)
-        columns, found = history.table(points), report.summary(history)
-    except InputError as error:
-        raise InputError([f"{file}: {line}" for line in error.lines]) from None
-
-    def figure() -> Figure:
-        from ..report.plots.rate import history_figure
-
-        return history_figure(columns, [], f"{history.control}, {law}")
-
-    targets.write(columns, figure=targets.draw(figure))
-    first, *rest = report.words(history)
-    warnings = report.warnings_of(history)
-    return Told({"file": str(file)} | found | {"warnings": warnings}, [f"{first}: {file}", *rest], warnings)
+    return CycledRelaxing.of(contact, program_of(contact, rates, turn), body.path, points)

@@ -18,9 +18,10 @@ from ..methods.guards import Limits
 from ..report.output import PICTURES, SHOWN, Files, Output
 from .body import FLAGS, body_options, given_flags, tables_of
 from .fit_curves import FEWER, fit_curves, refits_of
+from .fit_idle import EACH, LAW, RELAXATION, SHARED, TENSION, given, refuse_idle
 from .fit_joint import fit_joint
-from .fit_law import Asked, fit_law, refuse_unused
-from .fit_relaxation import fit_relaxation, refuse_others
+from .fit_law import Asked, fit_law
+from .fit_relaxation import fit_relaxation
 from .fit_tension import fit_tension, is_asked
 from .measured import TUNING, begin_reading, reading_of, reading_options
 from .options import (
@@ -66,8 +67,8 @@ class NamesType(ParamType):
     "--free",
     multiple=True,
     type=NamesType(),
-    help="Also free: P0, compliance, E:LAYER, h:LAYER (thickness), range or stress (adhesion of finite range), drift "
-    "(of the depth over time), surface_tension (all records together).",
+    help="Also free: P0, compliance, E:LAYER, h:LAYER (thickness), range or stress (of adhesion), drift, "
+    "surface_tension.",
 )
 @click.option(
     "--fix", multiple=True, type=NamedType(), help='Known: w="50 mJ/m^2", delta0=0, modulus=1, E_star="1 MPa".'
@@ -99,6 +100,7 @@ class NamesType(ParamType):
 @click.option("--model", type=click.Choice(["jkr", "auto"]), default="jkr", show_default=True,
               help="Of a raw record; auto: the best other models too, where its data ask for one.")  # fmt: skip
 @click.option("--rivals", is_flag=True, help="Print what the data of a raw record say of each other model.")
+@click.option("--plan", is_flag=True, help="Print which further measurement would narrow E* and w most.")
 @click.option("--level", type=float, default=0.95, show_default=True, help="Of the intervals.")
 @click.option(
     "--samples", type=click.IntRange(20, 100_000), default=200, show_default=True, help="Number of bootstrap resamples."
@@ -112,7 +114,7 @@ class NamesType(ParamType):
     "--tip-radius",
     multiple=True,
     type=RangeType(),
-    help="Of records fitted together (--shared, surface_tension): of each file, in order, or of all [default: BODY's].",
+    help="With --shared or surface_tension: of each file, or of all [default: BODY's].",
 )
 @click.option("--surface", type=click.Choice(["sliding", "sticking", "both"]),
               help="Of the body, instead of its own; both: under either, and what the data prefer.")  # fmt: skip
@@ -139,6 +141,7 @@ def fit(
     slopes: str,
     law: str | None,
     rivals: bool,
+    plan: bool,
     relaxation: str | None,
     workers: int | None,
     scheduler: str | None,
@@ -158,7 +161,6 @@ def fit(
     jkr fit curve.jpk-force --radius "5 um" --nu 0.5
     jkr fit sphere.toml probe.csv --unit P=mN --uncertain nu=0.005
     jkr fit coating.toml probe.csv --free E:skin --bound E:skin="1 MPa..1 GPa"
-    jkr fit gel.toml probe.csv --surface both
     jkr fit gel.toml small.csv large.csv --free surface_tension \\
             --tip-radius "5 um" --tip-radius "30 um"
     jkr fit gel.toml held.csv --relaxation sls
@@ -169,19 +171,12 @@ def fit(
     inputs = (body_file, *measured)
     common, kept = ([name for group in groups for name in group] for groups in (shared, own))
     names = [*(name for group in free for name in group), *_freed((*common, *kept), fix)]
-    if kept and not common:
-        raise InputError("fit: --own goes with --shared, which names what all records have in common: give both")
-    unused = {**options, "rivals": rivals, "bound": bound, "uncertain": uncertain}
-    if relaxation is None and (options["terms"] is not None or "relaxation" in names):
+    if relaxation is None and "relaxation" in names:
         raise InputError(f"fit: the law is not named: give --relaxation {', '.join(RELAXATIONS)}")
-    if relaxation is not None:
-        refuse_others(unused, start, law, surface)
-    elif law is not None:
-        refuse_unused(unused)
-    timed = law or relaxation or common
-    if common and (given := [flag for flag, value in (("--law", law), ("--relaxation", relaxation)) if value]):
-        raise InputError(f"fit: --shared does not take {given[0]}: its records are fitted together as they are")
-    targets = _targets(body_file, bool(timed), inputs, output)
+    kind = RELAXATION if relaxation else LAW if law else SHARED if common else EACH
+    if kind != EACH:
+        refuse_idle(kind, given())
+    targets = _targets(body_file, kind != EACH, inputs, output)
     refits = refits_of(options["confidence"], options["samples"], len(uncertain))
     surfaces = len(SURFACES.get(surface or "", ("",)))
     per_row, per_file = TUNING.fit_per_row + refits * TUNING.refit_per_row, refits * TUNING.refit
@@ -192,22 +187,24 @@ def fit(
     told = str(source) if isinstance(source, Path) else body.problem.words
     if (law or relaxation) and body.asked:
         raise InputError(f"fit: --{'law' if law else 'relaxation'} {NO_RANGE}")
-    asked = Asked(body, paths, reading, names, fix, start, unused, targets, told, output)
+    options |= {"rivals": rivals, "plan": plan}
+    asked = Asked(body, paths, reading, names, fix, start, dict(options), targets, told, output)
+    if kind in (EACH, SHARED):
+        kind = TENSION if is_asked(body, names, fix) else kind
+        refuse_idle(kind, given())
     if relaxation is not None:
         fit_relaxation(asked, relaxation)
-    elif not timed and is_asked(body, names, fix):
+    elif kind == TENSION:
         fit_tension(replace(asked, targets=output.files(targets.stem, (".csv", ".json"), inputs)), tip_radius)
-    elif tip_radius and not common:
-        raise InputError("fit: --tip-radius: goes with --shared or --free surface_tension: leave it out")
     elif law is not None:
         fit_law(asked, law)
     else:
-        del options["terms"]
+        for name in ("terms", "rivals", "plan"):
+            del options[name]
         asked = replace(asked, reading=replace(reading, contact="as-is"))
         settings = _settings(body, uncertain, names, fix, start, bound, options)
         if common:
-            left = {**options, "rivals": rivals, "uncertain": uncertain, "surface": surface}
-            fit_joint(replace(asked, options=left), tip_radius, settings, common, kept)
+            fit_joint(asked, tip_radius, settings, common, kept)
             return
         bodies = [body.on_surface(one) for one in SURFACES[surface or body.problem.surface]]
         fit_curves(asked, bodies, settings, refits, inputs, limits, workers, scheduler)

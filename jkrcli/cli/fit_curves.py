@@ -40,9 +40,11 @@ def fit_curves(
     """Each curve on each of the ``bodies``, which are one under different surfaces: table, archive and pictures."""
     from ..base.executors import executor
     from ..data.measured import usable
+    from ..identification.fit import Fit
     from ..identification.fit.fitting import Failure, fit_all
     from ..identification.fit.friction import friction_warnings, preferences
-    from ..report.fit import Fits, rivals_table
+    from ..identification.fit.plan import planned
+    from ..report.fit import Fits, plan_table, rivals_table
 
     targets, output = asked.targets, asked.output
     curves, reasons = usable(asked.measured, asked.reading)
@@ -54,6 +56,11 @@ def fit_curves(
         with executor(workers, scheduler, progress, seconds) as pool:
             each.append(fit_all(one, curves, settings, pool))
     found = [item for items in each for item in items]
+    if asked.options["rivals"] and not any(isinstance(item, Fit) and item.verdict for item in found):
+        raise InputError("fit: --rivals is for raw records, which none of these was fitted as: leave it out")
+    if asked.options["plan"]:
+        found = [planned(one, item) if isinstance(item, Fit) else item
+                 for one, items in zip(bodies, each, strict=True) for item in items]  # fmt: skip
     reasons += [line for item in each[0] if isinstance(item, Failure) for line in item.lines]
     pictures = _pictures(each, bodies, targets, inputs, output) if output.plots else []
     told = list(preferences(found)) if len(bodies) > 1 else []
@@ -65,8 +72,9 @@ def fit_curves(
     drawn = f", {len(pictures)} picture{'s' if len(pictures) > 1 else ''}" if pictures else ""
     more = f" ({len(result.fits) - SHOWN:,} more curves)" if len(result.fits) > SHOWN else ""
     give(result, output, f"  written {targets}{drawn}{f', the map in {map_file}' if map_file else ''}{more}")
-    for item in result.fits[:SHOWN] if asked.options["rivals"] and not output.json else []:
-        say("\n".join(rivals_table(item)))
+    for item in result.fits[:SHOWN] if not output.json else []:
+        if lines := [*(rivals_table(item) if asked.options["rivals"] else []), *plan_table(item)]:
+            say("\n".join(lines))
     for line in told:
         (note if output.json else say)(line)
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from ..base.errors import InputError, SolveError
-from .fit_law import Asked, refuse_unused
+from .fit_law import Asked
 from .output import give
 
 if TYPE_CHECKING:
@@ -23,7 +23,6 @@ def fit_joint(
     from ..report.joint_fit import JointFitted
     from ..report.result import as_result
 
-    refuse_unused({**asked.options, "branch": "all", "base_line": "straight", "noise": ()}, "--shared")
     names, curves, bodies = shared_of(shared, own, settings), [], []
     for path, one in zip(asked.measured, with_radii(asked.body, radii, len(asked.measured)), strict=True):
         for item in each(path, asked.reading):

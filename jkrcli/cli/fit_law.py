@@ -15,25 +15,6 @@ if TYPE_CHECKING:
     from ..data.measured import Reading
     from ..identification.fit import FittedBody
 
-UNUSED = {
-    "rivals": "--rivals",
-    "bound": "--bound",
-    "uncertain": "--uncertain",
-    "noise": "--noise",
-    "surface": "--surface",
-}
-
-
-def refuse_unused(options: dict[str, Any], by: str = "--law") -> None:
-    """InputError where an option is given that a fit over time does not take, which ``by`` asks for."""
-    defaults = {"branch": "all", "loss": "linear", "confidence": "covariance", "base_line": "straight"}
-    given = [flag for name, flag in UNUSED.items() if options.get(name)]
-    given += [
-        f"--{name.replace('_', '-')} {options[name]}" for name, usual in defaults.items() if options.get(name) != usual
-    ]
-    if given:
-        raise InputError(f"fit: {by} does not take {given[0]}")
-
 
 @dataclass(frozen=True, eq=False)
 class Asked:

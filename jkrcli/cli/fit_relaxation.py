@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
-
 from ..base.errors import InputError
-from .fit_law import Asked, refuse_unused
+from .fit_law import Asked
 from .output import give
 from .voice import warn
 
@@ -42,10 +39,3 @@ def fit_relaxation(asked: Asked, law: str) -> None:
     for line in skipped:
         warn(f"skipped: {line}")
     give(result, asked.output, f"  written {targets}")
-
-
-def refuse_others(options: dict[str, Any], start: Sequence[Any], law: str | None, surface: str | None) -> None:
-    """InputError where an option is given that a fit of relaxation does not take."""
-    refuse_unused(options, "--relaxation")
-    if given := [flag for flag, value in (("--law", law), ("--start", start), ("--surface", surface)) if value]:
-        raise InputError(f"fit: --relaxation does not take {given[0]}")

@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from ..base.errors import InputError, SolveError
-from .fit_law import Asked, refuse_unused
+from .fit_law import Asked
 from .output import give
 
 if TYPE_CHECKING:
@@ -29,10 +29,7 @@ def fit_tension(asked: Asked, radii: Sequence[float]) -> None:
     from ..report.tension_fit import TensionFitted
 
     body, measured, options = asked.body, asked.measured, asked.options
-    if asked.start:
-        raise InputError(f"fit: surface_tension: starts are looked for, leave out --start {asked.start[0][0]}")
     fixed = known_values(body.problem, asked.names, asked.fix)
-    refuse_unused(options, by="surface_tension")
     curves, tips = [], []
     for path, R in zip(measured, radii_of(body.problem, radii, len(measured)), strict=True):
         for item in each(path, replace(asked.reading, contact="as-is")):

@@ -29,18 +29,19 @@ class RecordTuning:
 
     normal: float = 1.4826  # theory: standard deviation over median deviation of normal noise
     least_rows: int = 20  # choice: of a direction; a base line and a contact of a few rows each
-    block: float = 1 / 200  # choice: rows averaged where slow deviations are looked for
+    block: float = 1 / 200  # tuned on records, by `make constants`: rows averaged where slow deviations are looked for
     far: float = 0.1  # choice: the part of a direction that is free if anything is
-    inside: float = 0.8  # choice: of the free part found first, what surely is free
+    inside: float = 0.8  # tuned on records, by `make constants`: of the free part found first, what surely is free
     sigmas: float = 6.0  # theory: 1e-9 of normal noise lies beyond
     least: float = 0.005  # choice: of the range of the load, below which no departure counts
-    run: int = 3  # choice: blocks in succession that must agree
+    run: int = 3  # tuned on records, by `make constants`: blocks in succession that must agree
     jump: float = 0.02  # choice: of the range of the load, least size of a jump
     turning: float = 0.02  # choice: of the way, next to the turning point, where no step is looked for
     doubtful: float = 0.5  # choice: of the least load that is told; tension between is neither a jump nor a step
     around: int = 20  # choice: steps before a jump, and after it, whose median is the usual one
     back: float = 0.2  # choice: of the whole way, least of both ways that make two directions of one segment
-    still: float = 0.45  # choice: just below the half of a step in speed that smoothing leaves at its place
+    # tuned on records, by `make constants`: just below the half of a step in speed that smoothing leaves at its place
+    still: float = 0.45
     least_part: float = 0.02  # choice: of all rows, least length of a pause or a direction
     smooth: int = 4  # choice: degree of a polynomial that follows the end of a contact and no kink
     beyond: float = 1.5  # choice: rows over those of the base line, through which the polynomial must go on

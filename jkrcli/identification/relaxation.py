@@ -24,7 +24,7 @@ from ..bodies.relaxation import RELAXATIONS, Relaxation
 from ..data.measured import Curve
 from .fit.body import FittedBody
 from .fit.points import third_differences
-from .fit.result import FittedValue
+from .fit.result import FittedValue, estimated, times
 from .fit.statistics import covariance, t_quantile
 from .least_squares import Least, LeastSquares, State, by_differences
 from .motion import corners
@@ -407,9 +407,7 @@ class _Problem:
         inner = None if whole is None else whole[:n, :n] * np.outer(self.scales, self.scales)
         t = t_quantile(settings.level, dof)
         estimates = [_estimate(name, values[name], settings.free, inner, t) for name in self.names]
-        own = estimates[0]
-        low, high, error = (None if end is None else end * E_star for end in (own.low, own.high, own.error))
-        estimates.append(FittedValue("E_star", own.value * E_star, own.free, "modulus", error, low, high))
+        estimates.append(times(estimates[0], E_star, "E_star", "modulus"))
         held, made = self.model(found.x)
         squares = np.sum(((made - record.made) / record.noise[1]) ** 2)
         scatter = math.sqrt(float(squares) / max(record.t.size - n, 1))
@@ -433,14 +431,11 @@ def _outer(name: str, x: float) -> float:
 
 
 def _estimate(name: str, value: float, free: tuple[str, ...], inner: Array | None, t: float) -> FittedValue:
-    if name not in free or inner is None:
-        return FittedValue(name, value, name in free, _dimension(name))
-    sigma, x = math.sqrt(inner[free.index(name), free.index(name)]), _inner(name, value)
-    low, high = _outer(name, x - t * sigma), _outer(name, x + t * sigma)
-    if _is_share(name):
-        low, high = max(low, 0.0), min(high, 1.0)
-    error = sigma if x == value else value * sigma
-    return FittedValue(name, value, True, _dimension(name), error, low, high)
+    if name not in free:
+        return FittedValue(name, value, False, _dimension(name))
+    sigma = None if inner is None else math.sqrt(inner[free.index(name), free.index(name)])
+    ends, log = (0.0, 1.0) if _is_share(name) else (-math.inf, math.inf), _inner(name, value) != value
+    return estimated(name, _inner(name, value), _dimension(name), sigma, t, log, ends)
 
 
 def _warnings(fit: RelaxationFit, program: Program) -> list[str]:

@@ -25,7 +25,8 @@ from ..data.measured import Curve
 from ..formulas.griffith import shift
 from ..formulas.surface_tension import edge_angle
 from ..methods.layered.layered import Layered, largest_radius, unbounded
-from .fit.result import FittedValue
+from .fit.result import FittedValue, estimated
+from .fit.settings import ALIAS
 from .fit.statistics import covariance, t_quantile
 from .least_squares import Least, LeastSquares, State, by_differences
 
@@ -274,21 +275,15 @@ def _result(model: _Model, best: Least, radii: Sequence[float], level: float) ->
         raise SolveError("fit of surface tension: the records do not tell the unknowns apart: --fix one of them")
     sigma = np.sqrt(np.diag(spread))
     names = [*model.free, *(f"delta0:{record.name}" for record in model.records)]
-    correlation, half = spread / np.outer(sigma, sigma), t_quantile(level, dof) * sigma
+    correlation = spread / np.outer(sigma, sigma)
     told = len(set(radii)) > 1
     values = model.values(x) | dict(zip(names[len(model.free) :], model.zeros(x).tolist(), strict=True))
     spans = {f"delta0:{r.name}": r.depth for r in model.records}
-    estimates = []
-    for name, value in values.items():
-        error = low = high = None
-        if name in names:
-            i = names.index(name)
-            error, low, high = _interval(name, value, float(sigma[i]), float(half[i]), spans.get(name, model._work))
-            if name == "surface_tension" and not told:
-                error = low = high = None
-        dimension = {"modulus": "modulus", "surface_tension": "tension", "w": "work"}.get(name, "length")
-        shown = "E_star" if name == "modulus" else name
-        estimates.append(FittedValue(shown, value, name in names, dimension, error, low, high))
+    errors = dict(zip(names, sigma.tolist(), strict=True)) | ({} if told else {TENSION: None})
+    t, units = t_quantile(level, dof), {**spans, "w": model._work}
+    estimates = [
+        _estimate(name, value, name in names, errors.get(name), t, units.get(name)) for name, value in values.items()
+    ]
     warnings = (*_untold(names, correlation, sigma, told), *_steep(values))
     size = float(np.mean([record.load for record in model.records]))
     loads = tuple(model.loads(x))
@@ -297,12 +292,15 @@ def _result(model: _Model, best: Least, radii: Sequence[float], level: float) ->
     )
 
 
-def _interval(name: str, value: float, sigma: float, half: float, unit: float) -> tuple[float, float, float]:
-    """Standard error and ends of the interval: of logs where the unknown is one, else in the ``unit``."""
-    if name in ("modulus", "surface_tension"):
-        return value * sigma, value * math.exp(-half), value * math.exp(half)
-    low = value - half * unit
-    return sigma * unit, max(low, 0.0) if name == "w" else low, value + half * unit
+def _estimate(name: str, value: float, free: bool, sigma: float | None, t: float, unit: float | None) -> FittedValue:
+    """The estimate by the error of its unknown: a log, or in its ``unit``."""
+    dimension, shown = {**DIMENSIONS, "modulus": "modulus"}.get(name, "length"), ALIAS if name == "modulus" else name
+    if not free:
+        return FittedValue(shown, value, False, dimension)
+    if unit is None:
+        return estimated(shown, math.log(value), dimension, sigma, t, log=True)
+    ends = 0.0 if name == "w" else -math.inf, math.inf
+    return estimated(shown, value, dimension, None if sigma is None else sigma * unit, t, ends=ends)
 
 
 def _untold(names: list[str], correlation: Array, sigma: Array, told: bool) -> list[str]:

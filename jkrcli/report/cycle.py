@@ -1,53 +1,96 @@
-"""The trace of a device, in words and as JSON."""
+"""The cycle of a device in equilibrium: its trace, in words and as JSON."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ..adhesion.device import control
-from ..adhesion.path import Jump
-from ..adhesion.stability import Cycle
+from ..adhesion.path import TUNING, Jump
+from ..adhesion.stability import Cycle, cycle, trace, turning_radius
+from ..base.arrays import Array
+from ..base.errors import InputError
 from ..base.units import show
 from ..base.unknown import Unknown
+from ..beside.analysis import Analysis
 from . import tables
+from .result import Result
+
+if TYPE_CHECKING:
+    from .plots import Figure
 
 
-def summary(file: Path, found: Cycle) -> dict[str, Any]:
-    """Jumps, turn and energies of a trace, SI."""
-    return {
-        "file": str(file),
-        "control": control(found.stiffness),
-        "stiffness_N_per_m": tables.stiffness(found.stiffness),
-        "w_approach_J_per_m2": found.contact.advancing.w,
-        "w_retract_J_per_m2": found.contact.receding.w,
-        "jump_in": tables.point(found.begin),
-        "turn_a_m": found.contact.advancing.point(found.turn).a,
-        "jumps_on_approach": [tables.jump(jump) for jump in found.jumps_in],
-        "jumps_on_retraction": [tables.jump(jump) for jump in found.jumps_out],
-        "contact_lost": found.retraction.ends == "lost",
-        **tables.energies(found.energy_lost, found.separation),
-    }
+@dataclass(frozen=True, eq=False)
+class Cycled(Result):
+    """What a device records that presses bodies together and pulls them apart, however slowly; ``points``: rows of a
+    branch."""
 
+    file: Path
+    found: Cycle
+    points: int = TUNING.points
 
-def words(file: Path, found: Cycle) -> list[str]:
-    """A trace as lines of text, in the order in which the device passes its events."""
-    works = [show(curve.w, "work") for curve in (found.contact.advancing, found.contact.receding)]
-    begin, onset = found.begin, found.contact.advancing.onset
-    jump_in = f"jump-in at delta = {show(onset, 'length') if onset else 0} to"
-    start = jump_in if found.contact.advancing.w > 0 else "contact grows from a point; first of the series:"
-    energies = {"energy lost per cycle": found.energy_lost, "work of separation": found.separation}
-    told = [f"{name} {value if isinstance(value, Unknown) else f'{value:.4g} J'}" for name, value in energies.items()]
-    lines = [
-        f"{'; '.join(told)}: {file}",
-        f"  {control(found.stiffness)}, w = {works[0]} on approach, {works[1]} on retraction",
-        f"  {start} P = {show(begin.P, 'load')}, a = {show(begin.a, 'length')}",
-        f"  turn at a = {show(found.contact.advancing.point(found.turn).a, 'length')}",
-        *(f"  {_jump(jump)}" for jump in (*found.jumps_in, *found.jumps_out)),
-    ]
-    if found.retraction.ends != "lost":
-        lines.append("  contact is not lost within the series: the trace ends at its smallest radius")
-    return lines
+    @classmethod
+    def of(
+        cls, curves: Sequence[Analysis], stiffness: float, load: float | None = None, depth: float | None = None,
+        points: int = TUNING.points,
+    ) -> Cycled:  # fmt: skip
+        """The cycle on the ``curves`` of approach and retraction that turns at a ``load`` [N] or ``depth`` [m]."""
+        inwards, outwards = (result.curve for result in curves)
+        whole = load is None and depth is None
+        turn = None if whole else turning_radius(inwards, stiffness, load=load, depth=depth)
+        found = cycle(inwards, outwards, stiffness, turn)
+        if isinstance(found, Unknown):
+            raise InputError(f"{curves[0].path}: {found.reason}")
+        return cls(curves[0].path, found, points)
+
+    @cached_property
+    def columns(self) -> dict[str, Array]:  # type: ignore[override]
+        return trace(self.found, self.points)
+
+    def figure(self) -> Figure:
+        from .plots.curve import cycle_figure
+
+        return cycle_figure(self.columns, control(self.found.stiffness))
+
+    def summary(self) -> dict[str, Any]:
+        """Jumps, turn and energies of a trace, SI."""
+        found = self.found
+        return {
+            "file": str(self.file),
+            "control": control(found.stiffness),
+            "stiffness_N_per_m": tables.stiffness(found.stiffness),
+            "w_approach_J_per_m2": found.contact.advancing.w,
+            "w_retract_J_per_m2": found.contact.receding.w,
+            "jump_in": tables.point(found.begin),
+            "turn_a_m": found.contact.advancing.point(found.turn).a,
+            "jumps_on_approach": [tables.jump(jump) for jump in found.approach.jumps],
+            "jumps_on_retraction": [tables.jump(jump) for jump in found.retraction.jumps],
+            "contact_lost": found.retraction.ends == "lost",
+            **tables.energies(found.energy_lost, found.separation),
+        }
+
+    def words(self) -> list[str]:
+        """In the order in which the device passes its events."""
+        found, inwards = self.found, self.found.contact.advancing
+        works = [show(curve.w, "work") for curve in (inwards, found.contact.receding)]
+        begin, onset = found.begin, inwards.onset
+        jump_in = f"jump-in at delta = {show(onset, 'length') if onset else 0} to"
+        start = jump_in if inwards.w > 0 else "contact grows from a point; first of the series:"
+        energies = {"energy lost per cycle": found.energy_lost, "work of separation": found.separation}
+        told = [f"{name} {item if isinstance(item, Unknown) else f'{item:.4g} J'}" for name, item in energies.items()]
+        lines = [
+            f"{'; '.join(told)}: {self.file}",
+            f"  {control(found.stiffness)}, w = {works[0]} on approach, {works[1]} on retraction",
+            f"  {start} P = {show(begin.P, 'load')}, a = {show(begin.a, 'length')}",
+            f"  turn at a = {show(inwards.point(found.turn).a, 'length')}",
+            *(f"  {_jump(jump)}" for jump in (*found.approach.jumps, *found.retraction.jumps)),
+        ]
+        if found.retraction.ends != "lost":
+            lines.append("  contact is not lost within the series: the trace ends at its smallest radius")
+        return lines
 
 
 def _jump(jump: Jump) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -189,6 +189,7 @@ def _summary(item: Fit | Failure) -> dict[str, Any]:
         **({} if item.range_left is None else {"range_left_m": item.range_left}),
         **_beside(item),
         **_verdict(item),
+        **({"plan": [asdict(one) for one in item.plan]} if item.plan else {}),
         **({} if item.quality is None else {"quality": dict(item.quality), "flags": list(item.flags)}),
         "warnings": list(item.warnings),
     }
@@ -296,6 +297,18 @@ def rivals_table(item: Fit) -> list[str]:
         f"E* {show(one.E_star, 'modulus', 4)}, w {show(one.w, 'work', 4)}, {told_words(one)}"
         for one in item.verdict.tried
     )]  # fmt: skip
+
+
+def plan_table(item: Fit) -> list[str]:
+    """What further measurements would tell, the best for E* and for w marked."""
+    best = [min((getattr(one, name) for one in item.plan), default=0.0) for name in ("E_star", "w")]
+    head = [f"  {'a further measurement':<32}{'E* within':>12}{'w within':>12}"] * bool(item.plan)
+    return head + [
+        f"  {one.words:<32}"
+        + "".join(f"{value:>11.2%}{'*' if value == least else ' '}"
+                  for value, least in zip((one.E_star, one.w), best, strict=True))
+        for one in item.plan
+    ]  # fmt: skip
 
 
 def _verdict(item: Fit) -> dict[str, Any]:

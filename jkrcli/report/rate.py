@@ -1,18 +1,30 @@
-"""A history of rate-dependent adhesion as a summary and in words."""
+"""The cycle of a device while adhesion depends on speed: its trace, in words and as JSON."""
 
 from __future__ import annotations
 
-from typing import Any
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
-from ..adhesion.device import LOAD_CONTROL
-from ..adhesion.path import Jump, TimedState
-from ..adhesion.rate.history import History
+import numpy as np
+
+from ..adhesion.device import LOAD_CONTROL, position
+from ..adhesion.path import TUNING, Jump, TimedState
+from ..adhesion.program import Program
+from ..adhesion.rate.history import History, RateContact
 from ..adhesion.rate.laws import RateLaw, parameters_of, rate_parameters
-from ..adhesion.rate.validity import NEGLECTED, Zone
+from ..adhesion.rate.validity import NEGLECTED, Zone, zone
+from ..base.arrays import Array
+from ..base.errors import InputError, SolveError
 from ..base.units import SI, show
 from ..base.unknown import Unknown, known
+from ..beside.analysis import Analysis
 from ..identification.rate.through import LawThrough
+from .result import Result, as_result
 from .tables import point, stiffness
+
+if TYPE_CHECKING:
+    from .plots import Figure
 
 ACCURATE = 1e-6  # choice: error of the integration beyond which a reader is warned
 VAGUE = 1.0  # choice: relative standard error beyond which a parameter is not told
@@ -37,77 +49,114 @@ def law_summary(law: RateLaw | None) -> dict[str, Any] | None:
     return {"law": name} | {f"{key}_{units[key]}".rstrip("_"): value for key, value in values.items()}
 
 
-def summary(history: History, zone: Zone) -> dict[str, Any]:
-    """What stands in the JSON of ``jkr cycle --rate``."""
-    contact = history.contact
-    error, lost = history.error, history.lost
-    return {
-        "control": history.control,
-        "stiffness_N_per_m": stiffness(contact.stiffness),
-        "w_approach_J_per_m2": contact.w_advance,
-        "w_retract_J_per_m2": contact.w0,
-        "rate": law_summary(contact.law),
-        "rate_advance": law_summary(contact.law_advance),
-        "pull_off": _state(history.pull_off)
-        | {f"{name}_relative_error": known(error[name]) for name in ("P", "t")}
-        | {"edge_speed_m_per_s": history.fastest},
-        "turn_t_s": history.turn,
-        "jumps": [_jump(jump) for jump in history.jumps],
-        "contact_lost": lost is not None,
-        "lost_t_s": None if lost is None else lost.t,
-        "lost_t_relative_error": known(error["lost"]),
-        "waited_s": history.waited,
-        "energy_lost_J": known(history.energy_lost),
-        "energy_lost_reason": history.energy_lost if isinstance(history.energy_lost, Unknown) else None,
-        "dissipated_at_edge_J": history.dissipated,
-        "balance_relative_error": history.balance,
-        "zone": {
-            "width_m": known(zone.width),
-            "over_a": known(zone.over_a),
-            "over_h": known(zone.over_h),
-            "reason": zone.width if isinstance(zone.width, Unknown) else None,
-        },
-        "neglected": NEGLECTED,
-    }
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class CycledAtSpeed(History, Result):
+    """A history with what is said of it; ``body``: the curve of retraction, ``stress`` [Pa] in the zone at the edge,
+    ``points``: rows of a piece."""
 
+    body: Analysis
+    stress: float | None = None
+    points: int = TUNING.points
 
-def warnings_of(history: History, zone: Zone) -> list[str]:
-    """What a reader should know, each with its number."""
-    worst = max(value for name in ("P", "t", "lost") if (value := known(history.error[name])) is not None)
-    found = [f"the integration errs by about {worst:.1g}"] if worst > ACCURATE else []
-    if history.balance > BALANCED:
-        found.append(
-            f"the energies balance to {history.balance:.1g} only: the series' P_H, S and S' contradict each other"
-        )
-    return [*found, *zone.warnings]
+    @classmethod
+    def of(cls, contact: RateContact, program: Program, body: Analysis, **options: Any) -> CycledAtSpeed:
+        """What happens to ``contact`` under ``program``; InputError where it leaves the series."""
+        try:
+            found = contact.history(program)
+        except SolveError as error:
+            raise InputError(f"{body.path}: {error}") from None
+        if found.out_of_series is not None:
+            raise InputError(f"{body.path}: {found.out_of_series}")
+        return as_result(cls, found, body=body, **options)
 
+    @cached_property
+    def columns(self) -> dict[str, Array]:  # type: ignore[override]
+        return self.table(self.points)
 
-def words(history: History, zone: Zone) -> list[str]:
-    """Lines for people."""
-    contact, pulled, lost = history.contact, history.pull_off, history.lost
-    works = show(contact.w_advance, "work"), show(contact.w0, "work")
-    lines = [
-        f"pull-off force {show(-pulled.P, 'load')} at t = {show(pulled.t, 'time')}, delta = "
-        f"{show(pulled.delta, 'length')}, a = {show(pulled.a, 'length')}; edge up to {show(history.fastest, 'speed')}",
-        f"  {history.control}, w = {works[0]} on approach, from {works[1]} on retraction; {law_words(contact.law)}",
-    ]
-    for jump in history.jumps:
-        if jump.end is not None:
-            lines.append(
-                f"  contact jumps at t = {show(jump.t, 'time')} from a = {show(jump.start.a, 'length')} to "
-                f"a = {show(jump.end.a, 'length')}, P = {show(jump.end.P, 'load')}"
+    @cached_property
+    def zone(self) -> Zone:
+        """The dissipating zone at pull-off."""
+        pulled, contact, problem = self.pull_off, self.contact, self.body.problem
+        x = position(pulled.delta, pulled.P, contact.stiffness)
+        G = float(contact.states(np.array([pulled.a]), np.array([x])).G[0])
+        z0 = self.body.solution.record.z0
+        return zone(G, contact.w0, problem.E_star, pulled.a, problem.specimen.top_thickness, self.stress, z0)
+
+    def figure(self) -> Figure:
+        from .plots.rate import history_figure
+
+        return history_figure(self.columns, self.jumps, f"{self.control}, {law_words(self.contact.law)}")
+
+    def summary(self) -> dict[str, Any]:
+        contact, zone = self.contact, self.zone
+        error, lost = self.error, self.lost
+        return {
+            "file": str(self.body.path),
+            "control": self.control,
+            "stiffness_N_per_m": stiffness(contact.stiffness),
+            "w_approach_J_per_m2": contact.w_advance,
+            "w_retract_J_per_m2": contact.w0,
+            "rate": law_summary(contact.law),
+            "rate_advance": law_summary(contact.law_advance),
+            "pull_off": _state(self.pull_off)
+            | {f"{name}_relative_error": known(error[name]) for name in ("P", "t")}
+            | {"edge_speed_m_per_s": self.fastest},
+            "turn_t_s": self.turn,
+            "jumps": [_jump(jump) for jump in self.jumps],
+            "contact_lost": lost is not None,
+            "lost_t_s": None if lost is None else lost.t,
+            "lost_t_relative_error": known(error["lost"]),
+            "waited_s": self.waited,
+            "energy_lost_J": known(self.energy_lost),
+            "energy_lost_reason": self.energy_lost if isinstance(self.energy_lost, Unknown) else None,
+            "dissipated_at_edge_J": self.dissipated,
+            "balance_relative_error": self.balance,
+            "zone": {
+                "width_m": known(zone.width),
+                "over_a": known(zone.over_a),
+                "over_h": known(zone.over_h),
+                "reason": zone.width if isinstance(zone.width, Unknown) else None,
+            },
+            "neglected": NEGLECTED,
+            "warnings": self.warnings,
+        }
+
+    @property
+    def warnings(self) -> list[str]:
+        """What a reader should know, each with its number."""
+        worst = max(value for name in ("P", "t", "lost") if (value := known(self.error[name])) is not None)
+        found = [f"the integration errs by about {worst:.1g}"] if worst > ACCURATE else []
+        if self.balance > BALANCED:
+            found.append(
+                f"the energies balance to {self.balance:.1g} only: the series' P_H, S and S' contradict each other"
             )
-    told = "contact is not lost" if lost is None else f"contact is lost at t = {show(lost.t, 'time')}"
-    if lost is not None and history.waited is not None:
-        held = (
-            f"at P = {show(lost.start.P, 'load')}" if contact.stiffness == LOAD_CONTROL else "with the device at rest"
-        )
-        told += f", after {show(history.waited, 'time')} {held}"
-    lines.append(f"  {told}; the contact stopped to grow at t = {show(history.turn, 'time')}")
-    energy = history.energy_lost
-    lines.append(f"  energy lost: {energy if isinstance(energy, Unknown) else f'{energy:.4g} J'}")
-    lines.append(f"  dissipating zone at the edge: {zone.words}")
-    return lines
+        return [*found, *self.zone.warnings]
+
+    def words(self) -> list[str]:
+        contact, pulled, lost = self.contact, self.pull_off, self.lost
+        works = show(contact.w_advance, "work"), show(contact.w0, "work")
+        lines = [
+            f"pull-off force {show(-pulled.P, 'load')} at t = {show(pulled.t, 'time')}, delta = "
+            f"{show(pulled.delta, 'length')}, a = {show(pulled.a, 'length')}; edge up to {show(self.fastest, 'speed')}"
+            f": {self.body.path}",
+            f"  {self.control}, w = {works[0]} on approach, from {works[1]} on retraction; {law_words(contact.law)}",
+        ]
+        for jump in self.jumps:
+            if jump.end is not None:
+                lines.append(
+                    f"  contact jumps at t = {show(jump.t, 'time')} from a = {show(jump.start.a, 'length')} to "
+                    f"a = {show(jump.end.a, 'length')}, P = {show(jump.end.P, 'load')}"
+                )
+        told = "contact is not lost" if lost is None else f"contact is lost at t = {show(lost.t, 'time')}"
+        if lost is not None and self.waited is not None:
+            loaded = contact.stiffness == LOAD_CONTROL
+            held = f"at P = {show(lost.start.P, 'load')}" if loaded else "with the device at rest"
+            told += f", after {show(self.waited, 'time')} {held}"
+        lines.append(f"  {told}; the contact stopped to grow at t = {show(self.turn, 'time')}")
+        energy = self.energy_lost
+        lines.append(f"  energy lost: {energy if isinstance(energy, Unknown) else f'{energy:.4g} J'}")
+        lines.append(f"  dissipating zone at the edge: {self.zone.words}")
+        return lines
 
 
 def _state(state: TimedState) -> dict[str, Any]:

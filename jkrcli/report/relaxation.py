@@ -1,14 +1,24 @@
-"""The history of a contact that relaxes as a summary and in words."""
+"""The cycle of a device whose specimen relaxes: its trace, in words and as JSON."""
 
 from __future__ import annotations
 
-from typing import Any
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
-from ..adhesion.path import TimedState
-from ..adhesion.relaxation.history import HISTORY, RelaxedHistory
+from ..adhesion.path import TUNING, TimedState
+from ..adhesion.program import Program
+from ..adhesion.relaxation.history import HISTORY, RelaxedHistory, RelaxingContact
+from ..base.arrays import Array
+from ..base.errors import InputError
 from ..base.units import SI, show
 from ..bodies.relaxation import RELAXATIONS, Relaxation
+from .result import Result, as_result
 from .tables import point, stiffness
+
+if TYPE_CHECKING:
+    from .plots import Figure
 
 NEGLECTED = (
     "one relaxation function for all layers, and for the half-space below them, at constant Poisson's ratios; no "
@@ -23,43 +33,69 @@ def law_summary(law: Relaxation) -> dict[str, Any]:
     return {"law": name} | {f"{key}_{units[key]}" if key in units else key: value for key, value in values.items()}
 
 
-def summary(history: RelaxedHistory) -> dict[str, Any]:
-    """What stands in the JSON of ``jkr cycle``."""
-    return {
-        "control": history.control,
-        "stiffness_N_per_m": stiffness(history.contact.stiffness),
-        "relaxation": law_summary(history.contact.law),
-        "largest_load": _state(history.peak),
-        "turn_t_s": history.turn,
-        "corners": [_state(corner) for corner in history.corners],
-        "contact_lost": history.lost is not None,
-        "lost_t_s": history.lost,
-        "load_relative_error": history.error,
-        "neglected": NEGLECTED,
-    }
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class CycledRelaxing(RelaxedHistory, Result):
+    """A history with what is said of it; ``points``: rows of a piece."""
 
+    file: Path
+    points: int = TUNING.points
 
-def words(history: RelaxedHistory) -> list[str]:
-    """Lines for people."""
-    peak, lost = history.peak, history.lost
-    lines = [
-        f"largest load {show(peak.P, 'load')} at t = {show(peak.t, 'time')}, delta = {show(peak.delta, 'length')}, "
-        f"a = {show(peak.a, 'length')}",
-        f"  {history.control}, no adhesion; {history.contact.law}",
-    ]
-    for corner in history.corners:
-        if corner.t > peak.t:
-            lines.append(
-                f"  at t = {show(corner.t, 'time')} P = {show(corner.P, 'load')}, delta = "
-                f"{show(corner.delta, 'length')}, a = {show(corner.a, 'length')}"
-            )
-    ends = "contact is not lost" if lost is None else f"contact is lost at t = {show(lost, 'time')}"
-    return [*lines, f"  {ends}; it stopped to grow at t = {show(history.turn, 'time')}"]
+    @classmethod
+    def of(cls, contact: RelaxingContact, program: Program, file: Path, points: int = TUNING.points) -> CycledRelaxing:
+        """What happens to ``contact`` under ``program``."""
+        try:
+            found = contact.history(program)
+            whole = as_result(cls, found, file=file, points=points)
+            whole.summary()  # may find that the contact is loaded again
+        except InputError as error:
+            raise InputError([f"{file}: {line}" for line in error.lines]) from None
+        return whole
 
+    @cached_property
+    def columns(self) -> dict[str, Array]:  # type: ignore[override]
+        return self.table(self.points)
 
-def warnings_of(history: RelaxedHistory) -> list[str]:
-    """What a reader should know, each with its number."""
-    return [f"the loads err by about {history.error:.1g} of the largest"] if history.error > HISTORY.accurate else []
+    def figure(self) -> Figure:
+        from .plots.rate import history_figure
+
+        return history_figure(self.columns, [], f"{self.control}, {self.contact.law}")
+
+    def summary(self) -> dict[str, Any]:
+        return {
+            "file": str(self.file),
+            "control": self.control,
+            "stiffness_N_per_m": stiffness(self.contact.stiffness),
+            "relaxation": law_summary(self.contact.law),
+            "largest_load": _state(self.peak),
+            "turn_t_s": self.turn,
+            "corners": [_state(corner) for corner in self.corners],
+            "contact_lost": self.lost is not None,
+            "lost_t_s": self.lost,
+            "load_relative_error": self.error,
+            "neglected": NEGLECTED,
+            "warnings": self.warnings,
+        }
+
+    def words(self) -> list[str]:
+        peak, lost = self.peak, self.lost
+        lines = [
+            f"largest load {show(peak.P, 'load')} at t = {show(peak.t, 'time')}, delta = {show(peak.delta, 'length')}, "
+            f"a = {show(peak.a, 'length')}: {self.file}",
+            f"  {self.control}, no adhesion; {self.contact.law}",
+        ]
+        for corner in self.corners:
+            if corner.t > peak.t:
+                lines.append(
+                    f"  at t = {show(corner.t, 'time')} P = {show(corner.P, 'load')}, delta = "
+                    f"{show(corner.delta, 'length')}, a = {show(corner.a, 'length')}"
+                )
+        ends = "contact is not lost" if lost is None else f"contact is lost at t = {show(lost, 'time')}"
+        return [*lines, f"  {ends}; it stopped to grow at t = {show(self.turn, 'time')}"]
+
+    @property
+    def warnings(self) -> list[str]:
+        """What a reader should know, each with its number."""
+        return [f"the loads err by about {self.error:.1g} of the largest"] if self.error > HISTORY.accurate else []
 
 
 def _state(state: TimedState) -> dict[str, Any]:

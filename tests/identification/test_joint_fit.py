@@ -121,13 +121,13 @@ def test_the_command_and_python_say_the_same(jkr: Callable) -> None:
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (("--own", "delta0"), "--own goes with --shared"),
+        (("--own", "delta0"), "--own: goes with --shared"),
         (("--shared", "w0"), 'unknown parameter'),
         (("--shared", "w", "--own", "w"), "w cannot be shared and every record's own"),
         (("--shared", "w", "--own", "delta0"), "modulus is free too"),
         (("--shared", "w", "--fix", "w=0"), "--shared w: is not free"),
         (("--shared", "w", "--loss", "huber"), "--shared does not take --loss huber"),
-        (("--shared", "w", "--law", "power"), "--shared does not take --law"),
+        (("--shared", "w", "--law", "power"), "--law does not take --shared"),
         (("--shared", "w", "--tip-radius", "1 um", "--tip-radius", "2 um", "--tip-radius", "3 um"), "got 3"),
         (("--tip-radius", "1 um"), "--tip-radius: goes with --shared"),
     ],

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from ...base.arrays import Array
-from ...base.errors import InputError, positive
+from ...base.errors import InputError, SolveError, positive
 from ...base.units import show
 from ...base.unknown import Estimate, Unknown
 from ..curve import AdhesiveCurve
@@ -30,8 +30,12 @@ class HistoryTuning:
 
     tolerance: float = 3e-11  # choice: relative, of a step of the integrator; leaves 3e-9 of the energies
     evaluations: int = 100_000  # choice: guard, six times what the slowest pull in tests takes
-    coarser: float = 4.0  # choice: factor of the tolerance of the second run, from whose distance the error is told
-    floor: float = 0.5  # choice: of the tolerance, no smaller error is stated; true ones are 0.01 to 1.7 of it
+    # tuned on curves, by `make constants`: factor of the tolerance of the second run, from whose distance the error is
+    # told
+    coarser: float = 4.0
+    # tuned on curves, by `make constants`: of the tolerance, no smaller error is stated; true ones are 0.01 to 1.7 of
+    # it
+    floor: float = 0.5
     slow: float = (
         3e-11  # theory: excess of w at the edge, below which equilibrium errs as a step of the integrator does
     )
@@ -117,7 +121,10 @@ class RateContact(Contact):
         quantity, value = ("P", load) if depth is None else ("delta", depth)
         if value is None:
             raise InputError("cycle: an edge that advances by a law needs a turn: --to-load or --to-depth")
-        found = self.history(Program.on(self.least, speed)).first_held(quantity, value)
+        try:
+            found = self.once(Program.on(self.least, speed)).first_held(quantity, value)
+        except SolveError as error:
+            raise InputError(f"cycle: {error}") from None
         if found is None:
             told = show(value, "load" if quantity == "P" else "length")
             raise InputError(f"cycle: the turn at {quantity} = {told} is not passed on approach within the series")

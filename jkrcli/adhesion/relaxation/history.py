@@ -47,6 +47,8 @@ class RelaxingContact:
     coarser: int = 1
     grows: float = TUNING.grows
 
+    least = 0.0  # what the device holds at first contact
+
     @cached_property
     def depths(self) -> Depths:
         return Depths(self.body)

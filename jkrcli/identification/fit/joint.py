@@ -25,7 +25,7 @@ from .body import FittedBody
 from .confidence import spread_of
 from .fitting import fit, prepared
 from .record import whole_fit
-from .result import Fit, FittedValue
+from .result import Fit, FittedValue, estimated, times
 from .search import robust, search
 from .settings import ALIAS, Parameter, Settings, dimension_of
 from .statistics import covariance, t_quantile
@@ -38,7 +38,6 @@ class JointTuning:
     converged: float = 1e-10  # choice: relative, far below any standard error
     evaluations: int = 100  # choice: guard
     apart: float = 1e-3  # choice: chance of such differences, below which it is said
-    logs: frozenset[str] = frozenset({"modulus"})  # theory: searched by their logs, as all of a layer
 
 
 TUNING = JointTuning()
@@ -232,10 +231,11 @@ def joint_fit(
     if spread is None or not found.ended:
         raise InputError(f"fit: the records together do not tell {', '.join(shared)} apart: fix one of them (--fix)")
     sigma, t = np.sqrt(np.diag(spread))[:m], t_quantile(settings.level, dof)
-    estimates = [_estimate(name, float(x), float(s), t) for name, x, s in zip(shared, found.x, sigma, strict=False)]
+    estimates = [_estimated(name, float(x), float(s), t) for name, x, s in zip(shared, found.x, sigma, strict=False)]
     known = {item.name: item.value for item in estimates}
     if "modulus" in known:
-        estimates.append(_times(estimates[list(shared).index("modulus")], bodies[0].problem.E_star))
+        modulus = estimates[list(shared).index("modulus")]
+        estimates.append(times(modulus, bodies[0].problem.E_star, "E_star", "modulus"))
     fixed = tuple(Parameter(p.name, False, known[p.name]) if p.name in known else p for p in settings.parameters)
     asked = replace(settings, parameters=fixed, given=settings.given)
     fits = tuple(_sharing(fit(body, curve, asked), estimates) for body, curve in zip(bodies, curves, strict=True))
@@ -254,21 +254,17 @@ def _alone(part: Part, shared: Sequence[str], E_star: float) -> dict[str, float]
 
 
 def _outer(name: str, x: float) -> float:
-    return math.exp(x) if name in TUNING.logs or ":" in name else x
+    return math.exp(x) if _is_log(name) else x
 
 
-def _estimate(name: str, x: float, sigma: float, t: float) -> FittedValue:
-    value, dimension = _outer(name, x), dimension_of(name)
-    if value != x:
-        return FittedValue(name, value, True, dimension, value * sigma, value * math.exp(-t * sigma),
-                           value * math.exp(t * sigma))  # fmt: skip
-    low = x - t * sigma if dimension != "work" else max(x - t * sigma, 0.0)
-    return FittedValue(name, x, True, dimension, sigma, low, x + t * sigma)
+def _is_log(name: str) -> bool:
+    """Whether the unknown of a parameter is its log."""
+    return Parameter(name, True).kind == "log"
 
 
-def _times(item: FittedValue, E_star: float) -> FittedValue:
-    error, low, high = (None if end is None else end * E_star for end in (item.error, item.low, item.high))
-    return FittedValue("E_star", item.value * E_star, True, "modulus", error, low, high)
+def _estimated(name: str, x: float, sigma: float, t: float) -> FittedValue:
+    dimension, log = dimension_of(name), _is_log(name)
+    return estimated(name, x, dimension, sigma, t, log, (0.0 if dimension == "work" else -math.inf, math.inf))
 
 
 def _sharing(one: Fit, shared: Sequence[FittedValue]) -> Fit:

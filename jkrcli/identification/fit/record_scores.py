@@ -72,7 +72,7 @@ class Score:
 
     def change(self, rate: float) -> float:
         """Relative change, with the amount found, of a quantity whose logarithm moves by ``rate`` per amount."""
-        return math.expm1(self.amount * rate)
+        return math.expm1(min(self.amount * rate, 700.0))
 
     def moved(self, rate: float) -> float:
         """How far a quantity may be off, relative, that moves by ``rate`` per amount: by the amount found and its 95 %

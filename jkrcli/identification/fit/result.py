@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from sys import float_info
 
 import numpy as np
 
@@ -33,6 +35,28 @@ class FittedValue:
     model: Mapping[str, float] | None = None
 
 
+def estimated(
+    name: str, x: float, dimension: str, sigma: float | None, t: float, log: bool = False,
+    ends: tuple[float, float] = (-math.inf, math.inf),
+) -> FittedValue:  # fmt: skip
+    """The estimate of a free unknown ``x``, the ``log`` of a value or the value itself, within its ``ends``, by its
+    standard error ``sigma`` and the half-width of the interval in these, ``t``."""
+    value = math.exp(min(x, float_info.max_10_exp)) if log else x
+    if sigma is None:
+        return FittedValue(name, value, True, dimension)
+    if not log:
+        low, high = max(x - t * sigma, ends[0]), min(x + t * sigma, ends[1])
+        return FittedValue(name, value, True, dimension, sigma, low, high)
+    spread = math.exp(min(t * sigma, float_info.max_10_exp))
+    return FittedValue(name, value, True, dimension, value * sigma, value / spread, value * spread)
+
+
+def times(item: FittedValue, factor: float, name: str, dimension: str) -> FittedValue:
+    """What is ``factor`` times an estimate, under its own ``name``."""
+    error, low, high = (None if end is None else end * factor for end in (item.error, item.low, item.high))
+    return FittedValue(name, item.value * factor, item.free, dimension, error, low, high)
+
+
 @dataclass(frozen=True)
 class JKRBeside:
     """JKR's nearest curve to rows that were fitted with a range: ``E_star`` [Pa], ``w`` [J/m^2], the root mean squares
@@ -44,6 +68,15 @@ class JKRBeside:
     rms: float
     rms_of_range: float
     excess: float
+
+
+@dataclass(frozen=True)
+class Further:
+    """A measurement in ``words``, and the relative standard errors of E* and w with it; of "now" without."""
+
+    words: str
+    E_star: float
+    w: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +94,8 @@ class Fit:
     record, between 0 and 1, with its parts, None where readings were prepared; ``adhesion``: its largest tension on
     retraction [N], None where none is told; ``directions``: of it that were fitted. ``pixel``: in a map. ``jkr``: of a
     fit with a range, JKR beside it; ``range_left``: of a fit of JKR, the longest range [m] that the rows leave, None
-    where none was tried; ``verdict``: of a raw record, on its rivals.
+    where none was tried; ``verdict``: of a raw record, on its rivals; ``plan``: what further
+    measurements would tell, where that was asked.
     """
 
     name: str
@@ -93,6 +127,7 @@ class Fit:
     range_left: float | None = None
     directions: str = ""
     verdict: Verdict | None = None
+    plan: tuple[Further, ...] = ()
 
     @property
     def correlation(self) -> Array | None:

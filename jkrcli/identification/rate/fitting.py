@@ -23,7 +23,7 @@ from ...base.unknown import Unknown
 from ...data.measured import Curve
 from ..fit.body import FittedBody
 from ..fit.fitting import fit
-from ..fit.result import FittedValue
+from ..fit.result import FittedValue, estimated, times
 from ..fit.settings import Parameter, Settings
 from ..fit.statistics import covariance, t_quantile
 from ..least_squares import Least, LeastSquares, State
@@ -57,6 +57,7 @@ class RateFitTuning:
 
 TUNING = RateFitTuning()
 DIMENSIONS = {"modulus": "number", "w0": "work", "delta0": "length", "P0": "load"}
+ZEROS = ("delta0", "P0")  # as they are; all others by their logs
 ALIASES = {"E_star": "modulus", "w": "w0"}
 
 
@@ -429,10 +430,7 @@ class _Problem:
         estimates = [
             self._estimate(name, float(value), names, inner, t) for name, value in zip(self.names, values, strict=True)
         ]
-        factor = estimates[0]
-        E = self.body.problem.E_star
-        low, high, error = (None if end is None else end * E for end in (factor.low, factor.high, factor.error))
-        estimates.append(FittedValue("E_star", factor.value * E, factor.free, "modulus", error, low, high))
+        estimates.append(times(estimates[0], self.body.problem.E_star, "E_star", "modulus"))
         predictions = tuple(self.prediction(found.x, i) for i in range(len(self.records)))
         moving = np.concatenate([item.speed[item.speed > 0] for item in predictions])
         speeds = tuple(map(float, np.quantile(moving, (0.05, 0.95)))) if moving.size else (0.0, 0.0)
@@ -445,20 +443,15 @@ class _Problem:
     def _estimate(self, name: str, value: float, names: tuple[str, ...], inner: Array | None, t: float) -> FittedValue:
         ranges = rate_parameters(self.settings.law)
         dimension = DIMENSIONS.get(name) or ranges[name].dimension
-        outer = value if name in ("delta0", "P0") else math.exp(value)
         if name not in names:
-            return FittedValue(name, outer, False, dimension)
-        if inner is None:
-            return FittedValue(name, outer, True, dimension)
-        sigma = math.sqrt(inner[names.index(name), names.index(name)])
-        if name in ("delta0", "P0"):
-            return FittedValue(name, outer, True, dimension, sigma, outer - t * sigma, outer + t * sigma)
-        ends = outer * math.exp(-min(t * sigma, 300.0)), outer * math.exp(min(t * sigma, 300.0))
-        return FittedValue(name, outer, True, dimension, outer * sigma, *ends)
+            return FittedValue(name, value if name in ZEROS else math.exp(value), False, dimension)
+        i = names.index(name)
+        sigma = None if inner is None else math.sqrt(inner[i, i])
+        return estimated(name, value, dimension, sigma, t, name not in ZEROS)
 
 
 def _inner(name: str, value: float) -> float:
-    return value if name in ("delta0", "P0") else math.log(value)
+    return value if name in ZEROS else math.log(value)
 
 
 def _along(body: Nonadhesive, record: RateRecord, delta0: float, P0: float) -> WorkAlong | InputError:

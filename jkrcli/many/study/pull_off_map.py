@@ -37,12 +37,11 @@ if TYPE_CHECKING:
 class MapTuning:
     """Which part of the map there is, how finely its series are solved, and what that takes."""
 
-    per_decade: int = 40  # choice: of the contact radius; twice as many change the pull-off force by 4e-8
-    tolerance: float = 1e-6  # choice: relative, of the series; a/h near 100 at nu = 1/2 leaves 1e-7
-    least: float = 1e-6  # choice: q, where a/h at pull-off is 0.015
-    largest: float = 1e7  # choice: q, where a/h at pull-off is 90
+    # tuned on maps, by `make constants`: of the contact radius; twice as many change the pull-off force by 4e-8
+    per_decade: int = 40
+    # tuned on maps, by `make constants`: relative, of the series; a/h near 100 at nu = 1/2 leaves 1e-7
+    tolerance: float = 1e-6
     per_nu: float = 4e-3  # CPU seconds; tuned on maps of 30 and 300 ratios of Poisson, by `make guards`
-    most_beta: float = 100.0  # choice: beyond, pull-off is pi w R within 1e-4
     per_tense: float = 0.3  # CPU seconds of a q under surface tension; tuned on maps of 30, by `make guards`
     per_point: float = 1e-3  # CPU seconds of a q; tuned on maps of 1000, by `make guards`
 
@@ -123,9 +122,9 @@ MAP = Map(
         "nu": Axis((0.3, 0.499), "Repeatable.", POISSON, family=True),
         "base": BASE,
         "q": Axis(tuple((10.0 ** (np.arange(-12, 17) / 4)).tolist()), "Values of w R^2/(E* h^3)",
-                  within(TUNING.least, TUNING.largest), "1e-3 to 1e4"),
+                  within(1e-6, 1e7), "1e-3 to 1e4"),
         "beta": Axis((0.0,), "Surface tension over E* a0, a0 = (w R^2/E*)^(1/3); repeatable.",
-                     within(0.0, TUNING.most_beta), family=True),
+                     within(0.0, 100.0), family=True),
     },
     _work,
     lambda values: len(values["nu"]) * sum(

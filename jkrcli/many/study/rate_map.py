@@ -38,10 +38,12 @@ if TYPE_CHECKING:
 class RateMapTuning:
     """How finely and how far its series go, and what they take."""
 
-    per_decade: int = 40  # choice: of the contact radius; twice as many change the forces by less than 1e-7
-    smallest: float = 1e-3  # choice: radius in units of that at no load, where contact is as good as lost
+    # tuned on maps, by `make constants`: of the contact radius; twice as many change the forces by less than 1e-7
+    per_decade: int = 40
+    # tuned on maps, by `make constants`: radius in units of that at no load, where contact is as good as lost
+    smallest: float = 1e-3
     largest: float = 1.3  # choice: the same, beyond which no path goes
-    tolerance: float = 1e-7  # choice: relative, of the layer's series
+    tolerance: float = 1e-7  # tuned on maps, by `make constants`: relative, of the layer's series
     per_point: float = 0.075  # CPU seconds; tuned on maps of 13 and 100 speeds, by `make guards`
 
 

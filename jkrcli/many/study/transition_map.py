@@ -38,12 +38,8 @@ if TYPE_CHECKING:
 class TransitionTuning:
     """Which part of the map there is, how finely it is solved, and what that takes."""
 
-    points: int = 60  # choice: contact radii of a curve; more are added where it bends
-    room: float = 1.5  # choice: of the largest radius over that of pull-off without a range
-    least: float = 1e-4  # choice: q
-    largest: float = 1e4  # choice: q
-    softest: float = 0.05  # choice: mu, below which all is DMT
-    hardest: float = 50.0  # choice: mu, above which all is JKR
+    points: int = 60  # tuned on maps, by `make constants`: contact radii of a curve; more are added where it bends
+    room: float = 1.5  # tuned on maps, by `make constants`: of the largest radius over that of pull-off without a range
     per_point: float = 0.06  # CPU seconds; tuned on maps of 17 and 100 ranges, by `make guards`
 
 
@@ -109,9 +105,9 @@ MAP = Map(
         "nu": Axis((0.499,), "Repeatable.", POISSON, family=True),
         "base": BASE,
         "q": Axis(tuple(np.geomspace(1e-2, 1e2, 13).tolist()), "Values of w R^2/(E* h^3)",
-                      within(TUNING.least, TUNING.largest), "13 from 0.01 to 100"),
+                      within(1e-4, 1e4), "13 from 0.01 to 100"),
         "mu": Axis(tuple(np.geomspace(0.1, 30, 17).tolist()), "Values of stress (R/(E*^2 w))^(1/3)",
-                   within(TUNING.softest, TUNING.hardest), "17 from 0.1 to 30"),
+                   within(0.05, 50.0), "17 from 0.1 to 30"),
     },
     _work,
     lambda values: TUNING.per_point * math.prod(len(values[name]) for name in ("nu", "q", "mu")),

@@ -19,7 +19,8 @@ from .run import MeshLevel, Run
 class BudgetTuning:
     """How errors are concluded from what larger elements change."""
 
-    # of the largest depth: below it few nodes are in contact, and the budget leaves the rows out; choice: says so
+    # of the largest depth: below it few nodes are in contact, and the budget leaves the rows out; tuned on bodies, by
+    # `make constants`: says so
     judged_depth: float = 0.01
     # errors in what doubling the sizes changes: first order leaves 1, and meshes differ by luck
     loads: float = 1.4  # tuned on the bodies of `make failures`, by `make failures`

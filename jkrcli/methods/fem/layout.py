@@ -24,10 +24,10 @@ class LayoutTuning:
 
     far: float = 5.0  # reaches from the contact, beyond which the field is smooth; tuned on the bodies of `make tuning`
     far_growth: float = 0.2  # growth there, at most, twice the near one; tuned on the same, by `make tuning`
-    steepest: float = 0.6  # growth of any mesh; choice: beyond it triangles are slender
+    steepest: float = 0.6  # growth of any mesh; tuned on bodies, by `make constants`: beyond it triangles are slender
     top_layer: float = 1.0  # size in the top layer, of growth times thickness; tuned on the same, by `make tuning`
     deep_layer: float = 2.0  # size in deeper ones; tuned on the same, by `make tuning`
-    fewest_rows: float = 2.0  # through a layer; choice: one row holds no bending
+    fewest_rows: float = 2.0  # through a layer; tuned on bodies, by `make constants`: one row holds no bending
     longest: float = 100.0  # cell in a layer far from the contact, in thicknesses; tuned on the same, by `make tuning`
     corner: float = 0.02  # size at a corner singularity, of growth times extent; tuned on the same, by `make tuning`
     zone_three: float = 20.0  # units; theory: depth of the paper's body (Sec. 4.1), beyond it elements grow on

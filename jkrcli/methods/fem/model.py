@@ -26,7 +26,8 @@ class LockingTuning:
     """Poisson's ratios beyond which displacements alone lock."""
 
     sliding: float = 0.49  # tuned on the gel of Sec. 4.3 and its like, by `make tuning`
-    # choice: the edge of the shear locks before the layer does; at 0.45 and a/h = 10/3 radii err by 3e-4, mixed by 5e-5
+    # tuned on bodies, by `make constants`: the edge of the shear locks before the layer does; at 0.45 and a/h = 10/3
+    # radii err by 3e-4, mixed by 5e-5
     sticking: float = 0.4
 
 

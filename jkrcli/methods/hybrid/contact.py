@@ -71,9 +71,10 @@ class HybridTuning:
     stalls: int = 1  # times that a step may bring next to nothing; choice: corners need one
     hopeless: float = 30.0  # times the tolerance, where none is forgiven; tuned on random bodies, by `make failures`
     # Forecasts of the degree, in steps from the lowest:
-    per_decade: float = 0.5  # of moduli; choice: for forecasts
-    per_decade_wide: float = 0.6  # of contact radius over depth; choice: for forecasts
-    at_sides: float = 1.0  # more for nearly incompressible layers with sides; choice: for forecasts
+    per_decade: float = 0.5  # of moduli; tuned on bodies, by `make guards`: for forecasts
+    per_decade_wide: float = 0.6  # of contact radius over depth; tuned on bodies, by `make guards`: for forecasts
+    # more for nearly incompressible layers with sides; tuned on bodies, by `make guards`: for forecasts
+    at_sides: float = 1.0
     finer: int = 6  # quadratures at most, each of a few more nodes; choice: two agree but close to a profile's end
     # Limits of one level:
     most_seconds: float = 60.0  # CPU time; choice: what a user waits for

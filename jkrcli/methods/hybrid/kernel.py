@@ -24,16 +24,24 @@ STEP = 2  # in the degree, from one level to the next; choice: odd ones gain lit
 class CostTuning:
     """Rates of one core for forecasts."""
 
-    begin: float = 5e-3  # s; choice: for forecasts
-    per_entry: float = 1e-7  # s, to integrate and factorise, per entry of the stiffness; choice: for forecasts
-    per_entry_and_side: float = 1.2e-9  # s, to solve, per entry and right-hand side; choice: for forecasts
-    per_point: float = 2e-7  # s, for the half-space's field, per Gauss point and parameter t; choice: for forecasts
-    per_point_and_pair: float = 2e-9  # s, for their works in one another, per pair of t; choice: for forecasts
-    around: float = 8e-3  # s, for a field towards its ring under a graded top; choice: for forecasts
-    fill: float = 4.5  # entries of the factor beside elements graded to a corner, per unknown; choice: for forecasts
-    operations: float = 1.2e10  # on them, per s; choice: for forecasts
-    bytes_per_entry: float = 40.0  # of the stiffness and its factor; choice: for forecasts
-    bytes_per_value: float = 100.0  # of the unknowns of one parameter t; choice: for forecasts
+    begin: float = 5e-3  # s; tuned on bodies, by `make guards`: for forecasts
+    # s, to integrate and factorise, per entry of the stiffness; tuned on bodies, by `make guards`: for forecasts
+    per_entry: float = 1e-7
+    # s, to solve, per entry and right-hand side; tuned on bodies, by `make guards`: for forecasts
+    per_entry_and_side: float = 1.2e-9
+    # s, for the half-space's field, per Gauss point and parameter t; tuned on bodies, by `make guards`: for forecasts
+    per_point: float = 2e-7
+    # s, for their works in one another, per pair of t; tuned on bodies, by `make guards`: for forecasts
+    per_point_and_pair: float = 2e-9
+    # s, for a field towards its ring under a graded top; tuned on bodies, by `make guards`: for forecasts
+    around: float = 8e-3
+    # entries of the factor beside elements graded to a corner, per unknown; tuned on bodies, by `make guards`: for
+    # forecasts
+    fill: float = 4.5
+    operations: float = 1.2e10  # on them, per s; tuned on bodies, by `make guards`: for forecasts
+    bytes_per_entry: float = 40.0  # of the stiffness and its factor; tuned on bodies, by `make guards`: for forecasts
+    # of the unknowns of one parameter t; tuned on bodies, by `make guards`: for forecasts
+    bytes_per_value: float = 100.0
 
 
 COST_TUNING = CostTuning()

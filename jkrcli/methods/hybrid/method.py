@@ -34,8 +34,10 @@ class ReachTuning:
     attempts: int = 8  # kernels; choice: each costs as much as a solve
     # Reach of the first one over the radius expected on the unbounded body:
     room: float = 1.2  # tuned on shipped cases, by `make bench`
-    spare: float = 1.01  # of the last one over the largest radius found; choice: covers the accuracy of the search
-    searches: int = 2  # kernels for that; choice: for forecasts
+    # of the last one over the largest radius found; tuned on bodies, by `make constants`: covers the accuracy of the
+    # search
+    spare: float = 1.01
+    searches: int = 2  # kernels for that; tuned on bodies, by `make guards`: for forecasts
 
 
 TUNING = ReachTuning()

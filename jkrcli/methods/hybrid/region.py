@@ -18,7 +18,8 @@ class RegionTuning:
     """Which layers get a pressure, and where an unbounded body is cut."""
 
     nearly_incompressible: float = 0.49  # above it a layer gets a pressure; tuned on reference bodies, by `make tuning`
-    shrink: float = 3.0  # of a second cut, which shows what the first one costs; choice: as cheap as it can be
+    # of a second cut, which shows what the first one costs; tuned on bodies, by `make constants`: as cheap as it can be
+    shrink: float = 3.0
     decays: float = 40.0  # lengths, where the field falls exponentially; tuned on reference bodies, by `make tuning`
     # Left by extrapolation over its change, times size/length:
     next_order: float = 12.0  # tuned on reference bodies, by `make tuning`

@@ -36,10 +36,12 @@ from .quadrature import Panels, Quadrature, gauss, rule
 class AttractionTuning:
     """How the edge of the attracted annulus is found."""
 
-    inner: int = 20  # nodes in the integrals of F; choice: as in the equation without attraction
+    # nodes in the integrals of F; tuned on bodies, by `make constants`: as in the equation without attraction
+    inner: int = 20
     halvings: int = 40  # of the rest to the profile's end, cut there; theory: F of a sphere is singular at it
     arc: int = 24  # nodes in separations; choice: for checks and pictures
-    most_order: int = 16  # polynomials on a panel; choice: beyond, narrower panels are as cheap
+    # polynomials on a panel; tuned on bodies, by `make constants`: beyond, narrower panels are as cheap
+    most_order: int = 16
     most_nodes: int = 800  # choice: some seconds, half a gigabyte
     unsmooth_order: int = 8  # on a panel under a kernel with a logarithm; choice: more gain little
     fractions: tuple[float, ...] = (

@@ -16,7 +16,7 @@ from ...base.arrays import Array
 class QuadratureTuning:
     """How nodes are planned for an accuracy of the contact equation."""
 
-    most_nodes: int = 10  # on a panel; choice: beyond, narrower panels are as cheap
+    most_nodes: int = 10  # on a panel; tuned on bodies, by `make constants`: beyond, narrower panels are as cheap
     # Times the kernel's scale: highest wave number noticed:
     frequency: float = 5.0  # tuned on reference bodies, by `make tuning`
     narrower: float = (

@@ -27,9 +27,13 @@ Function = Callable[[Array], Array]
 class AnglesTuning:
     """Points near a singularity, and what psi begins with."""
 
-    power: int = 5  # of the crowding; choice: 28 points and more then follow a kernel over the decades of a/kappa
-    near: float = 1.0  # widths of a panel, within which it is; choice: ten nodes then err by 1e-10
-    first: int = 3  # panels at the edge from which psi(0) is found; choice: with five it errs by 1e-6
+    # of the crowding; tuned on bodies, by `make constants`: 28 points and more then follow a kernel over the decades of
+    # a/kappa
+    power: int = 5
+    # widths of a panel, within which it is; tuned on bodies, by `make constants`: ten nodes then err by 1e-10
+    near: float = 1.0
+    # panels at the edge from which psi(0) is found; tuned on bodies, by `make constants`: with five it errs by 1e-6
+    first: int = 3
     terms: int = 2  # theory: psi = c0 + sum tau^2n (c_n + d_n ln(tau)), n up to this
 
 

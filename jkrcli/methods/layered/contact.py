@@ -41,7 +41,8 @@ class LayeredTuning:
     most_flops: float = 4e11  # choice: minutes
     crowd: int = 8  # nodes per radius, below which a refusal names the points as the cause; choice: for the message
     narrower: float = 8.0  # panels per length over which a graded modulus changes; choice: some 1e-5 of the load
-    logarithm: int = 400  # operations per entry of a kernel's logarithmic part; choice: for forecasts
+    # operations per entry of a kernel's logarithmic part; tuned on bodies, by `make guards`: for forecasts
+    logarithm: int = 400
 
 
 TUNING = LayeredTuning()

@@ -32,11 +32,16 @@ from .spectrum import LayeredSpectrum, resolved
 class StuckTuning:
     """How the growing contact is discretised for an accuracy."""
 
-    piece: float = 1.4  # widest, over the kernel's scale; choice: with half of it the same accuracy takes twice as long
+    # widest, over the kernel's scale; tuned on bodies, by `make constants`: with half of it the same accuracy takes
+    # twice as long
+    piece: float = 1.4
     # Points on each piece: at the accuracy 1, and more for each decade:
-    points: int = 4  # choice: with ``per_decade`` paraboloids on bonded layers err by less than a tenth of the accuracy
-    per_decade: float = 1.0  # choice: with half as many they err by ten times the accuracy 1e-6
-    most_points: int = 16  # choice: beyond, narrower pieces are as cheap
+    # tuned on bodies, by `make constants`: with ``per_decade`` paraboloids on bonded layers err by less than a tenth of
+    # the accuracy
+    points: int = 4
+    # tuned on bodies, by `make constants`: with half as many they err by ten times the accuracy 1e-6
+    per_decade: float = 1.0
+    most_points: int = 16  # tuned on bodies, by `make constants`: beyond, narrower pieces are as cheap
     inner: int = 12  # nodes of integrals over dF; choice: exact for powers
     narrower: float = 0.9  # pieces of the second discretisation; choice: other nodes
 

@@ -1,0 +1,66 @@
+"""The study of chosen numbers: what moves a result is told, what nothing depends on moves none."""
+
+from __future__ import annotations
+
+import csv
+import importlib
+from pathlib import Path
+
+import pytest
+
+from studies import constants, constants_results
+from studies.tuning import Knob
+
+CHEAP = ("half-space by layered", "layer by layered", "gel by layered", "transverse by layered", "table", "loads")
+SAMPLE = {
+    "jkrcli.methods.layered.minors": ("small", "small_transverse"),
+    "jkrcli.methods.layered.contact": ("refinements", "no_claim", "most_nodes", "most_flops"),
+    "jkrcli.bodies.indenters.table": ("pointed", "looks", "few"),
+}
+
+
+@pytest.fixture(autouse=True)
+def _cheap(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(constants, "RESULTS", {name: constants_results.RESULTS[name] for name in CHEAP})
+    monkeypatch.setattr(constants, "SHIPPED", None)
+
+
+def knob(module: str, field: str) -> Knob:
+    return Knob(module, "TUNING", field, getattr(importlib.import_module(module).TUNING, field))
+
+
+def test_no_result_depends_on_a_sample_of_choices() -> None:
+    for module, fields in SAMPLE.items():
+        for field in fields:
+            found = constants.moved(knob(module, field))
+            assert (found.verdict, bool(found.read)) == ("nothing moves", True), found
+
+
+def test_a_number_that_results_depend_on_is_told_with_where() -> None:
+    found = constants.moved(knob("jkrcli.methods.integral.quadrature", "most_nodes"))
+    assert found.verdict == "moves"
+    assert found.where.startswith("loads: P[")
+    assert found.cost[0] > 0
+
+
+def test_numbers_are_as_shipped_after_a_study_and_after_a_failure(monkeypatch: pytest.MonkeyPatch) -> None:
+    held = knob("jkrcli.methods.layered.minors", "small")
+    tuning = importlib.import_module(held.module).TUNING
+    with constants.varied(held, 7.0):
+        assert tuning.small == 7.0
+    assert tuning.small == held.shipped
+    constants.shipped()
+    monkeypatch.setitem(constants.RESULTS, "gel by layered", lambda: 1 / 0)
+    found = constants.moved(held)
+    assert (tuning.small, type(tuning).__name__) == (held.shipped, "MinorsTuning")
+    assert found.verdict == "refuses"
+
+
+@pytest.mark.slow
+def test_the_study_writes_a_row_per_number(study) -> None:
+    outcome = study("constants", "layered.minors", "--workers", 1)
+    assert (outcome.code, outcome.err) == (0, "")
+    with Path("constants.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["field"] for row in rows] == ["small", "small_transverse", "most"]
+    assert outcome.out.splitlines()[-1] == "moves: 0, refuses: 0, nothing moves: 3, not read: 0"

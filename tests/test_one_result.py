@@ -52,6 +52,31 @@ MADE: dict[str, tuple[tuple[object, ...], Callable[[], Result], str]] = {
         lambda: python.transform("gel.h5", "40 mJ/m^2"),
         "results",
     ),
+    "cycle": (
+        (
+            "cycle",
+            "gel.h5",
+            "--w-approach",
+            "35 mJ/m^2",
+            "--w-retract",
+            "45 mJ/m^2",
+            "--to-load",
+            "0.5 mN",
+            "--no-plots",
+        ),
+        lambda: python.cycle("gel.h5", "45 mJ/m^2", w_approach=0.035, to_load=5e-4),
+        "",
+    ),
+    "cycle at speed": (
+        ("cycle", "gel.h5", "--rate", "v0=1e-6,n=0.6", "--speed", "1e-4", "--to-load", "0.5 mN", "--no-plots"),
+        lambda: python.cycle_at_speed("gel.h5", 0.035, {"v0": 1e-6, "n": 0.6}, 1e-4, to_load=5e-4),
+        "",
+    ),
+    "cycle of what relaxes": (
+        ("cycle", "soft.h5", "--speed", "10 um/s", "--to-depth", "50 um", "--hold", "5 s", "--no-plots"),
+        lambda: python.cycle_relaxing("soft.h5", speed="10 um/s", to_depth="50 um", hold=5.0),
+        "",
+    ),
     "work": (
         ("work", "gel.h5", "gel.csv", "--noise", "P=2 uN", "--force", "--no-plots"),
         lambda: python.work("gel.h5", "gel.csv", noise={"P": 2e-6}),
@@ -90,6 +115,8 @@ MADE: dict[str, tuple[tuple[object, ...], Callable[[], Result], str]] = {
 @pytest.mark.parametrize("name", MADE)
 def test_command_and_python_say_the_same(jkr: Callable, gel: str, name: str) -> None:
     words, make, inside = MADE[name]
+    if "soft.h5" in words:
+        assert jkr("run", CASES / "relaxing-gel.toml", "-o", "soft.h5").code == 0
     result, done = make(), jkr(*words, "--json")
     assert done.code == 0, done.err
     found = json.loads(done.out)

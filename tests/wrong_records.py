@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from force_curves import Instrument, equilibrium, record
@@ -110,7 +110,10 @@ def nu_of_layer(at: Drawn) -> Wrong:
 
 
 def cone(at: Drawn) -> Wrong:
+    """As deep at its widest contact radius as the paraboloid that it is read as."""
     slope = 2 * at.radius / (math.pi * R)
+    pulled = 2 * at.radius * math.sqrt(2 * math.pi * at.w * at.radius * at.E)
+    at = replace(at, largest=at.E * at.radius**3 / R - pulled)
 
     def body(a: np.ndarray, _: float) -> tuple[np.ndarray, ...]:
         return math.pi / 2 * slope * a, math.pi / 2 * slope * a**2, 2 * a, np.full(a.size, 2.0)
@@ -232,7 +235,8 @@ def relaxing(at: Drawn, lost: float = 0.5, tau: float = 0.3) -> Wrong:
     loads = np.zeros(n)
     loads[first:] = out[::-1]
     stiff = Drawn(at.E, 0.0, at.radius, 1e3 * at.E * at.radius, at.largest, at.noise, at.seed)
-    return Wrong(read(stiff, way, into, loads), stiff.k, {"E_star": at.E}, families=("relaxation or flow",))
+    columns = read(stiff, way, into, loads) | {"t": np.concatenate([t, t[-1] + t])}
+    return Wrong(columns, stiff.k, {"E_star": at.E}, families=("relaxation or flow",))
 
 
 def plastic(at: Drawn) -> Wrong:
@@ -276,3 +280,29 @@ WRONG: dict[str, Callable[[Drawn], Wrong]] = {
     "nu .3 as .5 on a layer": nu_of_layer, "stiffness +10 %": stiffness, "R +10 %": radius, "creep": creep,
     "hysteresis": hysteresis,
 }  # fmt: skip
+
+
+def over_speed(at: Drawn, n: float = 0.4) -> Wrong:
+    """w of the retraction by Gent and Schultz's law, w0 (1 + (v/v0)^n): da/dt by the energy release rate of JKR, one
+    explicit step of the radius after the other at a device that moves back evenly."""
+    a = np.linspace(1e-3, 1, 4000) * at.radius
+    delta = a**2 / R - np.sqrt(2 * math.pi * at.w * a / at.E)
+    P = 4 * at.E * a**3 / (3 * R) - np.sqrt(8 * math.pi * at.w * at.E * a**3)
+    way = positions(at, float(delta[-1] + P[-1] / at.k))
+    v0 = at.radius * 2.0  # over the time of one direction: w doubles at the usual speed of the edge
+    fine = np.linspace(way[-1], way[0], 20 * ROWS)
+    now, dt, loads = at.radius, 1 / fine.size, np.zeros(fine.size)
+    for i, z in enumerate(fine):
+        hertz, S = 4 * at.E * now**3 / (3 * R), 2 * at.E * now
+        back = (now**2 / R - z + hertz / at.k) / (1 + S / at.k)
+        loads[i] = hertz - S * back
+        excess = at.E * back**2 / (2 * math.pi * now) / at.w - 1 if back > 0 else 0.0
+        now -= dt * v0 * max(excess, 0.0) ** (1 / n)
+        if now < 1e-2 * at.radius:
+            loads[i:] = 0.0
+            break
+    columns = read(at, way, touched(at, way, delta, P), np.interp(way, fine[::-1], loads[::-1]))
+    return Wrong(columns, at.k, at.truth, families=("adhesion",))
+
+
+SPEED: dict[str, Callable[[Drawn], Wrong]] = {"w over the speed": over_speed}

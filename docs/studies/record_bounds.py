@@ -2,7 +2,9 @@
 
 Records of half-spaces and nine layers by the generator of the tests, which shares no code with the fit. Per kind of
 noise: how many of the 95 % intervals of E*, w and w_approach hold, and how many records are off by more than three
-intervals without a flag. Then the same of tables of a lens on a layer with both branches, a fifth as many of each kind.
+intervals without a flag. Then the same of as many approaches alone, with w from 0 to five times what their noise shows:
+how often E* and the upper limits of w hold, and the mean error of E* in standard errors. Then of tables of a lens on a
+layer with both branches, a fifth as many of each kind.
 """
 
 from __future__ import annotations
@@ -15,7 +17,8 @@ from typing import Any
 
 import lens_tables  # type: ignore[import-not-found]
 import numpy as np
-from cycle_records import NOISES, drawn  # type: ignore[import-not-found]
+from cycle_records import NOISES, approached, drawn  # type: ignore[import-not-found]
+from force_curves import record  # type: ignore[import-not-found]
 from layer_contact import BondedLayer, half_space  # type: ignore[import-not-found]
 
 from jkrcli.adhesion.slopes.choice import slopes
@@ -69,6 +72,38 @@ def judged(held: FittedBody, curve: Curve, truth: dict[str, float], **options: A
     return told | {"silent": silent}
 
 
+def approaches(seed: int, count: int, bodies: dict[Any, FittedBody], exact: dict[Any, Any]) -> None:
+    """Prints what intervals of approaches alone hold."""
+    told: dict[str, list[float]] = defaultdict(list)
+    for i in range(count // 2):
+        rng = np.random.default_rng((seed, 1, i))
+        layer = None if i % 2 else LAYERS[i // 2 % len(LAYERS)]
+        device, E_star, noise = approached(rng, R, None if layer is None else layer[0], exact[layer])
+        w, shown = 0.0, 0.0
+        for times in (0.0, float(rng.uniform(0, 5))):
+            w = times * shown
+            columns = record(E_star, R, w, w, device, noise + round(10 * times), exact[layer])
+            z, P = (columns[name][: device.rows] for name in "zP")
+            found = fit(bodies[layer], Curve("made", delta=z - P / device.k, P=P, stiffness=device.k),
+                        settings_of(bodies[layer], segment=APPROACH))  # fmt: skip
+            E, item = found.estimate("E_star"), found.estimate("w_approach")
+            if E.error is None or E.low is None or E.high is None or item.low is None or item.high is None:
+                told["not determined"].append(1.0)
+                break
+            shown = shown or item.high
+            told["E_star"].append(float(E.low <= E_star <= E.high))
+            told["bias of E_star"].append((E.value - E_star) / E.error)
+            told["w_approach"].append(float(item.low <= w <= item.high))
+            if item.low == 0:
+                told["upper limit"].append(float(w <= item.high))
+            told["w of a retraction"].append(float("w" in {one.name for one in found.estimates}))
+            far = max(abs(E.value - E_star) / (E.high - E.low), abs(item.value - w) / (item.high - item.low))
+            told["silent"].append(float(far > OFF / 2 and not found.flags))
+    print(
+        "approach alone", ", ".join(f"{name} {np.mean(values):.3f} of {len(values)}" for name, values in told.items())
+    )
+
+
 def main(seed: int, count: int) -> None:
     bodies = {layer: body(layer) for layer in (None, *LAYERS)}
     exact = {layer: half_space if layer is None else BondedLayer(*layer) for layer in bodies}
@@ -88,6 +123,7 @@ def main(seed: int, count: int) -> None:
         for name, value in told.items():
             found[kind][name].append(value)
             found["all"][name].append(value)
+    approaches(seed, count, bodies, exact)
     for i in range(count // 5 * len(TABLES)):
         columns, rest = TABLES[i % len(TABLES)]
         lens = lens_tables.lens(np.random.default_rng((seed, i)), columns, rest, (APPROACH, RETRACT))

@@ -3,7 +3,8 @@
 Records of fourteen wrong models, and of right ones, by the generator of the tests, which shares no code with the fit;
 at its noise and at five times that. Per kind: how many are asked for, of which the right family is named, how many hold
 E* and w within the intervals widened by the model's part, and how many are *fitted* with E* or w more than three total
-errors off; the systematic part over the statistical one; the cost of all scores over that of the fit.
+errors off; the systematic part over the statistical one; the cost of all scores over that of the fit. Then what
+``--model auto`` makes of those whose right rival it fits in full.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from functools import lru_cache
 
 import numpy as np
 from cycle_records import NOISES, spoilt  # type: ignore[import-not-found]
-from wrong_records import WRONG, Drawn, Wrong, right  # type: ignore[import-not-found]
+from wrong_records import SPEED, WRONG, Drawn, Wrong, right  # type: ignore[import-not-found]
 
 from jkrcli.adhesion.slopes.choice import slopes
 from jkrcli.base.errors import JkrError
@@ -29,6 +30,10 @@ from jkrcli.identification.fit.settings import settings_of, uncertain_of
 from jkrcli.methods.layered.layered import Layered
 
 CALIBRATED = ("stiffness +10 %", "R +10 %", "nu .3 as .5 on a layer")
+RANGED, BOUND = ("Maugis mu 0.3",), "..1 um"  # what is known of soft bodies' range there; by default it is 10 nm
+# Where the right rival is among those that are fitted in full:
+IN_FULL = ("layer as half-space", "Maugis mu 0.3", "w rising to four times", "w over the speed", "relaxation", "cone",
+           "stiffness +10 %", "creep", "hysteresis")  # fmt: skip
 spent = [0.0, 0.0]  # seconds of all fits, of their scores
 
 
@@ -43,12 +48,13 @@ def body(R: float, h: float | None, nu: float, sphere: bool) -> FittedBody:
     return FittedBody.of(problem, series, slopes(series), extensible=True)
 
 
-def fitted(kind: str, made: Wrong) -> Fit:
+def fitted(kind: str, made: Wrong, model: str = "jkr") -> Fit:
     held = body(made.R, made.h, made.nu, kind == "large strains")
     known = [("radius", "10%"), ("stiffness", "10%")] + [("nu", "0.2")] * (made.h is not None)
-    settings = settings_of(held)
+    bound = [("range", BOUND)] if kind in RANGED else []
+    settings = settings_of(held, bound=bound, model=model)
     if kind in CALIBRATED:
-        settings = settings_of(held, uncertain=uncertain_of(held, known, settings))
+        settings = settings_of(held, bound=bound, model=model, uncertain=uncertain_of(held, known, settings))
     z, P = made.columns["z"], made.columns["P"]
     curve = Curve("made", delta=z - P / made.k, P=P, t=made.columns["t"], stiffness=made.k)
     begin = time.process_time()
@@ -90,6 +96,40 @@ def judged(kind: str, made: Wrong, found: Fit) -> dict[str, float]:
     return told | {"silent": float(far and not found.flags)}
 
 
+def in_full(seed: int, count: int) -> None:
+    """How often a rival is taken, of the right family and alone, and the truth is within three total errors."""
+    for kind in IN_FULL:
+        columns: dict[str, list[float]] = defaultdict(list)
+        for i in range(count):
+            made = SPEED.get(kind, WRONG.get(kind, right))(Drawn.of(np.random.default_rng((seed, i, 1)), 1.0))
+            for name, value in _taken(kind, made).items():
+                columns[name].append(value)
+        shares = ", ".join(f"{name} {np.sum(values):.0f} of {len(values)}" for name, values in columns.items())
+        print(f"{kind:<24} {shares}", flush=True)
+
+
+def _taken(kind: str, made: Wrong) -> dict[str, float]:
+    found = fitted(kind, made, "auto")
+    assert found.verdict is not None
+    if not found.verdict.rivals.named:
+        return {"asked for": 0.0}
+    told, tied = {"asked for": 1.0, "taken": float(bool(found.verdict.tied))}, found.verdict.tied
+    if not tied:
+        return told
+    inside, alone = True, True
+    for name, true in made.truth.items():
+        item = found.estimate(name)
+        if item.error is not None:
+            off = abs(item.value - true)
+            inside &= off < 3 * math.hypot(item.error, *(item.model or {}).values())
+            alone &= off < 3 * item.error
+    told["right family"] = float(bool({one.family for one in tied} & {*made.families}))
+    told["within 3 total errors"] = float(inside)
+    if tied[0].family in made.families:
+        told["right and best: within 3 standard errors"] = float(alone)
+    return told
+
+
 def main(seed: int, count: int) -> None:
     timed_scores()
     for louder in (1.0, 5.0):
@@ -97,6 +137,8 @@ def main(seed: int, count: int) -> None:
         for kind in ("right", *(f"right, {noise}" for noise in NOISES[1:]), *WRONG):
             _line(kind, seed, 2 * count if kind.startswith("right") else count, louder)
     print(f"seconds of all fits {spent[0]:.1f}, of which scores {spent[1]:.1f}")
+    print(f"--model auto at the generator's noise, {count} records each")
+    in_full(seed, count)
 
 
 def _line(kind: str, seed: int, count: int, louder: float) -> None:

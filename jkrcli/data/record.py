@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -27,6 +27,9 @@ PAUSE = "pause"
 class RecordTuning:
     """Where a departure counts; lengths are shares of the rows of a direction."""
 
+    spike: float = 6.0  # theory: 1e-9 of normal noise lies beyond, of what rows leave the line through two others by
+    agree: float = 0.5  # choice: of a spike, how far at most the lines on its two sides are apart
+    few: float = 0.01  # choice: of the rows, above which spikes are no exceptions but the noise
     normal: float = 1.4826  # theory: standard deviation over median deviation of normal noise
     least_rows: int = 20  # choice: of a direction; a base line and a contact of a few rows each
     block: float = 1 / 200  # tuned on records, by `make constants`: rows averaged where slow deviations are looked for
@@ -149,12 +152,14 @@ class Direction:
 
 @dataclass(frozen=True, eq=False)
 class ForceCurve:
-    """A measured curve taken apart; ``flags``: what is wrong with it, in a word or two, and a sentence on each."""
+    """A measured curve taken apart; ``flags``: what is wrong with it, in a word or two, and a sentence on each;
+    ``spikes``: rows that stand alone off the others, which count for nothing."""
 
     curve: Curve
     segments: tuple[Segment, ...]
     directions: tuple[Direction, ...]
     flags: dict[str, str]
+    spikes: Array
 
     @property
     def rest(self) -> int:
@@ -175,10 +180,26 @@ def examine(curve: Curve) -> ForceCurve:
         )
     if len(curve) < TUNING.least_rows:
         raise InputError(f"{curve.where}: holds {len(curve)} rows, at least {TUNING.least_rows} are needed to look at")
+    whole, P, spikes = curve, curve.P, _spikes(curve.P)
+    if spikes.size:
+        z, P = curve.device, P.copy()
+        P[spikes] = (P[spikes - 1] + P[spikes + 1]) / 2
+        curve = replace(curve, P=P, delta=z if curve.stiffness is None else z - P / curve.stiffness)
     parts = _found(curve.device) if curve.segment is None else _told(curve)
     sides = [part for part in parts if part.kind in (APPROACH, RETRACT) and len(part) >= TUNING.least_rows]
-    directions = tuple(_direction(curve.device, curve.P, part) for part in sides)
-    return ForceCurve(curve, tuple(parts), directions, _flags(curve, parts, directions))
+    directions = tuple(_direction(curve.device, P, part) for part in sides)
+    return ForceCurve(whole, tuple(parts), directions, _flags(curve, parts, directions), spikes)
+
+
+def _spikes(P: Array) -> Array:
+    """Rows that leave the lines through the two before and the two after by as much and to the same side, far beyond
+    what the others do; none where they are many. At a jump one of the lines holds, or they are apart."""
+    before, after = 2 * P[1:-3] - P[:-4], 2 * P[3:-1] - P[4:]
+    off = np.minimum(np.abs(P[2:-2] - before), np.abs(P[2:-2] - after))
+    least = max(TUNING.spike * _robust(P[2:-2] - before), TUNING.least * float(np.ptp(P)))
+    between = (P[2:-2] - before) * (P[2:-2] - after) > 0
+    found = np.flatnonzero(between & (off > least) & (np.abs(before - after) < TUNING.agree * off)) + 2
+    return found if found.size <= TUNING.few * P.size else found[:0]
 
 
 def _told(curve: Curve) -> list[Segment]:
@@ -227,6 +248,9 @@ def _direction(position: Array, P: Array, segment: Segment) -> Direction:
     x, y = position[segment.rows][::order], P[segment.rows][::order]
     end = _end_of_free_part(x, y)
     base = _base_line(x, y, end)
+    if (sooner := _first_fall(y - base(x), base)) < end:
+        end = sooner
+        base = _base_line(x, y, end)
     off = y - base(x)
     row, error = _touch(x, off, base, end)
     touch: Estimate = float(x[row]) if row < x.size else Unknown("the load never leaves its base line")
@@ -373,6 +397,13 @@ def _jumps(off: Array, base: BaseLine) -> tuple[list[tuple[int, int]], list[tupl
     rise = step > np.maximum(before, after) + least
     tension = -off[width:] / base.least if base.least else -np.sign(off[width:])
     return _runs(fall & (tension > 1), width), _runs(fall & (tension < TUNING.doubtful) | rise, width)
+
+
+def _first_fall(off: Array, base: BaseLine) -> int:
+    """The row at which the load falls at once for the first time: what is beyond is held, by a tether or a second
+    contact, however straight it is; the number of rows where none does, or too near the far end."""
+    found = [first for runs in _jumps(off, base) for first, last in runs if off[last] < off[first]]
+    return min((first for first in found if first >= TUNING.far * off.size), default=off.size)
 
 
 def _usual(step: Array, width: int) -> tuple[Array, Array]:

@@ -139,7 +139,7 @@ class Least:
         with contextlib.suppress(JkrError):
             for k in 2.0 ** np.arange(TUNING.doublings):
                 if excess(k) >= 0:
-                    optimize.brentq(excess, 0.0 if k <= 1 else k / 2, k, xtol=TUNING.close, rtol=TUNING.close)
+                    excess(optimize.brentq(excess, 0.0 if k <= 1 else k / 2, k, xtol=TUNING.close, rtol=TUNING.close))
                     return outcome(near[0])[0]
                 reached = outcome(near[0])[0]
                 if abs(reached - here) < k * abs(step) / 2:  # a bound holds it

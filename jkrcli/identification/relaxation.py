@@ -28,12 +28,14 @@ from .fit.result import FittedValue, estimated, times
 from .fit.statistics import covariance, t_quantile
 from .least_squares import Least, LeastSquares, State, by_differences
 from .motion import corners
+from .relaxing_rows import averaged, base_line, followed, without_adhesion
 
 
 @dataclass(frozen=True)
 class RelaxationFitTuning:
     """How the least sum of squares is sought, and when it is doubted."""
 
+    pieces: int = 8  # choice: corners of device and load beyond which neither is said to move in straight pieces
     least: int = 20  # choice: rows of a record
     rows: int = 1_000  # choice: by which corners are looked for
     some: int = 80  # choice: by which starts are compared
@@ -43,6 +45,7 @@ class RelaxationFitTuning:
     depths: tuple[float, ...] = (0.0, 0.03, 0.1)  # choice: starts of the depth at which contact shows, over the range
     deeper: float = 1.5  # times the depth that shows, to which a body is solved; choice: contact begins before it shows
     contact: float = 5.0  # theory: standard deviations of a load that shows contact
+    shown: float = 0.01  # choice: of the range of the load, that does too; a tilted base line does not
     reach: float = 12.0  # choice: guard, how far logs may move from their start
     apart: float = 2.5  # theory: rows between two corners, within which no row tells when a step was
     step: float = 1e-6  # theory: of the unknowns, for derivatives: the root of what the histories err by
@@ -57,7 +60,12 @@ class RelaxationFitTuning:
 
 
 TUNING = RelaxationFitTuning()
-DIMENSIONS = {"modulus": "number", "delta0": "length", "P0": "load", "ratio": "number", "exponent": "number"}
+AS_READ = (
+    "neither device nor load moved in straight pieces: the displacement of the tip is taken as it was read, its noise "
+    "has no part in the intervals"
+)
+ZEROS = {"delta0": "length", "P0": "load", "tilt": "stiffness"}  # no more than added to what is read
+DIMENSIONS = {"modulus": "number", "ratio": "number", "exponent": "number", **ZEROS}
 
 
 @dataclass(frozen=True)
@@ -75,6 +83,17 @@ class RelaxationSettings:
     def names(self) -> tuple[str, ...]:
         """The parameters of the law."""
         return _of_law(self.law, self.terms)
+
+    def with_terms(self, terms: int) -> RelaxationSettings:
+        """The same of a Prony series of so many terms."""
+        others = [name for name in self.free if name not in self.names]
+        own = [name for name in _of_law(self.law, terms) if name not in self.fixed]
+        fixed = {
+            name: value
+            for name, value in self.fixed.items()
+            if name not in set(self.names) - set(_of_law(self.law, terms))
+        }
+        return replace(self, terms=terms, free=(*others, *own), fixed=fixed)
 
     def relaxation(self, values: Mapping[str, float]) -> Relaxation:
         """The law with its parameters."""
@@ -98,23 +117,24 @@ def relaxation_settings(
     law: str, fix: Iterable[tuple[str, str]] = (), free: Iterable[str] = (), E_star: float = 1.0, **options: Any
 ) -> RelaxationSettings:
     """Settings from what a user types: free are the modulus, the law's parameters and delta0, but for what ``fix``
-    names, and what ``free`` adds (P0); of a power law, whose modulus is that at its time, the time is fixed, 1 s
-    unless told. ``E_star`` of the body [Pa]."""
+    names, and what ``free`` adds (P0, and tilt of the base line [N/m]); of a power law, whose modulus is that at its
+    time, the time is fixed, 1 s unless told. ``E_star`` of the body [Pa]."""
     if law not in RELAXATIONS:
         raise InputError(f'fit: unknown law "{law}"{did_you_mean(law, RELAXATIONS)} (laws: {", ".join(RELAXATIONS)})')
     own = _of_law(law, options.get("terms", 2))
     usual = ("modulus", *own, "delta0")
+    allowed = (*usual, "P0", "tilt")
     fixed = {"time": 1.0} if law == "power" else {}
     for name, text in fix:
-        checked = _checked("modulus" if name == "E_star" else name, (*usual, "P0"))
+        checked = _checked("modulus" if name == "E_star" else name, allowed)
         try:
             value = parse(text, "modulus" if name == "E_star" else _dimension(checked))
         except ValueError as error:
             raise InputError(f"fit: {name}: {error}") from None
         fixed[checked] = value / E_star if name == "E_star" else value
-        if checked not in ("delta0", "P0") and not value > 0:
+        if checked not in ZEROS and not value > 0:
             raise InputError(f"fit: {name}: must be > 0, got {text}")
-    wanted = dict.fromkeys([*usual, *(_checked(name, (*usual, "P0")) for name in free if name != "relaxation")])
+    wanted = dict.fromkeys([*usual, *(_checked(name, allowed) for name in free if name != "relaxation")])
     return RelaxationSettings(law, tuple(name for name in wanted if name not in fixed), fixed, **options)
 
 
@@ -133,7 +153,8 @@ def _dimension(name: str) -> str:
 class TimedRecord:
     """Readings over time: ``t`` [s], what the device held (``held``, its position [m], or the load [N] where
     ``loaded``) and what that made (``made``: the load, or the displacement); standard deviations of both from row to
-    row, ``noise``, and those by which they are weighed, ``sigma``."""
+    row, ``noise``, and those by which they are weighed, ``sigma``. ``read``: what was held moved in no straight pieces;
+    the displacement of the tip is held then, as it was read. ``said``: how rows were chosen."""
 
     curve: Curve
     t: Array
@@ -144,18 +165,29 @@ class TimedRecord:
     knots: tuple[Array, Array]
     noise: tuple[float, float]
     sigma: tuple[float, float]
+    read: bool = False
+    said: tuple[str, ...] = ()
 
     @cached_property
     def shows(self) -> int:
         """The first row whose load shows contact."""
         load, noise = (self.held, self.noise[0]) if self.loaded else (self.made, self.noise[1])
-        return int(np.argmax(load - np.median(load[:3]) > TUNING.contact * noise))
+        least = max(TUNING.contact * noise, TUNING.shown * float(np.ptp(load)))
+        return int(np.argmax(load - np.median(load[:3]) > least))
 
     @property
     def depth(self) -> float:
         """How deep the tip goes from there on [m]."""
         depth = self.made if self.loaded else self.held
         return float(depth[self.shows :].max() - depth[self.shows])
+
+    @property
+    def by_tip(self) -> TimedRecord:
+        """The record by the displacement of its tip as it was read, where a spring is between: quickly followed."""
+        if not 0 < self.stiffness < math.inf or self.curve.delta is None:
+            return self
+        knots = followed(self.t, self.curve.delta)
+        return replace(self, held=self.curve.delta, stiffness=math.inf, read=True, knots=knots)
 
     def thinned(self) -> TimedRecord:
         """The record by a few of its rows."""
@@ -196,18 +228,35 @@ def timed_record(curve: Curve) -> TimedRecord:
         raise InputError(f"{curve.where}: {len(curve)} rows, at least {TUNING.least} are needed")
     if (falls := np.flatnonzero(np.diff(curve.t) <= 0)).size:
         raise InputError(f"{curve.where}: time must rise from row to row, it does not in row {int(falls[0]) + 2}")
+    curve = averaged(curve)
+    assert curve.t is not None
+    assert curve.P is not None
+    curve, told = without_adhesion(curve, (_noise(curve.device), _noise(curve.P)))
+    said: tuple[str, ...] = () if told is None else (told,)
+    assert curve.t is not None
+    assert curve.P is not None
     found = [_knots(curve.t, column) for column in (curve.device, curve.P)]
+    if min(pieces[0].size for pieces, _ in found) > TUNING.pieces:
+        assert curve.delta is not None
+        noise = _noise(curve.delta), found[1][1]
+        said += (AS_READ,)
+        knots = followed(curve.t, curve.delta)
+        return TimedRecord(curve, curve.t, curve.delta, curve.P, False, math.inf, knots, noise, noise, True, said)
     loaded = found[1][0][0].size < found[0][0][0].size
     order = (1, 0) if loaded else (0, 1)
     columns = (curve.device, curve.P) if not loaded else (curve.P, curve.device)
     noise = found[order[0]][1], found[order[1]][1]
     stiffness = 0.0 if loaded else math.inf if curve.stiffness is None else float(curve.stiffness)
-    return TimedRecord(curve, curve.t, *columns, loaded, stiffness, found[order[0]][0], noise, noise)
+    return TimedRecord(curve, curve.t, *columns, loaded, stiffness, found[order[0]][0], noise, noise, said=said)
+
+
+def _noise(column: Array) -> float:
+    return max(third_differences(column), TUNING.floor * float(np.ptp(column)))
 
 
 def _knots(t: Array, column: Array) -> tuple[tuple[Array, Array], float]:
     """Corners of a column over time, and its noise from row to row."""
-    noise = max(third_differences(column), TUNING.floor * float(np.ptp(column)))
+    noise = _noise(column)
     some = np.unique(np.linspace(0, t.size - 1, min(t.size, TUNING.rows)).astype(int))
     return corners(t[some], column[some], noise), noise
 
@@ -218,13 +267,42 @@ def relaxation_fit(body: FittedBody, curve: Curve, settings: RelaxationSettings)
     if body.problem.indenter.material is not None or body.problem.sticks:
         raise InputError("fit: --relaxation goes with a rigid indenter and surfaces that slide")
     record = timed_record(curve)
+    settings = _with_base_line(record, settings)
     body = body.to_depth(TUNING.deeper * record.depth)
     problem = _Problem(Nonadhesive(body.series, body.slopes), record, settings)
     found = problem.minimise(problem.start())
     for _ in range(TUNING.rounds - 1):
         problem = replace(problem, record=replace(problem.record, sigma=problem.scatters(found)))
         found = problem.minimise(found.x)
-    return problem.result(found, body.problem.E_star)
+    fit = problem.result(found, body.problem.E_star)
+    told = _fewer(body, fit)
+    return fit if told is None else replace(fit, warnings=(*fit.warnings, told))
+
+
+def _fewer(body: FittedBody, fit: RelaxationFit) -> str | None:
+    """What is said where a term less of a Prony series does as well, by the information criterion of Bayes."""
+    terms = fit.settings.terms - 1
+    if fit.settings.law != "prony" or terms == 0:
+        return None
+    fewer = relaxation_fit(body, fit.record.curve, fit.settings.with_terms(terms))
+    rows = fit.record.t.size
+    scores = [rows * math.log(np.sum((one.made - one.record.made) ** 2)) for one in (fit, fewer)]
+    rise = scores[0] - scores[1] + (len(fit.free) - len(fewer.free)) * math.log(rows)
+    if rise < 0:
+        return None
+    return (
+        f"{terms + 1} terms are not told from {terms}, whose score is better by {rise:.2g} (BIC): take --terms {terms}"
+    )
+
+
+def _with_base_line(record: TimedRecord, settings: RelaxationSettings) -> RelaxationSettings:
+    """Free too, unless fixed, is what the loads before contact show of their base line."""
+    if record.loaded:
+        return settings
+    before = slice(0, record.shows // 2)  # contact begins before it shows
+    shown = base_line(record.made[before], record.held[before], record.noise[1])
+    added = [name for name in shown if name not in (*settings.free, *settings.fixed)]
+    return replace(settings, free=(*settings.free, *added))
 
 
 @dataclass(frozen=True, eq=False)
@@ -238,12 +316,12 @@ class _Problem:
     # ------------------------------------------------------------------ unknowns
     @property
     def names(self) -> tuple[str, ...]:
-        return ("modulus", *self.settings.names, "delta0", "P0")
+        return ("modulus", *self.settings.names, *ZEROS)
 
     def values(self, theta: Array) -> dict[str, float]:
         """All parameters, SI."""
         free = self.settings.free
-        fixed = {"delta0": 0.0, "P0": 0.0, "modulus": 1.0} | dict(self.settings.fixed)
+        fixed = dict.fromkeys(ZEROS, 0.0) | {"modulus": 1.0} | dict(self.settings.fixed)
         own = zip(free, theta, self.scales, strict=False)
         return fixed | {name: _outer(name, float(x)) * scale for name, x, scale in own}
 
@@ -251,7 +329,8 @@ class _Problem:
     def scales(self) -> Array:
         """Units of the free parameters: zeros count in ranges of their columns."""
         curve = self.record.curve
-        units = {"delta0": float(np.ptp(curve.device)), "P0": float(np.ptp(curve.P if curve.P is not None else 1.0))}
+        x, P = float(np.ptp(curve.device)), float(np.ptp(curve.P if curve.P is not None else 1.0))
+        units = {"delta0": x, "P0": P, "tilt": P / x}
         return np.array([units.get(name, 1.0) for name in self.settings.free])
 
     @cached_property
@@ -259,6 +338,8 @@ class _Problem:
         """Which corners may move in time: not the ends, and not those of a step between two rows."""
         times = self.record.curve.t
         assert times is not None
+        if self.record.read:
+            return np.array([], dtype=int)
         t, spacing = self.record.knots[0], TUNING.apart * float(np.median(np.diff(times)))
         gaps = np.diff(t) > spacing
         return np.flatnonzero(np.concatenate([[False], gaps[:-1] & gaps[1:], [False]]))
@@ -266,6 +347,8 @@ class _Problem:
     def program(self, theta: Array) -> Program:
         """What the device did, as it was read."""
         n, (t, x) = len(self.settings.free), self.record.knots
+        if self.record.read:
+            return Program(t, x)
         t = t.copy()
         t[self.moving] += theta[n + x.size :] * (t[-1] - t[0])
         return Program(t, theta[n : n + x.size] * float(np.ptp(x)))
@@ -280,7 +363,7 @@ class _Problem:
         contact = self._contact(self.settings.relaxation(values), record.stiffness / modulus)  # loads over the modulus
         history = contact.history(Program(program.t, x / modulus if record.loaded else x))
         _, delta, P = history.states(record.t)
-        return held, (delta if record.loaded else modulus * P) + values[other]
+        return held, (delta if record.loaded else modulus * P) + values[other] + values["tilt"] * (held - held[0])
 
     def _contact(self, law: Relaxation, stiffness: float) -> RelaxingContact:
         coarser = 1 if math.isinf(stiffness) else TUNING.coarser
@@ -293,13 +376,14 @@ class _Problem:
             held, made = self.model(theta)
         except (JkrError, FloatingPointError, OverflowError, ValueError):
             held, made = record.held + np.ptp(record.held), record.made + np.ptp(record.made)
-        return np.concatenate([(held - record.held) / record.sigma[0], (made - record.made) / record.sigma[1]])
+        rest = (made - record.made) / record.sigma[1]
+        return rest if record.read else np.concatenate([(held - record.held) / record.sigma[0], rest])
 
     def scatters(self, found: Least) -> tuple[float, float]:
         """The standard deviations of the readings about the model."""
         rows, off = self.record.t.size, found.state.residuals
         share = 1 - found.x.size / off.size
-        held, made = (math.sqrt(float(np.mean(part**2)) / share) for part in (off[:rows], off[rows:]))
+        held, made = (math.sqrt(float(np.mean(part**2)) / share) for part in (off[:rows], off[-rows:]))
         low = [TUNING.floor * float(np.ptp(column)) for column in (self.record.held, self.record.made)]
         return max(held * self.record.sigma[0], low[0]), max(made * self.record.sigma[1], low[1])
 
@@ -318,7 +402,7 @@ class _Problem:
         reach = np.full(start.size, np.inf)
         low, high = start - reach, start + reach
         for i, name in enumerate(self.settings.free):
-            if name not in ("delta0", "P0"):
+            if name not in ZEROS:
                 low[i], high[i] = (
                     (0.0, 1.0 - TUNING.floor) if _is_share(name) else start[i] + np.array([-1, 1]) * TUNING.reach
                 )
@@ -333,20 +417,22 @@ class _Problem:
     # ------------------------------------------------------------------ where to begin
     def start(self) -> Array:
         """The best of some values, the modulus by the loads in proportion."""
-        thin, found = replace(self, record=self.record.thinned()), []
-        for values in self._tried():
-            theta = self._from(values)
+        thin, found, reason = replace(self, record=self.record.by_tip.thinned()), [], ""
+        for values in thin._tried():
+            theta = thin._from(values)
             try:
                 theta = thin._with_modulus(theta, values)
-            except (JkrError, FloatingPointError, OverflowError, ValueError):
+            except (JkrError, FloatingPointError, OverflowError, ValueError) as error:
+                reason = f" ({error})"
                 continue
-            found.append((float(np.sum(thin.residuals(theta) ** 2)), theta))
+            found.append((float(np.sum(thin.residuals(theta) ** 2)), theta[: len(self.settings.free)], values))
         if not found:
             raise InputError(
-                f"{self.record.curve.where}: no history of this body comes near the record: it must press, wait and "
-                "retract once, within the radii of the series; check the units, or fix delta0"
+                f"{self.record.curve.where}: no history of this body comes near the record{reason}: it must press, "
+                "wait and retract once; check the units and the tip's radius, or fix delta0"
             )
-        return min(found, key=lambda item: item[0])[1]
+        _, own, values = min(found, key=lambda item: item[0])
+        return np.append(own, self._from(values)[own.size :])
 
     def _tried(self) -> list[dict[str, float]]:
         """Values of the parameters to begin with, those that are fixed among them."""
@@ -362,7 +448,9 @@ class _Problem:
         else:
             laws = [{"ratio": r, "time": time * duration} for r in TUNING.shares for time in TUNING.times]
         own = [{name: law.get(name, 1.0) for name in names} | dict(self.settings.fixed) for law in laws]
-        return [values | {"delta0": zero} | dict(self.settings.fixed) for values in own for zero in self._zeros()]
+        base = float(np.median(self.record.made[:3])) if "P0" in self.settings.free and not self.record.loaded else 0.0
+        zeros = [{"delta0": zero, "P0": base} for zero in self._zeros()]
+        return [values | zero | dict(self.settings.fixed) for values in own for zero in zeros]
 
     def _zeros(self) -> list[float]:
         """Displacements at which contact may begin."""
@@ -373,9 +461,9 @@ class _Problem:
         return [at - share * (float(record.held.max()) - at) for share in TUNING.depths]
 
     def _from(self, values: Mapping[str, float]) -> Array:
-        x = self.record.knots[1]
+        x = self.record.knots[1] if not self.record.read else np.array([])
         own = [_inner(name, values.get(name, 1.0 if name == "modulus" else 0.0)) for name in self.settings.free]
-        return np.array([*(own / self.scales), *(x / np.ptp(x)), *np.zeros(self.moving.size)])
+        return np.array([*(own / self.scales), *(x / np.ptp(self.record.knots[1])), *np.zeros(self.moving.size)])
 
     def _with_modulus(self, theta: Array, values: Mapping[str, float]) -> Array:
         """The unknowns with the modulus that brings the loads nearest; of a load, the depth where it is largest."""
@@ -386,8 +474,8 @@ class _Problem:
         if record.loaded:
             theta[i] = math.log(self._creep_modulus(values))
             return theta
-        made = self.model(theta)[1] - values.get("P0", 0.0)
-        theta[i] = math.log(max(float(np.sum(made * record.made) / np.sum(made**2)), 1e-12))
+        made, rest = self.model(theta)[1] - values["P0"], record.made - values["P0"]
+        theta[i] = math.log(max(float(np.sum(made * rest) / np.sum(made**2)), 1e-12))
         return theta
 
     def _creep_modulus(self, values: Mapping[str, float]) -> float:
@@ -423,11 +511,11 @@ def _is_share(name: str) -> bool:
 
 
 def _inner(name: str, value: float) -> float:
-    return value if name in ("delta0", "P0") or _is_share(name) else math.log(value)
+    return value if name in ZEROS or _is_share(name) else math.log(value)
 
 
 def _outer(name: str, x: float) -> float:
-    return x if name in ("delta0", "P0") or _is_share(name) else math.exp(min(x, 300.0))
+    return x if name in ZEROS or _is_share(name) else math.exp(min(x, 300.0))
 
 
 def _estimate(name: str, value: float, free: tuple[str, ...], inner: Array | None, t: float) -> FittedValue:
@@ -440,15 +528,11 @@ def _estimate(name: str, value: float, free: tuple[str, ...], inner: Array | Non
 
 def _warnings(fit: RelaxationFit, program: Program) -> list[str]:
     """What a reader should know, each with its number."""
-    said = []
+    said = list(fit.record.said)
     if fit.covariance is None:
         said.append(f"the record does not tell {', '.join(fit.free)} apart: fix one of them, such as delta0")
     for item in fit.estimates:
-        if (
-            item.name in fit.free
-            and item.name not in ("delta0", "P0")
-            and (item.error or 0) > TUNING.vague * item.value
-        ):
+        if item.name in fit.free and item.name not in ZEROS and (item.error or 0) > TUNING.vague * item.value:
             said.append(
                 f"{item.name} is uncertain by {(item.error or 0) / max(item.value, 1e-12):.0%} (standard error)"
             )

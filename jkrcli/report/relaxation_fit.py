@@ -111,9 +111,10 @@ def _words(fit: RelaxationFit) -> list[str]:
     """Lines for people."""
     record, level = fit.record, fit.settings.level
     held = "load" if record.loaded else "displacement"
+    motion = "as it was read" if record.read else f"held, {_pieces(record.knots[0])}"
     lines = [
         brief(fit.estimate("E_star")),
-        f"  {record.curve.where}: {fit.relaxation}; {record.t.size} rows, the {held} held, {_pieces(record.knots[0])}",
+        f"  {record.curve.where}: {fit.relaxation}; {record.t.size} rows, the {held} {motion}",
     ]
     for item in fit.estimates:
         if item.free and item.name != "modulus":

@@ -114,7 +114,7 @@ def test_a_table_is_off_by_no_more_than_its_points_and_its_error_say(method: Met
         for quantity in ("P", "delta"):
             error = abs(getattr(point, quantity) - getattr(exact, quantity))
             assert error <= stated[quantity] < 2e-3 * abs(getattr(exact, quantity))
-            assert stated[quantity] < 30 * error
+            assert stated[quantity] < 20 * error  # measured: 5.2 to 15
 
 
 @pytest.mark.slow
@@ -145,4 +145,4 @@ def test_points_are_solved_where_that_takes_seconds(
         held, other = ("P", "delta") if control == "load" else ("delta", "P")
         errors = {name: abs(getattr(point, name) - getattr(exact, name)) for name in stated}
         assert errors[held] <= stated[held] < 1e-3 * abs(getattr(exact, held))
-        assert errors[other] <= 2 * stated[other] < 2e-3 * abs(getattr(exact, other))  # 90 %: measured 1.12
+        assert errors[other] <= 2 * stated[other] < 2e-3 * abs(getattr(exact, other))  # 90 %: measured 1.39

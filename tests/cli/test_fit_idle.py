@@ -43,8 +43,11 @@ def test_an_option_without_an_effect_is_refused(jkr: Callable, kind: str, name: 
     assert [path.name for path in Path().iterdir()] == ["one.csv"]
 
 
-@pytest.mark.parametrize("words", [("--samples", "50"), ("--seed", "1"), ("--relaxation", "sls", "--terms", "2"),
-                                   ("--law", "power", "--contact", "fitted"), ("--rivals",)])  # fmt: skip
+@pytest.mark.parametrize(
+    "words",
+    [("--noise", "a=1 um"), ("--samples", "50"), ("--seed", "1"), ("--relaxation", "sls", "--terms", "2"),
+     ("--law", "power", "--contact", "fitted"), ("--rivals",)],
+)  # fmt: skip
 def test_options_that_go_with_others(jkr: Callable, words: tuple[str, ...]) -> None:
     made = Path(__file__).parents[2] / "cases" / "measured" / "gel-probe.csv"
     done = jkr("fit", GEL, made, *words, "-o", ".")

@@ -151,6 +151,37 @@ def test_a_straight_line_before_contact_is_a_base_line(power: float, free: float
     assert found.directions[0].based
 
 
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("string", [True, False])
+def test_a_second_pull_off_is_found_however_straight_the_load_before_it(string: bool, seed: int) -> None:
+    """A tether that holds half of the tension, or a string that comes to it, and breaks halfway to the far end."""
+    made = record(E_STAR, R, 0.0, W, replace(DEVICE, offset=0.0, tilt=0.0, drag=0.0), seed)
+    z, P, back = made["z"], made["P"], made["segment"] == "retract"
+    fold = float(z[back & (P < -0.3 * PULL_OFF)].min())
+    far = 0.5 * (fold + float(z.min()))
+    held = np.where(back & (z < fold) & (z > far), (fold - z) / (fold - far) if string else 1.0, 0.0)
+    found = examine(Curve("tether", delta=z, P=P - 0.4 * PULL_OFF * held))
+    side = found.direction("retract")
+    assert side is not None
+    assert "several contacts" in found.flags
+    assert [jump.position for jump in side.jumps] == pytest.approx([far, fold], abs=0.02e-6)
+    assert side.base.rows < np.count_nonzero(back & (z <= far)) + 5
+
+
+def test_rows_that_stand_alone_off_the_others_count_for_nothing() -> None:
+    """Spikes to both sides, in the free rows and in contact; jumps, folds and the turn are none."""
+    clean = curve_of(DEVICE)
+    plain = examine(clean)
+    assert plain.spikes.size == 0
+    assert clean.P is not None
+    rows, P = np.array([300, 1700, 2600, 3900]), clean.P.copy()
+    P[rows] += PULL_OFF * np.array([-2.0, 1.0, -1.0, 3.0])
+    found = examine(replace(clean, P=P))
+    assert found.spikes.tolist() == rows.tolist()
+    assert found.flags == plain.flags
+    assert found.direction("retract").adhesion == pytest.approx(plain.direction("retract").adhesion)  # type: ignore[union-attr]
+
+
 def test_what_is_no_force_curve_is_refused_in_one_line() -> None:
     with pytest.raises(InputError) as caught:
         examine(Curve("c", a=np.arange(30.0), P=np.arange(30.0)))

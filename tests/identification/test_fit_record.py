@@ -527,6 +527,16 @@ def test_the_noise_is_that_of_the_free_rows() -> None:
     assert item.error < 0.02 * item.value
 
 
+def test_spikes_are_left_out_and_said() -> None:
+    curve, E_star, w = made(np.random.default_rng(3))
+    assert curve.stiffness is not None
+    P = curve.P.copy()  # type: ignore[union-attr]
+    P[[len(curve) // 7, len(curve) // 3]] += np.ptp(P) * np.array([-0.5, 2.0])
+    found = fit(BODY, replace(curve, P=P, delta=curve.device - P / curve.stiffness), usual())
+    assert all(inside for _, inside in judged(found, {"E_star": E_star, "w": w}).values())
+    assert "2 rows that stand alone off the others" in found.left_out
+
+
 @pytest.mark.parametrize(("w", "flat"), [(0.0, True), (1e-6, True), (1e-4, False)])
 def test_w_of_an_approach_is_told_through_0(w: float, flat: bool) -> None:
     """An upper limit, or a value; E* is held whatever w is."""

@@ -25,7 +25,7 @@ from widths import assert_neither_doubled_nor_halved, mean_squares
 from jkrcli.adhesion.rate.laws import PowerRate
 from jkrcli.data.measured import Curve
 from jkrcli.identification.fit import fit
-from jkrcli.identification.fit.coloured import spread
+from jkrcli.identification.fit.coloured import Spectrum, in_time, spread
 from jkrcli.identification.fit.confidence import wider
 from jkrcli.identification.fit.friction import preferences
 from jkrcli.identification.fit.result import FittedValue
@@ -84,10 +84,10 @@ def test_white_noise_through_the_coloured_covariance_is_white(rows: int) -> None
     J = np.stack([np.ones(rows), (-1.0) ** i, i / rows], axis=1)
     off = np.random.default_rng(3).standard_normal(rows)
     off -= J @ np.linalg.lstsq(J, off, rcond=None)[0]
-    found, white = spread(off, J, (rows,), (0,)), np.linalg.inv(J.T @ J)
+    found, white = spread(off, J, (), Spectrum(1.0)), np.linalg.inv(J.T @ J)
     size = found.covariance[0, 0] / white[0, 0]
     np.testing.assert_allclose(found.covariance, size * white, rtol=0, atol=1e-9 * size * white.max())
-    assert size == pytest.approx(off @ off / (rows - 3), rel=0.1)  # 0.04 measured: sums over one sign of frequencies
+    assert size == pytest.approx(off @ off / (rows - 3), rel=0.1)  # 0.04 measured: by octaves
     assert found.tau == pytest.approx(1)
 
 
@@ -99,8 +99,39 @@ def test_lines_through_coloured_noise() -> None:
     noise = lfilter([1.0], [1.0, -0.8], noise, axis=1)[:, 100:]
     off, widths = np.linalg.lstsq(J, noise.T, rcond=None)[0].T, []
     for row, unknowns in zip(noise, off, strict=True):
-        widths.append(np.sqrt(np.diag(spread(row - J @ unknowns, J, (256,), (0,)).covariance)))
+        widths.append(np.sqrt(np.diag(spread(row - J @ unknowns, J, (), Spectrum(1.0)).covariance)))
     assert_neither_doubled_nor_halved(mean_squares(off, widths))
+
+
+def test_weighted_lines_through_noise_of_one_over_f() -> None:
+    """The height of a hump between two runs of 300 free rows that tell the noise, weighted by it."""
+    x = np.linspace(-1, 1, 900)
+    J = np.stack([np.ones_like(x), x, np.maximum(1 - 9 * x**2, 0)], axis=1)
+    f = np.fft.rfftfreq(8192)
+    waves = np.fft.rfft(np.random.default_rng(2).standard_normal((80, 8192)), axis=1) * np.sqrt(1 + 0.1 / (f + 1e-4))
+    runs, errors, widths = (x < -1 / 3, x > 1 / 3), [], []
+    for row in np.fft.irfft(waves, axis=1)[:, :900]:
+        plain = np.linalg.lstsq(J, row, rcond=None)[0]
+        off = row - J @ plain
+        noise = spread(off, J, [off[rows] for rows in runs], Spectrum(1.0)).noise
+        best = np.linalg.lstsq(noise.whitened(J), noise.whitened(row), rcond=None)[0]
+        off = row - J @ best
+        errors.append(best[2])
+        widths.append(np.sqrt(spread(off, J, [off[rows] for rows in runs], noise).covariance[2, 2]))
+    assert_neither_doubled_nor_halved(mean_squares(np.array(errors)[:, None], np.array(widths)[:, None]))
+
+
+def test_rows_that_are_missing_are_bridged() -> None:
+    """A straight line goes on through a gap of 40 rows, whatever their order, where the noise is slow; where it is
+    white, missing rows say nothing."""
+    rows = np.r_[5:40, 80:120]
+    columns = np.stack([rows, np.ones(rows.size)], axis=1).astype(float)
+    slow, white = (
+        in_time(columns[::-1], rows[::-1], noise) for noise in (Spectrum(0.0, ((1.0, 1.0, 2.0),)), Spectrum(1.0))
+    )
+    assert slow[:, 1] == pytest.approx(np.ones(115))
+    assert np.diff(slow[35:75, 0]) == pytest.approx(np.full(39, (99.5 - 22) / 41))
+    assert not white[35:75].any()
 
 
 # ---------------------------------------------------------------------- fits

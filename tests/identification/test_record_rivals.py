@@ -19,6 +19,7 @@ from wrong_records import WRONG, Drawn, Wrong, right
 
 from jkrcli.data.measured import Curve
 from jkrcli.identification.fit import Fit, fit, record_rivals
+from jkrcli.identification.fit.coloured import Spectrum
 from jkrcli.identification.fit.device_path import grid, on_grid
 from jkrcli.identification.fit.record import _fitted, _kinds, _model, whole_record
 from jkrcli.identification.fit.record_change import LITTLE, Bent, Change, RivalModel
@@ -195,7 +196,8 @@ def test_what_the_model_itself_takes_is_no_rivals() -> None:
 def _noisy(at: Situation, seed: int) -> object:
     rng, parts = np.random.default_rng(seed), at.model.stretches
     noisy = tuple(replace(part, P=part.P + 1e-11 * rng.normal(size=part.P.size)) for part in parts)
-    return replace(at.found, model=replace(at.model, stretches=noisy))
+    told = replace(at.found.spread, noise=Spectrum(1e-22))
+    return replace(at.found, model=replace(at.model, stretches=noisy), spread=told)
 
 
 def test_what_is_left_of_a_known_amount() -> None:
@@ -245,3 +247,39 @@ def test_positions_that_repeat_take_no_fit_with_them() -> None:
     assert look is not None
     assert look.column is not None
     assert np.isfinite(look.column).all()
+
+
+@pytest.mark.parametrize(("kind", "told"), [
+    ("creep", {}),
+    *(pytest.param(*case, marks=pytest.mark.slow) for case in [
+        ("layer as half-space", {}), ("cone", {"exponent": 1.0}), ("relaxation", {"fall": 0.5}),
+        ("w rising to four times", {}),
+    ]),
+])  # fmt: skip
+def test_the_right_rival_in_full_gives_the_truth(kind: str, told: dict[str, float]) -> None:
+    made = WRONG[kind](AT)
+    plain, found = answer(kind), fit(BODY, curve(made), usual(model="auto"))
+    assert found.verdict is not None
+    assert found.verdict.tied[0].family in made.families
+    assert "model rejected" not in found.flags
+    assert "model rejected" in plain.flags
+    item = found.estimate("E_star")
+    assert item.error is not None
+    assert abs(item.value - AT.E) < 4 * item.error
+    assert abs(plain.value("E_star") - AT.E) > 10 * item.error
+    for name, value in told.items():
+        assert found.estimate(name).value == pytest.approx(value, rel=0.02)
+    assert found.verdict.tied[0].name in words(found)[0]
+    assert summary([found], "body")["curves"][0]["verdict"]["model"] == found.verdict.tied[0].name
+
+
+def test_a_long_range_that_is_possible_widens_w() -> None:
+    """Tabor's number 0.3, a range of 0.1 um: no data of this noise tell it, w is a fifth too high."""
+    made = wrong_records.maugis(replace(AT, noise=10 * AT.noise))
+    known = fit(BODY, curve(made), usual(bound=[("range", "..1 um")])).estimate("w")
+    assert known.low is not None
+    assert known.model is not None
+    assert known.low > 1.1 * AT.w
+    assert known.low - known.model["adhesion of finite range"] < AT.w
+    by_default = fit(BODY, curve(made), usual()).estimate("w")
+    assert sum((by_default.model or {}).values()) < 0.5 * known.model["adhesion of finite range"]

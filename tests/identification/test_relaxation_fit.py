@@ -12,7 +12,9 @@ from relaxation_records import record
 
 import jkrcli as jkr
 from jkrcli.adhesion.nonadhesive import Nonadhesive
+from jkrcli.adhesion.program import Program
 from jkrcli.adhesion.relaxation.depths import Depths
+from jkrcli.adhesion.relaxation.history import RelaxedHistory, RelaxingContact
 from jkrcli.base.arrays import Array
 from jkrcli.base.errors import InputError
 from jkrcli.data.measured import Curve
@@ -43,6 +45,11 @@ def _body() -> FittedBody:
 
 def loads(body: FittedBody) -> Callable[[Array], Array]:
     return Depths(Nonadhesive(body.series, body.slopes)).loads
+
+
+def history_of(body: FittedBody, t: Array, x: Array) -> RelaxedHistory:
+    law = jkr.StandardSolid(0.25, 1.0)
+    return RelaxingContact(Nonadhesive(body.series, body.slopes), law).history(Program(t, x))
 
 
 def off(fit: RelaxationFit, **true: float) -> dict[str, float]:
@@ -123,3 +130,41 @@ def test_the_command(jkr: Callable, body: FittedBody, tmp_path: Path) -> None:
     ):
         done = jkr("fit", "gel.toml", "held.csv", *words)
         assert (done.code, line in done.err) == (2, True), done.err
+
+
+def test_a_retraction_that_adheres_and_a_base_line(body: FittedBody) -> None:
+    """The press and the wait alone are fitted, with what the rows before contact show; many rows by their means."""
+    t, x = np.array([0.0, 1.0, 1.3, 4.0, 5.0]), np.array([-0.6, 0.0, 1.0, 1.0, -2.0])
+    history = history_of(body, t, x)
+    at, rng = np.linspace(0, 5, 6001), np.random.default_rng(3)
+    load = history.states(at)[2] + 0.2 + 0.05 * np.interp(at, t, x) - np.where(at > 4.3, 0.3, 0.0)
+    noisy = (column + 0.01 * rng.standard_normal(at.size) for column in (np.interp(at, t, x), load))
+    fit = relaxation_fit(
+        body, Curve("made", t=at, **dict(zip(("delta", "P"), noisy, strict=True))), relaxation_settings("sls")
+    )
+    assert fit.free[-2:] == ("P0", "tilt")
+    assert fit.record.t.size < 1500
+    assert "the retraction adheres, it pulls with" in fit.warnings[0]
+    assert max(map(abs, off(fit, E_star=1.0, ratio=0.25, time=1.0, delta0=0.0, tilt=0.05).values())) < 3.5
+
+
+def test_a_motion_that_is_not_straight_is_followed(body: FittedBody) -> None:
+    t = np.linspace(0, 4, 400)
+    x = np.sin(np.minimum(t, 1.0) * np.pi / 2) + 0.2 * np.sqrt(np.maximum(t - 1, 0)) - 0.1
+    history = history_of(body, t, x)
+    load = history.states(t)[2]
+    load += 0.003 * np.ptp(load) * np.random.default_rng(1).standard_normal(t.size)
+    fit = relaxation_fit(body, Curve("made", t=t, delta=x + 1e-5 * np.sin(1e3 * t), P=load), relaxation_settings("sls"))
+    assert fit.record.read
+    assert "the displacement of the tip is taken as it was read" in fit.warnings[0]
+    assert max(map(abs, off(fit, E_star=1.0, ratio=0.25, time=1.0, delta0=0.0).values())) < 3.5
+
+
+@pytest.mark.slow
+def test_terms_that_a_record_does_not_tell(body: FittedBody) -> None:
+    """Of one time no second is told; two that are a decade apart are."""
+    for modes, untold in ((SOLID, True), ((0.2, (0.4, 0.4), (3.0, 0.3)), False)):
+        made = record(loads(body), 1.4, modes, (np.array([0.0, 0.2, 9.0, 9.3]), HELD[1]), rows=150, seed=2, noise=0.003)
+        fit = relaxation_fit(body, made, relaxation_settings("prony", [("delta0", "0")]))
+        said = [line for line in fit.warnings if "2 terms are not told from 1, whose score is better by" in line]
+        assert bool(said) == untold, (fit.estimates, fit.warnings)

@@ -8,9 +8,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from jkrcli.adhesion.device import position
-from jkrcli.adhesion.stability import Cycle, cycle, turning_radius
-from jkrcli.beside.analysis import adhesive, nonadhesive, with_solved_points
+import jkrcli as jkr
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
@@ -22,13 +20,13 @@ RIGID = math.inf
 # E* = R = 1, turned at the device's position 0.15: w in and out, the turn (a, P), the end of rest (delta, P), the last
 # stable state (a, position, P).
 HALF_SPACE = [
-    (RIGID, 0.001, 0.005, {"depth": 0.15}, (0.450800261, 0.0741653959), (0.0842153802, 0.0148539483),
+    (RIGID, 0.001, 0.005, {"to_depth": 0.15}, (0.450800261, 0.0741653959), (0.0842153802, 0.0148539483),
      (0.12522084, -0.04704078, -0.01308997)),
-    (RIGID, 0.0, 0.005, {"depth": 0.15}, (0.387298335, 0.0774596669), (0.0396943518, -0.0079827208),
+    (RIGID, 0.0, 0.005, {"to_depth": 0.15}, (0.387298335, 0.0774596669), (0.0396943518, -0.0079827208),
      (0.12522084, -0.04704078, -0.01308997)),
-    (0.5, 0.001, 0.005, {"load": 0.0312055786}, (0.368373010, 0.0312055786), (0.0281218208, -0.0126065132),
+    (0.5, 0.001, 0.005, {"to_load": 0.0312055786}, (0.368373010, 0.0312055786), (0.0281218208, -0.0126065132),
      (0.18955679, -0.08158643, -0.02017445)),
-    (0.5, 0.002, 0.002, {"load": 0.0296178902}, (0.402328793, 0.0296178902), None,
+    (0.5, 0.002, 0.002, {"to_load": 0.0296178902}, (0.402328793, 0.0296178902), None,
      (0.13073696, -0.03867797, -0.00761877)),
 ]  # fmt: skip
 # Bonded layer, nu = 1/2, h = E* = 1, R = 10, turned at a = 2.5.
@@ -52,32 +50,25 @@ def radii(low: float, high: float) -> Loading:
     return Loading.given("radius", tuple(np.geomspace(low, high, 100).tolist()))
 
 
-def cycled(solution: Solution, k: float, works: tuple[float, float], turn: dict[str, float]) -> Cycle:
-    body = nonadhesive(solution)
-    inwards, outwards = (with_solved_points(adhesive(solution, body, w), k).jkr for w in works)
-    found = cycle(inwards, outwards, k, turning_radius(inwards, k, **turn))
-    assert isinstance(found, Cycle)
-    return found
-
-
-def last_stable(found: Cycle) -> tuple[float, float, float]:
-    point = found.contact.receding.point(found.retraction.last)
-    return point.a, float(position(point.delta, point.P, found.stiffness)), point.P
+def cycled(solution: Solution, k: float, works: tuple[float, float], turn: dict[str, float]) -> dict[str, np.ndarray]:
+    """Rows (a, delta, P, position) of the trace: the last of approach, of rest, and of retraction."""
+    w_in, w_out = works
+    columns = jkr.cycle(solution, w_out, w_approach=w_in, stiffness=k, **turn).columns
+    table = np.stack([columns[name] for name in ("a_m", "delta_m", "P_N", "device_m")], axis=1)
+    return {phase: table[columns["phase"] == phase][-1:] for phase in ("approach", "turn", "retraction")}
 
 
 @pytest.mark.parametrize(("k", "w_in", "w_out", "where", "turn", "rest", "last"), HALF_SPACE)
 def test_half_space(k, w_in, w_out, where, turn, rest, last) -> None:
     found = cycled(half_space(), k, (w_in, w_out), where)
-    first, end = (curve.point(found.turn) for curve in (found.contact.advancing, found.contact.receding))
-    assert (first.a, first.P) == pytest.approx(turn, abs=1e-9)
-    assert (end.delta, end.P) == pytest.approx(rest or (first.delta, first.P), abs=1e-9)
-    assert last_stable(found) == pytest.approx(last, abs=1e-8)
+    assert found["approach"][0, [0, 2]] == pytest.approx(turn, abs=1e-9)
+    assert found["turn"][:, [1, 2]].ravel() == pytest.approx(rest or (), abs=1e-9)
+    assert found["retraction"][0, [0, 3, 2]] == pytest.approx(last, abs=1e-8)
 
 
 @pytest.mark.parametrize(("k", "last"), LAYER)
 def test_incompressible_layer(k, last) -> None:
-    found = cycled(layer(), k, (0.001, 0.005), {"depth": 0.246339984878})
-    first, end = (curve.point(found.turn) for curve in (found.contact.advancing, found.contact.receding))
-    assert (first.a, first.delta, first.P) == pytest.approx((2.5, *TURN), abs=1e-7)
-    assert (end.delta, end.P) == pytest.approx(REST, abs=1e-7)
-    assert last_stable(found) == pytest.approx(last, abs=1e-7)
+    found = cycled(layer(), k, (0.001, 0.005), {"to_depth": 0.246339984878})
+    assert found["approach"][0, :3] == pytest.approx((2.5, *TURN), abs=1e-7)
+    assert found["turn"][0, [1, 2]] == pytest.approx(REST, abs=1e-7)
+    assert found["retraction"][0, [0, 3, 2]] == pytest.approx(last, abs=1e-7)

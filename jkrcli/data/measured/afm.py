@@ -97,6 +97,8 @@ def load(path: Path, reading: Reading) -> tuple[list[Any], str]:
     try:
         try:
             held = _loaded(path)
+            if held and reading.sensitivity is not None:
+                raise InputError(f"{path}: names its own sensitivity, or needs none: leave --sensitivity out")
         except errors.MissingMetaDataError:
             if reading.incomplete:
                 lacks = " and ".join(key for key in told if key not in override)

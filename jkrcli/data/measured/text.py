@@ -240,6 +240,7 @@ class Columns:
                 values[key] = NAMES.in_si(table, key, index, reading.units.get(key))
             if key != "delta":
                 values[key] = values[key] * reading.factors.get(key, 1.0)
+        _refuse_without_volts(table, chosen, reading)
         flags += _overruled(table, chosen, reading)
         if position is not None and position.device:
             flags += _on_stiffness(reading, held, "P" in chosen)
@@ -295,6 +296,15 @@ def _refuse_unitless(table: TextTable, index: int, reading: Reading) -> None:
         name = split_name(table.names[index])[0]
         raise InputError(f"{table.path}: {_column(table, index)} is a deflection and names no unit: give "
                          f'--unit "{name}=nm", or V, or nN, or write it into the header')  # fmt: skip
+
+
+def _refuse_without_volts(table: TextTable, chosen: Mapping[str, int], reading: Reading) -> None:
+    """Refuse a sensitivity that nothing is multiplied by."""
+    power = _deflection_power(table, chosen["P"], reading) if "P" in chosen else None
+    if reading.sensitivity is not None and (power is None or power[0] != "voltage"):
+        held = f"its load is {_column(table, chosen['P'])}" if "P" in chosen else "it holds no load"
+        raise InputError(f"{table.path}: --sensitivity makes a deflection of volts, and this file holds none, {held}: "
+                         "leave it out, or give the unit: --unit P=V")  # fmt: skip
 
 
 def _load_of_deflection(

@@ -1,10 +1,14 @@
-"""Covariance of least squares under noise whose neighbours follow each other: drift, hum, slow steps.
+"""Least squares under noise whose neighbours follow each other: drift, hum, 1/f, slow steps.
 
-The noise is what the free rows of a direction say, without any model of the contact. Its spectrum, S(f) = A + B/(1 +
-(f/c)^2), white and of one correlation time, is found by the likelihood of Whittle (Ark. Mat. 2, 423, 1953) from the
-periodogram of their residuals in octaves, each divided by the share of it that the fit has left; where too few rows are
-free, from that of all. The covariance is then that of White (Econometrica 48, 817, 1980),
-(J^T J)^-1 J^T C J (J^T J)^-1.
+The noise is what the free rows of a record say, without any model of the contact. Its spectrum, S(f) = A + B/(1 +
+(f/c)^2)^(b/2), white and of one correlation time (b = 2) or of a power of the frequency (c far below all), is found by
+the likelihood of Whittle (Ark. Mat. 2, 423, 1953) from the squares of the cosine transform of their residuals in
+octaves, each divided by the share of it that the fit has left; where too few rows are free, from that of all. Spectra
+that are nearly as likely have a share in it, as they go on differently below the frequencies that are seen. The cosine
+transform takes a series that ends elsewhere than it began for no jump.
+
+With rows weighted by W the covariance of the unknowns is (WJ)^+ W C W^T (WJ)^+T, C the noise (White, Econometrica 48,
+817, 1980); where W C W^T = 1, the generalised least squares, it is the least there is.
 Residuals in contact that are larger or slower are no noise: they are told as an excess.
 """
 
@@ -15,6 +19,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.fft import dct, idct
 
 from ...base.arrays import Array
 
@@ -24,107 +29,147 @@ class ColouredTuning:
     """How spectra are found."""
 
     corners: int = 24  # choice: correlation times tried, from a few rows to the whole record
+    powers: tuple[float, ...] = (0.5, 0.75, 1.0, 1.25, 1.5, 2.0)  # choice: of 1/f, tried
     rounds: int = 8  # choice: of reweighting; the likelihood is then good to 1e-3
     share: float = 0.25  # choice: of an octave that the fit must have left, below which it joins the next
     least: float = 4.0  # choice: of 2 ln of the likelihoods' ratio that a second part of the spectrum must gain
+    beside: int = 8  # choice: least rows on each side of missing ones, whose means a line goes through
+    likely: float = 0.05  # choice: of the likeliest spectrum, likelihood below which one has no share
     free: int = 40  # choice: free rows of a direction that tell its noise
+    seen: float = 4.0  # choice: of the lowest frequency of the free rows, the lowest corner that they tell
+    lowest: float = 1e-3  # choice: of the lowest frequency of the free rows, the corner of a power of f: none is seen
     untold: float = 1e-12  # choice: least singular value over the largest, below which rounding has the word
 
 
 TUNING = ColouredTuning()
 
 
+@dataclass(frozen=True)
+class Spectrum:
+    """A + sum of B/(1 + (f/c)^2)^(b/2) over frequencies f per row, ``slow`` parts (B, c, b)."""
+
+    A: float
+    slow: tuple[tuple[float, float, float], ...] = ()
+
+    def __call__(self, f: Array) -> Array:
+        found: Array = self.A + sum((B * _slow(f, corner, power) for B, corner, power in self.slow), np.zeros_like(f))
+        return found
+
+    def whitened(self, columns: Array) -> Array:
+        """Columns of rows in the order of time, (rows, ...), so that this noise has unit variance and no colour."""
+        if not self.slow:
+            return columns / math.sqrt(self.A)
+        return (waves(columns).T / np.sqrt(self(frequencies(len(columns))))).T
+
+    def drawn(self, rng: np.random.Generator, rows: int) -> Array:
+        """A series of so many ``rows`` of this noise."""
+        found: Array = idct(np.sqrt(self(frequencies(rows))) * rng.normal(size=rows), norm="ortho")
+        return found
+
+
 @dataclass(frozen=True, eq=False)
 class Spread:
     """``covariance`` of the unknowns; ``tau``: how many rows count as one, the factor by which the colour of the noise
     raises their variances; ``excess``: the factor by which the residuals of all rows would widen the standard errors
-    beyond it (both medians). ``dof``: rows that told the noise."""
+    beyond it (both medians). ``dof``: rows that told the ``noise``."""
 
     covariance: Array
     tau: float
     excess: float
     dof: int
+    noise: Spectrum
 
 
-@dataclass(frozen=True)
-class Spectrum:
-    """A + B/(1 + (f/``corner``)^2) over frequencies f per row."""
-
-    A: float
-    B: float
-    corner: float
-
-    def __call__(self, f: Array) -> Array:
-        return self.A + self.B / (1 + (f / self.corner) ** 2)
-
-    def drawn(self, rng: np.random.Generator, rows: int) -> Array:
-        """A series of so many ``rows`` of this noise."""
-        f = np.fft.rfftfreq(rows)
-        found: Array = np.fft.irfft(np.sqrt(self(f)) * np.fft.rfft(rng.normal(size=rows)), rows)
-        return found
+def _slow(f: Array, corner: Array | float, power: Array | float) -> Array:
+    found: Array = (1 + (f / corner) ** 2) ** (-np.asarray(power) / 2)
+    return found
 
 
-def spread(off: Array, J: Array, sizes: Sequence[int], free: Sequence[int]) -> Spread:
-    """The covariance of unknowns from residuals ``off`` and their derivatives ``J``, in stretches of ``sizes`` rows, of
-    each of which the first ``free`` rows are out of contact; very large where the data do not tell an unknown."""
-    scale = np.linalg.norm(J, axis=0)
+def waves(columns: Array) -> Array:
+    """The orthonormal cosine transform of columns of rows."""
+    found: Array = dct(columns, axis=0, norm="ortho")
+    return found
+
+
+def in_time(columns: Array, rows: Array, noise: Spectrum) -> Array:
+    """Columns of some ``rows`` of a record in the order of time. Over the rows that are missing straight lines through
+    the means of as many beside them, as much of them as ``noise`` of that length is slow: it goes on meanwhile."""
+    order = np.argsort(rows)
+    columns, rows = columns[order], rows[order] - rows.min()
+    found = np.zeros((int(rows[-1]) + 1, *columns.shape[1:]))
+    found[rows] = columns
+    for i in np.flatnonzero(np.diff(rows) > 1) + 1:
+        count = int(rows[i] - rows[i - 1]) - 1
+        slow = 1 - noise.A / float(noise(np.array(1 / (2 * count))))
+        beside = max(count, TUNING.beside)
+        first, last = (slow * part.mean(axis=0) for part in (columns[max(i - beside, 0) : i], columns[i : i + beside]))
+        share = np.arange(1, count + 1) / (count + 1)
+        found[rows[i - 1] + 1 : rows[i]] = first + np.multiply.outer(share, last - first)
+    return found
+
+
+def frequencies(rows: int) -> Array:
+    """Those of the cosine transform, per row."""
+    return np.arange(rows) / (2 * rows)
+
+
+def spread(off: Array, J: Array, free: Sequence[Array], weight: Spectrum) -> Spread:
+    """The covariance of unknowns from residuals ``off`` and their derivatives ``J``, in the order of time, that were
+    fitted with the ``weight`` of such noise; very large where the data do not tell an unknown. ``free``: residuals of
+    runs of rows out of contact."""
+    f = frequencies(off.size)
+    own = weight(f)
+    rows = waves(np.column_stack([J, off])) / np.sqrt(own)[:, None]
+    scale = np.linalg.norm(rows[:, :-1], axis=0)
     scale[scale == 0] = 1.0
-    U, s, V = np.linalg.svd(J / scale, full_matrices=False)
+    U, s, V = np.linalg.svd(rows[:, :-1] / scale, full_matrices=False)
     root = (V / np.maximum(s, TUNING.untold * s[0])[:, None] / scale).T
-    middle, whole, white, dof = np.zeros((J.shape[1],) * 2), np.zeros((J.shape[1],) * 2), 0.0, 0
-    ends = np.cumsum(sizes)[:-1]
-    for r, u, loose in zip(np.split(off, ends), np.split(U, ends), free, strict=True):
-        waves, f = np.fft.rfft(u, axis=0, norm="ortho"), np.arange(r.size // 2 + 1) / r.size
-        twice = np.full(len(waves), 2.0)  # both signs of a frequency
-        twice[0] = 1.0
-        if r.size % 2 == 0:
-            twice[-1] = 1.0
-        every = noise = _spectrum(r, np.sum(np.abs(waves) ** 2, axis=1))(f)
-        if loose >= TUNING.free:
-            noise = _of_base_line(r[:loose])(f)
-        middle += np.real((waves.T * (twice * noise)) @ waves.conj())
-        whole += np.real((waves.T * (twice * every)) @ waves.conj())
-        white += float(np.average(noise, weights=twice)) * r.size / off.size
-        dof += loose if loose >= TUNING.free else r.size
-    covariance, beside = root @ middle @ root.T, root @ whole @ root.T
-    plain = white * np.sum(root**2, axis=1)
-    told = plain > 0
-    tau, excess = (float(np.median(np.diag(one)[told] / two[told])) if told.any() else 1.0
-                   for one, two in ((covariance, plain), (beside, np.diag(covariance))))  # fmt: skip
-    return Spread(covariance, max(tau, 1.0), math.sqrt(max(excess, 1.0)), dof)
+    every = _spectrum(f, rows[:, -1] ** 2, np.sum(U**2, axis=1))(f) * own
+    loose = sum(run.size for run in free)
+    told = loose >= TUNING.free
+    noise = _of_base_lines(free) if told else Spectrum(float(np.mean(every)))
+    mine = noise(f) if told else every
+    covariance, beside, plain = (root @ (U.T * (S / own)) @ U @ root.T for S in (mine, every, np.mean(mine)))
+    known = np.diag(plain) > 0
+    tau, excess = (float(np.median((np.diag(one) / np.diag(two))[known])) if known.any() else 1.0
+                   for one, two in ((covariance, plain), (beside, covariance)))  # fmt: skip
+    return Spread(covariance, max(tau, 1.0), math.sqrt(max(excess, 1.0)), loose if told else off.size, noise)
 
 
-def noise_of(off: Array, free: int) -> Spectrum:
-    """Spectrum of the noise in residuals of which the first ``free`` rows are out of contact: theirs, where they are
-    enough, else that of all."""
-    off = off[:free] if free >= TUNING.free else off
-    return _of_base_line(off)
+def _of_base_lines(runs: Sequence[Array]) -> Spectrum:
+    """Spectrum of the residuals of runs of free rows, of each of which the fit has taken a straight line."""
+    parts = []
+    for off in runs:
+        line = np.linalg.qr(np.stack([np.ones(off.size), np.arange(off.size)], axis=1))[0]
+        left = off - line @ (line.T @ off)
+        parts.append((frequencies(off.size), waves(left) ** 2, np.sum(waves(line) ** 2, axis=1)))
+    f, power, taken = (np.concatenate(items) for items in zip(*parts, strict=True))
+    order = np.argsort(f, kind="stable")
+    return _spectrum(f[order], power[order], taken[order])
 
 
-def _of_base_line(off: Array) -> Spectrum:
-    """Spectrum of the residuals of free rows, of which the fit has taken a straight line."""
-    line = np.linalg.qr(np.stack([np.ones(off.size), np.arange(off.size)], axis=1))[0]
-    left = off - line @ (line.T @ off)
-    return _spectrum(left, np.sum(np.abs(np.fft.rfft(line, axis=0, norm="ortho")) ** 2, axis=1))
-
-
-def _spectrum(off: Array, taken: Array) -> Spectrum:
-    """The spectrum of ``off``; ``taken``: how much of each frequency of its transform the fit has taken."""
-    power = np.abs(np.fft.rfft(off, norm="ortho")) ** 2
-    f = np.arange(power.size) / off.size
-    edges = _octaves(1 - np.minimum(taken, 1.0))
-    count = np.add.reduceat(1 - np.minimum(taken, 1.0), edges)
+def _spectrum(f: Array, power: Array, taken: Array) -> Spectrum:
+    """The spectrum of a series by the squares of its ``waves`` at frequencies ``f``; ``taken``: how much of each of
+    them the fit has taken."""
+    left, lowest = 1 - np.minimum(taken, 1.0), float(f[f > 0][0])
+    edges = _octaves(left)
+    count = np.add.reduceat(left, edges)
     mean = np.add.reduceat(power, edges) / count
-    centre = np.add.reduceat(np.maximum(f, f[1] / 2), edges) / np.diff(np.append(edges, f.size))
+    centre = np.add.reduceat(np.maximum(f, lowest / 2), edges) / np.diff(np.append(edges, f.size))
     white = float(np.average(mean, weights=count))
-    corners = np.geomspace(0.3 * f[1], 0.2, TUNING.corners)
-    slow = 1 / (1 + (centre / corners[:, None]) ** 2)
+    corners = np.geomspace(TUNING.seen * lowest, 0.2, TUNING.corners)
+    shapes = [(c, 2.0) for c in corners] + [(TUNING.lowest * lowest, b) for b in TUNING.powers]
+    slow = np.stack([_slow(centre, *shape) for shape in shapes])
+    slow /= slow[:, :1]
     A, B = _parts(slow, mean, count)
     found = _unlikely(mean, A[:, None] + B[:, None] * slow, count)
-    i = int(np.argmin(found))
-    if found[i] < _unlikely(mean, np.full((1, mean.size), white), count)[0] - TUNING.least:
-        return Spectrum(float(A[i]), float(B[i]), float(corners[i]))
-    return Spectrum(white, 0.0, 1.0)
+    if found.min() > _unlikely(mean, np.full((1, mean.size), white), count)[0] - TUNING.least:
+        return Spectrum(white)
+    share = np.exp((found.min() - found) / 2)
+    share = np.where(share > TUNING.likely, share, 0.0) / share[share > TUNING.likely].sum()
+    heights = share * B / np.array([_slow(centre[0], *shape) for shape in shapes])
+    parts = ((float(B), *shape) for B, shape in zip(heights, shapes, strict=True) if B)
+    return Spectrum(float(share @ A), tuple(parts))
 
 
 def _octaves(left: Array) -> Array:
@@ -140,7 +185,7 @@ def _octaves(left: Array) -> Array:
 def _unlikely(mean: Array, S: Array, count: Array) -> Array:
     """Minus twice the logarithm of Whittle's likelihood of spectra ``S``, (spectra, octaves)."""
     likely = np.maximum(S, TUNING.untold * mean.max())
-    found: Array = np.where((S > 0).all(axis=1), 2 * np.sum(count * (np.log(likely) + mean / likely), axis=1), np.inf)
+    found: Array = np.where((S > 0).all(axis=1), np.sum(count * (np.log(likely) + mean / likely), axis=1), np.inf)
     return found
 
 

@@ -30,6 +30,7 @@ class ConfidenceTuning:
     few: int = 10  # choice: degrees of freedom, below which residuals do not tell how the noise changes along the curve
     widest: float = 100.0  # choice: half-width of a log, from which on nothing is told of a value (its ends overflow)
     step: float = 1e-5  # theory: of the unknowns, for central differences: about the cube root of round-off
+    guard: float = 1e-3  # choice: of a log, how near to where the search may not go it is held there
     samples: int = 50  # choice: of a bootstrap, in one task
     enough: float = 1e-7  # choice: change of a sample's unknowns that is none: some ten thousandths of their scatter
 
@@ -66,12 +67,26 @@ def confidence_of(
     untold = isinstance(jkr, JKRBeside) and jkr.excess < 0.5 * t**2 * factor
     spread = _Spread(minimum, settings, inner, samples, t, factor, untold)
     estimates = (*(spread.parameter(i) for i in range(len(objective.parameters))), *spread.derived())
+    if untold and isinstance(jkr, JKRBeside):
+        here = objective.values(minimum.x)
+        estimates = tuple(_and_none(item, jkr.values, here) for item in estimates)
     if settings.uncertain:
         changes = {name: _changes(minimum, settings, name, sigma) for name, sigma in settings.uncertain.items()}
         estimates = tuple(
             wider(item, {name: change[item.name] for name, change in changes.items()}, t) for item in estimates
         )
     return Confidence(estimates, spread.outer_covariance(), spread.outer_samples(), math.sqrt(factor), dof)
+
+
+def _and_none(item: FittedValue, jkr: Mapping[str, float], here: Mapping[str, float]) -> FittedValue:
+    """The estimate where the data do not tell a range from none: its interval holds that of JKR as well."""
+    name = "modulus" if item.dimension == "modulus" and item.name not in jkr else item.name
+    if item.name in RANGES or name not in jkr or item.error is None or item.low is None or item.high is None:
+        return item
+    shift = jkr[name] - here[name] if name == item.name else item.value * (jkr[name] / here[name] - 1)
+    low, high = min(item.low, item.low + shift), max(item.high, item.high + shift)
+    low = max(low, 0.0) if item.dimension == "work" else low
+    return replace(item, error=math.hypot(item.error, shift), low=low, high=high)
 
 
 def spread_of(minimum: Minimum, settings: Settings) -> tuple[Array | None, float, int]:
@@ -168,8 +183,14 @@ class _Spread:
         step = side * min(step, 1.0 if kind == "log" else math.inf)  # of a vague one: more would overflow
         least = self.minimum.least
         end = least.profile(lambda y: (float(unit @ y), unit), step, 0.5 * self.t**2 * self.factor)
-        faint = 2 * float(unit @ np.maximum(least.problem.bounds[0], 0.0))
-        return 0.0 if kind == "positive" and end is not None and end <= faint else end
+        low, high = (float(unit @ np.nan_to_num(bound)) for bound in least.problem.bounds)
+        if end is None or kind == "linear":
+            return end
+        if kind == "positive":
+            return 0.0 if end <= 2 * low else end
+        given = self.parameters[i].low if side < 0 else self.parameters[i].high
+        guard = not 0 < given < math.inf  # of the search, which is no end of what the data leave
+        return None if guard and abs(end - (low if side < 0 else high)) < TUNING.guard else end
 
     def derived(self) -> list[FittedValue]:
         """E* of the materials that touch and the moduli of the layers, where they follow from free parameters."""

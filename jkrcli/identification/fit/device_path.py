@@ -25,6 +25,7 @@ class DevicePathTuning:
     """How finely branches are tabulated."""
 
     bodies: int = 8  # choice: whose functions on the grid are remembered
+    branches: int = 32  # choice: of one record, asked for again at the same unknowns, that are remembered
     nodes: int = 400  # choice: of a branch; loads between them are good to 1e-7 of the largest
     zooms: int = 3  # choice: grids on which a fold is sought, each of ``zoomed`` points within a step of the one before
     zoomed: int = 33  # choice: see ``zooms``; the position at the fold, flat there, is then good to 1e-16
@@ -94,6 +95,7 @@ class DeviceBranch:
         return np.exp(np.interp(z, self.z, self.u))
 
 
+@lru_cache(maxsize=TUNING.branches)
 def branch(family: Family, s: float, q: float, k: float) -> DeviceBranch:
     """The stable branch for moduli times ``s`` and work of adhesion ``q`` s, by a device of stiffness ``k``."""
     u, r = grid(family), math.sqrt(max(q, 0.0))
@@ -162,6 +164,7 @@ class Rest:
         return P, np.stack([P * yields + by_s, by_root, np.full_like(P, self.S * yields), by_turn])
 
 
+@lru_cache(maxsize=TUNING.branches)
 def rest(family: Family, s: float, advanced: float, receding: float, k: float, turn: float) -> Rest:
     """The resting edge of a device that turns at position ``turn`` [m], after an advance with the root ``advanced`` of
     q, until it recedes with ``receding``. ``advanced`` < 0: a smaller contact than without adhesion."""

@@ -146,6 +146,10 @@ def prepared(body: FittedBody, curve: Curve, settings: Settings) -> Prepared | F
     kinds = set(curve.segments())
     rows = partial(points_of_cycle, curve) if kinds & {APPROACH, RETRACT} else partial(points_of, curve)
     points = rows(settings.segment, settings.branch, len(settings.free), level)
+    if unread := sorted(set(settings.noise) - set(points.values)):
+        raise InputError(
+            f"{curve.where}: --noise {unread[0]}: it was not measured, so this has no effect: leave it out"
+        )
     settings, words = _told_by(settings, points)
     edges = set() if points.edges is None else set(points.edges)
     settings = settings.of_a_cycle(ADVANCING in edges) if RECEDING in edges else settings

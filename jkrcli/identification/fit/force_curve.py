@@ -27,7 +27,7 @@ from ...base.unknown import known
 from ...data.measured.curve import APPROACH
 from ...data.record import BaseLine, Direction, ForceCurve
 from ..least_squares import Least, LeastSquares, State
-from .coloured import Spread
+from .coloured import Spectrum, Spread, in_time
 from .coloured import spread as covariance
 from .device_path import DeviceBranch, Rest, branch, on_grid, rest
 from .family import Family
@@ -45,6 +45,7 @@ class ForceCurveTuning:
     beside: float = 2.0  # choice: rows on each side of first touch, at least, that belong to the window
     narrow: float = 0.3  # choice: of the depth of contact, that the window covers at most
     recedes: float = 12.0  # theory: fall of chi^2 by one unknown that chance brings once in 2000
+    surely: float = 0.9  # choice: of the rows of a base line, those that tell the noise: contact begins gently
     enough: float = 1.5  # choice: of the noise, residuals that no other start is tried below
     # choice: of a retraction alone, the share of its way in contact that tells a start, and ``turn`` to begin with:
     alone: tuple[tuple[float, float], ...] = ((0.5, 0.1), (0.5, 0.6), (1.0, 1.0))
@@ -115,6 +116,19 @@ class ForceCurveModel:
     works: Mapping[str, float] = field(default_factory=dict)
     moduli: tuple[float, float] = (0.0, math.inf)
     drifting: bool = False
+
+    @cached_property
+    def rows(self) -> Array:
+        """The rows of the record in all stretches."""
+        return np.concatenate([part.rows for part in self.stretches])
+
+    def ordered(self, columns: Array, noise: Spectrum) -> Array:
+        """Columns of all rows as they were taken, where the order matters to the ``noise``."""
+        return in_time(columns, self.rows, noise) if noise.slow else columns
+
+    def whitened(self, columns: Array, noise: Spectrum) -> Array:
+        """Columns of all rows so that a noise has unit variance and no colour."""
+        return noise.whitened(self.ordered(columns, noise))
 
     @cached_property
     def names(self) -> tuple[str, ...]:
@@ -206,11 +220,11 @@ class ForceCurveModel:
         ln_s = np.array([name == "ln_s" for name in found.names])
         return np.where(loads, factor * found.x, found.x) + np.where(ln_s, math.log(factor), 0.0)
 
-    def free(self, x: Array) -> list[int]:
-        """How many rows of each stretch are free before the first that is in contact."""
-        values = self.values(x)
-        masks = [self.touching(part, values, self.branch(part, values).fold) for part in self.stretches]
-        return [int(np.argmax(mask)) if mask.any() else mask.size for mask in masks]
+    def free(self, columns: Array) -> list[Array]:
+        """Of columns of all rows, those of each stretch that surely are free, whatever the model says."""
+        ends = np.cumsum([part.rows.size for part in self.stretches])[:-1]
+        parts = zip(self.stretches, np.split(columns, ends), strict=True)
+        return [column[: round(TUNING.surely * part.line.rows)] for part, column in parts]
 
     def residuals(self, x: Array, blunt: float) -> tuple[Array, Array]:
         """Model minus reading [N] of all rows, and its derivatives by the unknowns, (rows, unknowns).
@@ -288,14 +302,15 @@ def base_line(part: DirectionReadings, values: Mapping[str, float]) -> tuple[Arr
 class ForceCurveFit:
     """The model that fits best: ``values`` and standard errors by name; ``off`` residuals [N] of all rows.
 
-    ``sigma``: standard deviation of a reading about the model [N]; ``spread``: covariance of the unknowns, and
-    the noise that it rests on. ``least``: as the search sees it, in units of
-    ``scale``. ``ended``: whether it is a minimum, and not where the search was given up.
+    ``sigma``: standard deviation of a reading about the model [N]; ``weight``: the noise that rows were weighted by;
+    ``spread``: covariance of the unknowns, and the noise that it rests on. ``least``: as the search sees it, in units
+    of ``weight``. ``ended``: whether it is a minimum, and not where the search was given up.
     """
 
     model: ForceCurveModel
     names: tuple[str, ...]
     x: Array
+    weight: Spectrum
     spread: Spread
     off: Array
     sigma: float
@@ -305,11 +320,6 @@ class ForceCurveFit:
     @property
     def covariance(self) -> Array:
         return self.spread.covariance
-
-    @property
-    def scale(self) -> Array:
-        """What residuals are counted in [N]."""
-        return _scale(self.model)
 
     def value(self, name: str) -> float:
         return float(self.x[self.names.index(name)])
@@ -338,6 +348,7 @@ def _stretch(record: ForceCurve, side: Direction, wave: Wave | None) -> Directio
     line, tension, touching, keep = _told(side, z, P)
     contact = np.count_nonzero(touching) or rows.size - side.border[1]
     keep[rows.size - round(TUNING.turning * contact) :] = False
+    keep &= ~np.isin(rows, record.spikes)
     t = np.zeros(len(curve)) if curve.t is None else curve.t - curve.t[int(np.argmax(curve.device))]
     return DirectionReadings(
         side.segment.kind, rows[keep], line, z[keep], P[keep], touching[keep], bool(touching.any()), t[rows[keep]],
@@ -360,62 +371,76 @@ def _told(side: Direction, z: Array, P: Array) -> tuple[BaseLine, float, Array, 
     return side.base, tension, touching, keep
 
 
-def _scale(model: ForceCurveModel) -> Array:
-    """The range of the load of its stretch [N], for every row."""
-    return np.concatenate([np.full(part.P.size, float(np.ptp(part.P))) for part in model.stretches])
+def _even(model: ForceCurveModel) -> Spectrum:
+    """White noise as large as the range of the loads: the weight while nothing is known of it."""
+    return Spectrum(max(float(np.ptp(part.P)) for part in model.stretches) ** 2)
 
 
-def _state(model: ForceCurveModel, blunt: float, x: Array) -> State:
-    """The residuals over the range of the load of their stretch."""
-    (off, rates), scale = model.residuals(x, blunt), _scale(model)
-    return State(off / scale, partial(np.divide, rates, scale[:, None]))
+def _state(model: ForceCurveModel, weight: Spectrum, blunt: float, x: Array) -> State:
+    """The residuals, weighted by noise."""
+    off, rates = model.residuals(x, blunt)
+    return State(model.whitened(off, weight), partial(model.whitened, rates, weight))
 
 
-def _problem(model: ForceCurveModel, bounds: tuple[Array, Array], blunt: float, enough: float) -> LeastSquares:
-    return LeastSquares(partial(_state, model, blunt), bounds, enough, evaluations=TUNING.evaluations)
+def _problem(
+    model: ForceCurveModel, weight: Spectrum, bounds: tuple[Array, Array], blunt: float, enough: float
+) -> LeastSquares:
+    return LeastSquares(partial(_state, model, weight, blunt), bounds, enough, evaluations=TUNING.evaluations)
 
 
 def misfit_at(model: ForceCurveModel, x: Array) -> float:
     """Half the sum of squares at the unknowns ``x``, of loads over their range."""
-    off = model.residuals(np.clip(x, *_bounds(model, x)), TUNING.blunt[-1])[0] / _scale(model)
+    off = _state(model, _even(model), TUNING.blunt[-1], np.clip(x, *_bounds(model, x))).residuals
     return float(off @ off) / 2
 
 
 def rough(model: ForceCurveModel, start: Array, steps: int) -> tuple[float, Array]:
     """Half the sum of squares that is left, of loads over their range, and the unknowns that leave about least, by a
     search from ``start`` on of a few ``steps``."""
-    problem = _problem(model, _bounds(model, start), TUNING.blunt[1], TUNING.about)
+    problem = _problem(model, _even(model), _bounds(model, start), TUNING.blunt[1], TUNING.about)
     found = replace(problem, evaluations=steps).least(start)
     return found.cost, found.x
 
 
 def fit(model: ForceCurveModel, start: Array, near: bool = False, loss: Loss = "linear") -> ForceCurveFit:
-    """The unknowns that leave least, first with a blunt fold unless ``start`` is ``near``, then as it is. Where the
-    rows do not determine them the search creeps along a valley: it is given up, and that is told."""
-    bounds = _bounds(model, start)
+    """The unknowns that leave least, first with a blunt fold unless ``start`` is ``near``, then as it is; then weighted
+    by the noise of the free rows where that has a colour. Where the rows do not determine them the search creeps along
+    a valley: it is given up, and that is told."""
+    bounds, even = _bounds(model, start), _even(model)
     x, sharp = np.clip(start, *bounds), TUNING.blunt[-1]
     for blunt in () if near else TUNING.blunt[:-1]:
-        x = _problem(model, bounds, blunt, TUNING.about).least(x).x
-    found = _problem(model, bounds, sharp, TUNING.converged).least(x)
-    about = _problem(model, bounds, sharp, TUNING.about)
+        x = _problem(model, even, bounds, blunt, TUNING.about).least(x).x
+    found = _problem(model, even, bounds, sharp, TUNING.converged).least(x)
+    about = _problem(model, even, bounds, sharp, TUNING.about)
     if not found.ended:  # of few rows at the fold each makes a kink, between which a search runs to and fro
         found = about.least(found.x)
-    scale, width = _scale(model), 1.0
     for _ in range(2 * (loss != "linear")):
         width = TURNS[loss] * robust_scale(found.state.residuals)
         found = replace(about, loss=loss, width=width).least(found.x)
-    before, (model, x) = found.problem, _without_idle(model, found.x)
-    problem = replace(before, model=partial(_state, model, sharp), bounds=_bounds(model, x))
+    best = _fitted(model, found, even)
+    noise = best.spread.noise
+    if loss != "linear" or not noise.slow:
+        return best
+    weighted = _problem(best.model, noise, _bounds(best.model, best.x), sharp, TUNING.about)
+    return _fitted(best.model, weighted.least(best.x), noise)
+
+
+def _fitted(model: ForceCurveModel, found: Least, weight: Spectrum) -> ForceCurveFit:
+    """What the end of a search means."""
+    before, sharp, (model, x) = found.problem, TUNING.blunt[-1], _without_idle(model, found.x)
+    problem = replace(before, model=partial(_state, model, weight, sharp), bounds=_bounds(model, x))
     found = replace(found, problem=problem, x=x, state=problem.model(x))
     off = model.residuals(x, sharp)[0]
     J = model.residuals(x, 0.0)[1]  # where the fold lies between two rows, the data do not tell
-    psi, slope = influence(off / (scale * width), loss)
-    pull = psi * scale * width / max(float(np.mean(slope)), 0.1)  # what a row pulls with (Huber 1981, Sec. 7.6)
-    sigma = math.sqrt(float(pull @ pull) / max(off.size - x.size, 1))
-    spread = covariance(pull, J, [part.P.size for part in model.stretches], model.free(x))
-    left = np.linalg.lstsq(J, pull, rcond=None)[0]  # a step of Gauss and Newton; what chi^2 would fall by
-    ended = found.ended or float(np.sum((J @ left) ** 2)) < TUNING.near * sigma**2
-    return ForceCurveFit(model, model.names, x, spread, off, sigma, found, ended)
+    size = before.width * math.sqrt(_even(model).A)
+    psi, slope = influence(off / size, before.loss)
+    pull = psi * size / max(float(np.mean(slope)), 0.1)  # what a row pulls with (Huber 1981, Sec. 7.6)
+    dof = max(off.size - x.size, 1)
+    spread = covariance(model.ordered(pull, weight), model.ordered(J, weight), model.free(off), weight)
+    pulls, rates = (model.whitened(item, weight) for item in (pull, J))
+    left = np.linalg.lstsq(rates, pulls, rcond=None)[0]  # a step of Gauss and Newton; what chi^2 would fall by
+    ended = found.ended or float(np.sum((rates @ left) ** 2)) < TUNING.near * float(pulls @ pulls) / dof
+    return ForceCurveFit(model, model.names, x, weight, spread, off, math.sqrt(float(pull @ pull) / dof), found, ended)
 
 
 def _without_idle(model: ForceCurveModel, x: Array) -> tuple[ForceCurveModel, Array]:
@@ -471,7 +496,7 @@ def unasked_drift(found: ForceCurveFit) -> tuple[float, float, float]:
     model = replace(found.model, drifting=True)
     values = found.model.values(found.x) | {"drift": 0.0}
     off, J = model.residuals(np.array([values[name] for name in model.names]), 0.0)
-    step, errors = _one_step(model, off, J)
+    step, errors = _one_step(model, off, J, found.weight)
     i = model.names.index("drift")
     change = float(step[model.names.index("ln_s")]) if "ln_s" in model.names else 0.0
     return float(step[i]), float(errors[i]), change
@@ -483,16 +508,14 @@ def another_modulus(found: ForceCurveFit) -> tuple[float, float]:
     model, first = found.model, found.model.stretches[0].P.size
     off, J = model.residuals(found.x, 0.0)
     own = J[:, model.names.index("ln_s")] * (np.arange(off.size) >= first)
-    step, errors = _one_step(model, off, np.column_stack([J, own]))
+    step, errors = _one_step(model, off, np.column_stack([J, own]), found.weight)
     return float(step[-1]), float(errors[-1])
 
 
-def _one_step(model: ForceCurveModel, off: Array, J: Array) -> tuple[Array, Array]:
+def _one_step(model: ForceCurveModel, off: Array, J: Array, weight: Spectrum) -> tuple[Array, Array]:
     """One step of Gauss and Newton from residuals ``off`` with derivatives ``J``, and its standard errors."""
-    scale = _scale(model)
-    step = -np.linalg.lstsq(J / scale[:, None], off / scale, rcond=None)[0]
-    sizes = [part.P.size for part in model.stretches]
-    spread = covariance(off + J @ step, J, sizes, [0] * len(sizes))
+    step = -np.linalg.lstsq(model.whitened(J, weight), model.whitened(off, weight), rcond=None)[0]
+    spread = covariance(model.ordered(off + J @ step, weight), model.ordered(J, weight), (), weight)
     return step, np.sqrt(np.maximum(np.diag(spread.covariance), 0.0))
 
 

@@ -29,4 +29,4 @@ def jkr_beside(minimum: Minimum, body: FittedBody, points: Points, settings: Set
     values = objective.values(found.x)
     rms, with_range = (math.sqrt(float(np.mean(item.found.residuals**2))) for item in (found, minimum))
     E_star = values["modulus"] * body.problem.E_star
-    return JKRBeside(E_star, values["w"], rms, with_range, found.cost - minimum.cost)
+    return JKRBeside(E_star, values["w"], rms, with_range, found.cost - minimum.cost, values)

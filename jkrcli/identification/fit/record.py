@@ -86,8 +86,9 @@ def whole_record(curve: Curve, settings: Settings) -> ForceCurve | None:
     only += [f"--model {settings.model}"] * (settings.model == AUTO)
     asked = settings.contact == "fitted" or bool(only)
     if prepared or curve.a is not None or curve.delta is None or curve.P is None:
-        if only:
-            raise InputError(f"{only[0]} is for raw records of displacement and load, with --contact fitted or auto")
+        if asked:
+            what = next(iter(only), "--contact fitted")
+            raise InputError(f"{what} is for raw records of displacement and load, with --contact fitted or auto")
         return None
     try:
         record = examine(curve)
@@ -569,8 +570,13 @@ def _line(found: ForceCurveFit) -> dict[str, Array]:
 
 
 def _left_out(record: ForceCurve, used: int) -> tuple[str, ...]:
-    rest = len(record.curve) - used
-    return (f"{rest} rows of other segments, next to the turning point or in jumps",) if rest else ()
+    spikes = record.spikes.size
+    rest = len(record.curve) - used - spikes
+    said = [f"{rest} rows of other segments, next to the turning point or in jumps"] * (rest > 0)
+    return (
+        *said,
+        *[f"{spikes} {'rows that stand' if spikes > 1 else 'row that stands'} alone off the others"] * (spikes > 0),
+    )
 
 
 def _judged(record: ForceCurve, found: ForceCurveFit, a: Array) -> tuple[dict[str, str], dict[str, float]]:

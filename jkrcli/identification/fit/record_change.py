@@ -29,7 +29,7 @@ class ChangeTuning:
     """Differences by amounts."""
 
     little: float = 1e-3  # theory: relative amounts whose squares are below the noise of any record
-    step: float = 1e-5  # theory: relative, for one-sided differences of loads that are good to 1e-9
+    step: float = 1e-5  # theory: relative, for one-sided differences of loads that are good to 1e-9; of histories more
     small: float = 1e-2  # choice: amounts, and shares of the largest w, below which steps are no smaller
     remembered: int = 8  # choice: changed models kept, one for each stretch and set of amounts
 
@@ -89,7 +89,8 @@ Values = Mapping[str, float]
 @dataclass(frozen=True, eq=False)
 class Change:
     """What an amount of a rival does. ``model``: the model that a stretch follows at the values of the unknowns, from
-    the plain one; ``moved``: what its positions are off [m]; ``load``: its loads [N], all, in place of a path's.
+    the plain one; ``moved``: what its positions are off [m]; ``load``: its loads [N], all, in place of a path's,
+    without adhesion.
 
     ``starts``: values of the unknowns ``names`` to begin with; ``limits``: their least and largest; ``told``: what they
     mean, SI, by name. ``felt``: whether ``model`` or ``load`` depend on the other unknowns too. ``renewed``: the change
@@ -119,6 +120,8 @@ class RivalModel(ForceCurveModel):
     def of(cls, plain: ForceCurveModel, change: Change) -> RivalModel:
         """The ``plain`` model, of a rival or not, with a change in place of its own."""
         held = {item.name: getattr(plain, item.name) for item in fields(ForceCurveModel)}
+        if change.load is not None:  # which knows no adhesion
+            held["works"] = {part.kind: 0.0 for part in plain.stretches}
         return cls(**held, change=change)
 
     @cached_property
@@ -160,7 +163,7 @@ class RivalModel(ForceCurveModel):
         off, rates = super().residuals(x, blunt)
         for i, name in enumerate(self.names):
             if name in self.change.names or (self.change.felt and name.startswith(("ln_s", "q:", "r:", "z0"))):
-                step = TUNING.step * self._unit(name, float(x[i]))
+                step = (TUNING.step if self.change.load is None else LITTLE) * self._unit(name, float(x[i]))
                 step = -step if x[i] + step > self.limits.get(name, (0.0, math.inf))[1] else step
                 rates[:, i] = (super().residuals(x + step * (np.arange(x.size) == i), blunt)[0] - off) / step
         return off, rates

@@ -21,7 +21,7 @@ from ...base.errors import JkrError
 from .body import FittedBody
 from .force_curve import ForceCurveFit, ForceCurveModel, fit, misfit_at, rough, starts_of, windowed
 from .record_change import AMOUNT, Change, RivalModel
-from .record_rivals import RIVALS
+from .record_rivals import RANGE, RIVALS, amount_of_range, finite_range, neck, range_of
 from .record_scores import RecordRivals, Score, left_over
 from .record_situation import Situation
 
@@ -35,6 +35,11 @@ class FullTuning:
     each: int = 3  # choice: of a family, its best by one step, which does not always name the right one
     steps: int = 20  # choice: guard, of a search that only finds out which rivals are worth a fit
     promising: float = 1.2  # choice: of the least sum of squares, up to which a rival is fitted to the end
+    long: float = 0.5  # choice: of the amount of a range by which adhesion deforms the body, above which it is fitted
+    softest: float = 10.0  # choice: of how far adhesion deforms the body, the longest range that is tried
+    shorter: int = 12  # choice: ranges tried, each shorter by the root of 2, until the data leave one
+    possible: float = 3.84  # theory: rise of chi^2 up to which a number is in its 95 % interval
+    none: float = 1e-300  # choice: [J/m^2], for a logarithm
     rounds: int = 4  # choice: guard, fits of a change that is made about a fit
     settled: float = 0.1  # choice: standard errors of the modulus, by which the last round may move it
 
@@ -57,6 +62,36 @@ class InFull:
     @property
     def passes(self) -> bool:
         return self.found.ended and self.falls > TUNING.falls and self.chance > TUNING.passes
+
+
+@np.errstate(all="ignore")
+def bounded(body: FittedBody, found: ForceCurveFit, rivals: RecordRivals) -> RecordRivals:
+    """The rivals, of which a range that may be long moves E* and w by what a fit with it does: one step is of first
+    order in its square. ``found``: the fit without."""
+    at = Situation(body, found)
+    long = [i for i, one in enumerate(rivals.scores) if _is_long(at, one)] if not rivals.named else []
+    scores = [_at_bound(at, one) if i in long else one for i, one in enumerate(rivals.scores)]
+    return replace(rivals, scores=tuple(scores))
+
+
+def _is_long(at: Situation, score: Score) -> bool:
+    return score.name == RANGE.name and score.known > TUNING.long * amount_of_range(at, neck(at))
+
+
+def _at_bound(at: Situation, score: Score) -> Score:
+    """The score with the moves at its bound, or at the longest range tried that the data leave."""
+    longest, change = min(range_of(at, score.known), TUNING.softest * neck(at)), finite_range(at)
+    assert change is not None
+    for step in range(TUNING.shorter):
+        amount = amount_of_range(at, longest / 2 ** (step / 2))
+        model = replace(RivalModel.of(at.model, change), known={**at.model.known, AMOUNT: amount})
+        with contextlib.suppress(JkrError):
+            found = fit(model, at.found.x, near=True)
+            here = Situation(at.body, found)
+            if left_over(here, at)[0] - left_over(at, here)[0] < TUNING.possible:
+                E, w = math.log(here.modulus / at.modulus), math.log(max(here.work, TUNING.none) / at.work)
+                return replace(score, amount=0.0, error=math.inf, known=amount, E_star=E / amount, w=w / amount)
+    return score
 
 
 @np.errstate(all="ignore")
@@ -92,18 +127,20 @@ def _roughly(at: Situation, fresh: ForceCurveModel, change: Change, amount: floa
     asks for."""
     low, high = change.limits.get(AMOUNT, (-math.inf, math.inf))
     starts = dict.fromkeys([(min(max(amount, low), high), *change.starts[0][1:]), *change.starts])
-    model, x = RivalModel.of(fresh, change), _known(at, fresh)
+    model = RivalModel.of(fresh, change)
+    x = _known(at, model)
     begun = [[np.append(x, start) for start in starts], [x for start in starts for x in _new(at, model, start)]]
     begun = begun if change.load is None else [[start] for start in begun[0]]
     searches = [rough(model, min(some, key=partial(misfit_at, model)), TUNING.steps) for some in begun if some]
     return min(searches, key=lambda one: one[0])
 
 
-def _known(at: Situation, fresh: ForceCurveModel) -> Array:
-    """The unknowns of a ``fresh`` model as they were found, those that were held at what they were."""
+def _known(at: Situation, model: RivalModel) -> Array:
+    """The unknowns of a ``model`` but its change's as they were found, those that were held at what they were."""
     values = at.model.values(at.found.x)
-    roots = {f"r:{kind}": math.sqrt(max(values[f"q:{kind}"], 0.0)) for kind in (part.kind for part in fresh.stretches)}
-    return np.array([({"turn": 0.0} | roots | values)[name] for name in fresh.names])
+    roots = {f"r:{kind}": math.sqrt(max(values[f"q:{kind}"], 0.0)) for kind in (part.kind for part in model.stretches)}
+    own = [name for name in model.names if name not in model.change.names]
+    return np.array([({"turn": 0.0} | roots | values)[name] for name in own])
 
 
 def _new(at: Situation, model: RivalModel, start: tuple[float, ...]) -> Iterator[Array]:

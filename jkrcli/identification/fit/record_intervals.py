@@ -12,8 +12,6 @@ import numpy as np
 
 from ...base.arrays import Array
 from ...base.executors import Pool, in_order
-from ..least_squares import Least
-from .coloured import Spectrum, noise_of
 from .force_curve import ForceCurveFit
 from .result import FittedValue
 from .settings import Settings
@@ -81,21 +79,17 @@ def _profiled(item: FittedValue, found: ForceCurveFit, meaning: Meaning, t: floa
 
 def samples(found: ForceCurveFit, settings: Settings, pool: Pool | None) -> Array:
     """Unknowns of fits to records that the model and the noise may have made (samples, unknowns)."""
-    sizes, free = [part.P.size for part in found.model.stretches], found.model.free(found.x)
-    parts = np.split(found.off, np.cumsum(sizes)[:-1])
-    noise = [noise_of(off, loose) for off, loose in zip(parts, free, strict=True)]
-    drawn = partial(_sample, found.least, found.scale, tuple(noise), tuple(sizes), settings.seed)
+    drawn = partial(_sample, found, settings.seed)
     outcomes = in_order(pool, drawn, range(settings.samples), "bootstrap", TUNING.samples)
     return np.array([x for x in outcomes if x is not None])
 
 
-def _sample(
-    least: Least, scale: Array, noise: Sequence[Spectrum], sizes: Sequence[int], seed: int, number: int
-) -> Array | None:
+def _sample(found: ForceCurveFit, seed: int, number: int) -> Array | None:
     """The unknowns of the sample of that ``number``: residuals as they are, with other noise."""
-    rng, here = np.random.default_rng([seed, number]), least.state.residuals
-    other = np.concatenate([one.drawn(rng, size) for one, size in zip(noise, sizes, strict=True)]) / scale
-    return least.sample(lambda state: state.moved(other - here), least.problem.converged)
+    rows, least = found.model.rows - found.model.rows.min(), found.least
+    noise = found.spread.noise.drawn(np.random.default_rng([seed, number]), int(rows.max()) + 1)[rows]
+    other = found.model.whitened(noise, found.weight) - least.state.residuals
+    return least.sample(lambda state: state.moved(other), least.problem.converged)
 
 
 def of_samples(item: FittedValue, values: Array, level: float) -> FittedValue:

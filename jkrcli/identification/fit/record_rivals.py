@@ -293,7 +293,7 @@ def graded(at: Situation) -> Change:
 
 
 def exponent(at: Situation) -> Change:
-    """Exponent of the profile, the tip as it was at the largest radius."""
+    """Exponent of the profile, the tip as deep as it was at the largest radius: in full that at the turn."""
     return _power(at.widest)
 
 
@@ -302,8 +302,8 @@ def _power(widest: float) -> Change:
         return of_body(family, *_of_tip(amount * (grid(family) - math.log(widest))))
 
     def renewed(found: ForceCurveFit) -> Change:
-        values = found.model.values(found.x)
-        return _power(max(float(found.model.contact_radii(part, values)[0].max()) for part in found.model.stretches))
+        part, values = found.model.stretches[0], found.model.values(found.x)
+        return _power(float(found.model.branch(part, values).radii(np.array(part.turn - values["z0"]))))
 
     told = lambda values: {"exponent": 2 + values[AMOUNT]}  # noqa: E731
     starts = tuple((amount,) for amount in TUNING.profiles)
@@ -513,7 +513,7 @@ def _relaxed(
         try:
             path = contact.history(Program(t[order], x[order] - z0)).path
             lost = min(path.lost, float(t.max()))
-            both = [np.linspace(*ends, TUNING.times) for ends in ((path.begin, path.turn), (path.turn, lost))]
+            both = [_dense_at_ends(*ends) for ends in ((path.begin, path.turn), (path.turn, lost))]
             return tuple(CubicSpline(one, path.states(one)[2] ** TUNING.smooth) for one in both)
         except InputError:  # there is no such history
             return (CubicSpline([t.min(), t.max()], [0.0, 0.0]),) * 2
@@ -524,6 +524,11 @@ def _relaxed(
         return math.exp(values["ln_s"]) * np.where((part.t >= own.x[0]) & (part.t <= own.x[-1]), P, 0.0)
 
     return load
+
+
+def _dense_at_ends(first: float, last: float) -> Array:
+    place: Array = (1 - np.cos(math.pi * np.linspace(0, 1, TUNING.times))) / 2
+    return first + (last - first) * place
 
 
 def _stiffness(at: Situation, a: Array) -> Array:
@@ -631,11 +636,12 @@ def _dent(at: Situation, part: DirectionReadings) -> Array:
 
 
 BODY, TIP, ADHESION, DEVICE, MEMORY = "layer or base", "shape of the tip", "adhesion", "device", "relaxation or flow"
+RANGE = Rival("adhesion of finite range", ADHESION, "square of the range over that of a narrow ring", finite_range,
+              positive=True)  # fmt: skip
 RIVALS: tuple[Rival, ...] = (
     Rival("w over the contact radius", ADHESION, "relative rise towards pull-off", work_over_radius),
     Rival("w over the speed of the edge", ADHESION, "relative rise per factor e of the speed", work_over_speed),
-    Rival("adhesion of finite range", ADHESION, "square of the range over that of a narrow ring", finite_range,
-          positive=True),
+    RANGE,
     Rival("a rigid base below", BODY, "contact radius over depth", layer_below),
     Rival("thickness of the layer", BODY, "relative change", of_layer("h")),
     Rival("nu of the layer", BODY, "relative change", of_layer("nu")),

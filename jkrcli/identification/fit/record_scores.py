@@ -18,7 +18,7 @@ from scipy.special import fdtrc
 from ...base.arrays import Array
 from .body import FittedBody
 from .coloured import TUNING as COLOURED
-from .coloured import noise_of
+from .coloured import in_time
 from .force_curve import ForceCurveFit
 from .record_rivals import Rival, columns, known_amount
 from .record_situation import Situation
@@ -36,10 +36,10 @@ class ScoreTuning:
     matters: float = 0.02  # choice: relative change of E* and w, below which a rival is excluded
     tied: float = 9.0  # choice: of chi^2, within which rivals are named together
     near: float = 0.5  # choice: of the misfit that the best takes, the same: one step is of first order
+    over: float = 1.25  # choice: of what is possible, up to which an amount may come out: the same
     normal: float = 1.96  # theory: 95 % of a normal value
     alike: float = 0.9  # choice: correlation of what is left of two columns, from which they are named together
     singular: float = 1e-4  # choice: share of a column beyond the model's own, below which no data tell it
-    slow: float = 2.0  # choice: periods in the free rows below which noise is taken to rise as 1/f^2, as a drift's
     fold: float = 0.02  # choice: of the way in contact about folds, where columns diverge
 
 
@@ -138,14 +138,13 @@ class Tried:
 class Verdict:
     """The ``rivals`` of a record and what a formula of the half-space makes of its deepest row: ``formula`` by name and
     its ``E_star`` [Pa], None where the tip has no radius. ``tried``: rivals that were fitted in full, best first; where
-    the first is taken it is the model of the answer, and those ``tied`` with it, taken too, cannot be told from it;
-    ``rest``: the rivals of that model."""
+    the first is taken it is the model of the answer, and those ``tied`` with it, taken too, cannot be told from it.
+    """
 
     rivals: RecordRivals
     formula: str
     E_star: float | None
     tried: tuple[Tried, ...] = ()
-    rest: RecordRivals | None = None
 
     @property
     def tied(self) -> tuple[Tried, ...]:
@@ -174,9 +173,10 @@ def rivals_of_record(body: FittedBody, found: ForceCurveFit, longest: float) -> 
     left = beyond / np.maximum(sizes, np.finfo(float).tiny)
     moves = -np.linalg.lstsq(triangle, Q.T @ wide, rcond=None)[0] / scale[:, None]
     dof = max(int(np.count_nonzero(keep)) - J.shape[1], 1)
+    told = max(round(found.spread.dof / found.spread.tau), 1)
     misfit, errors = float(r @ r), _errors(found)
     scores = [
-        _score(rival, float(size), float(along), whole, _rates(found, move), errors, (misfit, dof, len(names)),
+        _score(rival, float(size), float(along), whole, _rates(found, move), errors, (misfit, told, len(names)),
                known_amount(at, rival, longest))
         for rival, size, along, whole, move in zip(
             names, sizes, r @ left, np.linalg.norm(wide, axis=0), moves.T, strict=True)
@@ -219,8 +219,8 @@ def _score(
     judged: tuple[float, int, int], most: float,
 ) -> Score:  # fmt: skip
     """The score of a rival whose weighted column is ``whole`` long, ``size`` of it beyond the model's own, with the
-    product ``along`` of that direction and the residuals; ``errors`` of E* and w, relative; ``judged``: chi^2, its
-    degrees of freedom, and how many rivals there are; ``most``: what is likely of it."""
+    product ``along`` of that direction and the residuals; ``errors`` of E* and w, relative; ``judged``: chi^2, the
+    degrees of freedom of the noise, and how many rivals there are; ``most``: what is likely of it."""
     misfit, dof, count = judged
     told = (rival.name, rival.family, rival.amount, rival.of_directions)
     known = (0.0 if rival.positive else -most, most)
@@ -228,8 +228,8 @@ def _score(
         return Score(*told, 0.0, math.inf, 1.0, 0.0, 0.0, *rates, *known, UNTOLD)
     amount, error, taken = -along / size, 1 / size, along**2
     chance = float(fdtrc(1, dof, taken))
-    room = TUNING.normal * error
-    possible = (0.0 if rival.positive else -rival.possible) - room <= amount <= rival.possible + room
+    room, reach = TUNING.normal * error, TUNING.over * rival.possible
+    possible = (0.0 if rival.positive else -reach) - room <= amount <= reach + room
     asked = (
         possible
         and chance * count < TUNING.chance
@@ -274,30 +274,9 @@ def _told_rows(at: Situation) -> Array:
     return np.concatenate(keep)
 
 
-def _loose(at: Situation) -> list[int]:
-    """How many rows of each stretch are free, by the model and by the record itself: a wrong model may begin late."""
-    pairs = zip(at.model.free(at.found.x), at.model.stretches, strict=True)
-    return [min(free, part.line.rows) if part.line.rows else free for free, part in pairs]
-
-
 def _weighted(at: Situation, table: Array, keep: Array) -> tuple[Array, int]:
     """The rows of ``table`` in units of the noise of the free rows, so that noise has unit variance and no colour; how
-    many rows told it, 0 where a stretch has too few."""
-    sizes = [part.P.size for part in at.model.stretches]
-    blocks, told = [], []
-    for rows, kept, loose in zip(
-        *(np.split(item, np.cumsum(sizes)[:-1]) for item in (table, keep)), _loose(at), strict=True
-    ):
-        spectrum = noise_of(rows[:, 0], loose)
-        told.append(loose)
-        rows = rows[kept]
-        if not spectrum.B:
-            blocks.append(rows / math.sqrt(spectrum.A))
-            continue
-        waves = np.fft.rfft(rows, axis=0, norm="ortho")
-        waves[1 : (len(rows) + 1) // 2] *= math.sqrt(2)  # both signs of a frequency
-        f = np.maximum(np.arange(len(waves)), 0.5) / len(rows)
-        slower = np.maximum(TUNING.slow / (max(loose, 1) * f), 1) ** 2
-        waves /= np.sqrt(spectrum(f) * slower)[:, None]
-        blocks += [waves.real, waves.imag]
-    return np.concatenate(blocks), sum(told) if min(told) >= COLOURED.free else 0
+    many rows told it, 0 where they are too few."""
+    noise, loose = at.found.spread.noise, sum(part.size for part in at.model.free(table[:, 0]))
+    ordered = in_time(table[keep], at.model.rows[keep], noise) if noise.slow else table[keep]
+    return noise.whitened(ordered), loose if loose >= COLOURED.free else 0

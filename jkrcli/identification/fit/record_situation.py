@@ -108,7 +108,7 @@ class Situation:
         model = RivalModel.of(self.model, change)
         e, first = LITTLE, change.starts[0]
         x = np.concatenate([self.found.x, [e, *first[1:]]])
-        return (model.residuals(x, 0.0)[0] - self.here[0]) / e
+        return (ForceCurveModel.residuals(model, x, 0.0)[0] - self.here[0]) / e
 
     @cached_property
     def reach(self) -> float:

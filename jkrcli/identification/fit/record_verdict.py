@@ -12,7 +12,7 @@ from scipy.optimize import brentq
 from ...bodies.problem import Problem
 from .body import FittedBody
 from .force_curve import ForceCurveFit, ForceCurveModel, base_line
-from .record_full import InFull, fitted_in_full
+from .record_full import InFull, bounded, fitted_in_full
 from .record_rivals import MEMORY
 from .record_scores import RecordRivals, Tried, Verdict, rivals_of_record
 from .result import Fit, FittedValue
@@ -33,7 +33,7 @@ TUNING = VerdictTuning()
 
 def judged(result: Fit, body: FittedBody, found: ForceCurveFit) -> Fit:
     """The fit with its verdict: that of ``found``, which is of all directions of the record."""
-    rivals = rivals_of_record(body, found, result.settings.range_at_most)
+    rivals = bounded(body, found, rivals_of_record(body, found, result.settings.range_at_most))
     said = {name: sentence for name, sentence in _flags(rivals) if name not in result.flags}
     estimates = tuple(_with_part(item, rivals) for item in result.estimates)
     warnings = tuple(f"{name}: {sentence}" for name, sentence in said.items())
@@ -55,14 +55,9 @@ def by_rivals(
     verdict = replace(verdict, tried=tuple(_tried(one, body) for one in full))
     if not verdict.tied:
         return replace(plain, verdict=verdict)
-    result, rest = told(full[0].found), rivals_of_record(body, full[0].found, plain.settings.range_at_most)
-    said = {name: sentence for name, sentence in _flags(rest) if name not in result.flags}
-    estimates = tuple(_with_ties(_with_part(item, rest), verdict.tied) for item in result.estimates)
-    warnings = tuple(f"{name}: {sentence}" for name, sentence in said.items())
-    return replace(
-        result, estimates=estimates, flags=(*result.flags, *said), warnings=(*warnings, *result.warnings),
-        verdict=replace(verdict, rest=rest),
-    )  # fmt: skip
+    result = told(full[0].found)
+    estimates = tuple(_with_ties(item, verdict.tied) for item in result.estimates)
+    return replace(result, estimates=estimates, verdict=verdict)
 
 
 def _tried(one: InFull, body: FittedBody) -> Tried:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from sys import float_info
 
 import numpy as np
@@ -61,13 +61,14 @@ def times(item: FittedValue, factor: float, name: str, dimension: str) -> Fitted
 class JKRBeside:
     """JKR's nearest curve to rows that were fitted with a range: ``E_star`` [Pa], ``w`` [J/m^2], the root mean squares
     of the residuals, ``rms`` and ``rms_of_range``, in the same units, and how much larger half the sum of losses
-    is."""
+    is; ``values`` of all its parameters, SI."""
 
     E_star: float
     w: float
     rms: float
     rms_of_range: float
     excess: float
+    values: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

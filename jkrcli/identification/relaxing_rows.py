@@ -1,0 +1,74 @@
+"""Which rows of a record that relaxes are fitted: means of many, and none of a retraction that adheres."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..base.arrays import Array
+from ..base.units import show
+from ..data.measured import Curve
+from .motion import corners
+
+
+@dataclass(frozen=True)
+class RowsTuning:
+    """What is told from the rows."""
+
+    most: int = 1_500  # choice: rows beyond which means of as few as possible are taken
+    apart: float = 5.0  # theory: standard deviations by which a load stands out
+    falls: float = 0.2  # choice: of the largest speed, at which a device goes back
+    before: int = 5  # choice: rows before contact that tell a base line
+    drawn: int = 200  # choice: places by which a motion that is not straight is followed
+
+
+TUNING = RowsTuning()
+
+
+def averaged(curve: Curve) -> Curve:
+    """Means of neighbouring rows, where there are very many."""
+    each = math.ceil(len(curve) / TUNING.most)
+    if each == 1:
+        return curve
+    rows = len(curve) // each
+    means = {name: getattr(curve, name)[: rows * each].reshape(rows, each).mean(axis=1) for name in ("t", "delta", "P")}
+    return replace(curve, a=None, segment=None, **means)
+
+
+def without_adhesion(curve: Curve, noise: tuple[float, float]) -> tuple[Curve, str | None]:
+    """The rows up to a retraction that pulls, and what is said of it; ``noise`` of device and load."""
+    assert curve.t is not None
+    assert curve.P is not None
+    t, x = corners(curve.t, curve.device, noise[0])
+    slopes = np.diff(x) / np.diff(t)
+    back = np.logical_and.accumulate(slopes[::-1] < -TUNING.falls * np.abs(slopes).max())
+    begin = float(t[-1 - int(back.sum())])
+    later = curve.t > begin
+    pulls = float(np.min(curve.P[~later]) - np.min(curve.P[later], initial=math.inf))
+    if pulls < TUNING.apart * noise[1] or later.all():
+        return curve, None
+    told = (
+        f"the retraction adheres, it pulls with {show(pulls, 'load')}: fitted without it, up to {show(begin, 'time')}"
+    )
+    return curve.rows(~later), told
+
+
+def base_line(P: Array, x: Array, noise: float) -> tuple[str, ...]:
+    """Which of "P0" and "tilt" the loads ``P`` before contact show, at places ``x``."""
+    if P.size < TUNING.before:
+        return ()
+    shown = ["P0"] if abs(float(P.mean())) > TUNING.apart * noise / math.sqrt(P.size) else []
+    about = x - x.mean()
+    tilt = float(about @ P) / math.sqrt(max(float(about @ about), 1e-300))
+    return (*shown, "tilt") if abs(tilt) > TUNING.apart * noise else tuple(shown)
+
+
+def followed(t: Array, depth: Array) -> tuple[Array, Array]:
+    """A motion by some of its places, that goes in up to its deepest and then out."""
+    edges = np.unique(np.linspace(0, t.size, min(t.size, TUNING.drawn) + 1).astype(int))
+    t, x = (np.add.reduceat(column, edges[:-1]) / np.diff(edges) for column in (t, depth))
+    top = int(np.argmax(x))
+    x = np.concatenate([np.maximum.accumulate(x[: top + 1]), np.minimum.accumulate(x[top:])[1:]])
+    return t, x

@@ -82,7 +82,7 @@ if TYPE_CHECKING:
     from .many.study.maps import MapResult
     from .report.check import Check
     from .report.compare import Compared
-    from .report.cycle import Cycled
+    from .report.cycle import Cycled, CycledByProgram
     from .report.fit import Fitted
     from .report.joint_fit import JointFitted
     from .report.look import Look
@@ -168,6 +168,7 @@ def cycle(
     solved: Solution | Case | Problem | str | Path,
     w: float | str,
     *,
+    program: Program | None = None,
     w_approach: float | str | None = None,
     to_load: float | str | None = None,
     to_depth: float | str | None = None,
@@ -176,20 +177,24 @@ def cycle(
     modulus_factor: float = 1.0,
     stress: float | str | None = None,
     length: float | str | None = None,
-) -> Cycled:
+) -> Cycled | CycledByProgram:
     """What a device records that presses the bodies together and pulls them apart, however slowly.
 
     ``w`` on retraction [J/m^2], not smaller than ``w_approach`` (default: ``w``). The device of ``stiffness`` [N/m] (0:
     load control, infinite, the default: a rigid one) turns at ``to_load`` or ``to_depth``, default: the end of the
-    series. ``stress`` [Pa] or ``length`` [m]: adhesion of finite range, else what the case says.
+    series; or it does what a ``program`` says, with turns anywhere. ``stress`` [Pa] or ``length`` [m]: adhesion of
+    finite range, else what the case says.
     """
-    from .report.cycle import Cycled
+    from .report.cycle import Cycled, CycledByProgram
 
     solution, k = _solution(solved, None), _number("stiffness", stiffness, "stiffness")
     works = [_number("w", value, "work") for value in (w if w_approach is None else w_approach, w)]
-    curves = analyse(solution, works, slopes, modulus_factor, _range(solution, stress, length))
+    found = analyse(solution, works, slopes, modulus_factor, _range(solution, stress, length))
+    curves = [with_solved_points(curve, k) for curve in found]
+    if program is not None:
+        return CycledByProgram.of(curves, k, program)
     turn = _maybe("to_load", to_load, "load"), _maybe("to_depth", to_depth, "length")
-    return Cycled.of([with_solved_points(curve, k) for curve in curves], k, *turn)
+    return Cycled.of(curves, k, *turn)
 
 
 @one_thread()

@@ -11,8 +11,11 @@ import numpy as np
 import pytest
 
 import jkrcli as python
+from jkrcli.data.foreign import SeriesReading, read_series
 from jkrcli.report.dem import Exported
 from jkrcli.report.result import Result
+from jkrcli.report.solved import Imported
+from jkrcli.series import Solution
 
 CASES = Path(__file__).parent.parent / "cases"
 PROBE = CASES / "measured" / "gel-probe.csv"
@@ -25,7 +28,14 @@ def _gel(jkr: Callable, tmp_path: Path) -> str:
     curve = python.transform("gel.h5", "40 mJ/m^2").curve
     rows = np.column_stack([curve.a, curve.delta, curve.P])[20:]
     np.savetxt("gel.csv", rows, delimiter=",", header="a_m,delta_m,P_N", comments="")
+    series = python.read("gel.h5").series
+    rows = np.column_stack([series.a, series.delta, series.P])
+    np.savetxt("series.csv", rows, delimiter=",", header="a_m,delta_m,P_N", comments="")
     return "gel.h5"
+
+
+def _taken() -> Solution:
+    return read_series(Path("series.csv"), python.load_case(CASES / "gel.toml").model.problem(), SeriesReading())
 
 
 def plain(value: Any) -> Any:
@@ -33,6 +43,7 @@ def plain(value: Any) -> Any:
     return json.loads(json.dumps(value, default=lambda unknown: unknown.reason))
 
 
+WAY = [0.0, 1.0, 2.0, 3.0, 4.0], [-1e-5, 2e-5, 0.0, 3e-5, -1e-4]
 MADE: dict[str, tuple[tuple[object, ...], Callable[[], Result], str]] = {
     "check": (("check", CASES / "gel.toml"), lambda: python.check(CASES / "gel.toml"), ""),
     "look": (("look", RECORD, "--no-plots"), lambda: python.look(RECORD), "files"),
@@ -67,6 +78,11 @@ MADE: dict[str, tuple[tuple[object, ...], Callable[[], Result], str]] = {
         lambda: python.cycle("gel.h5", "45 mJ/m^2", w_approach=0.035, to_load=5e-4),
         "",
     ),
+    "cycle by a program": (
+        ("cycle", "gel.h5", "--w-approach", "35 mJ/m^2", "--w-retract", "0.045", "--program", "way.csv", "--no-plots"),
+        lambda: python.cycle("gel.h5", 0.045, w_approach=0.035, program=python.Program(*WAY)),
+        "",
+    ),
     "cycle at speed": (
         ("cycle", "gel.h5", "--rate", "v0=1e-6,n=0.6", "--speed", "1e-4", "--to-load", "0.5 mN", "--no-plots"),
         lambda: python.cycle_at_speed("gel.h5", 0.035, {"v0": 1e-6, "n": 0.6}, 1e-4, to_load=5e-4),
@@ -85,6 +101,11 @@ MADE: dict[str, tuple[tuple[object, ...], Callable[[], Result], str]] = {
     "export": (
         ("export", "gel.h5", "--dem", "--w", "40 mJ/m^2", "--force"),
         lambda: Exported.of(python.transform("gel.h5", 0.04)),
+        "",
+    ),
+    "import": (
+        ("import", "series.csv", "--case", CASES / "gel.toml", "-o", "taken.h5"),
+        lambda: Imported(Path("taken.h5"), _taken(), Path("series.csv")),
         "",
     ),
     "compare": (("compare", "gel.h5", "gel.h5"), lambda: python.compare("gel.h5", "gel.h5"), ""),
@@ -115,6 +136,7 @@ MADE: dict[str, tuple[tuple[object, ...], Callable[[], Result], str]] = {
 @pytest.mark.parametrize("name", MADE)
 def test_command_and_python_say_the_same(jkr: Callable, gel: str, name: str) -> None:
     words, make, inside = MADE[name]
+    np.savetxt("way.csv", np.transpose(WAY), delimiter=",", header="t_s,x_m", comments="")
     if "soft.h5" in words:
         assert jkr("run", CASES / "relaxing-gel.toml", "-o", "soft.h5").code == 0
     result, done = make(), jkr(*words, "--json")

@@ -240,8 +240,11 @@ class Follow(Piece):
 
 # ---------------------------------------------------------------------- how an edge moves
 class EdgeRule(Protocol):
-    """How the edge of a contact moves one way, in a device. ``equilibrium``: the rule of an edge that moves infinitely
-    slowly; ``begins``: the place [m] from which a contact forms."""
+    """The edge rule of a contact one way: how it moves in a device.
+
+    ``equilibrium``: the rule of an edge that moves infinitely slowly; ``begins``: the place [m] from which a contact
+    forms.
+    """
 
     @property
     def equilibrium(self) -> AtOnce: ...
@@ -467,8 +470,11 @@ class TimedState(Equilibrium):
 
 @dataclass(frozen=True, eq=False)
 class Path:
-    """The ``pieces`` of what happened to ``contact``, in order, and how it ``ends``: "program", "series" (the contact
-    grows beyond its radii, or shrinks below them), "jump" (out of them), or "lost"."""
+    """The path of a device: the ``pieces`` of what happened to ``contact``, in order.
+
+    It ``ends``: "program", "series" (the contact grows beyond its radii, or shrinks below them), "jump" (out of them),
+    or "lost".
+    """
 
     contact: Contact
     pieces: tuple[Piece, ...]
@@ -488,6 +494,19 @@ class Path:
     def stretches(self) -> tuple[Follow, ...]:
         """The pieces in equilibrium."""
         return tuple(piece for piece in self.pieces if isinstance(piece, Follow))
+
+    @property
+    def out_of_series(self) -> str | None:
+        """Why and where the contact left its series; None where it did not."""
+        if self.ends not in ("series", "jump"):
+            return None
+        if self.pieces[-1].phase == RECEDE:
+            return (
+                "the contact shrinks below the smallest radius of the series, a = "
+                f"{show(self.pieces[-1].last[1], 'length')}, while pressed: ask for smaller radii, "
+                'loading.spacing = "log"'
+            )
+        return "the contact grows beyond the largest radius of the series: increase [loading] radius, or turn before"
 
     def holds(self, place: float) -> bool:
         """Whether equilibrium at the ``place`` [m] is passed through."""

@@ -12,11 +12,11 @@ from ..base.errors import InputError
 from ..base.units import show
 from ..beside.analysis import analyse, with_solved_points
 from ..methods.guards import Limits
-from ..report.cycle import Cycled
+from ..report.cycle import Cycled, CycledByProgram
 from ..report.output import PICTURES, Files, Output
 from ..report.result import Result
 from ..series import Solution
-from .cycle_rate import RateOptions, Turn, rate_options, run
+from .cycle_rate import RateOptions, Turn, rate_options, read_program, run
 from .cycle_relaxing import limits_of
 from .cycle_relaxing import run as run_relaxing
 from .measured import TUNING, begin_reading
@@ -85,6 +85,8 @@ def cycle(
     jkr cycle gel.h5 --rate v0="1 um/s",n=0.6 --speed "10 um/s"
     jkr cycle relaxing-gel.h5 --w-approach 0 --speed "10 um/s" --hold "30 s"
     """
+    if rates.program is not None and not to_load is to_depth is None:
+        raise InputError("cycle: --program and a turn exclude each other: the table says all")
     if to_load is not None and to_depth is not None:
         raise InputError("cycle: give at most one of --to-load and --to-depth")
     file = series_file(file)
@@ -120,6 +122,8 @@ def cycle(
             told.append(run_relaxing(results[0], law, stiffness, turn, points, rates))
         elif rates.rate is not None:
             told.append(run(results, stiffness, turn, points, rates))
+        elif rates.program is not None:
+            told.append(CycledByProgram.of(results, stiffness, read_program(rates.program, stiffness), points))
         else:
             told.append(Cycled.of(results, stiffness, to_load, to_depth, points))
         files.write(told[-1].columns, figure=files.draw(told[-1].figure))

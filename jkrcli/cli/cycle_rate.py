@@ -72,8 +72,8 @@ class RateOptions:
 
     def refuse_without_time(self) -> None:
         """InputError where options of time are given for what does not depend on it."""
-        if self.rate is None and self.given:
-            raise InputError(f"cycle: {flag(self.given[0])} needs --rate: without it nothing depends on time")
+        if self.rate is None and (given := [name for name in self.given if name != "program"]):
+            raise InputError(f"cycle: {flag(given[0])} needs --rate: without it nothing depends on time")
 
 
 ALONE = ("speed", "speed_approach", "hold", "dwell", "dwell_time")
@@ -136,14 +136,12 @@ def run(
 
 def program_of(contact: RateContact | RelaxingContact, rates: RateOptions, turn: Turn) -> Program:
     """What the device does, of the speeds or of the table."""
-    from ..adhesion.program import Program, dwell, there_and_back
+    from ..adhesion.program import dwell, there_and_back
 
     loaded, least = contact.stiffness == LOAD_CONTROL, contact.least
     length, speed = ("load", "load rate") if loaded else ("length", "speed")
     if rates.program is not None:
-        from ..data.device_program import read_program
-
-        return Program(*read_program(rates.program, length))
+        return read_program(rates.program, contact.stiffness)
     back = _quantity("--speed", rates.speed, speed)
     there = _quantity("--speed-approach", rates.speed_approach, speed) if rates.speed_approach else back
     hold = 0.0 if rates.hold is None else _quantity("--hold", rates.hold, "time", least=0.0)
@@ -153,6 +151,14 @@ def program_of(contact: RateContact | RelaxingContact, rates: RateOptions, turn:
     held = _quantity("--dwell", rates.dwell, length, least=-math.inf)
     lasts = _quantity("--dwell-time", rates.dwell_time, "time")
     return dwell(x, there, back, held, lasts, hold, least)
+
+
+def read_program(path: Path, stiffness: float) -> Program:
+    """What the table at ``path`` says that a device of ``stiffness`` [N/m] does."""
+    from ..adhesion.program import Program
+    from ..data import device_program
+
+    return Program(*device_program.read_program(path, "load" if stiffness == LOAD_CONTROL else "length"))
 
 
 def _quantity(option: str, text: str | None, dimension: str, least: float | None = None) -> float:

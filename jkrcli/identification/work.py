@@ -37,7 +37,8 @@ class WorkTuning:
     steps: int = 60  # theory: halvings of any bracket down to round-off
     converged: float = 1e-13  # theory: relative step, a thousand times round-off
     least_window: int = 5  # theory: rows, a parabola and two more for its error
-    told: float = 0.995  # choice: chance with which a cubic is not taken where a parabola does
+    # tuned on fits, by `make constants`: chance with which a cubic is not taken where a parabola does
+    told: float = 0.995
 
 
 TUNING = WorkTuning()

@@ -8,8 +8,12 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
+from ..adhesion import path
 from ..adhesion.device import control
 from ..adhesion.path import TUNING, Jump
+from ..adhesion.program import Program
 from ..adhesion.stability import Cycle, cycle, trace, turning_radius
 from ..base.arrays import Array
 from ..base.errors import InputError
@@ -91,6 +95,60 @@ class Cycled(Result):
         if found.retraction.ends != "lost":
             lines.append("  contact is not lost within the series: the trace ends at its smallest radius")
         return lines
+
+
+@dataclass(frozen=True, eq=False)
+class CycledByProgram(Result):
+    """What a device records that does what a table says, however slowly, with turns anywhere; ``points``: rows of a
+    piece."""
+
+    file: Path
+    found: path.Path
+    points: int = TUNING.points
+
+    @classmethod
+    def of(
+        cls, curves: Sequence[Analysis], stiffness: float, program: Program, points: int = TUNING.points
+    ) -> CycledByProgram:
+        """The path on the ``curves`` of approach and retraction under ``program``; a step would have no way."""
+        if (steps := np.flatnonzero(np.diff(program.t) == 0)).size:
+            raise InputError(f"program: row {int(steps[0]) + 2} is a step: without --rate give it the time of a way")
+        inwards, outwards = (result.curve for result in curves)
+        found = path.path(path.QuasiStatic(inwards, outwards, stiffness), program)
+        if found.out_of_series is not None:
+            raise InputError(f"{curves[0].path}: {found.out_of_series}")
+        return cls(curves[0].path, found, points)
+
+    @cached_property
+    def columns(self) -> dict[str, Array]:  # type: ignore[override]
+        return {name: column for name, column in self.found.rows(self.points).items() if name != "G_J_per_m2"}
+
+    def figure(self) -> Figure:
+        from .plots.rate import history_figure
+
+        return history_figure(self.columns, self.found.jumps, self.found.control)
+
+    def summary(self) -> dict[str, Any]:
+        found, k = self.found, self.found.contact.stiffness
+        return {
+            "file": str(self.file),
+            "control": found.control,
+            "stiffness_N_per_m": tables.stiffness(k),
+            "w_approach_J_per_m2": found.contact.advance.equilibrium.curve.w,
+            "w_retract_J_per_m2": found.contact.recede.equilibrium.curve.w,
+            "jumps": [{"t_s": jump.t} | tables.jump(jump) for jump in found.jumps],
+            "contact_lost": found.pieces[-1].ends == "lost" or found.pieces[-1].phase == path.FREE,
+            "work_of_device_J": found.work,
+        }
+
+    def words(self) -> list[str]:
+        told = self.summary()
+        works = [show(told[name], "work") for name in ("w_approach_J_per_m2", "w_retract_J_per_m2")]
+        return [
+            f"work of the device {told['work_of_device_J']:.4g} J: {self.file}",
+            f"  {told['control']}, w = {works[0]} on approach, {works[1]} on retraction",
+            *(f"  t = {show(jump.t, 'time')}: {_jump(jump)}" for jump in self.found.jumps),
+        ]
 
 
 def _jump(jump: Jump) -> str:

@@ -122,3 +122,17 @@ def test_a_rule_of_speed_and_one_of_equilibrium_are_one_path(turn: float) -> Non
     for one, two in zip(quiet.pieces[:2], fast.pieces[:2], strict=True):
         assert (one.phase, *one.first, *one.last) == pytest.approx((two.phase, *two.first, *two.last))
         assert one.work == pytest.approx(two.work, rel=1e-12)
+
+
+def test_attraction_of_finite_range_follows_a_program_too() -> None:
+    """Without two works of adhesion there is no rest between: it goes back on the way that it came, and holds."""
+    solved = python.solve(python.parse_case(LAYER.format(points=60)))
+    way = python.Program([0.0, 1.0, 2.0, 3.0, 4.0, 5.0], [-1e-7, 2e-8, 2e-8, 1e-8, 2e-8, -1e-6])
+    found = python.cycle(solved, 1.0, program=way, length="3 nm")
+    c, phase, part, P = (found.columns[name] for name in ("c_m", "phase", "part", "P_N"))
+    assert list(dict.fromkeys(phase)) == ["free", "advance", "rest", "recede"]
+    back, forth = (np.sort(P[part == number]) for number in (4, 5))
+    assert back == pytest.approx(forth, rel=1e-9)
+    assert np.ptp(P[phase == "rest"]) == 0
+    assert c[-1] < c.max()
+    assert found.summary()["contact_lost"]

@@ -101,6 +101,9 @@ def test_a_table_says_what_the_device_does(jkr: Callable, series: Path) -> None:
         ((*RATE, "--speed", "1", "--dwell", "1"), "cycle: --dwell and --dwell-time go together"),
         ((*RATE, "--program", "x.csv", "--hold", "1"),
          "cycle: --hold and --program exclude each other: the table says all"),
+        (("--program", "step.csv"), "program: row 3 is a step: without --rate give it the time of a way"),
+        (("--program", "step.csv", "--to-load", "1"),
+         "cycle: --program and a turn exclude each other: the table says all"),
         ((*RATE, "--program", "bad.csv"), "program: time must not fall, got t = 1 s after 2 s in row 3"),
         ((*RATE, "--program", "units.csv"), 'units.csv: column 2 is to be a length, got the unit "mN"'),
         ((*RATE, "--speed", "1", "--w-approach", "2 J/m^2", "--w-retract", "1 J/m^2"),
@@ -108,6 +111,7 @@ def test_a_table_says_what_the_device_does(jkr: Callable, series: Path) -> None:
     ],
 )  # fmt: skip
 def test_what_is_wrong_is_one_line(jkr: Callable, series: Path, words: tuple[str, ...], said: str) -> None:
+    Path("step.csv").write_text("t_s,x_m\n0,0\n1,2\n1,1\n2,-4\n")
     Path("bad.csv").write_text("t_s,x_m\n0,0\n2,5\n1,4\n")
     Path("units.csv").write_text("t_s,x_mN\n0,0\n2,5\n3,4\n")
     done = jkr("cycle", series, *words)

@@ -179,7 +179,10 @@ def test_rows_that_stand_alone_off_the_others_count_for_nothing() -> None:
     found = examine(replace(clean, P=P))
     assert found.spikes.tolist() == rows.tolist()
     assert found.flags == plain.flags
-    assert found.direction("retract").adhesion == pytest.approx(plain.direction("retract").adhesion)  # type: ignore[union-attr]
+    sides = [one.direction("retract") for one in (found, plain)]
+    assert sides[0] is not None
+    assert sides[1] is not None
+    assert sides[0].adhesion == pytest.approx(sides[1].adhesion)
 
 
 def test_what_is_no_force_curve_is_refused_in_one_line() -> None:

@@ -138,19 +138,6 @@ class History(Path):
     contact: RateContact
     beside: History | None = None
 
-    @property
-    def out_of_series(self) -> str | None:
-        """Why and where the contact left its series; None where it did not."""
-        if self.ends not in ("series", "jump"):
-            return None
-        if self.pieces[-1].phase == RECEDE:
-            return (
-                "the contact shrinks below the smallest radius of the series, a = "
-                f"{show(self.pieces[-1].last[1], 'length')}, while pressed: ask for smaller radii, "
-                'loading.spacing = "log"'
-            )
-        return "the contact grows beyond the largest radius of the series: increase [loading] radius, or turn before"
-
     @cached_property
     def turn(self) -> float:
         """The time [s] at which the contact last stopped to grow; that of the begin where it never grew."""

@@ -52,7 +52,8 @@ class ForceCurveTuning:
     shapes: int = 25  # choice: ratios w/s tried
     points: int = 41  # choice: contact points tried
     rows: int = 200  # choice: rows used while trying
-    turning: float = 0.01  # choice: of the rows in contact, those next to the turning point that are left out
+    # tuned on fits, by `make constants`: of the rows in contact, those next to the turning point that are left out
+    turning: float = 0.01
     blunt: tuple[float, ...] = (1e-2, 1e-3, 1e-5)  # choice: of the depth of contact, for a blunt fold while searching
     moduli: float = 10.0  # choice: of ln s about its start, where the search may go
     periods: float = 0.3  # choice: the same of the log of a wave's period

@@ -67,8 +67,8 @@ class NamesType(ParamType):
     "--free",
     multiple=True,
     type=NamesType(),
-    help="Also free: P0, compliance, E:LAYER, h:LAYER (thickness), range or stress (adhesion of finite range), drift "
-    "(of the depth over time), surface_tension (all records together).",
+    help="Also free: P0, compliance, E:LAYER, h:LAYER (thickness), range or stress (of adhesion), drift, "
+    "surface_tension.",
 )
 @click.option(
     "--fix", multiple=True, type=NamedType(), help='Known: w="50 mJ/m^2", delta0=0, modulus=1, E_star="1 MPa".'

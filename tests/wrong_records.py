@@ -234,7 +234,7 @@ def relaxing(at: Drawn, lost: float = 0.5, tau: float = 0.3) -> Wrong:
         out[i] = float(r(now - middle[: last + 1]) @ (share * dP[: last + 1]))
     loads = np.zeros(n)
     loads[first:] = out[::-1]
-    stiff = Drawn(at.E, 0.0, at.radius, 1e3 * at.E * at.radius, at.largest, at.noise, at.seed)
+    stiff = Drawn(at.E, 0.0, at.radius, 1e6 * at.E * at.radius, at.largest, at.noise, at.seed)
     columns = read(stiff, way, into, loads) | {"t": np.concatenate([t, t[-1] + t])}
     return Wrong(columns, stiff.k, {"E_star": at.E}, families=("relaxation or flow",))
 

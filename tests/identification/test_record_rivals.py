@@ -249,15 +249,15 @@ def test_positions_that_repeat_take_no_fit_with_them() -> None:
     assert np.isfinite(look.column).all()
 
 
-@pytest.mark.parametrize(("kind", "near", "told"), [
-    ("creep", 0.0, {}),
+@pytest.mark.parametrize(("kind", "told"), [
+    ("creep", {}),
     *(pytest.param(*case, marks=pytest.mark.slow) for case in [
-        ("layer as half-space", 0.0, {}), ("cone", 0.0, {"exponent": 1.0}), ("w rising to four times", 0.0, {}),
-        ("relaxation", 3e-3, {"fall": 0.5}),  # 2e-3: histories of some sixty pieces
+        ("layer as half-space", {}), ("cone", {"exponent": 1.0}), ("w rising to four times", {}),
+        ("relaxation", {"fall": 0.5}),
     ]),
 ])  # fmt: skip
-def test_the_right_rival_in_full_gives_the_truth(kind: str, near: float, told: dict[str, float]) -> None:
-    """E* within four standard errors, or ``near`` of it."""
+def test_the_right_rival_in_full_gives_the_truth(kind: str, told: dict[str, float]) -> None:
+    """E* within four standard errors."""
     made = WRONG[kind](AT)
     plain, found = answer(kind), fit(BODY, curve(made), usual(model="auto"))
     assert found.verdict is not None
@@ -266,7 +266,7 @@ def test_the_right_rival_in_full_gives_the_truth(kind: str, near: float, told: d
     assert "model rejected" in plain.flags
     item = found.estimate("E_star")
     assert item.error is not None
-    assert abs(item.value - AT.E) < max(4 * item.error, near * AT.E)
+    assert abs(item.value - AT.E) < 4 * item.error
     assert abs(plain.value("E_star") - AT.E) > 10 * item.error
     for name, value in told.items():
         assert found.estimate(name).value == pytest.approx(value, rel=0.02)

@@ -27,9 +27,10 @@ def test_modulus_of_a_measured_approach(jkr: Callable[..., Outcome], name: str) 
     (curve,) = json.loads(done.out)["curves"]
     E, misfit = NANITE[name]
     assert curve["estimates"]["E:base"]["value"] == pytest.approx(E, rel=0.1)
-    assert (curve["status"], curve["flags"]) == ("doubtful", ["model rejected", "E* not determined"])
+    misfits = ["misfit"] * (name == "gel.csv")  # beside noise of 15 pN
+    assert (curve["status"], curve["flags"]) == ("doubtful", [*misfits, "model rejected", "E* not determined"])
     assert "moduli that change with the contact radius" in curve["verdict"]["named"]
-    assert curve["quality"]["misfit"] > 0.8  # of 1; 0.6 at a misfit of 0.03, above which the model does not describe it
+    assert (curve["quality"]["misfit"] < 0.1) == bool(misfits)
     force = np.loadtxt(TABLES / name, delimiter=",", comments=("#", "height"), usecols=1) * 1e-9
     assert curve["scales"]["P"] < misfit * np.ptp(force)  # standard deviation of the residuals
 

@@ -161,6 +161,14 @@ def test_without_a_work_one_is_found_whose_pull_off_is_seen(jkr: Callable, gel: 
     assert found["results"][0]["controls"][0]["pull_off"]["a_m"] == pytest.approx(third, rel=0.03, abs=0)
 
 
+def test_work_of_a_soft_gel_ends_where_it_wets(jkr: Callable) -> None:
+    """2 Ups = 20 mN/m; the page says the angle at the edge, and where there is none."""
+    assert jkr("explore", CASES / "soft-gel.toml", "--w", "5 mJ/m^2", "-o", "look.html").code == 0
+    held = content(Path("look.html"))
+    assert held["controls"]["w"]["high"] == pytest.approx(20e-3)
+    assert (held["tension"], held["angle"]) == (10e-3, 0.5)
+
+
 def test_a_foreign_file_is_kept(jkr: Callable, gel: Path) -> None:
     Path("gel-explore.html").write_text("<!doctype html><p>my notes on jkr")
     outcome = jkr("explore", "gel.h5")

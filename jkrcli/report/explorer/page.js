@@ -124,7 +124,12 @@ function cells(point) {
 
 /* Where JKR holds, and how well the numbers are known. */
 function judge(curve, point) {
-  const lines = [], { tabor, R, error } = content;
+  const lines = [], { tabor, R, error, tension } = content, angle = Math.sqrt(2 * curve.w / (tension * curve.factor));
+  if (tension && angle > 2 * (1 + 1e-9)) {
+    lines.push(`No such contact: w is more than twice the surface tension, ${units.show(tension * curve.factor, "stiffness")}, and wets the indenter.`);
+  } else if (tension) {
+    lines.push(`Angle at the edge: ${plain(angle, 3)} rad${angle > content.angle ? ", where small slopes err" : ""}.`);
+  }
   if (tabor && curve.w > 0) {
     const number = tabor.number * (curve.w / tabor.w / curve.factor) ** (2 / 3);
     lines.push(`Tabor number ${plain(number, 3)}: ${tabor.limits.find(([limit]) => number > limit)[1]}.`);

@@ -40,10 +40,10 @@ class Control:
     power: int
 
     @classmethod
-    def around(cls, value: float, factor: float, dimension: str) -> Control:
-        """The slider from ``value``/``factor`` to ``value`` times ``factor``, evenly in the logarithm."""
+    def around(cls, value: float, factor: float, dimension: str, most: float = math.inf) -> Control:
+        """The slider from ``value``/``factor`` to ``value`` times ``factor`` or to ``most``, evenly in the logarithm."""
         unit, power = _unit(value, dimension)
-        return cls(value, value / factor, value * factor, True, unit, power)
+        return cls(value, value / factor, min(value * factor, most), True, unit, power)
 
     @classmethod
     def shift(cls, extent: float, dimension: str) -> Control:
@@ -58,7 +58,7 @@ def payload(result: Analysis, measured: Sequence[Curve], slopes_option: str = "a
     ``result`` gives the work of adhesion to begin with, which must be > 0; its modulus factor must be 1.
     ``slopes_option``: as asked for on the command line that is reproduced.
     """
-    curve, problem = result.jkr, result.problem
+    curve, problem, tension = result.jkr, result.problem, result.problem.specimen.surface_tension
     shown, total = _thinned(measured)
     return {
         "version": __version__,
@@ -76,7 +76,9 @@ def payload(result: Analysis, measured: Sequence[Curve], slopes_option: str = "a
         "band": _band(curve.nonadhesive),
         "tabor": _tabor(result),
         "R": problem.indenter.tip_radius,
-        "controls": {name: vars(control) for name, control in _controls(curve, measured).items()},
+        "tension": tension,
+        "angle": LIMITS.edge_angle,
+        "controls": {name: vars(control) for name, control in _controls(curve, measured, tension).items()},
         "units": {name: decades(name) for name in ("length", "load", "stiffness", "work")},
         "measured": shown,
         "measured_points": total,
@@ -136,13 +138,14 @@ def _tabor(result: Analysis) -> dict[str, Any] | None:
     return {"number": number, "w": result.w, "limits": [list(pair) for pair in zip(limits, words, strict=True)]}
 
 
-def _controls(curve: AdhesiveCurve, measured: Sequence[Curve]) -> dict[str, Control]:
+def _controls(curve: AdhesiveCurve, measured: Sequence[Curve], tension: float) -> dict[str, Control]:
+    """The sliders; that of w ends where a surface ``tension`` [N/m] leaves no contact angle."""
     point = curve.pull_off(LOAD_CONTROL)
     a = point.a if isinstance(point, CriticalPoint) else float(np.median(curve.a))
     stiffness = float(f"{np.interp(a, curve.a, curve.slopes.S):.0e}")
     spans = {name: _extent(name, measured) or float(np.ptp(getattr(curve, name))) for name in ("delta", "P")}
     return {
-        "w": Control.around(curve.w, 30, "work"),
+        "w": Control.around(curve.w, 30, "work", 2 * tension or math.inf),
         "factor": Control.around(1.0, 10, "number"),
         "stiffness": Control.around(stiffness, 1000, "stiffness"),
         "delta0": Control.shift(spans["delta"] / 2, "length"),

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.optimize import minimize_scalar
 from scipy.special import jv
 
 from jkrcli import study_map
@@ -169,17 +170,30 @@ def galerkin(specimen, a, terms=12, most=1500.0):
         found = np.linalg.solve(np.pi / 2 * A, sides[:, 0])
         return np.pi**2 / 2 * specimen.surface.E_star * a * (found @ sides)
 
-    step = 0.01
+    step = 2e-3 * a
     S, Q = energy(a)
     dS, dQ = ((energy(a + step)[i] - energy(a - step)[i]) / (2 * step) for i in range(2))
-    return S, dQ / dS, S * dQ / dS - Q
+    return S, dQ / dS, S * dQ / dS - Q, dS
 
 
 @pytest.mark.parametrize("specimen", [half_space(0.4), bonded(0.3, 0.1), others(0.5)["coating"]], ids=str)
 def test_another_way_to_solve_it(specimen):
     series = at(specimen, 1.0)
     found = [series.S[0], series.delta[0], series.P[0]]
-    np.testing.assert_allclose(found, galerkin(specimen, 1.0), rtol=2e-4)  # of its differences and 12 terms
+    np.testing.assert_allclose(found, galerkin(specimen, 1.0)[:3], rtol=1e-5)  # of its differences and 12 terms
+
+
+@pytest.mark.parametrize(("beta", "nu", "q"), [(0.03, 0.2, 0.3), (0.3, 0.4, 3.0), (3.0, 0.45, 30.0)])
+def test_another_way_to_pull_off(beta, nu, q):
+    """Between and beyond the tensions, thicknesses and Poisson's ratios of the table."""
+
+    def load(a):
+        S, _, P, dS = galerkin(specimen, a)
+        return P - S * np.sqrt(4 * np.pi * a / dS)  # w = 1
+
+    specimen = bonded(nu, 2 * beta, q ** (-1 / 3))
+    other = minimize_scalar(load, bounds=(0.2, 2.2), options={"xatol": 1e-3})
+    assert pull_off(specimen, 2.5) == pytest.approx(-other.fun / np.pi, rel=1e-5)
 
 
 @pytest.mark.parametrize("indenter", [UNIT, PowerLaw(0.3, 1.0), RoundedFlat(0.5, 1.0)], ids=str)

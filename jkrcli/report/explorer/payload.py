@@ -41,7 +41,7 @@ class Control:
 
     @classmethod
     def around(cls, value: float, factor: float, dimension: str, most: float = math.inf) -> Control:
-        """The slider from ``value``/``factor`` to ``value`` times ``factor`` or to ``most``, evenly in the logarithm."""
+        """The slider from ``value``/``factor`` to ``value`` times ``factor`` or ``most``, evenly in the logarithm."""
         unit, power = _unit(value, dimension)
         return cls(value, value / factor, min(value * factor, most), True, unit, power)
 

@@ -128,13 +128,15 @@ class Least:
         """
         here, loss, width = outcome(self.x)[0], self.problem.loss, self.problem.width
         weight = TUNING.held * math.sqrt(2 * limit) / abs(step)
-        near = [self.x]
+        near, known = [self.x], {0.0: (-math.sqrt(limit), self.x)}  # a search from elsewhere may end elsewhere
 
         def excess(k: float) -> float:
-            held = self.problem.holding(outcome, here + k * step, weight).least(near[0])
-            near[0] = held.x
-            cost = costs(held.state.residuals[:-1], loss, width)
-            return math.sqrt(max(cost - self.cost, 0.0)) - math.sqrt(limit)
+            if k not in known:
+                held = self.problem.holding(outcome, here + k * step, weight).least(near[0])
+                cost = costs(held.state.residuals[:-1], loss, width)
+                known[k] = (math.sqrt(max(cost - self.cost, 0.0)) - math.sqrt(limit), held.x)
+            value, near[0] = known[k]
+            return value
 
         with contextlib.suppress(JkrError):
             for k in 2.0 ** np.arange(TUNING.doublings):

@@ -110,8 +110,9 @@ def nu_of_layer(at: Drawn) -> Wrong:
 
 
 def cone(at: Drawn) -> Wrong:
-    """As deep at its widest contact radius as the paraboloid that it is read as."""
+    """As deep at its widest contact radius as the paraboloid that it is read as, and there not pulled."""
     slope = 2 * at.radius / (math.pi * R)
+    at = replace(at, w=min(at.w, at.E * at.radius**3 / (8 * math.pi * R**2)))
     pulled = 2 * at.radius * math.sqrt(2 * math.pi * at.w * at.radius * at.E)
     at = replace(at, largest=at.E * at.radius**3 / R - pulled)
 

@@ -188,7 +188,7 @@ def test_fits_of_raw_records(name: str) -> None:
     asked, follows, more, first = RECORDS[name]
     clean, truth = clean_record(more.get("w_approach", 0.0)), TRUTH | more
     wave = more.get("wave_amplitude", 0.0) * np.sin(2 * math.pi * clean["z"] / more.get("wave_period", 1.0))
-    drift, off, widths = more.get("drift", 0.0) * clean["t"], [], []
+    drift, off, widths, scatter = more.get("drift", 0.0) * clean["t"], [], [], []
     for seed in range(first, first + 10):
         white = np.random.default_rng(seed).standard_normal(clean["z"].size)
         noise = lfilter([math.sqrt(1 - follows**2)], [1, -follows], white)
@@ -199,7 +199,9 @@ def test_fits_of_raw_records(name: str) -> None:
         items = {item.name: item for item in found.estimates}
         off.append([items[key].value - value for key, value in truth.items()])
         widths.append([items[key].error for key in truth])
+        scatter.append(found.scales["P"] / (0.01 * FORCE))
     assert_neither_doubled_nor_halved(mean_squares(off, widths))
+    assert np.mean(scatter) == pytest.approx(1, abs=0.1)
     for item in (items[key] for key in truth if key != "drift"):
         above = item.high - item.value if item.name != "E_star" else item.value * math.log(item.high / item.value)
         assert 1.96 < above / item.error < 2.06  # of Student's distribution with 30 or more degrees of freedom

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from ..base.units import show
 from ..identification.fit.joint import JointFit
 from . import fit as each
-from .fit import brief, estimate_summary, estimate_words
+from .fit import DOUBTFUL, FITTED, brief, estimate_summary, estimate_words
 from .result import Result
 
 if TYPE_CHECKING:
@@ -36,6 +36,8 @@ class JointFitted(JointFit, Result):
             "shared": {item.name: estimate_summary(item) for item in self.shared},
             "correlation": self.correlation.tolist(),
             "chance": self.chance,
+            "status": DOUBTFUL if self.flags else FITTED,
+            "flags": list(self.flags),
             "alone": [dict(values) for values in self.alone],
             "curves": each.summary(self.fits, self.body)["curves"],
             "warnings": list(self.warnings),
@@ -45,7 +47,7 @@ class JointFitted(JointFit, Result):
         """What is shared, then what each record says alone, and its own."""
         shared = [item for item in self.shared if item.name != "modulus"]
         lines = [
-            ", ".join(map(brief, shared)),
+            ", ".join(map(brief, shared)) + (f"; {DOUBTFUL}: {', '.join(self.flags)}" if self.flags else ""),
             f"  {len(self.fits)} records together (p = {self.chance:.2g} that such records differ as much)",
         ]
         lines += [f"  {item.name:<12} {estimate_words(item, self.level)}" for item in shared]

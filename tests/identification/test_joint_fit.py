@@ -7,6 +7,7 @@ import math
 from collections.abc import Callable
 from pathlib import Path
 
+import described_body
 import numpy as np
 import pytest
 from force_curves import Instrument, record
@@ -19,18 +20,7 @@ from jkrcli.identification.fit.joint import JointFit, joint_fit, shared_of, with
 from jkrcli.identification.fit.settings import settings_of
 
 E_STAR, W, RADII, K = 2e5, 1e-3, (2e-6, 10e-6), 0.3
-CASE = """
-[indenter]
-shape = "paraboloid"
-radius = "5 um"
-[specimen.half_space]
-E = "100 kPa"
-nu = 0.5
-[loading]
-radius = "1 um"
-points = 60
-spacing = "log"
-"""
+CASE = described_body.CASE.format(shape="paraboloid")
 
 
 @pytest.fixture(scope="module", name="body")
@@ -94,6 +84,7 @@ def test_joint_errors_are_those_of_many_records(body: FittedBody) -> None:
 def test_records_of_two_specimens_do_not_share(body: FittedBody) -> None:
     found = together(body, raw(RADII[0], 0), raw(RADII[1], 1, 1.2 * E_STAR))
     assert found.chance < 1e-6
+    assert found.flags[0] == "records do not share it"
     assert "they do not share E* and w" in found.warnings[0] or "they do not share w and E*" in found.warnings[0]
     assert [round(one["E_star"] / E_STAR, 1) for one in found.alone] == [1.0, 1.2]
 

@@ -6,6 +6,7 @@ import json
 from collections.abc import Callable
 from pathlib import Path
 
+import described_body
 import pytest
 
 import jkrcli as python
@@ -16,18 +17,7 @@ from jkrcli.identification.fit.settings import settings_of
 
 RAW = Path(__file__).parents[2] / "cases" / "measured" / "raw-force-curve.txt"
 TRUTH = {"E_star": 200e3, "w": 1e-3, "w_approach": 0.2e-3}
-CASE = """
-[indenter]
-shape = "sphere"
-radius = "5 um"
-[specimen.half_space]
-E = "100 kPa"
-nu = 0.5
-[loading]
-radius = "1 um"
-points = 60
-spacing = "log"
-"""
+CASE = described_body.CASE.format(shape="sphere")
 
 
 @pytest.fixture(scope="module", name="body")

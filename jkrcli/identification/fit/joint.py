@@ -208,6 +208,12 @@ class JointFit:
     chance: float
     warnings: tuple[str, ...]
 
+    @property
+    def flags(self) -> tuple[str, ...]:
+        """Why the shared values are doubtful: records that do not share them, and flags of the records with these."""
+        apart = ["records do not share it"] * (self.chance <= TUNING.apart)
+        return tuple(dict.fromkeys([*apart, *(flag for one in self.fits for flag in one.flags)]))
+
     def estimate(self, name: str) -> FittedValue:
         """The shared estimate called ``name``."""
         return next(item for item in self.shared if item.name == name)

@@ -65,16 +65,6 @@ class Cycle:
         """The first state in contact: jumped into at delta = 0, or the first of the series at w = 0."""
         return first_contact(self.approach)
 
-    @property
-    def jumps_in(self) -> tuple[Jump, ...]:
-        """Jumps between stable radii on approach, after first contact."""
-        return self.approach.jumps
-
-    @property
-    def jumps_out(self) -> tuple[Jump, ...]:
-        """Jumps on retraction; the last is the loss of contact where it lies in the series."""
-        return self.retraction.jumps
-
     @cached_property
     def energy_lost(self) -> Estimate:
         """Energy lost per cycle [J]: the area of the loop of P over the device's position, the same over delta.
@@ -150,7 +140,7 @@ def behaviour(curve: EquilibriumCurve, stiffness: float) -> Behaviour:
     critical, pull_off = curve.critical(stiffness), curve.pull_off(stiffness)
     start, whole = largest_stable(curve, stiffness), cycle(curve, curve, stiffness)
     if isinstance(whole, Cycle) and whole.turn == start:
-        partial = whole.jumps_out
+        partial = whole.retraction.jumps
     else:
         partial = () if start is None else shrink(QuasiStatic(curve, curve, stiffness), start).jumps
     if isinstance(whole, Unknown):

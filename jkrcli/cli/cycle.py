@@ -10,7 +10,7 @@ import click
 from ..adhesion.law import AskedRange
 from ..base.errors import InputError
 from ..base.units import show
-from ..beside.analysis import analyse, with_solved_points
+from ..beside.analysis import Analysis, analyse, with_solved_points
 from ..methods.guards import Limits
 from ..report.cycle import Cycled, CycledByProgram
 from ..report.output import PICTURES, Files, Output
@@ -85,10 +85,7 @@ def cycle(
     jkr cycle gel.h5 --rate v0="1 um/s",n=0.6 --speed "10 um/s"
     jkr cycle relaxing-gel.h5 --w-approach 0 --speed "10 um/s" --hold "30 s"
     """
-    if rates.program is not None and not to_load is to_depth is None:
-        raise InputError("cycle: --program and a turn exclude each other: the table says all")
-    if to_load is not None and to_depth is not None:
-        raise InputError("cycle: give at most one of --to-load and --to-depth")
+    turn = _turn(to_load, to_depth, rates)
     file = series_file(file)
     solution = read_series(file)
     law = solution.problem.specimen.relaxation
@@ -99,13 +96,8 @@ def cycle(
     if rates.rate is not None:  # there the stress is that of the zone in which energy is lost
         rates, stress = replace(rates, stress=stress), None
     asked = AskedRange.of(solution.record, stress, length)
-    if asked and rates.rate is not None:
-        raise InputError("cycle: --rate goes with adhesion without a range: leave --range and the case's out")
-    if asked and works[0] != works[1]:
-        raise InputError(
-            "cycle: adhesion of finite range loses energy in its jumps alone: give one work of adhesion, got "
-            f"{show(works[0], 'work')} on approach and {show(works[1], 'work')} on retraction"
-        )
+    if asked:
+        _refuse_range(rates, works)
     if rates.program is not None:
         per_row = TUNING.cycle_per_row + TUNING.cycle_per_point * points
         begin_reading("cycle --program", [rates.program], limits, "fewer rows of the program, or fewer --points",
@@ -117,17 +109,42 @@ def cycle(
     told: list[Result] = []
     for share, files in zip(shares.values(), targets, strict=True):
         curves = analyse(solution, works, slopes, modulus_factor * share, asked)
-        results, turn = [with_solved_points(curve, stiffness) for curve in curves], Turn(to_load, to_depth)
+        results = [with_solved_points(curve, stiffness) for curve in curves]
         if law is not None and not any(works):
             told.append(run_relaxing(results[0], law, stiffness, turn, points, rates))
-        elif rates.rate is not None:
-            told.append(run(results, stiffness, turn, points, rates))
-        elif rates.program is not None:
-            told.append(CycledByProgram.of(results, stiffness, read_program(rates.program, stiffness), points))
         else:
-            told.append(Cycled.of(results, stiffness, to_load, to_depth, points))
+            told.append(_traced(results, stiffness, turn, points, rates))
         files.write(told[-1].columns, figure=files.draw(told[-1].figure))
     _tell(file, dict(zip(shares.items(), told, strict=True)), targets, output.json)
+
+
+def _turn(to_load: float | None, to_depth: float | None, rates: RateOptions) -> Turn:
+    """Where the device turns; InputError where that is said twice."""
+    if rates.program is not None and not to_load is to_depth is None:
+        raise InputError("cycle: --program and a turn exclude each other: the table says all")
+    if to_load is not None and to_depth is not None:
+        raise InputError("cycle: give at most one of --to-load and --to-depth")
+    return Turn(to_load, to_depth)
+
+
+def _refuse_range(rates: RateOptions, works: tuple[float, float]) -> None:
+    """InputError where adhesion of finite range is asked to lose energy otherwise than in its jumps."""
+    if rates.rate is not None:
+        raise InputError("cycle: --rate goes with adhesion without a range: leave --range and the case's out")
+    if works[0] != works[1]:
+        raise InputError(
+            "cycle: adhesion of finite range loses energy in its jumps alone: give one work of adhesion, got "
+            f"{show(works[0], 'work')} on approach and {show(works[1], 'work')} on retraction"
+        )
+
+
+def _traced(results: list[Analysis], stiffness: float, turn: Turn, points: int, rates: RateOptions) -> Result:
+    """The trace of bodies that do not relax: with speeds, by a table, or there and back."""
+    if rates.rate is not None:
+        return run(results, stiffness, turn, points, rates)
+    if rates.program is not None:
+        return CycledByProgram.of(results, stiffness, read_program(rates.program, stiffness), points)
+    return Cycled.of(results, stiffness, turn.load, turn.depth, points)
 
 
 def _works(solution: Solution, approach: float | None, retract: float | None) -> tuple[float, float]:

@@ -338,8 +338,8 @@ def test_work_of_separation_counts_from_the_last_of_several_zero_loads() -> None
     whole = cycle(ours, ours, RIGID)
     zeros = [a for a in ours.radii(P=0.0) if whole.retraction.holds(a)]
     assert len(zeros) == 2
-    assert len(whole.jumps_out) == 2
-    a = np.geomspace(zeros[0], whole.jumps_out[-1].start.a, 20_001)
+    assert len(whole.retraction.jumps) == 2
+    a = np.geomspace(zeros[0], whole.retraction.jumps[-1].start.a, 20_001)
     delta, P = ours.at(a)
     assert whole.separation == pytest.approx(np.sum((P[1:] + P[:-1]) / 2 * np.diff(delta)), rel=1e-6)  # trapezoids
 
@@ -363,7 +363,7 @@ def test_jumps_of_a_stiff_coating_dissipate() -> None:
     whole = cycle(ours, ours, stiffness)
     a = np.geomspace(ours.a[0], ours.a[-1], 200_001)
     delta, P = ours.at(a)
-    D = np.linspace(whole.jumps_out[-1].start.delta, float(delta[-1]), 40_001)[1:-1]
+    D = np.linspace(whole.retraction.jumps[-1].start.delta, float(delta[-1]), 40_001)[1:-1]
     back = np.minimum.accumulate(delta[::-1])[::-1]
     out = P[np.searchsorted(back, D, side="right") - 1]
     forth = np.maximum.accumulate(np.maximum(delta, 0))

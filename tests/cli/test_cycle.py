@@ -37,7 +37,7 @@ def balance(found: Cycle) -> float:
         t = delta - here.delta
         return 0.4 * P * delta - P * t + E_STAR * a * t**2 + here.P**2 / (2 * found.stiffness)
 
-    into, out = found.begin.a, found.jumps_out[-1].start.a
+    into, out = found.begin.a, found.retraction.jumps[-1].start.a
     w1, w2 = found.contact.advancing.w, found.contact.receding.w
     jump_in = math.pi * w1 * into**2 - stored(found.contact.advancing, into)
     jump_out = stored(found.contact.receding, out) - math.pi * w2 * out**2
@@ -155,7 +155,7 @@ def test_a_turn_below_zero_load_has_no_work_of_separation() -> None:
 def test_contact_that_is_lost_at_the_turn() -> None:
     """The work of adhesion on retraction is so high that no radius up to the turn is stable: flat-punch separation."""
     found = cycle(half_space(0.5, last=1e-5), half_space(500.0, last=1e-5), 1e4)
-    (jump,) = found.jumps_out
+    (jump,) = found.retraction.jumps
     assert jump.start.a == found.turn == pytest.approx(1e-5)
     assert jump.end is None
     assert found.energy_lost == pytest.approx(balance(found), rel=1e-12, abs=0)  # measured 2e-16
@@ -166,7 +166,7 @@ def test_load_control() -> None:
     found = cycle(half_space(50.0), half_space(50.0), 0.0)
     assert found.energy_lost == found.separation == UNBOUNDED
     assert found.begin.P == 0
-    assert found.jumps_out[-1].start.P == pytest.approx(-1.5 * math.pi * 50.0 * R, rel=1e-12, abs=0)
+    assert found.retraction.jumps[-1].start.P == pytest.approx(-1.5 * math.pi * 50.0 * R, rel=1e-12, abs=0)
     columns = trace(found, 30)
     assert "device_m" not in columns
     assert list(dict.fromkeys(columns["phase"])) == ["free approach", "approach", "retraction"]
@@ -179,7 +179,7 @@ def test_a_thin_layer_is_traced_to_the_end_of_its_series() -> None:
     series = Series(a, delta, P, S, 2 * S / a)
     curve = transform(series, slopes(series), P[-1] / R / 40)
     found = cycle(curve, curve, RIGID)
-    assert found.jumps_out == ()
+    assert found.retraction.jumps == ()
     assert (
         found.energy_lost
         == found.separation

@@ -417,8 +417,9 @@ class _Problem:
     # ------------------------------------------------------------------ where to begin
     def start(self) -> Array:
         """The best of some values, the modulus by the loads in proportion."""
-        thin, found, reason = replace(self, record=self.record.by_tip.thinned()), [], ""
-        for values in thin._tried():
+        tip, found, reason = replace(self, record=self.record.by_tip), [], ""
+        thin = replace(tip, record=tip.record.thinned())
+        for values in tip._tried():  # of all rows: a quick press may lie between a few
             theta = thin._from(values)
             try:
                 theta = thin._with_modulus(theta, values)

@@ -68,6 +68,14 @@ def test_a_press_a_wait_and_a_retraction(body: FittedBody) -> None:
     assert fit.warnings == ()
 
 
+def test_a_quick_press_of_a_long_record(body: FittedBody) -> None:
+    """Four of 300 rows, which lie between those that starts are compared by."""
+    motion = np.array([0.0, 0.4, 29.6, 30.0]), HELD[1]
+    made = record(loads(body), 1.2, SOLID, motion, rows=300, zero=0.1, seed=1)
+    fit = relaxation_fit(body, made, relaxation_settings("sls"))
+    assert max(map(abs, off(fit, E_star=1.0, ratio=0.25, time=1.0, delta0=0.1).values())) < 3.5
+
+
 def test_a_power_law_of_a_clean_record(body: FittedBody) -> None:
     """Its modulus is that at its time, which is given; another law shows itself."""
     modes = jkr.PowerRelaxation(1.0, 0.2).modes(4.0)

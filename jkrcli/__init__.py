@@ -7,14 +7,11 @@ Lengths in m, forces in N, moduli in Pa, work of adhesion in J/m^2; compression 
 
 from __future__ import annotations
 
-import importlib
+from .base.lazy import lazily
 
 TYPE_CHECKING = False  # typing's own takes as long to import as all else here, and Ctrl-C is minded only after it
 if TYPE_CHECKING:
-    from typing import Any
-
-    from .adhesion.program import Program
-    from .adhesion.rate.laws import LogRate, PowerRate
+    from .adhesion import LogRate, PowerRate, Program
     from .api import (
         check,
         compare,
@@ -44,21 +41,32 @@ if TYPE_CHECKING:
         transform,
         work,
     )  # fmt: skip
-    from .base.errors import InputError, JkrError, Refusal
-    from .base.unknown import Unknown
-    from .bodies.grading import Exponential, Linear, Power, Tabulated
-    from .bodies.indenters import (
+    from .base import InputError, JkrError, Refusal, Unknown
+    from .bodies import (
+        Elastic,
         EqualAreaCone,
+        Exponential,
+        Graded,
+        HalfSpace,
+        Layer,
+        Linear,
+        Loading,
         Paraboloid,
+        Power,
         PowerLaw,
+        PowerRelaxation,
+        Problem,
+        Prony,
+        Rigid,
         RoundedCone,
         RoundedFlat,
+        Specimen,
         Sphere,
+        StandardSolid,
         TableProfile,
+        Tabulated,
+        TransverselyIsotropic,
     )
-    from .bodies.materials import Elastic, Graded, TransverselyIsotropic
-    from .bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
-    from .bodies.relaxation import PowerRelaxation, Prony, StandardSolid
     from .data.measured.curve import Reading
     from .methods.closed_form.method import ClosedForm
     from .methods.fem.method import FEM
@@ -77,39 +85,22 @@ __all__ = [
     "plan", "plot", "profile", "pull_off", "read", "save", "solve", "study_map", "summary", "table", "to_pandas",
     "transform", "work",
 ]  # fmt: skip
-_HOMES = {  # of what is not in jkrcli.api
-    ".adhesion.rate.laws": ("LogRate", "PowerRate"),
-    ".adhesion.program": ("Program",),
-    ".base.errors": ("InputError", "JkrError", "Refusal"),
-    ".base.unknown": ("Unknown",),
-    ".bodies.grading": ("Exponential", "Linear", "Power", "Tabulated"),
-    ".bodies.indenters": (
-        "EqualAreaCone",
-        "Paraboloid",
-        "PowerLaw",
-        "RoundedCone",
-        "RoundedFlat",
-        "Sphere",
-        "TableProfile",
-    ),
-    ".bodies.materials": ("Elastic", "Graded", "TransverselyIsotropic"),
-    ".bodies.problem": ("HalfSpace", "Layer", "Loading", "Problem", "Rigid", "Specimen"),
-    ".bodies.relaxation": ("PowerRelaxation", "Prony", "StandardSolid"),
-    ".data.measured.curve": ("Reading",),
-    ".methods.closed_form.method": ("ClosedForm",),
-    ".methods.fem.method": ("FEM",),
-    ".methods.guards": ("Limits",),
-    ".methods.hybrid.method": ("Hybrid",),
-    ".methods.layered.layered": ("Layered",),
+_HOMES = {
+    ".adhesion": "LogRate PowerRate Program",
+    ".base": "InputError JkrError Refusal Unknown",
+    ".bodies": "Elastic EqualAreaCone Exponential Graded HalfSpace Layer Linear Loading Paraboloid Power PowerLaw"
+    " PowerRelaxation Problem Prony Rigid RoundedCone RoundedFlat Specimen Sphere StandardSolid TableProfile Tabulated"
+    " TransverselyIsotropic",
+    ".data.measured.curve": "Reading",
+    ".methods.closed_form.method": "ClosedForm",
+    ".methods.fem.method": "FEM",
+    ".methods.guards": "Limits",
+    ".methods.hybrid.method": "Hybrid",
+    ".methods.layered.layered": "Layered",
 }
+_API = set(__all__).difference(*(names.split() for names in _HOMES.values()))
 
-
-def __getattr__(name: str) -> Any:
-    """The names of the Python interface, imported when they are first asked for."""
-    if name not in __all__:
-        raise AttributeError(f"module jkrcli has no attribute {name}")
-    home = next((module for module, names in _HOMES.items() if name in names), ".api")
-    return getattr(importlib.import_module(home, __name__), name)
+__getattr__ = lazily(__name__, {**_HOMES, ".api": " ".join(_API)})
 
 
 def __dir__() -> list[str]:

@@ -51,14 +51,10 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .adhesion.device import DISPLACEMENT_CONTROL, LOAD_CONTROL
-from .adhesion.law import AskedRange
-from .base.errors import InputError
-from .base.files import check_series_target
-from .base.threads import one_thread
-from .base.units import parse
+from .adhesion import DISPLACEMENT_CONTROL, LOAD_CONTROL, AskedRange
+from .base import InputError, check_series_target, one_thread, parse
 from .beside.analysis import analyse, nonadhesive, with_solved_points
-from .bodies.problem import Problem
+from .bodies import Problem
 from .case import Case, load_case, store
 from .case import parse_case as _parse_case
 from .case.solving import solve as _solve
@@ -72,11 +68,8 @@ from .series import Solution
 if TYPE_CHECKING:
     from pandas import DataFrame
 
-    from .adhesion.program import Program
-    from .adhesion.rate.history import RateContact
-    from .adhesion.rate.laws import RateLaw
-    from .adhesion.relaxation.history import RelaxingContact
-    from .bodies.relaxation import Relaxation
+    from .adhesion import Program, RateContact, RateLaw, RelaxingContact
+    from .bodies import Relaxation
     from .identification.fit import Fit, FittedBody
     from .identification.fit.result import Further
     from .many.study.maps import MapResult
@@ -227,7 +220,7 @@ def cycle_at_speed(
     The result's ``pull_off``, ``jumps``, ``lost``, ``energy_lost`` and ``error`` tell what happened, ``table(points)``
     gives its columns. Raises InputError where the contact leaves the series.
     """
-    from .adhesion.rate.history import RateContact
+    from .adhesion import RateContact
     from .report.rate import CycledAtSpeed
 
     w0, k = _number("w", w, "work"), _number("stiffness", stiffness, "stiffness")
@@ -262,7 +255,7 @@ def cycle_relaxing(
     The result's ``peak``, ``corners``, ``turn``, ``lost`` and ``error`` tell what happened, ``table(points)`` gives its
     columns. Raises InputError where the contact leaves the series, or is loaded again onto its dent.
     """
-    from .adhesion.relaxation.history import RelaxingContact
+    from .adhesion import RelaxingContact
     from .report.relaxation import CycledRelaxing
 
     solution, k = _solution(solved, None), _number("stiffness", stiffness, "stiffness")
@@ -282,7 +275,7 @@ def _driven(
     speed_approach: float | str | None, to_load: float | str | None, to_depth: float | str | None, hold: float | str,
 ) -> Program:  # fmt: skip
     """The ``program``, or there and back at a speed."""
-    from .adhesion.program import there_and_back
+    from .adhesion import there_and_back
 
     if (speed is None) == (program is None):
         raise InputError(f"{verb}: give either the speed of the device or its program")
@@ -302,7 +295,7 @@ def _range(solution: Solution, stress: float | str | None, length: float | str |
 
 
 def _law(law: RateLaw | Mapping[str, Any]) -> RateLaw:
-    from .adhesion.rate.laws import rate_law_of
+    from .adhesion import rate_law_of
 
     return rate_law_of(law, "law") if isinstance(law, Mapping) else law
 
@@ -591,7 +584,7 @@ def work(
 ) -> Work:
     """The work of adhesion along the curves of a ``measured`` file, as ``jkr work`` says it; ``options``: use ("a,P"),
     segment, noise {"P": 2e-9}, window."""
-    from .base.executors import executor
+    from .base import executor
     from .identification.work_of_files import along_file, evaluation_of
     from .report.work import Work
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import importlib
 import subprocess
 import sys
 from collections.abc import Iterator, Mapping
@@ -149,6 +150,19 @@ def test_each_heavy_library_has_one_door() -> None:
         for target in imported(name, path):
             door = DOORS.get(target.split(".")[0])
             assert door is None or relative.is_relative_to(door), f"{relative} imports {target}"
+
+
+@pytest.mark.parametrize("room", ["adhesion", "base", "bodies"])
+def test_what_a_room_offers_is_there_and_is_what_types_say(room: str) -> None:
+    """Names are imported when they are first asked for; the types of them are imported apart from that."""
+    package, parts = importlib.import_module(f"jkrcli.{room}"), nodes(PACKAGE / room / "__init__.py")
+    typed = [alias.name for block in parts if isinstance(block, ast.If)
+             for node in block.body if isinstance(node, ast.ImportFrom) for alias in node.names]  # fmt: skip
+    table = next(ast.literal_eval(node) for node in parts if isinstance(node, ast.Dict))
+    assert sorted(typed) == sorted(" ".join(table.values()).split())
+    assert all(hasattr(package, name) for name in typed)
+    with pytest.raises(AttributeError, match=f"module jkrcli.{room} has no attribute nothing"):
+        _ = package.nothing
 
 
 def test_help_imports_no_heavy_module() -> None:

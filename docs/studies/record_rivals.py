@@ -4,7 +4,8 @@ Records of fourteen wrong models, and of right ones, by the generator of the tes
 at its noise and at five times that. Per kind: how many are asked for, of which the right family is named, how many hold
 E* and w within the intervals widened by the model's part, and how many are *fitted* with E* or w more than three total
 errors off; the systematic part over the statistical one; the cost of all scores over that of the fit. Then what
-``--model auto`` makes of those whose right rival it fits in full.
+``--model auto`` makes of those whose right rival it fits in full; and how the systematic part of each rival compares
+with what a fit in full at its bound moves E* and w by.
 """
 
 from __future__ import annotations
@@ -13,7 +14,10 @@ import math
 import sys
 import time
 from collections import defaultdict
-from functools import lru_cache
+from collections.abc import Callable
+from dataclasses import replace
+from functools import lru_cache, partial
+from typing import Any
 
 import numpy as np
 from cycle_records import NOISES, spoilt  # type: ignore[import-not-found]
@@ -25,16 +29,21 @@ from jkrcli.bodies.indenters import Paraboloid, Sphere
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.data.measured import Curve
-from jkrcli.identification.fit import Fit, FittedBody, fit, record_verdict
+from jkrcli.identification.fit import Fit, FittedBody, fit, force_curve, record_verdict
+from jkrcli.identification.fit.record_change import AMOUNT, Change, RivalModel
+from jkrcli.identification.fit.record_rivals import RIVALS
+from jkrcli.identification.fit.record_scores import RecordRivals
+from jkrcli.identification.fit.record_situation import Situation
 from jkrcli.identification.fit.settings import settings_of, uncertain_of
 from jkrcli.methods.layered.layered import Layered
 
 CALIBRATED = ("stiffness +10 %", "R +10 %", "nu .3 as .5 on a layer")
-RANGED, BOUND = ("Maugis mu 0.3",), "..1 um"  # what is known of soft bodies' range there; by default it is 10 nm
 # Where the right rival is among those that are fitted in full:
 IN_FULL = ("layer as half-space", "Maugis mu 0.3", "w rising to four times", "w over the speed", "relaxation", "cone",
            "stiffness +10 %", "creep", "hysteresis")  # fmt: skip
+BOUNDED = ("adhesion of finite range", "exponent of the tip", "no slip")  # of which some is likely before the data
 spent = [0.0, 0.0]  # seconds of all fits, of their scores
+last: list[Any] = []  # body, fit and rivals of the record that was judged last
 
 
 @lru_cache
@@ -51,10 +60,9 @@ def body(R: float, h: float | None, nu: float, sphere: bool) -> FittedBody:
 def fitted(kind: str, made: Wrong, model: str = "jkr") -> Fit:
     held = body(made.R, made.h, made.nu, kind == "large strains")
     known = [("radius", "10%"), ("stiffness", "10%")] + [("nu", "0.2")] * (made.h is not None)
-    bound = [("range", BOUND)] if kind in RANGED else []
-    settings = settings_of(held, bound=bound, model=model)
+    settings = settings_of(held, model=model)
     if kind in CALIBRATED:
-        settings = settings_of(held, bound=bound, model=model, uncertain=uncertain_of(held, known, settings))
+        settings = settings_of(held, model=model, uncertain=uncertain_of(held, known, settings))
     z, P = made.columns["z"], made.columns["P"]
     curve = Curve("made", delta=z - P / made.k, P=P, t=made.columns["t"], stiffness=made.k)
     begin = time.process_time()
@@ -64,16 +72,17 @@ def fitted(kind: str, made: Wrong, model: str = "jkr") -> Fit:
 
 
 def timed_scores() -> None:
-    """Counts the time of the scores apart."""
-    plain = vars(record_verdict)["rivals_of_record"]
+    """Counts the time of the scores apart, and keeps what was judged last."""
 
-    def timed(*args: object) -> object:
+    def timed(plain: Callable[..., RecordRivals], *args: Any) -> RecordRivals:
         begin = time.process_time()
         found = plain(*args)
         spent[1] += time.process_time() - begin
+        last[:] = [*args[:2], found]
         return found
 
-    vars(record_verdict)["rivals_of_record"] = timed
+    for name in ("rivals_of_record", "bounded"):
+        vars(record_verdict)[name] = partial(timed, vars(record_verdict)[name])
 
 
 def judged(kind: str, made: Wrong, found: Fit) -> dict[str, float]:
@@ -130,6 +139,39 @@ def _taken(kind: str, made: Wrong) -> dict[str, float]:
     return told
 
 
+def at_bounds(seed: int, count: int) -> None:
+    """Systematic parts over the moves of a fit in full at the same amount, where these exceed a tenth of the error."""
+    for name in BOUNDED:
+        ratios: dict[str, list[float]] = {"E_star": [], "w": []}
+        for i in range(count):
+            made = right(Drawn.of(np.random.default_rng((seed, i, 1)), 1.0))
+            fitted("right", replace(made, nu=0.3))
+            _add_ratios(name, ratios)
+        for quantity, values in ratios.items():
+            near = np.mean((np.array(values) > 0.5) & (np.array(values) < 2)) if values else math.nan
+            print(f"{name:<26} {quantity:<7} within a factor of two {near:.2f} of {len(values)}", flush=True)
+
+
+def _add_ratios(name: str, ratios: dict[str, list[float]]) -> None:
+    body, plain, rivals = last
+    at = Situation(body, plain)
+    score = next((one for one in rivals.scores if one.name == name), None)
+    if score is None or rivals.named or score.most == 0:
+        return
+    change = next(one for one in RIVALS if one.name == name).look(at)
+    assert isinstance(change, Change)
+    moves = []
+    for amount in (score.most, *[-score.most] * (score.least < 0)):
+        model = replace(RivalModel.of(plain.model, change), known={**plain.model.known, AMOUNT: amount})
+        here = Situation(body, force_curve.fit(model, plain.x, near=True))
+        moves.append([math.log(here.modulus / at.modulus), math.log(here.work / at.work) if here.work else 0.0])
+    for j, quantity in enumerate(ratios):
+        moved, stated = max(abs(one[j]) for one in moves), score.moved(getattr(score, quantity))
+        error = plain.error("ln_s")
+        if stated and moved > 0.1 * error:
+            ratios[quantity].append(stated / moved)
+
+
 def main(seed: int, count: int) -> None:
     timed_scores()
     for louder in (1.0, 5.0):
@@ -139,6 +181,7 @@ def main(seed: int, count: int) -> None:
     print(f"seconds of all fits {spent[0]:.1f}, of which scores {spent[1]:.1f}")
     print(f"--model auto at the generator's noise, {count} records each")
     in_full(seed, count)
+    at_bounds(seed, min(count, 20))
 
 
 def _line(kind: str, seed: int, count: int, louder: float) -> None:

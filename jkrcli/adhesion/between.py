@@ -15,9 +15,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..base.arrays import Array
-from ..base.cubic import PiecewiseCubic, PiecewiseQuintic, spline_slopes
-from ..base.quadrature import composite_gauss
+from ..base import Array, PiecewiseCubic, composite_gauss, spline_slopes
+from ..base.cubic import PiecewiseQuintic
 
 
 @dataclass(frozen=True)

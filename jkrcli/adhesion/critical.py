@@ -14,9 +14,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from ..base.arrays import Array
-from ..base.errors import InputError
-from ..base.unknown import Unknown
+from ..base import Array, InputError, Unknown
 from .curve import NO_ADHESION, TUNING, AdhesiveCurve, CriticalPoint, transform
 from .device import position
 from .slopes import slopes_function

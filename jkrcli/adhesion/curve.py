@@ -14,12 +14,7 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 
 import numpy as np
 
-from ..base.arrays import Array
-from ..base.cubic import zeros_between
-from ..base.errors import InputError
-from ..base.quadrature import composite_gauss
-from ..base.units import show
-from ..base.unknown import Estimate, Unknown
+from ..base import Array, Estimate, InputError, Unknown, composite_gauss, show, zeros_between
 from ..formulas.griffith import shift
 from ..series import Series
 from .device import CONTROLS, DISPLACEMENT_CONTROL, LOAD_CONTROL, position, positions

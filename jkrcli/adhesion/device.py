@@ -7,9 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..base.arrays import Array
-from ..base.errors import InputError
-from ..base.units import show
+from ..base import Array, InputError, show
 
 LOAD_CONTROL, DISPLACEMENT_CONTROL = 0.0, math.inf  # as stiffness of the device [N/m]
 CONTROLS = {"load": LOAD_CONTROL, "displacement": DISPLACEMENT_CONTROL}

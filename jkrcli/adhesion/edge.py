@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..base.arrays import Array
+from ..base import Array
 from .curve import AdhesiveCurve
 from .device import LOAD_CONTROL, position
 from .nonadhesive import Nonadhesive

@@ -15,13 +15,8 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from ..base.arrays import Array
-from ..base.cubic import zeros_between
-from ..base.errors import InputError, Refusal
-from ..base.quadrature import composite_gauss
-from ..base.units import show
-from ..base.unknown import Estimate
-from ..bodies.problem import NO_FINITE_RANGE, Problem
+from ..base import Array, Estimate, InputError, Refusal, composite_gauss, show, zeros_between
+from ..bodies import NO_FINITE_RANGE, Problem
 from ..methods import METHODS
 from ..methods.attraction import AttractedBody
 from ..methods.integral.attraction import Attraction, Rims, refuse_narrow
@@ -29,7 +24,7 @@ from ..methods.layered.contact import checked
 from ..series import Series, Solution
 from .critical import Errors
 from .curve import CriticalPoint, Equilibrium, EquilibriumCurve
-from .device import CONTROLS
+from .device import CONTROLS, position
 from .law import Range
 from .nonadhesive import Parts
 from .slopes.choice import slopes
@@ -62,6 +57,7 @@ class FiniteRangeTuning:
     # Steps to both sides of pull-off, fractions of its radius, at which it is solved:
     close: tuple[float, ...] = (0.01, 0.02, 0.03, 0.045, 0.065, 0.1)  # choice: to where rows of a series lie
     solved: float = 1e-4  # choice: of its radius, from where the error of the splines is rounding
+    slope: float = 0.02  # choice: of a pull-off's radius, over which other panels tell how far it moves
     # on the change of the second panels; tuned on curves, by `make constants`: as for series of `layered`
     safety: float = 4.0
     looked_at: int = 8  # contact radii at which separations are looked at; choice: for a warning
@@ -84,7 +80,8 @@ class FiniteRangeCurve(EquilibriumCurve):
     c. Where c falls as the contact grows, the curve begins beyond, and ``apart`` is empty. ``parts``: columns of the
     w-free functions at the latter. Between the points: splines over arcosh sqrt(c/c0), c0 at first touch, in which the
     curve is smooth on both sides of it and far from it; without contact P = -pi sigma c^2, and delta(c) less the
-    profile f(c) is a spline. ``half_widths``: the ``errors``; ``doubts``: what speaks against the states, in sentences.
+    profile f(c) is a spline. ``half_widths``: the ``errors``; ``moved``: relative errors of the places at which contact
+    is lost, by stiffness; ``doubts``: what speaks against the states, in sentences.
     """
 
     law: Range
@@ -94,6 +91,7 @@ class FiniteRangeCurve(EquilibriumCurve):
     touching: Rims
     parts: Parts
     half_widths: Mapping[str, Array] = field(default_factory=dict)
+    moved: Mapping[float, float] = field(default_factory=dict)
     doubts: tuple[str, ...] = ()
     ranged: ClassVar[bool] = True
 
@@ -123,16 +121,17 @@ class FiniteRangeCurve(EquilibriumCurve):
 
     def point_error(self, point: Equilibrium, stiffness: float) -> Errors:
         """Half-widths of "delta" [m] and "P" [N] at the lowest ``point`` under a device of a ``stiffness`` [N/m]: those
-        of the curve there, of the place, which errs by about the same fraction, and what every second state changes."""
+        of the curve there, of the place, and what every second state changes. Where it is not known how far other
+        panels move the place, it errs by about the same fraction as P."""
         here = self.error_at(np.array(point.place))
-        fraction = float(here["P"]) / max(abs(point.P), np.finfo(float).tiny)
-        rates = dict(zip(("delta", "P"), self._rates(np.array(point.place)), strict=True))
         halves = [[other for other in curve.critical(stiffness) if other.kind == "minimum"]
                   for curve in (self.thinned(0), self.thinned(1))]  # fmt: skip
         found = [min(half, key=lambda other: abs(other.place - point.place)) for half in halves if half]
+        fraction = self.moved.get(stiffness, float(here["P"]) / max(abs(point.P), np.finfo(float).tiny))
         if len(found) < len(halves):
             assert isinstance(self.interpolation_error, float)
             fraction += TUNING.halved * self.interpolation_error
+        rates = dict(zip(("delta", "P"), self._rates(np.array(point.place)), strict=True))
         return {
             name: float(here[name]) + fraction * (abs(getattr(point, name)) + point.place * abs(float(rate)))
             + max((abs(getattr(other, name) - getattr(point, name)) for other in found), default=0.0) / TUNING.halved
@@ -358,7 +357,7 @@ def unable(problem: Problem, method: str) -> str | None:
     """Why a ``problem`` that a ``method`` solves has no curve of finite range, with the remedy; None where it may."""
     if problem.sticks:
         return (
-            "adhesion of finite range is known of surfaces that slide alone: solve the case with "
+            "adhesion of finite range is implemented for frictionless contact alone: solve the case with "
             'specimen.surface = "sliding", or leave range and stress out'
         )
     if problem.specimen.surface_tension:
@@ -420,7 +419,8 @@ class FiniteRangeBody:
         parts = Parts(*attraction.discs(rims.a).nonadhesive, np.zeros(rims.a.size))
         found = replace(found, parts=parts)
         doubts = _doubts(attraction, rims, s, gap) if complete else (*_begins(rims), *_doubts(attraction, rims, s, gap))
-        return replace(found, half_widths=self._errors(found, reach, s), doubts=doubts)
+        errors, moved = self._errors(found, reach, s), self._moved(found, attraction, reach, s)
+        return replace(found, half_widths=errors, moved=moved, doubts=doubts)
 
     def _touching(self, attraction: Attraction, s: float, gap: float) -> Rims:
         """States in contact from a = 0 on: at the radii of the series, and at more of them where they are too far apart
@@ -481,6 +481,28 @@ class FiniteRangeBody:
             relative = TUNING.safety * seen + TUNING.no_claim + kernel
             errors[name] = relative * np.concatenate([free[name], unit])
         return errors
+
+    def _moved(self, curve: FiniteRangeCurve, attraction: Attraction, reach: float, s: float) -> dict[float, float]:
+        """Relative errors of the places at which contact is lost: other panels add a slope to what is stationary there,
+        as states on both sides of each show, and so does what the kernel leaves."""
+        found, kinks = {}, np.array(curve.problem.indenter.kinks)
+        for stiffness in CONTROLS.values():
+            point = curve.pull_off(stiffness)
+            if not isinstance(point, CriticalPoint) or not 0 < point.a < curve.touching.a[-1] / (1 + TUNING.slope):
+                continue
+            if any(abs(kink / r - 1) < 2 * TUNING.slope for kink in kinks for r in (point.a, point.place)):
+                continue
+            a = point.a * (1 + TUNING.slope * np.array([-1.0, 0.0, 1.0]))
+            ours, others = (
+                panels.discs(a).equilibria(s, curve.law.length, reach, curve.places_of(a))
+                for panels in (attraction, self.body.check(reach))
+            )
+            held, other = (np.asarray(position(states.delta, states.P, stiffness)) for states in (ours, others))
+            bend, added = held[0] - 2 * held[1] + held[2], np.max(np.abs(np.diff(other - held)))
+            if bend > 0:
+                kernel = float(self.body.kernel_error(reach, np.array([point.place]))[0])
+                found[stiffness] = TUNING.safety * TUNING.slope * float(added / bend) + kernel + TUNING.no_claim
+        return found
 
 
 def _no_parts(rims: Rims) -> Parts:
@@ -545,7 +567,7 @@ def _growing(rims: Rims) -> Rims:
         raise Refusal(
             f"adhesion of finite range: up to the contact radius {show(float(rims.a[first]), 'length')} the radius to "
             "which the surfaces attract each other falls as the contact grows: a stiff coating, or a layer so soft "
-            "that it leaps up to the indenter, is not touched in a disc that grows; increase [loading] radius, or "
+            "that it jumps up to the indenter, is not touched in a disc that grows; increase [loading] radius, or "
             "give another stress or range"
         )
     return Rims(*(getattr(rims, name)[first:] for name in STATES))
@@ -556,5 +578,5 @@ def _begins(rims: Rims) -> tuple[str, ...]:
     where = show(float(rims.a[0]), "length")
     return (
         f"finite range: at contact radii below {where} the radius to which the surfaces attract each other falls as "
-        "the contact grows: they leap together, and the curve begins there",
+        "the contact grows: they jump into contact, and the curve begins there",
     )

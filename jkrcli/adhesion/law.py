@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..base.errors import InputError, positive
+from ..base import InputError, positive
 from ..series import Record
 
 

@@ -12,8 +12,7 @@ from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
-from ..base.arrays import Array
-from ..base.errors import InputError
+from ..base import Array, InputError
 from ..formulas.griffith import shift
 from ..series import Series
 from .between import Logs, Rows, between

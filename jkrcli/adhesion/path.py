@@ -18,11 +18,7 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import numpy as np
 
-from ..base.arrays import Array
-from ..base.cubic import zeros_between
-from ..base.errors import InputError
-from ..base.units import show
-from ..base.unknown import Unknown
+from ..base import Array, InputError, Unknown, show, zeros_between
 from .curve import AdhesiveCurve, Equilibrium, EquilibriumCurve
 from .device import LOAD_CONTROL, control, position
 from .edge import Edge
@@ -323,10 +319,10 @@ class AtOnce:
         smallest, largest = curve.contact_radii(curve.places[[0, -1]]).tolist()
         if not curve.complete and self.held(float(curve.places[0])) > held:
             if curve.ranged:
-                return Unknown(f"the surfaces leap together to contact radii below {show(smallest, 'length')}, where "
+                return Unknown(f"the surfaces jump to contact radii below {show(smallest, 'length')}, where "
                                "the curve begins")  # fmt: skip
             return Unknown(
-                "contact at delta = 0 settles below the smallest radius of the series, a = "
+                "contact at delta = 0 is in equilibrium below the smallest radius of the series, a = "
                 f"{show(smallest, 'length')}: begin at smaller radii"
             )
         where = f"delta = {curve.onset:.4g}{' m' if curve.onset else ''}"

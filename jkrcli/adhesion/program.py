@@ -10,8 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ..base.arrays import Array
-from ..base.errors import InputError
+from ..base import Array, InputError
 
 
 @dataclass(frozen=True)

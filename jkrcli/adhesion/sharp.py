@@ -10,9 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..base.units import show
-from ..base.unknown import Unknown
-from ..bodies.problem import Problem
+from ..base import Unknown, show
+from ..bodies import Problem
 from .curve import CriticalPoint, EquilibriumCurve
 from .device import position
 

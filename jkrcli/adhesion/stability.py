@@ -12,10 +12,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ..base.arrays import Array
-from ..base.errors import InputError
-from ..base.units import show
-from ..base.unknown import Estimate, Unknown
+from ..base import Array, Estimate, InputError, Unknown, show
 from .curve import NO_ADHESION, CriticalPoint, Equilibrium, EquilibriumCurve
 from .device import DISPLACEMENT_CONTROL, LOAD_CONTROL, control, position
 from .path import ADVANCE, RECEDE, REST, Jump, Path, QuasiStatic, grow, largest_stable, shrink

@@ -7,11 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..base.arrays import Array
-from ..base.cubic import zeros_between
-from ..base.errors import InputError, SolveError
-from ..base.units import show
-from ..base.unknown import Unknown
+from ..base import Array, InputError, SolveError, Unknown, show, zeros_between
 from .curve import AdhesiveCurve, CriticalPoint
 from .device import LOAD_CONTROL, position
 from .nonadhesive import Nonadhesive

@@ -16,11 +16,8 @@ from typing import Any
 
 import numpy as np
 
-from ..base.errors import InputError, Refusal
-from ..base.units import show
-from ..base.unknown import Estimate, Unknown
-from ..bodies.indenter import Indenter
-from ..bodies.problem import HalfSpace, Problem
+from ..base import Estimate, InputError, Refusal, Unknown, show
+from ..bodies import HalfSpace, Indenter, Problem
 from ..formulas.half_space import tabor
 from ..formulas.surface_tension import edge_angle
 
@@ -223,7 +220,7 @@ def _steep(angle: Estimate) -> list[str]:
 def _cut_warning(judged: Validity) -> list[str]:
     if not judged.end_is_cut:
         return []
-    return _above(judged.a_over_L, LIMITS.a_over_L, "a/L", "the end of the mesh, where the body goes on, is felt")
+    return _above(judged.a_over_L, LIMITS.a_over_L, "a/L", "the cut of the mesh affects the result")
 
 
 def _range_warning(judged: Validity) -> list[str]:

@@ -1,1 +1,63 @@
 """Knows no mechanics: errors, units, files, clocks, work on many items."""
+
+from __future__ import annotations
+
+from .lazy import lazily
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from .arrays import Array
+    from .clock import SILENCE, StageClock, duration
+    from .cubic import EvenCubic, PiecewiseCubic, spline_slopes, zeros_between
+    from .errors import (
+        InputError,
+        JkrError,
+        Refusal,
+        SolveError,
+        did_you_mean,
+        first_line,
+        positive,
+        printable,
+        writable,
+    )
+    from .executors import Pool, completed, executor, in_order
+    from .files import (
+        atomic,
+        check_series_target,
+        check_target,
+        make_folder,
+        opened,
+        read_bytes,
+        together,
+        write_bytes,
+        write_text,
+    )
+    from .installing import installs
+    from .memory import free_memory
+    from .quadrature import composite_gauss
+    from .registry import Key, Registry
+    from .table import as_json, lists, write_csv
+    from .threads import one_thread
+    from .units import SI, UNITS, AnyLength, Length, Ranged, check_ranges, parse, scale, show
+    from .unknown import Estimate, Unknown, accuracy, known
+
+__getattr__ = lazily(
+    __name__,
+    {
+        ".arrays": "Array",
+        ".clock": "SILENCE StageClock duration",
+        ".cubic": "EvenCubic PiecewiseCubic spline_slopes zeros_between",
+        ".errors": "InputError JkrError Refusal SolveError did_you_mean first_line positive printable writable",
+        ".executors": "Pool completed executor in_order",
+        ".files": "atomic check_series_target check_target make_folder opened read_bytes together"
+        " write_bytes write_text",
+        ".installing": "installs",
+        ".memory": "free_memory",
+        ".quadrature": "composite_gauss",
+        ".registry": "Key Registry",
+        ".table": "as_json lists write_csv",
+        ".threads": "one_thread",
+        ".units": "SI UNITS AnyLength Length Ranged check_ranges parse scale show",
+        ".unknown": "Estimate Unknown accuracy known",
+    },
+)

@@ -6,10 +6,8 @@ import math
 from dataclasses import replace
 from typing import Any
 
-from ..base.arrays import Array
-from ..base.clock import duration
-from ..base.errors import JkrError, Refusal
-from ..bodies.problem import Loading, Problem
+from ..base import Array, JkrError, Refusal, duration
+from ..bodies import Loading, Problem
 from ..case import Case
 from ..case.numerics import method_of
 from ..methods import METHODS, Method, method_class

@@ -7,19 +7,27 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
-from ..adhesion.critical import Errors, point_error
-from ..adhesion.curve import AdhesiveCurve, CriticalPoint, EquilibriumCurve
-from ..adhesion.device import CONTROLS
-from ..adhesion.law import AskedRange, Range
-from ..adhesion.nonadhesive import Nonadhesive
+from ..adhesion import (
+    CONTROLS,
+    AdhesiveCurve,
+    AskedRange,
+    CriticalPoint,
+    EquilibriumCurve,
+    Errors,
+    Nonadhesive,
+    Range,
+    Slopes,
+    Validity,
+    end_of_body,
+    point_error,
+    refuse_wetting,
+)
 from ..adhesion.sharp import resolved, yielding
 from ..adhesion.slopes.choice import slopes, smoothed
-from ..adhesion.slopes.result import Slopes
-from ..adhesion.validity import Validity, check, end_of_body, judge, refuse_wetting, sizes, unresolved
-from ..base.errors import InputError
+from ..adhesion.validity import check, judge, sizes, unresolved
+from ..base import Estimate, InputError, Unknown, known
 from ..base.units import MOST
-from ..base.unknown import Estimate, Unknown, known
-from ..bodies.problem import Problem
+from ..bodies import Problem
 from ..bodies.relaxation import relaxing_words
 from ..methods import Forecast
 from ..series import ErrorBudget, Series, Solution, is_series
@@ -71,7 +79,7 @@ class Analysis:
     def jkr(self) -> AdhesiveCurve:
         """The curve where adhesion has no range; InputError where it has one."""
         if not isinstance(self.curve, AdhesiveCurve):
-            raise InputError(f"{self.path}: adhesion of finite range has no part in this: leave stress and range out")
+            raise InputError(f"{self.path}: adhesion of finite range is not used here: leave stress and range out")
         return self.curve
 
     @cached_property
@@ -206,7 +214,7 @@ def forecast(
 
 def _ranged(solution: Solution, works: Sequence[float], asked: AskedRange) -> float:
     """CPU seconds of the dearest of the curves of finite range: the least or the largest w reaches farthest."""
-    from ..adhesion.finite_range import FiniteRangeBody
+    from ..adhesion import FiniteRangeBody
 
     body = FiniteRangeBody.of(solution)
     return max(body.seconds(asked.law(w)) for w in {min(works), max(works)})
@@ -235,8 +243,10 @@ def _of_finite_range(
 ) -> list[Analysis]:
     """The curves of finite range of a solution."""
     if slopes_name not in ("auto", "exact"):
-        raise InputError(f"slopes: {slopes_name} has no part in adhesion of finite range, whose kernel is exact")
-    from ..adhesion.finite_range import FiniteRangeBody
+        raise InputError(
+            f"slopes: {slopes_name} has no effect with adhesion of finite range, whose kernel is exact: leave it out"
+        )
+    from ..adhesion import FiniteRangeBody
 
     laws = [asked.law(w) for w in works]
     body = FiniteRangeBody.of(solution)
@@ -251,7 +261,7 @@ def error_of_point(curve: EquilibriumCurve, point: CriticalPoint, stiffness: flo
     """90 % half-widths of a pull-off ``point`` under a device of ``stiffness`` [N/m], on curves of either kind."""
     if isinstance(curve, AdhesiveCurve):
         return point_error(curve, point, stiffness)
-    from ..adhesion.finite_range import FiniteRangeCurve
+    from ..adhesion import FiniteRangeCurve
 
     assert isinstance(curve, FiniteRangeCurve)
     return curve.point_error(point, stiffness)
@@ -275,7 +285,8 @@ def _series_and_slopes(solution: Solution, name: str) -> tuple[Series, Slopes]:
     own = own_solution(solution.problem, solution.series.a) if read else None
     if solution.raw is not None and name in ("auto", "integral") and not is_series(solution.raw):
         return smoothed(solution.raw, solution.series.a0, solution.series.S0, own=own)
-    series = replace(solution.filtered, own=own, kinks=solution.problem.indenter.kinks)
+    indenter = solution.problem.indenter
+    series = replace(solution.filtered, own=own, kinks=indenter.kinks, bends=indenter.bends)
     if name not in ("auto", "exact"):
         series = replace(series, S=None, dS=None)
     return series, slopes(series, name)

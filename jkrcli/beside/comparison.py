@@ -7,13 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..adhesion.curve import AdhesiveCurve, CriticalPoint, transform
-from ..adhesion.device import LOAD_CONTROL
-from ..adhesion.slopes.result import Slopes
-from ..base.arrays import Array
-from ..base.unknown import Estimate, Unknown
-from ..bodies.indenters import Indenter, Sphere
-from ..bodies.problem import Problem
+from ..adhesion import LOAD_CONTROL, AdhesiveCurve, CriticalPoint, Slopes
+from ..adhesion.curve import transform
+from ..base import Array, Estimate, Unknown
+from ..bodies import Indenter, Problem, Sphere
 from ..formulas.griffith import shift
 from ..formulas.half_space import adhesive_half_space
 from ..series import Series

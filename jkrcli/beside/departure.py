@@ -15,8 +15,8 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from ..adhesion.slopes.scatter import estimate, whitener
-from ..base.arrays import Array
-from ..bodies.problem import Problem
+from ..base import Array
+from ..bodies import Problem
 from ..series import RawSeries
 from .own_body import own_solution
 
@@ -67,9 +67,9 @@ def _judged(gap: Array, rates: Array, x: Array) -> tuple[str, ...]:
         return ()
     how = "drifts from" if name == "load" else "departs from"
     return (
-        f"the {name} {how} the solution of these bodies at the same contact radii by {spans[name]:+.1%}, more than the "
-        "scatter explains (the modulus left free): drift, a wrong zero point, or other bodies; errors stated do not "
-        "hold it",
+        f"the {name} {how} the solution of these bodies at the same contact radii by {spans[name]:+.1%}, beyond the "
+        "scatter (the modulus left free): drift, a wrong zero point, or other bodies; the stated errors do not "
+        "include it",
     )
 
 

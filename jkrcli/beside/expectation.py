@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from ..adhesion.curve import CriticalPoint, transform
-from ..adhesion.device import LOAD_CONTROL
+from ..adhesion import LOAD_CONTROL, CriticalPoint, Validity, refuse_wetting
+from ..adhesion.curve import transform
 from ..adhesion.sharp import resolved
 from ..adhesion.slopes.choice import slopes
-from ..adhesion.validity import Validity, judge, refuse_wetting, sizes
-from ..base.errors import Refusal
-from ..base.unknown import Unknown
-from ..bodies.problem import HalfSpace, Loading, Problem, Specimen
+from ..adhesion.validity import judge, sizes
+from ..base import Refusal, Unknown
+from ..bodies import HalfSpace, Loading, Problem, Specimen
 from ..methods.layered.layered import Layered
 from .again import again
 from .range_effect import effect_of_range

@@ -6,12 +6,10 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TypeAlias
 
-from ..adhesion.critical import Errors
-from ..adhesion.device import DISPLACEMENT_CONTROL, LOAD_CONTROL
-from ..adhesion.law import AskedRange
+from ..adhesion import DISPLACEMENT_CONTROL, LOAD_CONTROL, AskedRange, Behaviour, Errors
 from ..adhesion.sharp import resolved
-from ..adhesion.stability import Behaviour, behaviours
-from ..base.unknown import Unknown
+from ..adhesion.stability import behaviours
+from ..base import Unknown
 from ..series import Solution
 from .analysis import Analysis, analyse, error_of_point, with_solved_points
 

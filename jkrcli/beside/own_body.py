@@ -6,9 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..base.arrays import Array
-from ..base.errors import JkrError
-from ..bodies.problem import Problem
+from ..base import Array, JkrError
+from ..bodies import Problem
 from ..series import Series
 from .again import again
 

@@ -6,12 +6,9 @@ from typing import cast
 
 import numpy as np
 
-from ..adhesion.law import AskedRange, Range
-from ..adhesion.stability import stable_radius
-from ..base.arrays import Array
-from ..base.errors import InputError
-from ..base.units import show
-from ..bodies.problem import Problem
+from ..adhesion import AskedRange, Range, stable_radius
+from ..base import Array, InputError, show
+from ..bodies import Problem
 from ..case import Case
 from ..methods.layered.fields import profile as solve_profile
 from ..methods.layered.layered import unbounded
@@ -35,7 +32,7 @@ def profile_columns(solution: Solution, a: float, w: float, asked: AskedRange) -
 
 def _attracted(solution: Solution, a: float, law: Range) -> dict[str, Array]:
     """Pressure, displacement and gap out to 3 c under a tension of finite range; the tension is a negative pressure."""
-    from ..adhesion.finite_range import FiniteRangeBody
+    from ..adhesion import FiniteRangeBody
     from ..methods.integral.annulus import attracted_surface
 
     held = FiniteRangeBody.of(solution).body

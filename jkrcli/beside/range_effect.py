@@ -11,12 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..adhesion.curve import CriticalPoint, Equilibrium
-from ..adhesion.device import LOAD_CONTROL
-from ..adhesion.law import Range
-from ..base.errors import JkrError
-from ..base.unknown import Estimate, Unknown
-from ..bodies.problem import Problem
+from ..adhesion import LOAD_CONTROL, CriticalPoint, Equilibrium, Range
+from ..base import Estimate, JkrError, Unknown
+from ..bodies import Problem
 from ..series import Series
 
 
@@ -39,13 +36,13 @@ def effect_of_range(problem: Problem, series: Series, w: float, z0: float, point
     ``series``: its radii are the ones solved for; ``w``: work of adhesion [J/m^2].
     """
     if problem.sticks:
-        return Unknown("adhesion of finite range is one of surfaces that slide")
+        return Unknown("adhesion of finite range is implemented for frictionless contact alone")
     if problem.specimen.surface_tension:
         return Unknown("adhesion of finite range is not derived with surface tension")
     h = min(point.a, problem.specimen.top_thickness)
     if math.pi * z0**2 * problem.E_star / (4 * w) < TUNING.narrow * h:
         return 0.0
-    from ..adhesion.finite_range import FiniteRangeBody
+    from ..adhesion import FiniteRangeBody
     from ..methods.attraction import AttractedBody
 
     some = np.unique(np.linspace(0, len(series) - 1, TUNING.points).astype(int))

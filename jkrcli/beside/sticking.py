@@ -12,11 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from ..base.arrays import Array
-from ..base.errors import JkrError
-from ..base.units import show
-from ..base.unknown import Estimate, Unknown
-from ..bodies.problem import Problem
+from ..base import Array, Estimate, JkrError, Unknown, show
+from ..bodies import Problem
 from ..methods.layered.contact import LayeredContact
 from ..methods.layered.layered import unbounded
 from ..methods.layered.stuck import StuckLayeredContact, unable
@@ -60,10 +57,10 @@ class StickingEffect:
 
     @property
     def words(self) -> str:
-        """``the load at equal depth 1.63 times, S 1.7 times, the pull-off force 0.956 times``."""
+        """``1.63 times the load at equal depth, 1.7 times S, 0.956 times the pull-off force``."""
         pulls = [f"{value:.3g}" for value in self.pull_off.values() if not isinstance(value, Unknown)]
-        told = [f"the load at equal depth {self.load:.3g} times", f"S {self.stiffness:.3g} times"]
-        return ", ".join(told + ([f"the pull-off force {' and '.join(dict.fromkeys(pulls))} times"] if pulls else []))
+        told = [f"{self.load:.3g} times the load at equal depth", f"{self.stiffness:.3g} times S"]
+        return ", ".join(told + ([f"{' and '.join(dict.fromkeys(pulls))} times the pull-off force"] if pulls else []))
 
     def as_dict(self) -> dict[str, Any]:
         """The radius [m] and the ratios [-] as they stand in JSON."""
@@ -74,13 +71,13 @@ class StickingEffect:
 def sticking_effect(problem: Problem, largest: float, works: Sequence[float]) -> StickingEffect | Unknown:
     """Effect on ``problem`` at the contact radius ``largest`` [m], or why it is not known."""
     if problem.specimen.surface_tension:
-        return Unknown("by how much sticking would differ is not known: it is not derived with surface tension")
+        return Unknown("effect of no slip unknown: it is not derived with surface tension")
     body = unbounded(problem)
     if reason := unable(body.indenter, body.specimen):
-        return Unknown(f"by how much sticking would differ is not known: {reason}")
+        return Unknown(f"effect of no slip unknown: {reason}")
     pair = LayeredContact(body.indenter, body.specimen), StuckLayeredContact(body.indenter, body.specimen)
     if largest > TUNING.widest * pair[1].scale:
-        return Unknown(f"by how much sticking would differ is not looked for at a radius of {largest:.3g} m")
+        return Unknown(f"effect of no slip not computed at a contact radius of {largest:.3g} m")
     a0 = body.indenter.a0
     radii = a0 + (largest - a0) * np.append(np.geomspace(TUNING.smallest, 1.0, TUNING.radii), TUNING.beyond)
     radii = radii[radii < body.indenter.r_max]
@@ -88,7 +85,7 @@ def sticking_effect(problem: Problem, largest: float, works: Sequence[float]) ->
         sliding, sticking = (_series(contact, radii) for contact in pair)
         pull_off = {w: _pull_off(sticking, w, sliding) for w in works if w > 0}
     except JkrError as error:
-        return Unknown(f"by how much sticking would differ could not be computed: {error}")
+        return Unknown(f"effect of no slip unknown: {error}")
     last = min(TUNING.radii, radii.size) - 1
     depth = min(sliding.delta[last], sticking.delta[-1])
     load = _load(sticking, depth) / _load(sliding, depth)
@@ -107,9 +104,7 @@ def _load(series: Series, depth: float) -> float:
 
 
 def _pull_off(sticking: Series, w: float, sliding: Series) -> Estimate:
-    from ..adhesion.curve import AdhesiveCurve, CriticalPoint
-    from ..adhesion.device import LOAD_CONTROL
-    from ..adhesion.nonadhesive import Nonadhesive
+    from ..adhesion import LOAD_CONTROL, AdhesiveCurve, CriticalPoint, Nonadhesive
     from ..adhesion.slopes.choice import slopes
 
     bodies = [Nonadhesive(one, slopes(one, "exact")) for one in (sticking, sliding)]
@@ -126,8 +121,8 @@ def sticking_warnings(problem: Problem, effect: StickingEffect | Unknown) -> Ite
     other = "sliding" if problem.sticks else "sticking"
     assumed = "no slip" if problem.sticks else "no friction"
     yield (
-        f"{assumed} is assumed: against no friction, no slip makes {effect.words} as large (a = "
-        f'{show(effect.a, "length")}); compare specimen.surface = "{other}"'
+        f"{assumed} is assumed: no slip gives {effect.words} of frictionless contact (a = "
+        f'{show(effect.a, "length")}): compare specimen.surface = "{other}"'
     )
 
 
@@ -143,7 +138,7 @@ def effect_on(solution: Solution, works: Sequence[float]) -> StickingEffect | Un
     load, stiffness = (solution.facts.get(f"sticking_over_sliding_{name}") for name in ("load", "S"))
     a = float(solution.series.a[-1])
     if isinstance(load, float) and isinstance(stiffness, float):
-        small = Unknown("not looked for: load and S differ by little")
+        small = Unknown("not computed: load and S hardly differ")
         found = StickingEffect(a, load, stiffness, dict.fromkeys(works, small))
         if found.largest <= TUNING.told:
             return found

@@ -7,13 +7,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..adhesion.curve import AdhesiveCurve, CriticalPoint
-from ..adhesion.device import LOAD_CONTROL
-from ..adhesion.nonadhesive import Nonadhesive
+from ..adhesion import LOAD_CONTROL, AdhesiveCurve, CriticalPoint, Nonadhesive
 from ..adhesion.slopes.exact import exact
-from ..base.errors import JkrError
-from ..base.unknown import Estimate, Unknown
-from ..bodies.problem import Problem
+from ..base import Estimate, JkrError, Unknown
+from ..bodies import Problem
 from ..methods.layered.layered import Layered, unbounded
 from ..series import Series
 from .again import again
@@ -41,7 +38,7 @@ def noticed_tension(problem: Problem, largest: float, works: Sequence[float]) ->
     """The surface tension [N/m] at which the load at equal depth, up to the contact radius ``largest`` [m], or the
     pull-off force of one of ``works`` [J/m^2] is another by ``TUNING.changed``; or why it is not known."""
     if problem.specimen.surface_tension or problem.sticks or problem.indenter.material is not None:
-        return Unknown("told of rigid indenters on surfaces that slide, without surface tension")
+        return Unknown("computed for rigid indenters and frictionless contact without surface tension alone")
     a0 = problem.indenter.a0
     radii = a0 + (largest - a0) * np.geomspace(TUNING.smallest, 1.0, TUNING.radii)
     trial = TUNING.slight * largest * problem.E_star / 2

@@ -1,1 +1,34 @@
 """What is pressed on what: indenters, materials, layers, loading; SI, no mesh, no work of adhesion."""
+
+from __future__ import annotations
+
+from ..base.lazy import lazily
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from .grading import Exponential, Linear, Power, Tabulated
+    from .indenters import (
+        SHAPES,
+        EqualAreaCone,
+        Indenter,
+        Paraboloid,
+        PowerLaw,
+        RoundedCone,
+        RoundedFlat,
+        Sphere,
+        TableProfile,
+    )
+    from .materials import Elastic, Graded, Material, TransverselyIsotropic, contact_modulus
+    from .problem import NO_FINITE_RANGE, HalfSpace, Layer, Loading, Problem, Quantity, Rigid, Specimen
+    from .relaxation import RELAXATIONS, Modes, PowerRelaxation, Prony, Relaxation, StandardSolid
+
+__getattr__ = lazily(
+    __name__,
+    {
+        ".grading": "Exponential Linear Power Tabulated",
+        ".indenters": "SHAPES EqualAreaCone Indenter Paraboloid PowerLaw RoundedCone RoundedFlat Sphere TableProfile",
+        ".materials": "Elastic Graded Material TransverselyIsotropic contact_modulus",
+        ".problem": "NO_FINITE_RANGE HalfSpace Layer Loading Problem Quantity Rigid Specimen",
+        ".relaxation": "RELAXATIONS Modes PowerRelaxation Prony Relaxation StandardSolid",
+    },
+)

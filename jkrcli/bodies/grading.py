@@ -10,10 +10,8 @@ from typing import Annotated, Self
 
 import numpy as np
 
-from ..base.arrays import Array
-from ..base.errors import InputError, positive
-from ..base.registry import Key, Registry
-from ..base.units import AnyLength, Length, Modulus, Ranged
+from ..base import AnyLength, Array, InputError, Key, Length, Ranged, Registry, positive
+from ..base.units import Modulus
 
 LAWS = Registry(given="thickness")
 law = LAWS.register  # decorator: the name by which ``E = { law = ... }`` of a case file calls it

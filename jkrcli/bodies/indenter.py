@@ -12,8 +12,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ..base.arrays import Array
-from ..base.registry import Registry
+from ..base import Array, Registry
 from .materials import Elastic
 
 SHAPES = Registry(given="material")
@@ -48,6 +47,11 @@ class Indenter(ABC):
     def kinks(self) -> tuple[float, ...]:
         """Radii > 0 [m] where the slope f' bends, and with it F, increasing."""
         return ()
+
+    @property
+    def bends(self) -> tuple[float, ...]:
+        """The kinks [m] that are meant, and not what is left between the points of a table."""
+        return self.kinks
 
     @property
     def joints(self) -> tuple[float, ...]:

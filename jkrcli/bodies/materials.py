@@ -11,9 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..base.arrays import Array
-from ..base.errors import InputError, positive
-from ..base.units import show
+from ..base import Array, InputError, positive, show
 from .grading import Law
 
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any, cast
 
-from ..base.errors import InputError, did_you_mean
+from ..base import InputError, did_you_mean
 from .materials import Elastic
 from .problem import HalfSpace, Layer, Problem, Specimen
 

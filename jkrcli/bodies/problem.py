@@ -9,8 +9,7 @@ from typing import Any, Literal, cast
 
 import numpy as np
 
-from ..base.errors import InputError, positive
-from ..base.units import show
+from ..base import InputError, positive, show
 from .indenter import Indenter
 from .materials import Elastic, Graded, Material, TransverselyIsotropic, contact_modulus
 from .relaxation import Relaxation
@@ -242,12 +241,12 @@ class Problem:
     def _refuse_relaxation(self) -> None:
         if self.indenter.material is not None:
             raise InputError(
-                "specimen.relaxation: goes with a rigid indenter: an elastic one does not relax with the specimen; "
+                "specimen.relaxation: needs a rigid indenter: an elastic one does not relax with the specimen; "
                 "leave out indenter.E and nu, or the relaxation"
             )
         if self.sticks:
             raise InputError(
-                'specimen.relaxation: is known of surfaces that slide: leave surface = "sticking" out, or relaxation'
+                'specimen.relaxation: is for frictionless contact: leave surface = "sticking" out, or relaxation'
             )
         if self.specimen.surface_tension:
             raise InputError(

@@ -12,10 +12,7 @@ from typing import Annotated, Any, NamedTuple, Protocol, TypeAlias
 
 import numpy as np
 
-from ..base.arrays import Array
-from ..base.errors import InputError
-from ..base.registry import Registry
-from ..base.units import Ranged, check_ranges, show
+from ..base import Array, InputError, Ranged, Registry, check_ranges, show
 
 Time: TypeAlias = Annotated[float, Ranged("time", above=0)]
 Share: TypeAlias = Annotated[float, Ranged("number", above=0, most=1)]

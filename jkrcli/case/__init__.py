@@ -12,11 +12,10 @@ from typing import Any, TypeVar
 import tomli_w
 from pydantic import ValidationError
 
-from ..base import units
-from ..base.errors import InputError, did_you_mean, nearest
-from ..base.files import read_bytes
+from ..base import InputError, did_you_mean, read_bytes, units
+from ..base.errors import nearest
 from ..base.units import ranges_of
-from ..bodies.indenters import SHAPES
+from ..bodies import SHAPES
 from ..methods import METHODS
 from .models import CaseModel, RootTable, case_model, other_tables
 from .quotes import UnquotedError, has_unquoted

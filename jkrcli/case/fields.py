@@ -21,10 +21,7 @@ from pydantic import (
 from pydantic_core import CoreSchema, InitErrorDetails, PydanticCustomError
 from pydantic_core.core_schema import no_info_before_validator_function
 
-from ..base import units
-from ..base.errors import InputError
-from ..base.registry import Registry
-from ..base.units import Ranged
+from ..base import InputError, Ranged, Registry, units
 
 
 def wrong(message: str) -> PydanticCustomError:

@@ -11,10 +11,8 @@ from typing import Annotated, Any, Literal, Self, get_origin
 
 from pydantic import Field, ValidationInfo, model_validator
 
-from ..base.errors import InputError
-from ..base.files import read_bytes
-from ..bodies.indenters import SHAPES, Indenter
-from ..bodies.materials import Elastic
+from ..base import InputError, read_bytes
+from ..bodies import SHAPES, Elastic, Indenter
 from .fields import BuiltTable, Modulus, Poisson, findings, table_of, wrong
 
 MOST_BYTES = 4 << 20  # choice: of a profile's file, a hundred thousand points are read in a second

@@ -17,9 +17,8 @@ from pydantic import (
     model_validator,
 )
 
-from ..base.errors import InputError
-from ..bodies.indenters import SHAPES
-from ..bodies.problem import NO_FINITE_RANGE, HalfSpace, Loading, Problem, Quantity, Rigid, Specimen
+from ..base import InputError
+from ..bodies import NO_FINITE_RANGE, SHAPES, HalfSpace, Loading, Problem, Quantity, Rigid, Specimen
 from ..formulas.capillary import capillary, kelvin_radius
 from ..methods import METHODS, Descriptor
 from ..series import Record

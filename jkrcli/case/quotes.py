@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from ..base.errors import InputError
+from ..base import InputError
 
 NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 UNIT = r"[a-zA-ZµμÅ°][\w/^²*.-]*"

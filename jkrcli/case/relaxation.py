@@ -8,8 +8,8 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Discriminator, Tag, model_validator
 
-from ..base.errors import InputError, did_you_mean
-from ..bodies.relaxation import RELAXATIONS
+from ..base import InputError, did_you_mean
+from ..bodies import RELAXATIONS
 from .fields import BuiltTable, table_of, wrong
 
 

@@ -6,9 +6,8 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 
-from ..base.errors import JkrError
-from ..base.threads import one_thread
-from ..bodies.problem import Problem
+from ..base import JkrError, one_thread
+from ..bodies import Problem
 from ..methods import Method, method_class
 from ..methods.choose import Choice, choose, long_look
 from ..methods.guards import Limits, admit

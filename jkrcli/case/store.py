@@ -12,14 +12,10 @@ from typing import Any
 import numpy as np
 
 from .. import __version__
-from ..base import hdf5
-from ..base.arrays import Array
-from ..base.errors import InputError
-from ..base.files import read_bytes, write_bytes
+from ..base import Array, Estimate, InputError, Unknown, hdf5, read_bytes, write_bytes
 from ..base.hdf5 import Dataset, Group
 from ..base.units import MOST
-from ..base.unknown import Estimate, Unknown
-from ..bodies.problem import Problem
+from ..bodies import Problem
 from ..series import (
     COLUMNS,
     ErrorBudget,

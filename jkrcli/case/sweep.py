@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from ..base.files import read_bytes
+from ..base import read_bytes
 from . import parse_toml, validated
 from .fields import Length, Table, as_tuple, one_or_more, quantity, wrong
 from .models import RootTable

@@ -4,10 +4,20 @@ from __future__ import annotations
 
 from typing import Any
 
+from ..bodies import (
+    RELAXATIONS,
+    Elastic,
+    Graded,
+    HalfSpace,
+    Layer,
+    Loading,
+    Material,
+    Problem,
+    Rigid,
+    Specimen,
+    TransverselyIsotropic,
+)
 from ..bodies.grading import LAWS, Law
-from ..bodies.materials import Elastic, Graded, Material, TransverselyIsotropic
-from ..bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
-from ..bodies.relaxation import RELAXATIONS
 from . import Case, validated
 from .models import case_model
 

@@ -14,8 +14,7 @@ from collections.abc import Iterator, Sequence
 import click
 
 from .. import __version__
-from ..base import interrupts
-from ..base.errors import InputError, JkrError, did_you_mean, printable
+from ..base import InputError, JkrError, did_you_mean, interrupts, printable
 from ..base.threads import begin_with_one
 from .voice import folded, give_up, level_options, tell, warn
 
@@ -61,7 +60,7 @@ GROUPS = {
     },
     "Help": {
         "show": "Print what a series file holds.",
-        "doctor": "Say what of jkr works on this machine, and how to get the rest.",
+        "doctor": "Check what works on this machine, and how to get the rest.",
         "completion": "Print the completion script of a shell.",
     },
 }

@@ -11,8 +11,7 @@ from statistics import median
 
 import click
 
-from ..base.clock import StageClock
-from ..base.errors import printable
+from ..base import StageClock, printable
 from ..case import Case, load_case, store
 from ..case.solving import solve
 from ..many.cost import process_cost

@@ -8,7 +8,7 @@ from typing import Any
 
 import click
 
-from ..base.errors import InputError, writable
+from ..base import InputError, writable
 from .voice import warn
 
 FLAGS = ("shape", "radius", "half_angle", "modulus", "nu", "thickness", "base")

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from ..base.errors import InputError
+from ..base import InputError
 from ..report.compare import Compared, of_curves, of_solutions
 from ..report.output import PICTURES, Output
 from .measured import begin_reading

@@ -7,9 +7,8 @@ from pathlib import Path
 
 import click
 
-from ..adhesion.law import AskedRange
-from ..base.errors import InputError
-from ..base.units import show
+from ..adhesion import AskedRange
+from ..base import InputError, show
 from ..beside.analysis import Analysis, analyse, with_solved_points
 from ..methods.guards import Limits
 from ..report.cycle import Cycled, CycledByProgram
@@ -121,7 +120,7 @@ def cycle(
 def _turn(to_load: float | None, to_depth: float | None, rates: RateOptions) -> Turn:
     """Where the device turns; InputError where that is said twice."""
     if rates.program is not None and not to_load is to_depth is None:
-        raise InputError("cycle: --program and a turn exclude each other: the table says all")
+        raise InputError("cycle: give either --program or a turn (--to-load, --to-depth)")
     if to_load is not None and to_depth is not None:
         raise InputError("cycle: give at most one of --to-load and --to-depth")
     return Turn(to_load, to_depth)
@@ -130,7 +129,7 @@ def _turn(to_load: float | None, to_depth: float | None, rates: RateOptions) -> 
 def _refuse_range(rates: RateOptions, works: tuple[float, float]) -> None:
     """InputError where adhesion of finite range is asked to lose energy otherwise than in its jumps."""
     if rates.rate is not None:
-        raise InputError("cycle: --rate goes with adhesion without a range: leave --range and the case's out")
+        raise InputError("cycle: --rate has no adhesion of finite range: leave --range and the case's out")
     if works[0] != works[1]:
         raise InputError(
             "cycle: adhesion of finite range loses energy in its jumps alone: give one work of adhesion, got "

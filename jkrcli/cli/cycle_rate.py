@@ -11,15 +11,12 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..adhesion.device import LOAD_CONTROL
-from ..base.errors import InputError
-from ..base.units import parse
+from ..adhesion import LOAD_CONTROL
+from ..base import InputError, parse
 from .options import ParamType
 
 if TYPE_CHECKING:
-    from ..adhesion.program import Program
-    from ..adhesion.rate.history import RateContact
-    from ..adhesion.relaxation.history import RelaxingContact
+    from ..adhesion import Program, RateContact, RelaxingContact
     from ..beside.analysis import Analysis
     from ..report.rate import CycledAtSpeed
 
@@ -61,7 +58,7 @@ class RateOptions:
         if self.rate is not None and (self.speed is None) == (self.program is None):
             raise InputError('cycle: --rate needs what the device does: --speed "10 um/s", or --program TABLE')
         if self.program is not None and (beside := [name for name in self.given if name in ALONE]):
-            raise InputError(f"cycle: {flag(beside[0])} and --program exclude each other: the table says all")
+            raise InputError(f"cycle: give either {flag(beside[0])} or --program")
         if (self.dwell is None) != (self.dwell_time is None):
             raise InputError("cycle: --dwell and --dwell-time go together")
 
@@ -123,8 +120,7 @@ def run(
     curves: Sequence[Analysis], stiffness: float, turn: Turn, points: int, rates: RateOptions
 ) -> CycledAtSpeed:  # fmt: skip
     """What happens over time; ``curves``: those of approach and of retraction."""
-    from ..adhesion.rate.history import RateContact
-    from ..adhesion.rate.laws import rate_law_of
+    from ..adhesion import RateContact, rate_law_of
     from ..report.rate import CycledAtSpeed
 
     inwards, outwards = curves
@@ -136,7 +132,8 @@ def run(
 
 def program_of(contact: RateContact | RelaxingContact, rates: RateOptions, turn: Turn) -> Program:
     """What the device does, of the speeds or of the table."""
-    from ..adhesion.program import dwell, there_and_back
+    from ..adhesion import there_and_back
+    from ..adhesion.program import dwell
 
     loaded, least = contact.stiffness == LOAD_CONTROL, contact.least
     length, speed = ("load", "load rate") if loaded else ("length", "speed")
@@ -155,7 +152,7 @@ def program_of(contact: RateContact | RelaxingContact, rates: RateOptions, turn:
 
 def read_program(path: Path, stiffness: float) -> Program:
     """What the table at ``path`` says that a device of ``stiffness`` [N/m] does."""
-    from ..adhesion.program import Program
+    from ..adhesion import Program
     from ..data import device_program
 
     return Program(*device_program.read_program(path, "load" if stiffness == LOAD_CONTROL else "length"))

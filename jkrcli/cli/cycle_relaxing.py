@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ..base.errors import InputError
-from ..bodies.relaxation import Relaxation
+from ..base import InputError
+from ..bodies import Relaxation
 from .cycle_rate import RateOptions, Turn, flag, program_of
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ def limits_of(law: Relaxation, rates: RateOptions) -> dict[str, float]:
     if rates.rate is None and rates.given:
         raise InputError(
             f"cycle: {flag(rates.given[0])}: adhesion on a body that relaxes is known in the limits of very fast and "
-            "very slow cycles alone, in which time has no part: leave it out, or give --w-approach 0"
+            "very slow cycles alone, which do not depend on time: leave it out, or give --w-approach 0"
         )
     return {"very fast": 1.0} | ({"very slow": law.relaxed} if law.relaxed > 0 else {})
 
@@ -32,7 +32,7 @@ def run(
     body: Analysis, law: Relaxation, stiffness: float, turn: Turn, points: int, rates: RateOptions
 ) -> CycledRelaxing:
     """What happens over time without adhesion."""
-    from ..adhesion.relaxation.history import RelaxingContact
+    from ..adhesion import RelaxingContact
     from ..report.relaxation import CycledRelaxing
 
     if rates.rate is not None:

@@ -16,7 +16,7 @@ from typing import Literal
 import click
 
 from .. import __version__
-from ..base.installing import installs
+from ..base import installs
 from .output import answer, json_option
 from .verb import Verb
 from .voice import present
@@ -116,7 +116,7 @@ def _threads() -> Finding:
 
 def _memory(least: float = 1.0) -> Finding:
     """What is free for a solve, ``least`` [GiB] of it asked for."""
-    from ..base.memory import free_memory
+    from ..base import free_memory
 
     free = free_memory() / 1024
     if math.isinf(free):

@@ -7,9 +7,8 @@ from typing import Any
 
 import click
 
-from ..adhesion.law import AskedRange
-from ..base.errors import InputError
-from ..base.files import write_text
+from ..adhesion import AskedRange
+from ..base import InputError, write_text
 from ..beside.analysis import analyse
 from ..data import measured
 from ..methods.guards import Limits

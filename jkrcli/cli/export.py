@@ -6,9 +6,8 @@ from pathlib import Path
 
 import click
 
-from ..adhesion.law import AskedRange
-from ..base.errors import InputError
-from ..base.files import together, write_text
+from ..adhesion import AskedRange
+from ..base import InputError, together, write_text
 from ..beside.analysis import analyse
 from ..methods.guards import Limits
 from ..report.output import Output

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..adhesion.rate.laws import RATE_LAWS
-from ..base.errors import InputError
+from ..adhesion import RATE_LAWS
+from ..base import InputError
 from ..base.files import TUNING as FILES
 from ..base.files import beside
-from ..bodies.relaxation import RELAXATIONS
+from ..bodies import RELAXATIONS
 from ..methods.guards import Limits
 from ..report.output import PICTURES, SHOWN, Files, Output
 from .body import FLAGS, body_options, given_flags, tables_of
@@ -45,7 +45,7 @@ if TYPE_CHECKING:
 SHALLOW = 0.2  # choice: of the tip radius, to which a body by flags is solved first; the data may ask for more
 POINTED = 5e-6  # choice: [m], in place of the radius of a tip that has none
 SURFACES = {"both": ("sliding", "sticking"), "sliding": ("sliding",), "sticking": ("sticking",)}
-NO_RANGE = "knows no adhesion of finite range, which the case asks for: leave adhesion.range, stress and capillary out"
+NO_RANGE = "has no adhesion of finite range: leave the case's adhesion.range, stress and capillary out"
 
 
 class NamesType(ParamType):
@@ -88,7 +88,7 @@ class NamesType(ParamType):
 @click.option("--segment", type=click.Choice(["approach", "retract", "both"]),
               help="Rows to fit [default: retract where the file names segments, else all].")  # fmt: skip
 @click.option("--base-line", type=click.Choice(["straight", "sine"]), default="straight", show_default=True,
-              help="Of a raw record; sine: on top of it the wave of light that interferes.")  # fmt: skip
+              help="Of a raw record; sine: with optical interference.")  # fmt: skip
 @click.option("--branch", type=click.Choice(["all", "compressive"]), default="all", show_default=True,
               help="compressive: rows under compression only.")  # fmt: skip
 @click.option("--noise", multiple=True, type=ScaleType(),

@@ -6,8 +6,8 @@ import contextlib
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..base.errors import InputError
-from ..base.files import beside, together
+from ..base import InputError, together
+from ..base.files import beside
 from ..methods import Forecast
 from ..methods.guards import Limits
 from ..report.output import PICTURES, SHOWN, Files, Output
@@ -38,7 +38,7 @@ def fit_curves(
     workers: int | None, scheduler: str | None,
 ) -> None:  # fmt: skip
     """Each curve on each of the ``bodies``, which are one under different surfaces: table, archive and pictures."""
-    from ..base.executors import executor
+    from ..base import executor
     from ..data.measured import usable
     from ..identification.fit import Fit
     from ..identification.fit.fitting import Failure, fit_all

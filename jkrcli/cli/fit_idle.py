@@ -8,7 +8,7 @@ from typing import Any
 import click
 from click.core import ParameterSource
 
-from ..base.errors import InputError
+from ..base import InputError
 
 EACH, LAW, RELAXATION, SHARED, TENSION = "each", "--law", "--relaxation", "--shared", "surface_tension"
 EFFECT: Mapping[str, tuple[str, ...]] = {  # others have one on every kind

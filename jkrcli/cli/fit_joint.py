@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from ..base.errors import InputError, SolveError
+from ..base import InputError, SolveError
 from .fit_law import Asked
 from .output import give
 
@@ -17,7 +17,7 @@ def fit_joint(
     asked: Asked, radii: Sequence[float], settings: Settings, shared: Sequence[str], own: Sequence[str]
 ) -> None:
     """One fit of all curves in all files, its table, summary and picture."""
-    from ..base.threads import one_thread
+    from ..base import one_thread
     from ..data.measured import each
     from ..identification.fit.joint import joint_fit, shared_of, with_radii
     from ..report.joint_fit import JointFitted

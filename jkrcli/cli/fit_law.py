@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..base.errors import InputError, SolveError
+from ..base import InputError, SolveError
 from ..report.output import Files, Output
 from .output import give
 
@@ -35,7 +35,7 @@ class Asked:
 
 def fit_law(asked: Asked, law: str) -> None:
     """One fit of all curves in all files, its table, summary and picture."""
-    from ..base.threads import one_thread
+    from ..base import one_thread
     from ..data.measured import each
     from ..identification.rate.fitting import rate_fit, rate_settings
     from ..report.rate_fit import LawFit

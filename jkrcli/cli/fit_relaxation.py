@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..base.errors import InputError
+from ..base import InputError
 from .fit_law import Asked
 from .output import give
 from .voice import warn
@@ -11,7 +11,7 @@ from .voice import warn
 def fit_relaxation(asked: Asked, law: str) -> None:
     """A fit of each curve in all files, their table, summary and picture; curves that cannot be used are skipped and
     said."""
-    from ..base.threads import one_thread
+    from ..base import one_thread
     from ..data.measured import each
     from ..data.text_table import some
     from ..identification.relaxation import relaxation_fit, relaxation_settings

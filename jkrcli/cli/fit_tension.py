@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from ..base.errors import InputError, SolveError
+from ..base import InputError, SolveError
 from .fit_law import Asked
 from .output import give
 

@@ -12,8 +12,7 @@ from typing import Any
 import click
 import tomli_w
 
-from ..base.errors import InputError
-from ..base.files import read_bytes
+from ..base import InputError, read_bytes
 from ..case import Case, load_case, parse_case, store
 from ..case.models import CaseModel, LoadingTable
 from ..data.foreign import NAMES, SeriesReading, read_series

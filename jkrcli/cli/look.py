@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from ..base.errors import InputError
+from ..base import InputError
 from ..report.output import PICTURES, Output
 from .measured import begin_reading, reading_of, reading_options
 from .output import answer, into_folder, output_options, refuse_doubles
@@ -25,8 +25,8 @@ def look(files: tuple[Path, ...], output: Output, **options: Any) -> None:
 
     Says how columns and units were understood, and finds in every curve approach, pause and retraction, the base line
     with its noise, tilt and waviness, where contact begins and ends, jumps, the largest load and the adhesion force;
-    and names what is wrong with a curve: no contact, a wavy base line, a detector at its limit. Where a file lacks its
-    spring constant or sensitivity, 1 stands in, and that is said. Draws <stem>-look.png and .svg.
+    and names what is wrong with a curve: no contact, a wavy base line, a detector at its limit. A file without
+    spring constant or sensitivity is read in arbitrary units, with a warning. Draws <stem>-look.png and .svg.
 
     \b
     jkr look curve.jpk-force

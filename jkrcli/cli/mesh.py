@@ -8,8 +8,7 @@ import click
 import numpy as np
 
 from .. import __version__
-from ..base.files import atomic, together
-from ..base.units import show
+from ..base import atomic, show, together
 from ..case import load_case
 from ..case.numerics import fem_of
 from ..methods.fem.mesh import write_msh, write_vtu

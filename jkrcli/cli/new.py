@@ -7,8 +7,7 @@ from pathlib import Path
 
 import click
 
-from ..base.errors import InputError
-from ..base.files import check_target, write_text
+from ..base import InputError, check_target, write_text
 from .verb import Verb
 from .voice import say
 

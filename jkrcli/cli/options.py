@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..adhesion.device import LOAD_CONTROL
+from ..adhesion import LOAD_CONTROL
 from ..adhesion.slopes import RULES
 from ..base import units
 from ..methods import Forecast

@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..base.errors import InputError
+from ..base import InputError, as_json
 from ..base.files import real
-from ..base.table import as_json
 from ..report.output import Output
 from .voice import present, warn
 

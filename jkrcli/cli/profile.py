@@ -6,8 +6,8 @@ from pathlib import Path
 
 import click
 
-from ..adhesion.law import AskedRange
-from ..base.errors import InputError
+from ..adhesion import AskedRange
+from ..base import InputError
 from ..beside.profile import profile_columns, radius_under
 from ..methods.guards import Limits
 from ..report.output import PICTURES, Output

@@ -7,9 +7,8 @@ from pathlib import Path
 
 import click
 
-from ..adhesion.device import LOAD_CONTROL
-from ..adhesion.law import AskedRange
-from ..base.errors import InputError
+from ..adhesion import LOAD_CONTROL, AskedRange
+from ..base import InputError
 from ..beside.lost import where_lost
 from ..beside.sticking import effect_on, sticking_warnings
 from ..methods.guards import Limits

@@ -8,8 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from .. import __version__
-from ..base.errors import InputError
-from ..base.files import check_series_target
+from ..base import InputError, check_series_target
 from ..case import Case, load_case, store
 from ..case.models import other_tables
 from ..methods import Forecast
@@ -19,7 +18,7 @@ from .options import begin
 from .voice import announce, command_line, note, warn
 
 if TYPE_CHECKING:
-    from ..adhesion.law import AskedRange
+    from ..adhesion import AskedRange
 
 PER_FILE = 0.012  # CPU seconds to read a series; tuned on 300 files, by `make guards`
 IMPORTED = "jkr import"  # how the command line of a series begins that no case gives again
@@ -107,10 +106,10 @@ def first_work(solution: Solution) -> float:
 
 
 def without_range(record: Record, verb: str) -> None:
-    """Refusal by a ``verb`` that knows no adhesion of finite range, where the case of ``record`` asks for it."""
+    """Refusal by a ``verb`` that has no adhesion of finite range, where the case of ``record`` asks for it."""
     if record.stress is not None or record.length is not None:
         raise InputError(
-            f"{verb}: knows no adhesion of finite range, which the case of {record.path} asks for: leave "
+            f"{verb}: has no adhesion of finite range, which the case of {record.path} asks for: leave "
             "adhesion.range, stress and capillary out"
         )
 

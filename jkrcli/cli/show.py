@@ -7,8 +7,8 @@ from typing import Any
 
 import click
 
-from ..base.units import show as quantity
-from ..base.unknown import accuracy
+from ..base import accuracy
+from ..base import show as quantity
 from ..case import plain_toml
 from ..report import archive
 from ..series import COLUMNS, Solution

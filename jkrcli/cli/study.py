@@ -81,7 +81,7 @@ def _command(row: Map) -> click.Command:
     @into_folder("Folder [default: .].", default=Path())
     @output_options(plots="Write the CSV only.", json="Print the table as JSON.")
     def study_map(output: Output, workers: int | None, scheduler: str | None, **axes: Any) -> None:
-        from ..base.executors import executor
+        from ..base import executor
 
         given = {name: value for name, value in axes.items() if value not in (None, ())}
         files = output.files(output.folder(Path()) / f"{row.name}-map", (".csv", *PICTURES))

@@ -7,8 +7,7 @@ from pathlib import Path
 
 import click
 
-from ..base.errors import InputError
-from ..base.executors import executor
+from ..base import InputError, executor
 from ..case import load_case
 from ..case.numerics import method_of
 from ..many.study.converge import converge

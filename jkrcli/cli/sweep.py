@@ -7,19 +7,18 @@ from pathlib import Path
 
 import click
 
-from ..base.errors import InputError, printable
+from ..base import InputError
 from ..case import plain_toml
 from ..many.sweep.plan import Plan, load_plan
-from ..many.sweep.running import Means, alone, rerun
+from ..many.sweep.result import Swept
+from ..many.sweep.running import Means, alone
 from ..many.sweep.running import sweep as carry_out
-from ..many.sweep.solving import FAILED
-from ..many.sweep.table import STEM, SweepTable
-from ..report import tables
+from ..many.sweep.table import STEM
 from ..report.output import PICTURES, Files, Output
 from .options import NumberRange, parallel_options
-from .output import into_folder, output_options
+from .output import answer, give, into_folder, output_options
 from .verb import Verb
-from .voice import note, present, progress, warn
+from .voice import note, progress
 
 
 @click.command(cls=Verb)
@@ -56,22 +55,23 @@ def sweep(
     if show_case is not None:
         click.echo(plain_toml(plan.case(_number(plan, show_case, "--show-case")).to_toml()), nl=False)
     elif only is not None:
-        _print_row(plan, _number(plan, only, "--only"), output.json)
+        row = alone(plan, _number(plan, only, "--only"))
+        answer(row.summary()) if output.json else click.echo(str(row))
     else:
         folder = replace(output, where=output.where or Path(f"{sweep_file.stem}-results")).folder(Path())
         pictures = output.files(folder / STEM, PICTURES)
         means = Means(workers, scheduler, hours, retry_failed, progress)
-        table, paths = carry_out(plan, folder, means, output.force, note)
-        if output.plots and _draw(plan, table, pictures):
-            paths += [pictures[ending] for ending in PICTURES]
-        _print_summary(plan, table, paths, output.json)
+        found = carry_out(plan, folder, means, output.force, note)
+        if output.plots and _draw(found, pictures):
+            found = replace(found, files=(*found.files, *(pictures[ending] for ending in PICTURES)))
+        give(found, output, f"  written   {', '.join(map(str, found.files))}")
 
 
-def _draw(plan: Plan, table: SweepTable, pictures: Files) -> bool:
+def _draw(found: Swept, pictures: Files) -> bool:
     """Whether the table has a picture; it is written."""
     from ..many.sweep.figure import sweep_figure
 
-    figure = sweep_figure(plan, table)
+    figure = sweep_figure(found.plan, found.table)
     pictures.write(figure=figure)
     return figure is not None
 
@@ -80,35 +80,3 @@ def _number(plan: Plan, number: int, option: str) -> int:
     if number >= plan.count:
         raise InputError(f"{option}: the cases of {plan.source} are numbered 0 to {plan.count - 1}, got {number}")
     return number
-
-
-def _print_row(plan: Plan, number: int, as_json: bool) -> None:
-    row = alone(plan, number)
-    inputs = dict(zip(plan.key_columns, plan.values(number).values(), strict=True))
-    outputs = dict(zip(plan.recipe.wanted.columns, row.values, strict=True))
-    whole = {"case": number, "status": row.status, "reason": row.reason, **inputs, **outputs}
-    if as_json:
-        click.echo(tables.as_json(whole).rstrip())
-        return
-    for name, value in whole.items():
-        click.echo(printable(f"{name:<40} {'' if value is None else value}".rstrip()))
-
-
-def _print_summary(plan: Plan, table: SweepTable, paths: list[Path], as_json: bool) -> None:
-    failed = table.failed
-    if as_json:
-        summary = {
-            "format": "jkr-sweep-summary",
-            "cases": plan.count,
-            FAILED: len(failed),
-            "columns": list(table.columns),
-            "files": [str(path) for path in paths],
-        }
-        click.echo(tables.as_json(summary).rstrip())
-    else:
-        present([
-            f"{plan.count:,} cases, {len(failed):,} of them failed: {plan.title or plan.source}",
-            f"  one case  {rerun(plan, failed[0][0] if failed else 0)}",
-        ], last=f"  written   {', '.join(str(path) for path in paths)}")  # fmt: skip
-    if failed:
-        warn(f"{len(failed):,} cases failed, the first because: {failed[0][1]}")

@@ -4,28 +4,23 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..adhesion.law import AskedRange
-from ..base.errors import InputError
-from ..base.unknown import Unknown
-from ..beside.analysis import Analysis, analyse
-from ..beside.sticking import StickingEffect, as_told, effect_on, sticking_warnings
+from ..adhesion import AskedRange
+from ..base import InputError
+from ..beside.analysis import analyse
+from ..beside.sticking import effect_on, sticking_warnings
 from ..methods.guards import Limits
-from ..report import tables
-from ..report import transform as report
 from ..report.output import PICTURES, Files, Output
-from ..report.scaling import Scales, own_scales, scales_of
+from ..report.result import as_result
+from ..report.scaling import own_scales, scales_of
+from ..report.transform import Transformed, figure_of
 from .options import ScaleType, WorkType, limits_options, modulus_factor_option, range_options, slopes_option
 from .output import answer, into_folder, output_options, refuse_doubles
 from .series import begin_curves, read_files, works_of
 from .verb import Verb
 from .voice import present, warn
-
-if TYPE_CHECKING:
-    from ..report.plots import Figure
 
 
 @click.command(cls=Verb)
@@ -82,15 +77,18 @@ def transform(
     plans = _plans(files, wanted, asked, modulus_factor, together, output)
     summaries, told, written, warnings = [], list[list[str]](), list[str](), list[str]()
     for solution, plan in zip(held, plans, strict=True):
-        results = analyse(solution, plan.works, slopes, modulus_factor, plan.asked)
         effect = effect_on(solution.scaled(modulus_factor), plan.works)
-        for result, target in zip(results, plan.targets, strict=True):
-            scales = scales_of(result.problem, result.w, dimensionless) if dimensionless else users
-            summaries.append(_write(result, target, scales, figures, effect))
+        curves, results = analyse(solution, plan.works, slopes, modulus_factor, plan.asked), list[Transformed]()
+        for found, target in zip(curves, plan.targets, strict=True):
+            scales = scales_of(found.problem, found.w, dimensionless) if dimensionless else users
+            result = as_result(Transformed, found, scales=scales, effect=effect)
+            summaries.append(result.summary())
+            target.write(result.columns, summaries[-1], result.figure() if figures else None)
+            results.append(result)
         if plan.picture is not None:
-            plan.picture.write(figure=_figure(results, users))
+            plan.picture.write(figure=figure_of(results))
         warnings += [f"{solution.record.path}: {text}" for text in sticking_warnings(solution.problem, effect)]
-        told += map(report.words, results)
+        told += [result.words() for result in results]
         written += map(str, plan.targets)
         warnings += [f"{result.path}: {text}" for result in results for text in result.warnings if not output.json]
     if output.json:
@@ -137,29 +135,3 @@ def _plans(
             for begin, end in zip(begins, ends, strict=True)
         ]
     return [_Plan(*each) for each in zip(wanted, asked, targets, pictures, strict=True)]
-
-
-def _write(
-    result: Analysis, target: Files, scales: Scales | None, with_plots: bool, effect: StickingEffect | Unknown
-) -> dict[str, Any]:
-    """Write table, summary and plots of one curve; the figure is drawn before anything is written."""
-    columns, summary = tables.curve_columns(result.curve), tables.summary(result) | {"sticking": as_told(effect)}
-    if scales is not None:
-        columns |= scales.columns(result)
-        summary["scales"] = {"name": scales.name, "P_N": scales.P, "delta_m": scales.delta, "a_m": scales.a}
-    figure = None
-    if with_plots:
-        from ..report.plots import curve as plots_curve
-
-        units = plots_curve.physical_units(result.curve) if scales is None else plots_curve.units_of(scales)
-        figure = plots_curve.curve_figure(result, units)
-    target.write(columns, summary, figure)
-    return summary
-
-
-def _figure(results: list[Analysis], users: Scales | None) -> Figure:
-    """One picture of the curves of one body for several works of adhesion."""
-    from ..report.plots import curve as plots_curve
-
-    units = plots_curve.physical_units(results[-1].curve) if users is None else plots_curve.units_of(users)
-    return plots_curve.curves_figure(results, units)

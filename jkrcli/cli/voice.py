@@ -16,8 +16,7 @@ from typing import Any, TextIO
 
 import click
 
-from ..base.clock import SILENCE, duration
-from ..base.errors import printable, writable
+from ..base import SILENCE, duration, printable, writable
 
 LEVEL, SAID, ANNOUNCED = "jkr.level", "jkr.said", "jkr.announced"
 QUIET, USUAL, VERBOSE = range(3)

@@ -53,7 +53,7 @@ def work(
     jkr work gel.h5 probe.csv --unit P=mN --flip delta --stiffness "2 kN/m"
     jkr work data.h5 map.jpk-force-map --contact estimate --segment retract
     """
-    from ..base.executors import executor
+    from ..base import executor
     from ..beside.analysis import nonadhesive
     from ..identification.work_of_files import along_file, evaluation_of
     from ..report.work import Work

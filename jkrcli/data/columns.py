@@ -8,8 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..base.arrays import Array
-from ..base.errors import InputError, did_you_mean
+from ..base import Array, InputError, did_you_mean
 from ..base.units import MOST
 from .text_table import TextTable, unit_power
 

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ..base.arrays import Array
-from ..base.errors import InputError
+from ..base import Array, InputError
 from .columns import split_name
 from .text_table import read_table, unit_power
 

@@ -10,12 +10,9 @@ from typing import Any, Literal
 
 import numpy as np
 
-from ..base.arrays import Array
-from ..base.errors import InputError
+from ..base import Array, InputError, Unknown
 from ..base.units import MOST
-from ..base.unknown import Unknown
-from ..bodies.indenters import Indenter, Sphere
-from ..bodies.problem import Loading, Problem
+from ..bodies import Indenter, Loading, Problem, Sphere
 from ..series import ErrorBudget, RawSeries, Series, Solution, filter_plateaus, is_series
 from .columns import CONTACT, Vocabulary, asked, check_chosen, remarks, with_units, words
 from .noisy_rows import is_noise, near_first_touch

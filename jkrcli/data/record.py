@@ -12,10 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..base.arrays import Array
-from ..base.errors import InputError
-from ..base.units import show
-from ..base.unknown import Estimate, Unknown, known
+from ..base import Array, Estimate, InputError, Unknown, known, show
 from .measured import Curve
 from .measured.contact import saturation
 from .measured.curve import APPROACH, RETRACT
@@ -230,7 +227,7 @@ def _found(delta: Array) -> list[Segment]:
     smooth = np.convolve(np.pad(delta, window, mode="edge"), np.ones(2 * window + 1) / (2 * window + 1), "valid")
     turn = int(np.argmax(smooth))
     speed = np.abs(np.gradient(smooth))
-    moving = speed >= TUNING.still * np.median(speed[speed >= np.median(speed)])
+    moving = speed >= TUNING.still * _usual_speed(speed)
     before, after = np.flatnonzero(moving[:turn]), np.flatnonzero(moving[turn:])
     first = int(before[-1]) if before.size else 0
     last = turn + int(after[0]) - 1 if after.size else n - 1
@@ -240,6 +237,13 @@ def _found(delta: Array) -> list[Segment]:
         first = last = -1
     parts = [Segment(APPROACH, 0, first), Segment(PAUSE, first + 1, last), Segment(RETRACT, last + 1, n - 1)]
     return [part for part in parts if len(part) > TUNING.least_part * n]
+
+
+def _usual_speed(speed: Array) -> float:
+    """The speed at which half of the way is covered or less: pauses have no part in it, however long they last."""
+    ordered = np.sort(speed)
+    way = np.cumsum(ordered)
+    return float(ordered[np.searchsorted(way, way[-1] / 2)])
 
 
 def _direction(position: Array, P: Array, segment: Segment) -> Direction:
@@ -257,7 +261,7 @@ def _direction(position: Array, P: Array, segment: Segment) -> Direction:
     lowest = int(np.argmin(off))
     tension: Estimate = float(-off[lowest])
     if -off[lowest] < base.least:
-        tension = Unknown("no tension is told from the noise")
+        tension = Unknown("no tension beyond the noise")
     rows = range(segment.first, segment.last + 1)[::order]
     falls, others = _jumps(off, base)
     turn = x.max() - TUNING.turning * np.ptp(x)  # beyond, a change of drag is no event
@@ -318,22 +322,22 @@ def _best_cut(x: Array, y: Array) -> int:
     """The number of rows before the cut at which a straight line up to it and a parabola beyond leave least."""
     n = x.size
     cuts = np.unique(np.linspace(max(5, round(TUNING.far * n)), n - 4, min(n, 200)).astype(int))
-    line = _misfits(x, y, 1)[cuts - 1]
-    curve = _misfits(x[::-1], y[::-1], 2)[n - cuts - 1]
+    line = _misfits(x, y, 1, cuts)
+    curve = _misfits(x[::-1], y[::-1], 2, n - cuts)
     return int(cuts[np.argmin(line + curve)])
 
 
-def _misfits(x: Array, y: Array, degree: int) -> Array:
-    """Sum of squares left by the polynomial of ``degree`` through the first k rows, for every k (of index k - 1)."""
+def _misfits(x: Array, y: Array, degree: int, rows: Array) -> Array:
+    """Sums of squares left by the polynomial of ``degree`` through so many of the first ``rows``."""
     u = (x - x.mean()) / (np.ptp(x) or 1.0)
     v = (y - y.mean()) / (np.ptp(y) or 1.0)
-    powers = np.cumsum(u[:, None] ** np.arange(2 * degree + 1), axis=0)
-    right = np.cumsum(v[:, None] * u[:, None] ** np.arange(degree + 1), axis=0)
+    powers = np.cumsum(np.vander(u, 2 * degree + 1, increasing=True), axis=0)[rows - 1]
+    right = np.cumsum(v[:, None] * np.vander(u, degree + 1, increasing=True), axis=0)[rows - 1]
     index = np.arange(degree + 1)
     normal = powers[:, index[:, None] + index]
     normal = normal + 1e-12 * powers[:, :1, None] * np.eye(degree + 1)
     solution = np.linalg.solve(normal, right[..., None])[..., 0]
-    return np.maximum(np.cumsum(v**2) - np.einsum("ki,ki->k", solution, right), 0.0)
+    return np.maximum(np.cumsum(v**2)[rows - 1] - np.einsum("ki,ki->k", solution, right), 0.0)
 
 
 def _base_line(x: Array, y: Array, end: int) -> BaseLine:
@@ -383,27 +387,35 @@ def _touch(x: Array, off: Array, base: BaseLine, end: int) -> tuple[int, float]:
 
 def _jumps(off: Array, base: BaseLine) -> tuple[list[tuple[int, int]], list[tuple[int, int]]]:
     """Rows before and after which the load changes at once, seen from the far end inwards: falls to tension (the jump
-    into contact on approach, those of pull-off on retraction), and all others.
+    into contact on approach, those of pull-off on retraction) and any change of a tension beyond, and all others.
 
     At once: within a few rows, and far beyond what the load does before and after; a kink is none.
     """
+    fall, rise, width = _sudden(off, base)
+    if not fall.any() and not rise.any():
+        return [], []
+    tension = -off / base.least if base.least else -np.sign(off)
+    jump = fall & (tension[width:] > 1)
+    within = rise & (np.minimum(tension[width:], tension[:-width]) > 1) & np.maximum.accumulate(jump)
+    return _runs(jump | within, width), _runs(fall & (tension[width:] < TUNING.doubtful) | rise & ~within, width)
+
+
+def _sudden(off: Array, base: BaseLine) -> tuple[Array, Array, int]:
+    """Where the load falls and where it rises at once, over so many rows."""
     width = max(1, round(off.size * TUNING.block / 4))
     if off.size <= 4 * width:
-        return [], []
+        return np.zeros(0, bool), np.zeros(0, bool), off.size
     step = off[width:] - off[:-width]
     least = max(TUNING.sigmas * math.sqrt(2) * base.noise, TUNING.jump * float(np.ptp(off)))
     before, after = _usual(step, width)
-    fall = step < np.minimum(before, after) - least
-    rise = step > np.maximum(before, after) + least
-    tension = -off[width:] / base.least if base.least else -np.sign(off[width:])
-    return _runs(fall & (tension > 1), width), _runs(fall & (tension < TUNING.doubtful) | rise, width)
+    return step < np.minimum(before, after) - least, step > np.maximum(before, after) + least, width
 
 
 def _first_fall(off: Array, base: BaseLine) -> int:
     """The row at which the load falls at once for the first time: what is beyond is held, by a tether or a second
     contact, however straight it is; the number of rows where none does, or too near the far end."""
-    found = [first for runs in _jumps(off, base) for first, last in runs if off[last] < off[first]]
-    return min((first for first in found if first >= TUNING.far * off.size), default=off.size)
+    fall, _, width = _sudden(off, base)
+    return min((first for first, _ in _runs(fall, width) if first >= TUNING.far * off.size), default=off.size)
 
 
 def _usual(step: Array, width: int) -> tuple[Array, Array]:
@@ -442,8 +454,7 @@ def _missing(parts: Sequence[Segment], directions: Sequence[Direction]) -> Itera
             continue
         few = sum(len(part) for part in parts if part.kind == kind)
         if few:
-            count = "is 1" if few == 1 else f"are {few}"
-            yield f"no {kind}", f"of its rows there {count}, at least {TUNING.least_rows} are needed"
+            yield f"no {kind}", f"{few} of its rows, at least {TUNING.least_rows} are needed"
         else:
             yield f"no {kind}", f"only {other} rows" if other in kinds else "neither approach nor retraction"
 
@@ -456,11 +467,11 @@ def _on_base_lines(curve: Curve, touched: Sequence[Direction]) -> Iterator[tuple
         name, waviness = item.segment.kind, item.base.waviness
         if not item.begins_free:
             end = "begins" if name == APPROACH else "ends"
-            yield "no base line", f"the {name} {end} in contact, or its load is nowhere a straight line"
+            yield "no base line", f"the {name} {end} in contact, or has no straight part"
         elif waviness > TUNING.wavy * span:
             said = (
-                f"the {name}'s base line deviates from straight by {show(waviness, 'load')}, {waviness / span:.0%} of "
-                "the range of the load (fit --base-line sine, if light interferes)"
+                f"the {name}'s base line is wavy by {show(waviness, 'load')}, {waviness / span:.0%} of "
+                "the range of the load (optical interference: fit --base-line sine)"
             )
             yield "wavy base line", said
 
@@ -470,12 +481,12 @@ def _on_jumps(touched: Sequence[Direction]) -> Iterator[tuple[str, str]]:
     for item in touched:
         name = item.segment.kind
         if len(item.jumps) > 1:
-            yield "several contacts", f"the {name} holds {len(item.jumps)} jumps to tension"
+            yield "several contacts", f"{len(item.jumps)} jumps under tension in the {name}"
         if item.steps:
             step = max(item.steps, key=lambda step: abs(step.step))
             said = (
-                f"the load of the {name} changes at once by {show(step.step, 'load', 3)} at row {step.row + 1}: of the "
-                "base line, by a second contact, or by slip"
+                f"the load of the {name} steps by {show(step.step, 'load', 3)} at row {step.row + 1}: "
+                "base line, second contact, or slip"
             )
             yield "step", said
 
@@ -483,12 +494,12 @@ def _on_jumps(touched: Sequence[Direction]) -> Iterator[tuple[str, str]]:
 def _on_signs(curve: Curve, directions: Sequence[Direction]) -> Iterator[tuple[str, str]]:
     """Flags of devices that run to and fro, and of columns that count the other way round."""
     if any(_wanders(curve.device[item.segment.rows]) for item in directions):
-        yield "no force curve", "the device runs to and fro"
+        yield "no force curve", "the device reverses more than once"
     for item in directions:
         name = item.segment.kind
         if _goes_back(curve, item):
             which = f" of the {name}" if len(directions) > 1 else ""  # of one that returns the last bits chose the name
-            said = f"the displacement{which} goes the other way: it is positive into the specimen (--flip delta)"
+            said = f"the displacement{which} has the opposite sign: it is positive into the specimen (--flip delta)"
             yield "wrong way", said
         elif _pulls_deepest(curve, item):
             said = f"the load of the {name} is least where the device presses deepest"

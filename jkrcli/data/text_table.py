@@ -13,11 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..base import allowance
-from ..base.arrays import Array
-from ..base.errors import InputError
-from ..base.files import read_bytes
-from ..base.units import UNITS
+from ..base import UNITS, Array, InputError, allowance, read_bytes
 
 BLANK = "blank"
 SEPARATORS = {"tab": "\t", "semicolon": ";", "comma": ",", BLANK: None}
@@ -33,6 +29,7 @@ COMMENTS = ("#", "%", "//", "**", "!")
 HEADINGS = ("columns:", "units:")  # before the names and units themselves, in comment heads
 OTHER_UNITS = ("", "-", "1", "V", "mV")
 SHEETS = (".xls", ".xlsx", ".ods")  # choice: endings of spreadsheets, which are no text
+MEND = ": correct it, or put # before it"
 WRONG_LINES_SHOWN = 5
 MOST_COLUMNS = 10_000  # choice: a map of 64 x 64 curves beside each other and more
 LONGEST_HEAD = 100 * MOST_COLUMNS  # choice: characters of a line of words; longer ones name no columns
@@ -43,6 +40,7 @@ _THOUSANDS = {  # by the decimal mark: a number whose digits are grouped, always
 }
 _GROUPED = re.compile(r"[1-9]\d{0,2},\d{3}\Z")
 _LETTER = re.compile(r"[^\W\d]")
+_DIGIT = re.compile(r"\d")
 _WORD = re.compile(r"[^\W\d]|\d{1,2}:\d\d(?!\d)")  # a time of day is none of the numbers of a table
 _ROW = re.compile(r"""\s*["']?[+-]?[.,]?\d""")  # a line that begins with a number
 
@@ -55,6 +53,7 @@ class TextTuning:
     head: int = 400  # choice: lines at the begin, for the dialect
     spread: int = 200  # choice: about as many of the rest
     rounded: float = 1e-6  # choice: of the range of a column, by which copies of it differ
+    gaps: float = 0.1  # choice: of the rows, that may lack a number
     comments: int = 10_000  # choice: at either end of those that a file begins with; between them nothing is named
 
 
@@ -92,10 +91,11 @@ class Dialect:
         mark = SEPARATORS[self.separator]
         return mark in line if mark is not None else len(line.split(None, 1)) > 1
 
-    def numbers(self, line: str, width: int = 0) -> list[float] | None:
+    def numbers(self, line: str, width: int = 0, gaps: bool = False) -> list[float] | None:
         """The numbers of a line, or None where one of its cells is none; nan for an empty cell.
 
-        ``width``: of the table, where it is known: a line that ends in empty cells has as many.
+        ``width``: of the table, where it is known: a line that ends in empty cells has as many. ``gaps``: nan also for
+        a cell without a digit, "n.a." or "overload", in a line that begins with a number.
         """
         cells = self.cells(line)
         if self.ends(line) and (len(cells) == width - 1 or len(cells) in self.text):
@@ -104,6 +104,8 @@ class Dialect:
             cells = ["0" if i in self.text else cell for i, cell in enumerate(cells)]
         if len(cells) > 1 and "" in cells and any(cells):
             cells = [cell or "nan" for cell in cells]
+        if gaps and (0 in self.text or _DIGIT.match(cells[0].lstrip("+-.,"))):
+            cells = [cell if _DIGIT.search(cell) or _NUMBER.match(cell) else "nan" for cell in cells]
         if self.thousands:
             found = [(cell, _THOUSANDS[self.decimal].match(cell)) for cell in cells]
             cells = [cell.replace(match[1], "") if match else cell for cell, match in found]
@@ -170,8 +172,8 @@ def read_table(
     ``content``: the bytes of the file, where it lies in another one.
 
     ``is_text``: whether a column, of its index (from 0) and header cell, holds words, not numbers. ``finite``: refuse
-    rows with nan or inf. ``is_note``: whether a line of words between the rows is one of the notes, as comments are;
-    the header may come again behind it.
+    rows with nan or inf; else a cell that holds a word alone is nan. ``is_note``: whether a line of words between the
+    rows is one of the notes, as comments are; the header may come again behind it.
     Raises InputError, a line per mistake, where there is no table or a row differs in its number of cells.
     """
     most = allowance.TUNING.text
@@ -200,9 +202,9 @@ def _table(
         dialect = _dialect(lines_of_file, separator, decimal, least, is_text)
     if dialect is None:
         sheet = path.suffix.lower() in SHEETS
-        remedy = "save the sheet as CSV" if sheet else "give the separator and the decimal mark if they are unusual"
+        remedy = "save the sheet as CSV" if sheet else "give --separator and --decimal if they are unusual"
         raise InputError(f"{path}: holds no row of at least {least} numbers; {remedy}")
-    lines, values = _rows(lines_of_file, dialect, least)
+    lines, values = _rows(lines_of_file, dialect, least, gaps=not finite)
     if decimal is None:
         _refuse_doubtful(path, [(n, line) for n, line in sample if n >= lines[0]], dialect)
     dialect = replace(dialect, text=frozenset(i for i in dialect.text if i < values.shape[1]))
@@ -287,14 +289,17 @@ def _refuse_doubtful(path: Path, content: list[tuple[int, str]], dialect: Dialec
             )
 
 
-def _rows(content: list[tuple[int, str]], dialect: Dialect, least: int) -> tuple[Array, Array]:
-    """Lines and values of all rows of numbers."""
+def _rows(content: list[tuple[int, str]], dialect: Dialect, least: int, gaps: bool) -> tuple[Array, Array]:
+    """Lines and values of all rows of numbers; ``gaps``: a few with words in place of some too, behind the first."""
     first, row = next(_data(content, dialect, least))
     body = [(n, line) for n, line in content if n >= first]
     values = _regular(body, dialect, len(row))
     if values is not None:
         return np.array([n for n, _ in body]), values
     rows = list(_data(body, dialect, least))
+    if gaps:
+        more = list(_data(body, dialect, least, gaps=True))
+        rows = more if len(more) - len(rows) <= TUNING.gaps * len(more) else rows
     return np.array([n for n, _ in rows]), np.array([row for _, row in rows])
 
 
@@ -398,12 +403,16 @@ def _with_words(content: list[tuple[int, str]], dialect: Dialect, least: int) ->
     return replace(dialect, text=frozenset(found if width - len(found) >= least else ()))
 
 
-def _data(content: list[tuple[int, str]], dialect: Dialect, least: int) -> Iterator[tuple[int, list[float]]]:
-    """The rows of numbers, all as wide as the first."""
+def _data(
+    content: list[tuple[int, str]], dialect: Dialect, least: int, gaps: bool = False
+) -> Iterator[tuple[int, list[float]]]:
+    """The rows of at least ``least`` numbers, all as wide as the first; ``gaps``: behind it also those of fewer."""
     width = 0
     for n, line in content:
-        row = dialect.numbers(line, width) if dialect.divides(line) and not _is_comment(line) else None
-        if row is not None and len(row) == (width or len(row)) and len(row) - sum(map(math.isnan, row)) >= least:
+        wide = gaps and width > 0
+        row = dialect.numbers(line, width, wide) if dialect.divides(line) and not _is_comment(line) else None
+        fits = row is not None and len(row) == (width or len(row))
+        if row is not None and fits and (wide or len(row) - sum(map(math.isnan, row)) >= least):
             width = len(row)
             yield n, row
 
@@ -419,11 +428,11 @@ def _check_rows(
     wrong = []
     for n, line in content:
         if n in bad:
-            wrong.append(f'{path}: line {n} must hold finite numbers, got "{line.strip()[:60]}"')
+            wrong.append(f'{path}: line {n} must hold finite numbers, got "{line.strip()[:60]}"{MEND}')
         elif n > lines[0] and n not in rows and not _is_comment(line) and any(dialect.cells(line)):
             expected = f"{width - len(dialect.text)} numbers{words}"
             alone = _LETTER.match(line.strip()) and not dialect.divides(line.strip())
-            remedy = ": remove it, or put # before it" if alone else ""
+            remedy = ": remove it, or put # before it" if alone else MEND
             wrong.append(f'{path}: line {n} must hold {expected}, got "{line.strip()[:60]}"{remedy}')
     if wrong:
         raise InputError(some(wrong))
@@ -456,7 +465,8 @@ def _names(header: list[str], dialect: Dialect, width: int, more: bool) -> tuple
         return ("",) * width
     last = titles[-1]
     if len(titles) > 1 and all(map(_is_unit, last)):
-        return tuple(f"{name} [{unit.strip('[]()')}]" for name, unit in zip(titles[-2], last, strict=True))
+        units = (unit.strip("[]()") for unit in last)
+        return tuple(f"{name} [{unit}]" if unit else name for name, unit in zip(titles[-2], units, strict=True))
     return tuple(last)
 
 

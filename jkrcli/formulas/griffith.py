@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..base.arrays import Array
+from ..base import Array
 
 
 def shift(w: float, a: Array | float, dS: Array | float) -> Any:

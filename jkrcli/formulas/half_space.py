@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from ..base.arrays import Array
+from ..base import Array
 from .griffith import shift
 
 

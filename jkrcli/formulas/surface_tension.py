@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from ..base.arrays import Array
+from ..base import Array
 
 
 def displacement(z: Array) -> Array:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..base.arrays import Array
+from ..base import Array
 
 
 def foundation_modulus(E: float, nu: float, h: float) -> float:

@@ -16,8 +16,7 @@ from functools import cached_property
 import numpy as np
 from scipy import optimize
 
-from ..base.arrays import Array
-from ..base.errors import JkrError, SolveError
+from ..base import Array, JkrError, SolveError
 from .fit.settings import Loss
 from .fit.statistics import costs
 

@@ -14,13 +14,9 @@ from typing import Any
 
 import numpy as np
 
-from ..adhesion.nonadhesive import Nonadhesive
-from ..adhesion.program import Program
-from ..adhesion.relaxation.history import RelaxingContact
-from ..base.arrays import Array
-from ..base.errors import InputError, JkrError, did_you_mean
-from ..base.units import parse, show
-from ..bodies.relaxation import RELAXATIONS, Relaxation
+from ..adhesion import Nonadhesive, Program, RelaxingContact
+from ..base import Array, InputError, JkrError, did_you_mean, parse, show
+from ..bodies import RELAXATIONS, Relaxation
 from ..data.measured import Curve
 from .fit.body import FittedBody
 from .fit.points import third_differences
@@ -61,8 +57,8 @@ class RelaxationFitTuning:
 
 TUNING = RelaxationFitTuning()
 AS_READ = (
-    "neither device nor load moved in straight pieces: the displacement of the tip is taken as it was read, its noise "
-    "has no part in the intervals"
+    "neither device nor load moved at constant rates: the displacement of the tip is used as read, its noise is not "
+    "in the intervals"
 )
 ZEROS = {"delta0": "length", "P0": "load", "tilt": "stiffness"}  # no more than added to what is read
 DIMENSIONS = {"modulus": "number", "ratio": "number", "exponent": "number", **ZEROS}
@@ -265,7 +261,7 @@ def relaxation_fit(body: FittedBody, curve: Curve, settings: RelaxationSettings)
     """The parameters that bring the history of ``body`` nearest to the record ``curve``; InputError where it does not
     allow it."""
     if body.problem.indenter.material is not None or body.problem.sticks:
-        raise InputError("fit: --relaxation goes with a rigid indenter and surfaces that slide")
+        raise InputError("fit: --relaxation needs a rigid indenter and frictionless contact")
     record = timed_record(curve)
     settings = _with_base_line(record, settings)
     body = body.to_depth(TUNING.deeper * record.depth)
@@ -290,9 +286,7 @@ def _fewer(body: FittedBody, fit: RelaxationFit) -> str | None:
     rise = scores[0] - scores[1] + (len(fit.free) - len(fewer.free)) * math.log(rows)
     if rise < 0:
         return None
-    return (
-        f"{terms + 1} terms are not told from {terms}, whose score is better by {rise:.2g} (BIC): take --terms {terms}"
-    )
+    return f"{terms} terms fit as well as {terms + 1} (BIC better by {rise:.2g}): take --terms {terms}"
 
 
 def _with_base_line(record: TimedRecord, settings: RelaxationSettings) -> RelaxationSettings:
@@ -429,7 +423,7 @@ class _Problem:
             found.append((float(np.sum(thin.residuals(theta) ** 2)), theta[: len(self.settings.free)], values))
         if not found:
             raise InputError(
-                f"{self.record.curve.where}: no history of this body comes near the record{reason}: it must press, "
+                f"{self.record.curve.where}: no history of this body resembles the record{reason}: it must press, "
                 "wait and retract once; check the units and the tip's radius, or fix delta0"
             )
         _, own, values = min(found, key=lambda item: item[0])
@@ -531,7 +525,7 @@ def _warnings(fit: RelaxationFit, program: Program) -> list[str]:
     """What a reader should know, each with its number."""
     said = list(fit.record.said)
     if fit.covariance is None:
-        said.append(f"the record does not tell {', '.join(fit.free)} apart: fix one of them, such as delta0")
+        said.append(f"the record does not determine {', '.join(fit.free)} together: fix one of them, such as delta0")
     for item in fit.estimates:
         if item.name in fit.free and item.name not in ZEROS and (item.error or 0) > TUNING.vague * item.value:
             said.append(

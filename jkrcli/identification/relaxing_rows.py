@@ -7,8 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..base.arrays import Array
-from ..base.units import show
+from ..base import Array, show
 from ..data.measured import Curve
 from .motion import corners
 

@@ -16,11 +16,9 @@ from typing import Any, cast
 import numpy as np
 from scipy.interpolate import RectBivariateSpline
 
-from ..adhesion.validity import LIMITS
-from ..base.arrays import Array
-from ..base.errors import InputError, SolveError
-from ..base.units import parse, show
-from ..bodies.problem import Loading, Problem
+from ..adhesion import LIMITS
+from ..base import Array, InputError, SolveError, parse, show
+from ..bodies import Loading, Problem
 from ..data.measured import Curve
 from ..formulas.griffith import shift
 from ..formulas.surface_tension import edge_angle
@@ -272,7 +270,7 @@ def _result(model: _Model, best: Least, radii: Sequence[float], level: float) ->
     variance = 2 * best.cost / dof
     spread = covariance(best.state.jacobian, variance)
     if spread is None:
-        raise SolveError("fit of surface tension: the records do not tell the unknowns apart: --fix one of them")
+        raise SolveError("fit of surface tension: the records do not determine the unknowns: --fix one of them")
     sigma = np.sqrt(np.diag(spread))
     names = [*model.free, *(f"delta0:{record.name}" for record in model.records)]
     correlation = spread / np.outer(sigma, sigma)
@@ -312,8 +310,9 @@ def _untold(names: list[str], correlation: Array, sigma: Array, told: bool) -> l
     rest = [name for name in names if name != "surface_tension"]
     worst = [f"{_word(rest[j])} ({others[j]:.3f})" for j in np.argsort(-others)[:2]]
     return [
-        f"records of one radius cannot tell surface_tension from {' and '.join(worst)} (correlations; standard error "
-        f"{sigma[i]:.0%} if the model were exact): give records of another radius (--tip-radius), or --fix one of them"
+        f"records of one radius do not separate surface_tension from {' and '.join(worst)} (correlation; "
+        f"standard error {sigma[i]:.0%} if the model were exact): give records of another radius (--tip-radius), or "
+        "--fix one of them"
     ]
 
 

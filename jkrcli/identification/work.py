@@ -14,12 +14,10 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.special import stdtrit
 
+from ..adhesion import TWO_SIDED_90, Nonadhesive
 from ..adhesion.curve import TUNING as CURVES
-from ..adhesion.nonadhesive import Nonadhesive, Parts
-from ..adhesion.slopes.result import TWO_SIDED_90
-from ..base.arrays import Array
-from ..base.errors import InputError
-from ..base.units import show
+from ..adhesion.nonadhesive import Parts
+from ..base import Array, InputError, show
 from ..data.measured import Curve
 from .fit.body import FittedBody
 from .fit.record import receding
@@ -167,6 +165,11 @@ def _refuse_none(body: Nonadhesive, curve: Curve, state: Array) -> None:
         ABOVE: f"at contact radii above {ends[1]}, where it ends",
     }
     found = [f"{count} {why[word]}" for word in why if (count := int((state == word).sum()))]
+    if not len(curve):
+        raise InputError(
+            f"{curve.where}: on the body of the series the contact's edge moves on none of its rows: does the modulus "
+            "belong to the record? jkr fit finds E* (--modulus-factor)"
+        )
     raise InputError(
         f"{curve.where}: none of its {len(curve)} rows gives a work of adhesion: {', '.join(found)}; are the zero "
         "points (--zero), signs (--flip), units and the modulus right?"

@@ -9,16 +9,13 @@ from typing import Any, cast
 
 import numpy as np
 
-from ..adhesion.critical import point_error
-from ..adhesion.nonadhesive import Nonadhesive
+from ..adhesion import Nonadhesive, point_error
 from ..adhesion.stability_inverse import FoundWork, work_from_pull_off
-from ..base.errors import InputError
-from ..base.units import parse
-from ..base.unknown import Estimate, Unknown
+from ..base import Estimate, InputError, Unknown, parse
 from ..beside.again import method_behind
 from ..beside.analysis import Analysis, adhesive, nonadhesive, with_solved_points
+from ..bodies import Loading
 from ..bodies.parts import changed, checked_names, layer_names, nominal
-from ..bodies.problem import Loading
 from ..series import Solution
 
 FORCE, RADIUS, MODULI = "load", "R", "E"  # uncertain inputs beside "h", "nu" and those of single layers

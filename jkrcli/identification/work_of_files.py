@@ -6,9 +6,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from ..adhesion.nonadhesive import Nonadhesive
-from ..base.errors import InputError
-from ..base.executors import Pool, completed
+from ..adhesion import Nonadhesive
+from ..base import InputError, Pool, completed
 from ..data.measured import Reading, each
 from ..data.text_table import some
 from ..series import Solution

@@ -14,9 +14,8 @@ from pathlib import Path
 from typing import Any
 
 from .. import __version__
-from ..base.errors import InputError, JkrError
-from ..base.files import check_target
-from ..bodies.problem import Problem
+from ..base import InputError, JkrError, check_target
+from ..bodies import Problem
 from ..case import store
 from ..methods import Method
 from ..series import Record, Solution

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from ..base.errors import SolveError
+from ..base import SolveError
 
 LAUNCHER = """
 import resource, subprocess, sys

@@ -13,7 +13,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, Protocol, get_type_hints
 
-from ..bodies.problem import Problem
+from ..bodies import Problem
 from ..series import Solution
 
 

@@ -15,10 +15,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..base.arrays import Array
-from ..base.errors import Refusal
-from ..base.units import show
-from ..bodies.problem import HalfSpace, Problem, Specimen
+from ..base import Array, Refusal, show
+from ..bodies import HalfSpace, Problem, Specimen
 from .integral.attraction import Attraction
 from .layered.contact import LayeredContact
 from .layered.layered import GRADED, unbounded

@@ -13,9 +13,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from ..base.clock import SILENCE, duration
-from ..base.errors import InputError, Refusal
-from ..bodies.problem import Problem
+from ..base import SILENCE, InputError, Refusal, duration
+from ..bodies import Problem
 from . import Forecast, Method, least_first, refusal_of
 
 
@@ -101,7 +100,7 @@ def long_look(problem: Problem) -> str | None:
         return None
     pieces = f" with {specimen.pieces:,} pieces of E over depth" if specimen.is_graded else ""
     layers = "a layer" if len(specimen.layers) == 1 else f"{len(specimen.layers):,} layers"
-    return f"{layers}{pieces}: looking at what each method would cost takes about {duration(seconds)} of CPU time"
+    return f"{layers}{pieces}: estimating the cost of each method takes about {duration(seconds)} of CPU time"
 
 
 def choose(problem: Problem, wanted: str | Method, build: Callable[[str], Method]) -> Choice:
@@ -110,7 +109,7 @@ def choose(problem: Problem, wanted: str | Method, build: Callable[[str], Method
         name, method = (wanted, build(wanted)) if isinstance(wanted, str) else (type(wanted).__name__, wanted)
         if reason := refusal_of(name, method, problem):
             raise Refusal(f"method {name}: {reason}")
-        return Choice(name, method, "as the case says")
+        return Choice(name, method, "set in the case")
     options = survey(problem, build)
     possible = [option for option in options if option.forecast is not None]
     if not possible:
@@ -136,10 +135,10 @@ def survey(problem: Problem, build: Callable[[str], Method], names: Sequence[str
 
 def _why(chosen: Option, options: Sequence[Option]) -> str:
     """One sentence: what was chosen, what simpler methods could not do, what more general ones would cost."""
-    parts = [f"the least model that represents this body ({chosen.cost})"]
+    parts = [f"the simplest method for this body ({chosen.cost})"]
     for option in options:
         if option.refusal:
-            parts.append(f"{option.name} cannot ({option.refusal})")
+            parts.append(f"{option.name} not applicable ({option.refusal})")
         elif option is not chosen and options.index(option) < options.index(chosen) and option.objection:
             parts.append(f"{option.name} {option.objection} ({option.cost})")
         elif option is not chosen:

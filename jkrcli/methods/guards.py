@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..base.clock import SILENCE, duration
-from ..base.errors import Refusal
-from ..base.memory import free_memory
+from ..base import SILENCE, Refusal, duration, free_memory
 from . import Forecast
 
 LARGE = 2048.0  # choice: MiB from which on memory is told

@@ -11,11 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..base.arrays import Array
-from ..base.errors import InputError, Refusal, SolveError
-from ..base.units import show
-from ..bodies.indenters import Indenter
-from ..bodies.problem import Loading, Quantity
+from ..base import Array, InputError, Refusal, SolveError, show
+from ..bodies import Indenter, Loading, Quantity
 
 Response = Callable[[Array], Array]  # increasing radii [m] -> delta_H [m] or P_H [N] there
 Responses = Callable[[Quantity, float], Response]  # "depth" or "load", relative accuracy -> its response
@@ -156,7 +153,7 @@ def radius_for(response: Response, target: float, indenter: Indenter, start: flo
     for _ in range(TUNING.steps):
         values = response(np.hypot(a0, np.array([TUNING.probe * v, v])))
         if not 0 < values.min() < values.max() < math.inf:
-            raise SolveError(f"no contact radius can be told from {a0:g} m, where contact begins; are the sizes right?")
+            raise SolveError(f"no contact radius beyond {a0:g} m, where contact begins, was found: check the sizes")
         miss = math.log(values[1] / target)
         slope = math.log(values[1] / values[0]) / -math.log(TUNING.probe)
         if abs(miss) <= TUNING.near * tolerance:

@@ -11,11 +11,7 @@ from typing import Any
 import numpy as np
 
 from .. import __version__
-from ..base import hdf5
-from ..base.arrays import Array
-from ..base.errors import InputError
-from ..base.files import read_bytes, write_bytes
-from ..base.table import as_json
+from ..base import Array, InputError, as_json, hdf5, read_bytes, write_bytes
 
 FITS, SWEEP_TABLE = FORMATS = ("jkr-fit", "jkr-sweep-table")
 VERSION = 2

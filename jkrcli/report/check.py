@@ -7,17 +7,15 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from ..adhesion import validity
-from ..adhesion.curve import CriticalPoint
+from ..adhesion import CriticalPoint, validity
 from ..adhesion.finite_range import unable
-from ..base.errors import Refusal
-from ..base.units import reached, show
-from ..base.unknown import Estimate, Unknown
+from ..base import Estimate, Refusal, Unknown, show
+from ..base.units import reached
 from ..beside.expectation import Expectation, expect
 from ..beside.sticking import StickingEffect, as_told, sticking_effect, sticking_warnings
 from ..beside.tension_effect import TUNING as TENSION
 from ..beside.tension_effect import noticed_tension
-from ..bodies.problem import Problem
+from ..bodies import Problem
 from ..case import Case
 from ..case.models import CaseModel
 from ..case.numerics import method_of
@@ -62,8 +60,9 @@ class Check(Result):
         return data | {"options": [asdict(option) for option in self.options]} | _as_dict(self.expected)
 
     def words(self) -> list[str]:
-        sticking = [] if isinstance(self.effect, Unknown) else [f"  no slip   makes {self.effect.words} as large"]
-        options = (f"            {option.name:<12} {_option(option)}" for option in self.options)
+        sticking = [] if isinstance(self.effect, Unknown) else [f"  no slip   gives {self.effect.words}"]
+        ordered = sorted(self.options, key=lambda option: option.forecast is None)  # what is applicable first
+        options = (f"            {option.name:<12} {_option(option)}" for option in ordered)
         return [
             f"method {self.choice.name}: {self.choice.brief}",
             f"  body      {self.problem.words}",
@@ -71,7 +70,7 @@ class Check(Result):
             *self._relaxes(),
             *sticking,
             *self._tension(),
-            "  methods   that there are, each with its cost:",
+            "  methods   cost and numerical error of each:",
             *options,
         ]
 
@@ -88,9 +87,9 @@ class Check(Result):
 
     def _tension(self) -> Iterator[str]:
         if not isinstance(self.tension, Unknown):
-            changed = f"{TENSION.changed:.0%} in load or pull-off force"
+            changed = f"load or pull-off force by {TENSION.changed:.0%}"
             least = show(self.tension, "tension", 2)
-            yield f"  tension   left out: from {least} on it would change {changed}"
+            yield f"  tension   not included; from {least} on it would change {changed}"
 
     def _reaches(self) -> Iterator[str]:
         expected, range_ = self.expected, self.range_
@@ -100,7 +99,7 @@ class Check(Result):
         yield f"  reaches   {reached(expected.a, expected.delta, expected.P)}"
         if expected.half_space_error is not None:
             ratio = 1 + expected.half_space_error
-            yield f"  layers    make the load at this depth {ratio:.4g} times that of a half-space of the top material"
+            yield f"  layers    {ratio:.4g} times the load of a half-space of the top material at this depth"
         for w, point, judged in expected.adhesion:
             regime = f": {judged.regime}" if not isinstance(judged.tabor, Unknown) else ""
             regime = regime if range_ == "" else "" if isinstance(range_, Unknown) else f"; {range_}"
@@ -145,7 +144,7 @@ def _expected(model: CaseModel) -> Expectation | Unknown:
 
 def _option(option: Option) -> str:
     if option.forecast is None:
-        return f"cannot: {option.refusal}"
+        return f"not applicable: {option.refusal}"
     note = f" ({option.forecast.note})" if option.forecast.note else ""
     against = f"; {words}" if (words := option.objection) else ""
     return f"about {option.cost}, {option.forecast.memory_mib:.0f} MiB{note}{against}"

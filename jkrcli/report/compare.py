@@ -8,7 +8,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..base.errors import InputError
+from ..base import InputError
 from ..series import Solution
 from ..series.differences import Difference, curve_differences, series_differences
 from .result import Result

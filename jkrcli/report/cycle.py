@@ -10,15 +10,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..adhesion import path
+from ..adhesion import Jump, Program, path
 from ..adhesion.device import control
-from ..adhesion.path import TUNING, Jump
-from ..adhesion.program import Program
+from ..adhesion.path import TUNING
 from ..adhesion.stability import Cycle, cycle, trace, turning_radius
-from ..base.arrays import Array
-from ..base.errors import InputError
-from ..base.units import show
-from ..base.unknown import Unknown
+from ..base import Array, InputError, Unknown, show
 from ..beside.analysis import Analysis
 from . import tables
 from .result import Result

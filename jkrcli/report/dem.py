@@ -9,9 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..adhesion.dem import DemLaw
-from ..base.arrays import Array
-from ..base.errors import InputError
-from ..base.units import show
+from ..base import Array, InputError, show
 from ..beside.analysis import Analysis
 from ..formulas.half_space import jkr
 from .result import Result

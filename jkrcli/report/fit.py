@@ -10,9 +10,9 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..base import hdf5
-from ..base.arrays import Array
-from ..base.units import SI, scale, show
+import numpy as np
+
+from ..base import SI, Array, hdf5, scale, show
 from ..identification.fit.fitting import Failure
 from ..identification.fit.record_rivals import OF_RIVALS
 from ..identification.fit.record_scores import Score, Tried
@@ -75,11 +75,23 @@ class Fits(Result):
         if len(self.fits) == 1:
             return [words(self.fits[0])]
         told = ((item.where, *words(item)) for item in self.fits[:SHOWN])
-        return [[f"{where}: {first}", *rest] for where, first, *rest in told]
+        each = [[f"{where}: {first}", *rest] for where, first, *rest in told]
+        return [[self._together()], *each] if len(self.fits) > 2 and len(_surfaces(self.fits)) == 1 else each
+
+    def _together(self) -> str:
+        """How many curves were fitted, and the median and the ends of E* and w over them."""
+        doubtful = sum(_status(item) == DOUBTFUL for item in self.fits)
+        values = [(name, [item.estimate(name) for item in self.fits]) for name in ("E_star", "w")]
+        parts = []
+        for name, found in values:
+            sizes, dimension = [one.value for one in found], found[0].dimension
+            middle, low, high = (show(float(size), dimension, 4) for size in np.percentile(sizes, (50, 0, 100)))
+            parts.append(f"{SYMBOLS.get(name, name)} = {middle} (median; {low} to {high})")
+        return f"{', '.join(parts)}: {len(self.fits):,} of {len(self.found):,} curves fitted, {doubtful:,} doubtful"
 
     @property
     def warnings(self) -> list[str]:
-        both = len({item.surface for item in self.fits}) > 1
+        both = len(_surfaces(self.fits)) > 1
         told = [(f"{item.where}{f', {item.surface}' if both else ''}", item.warnings) for item in self.fits[:SHOWN]]
         return [*(f"{where}: {line}" for where, lines in told for line in lines), *self.remarks]
 
@@ -105,6 +117,10 @@ class Fitted(Fit, Result):
         from .plots.fit import fit_figure
 
         return fit_figure(self)
+
+
+def _surfaces(fits: Sequence[Fit]) -> set[str]:
+    return {item.surface for item in fits}
 
 
 def columns(found: Sequence[Fit | Failure]) -> dict[str, list[Any]]:
@@ -255,7 +271,7 @@ def verdict_words(item: Fit) -> list[str]:
         formula = [f"{item.verdict.formula} at the deepest row would give {show(by, 'modulus', 3)} ({change:+.0%})"]
     rivals = item.verdict.rivals
     rejected = f"; rejected for {' or '.join(rivals.families)}" if rivals.named else ""
-    judged = [] if rivals.named else ["no other model is asked for"]
+    judged = [] if rivals.named else ["the data ask for no other model"]
     if tied := item.verdict.tied:
         rejected = f"; by {tied[0].name} ({told_words(tied[0])})"
         judged = ["JKR as described is rejected", *(f"{one.name} cannot be told from it" for one in tied[1:])]

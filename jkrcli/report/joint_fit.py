@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from ..base.units import show
+from ..base import show
 from ..identification.fit.joint import JointFit
 from . import fit as each
 from .fit import DOUBTFUL, FITTED, brief, estimate_summary, estimate_words

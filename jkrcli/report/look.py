@@ -7,9 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..base.errors import InputError
-from ..base.units import show
-from ..base.unknown import Unknown
+from ..base import InputError, Unknown, show
 from ..data import measured
 from ..data.record import BaseLine, Direction, ForceCurve, examine
 from .output import SHOWN

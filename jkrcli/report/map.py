@@ -7,9 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..base import hdf5
-from ..base.arrays import Array
-from ..base.units import SI
+from ..base import SI, Array, hdf5
 from ..identification.fit.fitting import Failure
 from ..identification.fit.result import Fit
 

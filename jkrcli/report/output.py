@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..base.files import check_series_target, check_target, make_folder, together, write_text
-from ..base.table import as_json, write_csv
+from ..base import as_json, check_series_target, check_target, make_folder, together, write_csv, write_text
 
 if TYPE_CHECKING:
     from .plots import Figure

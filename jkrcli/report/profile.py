@@ -7,9 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..base.arrays import Array
-from ..base.table import lists
-from ..base.units import show
+from ..base import Array, lists, show
 from .result import Result
 
 if TYPE_CHECKING:

@@ -6,14 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from ..adhesion.critical import Errors
-from ..adhesion.curve import Equilibrium
-from ..adhesion.device import LOAD_CONTROL, control
+from ..adhesion import LOAD_CONTROL, Behaviour, Equilibrium, Errors
+from ..adhesion.device import control
 from ..adhesion.sharp import yielding
-from ..adhesion.stability import Behaviour
 from ..adhesion.validity import check
-from ..base.units import show
-from ..base.unknown import Estimate, Unknown, accuracy, known
+from ..base import Estimate, Unknown, accuracy, known, show
 from ..beside.analysis import Analysis
 from ..beside.lost import Lost
 from ..beside.solved import is_solved
@@ -102,7 +99,7 @@ class MeasuredPullOff(Result):
         series = told.series if isinstance(told.series, Unknown) else told.series / found.w
         lines.append(f"  {accuracy(series)} (90 %)")
         if found.half_space is None:
-            lines.append("  no tip radius: classical JKR has no answer for this indenter")
+            lines.append("  no tip radius: 1.5 pi w R is not defined for this indenter")
         else:
             under = "" if found.stiffness == LOAD_CONTROL else " under load control"
             lines.append(

@@ -8,16 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..adhesion.device import LOAD_CONTROL, position
-from ..adhesion.path import TUNING, Jump, TimedState
-from ..adhesion.program import Program
-from ..adhesion.rate.history import History, RateContact
-from ..adhesion.rate.laws import RateLaw, parameters_of, rate_parameters
+from ..adhesion import LOAD_CONTROL, Jump, Program, RateContact, RateLaw, TimedState, rate_parameters
+from ..adhesion.device import position
+from ..adhesion.path import TUNING
+from ..adhesion.rate.history import History
+from ..adhesion.rate.laws import parameters_of
 from ..adhesion.rate.validity import NEGLECTED, Zone, zone
-from ..base.arrays import Array
-from ..base.errors import InputError, SolveError
-from ..base.units import SI, show
-from ..base.unknown import Unknown, known
+from ..base import SI, Array, InputError, SolveError, Unknown, known, show
 from ..beside.analysis import Analysis
 from ..identification.rate.through import LawThrough
 from .result import Result, as_result
@@ -152,7 +149,7 @@ class CycledAtSpeed(History, Result):
             loaded = contact.stiffness == LOAD_CONTROL
             held = f"at P = {show(lost.start.P, 'load')}" if loaded else "with the device at rest"
             told += f", after {show(self.waited, 'time')} {held}"
-        lines.append(f"  {told}; the contact stopped to grow at t = {show(self.turn, 'time')}")
+        lines.append(f"  {told}; the contact stopped growing at t = {show(self.turn, 'time')}")
         energy = self.energy_lost
         lines.append(f"  energy lost: {energy if isinstance(energy, Unknown) else f'{energy:.4g} J'}")
         lines.append(f"  dissipating zone at the edge: {self.zone.words}")
@@ -190,5 +187,5 @@ def through_words(found: LawThrough | Unknown) -> str:
         return f"no law over speed: {low} to {high} tell none of {', '.join(found.names)}"
     told = {name: f"± {100 * known[name]:.2g} %" if name in known else "not told" for name in found.names}
     errors = ", ".join(f"{name} {word}" for name, word in told.items())
-    doubt = "; less than a decade of speeds, or none of its exponents, tells v0 and n apart" if found.narrow else ""
+    doubt = "; less than a decade of speeds does not separate v0 and n" if found.narrow else ""
     return f"w0 = {show(found.w0, 'work')}, {law_words(found.law)} ({errors}) between {low} and {high}{doubt}"

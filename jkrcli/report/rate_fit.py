@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..adhesion.rate.validity import NEGLECTED
-from ..base.units import show
+from ..base import show
 from ..identification.rate.fitting import RateFit
 from .fit import brief, estimate_summary, estimate_words
 from .rate import law_words

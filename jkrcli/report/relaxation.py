@@ -7,13 +7,11 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..adhesion.path import TUNING, TimedState
-from ..adhesion.program import Program
-from ..adhesion.relaxation.history import HISTORY, RelaxedHistory, RelaxingContact
-from ..base.arrays import Array
-from ..base.errors import InputError
-from ..base.units import SI, show
-from ..bodies.relaxation import RELAXATIONS, Relaxation
+from ..adhesion import Program, RelaxingContact, TimedState
+from ..adhesion.path import TUNING
+from ..adhesion.relaxation.history import HISTORY, RelaxedHistory
+from ..base import SI, Array, InputError, show
+from ..bodies import RELAXATIONS, Relaxation
 from .result import Result, as_result
 from .tables import point, stiffness
 
@@ -90,7 +88,7 @@ class CycledRelaxing(RelaxedHistory, Result):
                     f"{show(corner.delta, 'length')}, a = {show(corner.a, 'length')}"
                 )
         ends = "contact is not lost" if lost is None else f"contact is lost at t = {show(lost, 'time')}"
-        return [*lines, f"  {ends}; it stopped to grow at t = {show(self.turn, 'time')}"]
+        return [*lines, f"  {ends}; it stopped growing at t = {show(self.turn, 'time')}"]
 
     @property
     def warnings(self) -> list[str]:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from ..base.units import SI
+from ..base import SI
 from ..identification.relaxation import RelaxationFit
 from .fit import brief, estimate_summary, estimate_words
 from .relaxation import NEGLECTED, law_summary

@@ -6,8 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import fields
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from ..base.errors import InputError
-from ..base.installing import installs
+from ..base import InputError, installs
 
 if TYPE_CHECKING:
     from pandas import DataFrame

@@ -7,11 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..base.arrays import Array
-from ..base.errors import InputError
+from ..base import Array, InputError
 from ..beside.analysis import Analysis
-from ..bodies.materials import Elastic
-from ..bodies.problem import Problem, Rigid
+from ..bodies import Elastic, Problem, Rigid
 from ..formulas.scales import scales_half_space, scales_thin_layer
 from ..formulas.thin_layer import foundation_modulus
 
@@ -45,7 +43,7 @@ def scales_of(problem: Problem, w: float, name: str) -> Scales:
         raise InputError("--dimensionless: needs an indenter with a tip radius and w > 0")
     if name == "half-space":
         P, delta, a = scales_half_space(R, problem.E_star, w)
-        return Scales(name, P, delta, a, ("δ / δ₀  (Eq. 15)", "P / (π w R)", "a / a₀  (Eq. 15)"))
+        return Scales(name, P, delta, a, (r"$\delta / \delta_0$ (Eq. 15)", r"$P / (\pi w R)$", "$a / a_0$ (Eq. 15)"))
     layers, base = problem.specimen.layers, problem.specimen.base
     material = layers[0].material if len(layers) == 1 and isinstance(base, Rigid) and base.bonded else None
     if not isinstance(material, Elastic) or material.nu >= 0.5:
@@ -55,7 +53,7 @@ def scales_of(problem: Problem, w: float, name: str) -> Scales:
         )
     K = foundation_modulus(material.E, material.nu, layers[0].thickness)
     P, delta, a = scales_thin_layer(R, K, w)
-    return Scales(name, P, delta, a, ("δ / √(2w/K)", "P / (2 π w R)", "a / (8 w R²/K)^(1/4)"))
+    return Scales(name, P, delta, a, (r"$\delta / \sqrt{2 w/K}$", r"$P / (2 \pi w R)$", r"$a / (8 w R^2/K)^{1/4}$"))
 
 
 def own_scales(values: Mapping[str, float]) -> Scales:
@@ -63,4 +61,4 @@ def own_scales(values: Mapping[str, float]) -> Scales:
     for key in ("a", "delta", "P"):
         if not (key in values and np.isfinite(values[key]) and values[key] > 0):
             raise InputError(f"--scale: needs a, delta and P, each > 0, got {key} = {values.get(key, 'nothing')}")
-    return Scales("own", values["P"], values["delta"], values["a"], ("δ / δ₀", "P / P₀", "a / a₀"))
+    return Scales("own", values["P"], values["delta"], values["a"], (r"$\delta / \delta_0$", "$P / P_0$", "$a / a_0$"))

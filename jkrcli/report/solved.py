@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ..adhesion.validity import check, end_of_body, judge, sizes
-from ..base.arrays import Array
+from ..adhesion import end_of_body
+from ..adhesion.validity import check, judge, sizes
+from ..base import Array, Estimate, Unknown, accuracy
 from ..base.units import reached
-from ..base.unknown import Estimate, Unknown, accuracy
 from ..beside.sticking import StickingEffect, as_told, sticking_warnings
-from ..bodies.problem import Problem
+from ..bodies import Problem
 from ..methods.choose import Choice
 from ..series import COLUMNS, Series, Solution
 from .result import Result

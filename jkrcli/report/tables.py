@@ -10,18 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from ..adhesion.critical import Errors
-from ..adhesion.curve import Equilibrium, EquilibriumCurve
-from ..adhesion.device import CONTROLS, DISPLACEMENT_CONTROL
-from ..adhesion.path import Jump
-from ..adhesion.stability import Behaviour, behaviour, branch
-from ..base import allowance
-from ..base.arrays import Array
-from ..base.errors import InputError
-from ..base.files import read_bytes
-from ..base.table import as_json as as_json
-from ..base.units import show
-from ..base.unknown import Estimate, Unknown, accuracy, known
+from ..adhesion import CONTROLS, DISPLACEMENT_CONTROL, Behaviour, Equilibrium, EquilibriumCurve, Errors, Jump, behaviour
+from ..adhesion.stability import branch
+from ..base import Array, Estimate, InputError, Unknown, accuracy, allowance, known, read_bytes, show
+from ..base import as_json as as_json
 from ..beside.analysis import Analysis
 
 SUMMARY_FORMAT, SUMMARY_VERSION = "jkr-summary", 1

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from ..base.units import show
+from ..base import show
 from ..identification.tension import TensionFit
 from .fit import brief, estimate_summary, estimate_words
 from .result import Result

@@ -2,48 +2,69 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from ..adhesion.curve import CriticalPoint
-from ..base.arrays import Array
-from ..base.units import show
-from ..base.unknown import Estimate, Unknown, accuracy
+from ..adhesion import CriticalPoint
+from ..base import Array, Estimate, Unknown, accuracy, show
 from ..beside.analysis import Analysis
 from ..beside.solved import is_solved
 from ..beside.sticking import StickingEffect, as_told, effect_on
 from . import tables
 from .result import Result
+from .scaling import Scales
 
 if TYPE_CHECKING:
     from .plots import Figure
+    from .plots.curve import Units
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Transformed(Analysis, Result):
-    """An adhesive curve with what is said of it."""
+    """An adhesive curve with what is said of it; ``scales``: units in which it is told besides and drawn; ``effect``:
+    what it matters whether the surfaces stick, where that is known for several curves of one body at once."""
+
+    scales: Scales | None = None
+    effect: StickingEffect | Unknown | None = None
 
     @cached_property
     def columns(self) -> dict[str, Array]:  # type: ignore[override]
-        return tables.curve_columns(self.curve)
+        return tables.curve_columns(self.curve) | ({} if self.scales is None else self.scales.columns(self))
 
     @cached_property
     def sticking(self) -> StickingEffect | Unknown:
         """What it matters whether the surfaces stick."""
-        return effect_on(self.solution, [self.w])
+        return effect_on(self.solution, [self.w]) if self.effect is None else self.effect
 
     def summary(self) -> dict[str, Any]:
-        return tables.summary(self) | {"sticking": as_told(self.sticking)}
+        told, own = tables.summary(self) | {"sticking": as_told(self.sticking)}, self.scales
+        if own is not None:
+            told["scales"] = {"name": own.name, "P_N": own.P, "delta_m": own.delta, "a_m": own.a}
+        return told
 
     def words(self) -> list[str]:
         return words(self)
 
-    def figure(self) -> Figure:
-        from .plots.curve import curve_figure, physical_units
+    @property
+    def units(self) -> Units:
+        """Of the axes."""
+        from .plots.curve import physical_units, units_of
 
-        return curve_figure(self, physical_units(self.curve))
+        return physical_units(self.curve) if self.scales is None else units_of(self.scales)
+
+    def figure(self) -> Figure:
+        from .plots.curve import curve_figure
+
+        return curve_figure(self, self.units)
+
+
+def figure_of(results: Sequence[Transformed]) -> Figure:
+    """One picture of the curves of one body for several works of adhesion."""
+    from .plots.curve import curves_figure
+
+    return curves_figure(results, results[-1].units)
 
 
 def words(result: Analysis) -> list[str]:

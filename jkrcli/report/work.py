@@ -11,11 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..adhesion.nonadhesive import Nonadhesive
+from ..adhesion import Nonadhesive
 from ..adhesion.validity import check
-from ..base.arrays import Array
-from ..base.units import show
-from ..base.unknown import Unknown
+from ..base import Array, Unknown, show
 from ..beside.analysis import Analysis, adhesive
 from ..data.measured.contact import saturation
 from ..data.text_table import some
@@ -171,7 +169,7 @@ def flags(item: WorkAlong) -> list[str]:
     """What a reader of the numbers should know about one curve."""
     size = len(item.curve)
     said = list(saturation(item.curve))
-    ends = {BELOW: "begin the series at smaller radii", ABOVE: "load the series further"}
+    ends = {BELOW: "begin the series at smaller radii", ABOVE: "increase [loading] radius"}
     for word, remedy in ends.items():
         if (count := int((item.state == word).sum())) > MANY * size:
             said.append(f"{count} of {size} rows lie {word}: they have no w; {remedy}, or they are not in contact")

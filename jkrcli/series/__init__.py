@@ -9,10 +9,8 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from ..base.arrays import Array
-from ..base.errors import InputError
-from ..base.unknown import Estimate, Unknown
-from ..bodies.problem import Problem
+from ..base import Array, Estimate, InputError, Unknown
+from ..bodies import Problem
 
 COLUMNS = ("a", "delta", "P", "S", "dS")
 JUDGED = 0.01  # of the largest depth, from which a profile's points count in the budget; choice: as elements do
@@ -61,7 +59,8 @@ class Series:
     ``errors``: estimated absolute errors per column (keys among ``COLUMNS``), at equal radius; where the radius has an
     error itself, those of a and P are at equal displacement (``errors_at_radius`` has them at equal radius).
     ``a0, S0``: contact radius and slope at first touch (both 0 for round indenters; ``S0 = None``: unknown).
-    ``kinks``: radii [m] at which the indenter's slope bends, and delta and P with it.
+    ``kinks``: radii [m] at which the indenter's slope bends, and delta and P with it; ``bends``: those that are meant,
+    and not what is left between the points of a table.
     ``own``: of columns that were read, the exact solution of the bodies they are said to be of, where there is one: a
     smooth fit departs from its shape no more than the columns ask for.
     """
@@ -76,6 +75,7 @@ class Series:
     S0: float | None = 0.0
     own: Series | None = None
     kinks: tuple[float, ...] = ()
+    bends: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
         a = _frozen("a", self.a)

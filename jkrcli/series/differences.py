@@ -8,8 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
-from ..base.arrays import Array
-from ..base.errors import InputError
+from ..base import Array, InputError
 from . import Series
 
 

@@ -368,6 +368,16 @@ def test_finite_elements_have_no_kernel() -> None:
         FiniteRangeBody.of(jkr.solve(problem, "fem"))
 
 
+@pytest.mark.parametrize("length", [1e-7, 1e-6])
+def test_attraction_up_to_the_end_of_a_profile_is_refused_in_words(length: float) -> None:
+    """And not with a warning of numpy, which would fail here."""
+    table = jkr.TableProfile((0.0, 4e-6, 8e-6, 8.2e-6), (0.0, 0.4e-6, 1.6e-6, 1.681e-6))
+    body = jkr.Specimen((jkr.Layer(jkr.Elastic(1e6, 0.3), 5e-6),), jkr.Rigid())
+    solution = jkr.solve(jkr.Problem(table, body, jkr.Loading("radius", 8.1e-6, 20)))
+    with pytest.raises(jkr.Refusal, match=r"beyond the end of the profile .* give a larger stress"):
+        finite_range_curve(solution, 0.05, length=length)
+
+
 def test_attraction_beyond_the_side_of_a_cylinder_is_refused() -> None:
     specimen = jkr.Specimen((jkr.Layer(jkr.Elastic(1e6, 0.3), 5e-6),), jkr.Rigid(), 5e-6, "free")
     problem = jkr.Problem(jkr.Paraboloid(10e-6), specimen, jkr.Loading("radius", 4e-6, 10))

@@ -145,7 +145,7 @@ def test_units_scale() -> None:
 @pytest.mark.parametrize("stiffness", [math.inf, 1.0])
 def test_a_second_loading_is_refused(stiffness: float) -> None:
     t, x = np.array([0.0, 1.0, 1.3, 3.0]), np.array([0.0, 1.0, 0.6, 0.6])
-    with pytest.raises(InputError, match="is loaded again onto the dent that it left, which is not solved: retract"):
+    with pytest.raises(InputError, match="is loaded again before its dent recovers, which is not solved: retract"):
         path(SOLID, t, x, stiffness=stiffness).states(np.linspace(0.1, 2.9, 50))
 
 

@@ -243,7 +243,8 @@ def test_a_series_that_begins_too_late_says_so() -> None:
     late = curve(Series(a, delta, P, 2 * E_STAR * a, np.full(30, 2 * E_STAR)))
     found = behaviour(late, RIGID)
     assert found.jump_in == Unknown(
-        "contact at delta = 0 settles below the smallest radius of the series, a = 9 um: begin at smaller radii"
+        "contact at delta = 0 is in equilibrium below the smallest radius of the series, a = 9 um: begin at smaller "
+        "radii"
     )
     assert isinstance(found.pull_off, Unknown)
 

@@ -117,6 +117,27 @@ def test_a_table_is_off_by_no_more_than_its_points_and_its_error_say(method: Met
             assert stated[quantity] < 20 * error  # measured: 5.2 to 15
 
 
+@pytest.mark.parametrize("method", [Layered(), Hybrid()])
+def test_a_table_of_three_points_says_how_little_they_tell(method: Method) -> None:
+    """Of f = B r^2.5 on a stack: delta at load pull-off was off by 108 times its error."""
+    layers = (Layer(Elastic(1.4767e10, 0.22577), 4.3672e-4), Layer(Elastic(4.2797e11, -0.018248), 2.18148e-4),
+              Layer(Elastic(1.40738e13, 0.487165), 7.4424e-4))  # fmt: skip
+    shape, r, loading = PowerLaw(2.102e5, 2.5), np.array([0.0, 5e-5, 1e-4]), Loading("radius", 6.2457e-5, 40)
+    table = TableProfile(tuple(r.tolist()), tuple(np.asarray(shape.f(r)).tolist()))
+    result, true = (
+        analyse(one(Problem(indenter, Specimen(layers, Rigid()), loading)), [15880.7])[0]
+        for one, indenter in ((method, table), (Layered(), shape))
+    )
+    for control, point in result.pull_off.items():
+        exact, stated = true.pull_off[control], result.pull_off_errors[control]
+        assert isinstance(point, CriticalPoint)
+        assert isinstance(exact, CriticalPoint)
+        assert not isinstance(stated, Unknown)
+        for quantity in ("P", "delta"):
+            error = abs(getattr(point, quantity) - getattr(exact, quantity))
+            assert error <= stated[quantity] < 0.5 * abs(getattr(exact, quantity))
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("indenter", "body", "loading", "w"),

@@ -204,9 +204,9 @@ def test_new_writes_a_case_that_runs_and_never_replaces_one(jkr, tmp_path: Path)
 
 def test_auto_takes_the_least_model_and_says_why(jkr) -> None:
     outcome = jkr("run", HALFSPACE, "--method", "auto")
-    assert "closed-form: the least model that represents this body" in outcome.out
+    assert "closed-form: the simplest method for this body" in outcome.out
     outcome = jkr("run", CASES / "coating.toml", "--method", "auto")
-    assert "layered: the least model that represents this body" in outcome.out
+    assert "layered: the simplest method for this body" in outcome.out
 
 
 def test_warnings_carry_their_number(jkr) -> None:

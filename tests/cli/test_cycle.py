@@ -236,7 +236,7 @@ def test_no_cycle_where_first_contact_lies_outside_the_series() -> None:
     late = half_space(50.0, first=9e-6)
     found = cycle(late, late, RIGID)
     assert isinstance(found, Unknown)
-    assert "settles below the smallest radius of the series, a = 9 um" in found.reason
+    assert "is in equilibrium below the smallest radius of the series, a = 9 um" in found.reason
 
 
 @pytest.mark.parametrize(("length", "force"), [(1e6, 1.0), (1e-3, 1e7)])

@@ -100,10 +100,10 @@ def test_a_table_says_what_the_device_does(jkr: Callable, series: Path) -> None:
         (("--speed", "1"), "cycle: --speed needs --rate: without it nothing depends on time"),
         ((*RATE, "--speed", "1", "--dwell", "1"), "cycle: --dwell and --dwell-time go together"),
         ((*RATE, "--program", "x.csv", "--hold", "1"),
-         "cycle: --hold and --program exclude each other: the table says all"),
+         "cycle: give either --hold or --program"),
         (("--program", "step.csv"), "program: row 3 is a step: without --rate give it the time of a way"),
         (("--program", "step.csv", "--to-load", "1"),
-         "cycle: --program and a turn exclude each other: the table says all"),
+         "cycle: give either --program or a turn (--to-load, --to-depth)"),
         ((*RATE, "--program", "bad.csv"), "program: time must not fall, got t = 1 s after 2 s in row 3"),
         ((*RATE, "--program", "units.csv"), 'units.csv: column 2 is to be a length, got the unit "mN"'),
         ((*RATE, "--speed", "1", "--w-approach", "2 J/m^2", "--w-retract", "1 J/m^2"),
@@ -129,4 +129,4 @@ adhesion = { w = "50 mJ/m^2" }
 """)
     done = jkr("cycle", "l.toml", "--rate", "law=log,v0=1e-30,b=1", "--speed", "1e30", "--no-plots")
     assert done.code == 2
-    assert "jkr: error: l.h5: the edge's motion could not be followed beyond a = 0.0001 m: look at v0" in done.err
+    assert "jkr: error: l.h5: the edge's motion could not be integrated beyond a = 0.0001 m: look at v0" in done.err

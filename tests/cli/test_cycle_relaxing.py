@@ -50,7 +50,7 @@ def test_the_trace_over_time(jkr: Callable, series: Path) -> None:
     done = jkr("cycle", series, "--speed", "1 m/s", "--points", 101)
     assert done.code == 0, done.err
     assert "no adhesion; standard linear solid, ratio = 0.25, time = 1 s" in done.out
-    assert "contact is lost at t = 1.624 s; it stopped to grow at t = 1 s" in done.out
+    assert "contact is lost at t = 1.624 s; it stopped growing at t = 1 s" in done.out
     with (series.parent / "gel-cycle.csv").open() as file:
         rows = list(csv.DictReader(file))
     t, P = (np.array([float(row[name]) for row in rows]) for name in ("t_s", "P_N"))
@@ -117,7 +117,7 @@ REFUSED = {
     "time in the limits": (
         ("--w-approach", "1 mJ/m^2", "--speed", "1"),
         "cycle: --speed: adhesion on a body that relaxes is known in the limits of very fast and very slow cycles "
-        "alone, in which time has no part: leave it out, or give --w-approach 0",
+        "alone, which do not depend on time: leave it out, or give --w-approach 0",
     ),
     "too deep": (
         ("--speed", "1", "--to-depth", "2 m"),
@@ -130,7 +130,7 @@ REFUSED = {
     ),
     "again": (
         ("--speed", "1", "--dwell", "0.8", "--dwell-time", "1 s"),
-        "is loaded again onto the dent that it left, which is not solved",
+        "is loaded again before its dent recovers, which is not solved",
     ),
     "never there": (("--program", "way.csv"), "program: never presses: its largest value is -1, contact begins at 0"),
 }
@@ -168,12 +168,12 @@ WRONG = {
     "elastic indenter": (
         "radius = 1.0",
         "radius = 1.0\nE = 1.0\nnu = 0.3",
-        "specimen.relaxation: goes with a rigid indenter: an elastic one does not relax with the specimen; leave out",
+        "specimen.relaxation: needs a rigid indenter: an elastic one does not relax with the specimen; leave out",
     ),
     "sticking": (
         "[specimen]",
         '[specimen]\nsurface = "sticking"',
-        'specimen.relaxation: is known of surfaces that slide: leave surface = "sticking" out, or relaxation',
+        'specimen.relaxation: is for frictionless contact: leave surface = "sticking" out, or relaxation',
     ),
 }
 

@@ -291,7 +291,7 @@ def test_displacements_are_drawn_as_large_as_can_be_seen() -> None:
     assert magnification(state) == 5
     figure = contact_zone_figure(state, Paraboloid(R), W, "zz")
     title = figure.axes[0].get_title()
-    assert title == "a = 10 µm, w = 20 mJ/m², P = −8.85 µN, displacements × 5"
+    assert title == "$a$ = 10 µm, $w$ = 20 mJ/m², $P$ = −8.85 µN, displacements × 5"
 
 
 CASE = (

@@ -104,7 +104,10 @@ def test_pull_off_and_cycle(tip: Path, capsys: pytest.CaptureFixture[str]) -> No
         (["transform", "tip.h5", "--w", "0", "--range", "1e-9"], "w: must be > 0 J/m^2, got 0"),
         (["transform", "tip.h5", "--range", "0"], "invalid value for '--range': must be > 0, got 0; see jkr transform"),
         (["transform", "tip.h5", "--stress", "-1"], "invalid value for '--stress': must be > 0, got -1; see jkr"),
-        (["transform", "tip.h5", "--range", "1 nm", "--slopes", "loocv"], "slopes: loocv has no part in adhesion of"),
+        (
+            ["transform", "tip.h5", "--range", "1 nm", "--slopes", "loocv"],
+            "slopes: loocv has no effect with adhesion of",
+        ),
         (["pull-off", "tip.h5", "--range", "1 nm", "--load", "1 nN"], "pull-off: --load asks for the w of JKR"),
         (["cycle", "tip.h5", "--range", "1 nm", "--w-retract", "0.1"], "cycle: adhesion of finite range loses energy"),
     ],
@@ -149,7 +152,7 @@ RATE = ["--rate", "v0=1 um/s,n=0.6", "--speed", "1 um/s", "--no-plots"]
 SWEEP = 'base = "own.toml"\n[[axes]]\nkey = "indenter.radius"\nvalues = ["30 nm", "40 nm"]\n'
 CYLINDER = TIP.replace('[specimen.half_space]\nE = "100 GPa"\nnu = 0.25', '[specimen]\nradius = "20 nm"\nside = "free"')
 FOLLOWED = {  # case and words that are refused, what is said, and case and words that follow it
-    "pull-off of a load": (RANGE, "pull-off own.h5 --load 2nN", "pull-off: --load: knows no adhesion of finite range",
+    "pull-off of a load": (RANGE, "pull-off own.h5 --load 2nN", "pull-off: --load: has no adhesion of finite range",
                            PLAIN, "pull-off own.h5 --load 2nN"),
     "explore": (RANGE, "explore own.h5", "leave adhesion.range, stress and capillary out", PLAIN, "explore own.h5"),
     "fields": (RANGE, "fields own.h5 --a 4nm --no-plots", "leave adhesion.range, stress and capillary out",
@@ -157,7 +160,7 @@ FOLLOWED = {  # case and words that are refused, what is said, and case and word
     "two works": (RANGE, "cycle own.h5 --w-retract 0.1 --no-plots", "give one work of adhesion",
                   RANGE, "cycle own.h5 --no-plots"),
     "speed": (RANGE, ["cycle", "own.h5", *RATE], "leave --range and the case's out", PLAIN, ["cycle", "own.h5", *RATE]),
-    "slopes": (RANGE, "transform own.h5 --slopes loocv --no-plots", "loocv has no part in adhesion of finite range",
+    "slopes": (RANGE, "transform own.h5 --slopes loocv --no-plots", "loocv has no effect with adhesion of finite range",
                RANGE, "transform own.h5 --slopes exact --no-plots"),
     "sticking": (STICKING, "transform own.h5 --range 0.5nm --no-plots", 'specimen.surface = "sliding"',
                  TIP, "transform own.h5 --range 0.5nm --no-plots"),
@@ -166,7 +169,7 @@ FOLLOWED = {  # case and words that are refused, what is said, and case and word
                         'method = "layered"' + TIP, "transform own.h5 --range 0.5nm --no-plots"),
     "beyond the side": (CYLINDER, "transform own.h5 --range 30nm --no-plots", "give a larger stress (a shorter range)",
                         CYLINDER, "transform own.h5 --range 0.5nm --no-plots"),
-    "a sweep": (RANGE, "sweep sweep.toml", "adhesion.range: sweep knows no adhesion of finite range: leave it out",
+    "a sweep": (RANGE, "sweep sweep.toml", "adhesion.range: sweep has no adhesion of finite range: leave it out",
                 PLAIN, "sweep sweep.toml"),
     "both": (PLAIN, "transform own.h5 --stress 1e8 --range 1nm", "give either --stress or --range, got both",
              PLAIN, "transform own.h5 --stress 1e8 --no-plots"),
@@ -246,7 +249,7 @@ def test_verbs_that_know_no_range_refuse_it_by_name(
     assert call([verb[0], "own.h5", *verb[1:]]) == 2
     said = capsys.readouterr().err.splitlines()
     assert said == [
-        f"jkr: error: {verb[0]}: knows no adhesion of finite range, which the case of own.h5 asks for: leave "
+        f"jkr: error: {verb[0]}: has no adhesion of finite range, which the case of own.h5 asks for: leave "
         "adhesion.range, stress and capillary out"
     ]
 
@@ -255,7 +258,7 @@ def test_verbs_that_know_no_range_refuse_it_by_name(
     ("case", "says"),
     [
         ('method = "fem"' + TIP, "jkr transform will refuse: adhesion of finite range needs the kernel"),
-        (STICKING, "jkr transform will refuse: adhesion of finite range is known of surfaces that slide alone"),
+        (STICKING, "jkr transform will refuse: adhesion of finite range is implemented for frictionless contact alone"),
         ('method = "layered"' + TIP, ""),
     ],
 )

@@ -192,6 +192,22 @@ def test_sizes_of_the_data_are_those_of_the_literature() -> None:
     assert pytest.approx(3.6e-7, rel=0.02) == DELTA_C
 
 
+def test_a_rounded_cone_is_followed_beyond_its_end(jkr) -> None:
+    """It was solved to 0.7 R, as a sphere is, whose record fitted a modulus 1.6 times too high."""
+    tip, noise = RoundedCone(50e-9, math.radians(35)), np.random.default_rng(1)
+    a = np.linspace(0, 700e-9, 400)
+    delta, P = tip.half_space(a, 2e4)
+    z = np.concatenate([np.linspace(-1e-6, delta[-1], 300), np.linspace(delta[-1], -1e-6, 300)])
+    P = np.interp(z, delta, P) + 1e-11 * noise.standard_normal(z.size)
+    rows = "".join(f"{x!r},{y!r}\n" for x, y in zip(z.tolist(), P.tolist(), strict=True))
+    Path("deep.csv").write_text("delta_m,P_N\n" + rows)
+    done = jkr("fit", "deep.csv", "--shape", "rounded-cone", "--radius", "50 nm", "--half-angle", "35 deg", "--nu",
+               "0.5", "--json", "--no-plots", "-o", ".")  # fmt: skip
+    assert done.code == 0, done.err
+    (found,) = json.loads(done.out)["curves"]
+    assert found["estimates"]["E_star"]["value"] == pytest.approx(2e4, rel=2e-3)
+
+
 TIPS = {
     "cone": (("--half-angle", "70 deg"), PowerLaw(1 / math.tan(math.radians(70)), 1.0)),
     "pyramid": (("--half-angle", "68 deg"), EqualAreaCone.of(4, math.radians(68), None)),

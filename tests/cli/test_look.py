@@ -46,7 +46,7 @@ def test_json_holds_what_was_found(jkr: Callable[..., Outcome], table: Path) -> 
     assert curve["approach"]["base_line"]["noise_N"] == pytest.approx(0.01 * FORCE, rel=0.2)
     assert curve["retract"]["adhesion_force_N"] == pytest.approx(FORCE, rel=0.1)
     assert curve["approach"]["adhesion_force_N"] is None
-    assert curve["approach"]["adhesion_force_N_unknown"] == "no tension is told from the noise"
+    assert curve["approach"]["adhesion_force_N_unknown"] == "no tension beyond the noise"
     assert len(curve["retract"]["jumps"]) == 1
 
 
@@ -74,7 +74,7 @@ def test_no_row_is_dropped_silently(jkr: Callable[..., Outcome], tmp_path: Path)
     path.write_text("\n".join(["delta_um,P_nN,segment", *told]) + "\n")
     done = jkr("look", str(path), "--no-plots")
     assert "401 rows of displacement, load; approach 1, retract 400" in done.out
-    assert "no approach: of its rows there is 1, at least 20 are needed" in done.out
+    assert "no approach: 1 of its rows, at least 20 are needed" in done.out
     path.write_text("\n".join(["delta_um,P_nN", *rows]) + "\n")
     assert "400 rows of displacement, load; retract 400\n" in jkr("look", str(path), "--no-plots").out
     path.write_text("\n".join(["delta_um,P_nN", rows[1], *rows]) + "\n")

@@ -187,8 +187,8 @@ def test_auto_takes_the_least_model() -> None:
 
 def test_auto_says_why_and_what_others_would_cost() -> None:
     reason = choose(LAYER, "auto", build).reason
-    assert reason.startswith("the least model that represents this body (")
-    assert "closed-form cannot (" in reason
+    assert reason.startswith("the simplest method for this body (")
+    assert "closed-form not applicable (" in reason
     assert "fem would take about" in reason
 
 

@@ -87,7 +87,7 @@ def test_check_tells_which_surface_tension_would_be_noticed(jkr, gel):
     found = json.loads(jkr("check", "gel.toml", "--json").out)
     expected = 0.01 * 3.141593 * 0.3e-6 / 3 * 5e3 / 0.75 / 2
     assert found["noticed_surface_tension_N_per_m"] == pytest.approx(expected, rel=0.1)
-    assert "it would change 1% in load or pull-off force" in jkr("check", "gel.toml").out
+    assert "it would change load or pull-off force by 1%" in jkr("check", "gel.toml").out
     gel()
     assert "30 mN/m" in jkr("check", "gel.toml").out
 

@@ -28,6 +28,7 @@ def on_a_half_space(indenter: Indenter) -> Problem:
     return Problem(indenter, Specimen((), HalfSpace(Elastic(1e6, 0.3))), Loading("depth", 1.0))
 
 
+MEND = ": correct it, or put # before it"
 A = np.array([2.0, 3.0, 3.0, 5.0, 8.0, 9.0]) * 1e-5  # the radius repeats, as node-based radii do
 DELTA = A**2 / R * np.array([1, 1, 1.05, 1, 1, 1])
 P = hertz(A, E_STAR, R)[1] * np.array([1, 1, 1.02, 1, 1, 1])
@@ -225,17 +226,20 @@ WRONG = {
         "refine the mesh or load to a larger depth",
     ]),
     "a word among the numbers": (table_of([*GOOD[:3], (4, "n/a", 64), *GOOD[4:]]), [
-        't.csv: line 5 must hold 3 numbers, got "4,n/a,64"',
+        't.csv: line 5 must hold 3 numbers, got "4,n/a,64"' + MEND,
     ]),
-    "a short row": (table_of([*GOOD[:3], (4, 16), *GOOD[4:]]), ['t.csv: line 5 must hold 3 numbers, got "4,16"']),
+    "a short row": (
+        table_of([*GOOD[:3], (4, 16), *GOOD[4:]]),
+        ['t.csv: line 5 must hold 3 numbers, got "4,16"' + MEND],
+    ),
     "nan": (table_of([*GOOD[:3], (4, "nan", 64), *GOOD[4:]]), [
-        't.csv: line 5 must hold finite numbers, got "4,nan,64"',
+        't.csv: line 5 must hold finite numbers, got "4,nan,64"' + MEND,
     ]),
     "no table": ("some words\n1 2\n", [
-        "t.csv: holds no row of at least 3 numbers; give the separator and the decimal mark if they are unusual",
+        "t.csv: holds no row of at least 3 numbers; give --separator and --decimal if they are unusual",
     ]),
     "empty": ("", [
-        "t.csv: holds no row of at least 3 numbers; give the separator and the decimal mark if they are unusual",
+        "t.csv: holds no row of at least 3 numbers; give --separator and --decimal if they are unusual",
     ]),
     "beyond the sphere": (table_of([*GOOD, (7e6, 49, 343)]), [
         "t.csv: line 8: contact radius 7 m lies beyond the end of the indenter's profile, 0.001 m; is the unit right?",

@@ -14,6 +14,7 @@ from jkrcli.data import measured
 from jkrcli.data.measured import Curve, Reading
 from jkrcli.data.measured.contact import saturation, with_zero_points
 
+MEND = ": correct it, or put # before it"
 A = np.array([1.0, 2.0, 3.0, 2.5]) * 1e-5
 DELTA = np.array([-5e-7, 1e-6, 3e-6, 2e-6])
 P = np.array([-1e-6, 2e-6, 8e-6, 3e-6])
@@ -155,7 +156,8 @@ WRONG = {
     ),
     "a sensor that gives up in the middle": (
         "delta_nm;P_nN;x\n" + "1;1;1\n" * 2 + "2;N/A;1\n" * 2 + "3;1;1\n", Reading(),
-        '{path}: line 4 must hold 3 numbers, got "2;N/A;1"\n{path}: line 5 must hold 3 numbers, got "2;N/A;1"',
+        '{path}: line 4 must hold 3 numbers, got "2;N/A;1"' + MEND + "\n"
+        '{path}: line 5 must hold 3 numbers, got "2;N/A;1"' + MEND,
     ),
     "a load of words": (
         "delta_nm;P_nN;x\n" + "1;none;1\n" * 3, Reading(),
@@ -166,7 +168,7 @@ WRONG = {
         '{path}: line 5 must hold 2 numbers, got "Block 2": remove it, or put # before it',
     ),
     "a header that comes again, for another curve": (
-        GOOD + "delta_nm,P_nN\n4,4\n", Reading(), '{path}: line 5 must hold 2 numbers, got "delta_nm,P_nN"',
+        GOOD + "delta_nm,P_nN\n4,4\n", Reading(), '{path}: line 5 must hold 2 numbers, got "delta_nm,P_nN"' + MEND,
     ),
     "unit of no column": (
         GOOD, Reading(units={"t": "s"}),
@@ -181,15 +183,17 @@ WRONG = {
     ),
     "no rows": (
         "delta_nm,P_nN\n", Reading(),
-        "{path}: holds no row of at least 2 numbers; give the separator and the decimal mark if they are unusual",
+        "{path}: holds no row of at least 2 numbers; give --separator and --decimal if they are unusual",
     ),
     "not a number": (GOOD + "4,nan\n", Reading(), "{path}: line 5: load must be finite, got nan (SI)"),
-    "truncated": (GOOD + "4\n", Reading(), '{path}: line 5 must hold 2 numbers, got "4"'),
-    "a second header": (GOOD + "delta_nm,P_nN\n", Reading(), '{path}: line 5 must hold 2 numbers, got "delta_nm,P_nN"'),
-    "a unit in a cell": (GOOD + "4 nm,4\n", Reading(), '{path}: line 5 must hold 2 numbers, got "4 nm,4"'),
+    "truncated": (GOOD + "4\n", Reading(), '{path}: line 5 must hold 2 numbers, got "4"' + MEND),
+    "a second header": (
+        GOOD + "delta_nm,P_nN\n", Reading(), '{path}: line 5 must hold 2 numbers, got "delta_nm,P_nN"' + MEND,
+    ),
+    "a unit in a cell": (GOOD + "4 nm,4\n", Reading(), '{path}: line 5 must hold 2 numbers, got "4 nm,4"' + MEND),
     "words where numbers stand": (
         "delta_nm,P_nN,segment\n1,1,up\n2,2,up\n3,?,up\n", Reading(),
-        '{path}: line 4 must hold 2 numbers and 1 words, got "3,?,up"',
+        '{path}: line 4 must hold 2 numbers and 1 words, got "3,?,up"' + MEND,
     ),
     "negative radius": (
         "a_um,P_nN\n1,1\n-2,2\n3,3\n", Reading(),

@@ -49,7 +49,7 @@ def test_outliers_are_named_by_their_lines(tmp_path: Path) -> None:
     columns[2, 20] *= 1.5
     columns[1, 40] *= 0.7
     solution = read(tmp_path / "t.csv", columns)
-    assert solution.warnings == ("2 of 60 rows lie far off the others and count little: 22, 42",)
+    assert solution.warnings == ("2 of 60 rows are outliers and have little weight: 22, 42",)
     (spoiled,) = analyse(solution, [50.0])
     shift = spoiled.pull_off["load"].P / clean.pull_off["load"].P - 1
     assert abs(shift) < clean.pull_off_errors["load"]["P"] / abs(clean.pull_off["load"].P)
@@ -64,10 +64,10 @@ def test_a_drift_of_the_load_is_said(tmp_path: Path) -> None:
 
 def test_errors_of_neighbours_that_go_together_are_said_and_few_rows_cannot_tell(tmp_path: Path) -> None:
     (many,) = analyse(read(tmp_path / "t.csv", disturbed(HERTZ.series(60), "AR(1) 0.9", 1e-2, 0)), [50.0])
-    said = [words for words in many.warnings if words.startswith("errors of neighbouring rows go together (corr")]
+    said = [words for words in many.warnings if words.startswith("errors of neighbouring rows are autocorrelated (")]
     assert len(said) == 1
     few = analyse(read(tmp_path / "t.csv", disturbed(HERTZ.series(15), "AR(1) 0.9", 1e-2, 0)), [50.0])[0]
-    assert few.curve.slopes.reason.endswith("is not known from so few points")
+    assert few.curve.slopes.reason.endswith("cannot be estimated from so few points")
 
 
 def test_the_band_of_large_noise_that_goes_together_is_no_wider_than_it_need_be(tmp_path: Path) -> None:
@@ -134,7 +134,7 @@ def test_an_outlier_at_the_end_of_few_rows_is_no_other_order(tmp_path: Path) -> 
     columns = disturbed(HERTZ.series(15), "independent", 1e-2, 0)
     columns[0, 14] = columns[0, 4]
     (words,) = read(tmp_path / "t.csv", columns).warnings
-    assert words == "1 of 15 rows lie far off the others and count little: 16"
+    assert words == "1 of 15 rows are outliers and have little weight: 16"
 
 
 def test_rows_in_order_keep_their_scatter_where_one_is_left_out(tmp_path: Path) -> None:
@@ -156,7 +156,7 @@ def test_a_radius_beyond_all_others_is_an_outlier(tmp_path: Path, points: int, f
     columns[0, row] *= factor
     (found,) = analyse(read(tmp_path / "t.csv", columns), [50.0])
     assert found.curve.series.a[-1] == last
-    assert found.warnings == [f"1 of {points} rows lie far off the others and count little: {row + 2}"]
+    assert found.warnings == [f"1 of {points} rows are outliers and have little weight: {row + 2}"]
     assert found.pull_off_errors["load"]["P"] / abs(found.pull_off["load"].P) < 0.01  # 0.008 and 0.002 measured
 
 

@@ -378,6 +378,18 @@ def test_words_behind_the_last_row_are_left_out_and_said(tmp_path: Path) -> None
     assert curve.flags == ('lines 9 to 10 are behind the last row and left out: "Largest load,9e-9"',)
 
 
+def test_rows_that_lack_a_number_are_left_out_and_said(tmp_path: Path) -> None:
+    """A blank cell, a word in a cell, a row of its time alone; the numbers of the others as they are."""
+    rows = [f"{i / 10};{i * 0.5};{2 * i};" for i in range(40)]
+    rows[7], rows[19], rows[30] = "0,7;n.a.;14;", "1,9;9,5;;door", "3;;;"
+    text = "Zeit;Eindringtiefe;Kraft;Bemerkung\ns;µm;µN;\n" + "\n".join(row.replace(".5", ",5") for row in rows)
+    curve = one(written(tmp_path, text.replace(".", ",").replace("n,a,", "n.a.")))
+    kept = np.delete(np.arange(40), [7, 19, 30])
+    np.testing.assert_allclose(curve.delta, 0.5e-6 * kept, rtol=1e-12)
+    np.testing.assert_allclose(curve.P, 2e-6 * kept, rtol=1e-12)
+    assert "3 rows without a number left out (lines 10, 22, 33)" in curve.flags
+
+
 ENDS = {
     "a column of remarks without any": "delta_m;P_N;remark\n{0};\n{1};\n{2};\n",
     "units of all columns but the last": "delta;P;remark\nm;N;\n{0};\n{1};ok\n{2};\n",

@@ -41,6 +41,15 @@ def test_directions_are_found_without_a_column_as_with_one(told: bool, pause: in
     assert found.segments[-1].last == len(found.curve) - 1
 
 
+def test_a_hold_longer_than_the_motion_is_a_pause() -> None:
+    """It drew the usual speed to zero, and was a retraction that went the wrong way."""
+    depth = np.concatenate([np.linspace(0, 6e-5, 80), np.full(400, 6e-5)])
+    found = examine(
+        Curve("held", None, depth, 1e-3 * np.concatenate([depth[:80], np.geomspace(6e-5, 3e-5, 400)]), None)
+    )
+    assert [(part.kind, len(part)) for part in found.segments] == [("approach", 80), ("pause", 400)]
+
+
 @pytest.mark.parametrize("seed", range(5))
 def test_base_line_noise_and_adhesion_are_those_that_were_made(seed: int) -> None:
     found = examined(seed=seed)
@@ -119,7 +128,7 @@ def test_a_record_that_goes_back_and_in_again_counts_the_other_way() -> None:
     assert curve.delta is not None
     flags = examine(replace(curve, delta=-curve.delta)).flags
     assert flags["wrong way"] == (
-        "the displacement goes the other way: it is positive into the specimen (--flip delta)"
+        "the displacement has the opposite sign: it is positive into the specimen (--flip delta)"
     )
 
 
@@ -166,6 +175,32 @@ def test_a_second_pull_off_is_found_however_straight_the_load_before_it(string: 
     assert "several contacts" in found.flags
     assert [jump.position for jump in side.jumps] == pytest.approx([far, fold], abs=0.02e-6)
     assert side.base.rows < np.count_nonzero(back & (z <= far)) + 5
+
+
+def held_twice(seed: int) -> Curve:
+    """A random record whose retraction is held by a tether, or by a string, of 0.2 to 1 of the pull-off force, which
+    breaks somewhere before the far end."""
+    rng = np.random.default_rng([77, seed])
+    w = 1e-3 * 10 ** rng.uniform(-0.5, 0.5)
+    force, k = 1.5 * np.pi * w * R, E_STAR * R / 10 * 10 ** rng.uniform(-1, 1)
+    rows = int(10 ** rng.uniform(np.log10(300), np.log10(5000)))
+    way = float(np.ptp(record(E_STAR, R, 0.2 * w, w, Instrument(k, 200, far=1e-9, largest=3 * force), 1)["z"]))
+    clean = Instrument(k, rows, far=way * rng.uniform(2, 4), largest=force * rng.uniform(2, 6))
+    dirty = replace(
+        clean, noise=force * 10 ** rng.uniform(-3, -1.5), offset=force * rng.uniform(-3, 3),
+        tilt=force / way * rng.uniform(-0.05, 0.05), drag=force * rng.uniform(0, 0.1),
+    )  # fmt: skip
+    plain, made = (record(E_STAR, R, w / 4, w, device, seed) for device in (clean, dirty))
+    z, P, back = made["z"], made["P"], made["segment"] == "retract"
+    fold = float(z[back & (plain["P"] < -1e-3 * force)].min())
+    far = fold - (fold - z.min()) * rng.uniform(0.1, 0.7)
+    held = np.where(back & (z < fold) & (z > far), (fold - z) / (fold - far) if rng.random() < 0.5 else 1.0, 0.0)
+    return Curve("held twice", delta=z, P=P - force * rng.uniform(0.2, 1) * held, segment=made["segment"])
+
+
+def test_second_pull_offs_of_random_records() -> None:
+    """Not told is one whose tether holds as much as the contact did, so that nothing happens where that ends."""
+    assert sum("several contacts" in examine(held_twice(seed)).flags for seed in range(28)) >= 25
 
 
 def test_rows_that_stand_alone_off_the_others_count_for_nothing() -> None:
@@ -216,7 +251,7 @@ def test_a_displacement_against_its_segments_is_named_and_not_fitted() -> None:
     curve = curve_of(DEVICE, told=True)
     turned = examine(replace(curve, delta=-curve.delta))
     assert turned.flags["wrong way"] == (
-        "the displacement of the retract goes the other way: it is positive into the specimen (--flip delta)"
+        "the displacement of the retract has the opposite sign: it is positive into the specimen (--flip delta)"
     )
     assert "wrong way" not in examine(curve).flags
 

@@ -95,8 +95,8 @@ def test_a_search_that_is_given_up_tells_no_interval(
         assert (found.estimate(name).error, found.estimate(name).low, found.estimate(name).high) == (None, None, None)
     assert "not determined" in found.flags
     assert found.warnings[0] == (
-        "the search was given up after 2 steps, the data do not determine E*, w, delta0: give starting values "
-        "(--start), fix one of them, or measure what tells them"
+        "the search stopped after 2 steps, the data do not determine E*, w, delta0: give starting values "
+        "(--start), or fix one of them (--fix)"
     )
 
 
@@ -165,7 +165,7 @@ def test_radius_and_displacement_tell_the_ratio_of_w_and_modulus_only() -> None:
     a = np.linspace(A_C, A_END, 50)
     found = fit(half_space(), Curve("a", a=a, delta=adhesive(a)[0]), usual())
     assert found.value("w") / found.value("E_star") == pytest.approx(W / E_STAR, rel=1e-12)  # 1e-15 measured
-    assert found.warnings[0].startswith("a and delta alone tell w/E* only")
+    assert found.warnings[0].startswith("a and delta alone determine w/E* only")
 
 
 def test_compliance_of_the_machine_and_bounds() -> None:
@@ -294,7 +294,7 @@ def test_no_adhesion_is_said() -> None:
     item = found.estimate("w")
     assert item.low == 0
     assert item.high < 0.05 * W
-    assert found.warnings[0].startswith("w is not told from 0: it is at most ")
+    assert found.warnings[0].startswith("w is not significantly above 0: it is at most ")
     assert found.value("E_star") == pytest.approx(E_STAR, rel=0.005)
 
 
@@ -388,7 +388,7 @@ def test_odrpack_finds_the_same() -> None:
 def test_a_scaling_fit_is_quick(counted: Counter[str]) -> None:
     fit(half_space(), sphere(500, 0.01), usual())
     assert counted["solves"] == 0
-    assert counted["evaluations"] <= 40  # 30 measured, 12 of them for its rivals
+    assert counted["evaluations"] <= 45  # 41 measured, 12 of them for its rivals
 
 
 def test_the_end_of_a_curve_on_a_thin_layer_is_no_base_line() -> None:

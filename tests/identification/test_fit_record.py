@@ -118,7 +118,7 @@ def test_a_displacement_that_goes_against_its_segments_is_refused() -> None:
     with pytest.raises(InputError) as caught:
         whole_record(replace(curve, delta=-curve.delta, segment=words, stiffness=None), usual(contact="fitted"))
     assert caught.value.lines == (
-        "made: the displacement of the retract goes the other way: it is positive into the specimen (--flip delta)",
+        "made: the displacement of the retract has the opposite sign: it is positive into the specimen (--flip delta)",
     )
 
 
@@ -219,7 +219,7 @@ def test_a_drift_that_nobody_asked_for_is_said() -> None:
         said[share] = [line for line in found.warnings if line.startswith("drift")]
     assert said[0.0] == []
     assert re.fullmatch(
-        r"drift: the depth seems to drift by -[\d.]+ nm/s ± [\d.]+ [np]m/s, which would change the moduli by "
+        r"drift: the depth drifts by -[\d.]+ nm/s ± [\d.]+ [np]m/s, which would change the moduli by "
         r"\+[\d.]+%: --free drift fits it",
         said[-0.02][0],
     )
@@ -227,10 +227,10 @@ def test_a_drift_that_nobody_asked_for_is_said() -> None:
 
 def test_a_drift_needs_both_directions_and_their_time() -> None:
     curve, _, _ = drifting(0.0)
-    told = "made: a drift is told by approach and retraction together"
+    told = "made: a drift needs approach and retraction together"
     for held, options, reason in (
-        (curve, {"segment": "retract"}, ", over their time: leave --segment out"),
-        (replace(curve, t=None), {"segment": "both"}, ", over their time: it holds none"),
+        (curve, {"segment": "retract"}, ", and their time: leave --segment out"),
+        (replace(curve, t=None), {"segment": "both"}, ", and their time: it holds none"),
         (curve.only("retract"), {"segment": "both"}, ", only one can be fitted"),
     ):
         with pytest.raises(InputError, match=f"^{told}{reason}$"):
@@ -247,7 +247,7 @@ def test_an_approach_without_adhesion_has_an_upper_limit_of_its_own_w() -> None:
     assert item.high is not None
     assert item.value < item.high < 0.01 * w
     assert "w" not in {item.name for item in found.estimates}
-    assert any(line.startswith("approach alone: its w is called w_approach") for line in found.warnings)
+    assert any(line.startswith("approach alone: its w is w_approach") for line in found.warnings)
     assert judged(found, {"E_star": E_star})["E_star"][1]
 
 
@@ -291,7 +291,7 @@ def test_what_there_is_of_a_record_is_fitted(chosen: Callable[[np.ndarray, np.nd
     else:
         assert abs(w.value - 1e-4) < 4.5 * w.error < 0.05e-4
     assert "no base line" in found.flags
-    assert any("reading of no load: it is taken as 0 (--free P0" in line for line in found.warnings)
+    assert any("no base line: the zero of the load is set to 0 (--free P0" in line for line in found.warnings)
 
 
 def test_a_free_zero_of_a_record_in_tension_leaves_w_open() -> None:
@@ -429,7 +429,7 @@ def test_a_sine_that_is_not_there_is_not_fitted() -> None:
     curve, _, _ = made(np.random.default_rng(7))
     found = fit(BODY, curve, usual(base_line="sine"))
     assert found.value("E_star") == fit(BODY, curve, usual()).value("E_star")
-    assert "base line: no sine is told from its noise, it is taken as straight" in found.warnings
+    assert "base line: no sine beyond its noise, a straight line is used" in found.warnings
     with pytest.raises(InputError, match="--base-line sine is for raw records"):
         fit(BODY, curve, usual(base_line="sine", contact="as-is"))
 
@@ -466,7 +466,7 @@ def test_a_direction_that_cannot_be_fitted_is_named_with_the_other() -> None:
     turn = int(np.argmax(curve.device))
     found = fit(BODY, curve.rows(np.arange(turn + 200)), usual())
     assert found.directions == "approach alone (retraction: it has no base line)"
-    assert any("approach alone: its w is called w_approach" in line for line in found.warnings)
+    assert any("approach alone: its w is w_approach" in line for line in found.warnings)
 
 
 def test_directions_of_different_moduli_stand_side_by_side() -> None:
@@ -534,7 +534,7 @@ def test_spikes_are_left_out_and_said() -> None:
     P[[len(curve) // 7, len(curve) // 3]] += np.ptp(P) * np.array([-0.5, 2.0])
     found = fit(BODY, replace(curve, P=P, delta=curve.device - P / curve.stiffness), usual())
     assert all(inside for _, inside in judged(found, {"E_star": E_star, "w": w}).values())
-    assert "2 rows that stand alone off the others" in found.left_out
+    assert "2 isolated outliers" in found.left_out
 
 
 @pytest.mark.parametrize(("w", "flat"), [(0.0, True), (1e-6, True), (1e-4, False)])
@@ -567,4 +567,4 @@ def test_a_search_that_is_given_up_says_what_is_not_determined(monkeypatch: pyte
     found = fit(BODY, cycled(1), usual())
     assert "not determined" in found.flags
     assert found.estimate("E_star").high is None
-    assert any("given up after 1 steps" in line for line in found.warnings)
+    assert any("stopped after 1 steps" in line for line in found.warnings)

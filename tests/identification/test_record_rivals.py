@@ -18,11 +18,12 @@ from test_fit_record import BODY, R, usual
 from wrong_records import WRONG, Drawn, Wrong, right
 
 from jkrcli.data.measured import Curve
-from jkrcli.identification.fit import Fit, fit, record_rivals
+from jkrcli.identification.fit import Fit, fit, force_curve, record_rivals
 from jkrcli.identification.fit.coloured import Spectrum
 from jkrcli.identification.fit.device_path import grid, on_grid
 from jkrcli.identification.fit.record import _fitted, _kinds, _model, whole_record
-from jkrcli.identification.fit.record_change import LITTLE, Bent, Change, RivalModel
+from jkrcli.identification.fit.record_change import AMOUNT, LITTLE, Bent, Change, RivalModel
+from jkrcli.identification.fit.record_full import bounded
 from jkrcli.identification.fit.record_rivals import RIVALS, columns, narrow_range, work_over_speed
 from jkrcli.identification.fit.record_scores import ASKED, EXCLUDED, UNTOLD, rivals_of_record
 from jkrcli.identification.fit.record_situation import Situation
@@ -158,7 +159,7 @@ def test_a_right_record_asks_for_nothing() -> None:
     assert found.flags == ()
     assert found.verdict.rivals.misfit / found.verdict.rivals.dof == pytest.approx(1, abs=0.1)
     assert {one.word for one in found.verdict.rivals.scores} <= {EXCLUDED, UNTOLD}
-    assert "no other model is asked for" in words(found)[2]
+    assert "the data ask for no other model" in words(found)[2]
 
 
 @pytest.mark.parametrize(("kind", "family"), [("cone", "shape of the tip"), ("plastic", "relaxation or flow")])
@@ -275,7 +276,8 @@ def test_the_right_rival_in_full_gives_the_truth(kind: str, told: dict[str, floa
 
 
 def test_a_long_range_that_is_possible_widens_w() -> None:
-    """Tabor's number 0.3, a range of 0.1 um: no data of this noise tell it, w is a fifth too high."""
+    """Tabor's number 0.3, a range of 0.1 um: no data of this noise tell it, w is a fifth too high. It counts unless the
+    user rules it out."""
     made = wrong_records.maugis(replace(AT, noise=10 * AT.noise))
     known = fit(BODY, curve(made), usual(bound=[("range", "..1 um")])).estimate("w")
     assert known.low is not None
@@ -283,4 +285,29 @@ def test_a_long_range_that_is_possible_widens_w() -> None:
     assert known.low > 1.1 * AT.w
     assert known.low - known.model["adhesion of finite range"] < AT.w
     by_default = fit(BODY, curve(made), usual()).estimate("w")
-    assert sum((by_default.model or {}).values()) < 0.5 * known.model["adhesion of finite range"]
+    assert by_default.low is not None
+    assert by_default.low - (by_default.model or {})["adhesion of finite range"] < AT.w
+    ruled_out = fit(BODY, curve(made), usual(bound=[("range", "..3 nm")])).estimate("w")
+    assert sum((ruled_out.model or {}).values()) < 0.2 * known.model["adhesion of finite range"]
+
+
+def test_adhesion_of_long_range_is_named() -> None:
+    """DMT, the limit of long ranges: its column from JKR explains what is left, by an amount towards it."""
+    told = answer("DMT").verdict
+    assert told is not None
+    score = next(one for one in told.rivals.named if one.name == "adhesion of long range (DMT)")
+    assert 0.2 < score.amount < 1
+    assert score.w < 0
+
+
+def test_moves_at_a_bound_are_those_of_a_fit_in_full() -> None:
+    at = of_record(right(AT), usual())
+    rivals = bounded(at.body, at.found, rivals_of_record(at.body, at.found, math.inf), math.inf)
+    score = next(one for one in rivals.scores if one.name == "exponent of the tip")
+    look = named(score.name).look(at)
+    assert isinstance(look, Change)
+    model = RivalModel.of(at.model, look)
+    held = replace(model, known={**model.known, AMOUNT: score.most})
+    here = Situation(at.body, force_curve.fit(held, at.found.x, near=True))
+    for rate, ratio in ((score.E_star, here.modulus / at.modulus), (score.w, here.work / at.work)):
+        assert 0.5 < rate * score.most / math.log(ratio) < 2

@@ -37,8 +37,9 @@ def test_one_axis_makes_one_line_in_people_s_units(tmp_path: Path) -> None:
     (line,) = (held for held in left.lines if len(held.get_xdata()) == 3)
     np.testing.assert_allclose(line.get_xdata(), [300, 500, 800])
     np.testing.assert_allclose(line.get_ydata(), [0, 1, 2])
-    assert left.get_xlabel() == "specimen.layers[0].thickness (µm)"
-    assert (left.get_ylabel(), right.get_ylabel()) == ("pull_off.load.P (mN)", "pull_off.displacement.P (mN)")
+    assert left.get_xlabel() == "thickness of layer 1 (µm)"
+    assert (left.get_ylabel(), right.get_ylabel()) == ("load $P$ at pull-off (mN)",) * 2
+    assert (left.get_title(), right.get_title()) == ("(a) load control", "(b) displacement control")
 
 
 def test_two_axes_make_a_line_for_each_value_of_the_shorter(tmp_path: Path) -> None:

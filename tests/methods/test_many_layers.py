@@ -118,6 +118,6 @@ def test_a_table_of_many_points_is_refused() -> None:
 def test_a_long_look_is_announced() -> None:
     problem = Problem(Paraboloid(1e-3), graded(101), Loading("radius", 1e-5))
     assert long_look(problem) == (
-        "a layer with 100 pieces of E over depth: looking at what each method would cost takes about 10 s of CPU time"
+        "a layer with 100 pieces of E over depth: estimating the cost of each method takes about 10 s of CPU time"
     )
     assert long_look(stack(200)) is None

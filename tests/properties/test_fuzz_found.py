@@ -406,7 +406,7 @@ def test_a_mesh_of_more_points_than_fit_is_refused_and_other_methods_are_told(jk
     Path("x.toml").write_text(text, encoding="utf-8")
     done = jkr("check", "x.toml", "-v")
     assert done.code == 0, done.err
-    assert "fem          cannot: mesh: " in done.out
+    assert "fem          not applicable: mesh: " in done.out
 
 
 @pytest.mark.slow

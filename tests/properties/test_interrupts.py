@@ -236,7 +236,7 @@ def test_little_is_imported_before_interrupts_are_minded() -> None:
     code = "import sys; before = set(sys.modules); import jkrcli.__main__; print(*sorted(set(sys.modules) - before))"
     found = subprocess.run([sys.executable, "-S", "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
     ours = [name for name in found.stdout.split() if name.startswith("jkrcli")]
-    assert ours == ["jkrcli", "jkrcli.__main__", "jkrcli.base", "jkrcli.base.interrupts"]
+    assert ours == ["jkrcli", "jkrcli.__main__", "jkrcli.base", "jkrcli.base.interrupts", "jkrcli.base.lazy"]
     assert "typing" not in found.stdout.split()
 
 

@@ -267,7 +267,7 @@ BY_OTHER_VERBS = (  # refused to transform, or at sizes that take long: tests of
     "adhesion of finite range",
     "no formula is known for no slip",
     "the contact is not a growing disc of nodes (violation {}), so that it is not known where points stuck",
-    "the correction is that of surfaces that slide",
+    "the correction is for frictionless contact",
     "rows without slip (limit {})",
     "surface tension",  # and tests of it
 )

@@ -186,14 +186,14 @@ def test_a_band_is_drawn_where_it_can_be_seen_only(jkr: Callable, body: str) -> 
 
     result = analyse(store.read(Path(body)), [0.1])[0]
     span = float(np.ptp(result.curve.P))
-    assert "90 % band of P" in words(0.02 * span)
-    assert "90 % band of P" not in words(0.005 * span)
+    assert "90 % band of $P$" in words(0.02 * span)
+    assert "90 % band of $P$" not in words(0.005 * span)
 
 
 def test_units_are_those_of_the_larger_of_both_curves(jkr: Callable) -> None:
     """The coating's adhesive curve ends at 0.3 um, the nonadhesive one at 1.4 um."""
     units = physical_units(analysed(jkr, "coating").curve)
-    assert units.labels == ("displacement δ (µm)", "load P (µN)", "contact radius a (µm)")
+    assert units.labels == (r"displacement $\delta$ (µm)", "load $P$ (µN)", "contact radius $a$ (µm)")
 
 
 @pytest.mark.slow

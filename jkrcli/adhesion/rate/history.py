@@ -9,10 +9,7 @@ from functools import cached_property
 import numpy as np
 from scipy.optimize import brentq
 
-from ...base.arrays import Array
-from ...base.errors import InputError, SolveError, positive
-from ...base.units import show
-from ...base.unknown import Estimate, Unknown
+from ...base import Array, Estimate, InputError, SolveError, Unknown, positive, show
 from ..curve import AdhesiveCurve
 from ..device import DISPLACEMENT_CONTROL, LOAD_CONTROL
 from ..edge import Edge
@@ -114,7 +111,7 @@ class RateContact(Contact):
         series. ``speed`` of the approach [m/s, under load control N/s], on which it depends where the edge advances by
         a law. InputError where it does not come there."""
         if load is not None and depth is not None:
-            raise InputError("cycle: the turn is at a load or at a depth, not at both")
+            raise InputError("cycle: give the turn as a load or as a depth, not both")
         if self.law_advance is None:
             place = turning_radius(self.advancing, self.stiffness, load=load, depth=depth)
             return self.advance.equilibrium.held(place)

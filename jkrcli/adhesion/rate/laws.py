@@ -14,9 +14,7 @@ from typing import Annotated, Any, Protocol, TypeAlias
 
 import numpy as np
 
-from ...base.errors import InputError, did_you_mean
-from ...base.registry import Registry
-from ...base.units import Ranged, check_ranges
+from ...base import InputError, Ranged, Registry, check_ranges, did_you_mean
 
 Speed: TypeAlias = Annotated[float, Ranged("speed", above=0)]
 Exponent: TypeAlias = Annotated[float, Ranged("number", above=0, most=100)]

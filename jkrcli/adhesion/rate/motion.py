@@ -21,8 +21,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from ...base.arrays import Array
-from ...base.errors import SolveError
+from ...base import Array, SolveError
 from ..device import LOAD_CONTROL, position
 from ..edge import Edge
 from ..path import ADVANCE, RECEDE, AtOnce, Follow, Now, Piece
@@ -255,7 +254,7 @@ def move(edge: Edge, ramp: Ramp, driven: Driven, t: float, a: float, tolerance: 
 
 def _unfollowed(a: float) -> SolveError:
     return SolveError(
-        f"the edge's motion could not be followed beyond a = {a:.4g} m: look at v0 and n; a device that is very slow "
+        f"the edge's motion could not be integrated beyond a = {a:.4g} m: look at v0 and n; a device that is very slow "
         "against v0 makes the cycle without --rate"
     )
 

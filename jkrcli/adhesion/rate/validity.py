@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from ...base.units import show
-from ...base.unknown import Estimate, Unknown
+from ...base import Estimate, Unknown, show
 
 NEGLECTED = (
     "the bulk is taken as elastic: all that is lost is lost at the edge; a bulk that relaxes as slowly as the contact "
@@ -46,8 +45,8 @@ class Zone:
     def warnings(self) -> list[str]:
         """A sentence for each ratio that is too large."""
         return [
-            f"the dissipating zone at the edge is {value:.2g} of the {name}, more than {LIMITS.wide:g}: it is no edge, "
-            "and the curve follows from the whole stress in it"
+            f"the dissipating zone at the edge is {value:.2g} of the {name}, more than {LIMITS.wide:g}: the theory "
+            "of a sharp edge does not hold"
             for name, value in (("contact radius", self.over_a), ("layer's thickness", self.over_h))
             if isinstance(value, float) and value > LIMITS.wide
         ]
@@ -68,8 +67,8 @@ def zone(G: float, w0: float, E_star: float, a: float, h: float, stress: float |
     width = math.pi * E_star * G / (4 * sigma**2)
     if width < LIMITS.atom:
         small = Unknown(
-            f"the attraction's stress, {show(sigma, 'modulus')}, would put it at {width:.1g} m, less than an atom: "
-            "what dissipates on so soft a body reaches further; give its own stress, --stress"
+            f"the attraction's stress, {show(sigma, 'modulus')}, gives {width:.1g} m, less than an atom: "
+            "dissipation on so soft a body reaches further: give its own stress, --stress"
         )
         return Zone(small, small, small)
     no_layer = Unknown("no layer: the specimen is a half-space")

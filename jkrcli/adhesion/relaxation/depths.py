@@ -7,8 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ...base.arrays import Array
-from ...base.cubic import PiecewiseCubic
+from ...base import Array, PiecewiseCubic
 from ..nonadhesive import Nonadhesive
 
 

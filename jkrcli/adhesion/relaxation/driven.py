@@ -14,11 +14,8 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
-from ...base.arrays import Array
-from ...base.cubic import zeros_between
-from ...base.errors import InputError, SolveError
-from ...base.units import show
-from ...bodies.relaxation import Modes
+from ...base import Array, InputError, SolveError, show, zeros_between
+from ...bodies import Modes
 from ..device import LOAD_CONTROL, position
 from .depths import Depths
 from .memory import Steps, moments

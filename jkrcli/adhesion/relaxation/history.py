@@ -9,11 +9,8 @@ from functools import cached_property
 
 import numpy as np
 
-from ...base.arrays import Array
-from ...base.cubic import zeros_between
-from ...base.errors import InputError
-from ...base.units import show
-from ...bodies.relaxation import Modes, Relaxation
+from ...base import Array, InputError, show, zeros_between
+from ...bodies import Modes, Relaxation
 from ..device import DISPLACEMENT_CONTROL, LOAD_CONTROL, control, position
 from ..nonadhesive import Nonadhesive
 from ..path import TimedState
@@ -71,7 +68,7 @@ class RelaxingContact:
         """What the device holds where an approach at ``speed`` [m/s, under load control N/s] comes to ``load`` [N] or
         ``depth`` [m]; both None: to the end of the series."""
         if load is not None and depth is not None:
-            raise InputError("cycle: the turn is at a load or at a depth, not at both")
+            raise InputError("cycle: give the turn as a load or as a depth, not both")
         if self.stiffness == (DISPLACEMENT_CONTROL if load is None else LOAD_CONTROL):
             return (depth or self.depths.most) if load is None else load
         path = self._approach(speed)

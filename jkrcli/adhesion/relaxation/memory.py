@@ -7,8 +7,8 @@ from functools import cached_property
 
 import numpy as np
 
-from ...base.arrays import Array
-from ...bodies.relaxation import Modes
+from ...base import Array
+from ...bodies import Modes
 
 
 @dataclass(frozen=True)

@@ -8,11 +8,8 @@ from functools import cached_property
 
 import numpy as np
 
-from ...base.arrays import Array
-from ...base.cubic import zeros_between
-from ...base.errors import InputError
-from ...base.units import show
-from ...bodies.relaxation import Modes
+from ...base import Array, InputError, show, zeros_between
+from ...bodies import Modes
 from .depths import Depths
 from .memory import Steps
 
@@ -33,7 +30,7 @@ TUNING = PathTuning()
 PLACES = (1 - np.cos(np.pi * np.arange(TUNING.degree + 1) / TUNING.degree)) / 2  # theory: of Chebyshev and Lobatto
 POWERS = np.linalg.inv(np.vander(PLACES, increasing=True)).T  # from values at the places to a polynomial
 AGAIN = (
-    "is loaded again onto the dent that it left, which is not solved: retract without a stop, at a speed that does not "
+    "is loaded again before its dent recovers, which is not solved: retract without a stop, at a speed that does not "
     "fall, and end the program where contact is lost"
 )
 

@@ -8,9 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...base.arrays import Array
-from ...base.errors import InputError
-from ...base.unknown import Unknown
+from ...base import Array, InputError, Unknown
 from ...series import RawSeries, Series
 from . import slopes_function
 from .result import Slopes
@@ -45,12 +43,15 @@ def slopes(series: Series, name: str = "auto") -> Slopes:
 
 def _carried(series: Series) -> Slopes:
     """The slopes that the series carries; or, where their stated error is noticeable and the fit "integral" stays
-    within it, that fit: it smooths the scatter of differences. At a flat end, where S' jumps, it errs more."""
+    within it, that fit: it smooths the scatter of differences. At a flat end, where S' jumps, and where the profile
+    bends it errs more."""
     exact = slopes_function("exact")(series)
     if isinstance(exact.error, Unknown) or exact.error <= TUNING.negligible or "dS" not in series.errors:
         return replace(exact, reason="the series carries exact slopes")
     if series.a0 > 0:
         return replace(exact, reason="the series carries slopes, and a smooth fit errs at the edge of the flat end")
+    if any(series.a[0] < bend < series.a[-1] for bend in series.bends):
+        return replace(exact, reason="the series carries slopes, and a smooth fit errs where the profile bends")
     fitted = _integral_or_none(series)
     if fitted is None or fitted.flags:
         return replace(exact, reason="the series carries slopes, and 'integral' finds none that settle")

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...base.arrays import Array
+from ...base import Array
 from ...series import RawSeries, filter_plateaus
 
 

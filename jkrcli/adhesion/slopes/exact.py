@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from ...base.errors import Refusal
-from ...base.unknown import Unknown
+from ...base import Refusal, Unknown
 from ...series import Series
 from .result import TWO_SIDED_90, Slopes, covariance_from_errors, shift_error
 

@@ -16,9 +16,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.special import stdtrit
 
-from ...base.arrays import Array
-from ...base.errors import InputError, Refusal
-from ...base.unknown import Estimate, Unknown
+from ...base import Array, Estimate, InputError, Refusal, Unknown
 from ...series import RawSeries, Series
 from .events import has_plateaus, touch_events
 from .model import LogSplineModel, OnGrid, Shape, interpolate
@@ -28,8 +26,8 @@ from .result import TUNING as ERRORS
 from .result import TWO_SIDED_90, Slopes, covariance_from_errors, shift_error
 from .scatter import Scatter, correlation_length, estimate, floored, whitener
 
-TOO_FEW = "how errors of neighbouring rows go together is not known from so few points"
-UNSETTLED = "the fit did not settle: a, delta and P contradict each other somewhere; look for points out of place"
+TOO_FEW = "the correlation of neighbouring rows cannot be estimated from so few points"
+UNSETTLED = "the fit did not converge: a, delta and P contradict each other; look for outliers"
 
 
 @dataclass(frozen=True)
@@ -50,7 +48,7 @@ class IntegralTuning:
     beside: int = 4  # choice: rows on either side that tell a radius far off; three outliers among them do no harm
     far: float = 8.0  # choice: standard deviations; the fit itself finds what is nearer
     # Of the errors of the radii, each the largest of many rows, what is left of them in a smooth fit:
-    radii: float = 0.15  # tuned on random bodies, by `make bounds`
+    radii: float = 0.1  # tuned on random bodies, by `make bounds`
     rates: float = 1.5  # and of the rates; tuned on random bodies, by `make bounds`
     floor: float = 1e-7  # theory: of the scatter, accuracy of the model's own integrals and linear algebra
 
@@ -174,16 +172,16 @@ def _flags(settled: _Settled, raw: RawSeries) -> Iterator[str]:
     rows = [str(row) for row in np.sort(raw.rows[settled.outliers])]
     if rows:
         some = ", ".join(rows[: TUNING.named]) + (", ..." if len(rows) > TUNING.named else "")
-        yield f"{len(rows)} of {raw.a.size} rows lie far off the others and count little: {some}"
+        yield f"{len(rows)} of {raw.a.size} rows are outliers and have little weight: {some}"
     if settled.hidden:
-        yield f"errors of neighbouring rows seem to go together; {TOO_FEW} ({raw.a.size})"
+        yield f"errors of neighbouring rows may be correlated; {TOO_FEW} ({raw.a.size})"
     rho = settled.correlation
     if isinstance(rho, float) and rho > 0 and settled.evidence > TUNING.evidence:
         bins = settled.fit.residuals.size / 2
         worth = bins * (1 - rho) / (1 + rho)
         yield (
-            f"errors of neighbouring rows go together (correlation {rho:.2f}): {raw.a.size} rows are worth "
-            f"{max(worth, 1):.0f} with independent ones, and the error stated is that of these"
+            f"errors of neighbouring rows are autocorrelated ({rho:.2f}): effective sample size {max(worth, 1):.0f} of "
+            f"{raw.a.size} rows, in the stated error"
         )
 
 

@@ -18,8 +18,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from ...base.arrays import Array
-from ...base.errors import InputError, Refusal
+from ...base import Array, InputError, Refusal
 from ...series import Series
 from .result import TWO_SIDED_90, Slopes, covariance_from_errors, shift_error
 from .smoothing import Criterion, SmoothingSpline, linear_fit, smoothing_spline

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import BSpline, CubicSpline
 
-from ...base.arrays import Array
+from ...base import Array
 from ...series import Series
 
 Points = tuple[Array, Array, Array]

@@ -27,7 +27,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import lapack
 
-from ...base.arrays import Array
+from ...base import Array
 
 Linearised = tuple[Array, Array]  # residuals (rows, n) and their Jacobian (rows, n, p)
 Residuals = Callable[[Array], Linearised]

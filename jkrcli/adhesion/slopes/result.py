@@ -8,8 +8,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from ...base.arrays import Array
-from ...base.unknown import Estimate
+from ...base import Array, Estimate
 from ...series import COLUMNS, Series
 
 Signs: TypeAlias = tuple[int, int, int, int]

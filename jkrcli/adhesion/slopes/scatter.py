@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from ...base.arrays import Array
+from ...base import Array
 
 
 @dataclass(frozen=True)

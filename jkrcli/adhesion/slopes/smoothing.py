@@ -22,8 +22,7 @@ import numpy as np
 from scipy.linalg import LinAlgError, cho_solve_banded, cholesky_banded
 from scipy.optimize import minimize_scalar
 
-from ...base.arrays import Array
-from ...base.errors import InputError
+from ...base import Array, InputError
 
 Criterion = Literal["loocv", "gcv"]
 

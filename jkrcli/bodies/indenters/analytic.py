@@ -8,10 +8,7 @@ from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
-from ...base.arrays import Array
-from ...base.errors import InputError, positive
-from ...base.registry import Key
-from ...base.units import AnyLength, Length, Ranged, show
+from ...base import AnyLength, Array, InputError, Key, Length, Ranged, positive, show
 from ...formulas import half_space
 from ..indenter import Indenter, shape
 from ..materials import Elastic

@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Annotated, ClassVar
 
 import numpy as np
 
-from ...base.arrays import Array
-from ...base.cubic import spline_slopes
-from ...base.errors import InputError
-from ...base.registry import Key
-from ...base.units import AnyLength
+from ...base import AnyLength, Array, InputError, Key, spline_slopes
 from ..indenter import Indenter, shape
 from ..materials import Elastic
 
@@ -26,12 +23,14 @@ class TableTuning:
     at_once: int = 1_000_000  # choice: pairs of a radius and a knot in memory
     straight: float = 1e-9  # of the largest chord: the rise between two of a straight profile; theory: rounding
     pointed: float = 0.25  # slope at the axis over the first chord above which a tip has a point; choice: a cone has 1
-    # What every second point changes of F and of its slope, over the error of all of them:
-    factors: tuple[float, float] = (5.0, 2.2)  # theory: fourth and third power of the spacing (16, 8), less at ends
-    looks: int = 400  # choice: radii at which that is looked at
-    few: int = 7  # theory: points of a table, of every second of which no spline is left,
-    first: int = 3  # theory: or up to a radius, where the tip alone counts, and then
-    few_factors: tuple[float, float] = (1.7, 1.0)  # theory: of the parabolas that are left, less where a tip is blunt
+    looks: int = 400  # choice: radii at which it is looked at what points tell
+    # Times the error that every second point changes: what every fourth changes more says the order; of F, its slope,
+    # and the mean of F over the contact at least
+    flattest: tuple[float, float, float] = (2.0, 1.0, 1.0)  # choice: near first order, of points that scatter
+    steepest: tuple[float, float, float] = (14.0, 7.0, 14.0)  # theory: 2^4 and 2^3 less 1, of smooth splines
+    safety: float = 1.25  # theory: on errors by the order of three grids (Roache, J. Fluids Eng. 116 (1994) 405)
+    few: int = 9  # theory: points of a table, of every fourth of which no spline is left, and then
+    few_factors: tuple[float, float, float] = (1.7, 1.0, 1.7)  # theory: of parabolas, less where a tip is blunt
 
 
 TUNING = TableTuning()
@@ -121,21 +120,34 @@ class TableProfile(Indenter):
         return angles - 2 * roots + 3 * bent + jumps
 
     def resolution(self, a: Array) -> Array:
-        """What every second point changes: of F the most near ``a``, as delta feels it, and the mean over the contact,
-        as P does; of its slope the most near ``a``."""
+        """Errors (2, n) of F [m] and of its slope [-] near radii ``a`` [m], as fewer points tell them: the error of the
+        mean of F over the contact, which P feels, is part of the first."""
+        x, found = self._resolved
+        last: Array = found[:, np.clip(np.searchsorted(x, a), 0, x.size - 1)]
+        return last
+
+    @cached_property
+    def _resolved(self) -> tuple[Array, Array]:
+        """Even radii [m] up to the end, and ``resolution`` there."""
         x = np.linspace(0, self.r_max, TUNING.looks + 1)[1:]
-        others = self._thinned()
-        changes, slopes = (
-            np.array([getattr(other, name)(x) - getattr(self, name)(x) for other in others])
-            for name in ("abel", "abel_slope")
-        )
-        change, slope = np.max(np.abs(changes), axis=0), np.max(np.abs(slopes), axis=0)
-        mean = np.max(np.abs(np.cumsum(changes, axis=1)), axis=0) / np.arange(1.0, x.size + 1)
-        last = np.clip(np.searchsorted(x, a), 0, x.size - 1).tolist()
-        found = [(change[i // 2 : i + 1].max() + mean[i], slope[i // 2 : i + 1].max()) for i in last]
-        few = (np.searchsorted(self.r, a) < TUNING.first) | (len(self.r) < TUNING.few)
-        factors = [np.where(few, *pair) for pair in zip(TUNING.few_factors, TUNING.factors, strict=True)]
-        return np.array(found).T / np.array(factors)
+        halves = self._thinned()
+        seen, before = _changes(self, halves, x), _changes(halves[0], halves[0]._thinned()[:1], x)
+        points, found = np.searchsorted(self.r, x).tolist(), np.empty((3, x.size))
+        for i, k in enumerate(points):
+            if len(self.r) < TUNING.few:
+                found[:, i] = _most(seen, i // 2, i) / TUNING.few_factors
+                continue
+            near, wider = (_most(part, *self._beside(x, k, steps)) for part, steps in ((seen, 1), (before, 2)))
+            near[2], wider[2] = seen[2, i], before[2, i]
+            orders = np.divide(wider, near, out=np.full(3, np.inf), where=near > 0) - 1
+            found[:, i] = TUNING.safety * near / np.clip(orders, TUNING.flattest, TUNING.steepest)
+        return x, np.stack([found[0] + found[2], found[1]])
+
+    def _beside(self, x: Array, k: int, steps: int) -> tuple[int, int]:
+        """The first and the last of the radii ``x`` [m] within so many points around those beside the point ``k``."""
+        ends = self.r[max(k - 1 - steps, 0)], self.r[min(k + steps, len(self.r) - 1)]
+        first, last = np.clip(np.searchsorted(x, ends), 0, x.size - 1)
+        return int(first), int(last)
 
     def _thinned(self) -> list[TableProfile]:
         """The profiles through every second point, ends and bends kept."""
@@ -166,6 +178,22 @@ class TableProfile(Indenter):
             sums = turns @ alpha[:last], np.diff(root) @ beta[:last], bent @ gamma[:last], steps
             found[:, start : start + step] = sums
         return tuple(found.reshape(4, *x.shape))
+
+
+def _changes(of: TableProfile, others: Sequence[TableProfile], x: Array) -> Array:
+    """How much the ``others`` differ at most in F [m], its slope [-] and the mean of F [m] up to each of the even radii
+    ``x`` [m], (3, n)."""
+    found = np.zeros((3, x.size))
+    for other in others:
+        F = other.abel(x) - of.abel(x)
+        mean = np.cumsum(F) / np.arange(1.0, x.size + 1)
+        found = np.maximum(found, np.abs([F, other.abel_slope(x) - of.abel_slope(x), mean]))
+    return found
+
+
+def _most(changes: Array, first: int, last: int) -> Array:
+    """The largest of the ``changes`` (3, n) between two radii; of the mean that at the second."""
+    return np.append(changes[:2, first : last + 1].max(axis=1), changes[2, last])
 
 
 def _of_points(r: Array, f: Array, bends: tuple[float, ...]) -> TableProfile:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ...base.errors import InputError, did_you_mean
+from ...base import InputError, did_you_mean
 from . import nanoscope
 from .contact import with_zero_points
 from .curve import LEAST_ROWS, SHOWN, Curve, Reading

@@ -14,11 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from ...base import allowance
-from ...base.arrays import Array
-from ...base.errors import InputError, first_line
-from ...base.files import read_bytes
-from ...base.installing import installs
+from ...base import Array, InputError, allowance, first_line, installs, read_bytes
 from . import intact
 from .curve import APPROACH, LEAST_ROWS, RETRACT, Curve, Pixel, Reading, place
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ...base.errors import InputError
+from ...base import InputError
 from . import archive
 
 FIRST = 1 << 16  # choice: bytes from which the length of a row is told

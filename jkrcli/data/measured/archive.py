@@ -11,9 +11,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path, PurePosixPath
 
-from ...base import allowance
-from ...base.errors import InputError, first_line
-from ...base.files import opened
+from ...base import InputError, allowance, first_line, opened
 
 ENDINGS = (".txt", ".csv", ".tsv", ".dat", ".asc", ".tab")
 PIECE = 1 << 16  # choice: bytes read at a time

@@ -13,8 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...base.arrays import Array
-from ...base.errors import InputError
+from ...base import Array, InputError
 from ..columns import choice, split_name
 from ..text_table import TUNING, TextTable, unit_power
 from .curve import APPROACH, RETRACT

@@ -7,9 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...base.arrays import Array
-from ...base.errors import InputError
-from ...base.units import show
+from ...base import Array, InputError, show
 from .curve import APPROACH, Curve
 
 GIVE = "give --zero P=... and --zero delta=..."

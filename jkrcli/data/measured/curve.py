@@ -9,8 +9,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from ...base.arrays import Array
-from ...base.errors import InputError
+from ...base import Array, InputError
 
 QUANTITIES = ("a", "delta", "P", "t")
 APPROACH, RETRACT = "approach", "retract"

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...base.arrays import Array
+from ...base import Array
 from ..columns import split_name
 from ..text_table import TextTable, unit_power
 from .curve import APPROACH, RETRACT
@@ -74,6 +74,9 @@ POSITIONS = (
     Position("a way of the device", 1, True, (
         "weg", "traverse", "traversenweg", "standardweg", "verfahrweg", "crosshead", "extension", "stroke",
         "axial displacement", "compressive displacement", "compressive extension")),
+    Position("a position of the crosshead", 0, True, (
+        "crosshead position", "position crosshead", "crosshead displacement", "machine position", "stage position",
+        "actuator position", "actuator displacement", "motor position", "traversenposition")),
     Position("a penetration", 1, False, (
         "eindringtiefe", "eindringung", "penetration", "penetration depth", "enfoncement")),
     Position("a separation", -1, False, (

@@ -7,9 +7,7 @@ import re
 import struct
 from pathlib import Path
 
-from ...base import allowance, hdf5
-from ...base.errors import InputError
-from ...base.files import read_bytes
+from ...base import InputError, allowance, hdf5, read_bytes
 from . import archive
 
 WHAT = "file of force curves"

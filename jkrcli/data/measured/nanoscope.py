@@ -15,10 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ...base import allowance
-from ...base.arrays import Array
-from ...base.errors import InputError
-from ...base.files import opened, read_bytes
+from ...base import Array, InputError, allowance, opened, read_bytes
 from ...base.units import MOST
 from ..text_table import unit_power
 from .curve import APPROACH, LEAST_ROWS, RETRACT, Curve, Pixel, Reading, place

@@ -10,8 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ...base.arrays import Array
-from ...base.errors import InputError
+from ...base import Array, InputError
 from ..columns import (
     CONTACT,
     Quantity,
@@ -25,7 +24,7 @@ from ..columns import (
     with_units,
     words,
 )
-from ..text_table import TextTable, read_table, unit_power
+from ..text_table import TUNING, TextTable, read_table, unit_power
 from . import archive
 from .beside import one_under_the_other
 from .curve import (
@@ -117,13 +116,14 @@ def _curves(
     if given:
         segments = np.array([SEGMENTS.get(word.lower(), word) for word in _continued(given)])
     for name, recorded in _groups(table, found.chosen, stem):
-        rows, turned = _in_time(recorded, found.values.get("t"), segments)
+        whole, left_out = _without_gaps(table, recorded, found.values)
+        rows, turned = _in_time(whole, found.values.get("t"), segments)
         part = {key: column[rows] for key, column in found.values.items()}
         if segments is not None and _starts_anew(part.get("t"), segments[rows]):
             del part["t"]
         curve = _curve(table, origin, name, rows, part, None if segments is None else segments[rows])
         if isinstance(curve, Curve):
-            curve = replace(found, flags=(*found.flags, *turned)).with_sign(curve, reading)
+            curve = replace(found, flags=(*found.flags, *left_out, *turned)).with_sign(curve, reading)
         yield curve, found.stiffness
 
 
@@ -170,6 +170,17 @@ def _noted(table: TextTable) -> list[str]:
         return []
     lines, words = zip(*told, strict=True)
     return [words[i] for i in np.searchsorted(lines, table.lines) - 1]
+
+
+def _without_gaps(table: TextTable, rows: Array, values: Mapping[str, Array]) -> tuple[Array, tuple[str, ...]]:
+    """The ``rows`` of a curve but those in which a number is missing, and a sentence on these; all of them where such
+    rows are many: a column that is not understood."""
+    gaps = np.any([np.isnan(column[rows]) for column in values.values()], axis=0)
+    count = int(gaps.sum())
+    if not 0 < count <= TUNING.gaps * rows.size:
+        return rows, ()
+    lines = ", ".join(map(str, table.lines[rows[gaps]][:SHOWN])) + ", ..." * (count > SHOWN)
+    return rows[~gaps], (f"{count} row{'s' * (count > 1)} without a number left out (line{'s' * (count > 1)} {lines})",)
 
 
 def _in_time(rows: Array, t: Array | None, segments: Array | None) -> tuple[Array, tuple[str, ...]]:

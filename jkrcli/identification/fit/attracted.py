@@ -14,10 +14,8 @@ from functools import cached_property, partial
 import numpy as np
 from scipy.interpolate import BSpline, make_interp_spline
 
-from ...base.arrays import Array
-from ...base.errors import Refusal, SolveError
-from ...base.units import show
-from ...bodies.problem import Problem
+from ...base import Array, Refusal, SolveError, show
+from ...bodies import Problem
 from ...methods.attraction import AttractedBody
 from ...methods.integral.attraction import Attraction, Discs, Rims, refuse_narrow
 from .family import Drift, Family
@@ -131,7 +129,7 @@ class AttractedFamily:
         if count - first < TUNING.least:
             raise SolveError(
                 f"adhesion of finite range: with a range of {show(gap, 'length')} the surfaces attract each other "
-                f"beyond {show(attraction.reach, 'length')}, where profile or side end, or leap together: bound the "
+                f"beyond {show(attraction.reach, 'length')}, where profile or side end, or jump together: bound the "
                 "range"
             )
         kept, c0 = slice(first, count), float(rims.c[first])

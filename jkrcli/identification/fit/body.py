@@ -14,15 +14,12 @@ from typing import Any, cast
 
 import numpy as np
 
-from ...adhesion.finite_range import FiniteRangeBody
-from ...adhesion.law import AskedRange
+from ...adhesion import AskedRange, FiniteRangeBody, Slopes
 from ...adhesion.slopes.choice import slopes
-from ...adhesion.slopes.result import Slopes
-from ...base.errors import InputError, JkrError, Refusal, SolveError
-from ...base.units import show
+from ...base import InputError, JkrError, Refusal, SolveError, show
 from ...beside.analysis import JKR, nonadhesive
+from ...bodies import Loading, Problem
 from ...bodies.parts import RADIUS, changed, checked_names, layer_names, nominal
-from ...bodies.problem import Loading, Problem
 from ...case import Case, load_case, store
 from ...case.solving import solve
 from ...methods.guards import Limits
@@ -46,6 +43,7 @@ class ResolvingTuning:
     points: int = 100  # choice: least radii of a series that is solved to another radius
     tolerance: float = 1e-8  # choice: of the solves, far below the noise of any record
     ahead: float = 4.0  # choice: of log a beyond the series, how far it may be continued to find how deep it goes
+    adheres: float = 1.2  # choice: of the contact radius without adhesion, what adhesion may make of it
     deep: float = 0.7  # choice: of the tip's radius, to which a body is solved before anything is fitted
 
 
@@ -87,7 +85,7 @@ class FittedBody:
         """The adhesive curves of finite range; Refusal where the body has none."""
         if self.problem.sticks:
             raise Refusal(
-                "fit: adhesion of finite range is known of surfaces that slide alone: give --surface sliding, or leave "
+                "fit: adhesion of finite range is for frictionless contact alone: give --surface sliding, or leave "
                 "range and stress out"
             )
         if self.no_range:
@@ -165,11 +163,13 @@ class FittedBody:
         return self._like(_reaching(problem, self.tolerance))
 
     def to_depth(self, depth: float) -> FittedBody:
-        """The same problem solved to the contact radius at a ``depth`` [m] without adhesion, where it may be."""
+        """The same problem solved to the contact radius at a ``depth`` [m], where it may be."""
         u = np.linspace(self.family.low, self.family.high + TUNING.ahead, 200)
         reached = np.flatnonzero(self.family.at(u)[0][0] <= depth)
-        R, a = self.problem.indenter.tip_radius, math.exp(u[reached[-1]]) if reached.size else 0.0
-        a = min(a, TUNING.deep * R) if R is not None else a
+        tip, a = self.problem.indenter, math.exp(u[reached[-1]]) if reached.size else 0.0
+        a = TUNING.adheres * a if TUNING.adheres * a < tip.r_max else a
+        endless = tip.kinks and math.isinf(tip.r_max)  # a rounded cone: R is that of its end alone
+        a = a if tip.tip_radius is None or endless else min(a, TUNING.deep * tip.tip_radius)
         return self.to_radius(a) if self.extensible and a > self.series.a[-1] else self
 
     def _like(self, other: FittedBody, **changes: Any) -> FittedBody:

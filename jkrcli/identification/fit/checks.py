@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...adhesion.validity import REMEDY, check, judge
-from ...base.units import LARGE_WORK, show
-from ...base.unknown import Unknown
+from ...base import Unknown, show
+from ...base.units import LARGE_WORK
 from .body import FittedBody
 from .family import Family
 from .result import Fit
@@ -61,8 +61,8 @@ def warnings_of(
 def _given_up(found: Fit) -> Iterator[str]:
     names = ", ".join(_word(name) for name in found.free)
     yield (
-        f"the search was given up after {found.evaluations} steps, the data do not determine {names}: give starting "
-        "values (--start), fix one of them, or measure what tells them"
+        f"the search stopped after {found.evaluations} steps, the data do not determine {names}: give starting "
+        "values (--start), or fix one of them (--fix)"
     )
 
 
@@ -70,7 +70,7 @@ def _told_apart(found: Fit, at_bound: Sequence[str]) -> Iterator[str]:
     matrix = found.correlation
     if matrix is None:
         if len(found.free) > 1 and not at_bound:
-            yield f"the data do not tell {', '.join(found.free)} apart: fix one of them, or measure what tells them"
+            yield f"the data do not determine {', '.join(found.free)} together: fix one of them (--fix)"
         return
     for i, j in zip(*np.triu_indices(len(found.free), 1), strict=True):
         one, two = found.free[i], found.free[j]
@@ -78,7 +78,7 @@ def _told_apart(found: Fit, at_bound: Sequence[str]) -> Iterator[str]:
         told = pair <= {"modulus", "w", *RANGES} or any(":" in name for name in pair)
         if abs(matrix[i, j]) > THRESHOLDS.apart and told:
             yield (
-                f"the data can hardly tell {_word(one)} and {_word(two)} apart (correlation {matrix[i, j]:.4f}): "
+                f"{_word(one)} and {_word(two)} are strongly correlated ({matrix[i, j]:.4f}): "
                 f"fix one, or measure up to pull-off and to larger loads{PROFILE if pair & set(RANGES) else ''}"
             )
     for name in found.free:
@@ -87,7 +87,7 @@ def _told_apart(found: Fit, at_bound: Sequence[str]) -> Iterator[str]:
         if name in RANGES and item.error is None:
             continue  # said beside JKR
         if item.low == 0 and item.high is not None:
-            yield f"{_word(name)} is not told from 0: it is at most {show(item.high, item.dimension)}"
+            yield f"{_word(name)} is not significantly above 0: it is at most {show(item.high, item.dimension)}"
         elif positive and item.error is not None and item.error > THRESHOLDS.vague * item.value > 0:
             yield f"{_word(name)} is uncertain by {item.error / item.value:.0%} (standard error)"
 
@@ -98,10 +98,10 @@ def _beside_jkr(found: Fit) -> Iterator[str]:
     if jkr is None or law is None:
         return
     if isinstance(jkr, Unknown):
-        yield f"no curve of JKR comes near the data: {jkr}"
+        yield f"no JKR curve resembles the data: {jkr}"
         return
     told = (
-        f"JKR's nearest curve, E* = {show(jkr.E_star, 'modulus')} and w = {show(jkr.w, 'work')}, has "
+        f"the best JKR curve, E* = {show(jkr.E_star, 'modulus')} and w = {show(jkr.w, 'work')}, has "
         f"{jkr.rms / jkr.rms_of_range:.4g} times the misfit"
     )
     if not law.free or found.estimate(law.name).error is not None:
@@ -109,7 +109,7 @@ def _beside_jkr(found: Fit) -> Iterator[str]:
         return
     item = found.estimate("range")
     most = "" if item.high is None else f" (it is at most {show(item.high, 'length')})"
-    yield f"the data do not tell a range from none{most}: {told}"
+    yield f"a range is not significant{most}: {told}"
 
 
 def _far_from_case(found: Fit, body: FittedBody) -> Iterator[str]:
@@ -121,7 +121,7 @@ def _far_from_case(found: Fit, body: FittedBody) -> Iterator[str]:
 def _doubtful_work(found: Fit) -> Iterator[str]:
     if "w" in found.free and (w := found.value("w")) > LARGE_WORK:
         yield (
-            f"w = {show(w, 'work')} is more than surfaces have, a few mJ/m^2 to {show(LARGE_WORK, 'work')}: check the "
+            f"w = {show(w, 'work')} is implausible, surfaces have a few mJ/m^2 to {show(LARGE_WORK, 'work')}: check "
             "units of the data and the radius of the indenter"
         )
 
@@ -135,7 +135,7 @@ def _structured(found: Fit) -> Iterator[str]:
     if found.quality is None and told.suspicious and _relative_residual(found) > THRESHOLDS.resolved:
         yield (
             f"the residuals are structured (lag-1 autocorrelation {told.lag1:.2f}, {told.runs} runs where "
-            f"{told.expected:.0f} are expected): the body, the indenter or the rows are not what the data show; "
+            f"{told.expected:.0f} are expected): check body, indenter and rows; "
             "intervals are too narrow"
         )
 
@@ -150,7 +150,7 @@ def _scatter(found: Fit) -> Iterator[str]:
     low, high = THRESHOLDS.least_scatter, THRESHOLDS.most_scatter
     if found.settings.noise and not low <= found.scatter <= high:
         more = "more" if found.scatter > high else "less"
-        yield f"the data scatter {found.scatter:.2g} times as far as the noise given, {more} than it explains"
+        yield f"the data scatter {found.scatter:.2g} times as much as the given noise, {more} than it explains"
 
 
 def _bounds(found: Fit, at_bound: Sequence[str]) -> Iterator[str]:
@@ -169,7 +169,7 @@ def _pull_off(found: Fit) -> Iterator[str]:
     if least > max(THRESHOLDS.reached * radius, THRESHOLDS.touching * float(np.max(found.a))):
         yield (
             f"no pull-off in the data: they end at a = {show(least, 'length')}, contact is lost at "
-            f"{show(radius, 'length')}; w rests on the shape of the curve"
+            f"{show(radius, 'length')}; w comes from the shape of the curve alone"
         )
 
 

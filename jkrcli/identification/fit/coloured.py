@@ -21,7 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.fft import dct, idct
 
-from ...base.arrays import Array
+from ...base import Array
 
 
 @dataclass(frozen=True)

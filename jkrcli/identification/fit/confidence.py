@@ -10,10 +10,7 @@ from functools import partial
 
 import numpy as np
 
-from ...base.arrays import Array
-from ...base.errors import InputError
-from ...base.executors import Pool, in_order
-from ...base.unknown import Unknown
+from ...base import Array, InputError, Pool, Unknown, in_order
 from ...bodies.parts import changed
 from ..least_squares import Least
 from .model import Objective

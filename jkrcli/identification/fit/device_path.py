@@ -16,7 +16,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from ...base.arrays import Array
+from ...base import Array
 from .family import Family
 
 
@@ -27,8 +27,8 @@ class DevicePathTuning:
     bodies: int = 8  # choice: whose functions on the grid are remembered
     branches: int = 32  # choice: of one record, asked for again at the same unknowns, that are remembered
     nodes: int = 400  # choice: of a branch; loads between them are good to 1e-7 of the largest
-    zooms: int = 3  # choice: grids on which a fold is sought, each of ``zoomed`` points within a step of the one before
-    zoomed: int = 33  # choice: see ``zooms``; the position at the fold, flat there, is then good to 1e-16
+    polished: int = 4  # choice: steps of Newton's method for the fold; its position, flat there, is then good to 1e-16
+    beside: float = 0.5  # choice: of a step of the grid, how near to the fold its next node may be
     below: float = 4.0  # choice: of log a below the series, where its limit by power laws holds
     beyond: float = 0.5  # choice: of log a above the series, tried while starting values are looked for
     flat: float = 1e-6  # choice: of the displacement, least dz/du at the turn; nothing rests on a turn at the fold
@@ -38,8 +38,10 @@ class DevicePathTuning:
 
 
 TUNING = DevicePathTuning()
+Changes = Callable[[Array], Array]  # of the logs of D, T, H, V over u, (4, n), per amount of what differs
 
 
+@lru_cache(maxsize=TUNING.bodies)
 def grid(family: Family) -> Array:
     """Logs of contact radii over which paths are looked at."""
     return np.linspace(family.low - TUNING.below, family.high + TUNING.beyond, TUNING.nodes)
@@ -57,17 +59,19 @@ class DeviceBranch:
     smooth.
 
     ``rates``: derivatives of the load at fixed z by ln s and q = w/s, times zeta, (2, n). ``fold`` [m]: where it ends;
-    ``u, z``: log of the contact radius and position [m] along it. ``below``: q where it is negative, else 0.
+    ``u``: log of the contact radius [m] along it. ``below``: q where it is negative, else 0. ``parts``: what D, T, H
+    and V have of displacement and load (4, n); ``k`` of the device.
     """
 
     fold: float
     u: Array
-    z: Array
     zeta: Array
     P: Array
     slope: Array
     rates: Array
     below: float
+    parts: Array
+    k: float
 
     def at(self, z: Array, blunt: float) -> tuple[Array, Array]:
         """Load at positions ``z`` [m], and its derivatives by ln s, q and z, (3, n).
@@ -92,45 +96,54 @@ class DeviceBranch:
 
     def radii(self, z: Array) -> Array:
         """Contact radii [m] at positions ``z`` [m], that of the fold before it."""
-        return np.exp(np.interp(z, self.z, self.u))
+        found: Array = np.interp(np.sqrt(np.maximum(z - self.fold, 0.0)), self.zeta, np.exp(self.u))
+        return found
+
+    def by_body(self, z: Array, blunt: float, changes: Changes) -> Array:
+        """Derivative of the load at positions ``z`` [m] by an amount of ``changes`` of the body."""
+        zeta = np.sqrt(np.maximum(z - self.fold, blunt))
+        D, T, H, V = changes(self.u) * self.parts
+        rate = self.zeta * (H - V) - self.slope / 2 * (D - T + (H - V) / self.k)
+        found: Array = np.interp(zeta, self.zeta, rate) / zeta
+        return found
 
 
 @lru_cache(maxsize=TUNING.branches)
 def branch(family: Family, s: float, q: float, k: float) -> DeviceBranch:
-    """The stable branch for moduli times ``s`` and work of adhesion ``q`` s, by a device of stiffness ``k``."""
+    """The stable branch for moduli times ``s`` and work of adhesion ``q`` s, by a device of stiffness ``k``: at the
+    fold and at radii of the grid beyond."""
     u, r = grid(family), math.sqrt(max(q, 0.0))
-
-    def path(functions: tuple[Array, Array, Array]) -> tuple[Array, Array, Array, Array, Array]:
-        """Position and load, their derivatives by u, and that of the load by q at fixed z times that of z by u."""
-        (D, T, H, V), (dD, dT, dH, dV), _ = functions
-        P, dP = s * (H - r * V), s * (dH - r * dV)
-        return D - r * T + P / k, P, dD - r * dT + dP / k, dP, -s / 2 * (dV * T - V * dT)
-
-    start = _fold(lambda u: path(family.at(u))[2], u, path(on_grid(family))[2])
-    u = start + (u[-1] - start) * np.linspace(0, 1, TUNING.nodes) ** 2
-    z, P, dz, dP, by_q = path(family.at(u))
+    known = on_grid(family)
+    first, second = (D - r * T + s / k * (H - r * V) for D, T, H, V in known[1:])  # of the position, by u
+    i, start = _fold(u, first, second)
+    here = tuple(np.concatenate([one, many[:, i:]], axis=1) for one, many in zip(family.at(start), known, strict=True))
+    (D, T, H, V), (dD, dT, dH, dV), (ddD, ddT, ddH, ddV) = here
+    P, dP = s * (H - r * V), s * (dH - r * dV)
+    z, dz, bend = D - r * T + P / k, dD - r * dT + dP / k, ddD[0] - r * ddT[0] + s / k * (ddH[0] - r * ddV[0])
     zeta = np.sqrt(np.maximum.accumulate(z - z[0]))
     steep = np.divide(zeta, dz, out=np.zeros_like(z), where=dz > 0)
-    slope, rates = 2 * dP * steep, np.stack([zeta * P - dP * steep * P / k, by_q * steep])
-    slope[0], rates[:, 0] = slope[1], rates[:, 1]
-    rising = np.append(True, np.diff(zeta) > 0)
-    return DeviceBranch(
-        float(z[0]), u[rising], z[rising], zeta[rising], P[rising], slope[rising], rates[:, rising], min(q, 0.0)
-    )
+    if i > 1 and bend > 0:
+        steep[0] = 1 / math.sqrt(2 * bend)  # its limit at the fold, where z is a parabola of u
+    slope, rates = 2 * dP * steep, np.stack([zeta * P - dP * steep * P / k, -s / 2 * (dV * T - V * dT) * steep])
+    up = np.append(True, np.diff(zeta) > 0)
+    parts = np.stack([D, r * T, s * H, s * r * V])[:, up]
+    u = np.append(start, u[i:])[up]
+    return DeviceBranch(float(z[0]), u, zeta[up], P[up], slope[up], rates[:, up], min(q, 0.0), parts, k)
 
 
-def _fold(rate: Callable[[Array], Array], u: Array, rates: Array) -> float:
-    """Where ``rate``, ``rates`` on ``u``, turns positive for good, by ever finer grids and a secant; the first u where
-    it never does within them."""
-    for zoom in range(TUNING.zooms):
-        rates = rate(u) if zoom else rates
-        falling = np.flatnonzero(rates <= 0)
-        if not falling.size or falling[-1] == u.size - 1:
-            return float(u[0])
-        i = falling[-1]
-        share = rates[i] / (rates[i] - rates[i + 1])
-        found, u = float(u[i] + share * (u[i + 1] - u[i])), np.linspace(u[i], u[i + 1], TUNING.zoomed)
-    return found
+def _fold(u: Array, rates: Array, bends: Array) -> tuple[int, Array]:
+    """Where the position, of derivatives ``rates`` and ``bends`` on ``u``, turns to rise for good: the first node that
+    is well beyond, and the place, a root of the cubic through two nodes; the first u where it rises or falls on all."""
+    falling = np.flatnonzero(rates <= 0)
+    if not falling.size or falling[-1] == u.size - 1:
+        return 1, u[:1]
+    i, step = int(falling[-1]), float(u[1] - u[0])
+    left, right, dl, dr = (float(item) for item in (rates[i], rates[i + 1], step * bends[i], step * bends[i + 1]))
+    x, a, b = left / (left - right), 2 * (left - right) + dl + dr, 3 * (right - left) - 2 * dl - dr
+    for _ in range(TUNING.polished):
+        slope = dl + x * (2 * b + 3 * x * a)
+        x = min(max(x - (left + x * (dl + x * (b + x * a))) / slope, 0.0), 1.0) if slope > 0 else x
+    return i + (1 if x < TUNING.beside else 2), u[i : i + 1] + x * step
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,7 +152,8 @@ class Rest:
 
     ``end`` [m]: the position below which it recedes. ``by_u``: of u's place in the record: its derivatives by ln s, by
     the root of q with which it advanced, and by the position of the turn. ``S, dS``: contact stiffness and its
-    derivative by u [N/m]; ``D``: displacement without adhesion [m]; ``k`` of the device.
+    derivative by u [N/m]; ``D``: displacement without adhesion [m], ``P_H``: load; ``shift``: of the advancing edge by
+    adhesion [m]; ``k`` of the device.
     """
 
     u: float
@@ -149,6 +163,7 @@ class Rest:
     P_H: float
     S: float
     dS: float
+    shift: float
     k: float
 
     def released(self, receding: float, z: float) -> float:
@@ -162,6 +177,15 @@ class Rest:
         of_u = -self.dS * (self.D - z + P / self.k) * yields
         by_s, by_root, by_turn = (of_u * rate for rate in self.by_u)
         return P, np.stack([P * yields + by_s, by_root, np.full_like(P, self.S * yields), by_turn])
+
+    def by_body(self, z: Array, changes: Changes) -> Array:
+        """Derivative of the load at positions ``z`` [m] by an amount of ``changes`` of the body."""
+        D, T, H, V = (float(rate) for rate in changes(np.array([self.u]))[:, 0])
+        P, (_, _, _, by_turn) = self.at(z)
+        turns = D * self.D - T * self.shift + (H * self.P_H - V * self.S * self.shift) / self.k
+        off = (V - T) * (self.D - z + P / self.k) + D * self.D
+        found: Array = (H * self.P_H - self.S * off) / (1 + self.S / self.k) - by_turn * turns
+        return found
 
 
 @lru_cache(maxsize=TUNING.branches)
@@ -185,4 +209,4 @@ def rest(family: Family, s: float, advanced: float, receding: float, k: float, t
     dS = S * float(dV[0] / v - dT[0] / t)
     per = 1 / max(float(dz[0]), TUNING.flat * d)
     by_u = -s * (h - advanced * v) / k * per, (t + s * v / k) * per, per
-    return Rest(near, d - receding * t + s * (h - receding * v) / k, by_u, d, s * h, S, dS, k)
+    return Rest(near, d - receding * t + s * (h - receding * v) / k, by_u, d, s * h, S, dS, advanced * t, k)

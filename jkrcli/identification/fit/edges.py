@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...base.arrays import Array
+from ...base import Array
 from .family import Drift, Family, JKRMember
 
 ADVANCING, RESTING, RECEDING = range(3)  # what the edge does at a row

@@ -14,9 +14,8 @@ from typing import Protocol
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline, PPoly
 
-from ...adhesion.nonadhesive import Nonadhesive
-from ...adhesion.slopes.result import Slopes
-from ...base.arrays import Array
+from ...adhesion import Nonadhesive, Slopes
+from ...base import Array
 from ...series import Series
 
 FUNCTIONS = 4  # D, T, H, V

@@ -10,8 +10,7 @@ from functools import partial
 
 import numpy as np
 
-from ...base.errors import InputError, JkrError, SolveError
-from ...base.executors import Pool, completed, executor
+from ...base import InputError, JkrError, Pool, SolveError, completed, executor
 from ...data.measured import Curve
 from ...data.measured.contact import with_zero_points
 from ...data.measured.curve import APPROACH, AS_DEPTH, NOT_SUBTRACTED, OVERRULED, RETRACT, Pixel
@@ -254,7 +253,7 @@ def _on_record(flags: Mapping[str, str], zero: Parameter | None) -> Iterator[str
     """Sentences on what is wrong with the record of a device whose readings were fitted as they are."""
     yield from (f"{name}: {sentence}" for name, sentence in flags.items())
     if "no base line" in flags and zero is not None and not zero.free and not zero.value:
-        yield "no base line tells the reading of no load: it is taken as 0 (--free P0, or --zero P=... if it is known)"
+        yield "no base line: the zero of the load is set to 0 (--free P0, or --zero P=... if known)"
 
 
 def _told_by(settings: Settings, points: Points) -> tuple[Settings, tuple[str, ...]]:
@@ -263,7 +262,7 @@ def _told_by(settings: Settings, points: Points) -> tuple[Settings, tuple[str, .
     fixed = dict.fromkeys(absent if "P" in points.columns else absent | {"P0"}, 0.0)
     words: tuple[str, ...] = ()
     if "P" not in points.columns and {"modulus", "w"} <= {p.name for p in settings.free}:
-        words = ("a and delta alone tell w/E* only: the moduli are taken as the case has them",)
+        words = ("a and delta alone determine w/E* only: the moduli of the case are kept",)
         fixed["modulus"] = 1.0
     parameters = (replace(p, free=False, value=fixed[p.name]) if p.name in fixed else p for p in settings.parameters)
     return replace(settings, parameters=tuple(parameters)), words

@@ -21,15 +21,13 @@ from functools import cached_property, partial
 
 import numpy as np
 
-from ...base.arrays import Array
-from ...base.errors import SolveError
-from ...base.unknown import known
+from ...base import Array, SolveError, known
 from ...data.measured.curve import APPROACH
 from ...data.record import BaseLine, Direction, ForceCurve
 from ..least_squares import Least, LeastSquares, State
 from .coloured import Spectrum, Spread, in_time
 from .coloured import spread as covariance
-from .device_path import DeviceBranch, Rest, branch, on_grid, rest
+from .device_path import Changes, DeviceBranch, Rest, branch, on_grid, rest
 from .family import Family
 from .interference import Wave, parts
 from .points import in_contact, third_differences
@@ -51,13 +49,14 @@ class ForceCurveTuning:
     alone: tuple[tuple[float, float], ...] = ((0.5, 0.1), (0.5, 0.6), (1.0, 1.0))
     shapes: int = 25  # choice: ratios w/s tried
     points: int = 41  # choice: contact points tried
-    rows: int = 200  # choice: rows used while trying
+    rows: int = 200  # choice: rows of a stretch used while trying, and by the first searches
     # tuned on fits, by `make constants`: of the rows in contact, those next to the turning point that are left out
     turning: float = 0.01
     blunt: tuple[float, ...] = (1e-2, 1e-3, 1e-5)  # choice: of the depth of contact, for a blunt fold while searching
     moduli: float = 10.0  # choice: of ln s about its start, where the search may go
     periods: float = 0.3  # choice: the same of the log of a wave's period
-    converged: float = 1e-11  # choice: relative change of cost and parameters
+    converged: float = 1e-11  # choice: relative change of parameters
+    fell: float = 1e-8  # choice: of the cost, below which the minimum is found: a hundredth of a standard error
     about: float = 1e-6  # choice: the same while the fold is blunter than it will be, or no more can be had
     near: float = 0.1  # choice: of chi^2, the fall still to be had a third of a standard error from its minimum
     evaluations: int = 80  # choice: steps after which the search gives up
@@ -91,13 +90,25 @@ class DirectionReadings:
 
     @cached_property
     def spacing(self) -> float:
-        """Usual distance of neighbouring rows [m]."""
-        return float(np.median(np.abs(np.diff(self.z))))
+        """Usual distance of neighbouring rows [m]; the mean where most of them repeat their position."""
+        steps = np.abs(np.diff(self.z))
+        return float(np.median(steps)) or float(np.mean(steps))
 
     @cached_property
     def reach(self) -> float:
         """How far the device moves in contact [m], about."""
-        return float(np.ptp(self.z[self.touching])) if self.jumped else 0.1 * float(np.ptp(self.z))
+        touching = float(np.ptp(self.z[self.touching])) if self.jumped and self.touching.any() else 0.0
+        return touching or 0.1 * float(np.ptp(self.z))
+
+    def thinned(self) -> DirectionReadings:
+        """Means of neighbouring rows, none across the border of contact."""
+        size = self.z.size // TUNING.rows
+        if size < 2:
+            return self
+        first = np.union1d(np.arange(0, self.z.size, size), np.flatnonzero(np.diff(self.touching)) + 1)
+        count = np.diff(np.append(first, self.z.size))
+        z, P, t = (np.add.reduceat(column, first) / count for column in (self.z, self.P, self.t))
+        return replace(self, rows=self.rows[first], touching=self.touching[first], z=z, P=P, t=t)
 
 
 @dataclass(frozen=True, eq=False)
@@ -272,6 +283,21 @@ class ForceCurveModel:
             "turn": by_before * root,
         } | _by_advance(first, part, values, by_q, by_before)
 
+    def by_body(self, x: Array, changes: Sequence[Changes | None]) -> Array:
+        """Derivative of the loads of all rows by an amount of ``changes`` of the body, those of each stretch."""
+        values, columns = self.values(x), []
+        for part, change in zip(self.stretches, changes, strict=True):
+            columns.append(column := np.zeros(part.z.size))
+            if change is None:
+                continue
+            moving, resting, depth = self.branch(part, values), self.rest(part, values), self.depth(part, values)
+            moves = self.touching(part, values, moving.fold)
+            if resting is not None:
+                still = moves & (depth > resting.end)
+                column[still], moves = resting.by_body(depth[still], change), moves & ~still
+            column[moves] = moving.by_body(depth[moves], part.spacing / 2, change)
+        return np.concatenate(columns)
+
 
 def _by_advance(
     first: DirectionReadings, part: DirectionReadings, values: Mapping[str, float], by_q: Array, by_before: Array
@@ -379,14 +405,17 @@ def _even(model: ForceCurveModel) -> Spectrum:
 
 def _state(model: ForceCurveModel, weight: Spectrum, blunt: float, x: Array) -> State:
     """The residuals, weighted by noise."""
-    off, rates = model.residuals(x, blunt)
+    return _weighted(model, weight, *model.residuals(x, blunt))
+
+
+def _weighted(model: ForceCurveModel, weight: Spectrum, off: Array, rates: Array) -> State:
     return State(model.whitened(off, weight), partial(model.whitened, rates, weight))
 
 
 def _problem(
     model: ForceCurveModel, weight: Spectrum, bounds: tuple[Array, Array], blunt: float, enough: float
 ) -> LeastSquares:
-    return LeastSquares(partial(_state, model, weight, blunt), bounds, enough, evaluations=TUNING.evaluations)
+    return LeastSquares(partial(_state, model, weight, blunt), bounds, enough, TUNING.fell, TUNING.evaluations)
 
 
 def misfit_at(model: ForceCurveModel, x: Array) -> float:
@@ -404,13 +433,16 @@ def rough(model: ForceCurveModel, start: Array, steps: int) -> tuple[float, Arra
 
 
 def fit(model: ForceCurveModel, start: Array, near: bool = False, loss: Loss = "linear") -> ForceCurveFit:
-    """The unknowns that leave least, first with a blunt fold unless ``start`` is ``near``, then as it is; then weighted
-    by the noise of the free rows where that has a colour. Where the rows do not determine them the search creeps along
-    a valley: it is given up, and that is told."""
+    """The unknowns that leave least, first of a few rows and with a blunt fold unless ``start`` is ``near``, then of
+    all as they are; then weighted by the noise of the free rows where that has a colour. Where the rows do not
+    determine them the search creeps along a valley: it is given up, and that is told."""
     bounds, even = _bounds(model, start), _even(model)
     x, sharp = np.clip(start, *bounds), TUNING.blunt[-1]
-    for blunt in () if near else TUNING.blunt[:-1]:
-        x = _problem(model, even, bounds, blunt, TUNING.about).least(x).x
+    few = model
+    if "turn" not in model.names:  # of a retraction alone other minima are near
+        few = replace(model, stretches=tuple(part.thinned() for part in model.stretches))
+    for blunt in () if near else TUNING.blunt[: -1 if few is model else None]:
+        x = _problem(few, _even(few), bounds, blunt, TUNING.about).least(x).x
     found = _problem(model, even, bounds, sharp, TUNING.converged).least(x)
     about = _problem(model, even, bounds, sharp, TUNING.about)
     if not found.ended:  # of few rows at the fold each makes a kink, between which a search runs to and fro
@@ -430,18 +462,22 @@ def _fitted(model: ForceCurveModel, found: Least, weight: Spectrum) -> ForceCurv
     """What the end of a search means."""
     before, sharp, (model, x) = found.problem, TUNING.blunt[-1], _without_idle(model, found.x)
     problem = replace(before, model=partial(_state, model, weight, sharp), bounds=_bounds(model, x))
-    found = replace(found, problem=problem, x=x, state=problem.model(x))
-    off = model.residuals(x, sharp)[0]
+    off, rates = model.residuals(x, sharp)
+    found = replace(found, problem=problem, x=x, state=_weighted(model, weight, off, rates))
     J = model.residuals(x, 0.0)[1]  # where the fold lies between two rows, the data do not tell
     size = before.width * math.sqrt(_even(model).A)
     psi, slope = influence(off / size, before.loss)
     pull = psi * size / max(float(np.mean(slope)), 0.1)  # what a row pulls with (Huber 1981, Sec. 7.6)
     dof = max(off.size - x.size, 1)
     spread = covariance(model.ordered(pull, weight), model.ordered(J, weight), model.free(off), weight)
-    pulls, rates = (model.whitened(item, weight) for item in (pull, J))
-    left = np.linalg.lstsq(rates, pulls, rcond=None)[0]  # a step of Gauss and Newton; what chi^2 would fall by
-    ended = found.ended or float(np.sum((rates @ left) ** 2)) < TUNING.near * float(pulls @ pulls) / dof
+    ended = found.ended or _flat(model.whitened(pull, weight), model.whitened(J, weight), TUNING.near / dof)
     return ForceCurveFit(model, model.names, x, weight, spread, off, math.sqrt(float(pull @ pull) / dof), found, ended)
+
+
+def _flat(off: Array, J: Array, share: float) -> bool:
+    """Whether a step of Gauss and Newton would lower chi^2 by less than a ``share`` of it."""
+    step = J @ np.linalg.lstsq(J, off, rcond=None)[0]
+    return float(step @ step) < share * float(off @ off)
 
 
 def _without_idle(model: ForceCurveModel, x: Array) -> tuple[ForceCurveModel, Array]:

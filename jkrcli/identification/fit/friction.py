@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from ...base.units import show
+from ...base import show
 from ...beside.sticking import sticking_effect, sticking_warnings
 from .body import FittedBody
 from .fitting import Failure
@@ -52,7 +52,7 @@ def _verdict(sliding: Fit, sticking: Fit) -> str:
     lag = min(max(better.structure.lag1, 0.0), 0.99)
     difference = 2 * better.dof * (1 - lag) / (1 + lag) * math.log(first / second)
     if abs(difference) < TUNING.clear or abs(first / second - 1) < TUNING.least:
-        return f"the data do not tell which ({told})"
+        return f"the data do not decide ({told})"
     return f"the data prefer {better.surface} ({told}; Akaike's criterion lower by {abs(difference):.0f})"
 
 

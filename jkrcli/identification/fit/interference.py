@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...base.arrays import Array
+from ...base import Array
 from ...data.measured import Curve
 from ...data.measured.curve import APPROACH
 from ...data.record import Direction, ForceCurve, examine

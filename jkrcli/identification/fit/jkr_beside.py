@@ -7,8 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...base.errors import JkrError
-from ...base.unknown import Unknown
+from ...base import JkrError, Unknown
 from .body import FittedBody
 from .points import Points
 from .result import JKRBeside

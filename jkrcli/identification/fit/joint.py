@@ -15,8 +15,7 @@ from functools import cached_property
 import numpy as np
 from scipy.special import chdtrc
 
-from ...base.arrays import Array
-from ...base.errors import InputError, did_you_mean
+from ...base import Array, InputError, did_you_mean
 from ...bodies.parts import RADIUS
 from ...data.measured import Curve
 from ...data.record import ForceCurve
@@ -86,7 +85,9 @@ class Part:
         """Where the shared parameter is among the unknowns."""
         own = self.renamed.get(name, name)
         if own not in self.names:
-            raise InputError(f"{self.where}: does not tell {'E*' if name == 'modulus' else name}: it cannot be shared")
+            raise InputError(
+                f"{self.where}: does not determine {'E*' if name == 'modulus' else name}: it cannot be shared"
+            )
         return self.names.index(own)
 
     def unknowns(self, values: Mapping[str, float], own: Array) -> tuple[Array, dict[str, Array]]:
@@ -138,7 +139,7 @@ def part_of(body: FittedBody, curve: Curve, settings: Settings) -> Part:
 def _noise(stated: Array | None, plain: Array | None) -> float:
     """The variance of residuals that a stated covariance rests on, by that of unit variance."""
     if stated is None or plain is None:
-        raise InputError("a record does not tell its own unknowns apart: fix one of them (--fix)")
+        raise InputError("a record does not determine its own unknowns: fix one of them (--fix)")
     return float(np.median(np.diag(stated) / np.diag(plain)))
 
 
@@ -235,7 +236,7 @@ def joint_fit(
     m, dof = len(shared), max(found.state.residuals.size - found.x.size, 1)
     spread = covariance(found.state.jacobian, 1.0)
     if spread is None or not found.ended:
-        raise InputError(f"fit: the records together do not tell {', '.join(shared)} apart: fix one of them (--fix)")
+        raise InputError(f"fit: the records together do not determine {', '.join(shared)}: fix one of them (--fix)")
     sigma, t = np.sqrt(np.diag(spread))[:m], t_quantile(settings.level, dof)
     estimates = [_estimated(name, float(x), float(s), t) for name, x, s in zip(shared, found.x, sigma, strict=False)]
     known = {item.name: item.value for item in estimates}

@@ -18,7 +18,7 @@ from functools import cached_property
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ...base.arrays import Array
+from ...base import Array
 from .body import FittedBody
 from .edges import ADVANCING, RECEDING, RESTING, RestingMember
 from .family import Drift, Member, Members

@@ -15,9 +15,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...base.arrays import Array
-from ...base.errors import InputError, JkrError
-from ...base.units import show
+from ...base import Array, InputError, JkrError, show
 from ...bodies.parts import RADIUS
 from .body import FittedBody
 from .edges import ADVANCING, RECEDING, RESTING
@@ -49,7 +47,7 @@ def further(body: FittedBody, found: Fit) -> tuple[Further, ...]:
     """What is known now, and what it would be with the same measurement again and with others; InputError where
     the data do not tell E* and w."""
     if found.covariance is None or not set(WANTED) <= set(found.free) or found.value("w") <= 0:
-        raise InputError(f"{found.where}: --plan: needs E* and w free and told by the data")
+        raise InputError(f"{found.where}: --plan: needs E* and w free and determined by the data")
     known = [found.free.index(name) for name in WANTED]
     now = np.linalg.inv(found.covariance[np.ix_(known, known)])
     largest = float(np.max(found.line["P"][found.line["a"] > 0])) - found.value("P0")

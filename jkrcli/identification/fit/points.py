@@ -9,8 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...base.arrays import Array
-from ...base.errors import InputError
+from ...base import Array, InputError
 from ...data.measured import Curve
 from ...data.measured.curve import APPROACH, RETRACT
 from .edges import ADVANCING, RECEDING
@@ -168,7 +167,7 @@ def _left_out(counts: Mapping[str, int]) -> tuple[str, ...]:
 
 def _of_branch(curve: Curve, values: Mapping[str, Array], branch: BranchName, level: float) -> Array:
     if branch == "compressive" and "P" not in values:
-        raise InputError(f"{curve.where}: the compressive branch cannot be told without the load")
+        raise InputError(f"{curve.where}: the compressive branch cannot be selected without the load")
     size = next(iter(values.values())).size
     return values["P"] > level if branch == "compressive" else np.ones(size, dtype=bool)
 

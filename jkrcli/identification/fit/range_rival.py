@@ -16,9 +16,7 @@ from functools import partial
 import numpy as np
 from scipy.special import fdtrc
 
-from ...base.arrays import Array
-from ...base.errors import JkrError, SolveError
-from ...base.units import show
+from ...base import Array, JkrError, SolveError, show
 from ...methods.layered.spectrum import spectrum_seconds
 from .model import Objective
 from .search import TUNING as SEARCH

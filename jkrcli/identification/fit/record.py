@@ -9,11 +9,7 @@ from functools import partial
 
 import numpy as np
 
-from ...base.arrays import Array
-from ...base.errors import InputError, SolveError
-from ...base.executors import Pool
-from ...base.units import show
-from ...base.unknown import Unknown, known
+from ...base import Array, InputError, Pool, SolveError, Unknown, known, show
 from ...data.measured import Curve
 from ...data.measured.curve import APPROACH, RETRACT
 from ...data.record import ForceCurve, examine
@@ -104,7 +100,7 @@ def whole_record(curve: Curve, settings: Settings) -> ForceCurve | None:
     if said := record.flags.get("wrong way"):
         raise InputError(f"{curve.where}: {said}")
     if settings.drifts and (curve.t is None or settings.segment not in (None, "both")):
-        raise InputError(f"{curve.where}: a drift is told by approach and retraction together, over their time: "
+        raise InputError(f"{curve.where}: a drift needs approach and retraction together, and their time: "
                          + ("it holds none" if curve.t is None else "leave --segment out"))  # fmt: skip
     return record
 
@@ -294,7 +290,7 @@ def beside(back: Fit, into: Fit, both: Fit) -> Fit:
     name = "directions differ"
     said = (
         f"{name}: E* is {show(other.value, 'modulus', 4)} on approach and {show(one.value, 'modulus', 4)} on "
-        "retraction, no one value describes both: a specimen that relaxes or yields, or a device that drifts"
+        "retraction, one value does not fit both: the specimen relaxes or yields, or the device drifts"
     )
     work, drifts = into.estimate("w_approach"), [line for line in both.warnings if line.startswith("drift")]
     quality = back.quality and {**back.quality, "quality": TUNING.spoilt * back.quality["quality"]}
@@ -325,7 +321,7 @@ def _model(
         known |= {f"tilt:{part.kind}": 0.0} | ({} if zero is not None and zero.free else {f"offset:{part.kind}": 0.0})
     drift = settings.parameter("drift")
     if drift is not None and len(parts) < 2:
-        raise InputError(f"{curve.where}: a drift is told by approach and retraction together, only one can be fitted")
+        raise InputError(f"{curve.where}: a drift needs approach and retraction together, only one can be fitted")
     known |= {"drift": drift.value} if drift is not None and drift.value is not None else {}
     k = math.inf if curve.stiffness is None else curve.stiffness
     moduli = (modulus.low, modulus.high)
@@ -411,7 +407,7 @@ def _outcome(found: ForceCurveFit, x: Array, body: FittedBody) -> dict[str, floa
     return told
 
 
-GIVEN_UP = "the search was given up after {} steps, the rows do not determine the unknowns: fix one (--fix w=...)"
+GIVEN_UP = "the search stopped after {} steps, the rows do not determine the unknowns: fix one (--fix w=...)"
 RESTS = "w: the edge of the contact rests in all rows of the retraction, w is at least what the last holds"
 NAMES = {APPROACH: APPROACH, RETRACT: "retraction"}
 WORKS = {APPROACH: "w_approach", RETRACT: "w"}
@@ -575,7 +571,7 @@ def _left_out(record: ForceCurve, used: int) -> tuple[str, ...]:
     said = [f"{rest} rows of other segments, next to the turning point or in jumps"] * (rest > 0)
     return (
         *said,
-        *[f"{spikes} {'rows that stand' if spikes > 1 else 'row that stands'} alone off the others"] * (spikes > 0),
+        *[f"{spikes} {'isolated outliers' if spikes > 1 else 'isolated outlier'}"] * (spikes > 0),
     )
 
 
@@ -599,8 +595,8 @@ def _judged(record: ForceCurve, found: ForceCurveFit, a: Array) -> tuple[dict[st
     beyond = (found.spread.excess - 1) / TUNING.excess
     if beyond > 1:
         flags["misfit"] = (
-            f"the residuals in contact are no noise like that of the free rows: they would widen the intervals "
-            f"{found.spread.excess:.0f} times, another body, indenter or adhesion"
+            f"the residuals in contact are {found.spread.excess:.0f} times what the noise of the free rows explains: "
+            "another body, indenter or adhesion"
         )
     if slow > TUNING.misfit:
         flags["misfit"] = f"the residuals in contact are {slow:.1%} of the range of the load: another body or indenter"
@@ -618,23 +614,23 @@ def _judged(record: ForceCurve, found: ForceCurveFit, a: Array) -> tuple[dict[st
 def _words(found: ForceCurveFit, settings: Settings) -> Iterator[str]:
     """How the record was taken, and what its residuals did to the intervals."""
     if settings.base_line == "sine" and found.model.stretches[0].wave is None:
-        yield "base line: no sine is told from its noise, it is taken as straight"
+        yield "base line: no sine beyond its noise, a straight line is used"
     yield from _on_adhesion(found)
     free = [parameter.name for parameter in settings.free]
     for kind in (part.kind for part in found.model.stretches if found.model.works.get(part.kind) == 0 and "w" in free):
-        yield f"{NAMES[kind]}: w comes out below 0, which no surfaces have: it is held at 0, the body is another one"
+        yield f"{NAMES[kind]}: w would be negative and is set to 0: another body"
     if any(name.startswith("offset:") for name in found.model.known):
-        yield "no base line tells the reading of no load: it is taken as 0 (--free P0, or --zero P=... if it is known)"
+        yield "no base line: the zero of the load is set to 0 (--free P0, or --zero P=... if known)"
     model = found.model
     if len(model.stretches) > 1 and not model.drifting and all(np.ptp(part.t) > 0 for part in model.stretches):
         speed, error, change = unasked_drift(found)
         if abs(speed) > TUNING.drifting * error:
             yield (
-                f"drift: the depth seems to drift by {show(speed, 'speed', 3)} ± {show(error, 'speed', 2)}, which "
+                f"drift: the depth drifts by {show(speed, 'speed', 3)} ± {show(error, 'speed', 2)}, which "
                 f"would change the moduli by {change:+.2%}: --free drift fits it"
             )
     if not all(part.line.rows for part in found.model.stretches):
-        yield "no free rows tell the noise: it cannot be told from misfit"
+        yield "no free rows: noise cannot be separated from misfit"
     if found.spread.tau > TUNING.dependent:
         yield (
             f"residuals are autocorrelated (effective sample size n/{found.spread.tau:.1f}), "
@@ -646,6 +642,6 @@ def _on_adhesion(found: ForceCurveFit) -> Iterator[str]:
     """What the directions that were fitted do not tell of w."""
     known = found.model.known
     if len(found.model.stretches) == 1 and found.model.stretches[0].kind == APPROACH:
-        yield "approach alone: its w is called w_approach, w is that of a retraction and stays empty"
+        yield "approach alone: its w is w_approach; w, that of the retraction, stays empty"
     if f"q:{RETRACT}" in known:
         yield RESTS

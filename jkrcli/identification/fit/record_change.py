@@ -15,9 +15,8 @@ from functools import cached_property
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from ...base.arrays import Array
-from ...base.errors import SolveError
-from .device_path import DeviceBranch, Rest, grid, on_grid
+from ...base import Array, SolveError
+from .device_path import Changes, DeviceBranch, Rest, grid, on_grid
 from .family import Family
 from .force_curve import DirectionReadings, ForceCurveFit, ForceCurveModel
 
@@ -61,6 +60,20 @@ def bent(family: Family, changes: Array) -> Family:
     if not np.isfinite(changes).all():
         raise SolveError("no body has curves that differ so much")
     return Bent(family.logs, family.low, family.high, None, CubicSpline(grid(family), changes.T))
+
+
+def by_log(u: Array, changes: Array) -> Changes:
+    """Changes (4, n) at logs ``u`` of the radius, as they are beyond."""
+    return lambda at: np.stack([np.interp(at, u, row) for row in changes])
+
+
+def changes_to(family: Family, amount: float) -> Changes | None:
+    """What makes a body that of ``family`` at an ``amount``, per amount; None: it is the same."""
+    if not isinstance(family, Bent):
+        return None
+    assert family.change is not None
+    u = family.change.x
+    return by_log(u, family.change(u).T / amount)
 
 
 def of_body(family: Family, D: Array, S: Array) -> Array:

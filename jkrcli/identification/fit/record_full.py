@@ -16,13 +16,13 @@ from functools import partial
 import numpy as np
 from scipy.special import fdtrc
 
-from ...base.arrays import Array
-from ...base.errors import JkrError
+from ...base import Array, JkrError
 from .body import FittedBody
 from .force_curve import ForceCurveFit, ForceCurveModel, fit, misfit_at, rough, starts_of, windowed
-from .record_change import AMOUNT, Change, RivalModel
+from .record_change import AMOUNT, LITTLE, Change, RivalModel
 from .record_rivals import RANGE, RIVALS, amount_of_range, finite_range, neck, range_of
-from .record_scores import RecordRivals, Score, left_over
+from .record_scores import EXCLUDED, UNTOLD, RecordRivals, Score, Weighted, left_over
+from .record_scores import TUNING as SCORES
 from .record_situation import Situation
 
 
@@ -37,9 +37,16 @@ class FullTuning:
     promising: float = 1.2  # choice: of the least sum of squares, up to which a rival is fitted to the end
     long: float = 0.5  # choice: of the amount of a range by which adhesion deforms the body, above which it is fitted
     softest: float = 10.0  # choice: of how far adhesion deforms the body, the longest range that is tried
+    long_start: float = 3.0  # choice: the same, range from which on a second minimum is looked for
+    first: int = 2  # choice: steps at that range, before it is let go
+    about: float = 0.5  # choice: standard errors, by which what a range does to a fit may be off
+    room: float = 0.5  # choice: of the log of a range, by which it is at most longer than where that is
+    none: float = 1e-300  # choice: for a division
     shorter: int = 12  # choice: ranges tried, each shorter by the root of 2, until the data leave one
     possible: float = 3.84  # theory: rise of chi^2 up to which a number is in its 95 % interval
-    none: float = 1e-300  # choice: [J/m^2], for a logarithm
+    chords: int = 12  # choice: guard, steps with derivatives of the fit without; three to six are needed
+    hopeless: float = 3000.0  # choice: rise of chi^2 after a step, from which on there are no more
+    still: float = 0.02  # choice: standard errors, below which a step is the last one
     rounds: int = 4  # choice: guard, fits of a change that is made about a fit
     settled: float = 0.1  # choice: standard errors of the modulus, by which the last round may move it
 
@@ -65,33 +72,125 @@ class InFull:
 
 
 @np.errstate(all="ignore")
-def bounded(body: FittedBody, found: ForceCurveFit, rivals: RecordRivals) -> RecordRivals:
-    """The rivals, of which a range that may be long moves E* and w by what a fit with it does: one step is of first
-    order in its square. ``found``: the fit without."""
+def bounded(body: FittedBody, found: ForceCurveFit, rivals: RecordRivals, longest: float) -> RecordRivals:
+    """The rivals, of which those that are likely before the data move E* and w by what a fit with as much of them as
+    is possible does: one step trusts no row next to a fold. ``found``: the fit without; ``longest``: range of adhesion
+    [m] that there may be."""
     at = Situation(body, found)
-    long = [i for i, one in enumerate(rivals.scores) if _is_long(at, one)] if not rivals.named else []
-    scores = [_at_bound(at, one) if i in long else one for i, one in enumerate(rivals.scores)]
+    if rivals.named:
+        return rivals
+    own, scores = Weighted.of(at), []
+    for score in rivals.scores:
+        change = _look(at, score) if score.name == RANGE.name or score.most > 0 else None
+        judged = score
+        if isinstance(change, Change):
+            judged = (
+                _of_range(at, own, score, longest) if score.name == RANGE.name else _at_most(at, own, change, score)
+            )
+        scores.append(judged)
     return replace(rivals, scores=tuple(scores))
 
 
-def _is_long(at: Situation, score: Score) -> bool:
-    return score.name == RANGE.name and score.known > TUNING.long * amount_of_range(at, neck(at))
+def _look(at: Situation, score: Score) -> Change | Array | None:
+    return next(rival for rival in RIVALS if rival.name == score.name).look(at)
 
 
-def _at_bound(at: Situation, score: Score) -> Score:
-    """The score with the moves at its bound, or at the longest range tried that the data leave."""
-    longest, change = min(range_of(at, score.known), TUNING.softest * neck(at)), finite_range(at)
+def _at_most(at: Situation, own: Weighted, change: Change, score: Score) -> Score:
+    """The score with the moves at the largest amount that is possible."""
+    found = _stepped(at, own, _held(at, change, score.most))
+    return score if found is None else replace(score, E_star=found[1] / score.most, w=found[2] / score.most)
+
+
+def _of_range(at: Situation, own: Weighted, score: Score, longest: float) -> Score:
+    """The score with the moves at a range that deforms the body where the data leave one, else at its bound where that
+    is long."""
+    if (found := _other_range(at, own)) is not None and range_of(at, score.known) < found[0] < longest:
+        return _moving(score, amount_of_range(at, found[0]), found[1:])
+    return _at_bound(at, own, score) if score.known > TUNING.long * amount_of_range(at, neck(at)) else score
+
+
+def _other_range(at: Situation, own: Weighted) -> tuple[float, float, float] | None:
+    """The longest range [m] about one that deforms the body and is as good as none, and by how much the logs of E* and
+    w move with such; None where the data exclude it."""
+    x, log, least = own.x, math.log(TUNING.long_start * neck(at)), math.log(TUNING.long * neck(at))
+    for round_ in range(TUNING.chords):
+        off = ForceCurveModel.residuals(_ranged(at, amount_of_range(at, math.exp(log))), x, 0.0)[0]
+        step, r = own.step(off)
+        x, excess = x - step, float(r @ r) - own.left
+        if not excess < TUNING.hopeless:
+            return None
+        if round_ < TUNING.first:
+            continue
+        further = ForceCurveModel.residuals(_ranged(at, amount_of_range(at, math.exp(log + LITTLE))), x + step, 0.0)[0]
+        along, column = own.step((further - off) / LITTLE)
+        size = float(np.linalg.norm(column))
+        if own.size(step) < TUNING.about and excess < TUNING.possible:
+            room = min(SCORES.normal / size, TUNING.room)
+            ends = [_moves(own, x + side * along) for side in (-room, room)]
+            return math.exp(log + room), *np.abs(ends).max(axis=0).tolist()
+        change = float(np.clip(-(column @ r) / max(size**2, TUNING.none), -1.0, 1.0))
+        x, log = x - change * along, log + change
+        if log < least:
+            return None
+    return None
+
+
+def _moves(own: Weighted, x: Array) -> tuple[float, float]:
+    """By how much the logs of E* and w differ at the unknowns ``x``."""
+    here, there = (own.at.model.values(one) for one in (own.x, x))
+    works = [max(one[f"q:{part.kind}"] for part in own.at.model.stretches) for one in (here, there)]
+    E, (old, new) = there["ln_s"] - here["ln_s"], (max(work, TUNING.none) for work in works)
+    return E, E + math.log(new / old) if own.at.work else 0.0
+
+
+def _moving(score: Score, amount: float, moves: Sequence[float]) -> Score:
+    """The score of a rival that ``moves`` the logs of E* and w at an ``amount``."""
+    E, w = (float(move) / amount for move in moves)
+    word = UNTOLD if max(map(abs, moves)) > SCORES.matters else EXCLUDED
+    return replace(score, amount=0.0, error=math.inf, known=amount, E_star=E, w=w, word=word)
+
+
+def _held(at: Situation, change: Change, amount: float) -> RivalModel:
+    """The model with an amount of a change that is known."""
+    return replace(RivalModel.of(at.model, change), known={**at.model.known, AMOUNT: amount})
+
+
+def _ranged(at: Situation, amount: float) -> RivalModel:
+    change = finite_range(at)
     assert change is not None
+    return _held(at, change, amount)
+
+
+def _at_bound(at: Situation, own: Weighted, score: Score) -> Score:
+    """The score with the moves at its bound, or at the longest range that the data leave, between two that were
+    tried."""
+    longest, beyond = min(range_of(at, score.known), TUNING.softest * neck(at)), None
     for step in range(TUNING.shorter):
         amount = amount_of_range(at, longest / 2 ** (step / 2))
-        model = replace(RivalModel.of(at.model, change), known={**at.model.known, AMOUNT: amount})
-        with contextlib.suppress(JkrError):
-            found = fit(model, at.found.x, near=True)
-            here = Situation(at.body, found)
-            if left_over(here, at)[0] - left_over(at, here)[0] < TUNING.possible:
-                E, w = math.log(here.modulus / at.modulus), math.log(max(here.work, TUNING.none) / at.work)
-                return replace(score, amount=0.0, error=math.inf, known=amount, E_star=E / amount, w=w / amount)
+        found = _stepped(at, own, _ranged(at, amount))
+        if found is not None and found[0] < TUNING.possible:
+            root, moves = math.sqrt(max(found[0], 0.0)), np.array(found[1:])
+            if beyond is not None:  # the root of the excess rises about straight
+                share = (math.sqrt(TUNING.possible) - root) / (math.sqrt(beyond[0]) - root)
+                moves = moves + share * (np.array(beyond[1:]) - moves)
+            return _moving(score, amount, moves.tolist())
+        beyond = found
     return score
+
+
+def _stepped(at: Situation, own: Weighted, model: RivalModel) -> tuple[float, float, float] | None:
+    """By how much chi^2, and the logs of E* and w, rise in a ``model`` whose change is known, by steps with the
+    derivatives of the fit without; None where they do not settle."""
+    x, size, excess = own.x, math.inf, math.inf
+    for _ in range(TUNING.chords):
+        step, r = own.step(ForceCurveModel.residuals(model, x, 0.0)[0])
+        before, size, x, excess = size, own.size(step), x - step, float(r @ r) - own.left
+        if not (size < before and excess < TUNING.hopeless):
+            return None
+        if size < TUNING.still:
+            break
+    moves = _moves(own, x)
+    return (excess, *moves) if np.isfinite(moves).all() else None
 
 
 @np.errstate(all="ignore")
@@ -104,7 +203,7 @@ def fitted_in_full(
     fresh = replace(fresh, family=found.model.family)
     for score in _likeliest(rivals.scores):
         with contextlib.suppress(JkrError):  # what cannot be solved is not taken
-            look = next(rival for rival in RIVALS if rival.name == score.name).look(at)
+            look = _look(at, score)
             tried += [(*_roughly(at, fresh, look, score.amount), look, score)] if isinstance(look, Change) else []
     least = min((cost for cost, *_ in tried), default=0.0)
     each = []

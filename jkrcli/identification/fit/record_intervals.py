@@ -10,8 +10,7 @@ from functools import partial
 
 import numpy as np
 
-from ...base.arrays import Array
-from ...base.executors import Pool, in_order
+from ...base import Array, Pool, in_order
 from .force_curve import ForceCurveFit
 from .result import FittedValue
 from .settings import Settings

@@ -17,14 +17,10 @@ from typing import Any, cast
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from ...adhesion.nonadhesive import Nonadhesive
-from ...adhesion.program import Program
-from ...adhesion.relaxation.history import RelaxingContact
-from ...adhesion.validity import EXCESS, LIMITS, STRAINED
-from ...base.arrays import Array
-from ...base.errors import InputError, JkrError
-from ...bodies.problem import HalfSpace, Layer, Loading, Rigid, Specimen
-from ...bodies.relaxation import PowerRelaxation, Relaxation, StandardSolid
+from ...adhesion import LIMITS, Nonadhesive, Program, RelaxingContact
+from ...adhesion.validity import EXCESS, STRAINED
+from ...base import Array, InputError, JkrError
+from ...bodies import HalfSpace, Layer, Loading, PowerRelaxation, Relaxation, Rigid, Specimen, StandardSolid
 from ...data.measured.curve import APPROACH
 from ...methods.layered.layered import unbounded
 from .body import FittedBody, solved
@@ -75,7 +71,8 @@ class RecordRivalTuning:
     rises: tuple[float, float] = (-5.0, 5.0)  # choice: of the log of w along a record
     farther: float = 1.5  # choice: of the largest radius, beyond which a modulus that changes is even
     profiles: tuple[float, ...] = (-0.8, 0.0)  # choice: exponents less that of a paraboloid, to begin with
-    tabor: tuple[float, ...] = (3.0, 1.0, 0.3, 0.1)  # choice: Tabor numbers, to begin with
+    tabor: tuple[float, ...] = (3.0, 1.0, 0.3)  # choice: Tabor numbers, to begin with
+    tabor_long: tuple[float, ...] = (0.3, 0.1, 0.03)  # choice: the same, of a long range
     farthest: float = 1e3  # choice: range over how far adhesion deforms the body; longer ones change nothing
     tensions: tuple[float, ...] = (0.03,)  # choice: 2 tension/E* over the contact radius, to begin with
     exponents: tuple[float, ...] = (0.3, 0.8)  # choice: of the speed of the edge, to begin with
@@ -123,10 +120,12 @@ def of_family(
 ) -> Change:
     """A change of the body by ``changes`` (4, n) of its logs at an amount; of the ``last`` stretch alone or of all."""
 
+    changed = lru_cache(maxsize=2)(lambda family, amount: bent(family, changes(family, amount)))
+
     def model(plain: ForceCurveModel, part: DirectionReadings, values: Values) -> ForceCurveModel:
         if last and part is not plain.stretches[-1]:
             return plain
-        return replace(plain, family=bent(plain.family, changes(plain.family, values[AMOUNT])))
+        return replace(plain, family=changed(plain.family, values[AMOUNT]))
 
     return Change(((0.0,),), limits={AMOUNT: limits}, model=model)
 
@@ -363,6 +362,22 @@ def finite_range(at: Situation) -> Change | None:
     return Change(starts, limits={AMOUNT: (0.0, most)}, model=model, felt=True, told=told)
 
 
+def long_range(at: Situation) -> Change | None:
+    """From JKR to adhesion that pulls from so far that it deforms nothing (Derjaguin, Muller and Toporov, J. Colloid
+    Interface Sci. 53 (1975) 314), at equal w: 2 pi w R less than without adhesion at equal displacement."""
+    R, plain, values = at.body.problem.indenter.tip_radius, finite_range(at), at.model.values(at.found.x)
+    if R is None or plain is None:
+        return None
+    D, _, H, _ = at.model.family.at(grid(at.model.family))[0]
+    lines = np.concatenate([base_line(part, values)[0] for part in at.model.stretches])
+    P = np.concatenate([part.P for part in at.model.stretches]) + at.here[0] - lines
+    z = np.concatenate([at.model.depth(part, values) for part in at.model.stretches])
+    works = [np.full(part.P.size, max(values[f"q:{part.kind}"], 0.0)) for part in at.model.stretches]
+    pulled = at.modulus * (np.interp(z - P / at.model.k, D, H, left=0.0) - 2 * math.pi * R * np.concatenate(works))
+    starts = tuple((amount_of_range(at, neck(at) / mu),) for mu in TUNING.tabor_long)
+    return replace(plain, starts=starts, column=np.where(at.a > 0, (pulled - P) * at.yields, 0.0))
+
+
 def neck(at: Situation) -> float:
     """How far adhesion deforms the body at pull-off [m], about: the range there is 1 over Tabor's number of it."""
     R = at.body.problem.indenter.tip_radius or at.widest
@@ -430,7 +445,7 @@ def tension(at: Situation) -> Change | None:
         tip, load, S, dS = changes
         return np.stack([tip, -dS / 2, load, S - dS / 2])
 
-    column = at.on(LITTLE * of_four(relative(at.model.family, TUNING.skin))) / (LITTLE * TUNING.skin)
+    column = at.on(of_four(relative(at.model.family, TUNING.skin)) / TUNING.skin)
     unit = at.body.problem.E_star * widest / 2
     told = lambda values: {"surface_tension": unit * math.exp(values["ln_s"]) * values[AMOUNT]}  # noqa: E731
     starts = tuple((amount,) for amount in TUNING.tensions)
@@ -639,10 +654,12 @@ def _dent(at: Situation, part: DirectionReadings) -> Array:
 BODY, TIP, ADHESION, DEVICE, MEMORY = "layer or base", "shape of the tip", "adhesion", "device", "relaxation or flow"
 RANGE = Rival("adhesion of finite range", ADHESION, "square of the range over that of a narrow ring", finite_range,
               positive=True)  # fmt: skip
+LONG = Rival("adhesion of long range (DMT)", ADHESION, "from JKR to DMT", long_range, positive=True, possible=1.0)
 RIVALS: tuple[Rival, ...] = (
     Rival("w over the contact radius", ADHESION, "relative rise towards pull-off", work_over_radius),
     Rival("w over the speed of the edge", ADHESION, "relative rise per factor e of the speed", work_over_speed),
     RANGE,
+    LONG,
     Rival("a rigid base below", BODY, "contact radius over depth", layer_below),
     Rival("thickness of the layer", BODY, "relative change", of_layer("h")),
     Rival("nu of the layer", BODY, "relative change", of_layer("nu")),

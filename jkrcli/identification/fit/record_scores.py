@@ -10,12 +10,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.special import fdtrc
 
-from ...base.arrays import Array
+from ...base import Array
 from .body import FittedBody
 from .coloured import TUNING as COLOURED
 from .coloured import in_time
@@ -194,6 +194,37 @@ def left_over(at: Situation, other: Situation) -> tuple[float, int, int]:
     _, Q, _ = _spanned(weighted[:, 1:])
     r = weighted[:, 0] - Q @ (Q.T @ weighted[:, 0])
     return float(r @ r), max(int(np.count_nonzero(keep)) - J.shape[1], 1), loose
+
+
+@dataclass(frozen=True, eq=False)
+class Weighted:
+    """The derivatives of a fit in units of the noise, for steps of models that differ a little. ``x``: its unknowns
+    where these vanish, as they need not in the fit itself, at the kink of a fold; ``left``: chi^2 left there."""
+
+    at: Situation
+    x: Array
+    scale: Array
+    Q: Array
+    triangle: Array
+    left: float
+
+    @classmethod
+    def of(cls, at: Situation) -> Weighted:
+        (off, J), noise = at.here, at.found.spread.noise
+        scale, Q, triangle = _spanned(at.model.whitened(J, noise))
+        plain = cls(at, at.found.x, scale, Q, triangle, 0.0)
+        step, r = plain.step(off)
+        return replace(plain, x=at.found.x - step, left=float(r @ r))
+
+    def step(self, off: Array) -> tuple[Array, Array]:
+        """What the unknowns are to fall by for residuals ``off`` [N] of all rows, and what is left then."""
+        r = self.at.model.whitened(off, self.at.found.spread.noise)
+        along = self.Q.T @ r
+        return np.linalg.solve(self.triangle, along) / self.scale, r - self.Q @ along
+
+    def size(self, step: Array) -> float:
+        """The size of a step, in standard errors of white noise."""
+        return float(np.linalg.norm(self.triangle @ (self.scale * step)))
 
 
 def _spanned(own: Array) -> tuple[Array, Array, Array]:

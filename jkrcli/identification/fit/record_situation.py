@@ -10,13 +10,13 @@ from functools import cached_property
 
 import numpy as np
 
-from ...base.arrays import Array
+from ...base import Array
 from ...data.measured.curve import APPROACH
 from .body import FittedBody
 from .device_path import grid
 from .family import Family
 from .force_curve import DirectionReadings, ForceCurveFit, ForceCurveModel, base_line
-from .record_change import LITTLE, Change, RivalModel, bent
+from .record_change import LITTLE, Change, RivalModel, by_log, changes_to
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,15 +91,16 @@ class Situation:
         return self.of(replace(self.model, stretches=parts)) - np.concatenate(tilts)
 
     def on(self, changes: Array) -> Array:
-        """Change of the loads [N] where the logs of D, T, H, V change by ``changes`` (4, n) on the grid."""
-        return self.of(replace(self.model, family=bent(self.model.family, changes)))
+        """Derivative of the loads [N] by an amount of ``changes`` (4, n) of the logs of D, T, H, V on the grid."""
+        same = by_log(grid(self.model.family), changes)
+        return self.model.by_body(self.found.x, [same] * len(self.model.stretches))
 
     def neighbour(self, other: Family, size: float) -> Array:
         """Derivative of the loads by an amount ``size`` of which makes the body that of ``other``."""
         own = self.model.family
         inside = np.clip(grid(own), max(own.low, other.low), min(own.high, other.high))
         change = np.log(other.at(inside)[0] / own.at(inside)[0])
-        return self.on(LITTLE * change) / (LITTLE * size)
+        return self.on(change / size)
 
     def column(self, change: Change) -> Array:
         """Derivative of the loads by the amount of a change, at 0."""
@@ -108,6 +109,11 @@ class Situation:
         model = RivalModel.of(self.model, change)
         e, first = LITTLE, change.starts[0]
         x = np.concatenate([self.found.x, [e, *first[1:]]])
+        values = model.values(x)
+        if change.load is None and change.moved is None:
+            bodies = [model.followed(part, values) for part in model.stretches]
+            if all(one.k == model.k for one in bodies):
+                return self.model.by_body(self.found.x, [changes_to(one.family, e) for one in bodies])
         return (ForceCurveModel.residuals(model, x, 0.0)[0] - self.here[0]) / e
 
     @cached_property

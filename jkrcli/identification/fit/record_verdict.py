@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.optimize import brentq
 
-from ...bodies.problem import Problem
+from ...bodies import Problem
 from .body import FittedBody
 from .force_curve import ForceCurveFit, ForceCurveModel, base_line
 from .record_full import InFull, bounded, fitted_in_full
@@ -33,7 +33,8 @@ TUNING = VerdictTuning()
 
 def judged(result: Fit, body: FittedBody, found: ForceCurveFit) -> Fit:
     """The fit with its verdict: that of ``found``, which is of all directions of the record."""
-    rivals = bounded(body, found, rivals_of_record(body, found, result.settings.range_at_most))
+    longest = result.settings.range_at_most
+    rivals = bounded(body, found, rivals_of_record(body, found, longest), longest)
     said = {name: sentence for name, sentence in _flags(rivals) if name not in result.flags}
     estimates = tuple(_with_part(item, rivals) for item in result.estimates)
     warnings = tuple(f"{name}: {sentence}" for name, sentence in said.items())

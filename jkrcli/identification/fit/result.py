@@ -9,9 +9,7 @@ from sys import float_info
 
 import numpy as np
 
-from ...base.arrays import Array
-from ...base.errors import InputError
-from ...base.unknown import Unknown
+from ...base import Array, InputError, Unknown
 from ...data.measured.curve import Pixel
 from .record_scores import Verdict
 from .settings import Settings

@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.special import fdtrc
 
-from ...base.arrays import Array
+from ...base import Array
 from .family import Drift
 from .range_rival import RangeRival, range_rival_of
 from .result import FittedValue

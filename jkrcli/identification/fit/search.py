@@ -16,9 +16,7 @@ from functools import partial
 
 import numpy as np
 
-from ...base.arrays import Array
-from ...base.errors import InputError, JkrError, SolveError
-from ...base.units import show
+from ...base import Array, InputError, JkrError, SolveError, show
 from ..least_squares import Least, LeastSquares, State
 from .body import FittedBody
 from .edges import ADVANCING, RECEDING, RESTING, RestingMember
@@ -606,7 +604,7 @@ def _best(body: FittedBody, points: Points, settings: Settings, tried: list[Star
     distance = far * robust_scale(minimum.found.residuals)
     if distance > TUNING.alien:
         raise InputError(
-            f"no curve of this body comes nearer to the data than {distance:.2g} of its size: "
+            f"no curve of this body comes within {distance:.2g} of the data's size: "
             "check units, signs, zero points, the indenter and the layers"
         )
     return minimum

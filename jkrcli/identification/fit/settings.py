@@ -7,8 +7,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
-from ...base.errors import InputError
-from ...base.units import MOST, parse
+from ...base import InputError, parse
+from ...base.units import MOST
 from ...bodies.parts import RADIUS, checked_names
 from .body import FittedBody
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import special
 
-from ...base.arrays import Array
+from ...base import Array
 from .settings import Loss
 
 NORMAL_MEDIAN = 0.6745  # theory: median of |x| of a normal x of standard deviation 1

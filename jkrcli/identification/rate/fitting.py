@@ -14,12 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from ...adhesion.nonadhesive import Nonadhesive
-from ...adhesion.rate.laws import RATE_LAWS, RateLaw, rate_parameters
-from ...base.arrays import Array
-from ...base.errors import InputError, JkrError, SolveError, did_you_mean
-from ...base.units import parse, show
-from ...base.unknown import Unknown
+from ...adhesion import RATE_LAWS, Nonadhesive, RateLaw, rate_parameters
+from ...base import Array, InputError, JkrError, SolveError, Unknown, did_you_mean, parse, show
 from ...data.measured import Curve
 from ..fit.body import FittedBody
 from ..fit.fitting import fit
@@ -481,17 +477,15 @@ def _warnings(fit: RateFit) -> list[str]:
     if len(of_law) > 1 and high < POINTS.decade * low:
         said.append(
             f"the edge's speeds span a factor of {high / low if low else 1:.2g} only ({show(low, 'speed')} to "
-            f"{show(high, 'speed')}): less than a decade hardly tells {' and '.join(of_law)}; add other speeds"
+            f"{show(high, 'speed')}): less than a decade hardly determines {' and '.join(of_law)}; add other speeds"
         )
     if fit.covariance is None:
-        return [*said, f"the data do not tell {', '.join(fit.free)} apart: fix one of them"]
+        return [*said, f"the data do not determine {', '.join(fit.free)} together: fix one of them (--fix)"]
     sigma = np.sqrt(np.diag(fit.covariance))
     matrix = fit.covariance / np.outer(sigma, sigma)
     for i, j in zip(*np.triu_indices(len(fit.free), 1), strict=True):
         if abs(matrix[i, j]) > TUNING.apart:
-            said.append(
-                f"the data can hardly tell {fit.free[i]} and {fit.free[j]} apart (correlation {matrix[i, j]:.4f})"
-            )
+            said.append(f"{fit.free[i]} and {fit.free[j]} are strongly correlated ({matrix[i, j]:.4f})")
     for item in fit.estimates:
         if (
             item.name in fit.free

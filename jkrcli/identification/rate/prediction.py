@@ -11,14 +11,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...adhesion import Nonadhesive, Program, RateContact, RateLaw
 from ...adhesion.edge import Edge
-from ...adhesion.nonadhesive import Nonadhesive
 from ...adhesion.path import REST
-from ...adhesion.program import Program
-from ...adhesion.rate.history import RateContact
-from ...adhesion.rate.laws import RateLaw
 from ...adhesion.rate.motion import Motion
-from ...base.arrays import Array
+from ...base import Array
 from .through import log_rates
 
 

@@ -6,9 +6,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...adhesion.program import Program
-from ...base.arrays import Array
-from ...base.errors import InputError
+from ...adhesion import Program
+from ...base import Array, InputError
 from ...data.measured import Curve
 from ..fit.points import third_differences
 

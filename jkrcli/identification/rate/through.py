@@ -8,10 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...adhesion.rate.laws import RATE_LAWS, RateLaw, rate_parameters
-from ...adhesion.slopes.result import TWO_SIDED_90
-from ...base.arrays import Array
-from ...base.unknown import Unknown
+from ...adhesion import RATE_LAWS, TWO_SIDED_90, RateLaw, rate_parameters
+from ...base import Array, Unknown
 from ..fit.statistics import NORMAL_MEDIAN, covariance, larger, t_quantile
 from ..least_squares import Least, LeastSquares, State
 from ..work import WorkAlong

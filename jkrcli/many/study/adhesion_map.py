@@ -16,15 +16,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ...adhesion import FiniteRangeBody, FiniteRangeCurve, Range
 from ...adhesion.curve import transform
-from ...adhesion.finite_range import FiniteRangeBody, FiniteRangeCurve
-from ...adhesion.law import Range
 from ...adhesion.slopes.choice import slopes
-from ...base.arrays import Array
-from ...base.errors import JkrError, SolveError
-from ...base.units import Ranged
-from ...bodies.indenters import Paraboloid
-from ...bodies.problem import Loading, Problem, Specimen
+from ...base import Array, JkrError, Ranged, SolveError
+from ...bodies import Loading, Paraboloid, Problem, Specimen
 from ...methods.attraction import AttractedBody
 from ...methods.layered.layered import Layered
 from ...series import Series

@@ -9,13 +9,11 @@ from functools import partial
 
 import numpy as np
 
-from ...adhesion.curve import AdhesiveCurve, transform
+from ...adhesion import AdhesiveCurve
+from ...adhesion.curve import transform
 from ...adhesion.slopes.choice import slopes
-from ...base.arrays import Array
-from ...base.errors import InputError
-from ...base.executors import Pool, in_order
-from ...base.unknown import Unknown
-from ...bodies.problem import Problem
+from ...base import Array, InputError, Pool, Unknown, in_order
+from ...bodies import Problem
 from ...methods.fem.method import FEM
 from ...methods.layered.layered import Layered
 from ...series import Series, Solution

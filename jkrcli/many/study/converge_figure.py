@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...base.arrays import Array
-from ...base.errors import InputError
-from ...base.units import scale
-from ...report.plots import BLACK, BLUE, GREEN, ORANGE, Figure, pretty
+from ...base import Array, InputError, scale
+from ...report.plots import BLACK, BLUE, GREEN, LABELS, ORANGE, Figure, pretty
 from ...report.plots.study import Line, Panel, panels_figure
 from .meshes import Meshes
 
@@ -27,7 +25,7 @@ def radius_panel(study: Meshes) -> Panel:
     lines = [Line(unknowns, np.array(study.values("a"), dtype=float) / unit, "finite elements", "o-", ORANGE)]
     if study.exact is not None:
         lines.append(Line(unknowns, np.full(unknowns.size, study.exact.a / unit), "exact", "--", BLACK))
-    return Panel(UNKNOWNS, f"contact radius a ({pretty(name)})", lines, logs="x")
+    return Panel(UNKNOWNS, f"{LABELS['a']} ({pretty(name)})", lines, logs="x")
 
 
 def curves_panel(study: Meshes) -> Panel:
@@ -45,7 +43,7 @@ def curves_panel(study: Meshes) -> Panel:
     if study.exact is not None and study.exact.curve is not None:
         exact = study.exact.curve
         lines.append(Line(exact.delta / delta_unit, exact.P / P_unit, "exact", "-", BLACK))
-    return Panel(f"displacement δ ({pretty(delta_name)})", f"load P ({pretty(P_name)})", lines)
+    return Panel(f"{LABELS['delta']} ({pretty(delta_name)})", f"{LABELS['P']} ({pretty(P_name)})", lines)
 
 
 def errors_panel(study: Meshes) -> Panel:

@@ -6,8 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from ...base.units import show
-from ...base.unknown import Unknown
+from ...base import Unknown, show
 from ...report import tables
 from ...report.result import Result
 from .meshes import QUANTITIES, Meshes

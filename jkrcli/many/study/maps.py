@@ -11,13 +11,8 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from ...base.arrays import Array
-from ...base.errors import InputError
-from ...base.executors import Pool, in_order
-from ...base.table import lists
-from ...base.units import Ranged
-from ...bodies.materials import Elastic
-from ...bodies.problem import Layer, Rigid, Specimen
+from ...base import Array, InputError, Pool, Ranged, in_order, lists
+from ...bodies import Elastic, Layer, Rigid, Specimen
 from ...report.result import Result
 from . import MAPS
 

@@ -10,9 +10,9 @@ from functools import cached_property
 
 import numpy as np
 
-from ...adhesion.curve import AdhesiveCurve, CriticalPoint
-from ...base.unknown import Estimate, Unknown
-from ...bodies.problem import Problem
+from ...adhesion import AdhesiveCurve, CriticalPoint
+from ...base import Estimate, Unknown
+from ...bodies import Problem
 
 QUANTITIES = ("a", "P", "pull_off")
 

@@ -16,14 +16,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ... import __version__
-from ...adhesion.curve import AdhesiveCurve
-from ...adhesion.device import LOAD_CONTROL
-from ...adhesion.nonadhesive import Nonadhesive
+from ...adhesion import LOAD_CONTROL, AdhesiveCurve, Nonadhesive
 from ...adhesion.slopes.choice import slopes
-from ...base.errors import SolveError
-from ...base.unknown import Unknown
-from ...bodies.indenters import Paraboloid
-from ...bodies.problem import Loading, Problem
+from ...base import SolveError, Unknown
+from ...bodies import Loading, Paraboloid, Problem
 from ...formulas.surface_tension import wetting_radius
 from ...methods.layered.layered import Layered
 from ...series import Series
@@ -100,11 +96,11 @@ def _figure(columns: Columns) -> Figure:
     from ...report.plots.maps import Panel, lines_figure
 
     title = f"layer on a rigid base, {columns['base'][0]}"
-    families = {"nu": "ν = {:g}".format}
+    families = {"nu": r"$\nu$ = {:g}".format}
     if columns["beta"].any():
-        families["beta"] = "β = {:g}".format
-    panel = Panel("minus_P_over_pi_w_R", "pull-off force / (π w R)", title, LIMITS, (1.4, 3.15))
-    return lines_figure(columns, (Q, "w R² / (E* h³)"), [panel], families)
+        families["beta"] = r"$\beta$ = {:g}".format
+    panel = Panel("minus_P_over_pi_w_R", r"pull-off force / $\pi w R$", title, LIMITS, (1.4, 3.15))
+    return lines_figure(columns, (Q, r"$w R^2 / (E^* h^3)$"), [panel], families)
 
 
 MAP = Map(

@@ -14,18 +14,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...adhesion.curve import AdhesiveCurve
-from ...adhesion.nonadhesive import Nonadhesive
-from ...adhesion.program import Program
-from ...adhesion.rate.history import RateContact
-from ...adhesion.rate.laws import rate_law_of
+from ...adhesion import AdhesiveCurve, Nonadhesive, Program, RateContact, rate_law_of
 from ...adhesion.slopes.choice import slopes
-from ...base.errors import SolveError
-from ...base.units import Ranged
-from ...base.unknown import known
-from ...bodies.indenters import Paraboloid
-from ...bodies.materials import Elastic
-from ...bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
+from ...base import Ranged, SolveError, known
+from ...bodies import Elastic, HalfSpace, Layer, Loading, Paraboloid, Problem, Rigid, Specimen
 from ...methods.closed_form.method import ClosedForm
 from ...methods.layered.layered import Layered
 from .maps import POISSON, Axis, Columns, Map, Values, Work, rows
@@ -102,11 +94,11 @@ def _stiffness(text: Any) -> float:
 def _figure(columns: Columns) -> Figure:
     from ...report.plots.maps import Panel, lines_figure
 
-    panels = [Panel("minus_P_over_pi_w0_R", "pull-off force −P/(π w0 R)", logs="xy"),
-              Panel("dissipated_over_w0_pi_a2", "energy lost at the edge/(w0 π a²)", logs="xy")]  # fmt: skip
-    return lines_figure(columns, ("V_over_v0", "speed of the device V/v0"), panels, {
-        "h_over_R": lambda h: "half-space" if math.isinf(h) else f"h = {h:g} R",
-        "k_over_Estar_R": lambda k: "rigid" if math.isinf(k) else f"k = {k:g} E*R",
+    panels = [Panel("minus_P_over_pi_w0_R", r"pull-off force / $\pi w_0 R$", logs="xy"),
+              Panel("dissipated_over_w0_pi_a2", r"energy lost at the edge / $\pi w_0 a^2$", logs="xy")]  # fmt: skip
+    return lines_figure(columns, ("V_over_v0", "speed of the device $V/v_0$"), panels, {
+        "h_over_R": lambda h: "half-space" if math.isinf(h) else f"$h$ = {h:g} $R$",
+        "k_over_Estar_R": lambda k: "rigid" if math.isinf(k) else f"$k$ = {k:g} $E^* R$",
     })  # fmt: skip
 
 

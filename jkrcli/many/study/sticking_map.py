@@ -10,10 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ... import __version__
-from ...base.arrays import Array
-from ...bodies.indenters import Paraboloid
-from ...bodies.materials import Elastic
-from ...bodies.problem import Layer, Loading, Problem, Rigid, Specimen
+from ...base import Array
+from ...bodies import Elastic, Layer, Loading, Paraboloid, Problem, Rigid, Specimen
 from ...methods.layered.layered import Layered
 from ...series import Series
 from .maps import POISSON, SHOWN_NU, Axis, Columns, Map, Values, Work, rows, within
@@ -70,9 +68,9 @@ def _load_at(series: Series, depth: Array) -> Array:
 def _figure(columns: Columns) -> Figure:
     from ...report.plots.maps import Panel, lines_figure
 
-    titles = {"S_ratio": "S at equal radius", "load_ratio": "load at equal depth"}
+    titles = {"S_ratio": "$S$ at equal radius", "load_ratio": "load at equal depth"}
     panels = [Panel(name, "sticking / sliding", title) for name, title in titles.items()]
-    return lines_figure(columns, ("a_over_h", "a / h"), panels, {"nu": "ν = {:g}".format})
+    return lines_figure(columns, ("a_over_h", "$a / h$"), panels, {"nu": r"$\nu$ = {:g}".format})
 
 
 def _work(values: Values) -> Work:

@@ -17,15 +17,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...adhesion.curve import CriticalPoint, transform
-from ...adhesion.device import LOAD_CONTROL
-from ...adhesion.finite_range import FiniteRangeBody
-from ...adhesion.law import Range
+from ...adhesion import LOAD_CONTROL, CriticalPoint, FiniteRangeBody, Range
+from ...adhesion.curve import transform
 from ...adhesion.slopes.choice import slopes
-from ...base.errors import JkrError, SolveError
-from ...base.unknown import Unknown
-from ...bodies.indenters import Paraboloid
-from ...bodies.problem import Loading, Problem
+from ...base import JkrError, SolveError, Unknown
+from ...bodies import Loading, Paraboloid, Problem
 from ...methods.attraction import AttractedBody
 from ...methods.layered.layered import Layered
 from .maps import BASE, POISSON, SHOWN_NU, SHOWN_Q, Axis, Columns, Map, Q, Values, Work, layer, rows, within
@@ -81,14 +77,16 @@ def _point(body: FiniteRangeBody, where: str, q: float, mu: float) -> tuple[floa
 
 def _figure(columns: Columns) -> Figure:
     """Filled where there are values enough on both axes, else as lines."""
-    from ...report.plots.maps import Panel, filled_figure, is_filled, lines_figure
+    from ...report.plots.maps import MU, Panel, filled_figure, is_filled, lines_figure
 
     if is_filled(columns):
         return filled_figure(columns)
     title = f"layer on a rigid base, {columns['base'][0]}; dashed: JKR, dotted: long range"
-    panel = Panel("minus_P_over_pi_w_R", "pull-off force / (π w R)", title, {2.0: ""}, dashed="jkr_minus_P_over_pi_w_R")
-    over = ("mu", "σ (R / (E*² w))^(1/3)")
-    return lines_figure(columns, over, [panel], {Q: "w R²/(E* h³) = {:g}".format, "nu": "ν = {:g}".format})
+    panel = Panel(
+        "minus_P_over_pi_w_R", r"pull-off force / $\pi w R$", title, {2.0: ""}, dashed="jkr_minus_P_over_pi_w_R"
+    )
+    over = ("mu", MU)
+    return lines_figure(columns, over, [panel], {Q: r"$w R^2/(E^* h^3)$ = {:g}".format, "nu": r"$\nu$ = {:g}".format})
 
 
 MAP = Map(

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ...base.errors import InputError
+from ...base import InputError
 from ...case.models import CaseModel
 from ...case.sweep import AxisTable, DistributionTable, SweepModel
 from .draws import Distribution, check, draw

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
-from ...base.arrays import Array
-from ...base.units import scale, show
-from ...report.plots import COLORS, Figure, pretty
+from ...base import Array, scale, show
+from ...report.plots import COLORS, LABELS, Figure, pretty
 from ...report.plots.study import Line, Panel, panels_figure
 from .plan import Plan
 from .table import SweepTable
 
+PULL_OFF = re.compile(r"pull_off\.(load|displacement)\.(P|delta|a)")
+MARKS = "os^Dvx"  # of lines in this order: one that covers another shows it
 DIMENSIONS = {"_N": "load", "_J_per_m2": "work", "_Pa": "modulus", "_m": "length"}
 
 
@@ -43,7 +45,7 @@ def sweep_figure(plan: Plan, table: SweepTable) -> Figure | None:
     rows = np.logical_and.reduce([np.isfinite(numbers[x]), *(numbers[name] == at for name, at in first.items())])
     held = {name: values[rows] for name, values in numbers.items()}
     joint = any(x in plan.key_columns and len(axis.keys) > 1 for axis in plan.axes)
-    panels = [_panel(held, x, others[:1], name, "o" if joint else "o-") for name in results]
+    panels = [_panel(held, x, others[:1], name, "" if joint else "-") for name in results]
     return panels_figure(panels, ", ".join(_value(name, at) for name, at in first.items()))
 
 
@@ -66,15 +68,15 @@ def _panel(held: Mapping[str, Array], x: str, beside: list[str], y: str, style: 
     (along, x_label), (up, y_label) = (_scaled(held, name) for name in (x, y))
     groups = np.unique(held[beside[0]])[: len(COLORS)] if beside else [None]
     lines = []
-    for at, color in zip(groups, COLORS, strict=False):
+    for at, color, mark in zip(groups, COLORS, MARKS, strict=False):
         rows = np.flatnonzero(held[beside[0]] == at) if beside else np.arange(along.size)
         rows = rows[np.argsort(along[rows], kind="stable")]
-        lines.append(Line(along[rows], up[rows], _value(beside[0], at) if beside else "", style, color))
+        lines.append(Line(along[rows], up[rows], _value(beside[0], at) if beside else "", mark + style, color))
     wide = along.min() > 0 and along.max() > TUNING.widely * along.min()
     shown = np.concatenate([line.y for line in lines])
-    return Panel(
-        x_label, y_label, lines, logs="x" if wide else "", xlim=None if wide else _ends(along), ylim=_ends(shown)
-    )
+    limits = None if wide else _ends(along)
+    title = f"{match[1]} control" if (match := PULL_OFF.match(y)) else ""
+    return Panel(x_label, y_label, lines, title, logs="x" if wide else "", xlim=limits, ylim=_ends(shown))
 
 
 def _ends(values: Array) -> tuple[float, float]:
@@ -89,7 +91,16 @@ def _scaled(held: Mapping[str, Array], column: str) -> tuple[Array, str]:
     """A column in the unit that people would use, and the label of its axis."""
     stem, dimension = _split(column)
     factor, unit = scale(float(np.nanmax(np.abs(held[column]))), dimension)
-    return held[column] / factor, f"{stem} ({pretty(unit)})" if unit else stem
+    return held[column] / factor, f"{_words(stem)} ({pretty(unit)})" if unit else _words(stem)
+
+
+def _words(stem: str) -> str:
+    """What a result or a key is called on an axis: "pull_off.load.P" the load at pull-off; others as they are."""
+    if match := PULL_OFF.fullmatch(stem):
+        return f"{LABELS[match[2]]} at pull-off"
+    if match := re.fullmatch(r"specimen\.layers\[(\d+)\]\.(\w+)", stem):
+        return f"{match[2]} of layer {int(match[1]) + 1}"
+    return stem
 
 
 def _value(column: str, value: float) -> str:

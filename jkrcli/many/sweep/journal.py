@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from ... import __version__
-from ...base.errors import InputError, JkrError
+from ...base import InputError, JkrError
 from ...base.locks import taken
 from .solving import FAILED, OK, Row
 

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from ...base.errors import InputError
+from ...base import InputError
 from ...case import validated
 from ...case.models import CaseModel, case_model
 
@@ -45,7 +45,7 @@ def _assign(tables: Tables, key: str, value: Any) -> None:
             size = len(here) if isinstance(here, list | tuple) else 0
             raise InputError(f"{key}: the base case has {size} entries there, numbered from 0")
         if isinstance(part, str) and not isinstance(here, dict):
-            raise InputError(f'{key}: "{part}" is looked for in something that is no table')
+            raise InputError(f'{key}: "{part}" is not in a table')
         if i == len(parents):
             here[part] = value
         else:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import itertools
 import math
+import shlex
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -13,8 +14,8 @@ from typing import Any
 
 from ... import __version__
 from ...adhesion.slopes import checked_rule
-from ...base.errors import InputError
-from ...bodies.problem import Problem
+from ...base import InputError
+from ...bodies import Problem
 from ...case import Case
 from ...case.models import CaseModel
 from ...case.sweep import MOST_CASES, SweepModel, load_sweep
@@ -43,7 +44,7 @@ class Recipe:
         if len(model.adhesion.w) > 1:
             raise InputError(f"{W}: a case of a sweep takes one value, got {list(model.adhesion.w)}")
         if ranged := [name for name in ("range", "stress", "capillary") if getattr(model.adhesion, name) is not None]:
-            raise InputError(f"adhesion.{ranged[0]}: sweep knows no adhesion of finite range: leave it out")
+            raise InputError(f"adhesion.{ranged[0]}: sweep has no adhesion of finite range: leave it out")
         return model
 
 
@@ -102,6 +103,10 @@ class Plan:
     @cached_property
     def _head(self) -> Any:
         return hashlib.sha256(f"{__version__}\n{self.recipe.tables!r}\n{self.recipe.wanted!r}".encode())
+
+    def command(self, number: int) -> str:
+        """What solves one case alone and prints its row."""
+        return shlex.join(["jkr", "sweep", self.source, "--only", str(number)])
 
     def case(self, number: int) -> Case:
         """Case ``number`` as a case of its own."""

@@ -9,11 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from ...adhesion.curve import AdhesiveCurve, Equilibrium
-from ...adhesion.device import DISPLACEMENT_CONTROL
-from ...adhesion.stability import behaviour
-from ...base.errors import InputError, did_you_mean
-from ...base.unknown import Unknown
+from ...adhesion import DISPLACEMENT_CONTROL, AdhesiveCurve, Equilibrium, behaviour
+from ...base import InputError, Unknown, did_you_mean
 from ...beside.analysis import Analysis
 from ...report import tables
 

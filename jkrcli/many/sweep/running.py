@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 import math
-import shlex
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from ...base.clock import duration
-from ...base.errors import InputError, JkrError
-from ...base.executors import Progress, completed, executor, silent
-from ...base.files import check_target, make_folder, remove, together
-from ...base.table import write_csv
+from ...base import InputError, JkrError, check_target, completed, duration, executor, make_folder, together, write_csv
+from ...base.executors import Progress, silent
+from ...base.files import remove
 from ..cache import at_unit_modulus
 from .journal import Journal, opened
 from .plan import Group, Plan
+from .result import Swept, SweptCase
 from .solving import Row, failed, least, solve_group
 from .table import STEM, SweepTable, endings, write
 
@@ -71,7 +69,7 @@ class Work:
         return max(1, min(round(by_time), math.ceil(len(self.groups) / (TUNING.shares * workers))))
 
 
-def sweep(plan: Plan, folder: Path, means: Means, force: bool, say: Say) -> tuple[SweepTable, list[Path]]:
+def sweep(plan: Plan, folder: Path, means: Means, force: bool, say: Say) -> Swept:
     """Carry out ``plan`` with the results in ``folder``; a sweep that was interrupted there goes on.
 
     ``say`` is told what goes on in the meantime. Errors: InputError where more than ``means.hours`` are forecast or
@@ -99,7 +97,7 @@ def sweep(plan: Plan, folder: Path, means: Means, force: bool, say: Say) -> tupl
         paths = [*write(folder, table), *_write_failed(plan, folder, table)]
     if len(table.failed) == plan.count:
         raise JkrError(f"{plan.source}: every case failed, the first because: {table.failed[0][1]}")
-    return table, paths
+    return Swept(plan, table, paths)
 
 
 def _guard_early(plan: Plan, journal: Journal, hours: float, say: Say) -> None:
@@ -223,16 +221,12 @@ def _write_failed(plan: Plan, folder: Path, table: SweepTable) -> list[Path]:
         remove(path)
         return []
     numbers, reasons = zip(*table.failed, strict=True)
-    write_csv(path, {"case": numbers, "reason": reasons, "command": [rerun(plan, number) for number in numbers]})
+    write_csv(path, {"case": numbers, "reason": reasons, "command": [plan.command(number) for number in numbers]})
     return [path]
 
 
-def rerun(plan: Plan, number: int) -> str:
-    """The command that solves one case alone and prints its row."""
-    return shlex.join(["jkr", "sweep", plan.source, "--only", str(number)])
-
-
-def alone(plan: Plan, number: int) -> Row:
-    """The row of one case, solved here and now; nothing is read or written."""
+def alone(plan: Plan, number: int) -> SweptCase:
+    """One case, solved here and now; nothing is read or written."""
     groups, wrong = plan.groups([number])
-    return failed(plan.recipe, number, wrong[0][1]) if wrong else solve_group(plan.recipe, None, groups[0])[0]
+    row = failed(plan.recipe, number, wrong[0][1]) if wrong else solve_group(plan.recipe, None, groups[0])[0]
+    return SweptCase(plan, row)

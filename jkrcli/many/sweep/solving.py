@@ -9,11 +9,10 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from ...adhesion.nonadhesive import Nonadhesive
-from ...base.errors import JkrError
-from ...base.unknown import Unknown
+from ...adhesion import Nonadhesive
+from ...base import JkrError, Unknown
 from ...beside.analysis import adhesive, nonadhesive
-from ...bodies.problem import Problem
+from ...bodies import Problem
 from ...case.models import CaseModel
 from ...case.numerics import method_of
 from ...methods import least_first
@@ -78,7 +77,7 @@ def least(body: Problem, model: CaseModel) -> Choice:
     for name in least_first() if model.method == "auto" else ():
         (option,) = survey(body, build, [name])
         if option.is_accurate and option.is_quick:
-            return Choice(name, build(name), "the least model that represents this body")
+            return Choice(name, build(name), "the simplest method for this body")
     return choose(body, model.method, build)
 
 

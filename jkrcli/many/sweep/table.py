@@ -11,10 +11,8 @@ from typing import Any
 import numpy as np
 
 from ... import __version__
-from ...base.arrays import Array
-from ...base.files import atomic
+from ...base import Array, atomic, write_csv
 from ...base.hdf5 import Dataset, Group
-from ...base.table import write_csv
 from ...report import archive
 from .journal import Journal
 from .plan import Plan

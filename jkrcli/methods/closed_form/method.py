@@ -8,13 +8,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from ...base.arrays import Array
-from ...base.clock import StageClock
-from ...base.errors import InputError, Refusal, SolveError
-from ...base.units import show
-from ...bodies.indenters import Paraboloid, Sphere
-from ...bodies.materials import Elastic
-from ...bodies.problem import Layer, Loading, Problem, Rigid
+from ...base import Array, InputError, Refusal, SolveError, StageClock, show
+from ...bodies import Elastic, Layer, Loading, Paraboloid, Problem, Rigid, Sphere
 from ...formulas import thin_layer
 from ...series import COLUMNS, ErrorBudget, Series, Solution
 from .. import Forecast, without_tension

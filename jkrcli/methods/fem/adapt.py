@@ -11,11 +11,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...base.clock import StageClock
-from ...base.errors import Refusal
-from ...base.unknown import Estimate, Unknown
-from ...bodies.indenters import Indenter
-from ...bodies.problem import Problem
+from ...base import Estimate, Refusal, StageClock, Unknown
+from ...bodies import Indenter, Problem
 from ...series import Solution
 from .body import at_surface
 from .budget import TUNING as BUDGET

@@ -7,10 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...base.arrays import Array
-from ...base.errors import Refusal
-from ...bodies.materials import Elastic, Material, TransverselyIsotropic
-from ...bodies.problem import HalfSpace, Problem, Side, Specimen
+from ...base import Array, Refusal
+from ...bodies import Elastic, HalfSpace, Material, Problem, Specimen, TransverselyIsotropic
+from ...bodies.problem import Side
 
 
 @dataclass(frozen=True)

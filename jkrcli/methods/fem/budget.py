@@ -7,8 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ...base.arrays import Array
-from ...base.unknown import Estimate, Unknown
+from ...base import Array, Estimate, Unknown
 from ...series import ErrorBudget
 from .contact import Events, SurfaceContact, solve_depths
 from .loading import power_interpolated, raw_series
@@ -25,6 +24,7 @@ class BudgetTuning:
     # errors in what doubling the sizes changes: first order leaves 1, and meshes differ by luck
     loads: float = 1.4  # tuned on the bodies of `make failures`, by `make failures`
     radii: float = 2.0  # tuned on the bodies of `make failures`, by `make failures`
+    fallen: float = 1.5  # of changes over errors, at most; tuned on random bodies, by `make bounds`: 3 is second order
     # Of what doubling changed before over what it changes, at most; where that falls by more, the meshes agree by
     # accident:
     plausible: float = 12.0  # of loads; tuned on random bodies, by `make bounds`
@@ -64,7 +64,7 @@ def assessed(
         coarsest = None
     there, radius = _on_coarse(run, coarse, radii, coarsest)
     before = None if coarsest is None else _load_on(coarsest, run)
-    change = loads * _change(P, there, before, TUNING.plausible)
+    change = loads * _change(P, there, before, TUNING.plausible) / _fallen(P, there, before, judged)
     load = _envelope(_at_least_decaying(change, a - fine.indenter.a0), delta)
     budget = ErrorBudget(
         discretisation=float(load[judged].max()),
@@ -97,6 +97,18 @@ def _change(fine: Array, coarse: Array, coarsest: Array | None, plausible: float
     """What larger elements change, relatively, and at least a ``plausible`` part of what still larger ones do."""
     change = np.abs(coarse / fine - 1)
     return change if coarsest is None else np.maximum(change, np.abs(coarsest / coarse - 1) / plausible)
+
+
+def _fallen(fine: Array, coarse: Array, coarsest: Array | None, judged: Array) -> float:
+    """What larger elements change over the error that is left, by the order that the ``judged`` rows show where it is
+    least, in their mean or where they change most: 1 of first order, and where no third mesh tells it."""
+    if coarsest is None:
+        return 1.0
+    change, before = (np.abs(b / a - 1)[judged] for a, b in ((fine, coarse), (coarse, coarsest)))
+    if not change.any():
+        return TUNING.fallen
+    order = min(before.mean() / change.mean(), before[np.argmax(change)] / change.max()) - 1
+    return float(np.clip(order, 1.0, TUNING.fallen))
 
 
 def _on_coarse(

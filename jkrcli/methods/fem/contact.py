@@ -15,8 +15,7 @@ from functools import cached_property
 import numpy as np
 from scipy.linalg import cholesky, solve_triangular
 
-from ...base.arrays import Array
-from ...base.errors import SolveError
+from ...base import Array, SolveError
 from .stuck_edge import EdgeRows
 from .surface import Surface
 

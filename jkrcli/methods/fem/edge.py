@@ -13,10 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...base.arrays import Array
-from ...bodies.indenters import Indenter, Paraboloid
-from ...bodies.materials import Elastic, Graded, TransverselyIsotropic
-from ...bodies.problem import HalfSpace, Specimen
+from ...base import Array
+from ...bodies import Elastic, Graded, HalfSpace, Indenter, Paraboloid, Specimen, TransverselyIsotropic
 from ..layered.tense import TenseContact
 from .body import at_surface
 from .contact import SurfaceContact, nested_events

@@ -21,9 +21,8 @@ import numpy as np
 import skfem
 from scipy.sparse import block_diag, bmat, csr_matrix
 
-from ...base.arrays import Array
-from ...base.errors import Refusal
-from ...bodies.materials import Elastic, Graded, Material, TransverselyIsotropic
+from ...base import Array, Refusal
+from ...bodies import Elastic, Graded, Material, TransverselyIsotropic
 from .grid import Grid, sides
 
 Side = Literal["free", "roller", "clamped"]

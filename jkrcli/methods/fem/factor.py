@@ -19,10 +19,7 @@ import numpy as np
 from scipy.sparse import csc_matrix, tril
 from scipy.sparse.linalg import splu
 
-from ...base.arrays import Array
-from ...base.errors import InputError, SolveError
-from ...base.installing import installs
-from ...base.threads import one_thread
+from ...base import Array, InputError, SolveError, installs, one_thread
 from .options import Solver
 
 

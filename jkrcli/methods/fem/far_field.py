@@ -16,8 +16,8 @@ from functools import cached_property
 
 import numpy as np
 
-from ...base.arrays import Array
-from ...bodies.materials import Elastic, TransverselyIsotropic
+from ...base import Array
+from ...bodies import Elastic, TransverselyIsotropic
 from .elasticity import ElasticSystem
 
 # theory: equal roots, as of an isotropic material, are taken this far apart; the field changes by the square of it

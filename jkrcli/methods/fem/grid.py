@@ -10,8 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...base.arrays import Array
-from ...base.errors import SolveError
+from ...base import Array, SolveError
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,9 +8,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...base.arrays import Array
-from ...base.errors import Refusal
-from ...bodies.problem import Problem
+from ...base import Array, Refusal
+from ...bodies import Problem
 from .body import MeshedBody, cut_out
 from .grid import Grid, Strip, make_grid, ringed_quads, tensor_quads
 from .mesh import triangles

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...base.arrays import Array
-from ...base.errors import Refusal
-from ...bodies.problem import Loading, Problem
+from ...base import Array, Refusal
+from ...bodies import Loading, Problem
 from ...series import PressureTable, RawSeries
 from ..radii import graded_radii
 from .contact import Events, Increment, SurfaceContact, solve_depths

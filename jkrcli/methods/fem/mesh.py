@@ -11,8 +11,7 @@ from types import ModuleType
 
 import numpy as np
 
-from ...base.arrays import Array
-from ...base.errors import InputError, SolveError
+from ...base import Array, InputError, SolveError
 from .grid import Grid, Strip, make_grid
 
 SYSTEM_PACKAGES = "libgl1 libglu1-mesa libxcursor1 libxft2 libxinerama1 libgomp1"

@@ -5,11 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
-from ...base.clock import StageClock
-from ...base.errors import Refusal
-from ...base.threads import one_thread
-from ...base.unknown import Unknown
-from ...bodies.problem import HalfSpace, Problem
+from ...base import Refusal, StageClock, Unknown, one_thread
+from ...bodies import HalfSpace, Problem
 from ...series import ErrorBudget, Solution
 from .. import Forecast
 from .adapt import adapted, first
@@ -81,7 +78,7 @@ class FEM(FEMOptions):
     def _unable_to_stick(self, problem: Problem) -> str | None:
         if problem.indenter.material is not None:
             other = "layered" if problem.specimen.radius is None else "a rigid indenter"
-            return f"an elastic indenter that sticks is not represented by a rigid profile: use {other}"
+            return f"an elastic indenter without slip is not represented by a rigid profile: use {other}"
         if self.contact == "incremental":
             return 'increments do not remember where points stuck: set contact.algorithm = "nested"'
         least = finest_spacing(at_surface(problem.specimen.materials[0]))

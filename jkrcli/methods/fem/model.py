@@ -7,10 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...base.arrays import Array
-from ...base.clock import StageClock
-from ...bodies.indenters import Indenter
-from ...bodies.materials import Graded, Material
+from ...base import Array, StageClock
+from ...bodies import Graded, Indenter, Material
 from .body import MeshedBody, at_surface, half_space_like
 from .contact import StuckContact, SurfaceContact
 from .elasticity import ElasticSystem, assemble

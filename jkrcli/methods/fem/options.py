@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated, Literal, TypeAlias
 
-from ...base.errors import InputError
-from ...base.units import Length, Ranged, check_ranges
+from ...base import InputError, Length, Ranged, check_ranges
 from .. import Descriptor, InTable, register
 
 Solver: TypeAlias = Literal["auto", "superlu", "cholmod"]

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ...base.clock import StageClock
+from ...base import StageClock
 from ...series import Series, Solution
 from .budget import Assessment
 from .loading import nodal_forces, pressures

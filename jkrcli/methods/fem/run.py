@@ -7,10 +7,8 @@ from functools import cached_property
 
 import numpy as np
 
-from ...base.arrays import Array
-from ...base.clock import StageClock
-from ...bodies.indenters import Indenter
-from ...bodies.problem import Problem
+from ...base import Array, StageClock
+from ...bodies import Indenter, Problem
 from ...series import RawSeries, filter_plateaus
 from .contact import Events, Increment, StuckContact, SurfaceContact, nested_events
 from .edge import edge_correction

@@ -13,8 +13,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.lib.mixins import NDArrayOperatorsMixin
 
-from ...base.arrays import Array
-from ...base.errors import Refusal, SolveError
+from ...base import Array, Refusal, SolveError
 
 
 @dataclass(frozen=True)

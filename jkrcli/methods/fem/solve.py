@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import math
 
-from ...base.clock import StageClock
-from ...base.errors import JkrError, Refusal
-from ...bodies.problem import Problem
+from ...base import JkrError, Refusal, StageClock
+from ...bodies import Problem
 from ..layered.layered import largest_radius
 from .contact import Events, Increment, SurfaceContact, nested_events, solve_depths, solve_loads
 from .layout import layout_for

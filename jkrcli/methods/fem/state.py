@@ -16,10 +16,8 @@ from typing import Any, cast
 import numpy as np
 from scipy.linalg import cho_solve
 
-from ...base.arrays import Array
-from ...base.clock import StageClock
-from ...base.errors import InputError, Refusal
-from ...bodies.problem import Problem
+from ...base import Array, InputError, Refusal, StageClock
+from ...bodies import Problem
 from .body import at_surface, cut_out
 from .grid import Grid
 from .layout import scaled_layout

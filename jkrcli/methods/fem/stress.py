@@ -15,7 +15,7 @@ import numpy as np
 from scipy.sparse import csc_matrix, identity
 from scipy.sparse.linalg import spsolve
 
-from ...base.arrays import Array
+from ...base import Array
 from .elasticity import ElasticSystem, force_r, force_z, mass, measure, stiffness_constants
 
 

@@ -27,8 +27,8 @@ import numpy as np
 from numpy.polynomial import polynomial
 from scipy.linalg import cholesky, solve_triangular
 
-from ...base.arrays import Array
-from ...bodies.materials import Material
+from ...base import Array
+from ...bodies import Material
 from ..integral.coulomb import coulomb_series
 from ..integral.stuck import ring_transforms
 from ..layered.stuck import half_space_compliances

@@ -14,9 +14,7 @@ import numpy as np
 from scipy.linalg import cho_solve
 from scipy.sparse import csr_matrix
 
-from ...base.arrays import Array
-from ...base.errors import SolveError
-from ...base.threads import one_thread
+from ...base import Array, SolveError, one_thread
 from .elasticity import ElasticSystem
 from .factor import SparseFactor, nested_dissection, sparse_factor
 from .options import Solver

@@ -8,13 +8,8 @@ from functools import cached_property
 
 import numpy as np
 
-from ...base.arrays import Array
-from ...base.clock import duration
-from ...base.errors import Refusal, SolveError
-from ...base.units import show
-from ...bodies.indenters import Indenter
-from ...bodies.materials import Graded, contact_modulus
-from ...bodies.problem import HalfSpace, Specimen
+from ...base import Array, Refusal, SolveError, duration, show
+from ...bodies import Graded, HalfSpace, Indenter, Specimen, contact_modulus
 from ..integral.attraction import Attraction, panels_for
 from ..integral.contact import tolerance_remedy
 from ..integral.equation import DiscreteEquation, EquationResult, solve

@@ -19,7 +19,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...base.arrays import Array
+from ...base import Array
 from ..integral.quadrature import rule
 from .halfspace import RingField, point_force
 from .lines import LineElements, extended, lines

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.polynomial import legendre
 
-from ...base.arrays import Array
+from ...base import Array
 from ..integral.quadrature import rule
 from .correction import Correction, correction, side_correction
 from .lines import TUNING as LINES

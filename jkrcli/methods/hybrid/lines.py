@@ -19,8 +19,7 @@ from functools import cache, cached_property
 import numpy as np
 from numpy.polynomial import legendre
 
-from ...base.arrays import Array
-from ...base.errors import Refusal
+from ...base import Array, Refusal
 from ..integral.quadrature import rule
 from .region import Region
 

@@ -7,11 +7,8 @@ from typing import Any
 
 from threadpoolctl import threadpool_limits
 
-from ...base.clock import StageClock
-from ...base.errors import JkrError, Refusal
-from ...base.units import show
-from ...bodies.materials import Graded, TransverselyIsotropic
-from ...bodies.problem import HalfSpace, Problem
+from ...base import JkrError, Refusal, StageClock, show
+from ...bodies import Graded, HalfSpace, Problem, TransverselyIsotropic
 from ...series import ErrorBudget, Solution
 from .. import Forecast, without_tension
 from ..integral.contact import FLOPS_PER_SECOND, first_stiffness, largest_for_contact, radii_for_contact, series_of
@@ -173,7 +170,7 @@ def _unable(problem: Problem) -> str | None:
         return reason
     if problem.sticks:
         other = "layered" if specimen.radius is None else fem_for(problem.indenter)
-        return f"the correction is that of surfaces that slide: use method {other}"
+        return f"the correction is for frictionless contact: use method {other}"
     if specimen.is_half_space:
         return "a homogeneous half-space needs no correction: use method closed-form or layered"
     if specimen.radius is not None and isinstance(specimen.base, HalfSpace):

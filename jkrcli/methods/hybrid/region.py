@@ -8,9 +8,8 @@ from functools import cached_property
 
 import numpy as np
 
-from ...base.arrays import Array
-from ...bodies.materials import Elastic, Graded, Material, TransverselyIsotropic
-from ...bodies.problem import HalfSpace, Rigid, Specimen
+from ...base import Array
+from ...bodies import Elastic, Graded, HalfSpace, Material, Rigid, Specimen, TransverselyIsotropic
 
 
 @dataclass(frozen=True)

@@ -14,8 +14,7 @@ import numpy as np
 from scipy.sparse import bmat, coo_matrix, csr_matrix
 from scipy.sparse.linalg import splu
 
-from ...base.arrays import Array
-from ...base.errors import SolveError
+from ...base import Array, SolveError
 from .lines import LineElements
 from .region import Moduli, Region
 

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.polynomial import legendre
 
-from ...base.arrays import Array
-from ...bodies.indenter import Indenter
+from ...base import Array
+from ...bodies import Indenter
 from .attraction import Attraction, Discs, Rims, tension_arc
 from .density import TUNING, Density
 from .quadrature import gauss, rule

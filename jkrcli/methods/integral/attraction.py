@@ -24,10 +24,8 @@ from functools import cached_property
 
 import numpy as np
 
-from ...base.arrays import Array
-from ...base.errors import Refusal, SolveError
-from ...base.units import show
-from ...bodies.indenter import Indenter
+from ...base import Array, Refusal, SolveError, show
+from ...bodies import Indenter
 from .legendre import AbelMoments, LegendrePanels, angle, tension_moments
 from .quadrature import Panels, Quadrature, gauss, rule
 

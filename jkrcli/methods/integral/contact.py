@@ -8,10 +8,8 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from ...base.arrays import Array
-from ...base.errors import Refusal
-from ...bodies.indenters import Indenter
-from ...bodies.problem import Loading, Quantity
+from ...base import Array, Refusal
+from ...bodies import Indenter, Loading, Quantity
 from ...series import Series
 from ..radii import Response, Responses, half_space_guess, largest_of_loading, radii_of_loading
 from .quadrature import Panels

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.polynomial import polynomial
 
-from ...base.arrays import Array
+from ...base import Array
 
 
 @dataclass(frozen=True)

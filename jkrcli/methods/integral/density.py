@@ -17,10 +17,8 @@ from functools import partial
 import numpy as np
 from numpy.polynomial import legendre
 
-from ...base.arrays import Array
-from ...bodies.indenter import Indenter
-from ...bodies.materials import Graded
-from ...bodies.problem import Specimen
+from ...base import Array
+from ...bodies import Graded, Indenter, Specimen
 from .equation import EquationResult
 from .kernel import FredholmKernel
 from .quadrature import crowded_rule, gauss, rule, split

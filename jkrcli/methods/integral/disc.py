@@ -13,10 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...base.arrays import Array
-from ...base.errors import JkrError, Refusal
-from ...base.units import show
-from ...bodies.problem import Specimen
+from ...base import Array, JkrError, Refusal, show
+from ...bodies import Specimen
 from .contact import Contact
 from .density import Density, unsmooth
 from .kernel import FredholmKernel

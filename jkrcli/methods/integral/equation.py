@@ -18,9 +18,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...base.arrays import Array
-from ...base.errors import SolveError
-from ...bodies.indenter import Indenter
+from ...base import Array, SolveError
+from ...bodies import Indenter
 from .kernel import FredholmKernel
 from .quadrature import Panels, crowded_rule, rule
 

@@ -25,8 +25,8 @@ from functools import cache, cached_property
 import numpy as np
 from numpy.polynomial import legendre
 
-from ...base.arrays import Array
-from ...bodies.indenter import Indenter
+from ...base import Array
+from ...bodies import Indenter
 from .quadrature import crowded_rule, gauss, rule, split
 from .stuck import StuckDisc
 

@@ -7,7 +7,7 @@ from typing import Protocol
 
 import numpy as np
 
-from ...base.arrays import Array
+from ...base import Array
 
 CHUNK = 2048  # nodes in k per matrix product; choice: a bound on the memory
 

@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 from numpy.polynomial import legendre
 
-from ...base.arrays import Array
+from ...base import Array
 from .quadrature import Panels, crowded_rule, rule
 
 Function = Callable[[Array], Array]

@@ -9,7 +9,7 @@ from functools import cache
 
 import numpy as np
 
-from ...base.arrays import Array
+from ...base import Array
 
 
 @dataclass(frozen=True)

@@ -29,7 +29,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from ...base.arrays import Array
+from ...base import Array
 from .coulomb import coulomb_waves
 from .equation import forward_substitution, nested_factor, rounding_error
 from .quadrature import Panels

@@ -16,7 +16,7 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from ...base.arrays import Array
+from ...base import Array
 from ..integral.quadrature import crowded_rule, gauss, rule
 from .product import lagrange
 

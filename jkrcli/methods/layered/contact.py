@@ -10,11 +10,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from ...base.arrays import Array
-from ...base.errors import Refusal, SolveError
-from ...bodies.indenters import Indenter
-from ...bodies.materials import Elastic, contact_modulus
-from ...bodies.problem import Specimen
+from ...base import Array, Refusal, SolveError
+from ...bodies import Elastic, Indenter, Specimen, contact_modulus
 from ..integral.contact import InaccurateError, tolerance_remedy
 from ..integral.equation import ContactResult, DiscreteEquation, EquationResult, solve
 from ..integral.kernel import FredholmKernel, SumKernel

@@ -12,9 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...base.arrays import Array
-from ...base.errors import InputError, Refusal
-from ...bodies.problem import Problem
+from ...base import Array, InputError, Refusal
+from ...bodies import Problem
 from ...formulas.griffith import shift
 from ..integral.contact import InaccurateError
 from ..integral.density import Density, unsmooth

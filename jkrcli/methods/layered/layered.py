@@ -8,10 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from ...base.arrays import Array
-from ...base.clock import StageClock
-from ...base.errors import Refusal
-from ...bodies.problem import Loading, Problem, Specimen
+from ...base import Array, Refusal, StageClock
+from ...bodies import Loading, Problem, Specimen
 from ...series import ErrorBudget, Solution
 from .. import Forecast
 from ..integral.contact import FLOPS_PER_SECOND, first_stiffness, largest_for_contact, radii_for_contact, series_of

@@ -39,11 +39,9 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from ...base.arrays import Array
-from ...base.errors import SolveError
+from ...base import Array, SolveError
+from ...bodies import Elastic, Graded, HalfSpace, Layer, Rigid, Specimen, TransverselyIsotropic
 from ...bodies.grading import Law
-from ...bodies.materials import Elastic, Graded, TransverselyIsotropic
-from ...bodies.problem import HalfSpace, Layer, Rigid, Specimen
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated
 
-from ...base.units import Ranged, check_ranges
+from ...base import Ranged, check_ranges
 from .. import Descriptor, register
 
 

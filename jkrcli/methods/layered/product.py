@@ -20,8 +20,7 @@ from functools import cache
 
 import numpy as np
 
-from ...base.arrays import Array
-from ...base.cubic import EvenCubic
+from ...base import Array, EvenCubic
 from ..integral.quadrature import Panels, crowded_rule, rule
 
 Transform = Callable[[Array], Array]

@@ -17,10 +17,8 @@ from functools import cache, cached_property
 import numpy as np
 from numpy.polynomial import legendre
 
-from ...base.arrays import Array
-from ...base.errors import SolveError
-from ...bodies.materials import Elastic, TransverselyIsotropic, contact_modulus
-from ...bodies.problem import Specimen
+from ...base import Array, SolveError
+from ...bodies import Elastic, Specimen, TransverselyIsotropic, contact_modulus
 from ..integral.kernel import CosineKernel
 from ..integral.quadrature import gauss, phase_allowed, rule, split
 from .minors import TUNING as MINORS

@@ -12,11 +12,8 @@ from functools import cached_property, partial
 
 import numpy as np
 
-from ...base.arrays import Array
-from ...base.errors import Refusal
-from ...bodies.indenters import Indenter
-from ...bodies.materials import Graded, Material, TransverselyIsotropic
-from ...bodies.problem import Specimen
+from ...base import Array, Refusal
+from ...bodies import Graded, Indenter, Material, Specimen, TransverselyIsotropic
 from ..integral.equation import ContactResult
 from ..integral.growth import Growth, Pieces
 from ..integral.quadrature import Panels, Quadrature, gauss, phase_allowed, rule, split

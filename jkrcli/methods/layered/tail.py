@@ -23,9 +23,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...base.arrays import Array
-from ...bodies.materials import Elastic, Graded, contact_modulus
-from ...bodies.problem import Specimen
+from ...base import Array
+from ...bodies import Elastic, Graded, Specimen, contact_modulus
 from .minors import smooth_parts
 
 COUNT = 6  # terms of the tail; tuned on graded layers, by `make tuning`

@@ -26,12 +26,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from ...base.arrays import Array
-from ...base.cubic import EvenCubic
-from ...base.errors import Refusal
-from ...base.units import show
-from ...bodies.materials import Graded
-from ...bodies.problem import Specimen
+from ...base import Array, EvenCubic, Refusal, show
+from ...bodies import Graded, Specimen
 from ...formulas import surface_tension as formulas
 from ..integral.equation import ContactResult, panel_means
 from ..integral.quadrature import Panels, crowded_rule, phase_allowed

@@ -11,8 +11,7 @@ from operator import attrgetter
 from typing import Any
 
 from ... import __version__
-from ...base.errors import InputError
-from ...base.installing import installs
+from ...base import InputError, installs
 
 SCRIPTS = ("curve.js", "controls.js", "plots.js", "page.js")
 

@@ -15,13 +15,10 @@ from typing import Any
 import numpy as np
 
 from ... import __version__
-from ...adhesion.curve import AdhesiveCurve, CriticalPoint
-from ...adhesion.device import LOAD_CONTROL
-from ...adhesion.nonadhesive import Nonadhesive
-from ...adhesion.validity import LIMITS, regime
-from ...base.arrays import Array
-from ...base.units import SI, UNITS, decades, scale
-from ...base.unknown import Unknown
+from ...adhesion import LIMITS, LOAD_CONTROL, AdhesiveCurve, CriticalPoint, Nonadhesive
+from ...adhesion.validity import regime
+from ...base import SI, UNITS, Array, Unknown, scale
+from ...base.units import decades
 from ...beside.analysis import Analysis
 from ...data.measured import Curve
 

@@ -11,10 +11,7 @@ from typing import Any, Literal
 import numpy as np
 
 from ... import __version__
-from ...base.arrays import Array
-from ...base.errors import printable
-from ...base.files import atomic
-from ...base.units import scale
+from ...base import Array, atomic, printable, scale
 from .quick import without_tables
 
 with without_tables():
@@ -30,7 +27,7 @@ with without_tables():
     from matplotlib.transforms import ScaledTranslation
 
 WIDE, MIDDLE, NARROW = 7.0, 4.8, 3.4  # two columns of a journal, one and a half, one [inch]: printed unscaled
-LARGER = 0.4  # choice: of the way of a record, below which its contact is drawn once more, larger
+LARGER = 0.3  # choice: of the way of a record, below which its contact is drawn once more, larger
 DPI = 300  # choice: of PNG files
 PNG = {"compress_level": 3}  # choice: two thirds of the time of the default, a seventh larger
 STYLE: dict[Any, Any] = {
@@ -56,6 +53,7 @@ STYLE: dict[Any, Any] = {
 # Okabe and Ito's palette: told apart by colour-blind readers, and by line style or marker in grey.
 BLUE, ORANGE, GREEN, BLACK = "#0072B2", "#D55E00", "#009E73", "#000000"
 PURPLE, SKY = "#CC79A7", "#56B4E9"
+LABELS = {"delta": r"displacement $\delta$", "P": "load $P$", "a": "contact radius $a$"}
 COLORS = (BLUE, ORANGE, GREEN, PURPLE, SKY, BLACK)
 
 
@@ -106,9 +104,11 @@ def few_ticks(axes: Axes, most: int) -> None:
         axis.set_label_coords(*place, transform=axes.transAxes + ScaledTranslation(*away, to_inches))
 
 
-def enlarged(axes: Axes, x: Array, y: Array) -> Axes:
-    """An inset over the long free way of a record, with limits around the points ``x, y`` of its contact."""
-    inset = axes.inset_axes((0.16, 0.42, 0.5, 0.55))
+def enlarged(axes: Axes, x: Array, y: Array, level: float) -> Axes:
+    """An inset over the long free way of a record, with limits around the points ``x, y`` of its contact; under the way
+    where that lies, at the ``level`` in shares of the axis, in the upper half."""
+    bottom, top = (level + 0.1, 0.98) if level < 0.5 else (0.1, level - 0.06)
+    inset = axes.inset_axes((0.16, bottom, 0.5, top - bottom))
     for values, limit in ((x, inset.set_xlim), (y, inset.set_ylim)):
         limit(values.min() - 0.08 * np.ptp(values), values.max() + 0.08 * np.ptp(values))
     inset.tick_params(labelsize=6, pad=1.5, length=2)

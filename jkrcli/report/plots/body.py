@@ -14,12 +14,11 @@ from matplotlib.colors import BoundaryNorm
 from matplotlib.ticker import MaxNLocator
 from matplotlib.tri import Triangulation
 
-from ...base.arrays import Array
-from ...base.units import scale, show
+from ...base import Array, scale, show
 from . import BLACK, BLUE, ORANGE, WIDE, Axes, Figure, drawing, legend_below, pretty
 
 if TYPE_CHECKING:
-    from ...bodies.indenters import Indenter
+    from ...bodies import Indenter
     from ...methods.fem.grid import Grid
     from ...methods.fem.state import ContactState
 
@@ -57,12 +56,12 @@ def contact_zone_figure(state: ContactState, indenter: Indenter, w: float, compo
         axes.set_xlim(-ZONE.aside * state.a / length, ZONE.aside * state.a / length)
         axes.set_ylim(-depth / length, ZONE.high * state.a / length)
         axes.set_aspect("equal")
-        axes.set_xlabel(f"r ({pretty(unit)})")
-        axes.set_ylabel(f"z ({pretty(unit)})")
+        axes.set_xlabel(f"$r$ ({pretty(unit)})")
+        axes.set_ylabel(f"$z$ ({pretty(unit)})")
         drawn = "" if factor == 1 else f", displacements × {factor:g}"
         words = [show(state.a, "length"), show(w, "work"), show(state.P, "load")]
         a, work, P = (pretty(word).replace("-", "\N{MINUS SIGN}") for word in words)
-        axes.set_title(f"a = {a}, w = {work}, P = {P}{drawn}")
+        axes.set_title(f"$a$ = {a}, $w$ = {work}, $P$ = {P}{drawn}")
         return figure
 
 
@@ -138,6 +137,12 @@ def _outlines(axes: Axes, state: ContactState, indenter: Indenter, factor: float
     # drawn displacements are larger than they are: the indenter is drawn where they take the points it touches
     across = r + factor * np.interp(np.minimum(r, state.a), *_radial(state))
     height = factor * (indenter.f(r) - state.delta)
+    if indenter.material is not None:  # an elastic one follows the surface it touches, and about a punch's beyond
+        rows = _line(state, 0.0)
+        follows = np.interp(np.minimum(r, state.a), state.grid.points[rows, 0], surface[:, 1])
+        edge_off = follows[-1] - factor * (float(indenter.f(np.array(state.a))) - state.delta)
+        beyond = edge_off * 2 / np.pi * np.arcsin(state.a / np.maximum(r, state.a))
+        height = np.where(r <= state.a, follows, height + beyond)
     across, height = np.concatenate([-across[::-1], across]) / length, np.concatenate([height[::-1], height]) / length
     top = np.maximum(ZONE.high * state.a / length + 1, height)
     axes.fill_between(across, height, top, color="0.88", lw=0, zorder=3)
@@ -209,8 +214,8 @@ def _cells(axes: Axes, grid: Grid, width: float, depth: float) -> None:
         axes.set_yticks([-depth / factor], [f"\N{MINUS SIGN}{depth / factor:.3g}"])
     else:
         axes.yaxis.set_major_locator(MaxNLocator(int(np.clip(12 * depth / width, 2, 8))))
-    axes.set_xlabel(f"r ({pretty(unit)})")
-    axes.set_ylabel(f"z ({pretty(unit)})")
+    axes.set_xlabel(f"$r$ ({pretty(unit)})")
+    axes.set_ylabel(f"$z$ ({pretty(unit)})")
 
 
 def profile_figure(columns: Mapping[str, Array], a: float, w: float) -> Figure:
@@ -221,9 +226,9 @@ def profile_figure(columns: Mapping[str, Array], a: float, w: float) -> Figure:
         _pressure(left, columns, a / length, length)
         _surfaces(right, columns, a / length, length)
         for axes in (left, right):
-            axes.set_xlabel(f"r ({pretty(unit)})")
+            axes.set_xlabel(f"$r$ ({pretty(unit)})")
         legend_below(figure, [right], 3)
-        figure.suptitle(f"a = {pretty(show(a, 'length'))}, w = {pretty(show(w, 'work'))}")
+        figure.suptitle(f"$a$ = {pretty(show(a, 'length'))}, $w$ = {pretty(show(w, 'work'))}")
         return figure
 
 

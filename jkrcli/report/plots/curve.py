@@ -9,16 +9,19 @@ from typing import Any
 
 import numpy as np
 
-from ...adhesion.curve import CriticalPoint, EquilibriumCurve
+from ...adhesion import CriticalPoint, EquilibriumCurve
 from ...adhesion.stability import GRIPPED, STABLE, UNSTABLE, branch
-from ...base.arrays import Array
-from ...base.units import scale, show
+from ...base import Array, scale, show
 from ...beside.analysis import Analysis
 from ..scaling import Scales
-from . import BLACK, BLUE, GREEN, ORANGE, Axes, Figure, colors, few_ticks, legend_below, pair, pretty, scaled
+from . import BLACK, BLUE, GREEN, LABELS, ORANGE, Axes, Figure, colors, few_ticks, legend_below, pair, pretty, scaled
 
 BRANCHES = {STABLE: ("o-", ""), GRIPPED: ("--", "stable under displacement control only"), UNSTABLE: (":", "unstable")}
-PHASES = {"approach": (BLUE, 2.4), "turn": (GREEN, 1.8), "retraction": (ORANGE, 1.1)}  # the last drawn the thinnest
+PHASES = {  # colour, width and words; the last drawn the thinnest
+    "approach": (BLUE, 2.4, "approach"),
+    "turn": (GREEN, 1.8, "unloading at constant $a$"),
+    "retraction": (ORANGE, 1.1, "retraction"),
+}
 SPACING = 0.06  # between markers, of the diagonal of the axes
 Box = tuple[float, float, float, float]  # left, bottom, width, height, of the axes
 PANELS: tuple[tuple[str, str, Box], ...] = (  # x, y, and where no curve passes: P(delta) is convex, a(P) concave
@@ -47,9 +50,9 @@ def physical_units(curve: EquilibriumCurve) -> Units:
     delta, delta_unit = scale(float(np.max(np.abs(drawn["delta"]))), "length")
     P, P_unit = scale(float(np.max(np.abs(drawn["P"]))), "load")
     a, a_unit = scale(float(np.max(drawn["a"])), "length")
-    labels = (f"displacement δ ({pretty(delta_unit)})", f"load P ({pretty(P_unit)})",
-              f"contact radius a ({pretty(a_unit)})")  # fmt: skip
-    return Units(delta, P, a, labels)
+    units = {"delta": delta_unit, "P": P_unit, "a": a_unit}
+    of_delta, of_P, of_a = (f"{LABELS[name]} ({pretty(unit)})" for name, unit in units.items())
+    return Units(delta, P, a, (of_delta, of_P, of_a))
 
 
 def units_of(scales: Scales) -> Units:
@@ -82,7 +85,7 @@ def curves_figure(results: Sequence[Analysis], units: Units) -> Figure:
             series = results[0].curve.series
             axes.plot(_of(series, x, units), _of(series, y, units), color="0.6", lw=2.4, label="nonadhesive")
             for result, color in zip(results, colors(len(results)), strict=False):
-                label = f"w = {pretty(show(result.w, 'work'))}"
+                label = f"$w$ = {pretty(show(result.w, 'work'))}"
                 axes.plot(_of(result.curve, x, units), _of(result.curve, y, units), color=color, lw=1.2, label=label)
                 point = result.pull_off["load"]
                 if isinstance(point, CriticalPoint):
@@ -129,7 +132,7 @@ def _band(axes: Axes, curve: EquilibriumCurve, units: Units, x: str, y: str) -> 
     if not curve.errors or np.max(curve.errors["P"]) < 0.01 * np.ptp(curve.P):
         return
     ends = [(curve.P + sign * curve.errors["P"]) / units.P for sign in (-1, 1)]
-    style: dict[str, Any] = {"color": ORANGE, "alpha": 0.25, "lw": 0, "label": "90 % band of P"}
+    style: dict[str, Any] = {"color": ORANGE, "alpha": 0.25, "lw": 0, "label": "90 % band of $P$"}
     if y == "P":
         axes.fill_between(_of(curve, x, units), *ends, **style)
     else:
@@ -142,7 +145,7 @@ def _by_stability(axes: Axes, result: Analysis, units: Units, x: str, y: str) ->
     style: dict[str, Any] = {"color": ORANGE, "ms": 3, "mfc": "none", "lw": 1.2}
     for word, (look, label) in BRANCHES.items():
         if word == STABLE or word in words:
-            axes.plot([], [], look, label=label or f"adhesive, w = {pretty(show(result.w, 'work'))}", **style)
+            axes.plot([], [], look, label=label or f"adhesive, $w$ = {pretty(show(result.w, 'work'))}", **style)
     ends = [0, *(np.flatnonzero(words[1:] != words[:-1]) + 1), len(words)]
     for first, last in itertools.pairwise(ends):
         part = slice(first, last + 1)  # to the first point of the next part: no gaps
@@ -176,12 +179,12 @@ def cycle_figure(columns: Mapping[str, Array], title: str) -> Figure:
     """
     over = "device_m" if "device_m" in columns else "delta_m"
     soft = not np.array_equal(columns[over], columns["delta_m"])
-    name = "device position δ + P/k" if soft else "displacement δ"
+    name = r"device position $\delta + P/k$" if soft else LABELS["delta"]
     with pair(title) as (figure, panels):
         x, x_unit = scaled(columns[over], "length")
         for axes, column, dimension, label in (
-            (panels[0], "P_N", "load", "load P"),
-            (panels[1], "a_m", "length", "contact radius a"),
+            (panels[0], "P_N", "load", LABELS["P"]),
+            (panels[1], "a_m", "length", LABELS["a"]),
         ):
             y, y_unit = scaled(columns[column], dimension)
             _phases(axes, x, y, columns)
@@ -217,6 +220,5 @@ def _phases(axes: Axes, x: Array, y: Array, columns: Mapping[str, Array]) -> Non
     axes.plot(x, y, ":", color=BLACK, lw=0.9, label="jump")
     for part in range(1, int(columns["part"][-1]) + 1):
         rows = columns["part"] == part
-        label = str(columns["phase"][rows][0]).removeprefix("free ")
-        colour, width = PHASES[label]
+        colour, width, label = PHASES[str(columns["phase"][rows][0]).removeprefix("free ")]
         axes.plot(x[rows], y[rows], color=colour, lw=width, label=label)

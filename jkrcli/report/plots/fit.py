@@ -7,14 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.ticker import MaxNLocator
 
-from ...base.arrays import Array
-from ...base.units import scale
+from ...base import Array, scale
 from ...identification.fit.result import Fit
 from ...identification.fit.statistics import rise
 from . import (
     BLACK,
     BLUE,
     GREEN,
+    LABELS,
     LARGER,
     MIDDLE,
     ORANGE,
@@ -28,7 +28,6 @@ from . import (
     pretty,
 )
 
-LABELS = {"a": "contact radius a", "delta": "displacement δ", "P": "load P"}
 DIMENSIONS = {"a": "length", "delta": "length", "P": "load"}
 AXES = {"delta,P": ("delta", "P"), "a,P": ("P", "a"), "a,delta": ("delta", "a"), "a,delta,P": ("delta", "P")}
 MARKS = {"a": (GREEN, "s"), "delta": (BLUE, "^"), "P": (ORANGE, "o")}
@@ -66,7 +65,9 @@ def _curve(axes: Axes, found: Fit) -> None:
     places = [axes]
     touched = found.a > 0
     if touched.any() and np.ptp(measured[0][touched]) < LARGER * np.ptp(measured[0]):
-        places.append(enlarged(axes, *(values[touched] for values in measured)))
+        across, up = measured
+        level = (float(np.median(up[~touched])) - up.min()) / np.ptp(up)
+        places.append(enlarged(axes, across[touched], up[touched], 0.05 + 0.9 * level))
     for place in places:
         place.plot(*measured, "o", color=SKY, ms=3, mfc="none", label="measured")
         place.plot(*line, "-", color=BLACK, lw=1.0, label="fitted")
@@ -99,7 +100,7 @@ def _residuals(axes: Axes, found: Fit) -> None:
         middle = TUNING.beside / (1 + TUNING.beside) / 2
         axes.annotate("base line", (middle, 1.0), xycoords="axes fraction", ha="center", va="bottom",
                       size=7, color="0.4")  # fmt: skip
-    axes.set_xlabel(f"contact radius a ({pretty(unit)})")
+    axes.set_xlabel(f"{LABELS['a']} ({pretty(unit)})")
     axes.set_ylabel("residual / standard deviation")
 
 
@@ -118,8 +119,8 @@ def _region(axes: Axes, found: Fit) -> None:
     E, w = (found.value("modulus") + E) * factor / E_unit[0], (found.value("w") + w) / w_unit[0]
     axes.plot(E, w, "-", color=ORANGE, label=f"{found.settings.level * 100:g} % region")
     axes.plot(found.value("E_star") / E_unit[0], found.value("w") / w_unit[0], "+", color=BLUE, ms=8)
-    axes.set_xlabel(f"E* ({pretty(E_unit[1])})")
-    axes.set_ylabel(f"work of adhesion w ({pretty(w_unit[1])})")
+    axes.set_xlabel(f"$E^*$ ({pretty(E_unit[1])})")
+    axes.set_ylabel(f"work of adhesion $w$ ({pretty(w_unit[1])})")
     axes.ticklabel_format(useOffset=False)
     axes.xaxis.set_major_locator(MaxNLocator(4))
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...base.units import scale
+from ...base import scale
 from ...identification.fit.joint import JointFit
 from ...identification.fit.result import Fit
-from . import BLACK, COLORS, MIDDLE, Figure, drawing, legend_below, pretty
-from .fit import AXES, DIMENSIONS, LABELS
+from . import BLACK, COLORS, LABELS, MIDDLE, Figure, drawing, legend_below, pretty
+from .fit import AXES, DIMENSIONS
 
 ZEROS = {"delta": "delta0", "P": "P0"}
 

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...base.arrays import Array
-from ...base.units import scale
+from ...base import Array, scale
 from ..map import IMAGES, Map
 from . import WIDE, Axes, Figure, drawing, pretty
 
 LABELS = {
-    "E_star": "E*",
-    "w": "work of adhesion w",
+    "E_star": "$E^*$",
+    "w": "work of adhesion $w$",
     "contact_point": "contact point",
     "adhesion_force": "adhesion force",
     "quality": "quality",
@@ -21,10 +20,13 @@ SPREAD = (2, 98)  # choice: percentiles at the ends of a colour bar, so that sin
 
 def map_figure(held: Map) -> Figure:
     """Five images over the positions of the curves."""
-    with drawing(WIDE, 4.6, {"axes.grid": False}) as figure:
+    with drawing(WIDE, 4.0, {"axes.grid": False}) as figure:
         panels = figure.subplots(2, 3).ravel()
-        for panel, (name, image) in zip(panels, held.images.items(), strict=False):
+        for i, (panel, (name, image)) in enumerate(zip(panels, held.images.items(), strict=False)):
             _image(figure, panel, held, name, image)
+            _, word = _length(held)
+            panel.set_xlabel(f"$x$ ({word})" if i + 3 >= len(held.images) else "")
+            panel.set_ylabel(f"$y$ ({word})" if i % 3 == 0 else "")
         for panel in panels[len(held.images) :]:
             panel.set_axis_off()
         return figure
@@ -35,16 +37,14 @@ def _image(figure: Figure, axes: Axes, held: Map, name: str, image: Array) -> No
     largest = float(np.max(np.abs(known))) if known.size else 1.0
     factor, unit = (1.0, "") if name == "quality" else scale(largest, IMAGES[name])
     ends = (0.0, 1.0) if name == "quality" or not known.size else np.percentile(known / factor, SPREAD)
-    (x, y), (length, word) = (held.x - held.x[0], held.y - held.y[0]), _length(held)
+    (x, y), (length, _) = (held.x - held.x[0], held.y - held.y[0]), _length(held)
     pitch = max(np.ptp(at) / (at.size - 1) for at in (x, y) if at.size > 1)
     cells = (_edges(at, float(pitch)) / length for at in (x, y))
     drawn = axes.pcolormesh(*cells, image / factor, shading="flat", cmap="viridis",
                             vmin=ends[0], vmax=ends[1], rasterized=True)  # fmt: skip
-    bar = figure.colorbar(drawn, ax=axes)
-    bar.set_label(f"{LABELS[name]} ({pretty(unit)})" if unit else LABELS[name])
+    figure.colorbar(drawn, ax=axes)
+    axes.set_title(f"{LABELS[name]} ({pretty(unit)})" if unit else LABELS[name])
     axes.set_aspect("equal")
-    axes.set_xlabel(f"x ({word})")
-    axes.set_ylabel(f"y ({word})")
 
 
 def _edges(middle: Array, pitch: float) -> Array:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 from matplotlib.patheffects import withStroke
 
-from ...base.arrays import Array
+from ...base import Array
 from . import COLORS, MIDDLE, NARROW, WIDE, Axes, Figure, drawing, legend_below, log_ticks
 
 if TYPE_CHECKING:
@@ -22,6 +22,17 @@ MU = r"$\sigma\,(R / E^{*2} w)^{1/3}$"  # words of an axis
 STEP = 0.05  # choice: of the force, from colour to colour
 Words: TypeAlias = Callable[[float], str]  # of a line, by its value
 LINES = ("-", "--", ":", "-.")
+
+
+@dataclass(frozen=True)
+class WordsPlaced:
+    """Where words beside a line stand, in shares of the axes."""
+
+    letter: float = 0.0135  # choice: the width of one
+    far: float = 0.06  # choice: from other lines, from which on the first place is taken
+
+
+TUNING = WordsPlaced()
 
 
 @dataclass(frozen=True)
@@ -67,14 +78,39 @@ def lines_figure(
 
 def _dress(axes: Axes, panel: Panel, xlabel: str) -> None:
     """Scales, limits and words of a panel."""
-    axes.set(xlabel=xlabel, ylabel=panel.ylabel, title=panel.title, ylim=panel.ylim, xscale="log")
+    axes.set(xlabel=xlabel, ylabel=panel.ylabel, title=panel.title, xscale="log")
     if "y" in panel.logs:
         axes.set_yscale("log")
         log_ticks(axes.yaxis)
+    if panel.ylim is not None:  # None would keep the limits of a linear axis
+        axes.set_ylim(panel.ylim)
+    drawn = [_placed(axes, np.asarray(line.get_xydata())) for line in axes.get_lines()]
     for value, words in panel.limits.items():
         axes.axhline(value, color="0.6", lw=0.8, ls="--" if words else ":")
-        axes.annotate(words, (0.99, value), xycoords=("axes fraction", "data"), ha="right", va="bottom", size=8,
-                      color="0.4")  # fmt: skip
+        x, side = _clear(drawn, float(_placed(axes, np.array([[axes.get_xlim()[0], value]]))[0, 1]), len(words))
+        axes.annotate(words, (x, value), xycoords=("axes fraction", "data"), xytext=(0, side), ha="left",
+                      textcoords="offset points", va="bottom" if side > 0 else "top", size=8, color="0.4")  # fmt: skip
+
+
+def _placed(axes: Axes, points: Array) -> Array:
+    """Points of the data in shares of the axes."""
+    placed: Array = (axes.transScale + axes.transLimits).transform(points)
+    return placed
+
+
+def _clear(drawn: Sequence[Array], level: float, letters: int) -> tuple[float, int]:
+    """Where a word of so many ``letters`` beside the line at ``level`` is farthest from the lines ``drawn``, in shares
+    of the axes: its left end, and whether it stands above (1) or below (-1)."""
+    wide, high = TUNING.letter * letters, 2 * TUNING.letter
+    found = []
+    for left in (0.99 - wide, 0.01):
+        x = np.linspace(left, left + wide, 20)
+        for side in (1, -1):
+            middle = level + side * high
+            inside = high < middle < 1 - high
+            lines = [np.abs(np.interp(x, line[:, 0], line[:, 1]) - middle).min() for line in drawn]
+            found.append((min([*lines, 2 * TUNING.far]) if inside else 0.0, (left, side)))
+    return next((place for room, place in found if room > TUNING.far), max(found)[1])
 
 
 def is_filled(columns: Mapping[str, Array]) -> bool:
@@ -92,7 +128,7 @@ def filled_figure(columns: Mapping[str, Array]) -> Figure:
         panels = np.atleast_1d(figure.subplots(1, len(nus), sharey=True))
         for axes, nu in zip(panels, nus, strict=True):
             drawn = _filled(axes, {name: values[columns["nu"] == nu] for name, values in columns.items()}, levels)
-            axes.set_title(f"ν = {nu:g}, {columns['base'][0]}")
+            axes.set_title(rf"$\nu$ = {nu:g}, {columns['base'][0]}")
             axes.set_xlabel(MU)
         panels[0].set_ylabel(r"$w R^2 / (E^* h^3)$")
         figure.colorbar(drawn, ax=list(panels), label=r"pull-off force / $\pi w R$")
@@ -152,6 +188,8 @@ def zones_figure(columns: Mapping[str, Array], names: Sequence[str]) -> Figure:
         axes.set_xlabel(MU)
         axes.set_ylabel(r"load / $\pi w R$")
         axes.set_title(
-            "ν = {:g}, w R²/(E* h³) = {:g}".format(*(columns[name][0] for name in ("nu", "w_R2_over_Estar_h3")))
+            r"$\nu$ = {:g}, $w R^2/(E^* h^3)$ = {:g}".format(
+                *(columns[name][0] for name in ("nu", "w_R2_over_Estar_h3"))
+            )
         )
         return figure

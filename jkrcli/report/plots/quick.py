@@ -9,8 +9,7 @@ import os
 from collections.abc import Iterator
 from typing import Any
 
-from ...base import program
-from ...base.errors import InputError
+from ...base import InputError, program
 
 
 def _properties() -> Any:

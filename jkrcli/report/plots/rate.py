@@ -8,15 +8,15 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...adhesion.path import Jump
-from ...base.arrays import Array
-from ...base.units import scale, show
+from ...adhesion import Jump
+from ...base import Array, scale, show
 from ...identification.rate.fitting import RateFit
 from . import (
     BLACK,
     BLUE,
     COLORS,
     GREEN,
+    LABELS,
     ORANGE,
     WIDE,
     Axes,
@@ -27,7 +27,12 @@ from . import (
     pretty,
 )
 
-PHASES = {"advance": (BLUE, "-"), "rest": (GREEN, "--"), "recede": (ORANGE, "-"), "free": (BLACK, ":")}
+PHASES = {
+    "advance": (BLUE, "-", "edge advances"),
+    "rest": (GREEN, "--", "edge rests"),
+    "recede": (ORANGE, "-", "edge recedes"),
+    "free": (BLACK, ":", "no contact"),
+}
 PANELS = (("delta_m", "P_N"), ("t_s", "P_N"), ("t_s", "a_m"))
 
 
@@ -40,10 +45,10 @@ class _Quantity(NamedTuple):
 
 
 AXES = {
-    "t_s": _Quantity("t", "time", "time t"),
-    "delta_m": _Quantity("delta", "length", "displacement δ"),
-    "P_N": _Quantity("P", "load", "load P"),
-    "a_m": _Quantity("a", "length", "contact radius a"),
+    "t_s": _Quantity("t", "time", "time $t$"),
+    "delta_m": _Quantity("delta", "length", LABELS["delta"]),
+    "P_N": _Quantity("P", "load", LABELS["P"]),
+    "a_m": _Quantity("a", "length", LABELS["a"]),
 }
 
 
@@ -56,9 +61,10 @@ def history_figure(columns: Mapping[str, Array], jumps: Sequence[Jump], title: s
             (x_factor, x_label), (y_factor, y_label) = (_axis(columns, name) for name in (over, column))
             for phase, rows in _runs(columns):
                 if np.ptp(columns["t_s"][rows]) > 0:
-                    colour, line = PHASES[phase]
+                    rests = phase != "free" and np.ptp(columns["a_m"][rows]) == 0
+                    colour, line, words = PHASES["rest" if rests else phase]
                     x, y = columns[over][rows] / x_factor, columns[column][rows] / y_factor
-                    place.plot(x, y, line, color=colour, label=phase)
+                    place.plot(x, y, line, color=colour, label=words)
             for jump in jumps:
                 ends = [jump.start] if jump.end is None else [jump.start, jump.end]
                 x, y = (np.array([getattr(end, AXES[name].field) for end in ends]) for name in (over, column))
@@ -104,7 +110,7 @@ def rate_fit_figure(fit: RateFit) -> Figure:
                 label=pretty(f"device {show(record.speed, 'speed', 3)}"),
             )
         left.set_xlabel("time over the record's length")
-        left.set_ylabel(f"load P ({pretty(unit)})")
+        left.set_ylabel(f"{LABELS['P']} ({pretty(unit)})")
         low, high = (max(v, 1e-30) for v in fit.speeds)
         v = np.geomspace(low, high, 100)
         law_band(right, v, *fit.band(v), BLACK, f"{fit.settings.law} law, {fit.settings.level:.0%} band")
@@ -118,7 +124,7 @@ def law_band(axes: Axes, v: Array, w: Array, low: Array, high: Array, colour: st
     work, w_unit = scale(float(np.max(w)), "work")
     axes.fill_between(v / speed, low / work, high / work, color=colour, alpha=0.25, lw=0)
     axes.loglog(v / speed, w / work, color=colour, label=label)
-    axes.set_xlabel(f"speed of the contact's edge |da/dt| ({pretty(v_unit)})")
-    axes.set_ylabel(f"work of adhesion w ({pretty(w_unit)})")
+    axes.set_xlabel(f"speed of the contact's edge $|da/dt|$ ({pretty(v_unit)})")
+    axes.set_ylabel(f"work of adhesion $w$ ({pretty(w_unit)})")
     for axis in (axes.xaxis, axes.yaxis):
         log_ticks(axis)

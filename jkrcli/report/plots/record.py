@@ -8,15 +8,14 @@ from textwrap import fill
 
 import numpy as np
 
-from ...base.arrays import Array
-from ...base.units import scale
-from ...base.unknown import Unknown
+from ...base import Array, Unknown, scale
 from ...data.record import Direction, ForceCurve
 from . import BLACK, BLUE, LARGER, ORANGE, PURPLE, WIDE, Axes, Figure, drawing, enlarged, legend_below, pretty
 
 MOST_PANELS, MOST_POINTS = 12, 2000  # choice: of a figure, and of a segment in it
 LETTERS, TITLE = 84, 3  # choice: of a line as wide as the figure, and lines of a panel's title
-COLOURS, GREY = {"approach": BLUE, "retract": ORANGE}, "0.6"
+LOOKS, GREY = {"approach": (BLUE, 2.0), "retract": (ORANGE, 0.9)}, "0.6"  # the last drawn the thinnest
+FALL = 3  # choice: rows beside that of a jump, among which it is steepest
 
 
 def record_figure(records: Sequence[ForceCurve]) -> Figure:
@@ -51,15 +50,31 @@ def _panel(axes: Axes, record: ForceCurve, x: float, y: float, letters: int) -> 
     assert curve.P is not None
     z = curve.device
     near = _contact(record, z) if letters == LETTERS else None  # there is room in a panel of the whole width
-    for place in (axes, *([enlarged(axes, z[near] / x, curve.P[near] / y)] if near is not None else [])):
+    places = [axes]
+    if near is not None:
+        level = (float(np.median(curve.P[~near])) - curve.P.min()) / np.ptp(curve.P)
+        places.append(enlarged(axes, z[near] / x, curve.P[near] / y, 0.05 + 0.9 * level))
+    broken = _broken(record)
+    for place in places:
         for segment in record.segments:
             thin = slice(segment.first, segment.last + 1, 1 + len(segment) // MOST_POINTS)
-            place.plot(z[thin] / x, curve.P[thin] / y, lw=1.0, label=segment.kind,
-                       color=COLOURS.get(segment.kind, GREY))  # fmt: skip
-    for item in record.directions:
-        _marks(axes, item, z[item.segment.rows], x, y)
+            colour, width = LOOKS.get(segment.kind, (GREY, 1.0))
+            place.plot(z[thin] / x, broken[thin] / y, lw=width, label=segment.kind, color=colour)
+        for item in record.directions:
+            _marks(place, item, z[item.segment.rows], x, y)
     title = ": ".join([curve.name, ", ".join(record.flags)]).rstrip(": ")
     axes.set_title(fill(title, letters, max_lines=TITLE, placeholder=" …"), loc="left", fontsize="small")
+
+
+def _broken(record: ForceCurve) -> Array:
+    """The loads [N] of a record, the line through them broken at its jumps: the row before the steepest step is nan."""
+    assert record.curve.P is not None
+    P = record.curve.P.copy()
+    for row in [jump.row for item in record.directions for jump in (*item.jumps, *item.steps)]:
+        first = max(row - FALL, 0)
+        steps = np.abs(np.diff(record.curve.P[first : row + FALL + 1]))
+        P[first + int(np.argmax(steps))] = np.nan
+    return P
 
 
 def _contact(record: ForceCurve, z: Array) -> Array | None:

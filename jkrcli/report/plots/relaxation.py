@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ...base.units import scale
+from ...base import scale
 from ...identification.relaxation import RelaxationFit
-from . import BLUE, ORANGE, WIDE, Figure, drawing, legend_below, pretty, scaled
+from . import BLUE, LABELS, ORANGE, WIDE, Figure, drawing, legend_below, pretty, scaled
 
 
 def relaxation_fit_figure(fits: Sequence[RelaxationFit]) -> Figure:
@@ -24,8 +24,8 @@ def relaxation_fit_figure(fits: Sequence[RelaxationFit]) -> Figure:
                 factor, unit = scale(float(np.max(np.abs(read))), dimension)
                 place.plot(t, read / factor, ".", ms=2, color=BLUE, label="readings")
                 place.plot(t, model / factor, color=ORANGE, label="model")
-                name = {"load": "load P", "length": "displacement δ"}[dimension]
-                place.set_xlabel(f"time t ({t_unit})")
+                name = LABELS[{"load": "P", "length": "delta"}[dimension]]
+                place.set_xlabel(f"time $t$ ({t_unit})")
                 place.set_ylabel(pretty(f"{name} ({unit})"))
             left.set_title(pretty(str(fit.relaxation)), fontsize=8)
         legend_below(figure, axes.ravel(), 2)

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...base.arrays import Array
+from ...base import Array
 from ...series.differences import Difference
 from . import COLORS, MIDDLE, NARROW, WIDE, Axes, Figure, drawing, legend_below, log_ticks
 
@@ -118,15 +118,15 @@ def differences_figure(found: Sequence[Difference], rtol: float) -> Figure:
         axes = figure.subplots()
         for difference, color in zip(found, itertools.cycle(COLORS), strict=False):
             size = np.maximum(np.abs(difference.relative), 1e-17)
-            label = f"{difference.column}({_symbol(difference.over)})"
+            label = f"${_symbol(difference.column)}({_symbol(difference.over)})$"
             axes.loglog(difference.x, size, ".-", color=color, ms=4, lw=0.8, label=label)
         axes.axhline(rtol, color="0.4", lw=0.8, ls=":", label=f"rtol {rtol:g}")
-        axes.set_xlabel(" or ".join(f"{_symbol(over)} (m)" for over in dict.fromkeys(item.over for item in found)))
+        axes.set_xlabel(" or ".join(f"${_symbol(over)}$ (m)" for over in dict.fromkeys(item.over for item in found)))
         axes.set_ylabel("relative difference")
         legend_below(figure, [axes], 3)
         return figure
 
 
 def _symbol(column: str) -> str:
-    """The symbol of a column: "delta_m" is δ."""
-    return column.removesuffix("_m").replace("delta", "δ")
+    """The symbol of a column: "delta_m" is \\delta, "dS" S'."""
+    return column.removesuffix("_m").replace("delta", r"\delta").replace("dS", "S'")

@@ -6,11 +6,25 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from ...base.arrays import Array
-from ...base.units import scale
+from ...base import Array, scale
 from ...identification.rate.through import LawThrough
 from ...identification.work import WorkAlong, typical
-from . import BLACK, BLUE, GREEN, NARROW, ORANGE, WIDE, Axes, Figure, drawing, legend_below, log_ends, log_ticks, pretty
+from . import (
+    BLACK,
+    BLUE,
+    GREEN,
+    LABELS,
+    NARROW,
+    ORANGE,
+    WIDE,
+    Axes,
+    Figure,
+    drawing,
+    legend_below,
+    log_ends,
+    log_ticks,
+    pretty,
+)
 
 GROUPS = {"measured": (GREEN, "o"), "advancing": (BLUE, "^"), "receding": (ORANGE, "v")}  # told apart in grey too
 
@@ -29,9 +43,9 @@ def work_figure(found: Sequence[WorkAlong], law: LawThrough | None = None) -> Fi
         if timed:
             _over_speed(axes[1], groups, w, law)
         for panel in axes:
-            panel.set_ylabel(f"work of adhesion w ({pretty(unit)})")
+            panel.set_ylabel(f"work of adhesion $w$ ({pretty(unit)})")
         if timed:
-            legend_below(figure, axes[:1], 2)
+            legend_below(figure, axes, 3)
         return figure
 
 
@@ -66,7 +80,7 @@ def _over_radius(axes: Axes, groups: Mapping[str, Mapping[str, Array]], w: float
         errors = held["w_err"] / w if "w_err" in held else None
         axes.errorbar(held["a"] / a, held["w"] / w, errors, fmt=marker, color=colour, ms=3, mfc="none", elinewidth=0.5,
                       ecolor="0.75", label=name)  # fmt: skip
-    axes.set_xlabel(f"contact radius a ({pretty(unit)})")
+    axes.set_xlabel(f"{LABELS['a']} ({pretty(unit)})")
     largest = max(float(np.quantile(held["w"], 0.99)) for held in groups.values())  # outliers may lie above the axis
     axes.set_ylim(0, 1.3 * largest / w)
 
@@ -86,4 +100,4 @@ def _over_speed(axes: Axes, groups: Mapping[str, Mapping[str, Array]], w: float,
     axes.set_ylim(*log_ends(np.concatenate([held["w"] / w for held in columns])))
     for axis in (axes.xaxis, axes.yaxis):
         log_ticks(axis)
-    axes.set_xlabel(f"speed of the contact's edge |da/dt| ({pretty(unit)}/s)")
+    axes.set_xlabel(f"speed of the contact's edge $|da/dt|$ ({pretty(unit)}/s)")

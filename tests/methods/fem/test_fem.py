@@ -7,11 +7,12 @@ import pytest
 from scipy.optimize import brentq
 
 from jkrcli.base.clock import StageClock
-from jkrcli.base.errors import InputError, Refusal
+from jkrcli.base.errors import InputError, Refusal, SolveError
 from jkrcli.bodies.indenters import Paraboloid, PowerLaw, RoundedFlat, Sphere
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Layer, Loading, Problem, Rigid, Specimen
 from jkrcli.formulas.half_space import hertz
+from jkrcli.methods.fem import surface
 from jkrcli.methods.fem.body import MeshedBody
 from jkrcli.methods.fem.contact import nested_events
 from jkrcli.methods.fem.elasticity import assemble
@@ -47,6 +48,12 @@ def layered_errors(solution, problem):
     use = series.delta >= 0.1 * series.delta[-1]
     exact = Layered()(replace(problem, loading=Loading.given("depth", tuple(series.delta[use])))).series
     return series.P[use] / exact.P - 1, series.a[use] / exact.a - 1
+
+
+def test_a_stiffness_that_elements_do_not_solve_is_refused_with_a_remedy(monkeypatch):
+    monkeypatch.setattr(surface, "RESIDUAL_LIMIT", 1e-30)
+    with pytest.raises(SolveError, match=r"allowed 1e-30: moduli or sizes differ .*; use method layered or hybrid"):
+        FEM(**QUICK)(PAPER)
 
 
 def test_default_settings_on_the_papers_half_space():

@@ -226,7 +226,7 @@ def test_it_is_the_method_of_finite_bodies() -> None:
     problem = Problem(PARABOLOID, FINITE["free"], Loading("radius", 1.0))
     choice = choose(problem, "auto", lambda name: method_class(name)())
     assert choice.name == "hybrid"
-    assert choice.reason.startswith("the least model that represents this body")
+    assert choice.reason.startswith("the simplest method for this body")
 
 
 def test_refusals() -> None:

@@ -453,7 +453,7 @@ def test_an_archive_holds_a_curve_per_table(tmp_path: Path) -> None:
     assert [first.where, third.where] == [f'{path}: curve "one"', f'{path}: curve "three"']
     np.testing.assert_allclose(first.P, third.P, rtol=1e-12)
     assert str(second) == (
-        f"{path}/two: holds no row of at least 2 numbers; give the separator and the decimal mark if they are unusual"
+        f"{path}/two: holds no row of at least 2 numbers; give --separator and --decimal if they are unusual"
     )
     assert one(archive(tmp_path / "s.zip", {"s.txt": ENCODINGS["utf-8"]})).where == str(tmp_path / "s.zip")
 

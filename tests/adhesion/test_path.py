@@ -67,12 +67,16 @@ def test_an_infinitely_slow_edge_is_that_of_the_transform(points: int) -> None:
 
 
 def test_the_least_load_of_a_slow_edge_goes_with_its_speed() -> None:
-    """At n = 1 what is beyond equilibrium is proportional to it, where the state's own G is round-off too."""
-    excess = []
-    for V in (1e-7, 1e-9):
+    """At n = 1 what is beyond equilibrium is proportional to it, down to where the state's own G is round-off too."""
+
+    def beyond(V: float) -> float:
         found = RateContact(half_space(), PowerRate(1.0, 1.0), 1.0, 1.0).once(there_and_back(3.0, V, V))
-        excess.append((-found.pull_off.P / (1.5 * math.pi) - 1) / V)
-    assert excess[1] == pytest.approx(excess[0], rel=0.02)  # measured 0.004, round-off of 3e-11
+        return -found.pull_off.P / (1.5 * math.pi) - 1
+
+    rate = beyond(1e-6) / 1e-6
+    for V in (1e-7, 1e-8, 1e-9, 1e-10):
+        assert beyond(V) == pytest.approx(rate * V, abs=1e-10)  # measured 2e-11
+    assert beyond(1e-7) == pytest.approx(rate * 1e-7, rel=1e-3)  # measured 1e-5
 
 
 @pytest.mark.parametrize("stiffness", [RIGID, 3.0, LOAD_CONTROL])

@@ -48,4 +48,4 @@ def test_points_that_were_more_than_three_times_beyond_what_is_stated(number: in
     1e-7 of their radius made S'' of their differences."""
     found = judged(number)
     assert {"load P", "displacement P", "spring delta"} <= {item.column for item in found}
-    assert all(item.ratio < 0.5 for item in found)
+    assert all(item.ratio <= 1 for item in found)

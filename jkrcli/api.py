@@ -46,7 +46,7 @@ Bodies that relax, without adhesion:
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -62,7 +62,7 @@ from .data.measured import Curve, Reading, from_columns
 from .data.measured import read as read_curves
 from .methods import Method
 from .methods.guards import Limits
-from .report.result import Result, as_result
+from .report.result import Held, Result, as_result
 from .series import Solution
 
 if TYPE_CHECKING:
@@ -84,7 +84,7 @@ if TYPE_CHECKING:
     from .report.pull_off import MeasuredPullOff, PullOff
     from .report.rate import CycledAtSpeed
     from .report.rate_fit import LawFit
-    from .report.relaxation import CycledRelaxing
+    from .report.relaxation import CycledInLimits, CycledRelaxing
     from .report.relaxation_fit import RelaxationFitted
     from .report.tension_fit import TensionFitted
     from .report.transform import Transformed
@@ -170,24 +170,37 @@ def cycle(
     modulus_factor: float = 1.0,
     stress: float | str | None = None,
     length: float | str | None = None,
-) -> Cycled | CycledByProgram:
+) -> Cycled | CycledByProgram | CycledInLimits:
     """What a device records that presses the bodies together and pulls them apart, however slowly.
 
     ``w`` on retraction [J/m^2], not smaller than ``w_approach`` (default: ``w``). The device of ``stiffness`` [N/m] (0:
     load control, infinite, the default: a rigid one) turns at ``to_load`` or ``to_depth``, default: the end of the
     series; or it does what a ``program`` says, with turns anywhere. ``stress`` [Pa] or ``length`` [m]: adhesion of
-    finite range, else what the case says.
+    finite range, else what the case says. A specimen that relaxes is traced in its limits, very fast and very slow.
     """
     from .report.cycle import Cycled, CycledByProgram
 
     solution, k = _solution(solved, None), _number("stiffness", stiffness, "stiffness")
     works = [_number("w", value, "work") for value in (w if w_approach is None else w_approach, w)]
-    found = analyse(solution, works, slopes, modulus_factor, _range(solution, stress, length))
-    curves = [with_solved_points(curve, k) for curve in found]
-    if program is not None:
-        return CycledByProgram.of(curves, k, program)
+    asked = _range(solution, stress, length)
     turn = _maybe("to_load", to_load, "load"), _maybe("to_depth", to_depth, "length")
-    return Cycled.of(curves, k, *turn)
+
+    def cycled(share: float) -> Cycled | CycledByProgram:
+        found = analyse(solution, works, slopes, modulus_factor * share, asked)
+        curves = [with_solved_points(curve, k) for curve in found]
+        return Cycled.of(curves, k, *turn) if program is None else CycledByProgram.of(curves, k, program)
+
+    return _in_limits(solution, cycled)
+
+
+def _in_limits(solution: Solution, cycled: Callable[[float], Held]) -> Held | CycledInLimits:
+    """What was ``cycled`` on the moduli as they are; of a specimen that relaxes on those of both limits."""
+    law = solution.problem.specimen.relaxation
+    if law is None:
+        return cycled(1.0)
+    from .report.relaxation import CycledInLimits
+
+    return CycledInLimits.of(solution.record.path, law, cycled)
 
 
 @one_thread()
@@ -207,7 +220,7 @@ def cycle_at_speed(
     stiffness: float | str = DISPLACEMENT_CONTROL,
     slopes: str = "auto",
     stress: float | str | None = None,
-) -> CycledAtSpeed:
+) -> CycledAtSpeed | CycledInLimits:
     """What a device records over time while the work of adhesion depends on the speed of the contact's edge.
 
     ``w`` at rest on retraction [J/m^2] and its ``law``: PowerRate(v0=1e-6, n=0.6), LogRate, or their keys as of ``jkr
@@ -218,7 +231,8 @@ def cycle_at_speed(
     infinite (default) a rigid device; ``stress`` [Pa] in the zone at the edge. Numbers are SI, text carries its unit.
 
     The result's ``pull_off``, ``jumps``, ``lost``, ``energy_lost`` and ``error`` tell what happened, ``table(points)``
-    gives its columns. Raises InputError where the contact leaves the series.
+    gives its columns. A specimen that relaxes is traced in its limits, very fast and very slow. Raises InputError where
+    the contact leaves the series.
     """
     from .adhesion import RateContact
     from .report.rate import CycledAtSpeed
@@ -227,10 +241,14 @@ def cycle_at_speed(
     w_a = w0 if w_approach is None else _number("w_approach", w_approach, "work")
     inwards = None if law_approach is None else _law(law_approach)
     solution = _solution(solved, None)
-    result = with_solved_points(analyse(solution, [w0], slopes)[0], k)
-    contact = RateContact(result.jkr.nonadhesive, _law(law), w0, w_a, k, inwards)
-    driven = _driven("cycle_at_speed", contact, program, speed, speed_approach, to_load, to_depth, hold)
-    return CycledAtSpeed.of(contact, driven, result, stress=_maybe("stress", stress, "modulus"))
+
+    def cycled(share: float) -> CycledAtSpeed:
+        result = with_solved_points(analyse(solution, [w0], slopes, share)[0], k)
+        contact = RateContact(result.jkr.nonadhesive, _law(law), w0, w_a, k, inwards)
+        driven = _driven("cycle_at_speed", contact, program, speed, speed_approach, to_load, to_depth, hold)
+        return CycledAtSpeed.of(contact, driven, result, stress=_maybe("stress", stress, "modulus"))
+
+    return _in_limits(solution, cycled)
 
 
 @one_thread()
@@ -275,18 +293,15 @@ def _driven(
     speed_approach: float | str | None, to_load: float | str | None, to_depth: float | str | None, hold: float | str,
 ) -> Program:  # fmt: skip
     """The ``program``, or there and back at a speed."""
-    from .adhesion import there_and_back
+    from .adhesion import Course
 
     if (speed is None) == (program is None):
         raise InputError(f"{verb}: give either the speed of the device or its program")
     if speed is None:
         assert program is not None
         return program
-    rate = "load rate" if contact.stiffness == LOAD_CONTROL else "speed"
-    back = _number("speed", speed, rate)
-    there = back if speed_approach is None else _number("speed_approach", speed_approach, rate)
-    turn = contact.turning(_maybe("to_load", to_load, "load"), _maybe("to_depth", to_depth, "length"), there)
-    return there_and_back(turn, there, back, _number("hold", hold, "time"), contact.least)
+    turn = _maybe("to_load", to_load, "load"), _maybe("to_depth", to_depth, "length")
+    return Course(speed, speed_approach, *turn, hold).program(contact)
 
 
 def _range(solution: Solution, stress: float | str | None, length: float | str | None) -> AskedRange:

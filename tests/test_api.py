@@ -88,7 +88,7 @@ def test_a_cycle_at_speed_is_that_of_the_command_line(jkr: Callable) -> None:
     [
         ({}, "cycle_at_speed: give either the speed of the device or its program"),
         ({"speed": "10 kg"}, "speed: must be a speed"),
-        ({"speed": 0.0}, "program: the speed of approach must be > 0, got 0"),
+        ({"speed": 0.0}, "speed: must be > 0, got 0.0"),
         ({"speed": 1e-6, "to_load": "1 N", "to_depth": "1 um"}, "cycle: give the turn as a load or as a depth"),
         ({"speed": 1e-6, "law_approach": {"v0": 1e-6, "n": 1}}, "cycle: an edge that advances by a law needs a turn"),
         ({"law": {"v0": 1e-6, "n": -1}, "speed": 1e-6}, "law: n: must be > 0"),

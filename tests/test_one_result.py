@@ -140,6 +140,11 @@ MADE: dict[str, tuple[tuple[object, ...], Callable[[], Result], str]] = {
         lambda: python.cycle_relaxing("soft.h5", speed="10 um/s", to_depth="50 um", hold=5.0),
         "",
     ),
+    "cycle in the limits of what relaxes": (
+        ("cycle", "soft.h5", "--w-approach", "1 mJ/m^2", "--to-depth", "50 um", "--no-plots"),
+        lambda: python.cycle("soft.h5", "1 mJ/m^2", to_depth="50 um"),
+        "",
+    ),
     "work": (
         ("work", "gel.h5", "gel.csv", "--noise", "P=2 uN", "--force", "--no-plots"),
         lambda: python.work("gel.h5", "gel.csv", noise={"P": 2e-6}),

@@ -2,33 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import click
 
-from ..adhesion import AskedRange
+from ..adhesion import AskedRange, limits_of
 from ..base import InputError, show
 from ..beside.analysis import Analysis, analyse, with_solved_points
 from ..methods.guards import Limits
 from ..report.cycle import Cycled, CycledByProgram
-from ..report.output import PICTURES, Files, Output
+from ..report.output import PICTURES, Output
+from ..report.relaxation import CycledInLimits
 from ..report.result import Result
 from ..series import Solution
-from .cycle_rate import RateOptions, Turn, rate_options, read_program, run
-from .cycle_relaxing import limits_of
-from .cycle_relaxing import run as run_relaxing
+from .cycle_rate import RateOptions, rate_options, read_program, run, run_relaxing
 from .measured import TUNING, begin_reading
-from .options import (
-    ControlType,
-    LengthType,
-    LoadType,
-    WorkType,
-    limits_options,
-    modulus_factor_option,
-    range_options,
-    slopes_option,
-)
+from .options import ControlType, WorkType, limits_options, modulus_factor_option, range_options, slopes_option
 from .output import answer, into_folder, output_options
 from .series import begin_curves, read_series, series_file, works_of
 from .verb import Verb
@@ -42,8 +33,6 @@ from .voice import present, warn
 @click.option(
     "--stiffness", type=ControlType(), default="rigid", show_default=True, help='"0.2 N/m", "rigid" or "load".'
 )
-@click.option("--to-load", type=LoadType(), help="Turn at this load [default: at the end of the series].")
-@click.option("--to-depth", type=LengthType(), help="Turn at this displacement delta.")
 @rate_options
 @click.option("--points", type=click.IntRange(2, 100_000), default=200, show_default=True, help="Rows per branch.")
 @range_options
@@ -57,8 +46,6 @@ def cycle(
     w_approach: float | None,
     w_retract: float | None,
     stiffness: float,
-    to_load: float | None,
-    to_depth: float | None,
     points: int,
     stress: float | None,
     length: float | None,
@@ -84,14 +71,16 @@ def cycle(
     jkr cycle gel.h5 --rate v0="1 um/s",n=0.6 --speed "10 um/s"
     jkr cycle relaxing-gel.h5 --w-approach 0 --speed "10 um/s" --hold "30 s"
     """
-    turn = _turn(to_load, to_depth, rates)
     file = series_file(file)
     solution = read_series(file)
     law = solution.problem.specimen.relaxation
     if law is None:
         rates.refuse_without_time()
     works = _works(solution, w_approach, w_retract)
-    shares = limits_of(law, rates) if law is not None and any(works) else {"": 1.0}
+    names: Sequence[str] = ("",)
+    if law is not None and any(works):
+        names = tuple(limits_of(law))
+        rates.refuse_in_limits()
     if rates.rate is not None:  # there the stress is that of the zone in which energy is lost
         rates, stress = replace(rates, stress=stress), None
     asked = AskedRange.of(solution.record, stress, length)
@@ -102,28 +91,31 @@ def cycle(
         begin_reading("cycle --program", [rates.program], limits, "fewer rows of the program, or fewer --points",
                       per_row=per_row, mib_per_row=TUNING.cycle_mib_per_row)  # fmt: skip
     stem = output.folder(file.parent) / f"{file.stem}-cycle{asked.suffix}"
-    named = [stem.with_name("-".join([stem.name, *name.split()])) for name in shares]
+    named = [stem.with_name("-".join([stem.name, *name.split()])) for name in names]
     targets = [output.files(one, (".csv", *PICTURES), [file]) for one in named]
     begin_curves("cycle", [solution], [works], [asked], limits)
-    told: list[Result] = []
-    for share, files in zip(shares.values(), targets, strict=True):
+
+    def cycled(share: float = 1.0) -> Result:
         curves = analyse(solution, works, slopes, modulus_factor * share, asked)
         results = [with_solved_points(curve, stiffness) for curve in curves]
         if law is not None and not any(works):
-            told.append(run_relaxing(results[0], law, stiffness, turn, points, rates))
-        else:
-            told.append(_traced(results, stiffness, turn, points, rates))
-        files.write(told[-1].columns, figure=files.draw(told[-1].figure))
-    _tell(file, dict(zip(shares.items(), told, strict=True)), targets, output.json)
+            return run_relaxing(results[0], law, stiffness, points, rates)
+        return _traced(results, stiffness, points, rates)
 
-
-def _turn(to_load: float | None, to_depth: float | None, rates: RateOptions) -> Turn:
-    """Where the device turns; InputError where that is said twice."""
-    if rates.program is not None and not to_load is to_depth is None:
-        raise InputError("cycle: give either --program or a turn (--to-load, --to-depth)")
-    if to_load is not None and to_depth is not None:
-        raise InputError("cycle: give at most one of --to-load and --to-depth")
-    return Turn(to_load, to_depth)
+    if law is None or not any(works):
+        result = cycled()
+        found = [result]
+    else:
+        result = CycledInLimits.of(file, law, cycled)
+        found = [one for _, one in result.limits.values()]
+    for one, files in zip(found, targets, strict=True):
+        files.write(one.columns, figure=files.draw(one.figure))
+    if output.json:
+        answer(result.summary())
+    else:
+        present(*result.parts, last=f"  written {', '.join(map(str, targets))}")
+    for line in result.warnings:
+        warn(f"{file}: {line}")
 
 
 def _refuse_range(rates: RateOptions, works: tuple[float, float]) -> None:
@@ -137,13 +129,13 @@ def _refuse_range(rates: RateOptions, works: tuple[float, float]) -> None:
         )
 
 
-def _traced(results: list[Analysis], stiffness: float, turn: Turn, points: int, rates: RateOptions) -> Result:
+def _traced(results: list[Analysis], stiffness: float, points: int, rates: RateOptions) -> Result:
     """The trace of bodies that do not relax: with speeds, by a table, or there and back."""
     if rates.rate is not None:
-        return run(results, stiffness, turn, points, rates)
+        return run(results, stiffness, points, rates)
     if rates.program is not None:
         return CycledByProgram.of(results, stiffness, read_program(rates.program, stiffness), points)
-    return Cycled.of(results, stiffness, turn.load, turn.depth, points)
+    return Cycled.of(results, stiffness, rates.to_load, rates.to_depth, points)
 
 
 def _works(solution: Solution, approach: float | None, retract: float | None) -> tuple[float, float]:
@@ -152,16 +144,3 @@ def _works(solution: Solution, approach: float | None, retract: float | None) ->
         free = solution.problem.specimen.relaxation is not None and not solution.record.w
         approach = 0.0 if free else works_of(solution, "--w-approach")[0]
     return approach, approach if retract is None else retract
-
-
-def _tell(file: Path, told: dict[tuple[str, float], Result], targets: list[Files], json: bool) -> None:
-    """Print what was found: once, or for each limit by its name and its share of the moduli."""
-    found = {name: {"moduli": share} | item.summary() for (name, share), item in told.items()}
-    if json:
-        answer(next(iter(told.values())).summary() if "" in found else {"file": str(file), "limits": found})
-    for ((name, share), item), files in zip(told.items(), targets, strict=True):
-        if not json:
-            head = [f"limit of {name} cycles, the moduli times {share:.4g}:"] if name else []
-            present([*head, *item.words()], last=f"  written {files}")
-        for line in item.warnings:
-            warn(f"{file}: {line}")

@@ -1,9 +1,8 @@
-"""``jkr cycle --rate``: what a device records over time while adhesion depends on the speed of the contact's edge."""
+"""``jkr cycle`` over time: what the device does, while adhesion depends on the edge's speed or the body relaxes."""
 
 from __future__ import annotations
 
 import functools
-import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,39 +10,27 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..adhesion import LOAD_CONTROL
-from ..base import InputError, parse
-from .options import ParamType
+from ..adhesion import LOAD_CONTROL, Course
+from ..base import InputError
+from .options import LengthType, LoadType, PairsType
 
 if TYPE_CHECKING:
     from ..adhesion import Program, RateContact, RelaxingContact
     from ..beside.analysis import Analysis
+    from ..bodies import Relaxation
     from ..report.rate import CycledAtSpeed
+    from ..report.relaxation import CycledRelaxing
 
 
-class PairsType(ParamType):
-    """KEY=VALUE,KEY=VALUE ..."""
-
-    name = "KEY=VALUE,..."
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> dict[str, str]:
-        if isinstance(value, dict):
-            return value
-        found: dict[str, str] = {}
-        for pair in str(value).split(","):
-            key, mark, text = (part.strip() for part in pair.partition("="))
-            if not (key and mark and text):
-                self.fail(f'must be KEY=VALUE,..., such as v0="1 um/s",n=0.6, got "{value}"', param, ctx)
-            if key in found:
-                self.fail(f"{key} is given twice", param, ctx)
-            found[key] = text
-        return found
+ALONE = ("speed", "speed_approach", "hold", "dwell", "dwell_time")  # what a program says by itself
 
 
 @dataclass(frozen=True)
 class RateOptions:
-    """What the command line says about rates, as text where it depends on the control; None: not given."""
+    """What the command line says the device does, as text where it depends on the control; None: not given."""
 
+    to_load: float | None
+    to_depth: float | None
     rate: Mapping[str, str] | None
     rate_advance: Mapping[str, str] | None
     speed: str | None
@@ -61,19 +48,36 @@ class RateOptions:
             raise InputError(f"cycle: give either {flag(beside[0])} or --program")
         if (self.dwell is None) != (self.dwell_time is None):
             raise InputError("cycle: --dwell and --dwell-time go together")
+        if self.program is not None and not self.to_load is self.to_depth is None:
+            raise InputError("cycle: give either --program or a turn (--to-load, --to-depth)")
+        if self.to_load is not None and self.to_depth is not None:
+            raise InputError("cycle: give at most one of --to-load and --to-depth")
 
     @property
     def given(self) -> list[str]:
-        """The fields that were given, but the rate."""
-        return [name for name, value in vars(self).items() if value is not None and name != "rate"]
+        """The fields that were given, but the rate and the turn."""
+        beside = ("rate", "to_load", "to_depth")
+        return [name for name, value in vars(self).items() if value is not None and name not in beside]
 
     def refuse_without_time(self) -> None:
         """InputError where options of time are given for what does not depend on it."""
         if self.rate is None and (given := [name for name in self.given if name != "program"]):
             raise InputError(f"cycle: {flag(given[0])} needs --rate: without it nothing depends on time")
 
+    def refuse_in_limits(self) -> None:
+        """InputError where they say what a body does over time that relaxes and adheres."""
+        if self.rate is None and self.given:
+            raise InputError(
+                f"cycle: {flag(self.given[0])}: adhesion on a body that relaxes is known in the limits of very fast "
+                "and very slow cycles alone, which do not depend on time: leave it out, or give --w-approach 0"
+            )
 
-ALONE = ("speed", "speed_approach", "hold", "dwell", "dwell_time")
+    def program_of(self, contact: RateContact | RelaxingContact) -> Program:
+        """What the device does, of the table or of the speeds."""
+        if self.program is not None:
+            return read_program(self.program, contact.stiffness)
+        told = {name: getattr(self, name) for name in ("to_load", "to_depth", *ALONE)}
+        return Course(**told).program(contact, flag)
 
 
 def flag(name: str) -> str:
@@ -82,8 +86,10 @@ def flag(name: str) -> str:
 
 
 def rate_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """The options of speed and time, as one argument ``rates``."""
+    """The options of turn, speed and time, as one argument ``rates``."""
     options = (
+        click.option("--to-load", type=LoadType(), help="Turn at this load [default: at the end of the series]."),
+        click.option("--to-depth", type=LengthType(), help="Turn at this displacement delta."),
         click.option("--rate", type=PairsType(), help='w0 (1 + (v/v0)^n) as the edge recedes: v0="1 um/s",n=0.6; '
                      'law=log,v0=...,b="5 mJ/m^2": w0 + b log(1 + v/v0). w0 is --w-retract.'),
         click.option("--rate-advance", type=PairsType(), help="The same of an edge that advances [default: at once]."),
@@ -108,17 +114,7 @@ def rate_options(command: Callable[..., Any]) -> Callable[..., Any]:
     return decorated
 
 
-@dataclass(frozen=True, eq=False)
-class Turn:
-    """Where the approach ends: at a load [N], at a depth [m], or, both None, at the end of the series."""
-
-    load: float | None
-    depth: float | None
-
-
-def run(
-    curves: Sequence[Analysis], stiffness: float, turn: Turn, points: int, rates: RateOptions
-) -> CycledAtSpeed:  # fmt: skip
+def run(curves: Sequence[Analysis], stiffness: float, points: int, rates: RateOptions) -> CycledAtSpeed:
     """What happens over time; ``curves``: those of approach and of retraction."""
     from ..adhesion import RateContact, rate_law_of
     from ..report.rate import CycledAtSpeed
@@ -127,27 +123,20 @@ def run(
     law = rate_law_of(rates.rate or {}, "--rate")
     advance = None if rates.rate_advance is None else rate_law_of(rates.rate_advance, "--rate-advance")
     contact = RateContact(outwards.jkr.nonadhesive, law, outwards.w, inwards.w, stiffness, advance)
-    return CycledAtSpeed.of(contact, program_of(contact, rates, turn), outwards, stress=rates.stress, points=points)
+    return CycledAtSpeed.of(contact, rates.program_of(contact), outwards, stress=rates.stress, points=points)
 
 
-def program_of(contact: RateContact | RelaxingContact, rates: RateOptions, turn: Turn) -> Program:
-    """What the device does, of the speeds or of the table."""
-    from ..adhesion import there_and_back
-    from ..adhesion.program import dwell
+def run_relaxing(body: Analysis, law: Relaxation, stiffness: float, points: int, rates: RateOptions) -> CycledRelaxing:
+    """What happens over time to a body that relaxes, without adhesion."""
+    from ..adhesion import RelaxingContact
+    from ..report.relaxation import CycledRelaxing
 
-    loaded, least = contact.stiffness == LOAD_CONTROL, contact.least
-    length, speed = ("load", "load rate") if loaded else ("length", "speed")
-    if rates.program is not None:
-        return read_program(rates.program, contact.stiffness)
-    back = _quantity("--speed", rates.speed, speed)
-    there = _quantity("--speed-approach", rates.speed_approach, speed) if rates.speed_approach else back
-    hold = 0.0 if rates.hold is None else _quantity("--hold", rates.hold, "time", least=0.0)
-    x = contact.turning(turn.load, turn.depth, there)
-    if rates.dwell is None:
-        return there_and_back(x, there, back, hold, least)
-    held = _quantity("--dwell", rates.dwell, length, least=-math.inf)
-    lasts = _quantity("--dwell-time", rates.dwell_time, "time")
-    return dwell(x, there, back, held, lasts, hold, least)
+    if rates.rate is not None:
+        raise InputError("cycle: --rate needs adhesion: give --w-approach, or leave it out")
+    if rates.speed is None and rates.program is None:
+        raise InputError('cycle: the specimen relaxes: say what the device does, --speed "10 um/s" or --program TABLE')
+    contact = RelaxingContact(body.jkr.nonadhesive, law, stiffness)
+    return CycledRelaxing.of(contact, rates.program_of(contact), body.path, points)
 
 
 def read_program(path: Path, stiffness: float) -> Program:
@@ -156,15 +145,3 @@ def read_program(path: Path, stiffness: float) -> Program:
     from ..data import device_program
 
     return Program(*device_program.read_program(path, "load" if stiffness == LOAD_CONTROL else "length"))
-
-
-def _quantity(option: str, text: str | None, dimension: str, least: float | None = None) -> float:
-    """The number that an option gives; > 0 where no ``least`` is told."""
-    try:
-        value = parse(text or "", dimension)
-    except ValueError as error:
-        raise InputError(f"{option}: {error}") from None
-    wrong = value <= 0 if least is None else value < least
-    if wrong or not math.isfinite(value):
-        raise InputError(f"{option}: must be {'> 0' if least is None else f'>= {least:g}'}, got {text}")
-    return value

@@ -241,6 +241,25 @@ class NamedType(ParamType):
         return name, text
 
 
+class PairsType(ParamType):
+    """KEY=VALUE,KEY=VALUE ..."""
+
+    name = "KEY=VALUE,..."
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> dict[str, str]:
+        if isinstance(value, dict):
+            return value
+        found: dict[str, str] = {}
+        for pair in str(value).split(","):
+            key, mark, text = (part.strip() for part in pair.partition("="))
+            if not (key and mark and text):
+                self.fail(f'must be KEY=VALUE,..., such as v0="1 um/s",n=0.6, got "{value}"', param, ctx)
+            if key in found:
+                self.fail(f"{key} is given twice", param, ctx)
+            found[key] = text
+        return found
+
+
 class RowsType(ParamType):
     """FIRST..LAST, whole numbers from 1 on."""
 

@@ -9,7 +9,7 @@ import click
 
 from ..many.study import MAPS
 from ..report.output import PICTURES, Output
-from .options import parallel_options
+from .options import PairsType, parallel_options
 from .output import answer, into_folder, output_options
 from .verb import Verb
 from .voice import level_options, present, progress, warn
@@ -101,8 +101,6 @@ def _command(row: Map) -> click.Command:
 
 
 def _option(name: str, axis: Axis) -> Any:
-    from .cycle_rate import PairsType
-
     kind: Any = float if axis.read is None else str
     default = axis.default if axis.several else (axis.default,)
     if isinstance(axis.default, dict):

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..adhesion import Program, RelaxingContact, TimedState
+from ..adhesion import Program, RelaxingContact, TimedState, limits_of
 from ..adhesion.path import TUNING
 from ..adhesion.relaxation.history import HISTORY, RelaxedHistory
 from ..base import SI, Array, InputError, show
@@ -94,6 +95,38 @@ class CycledRelaxing(RelaxedHistory, Result):
     def warnings(self) -> list[str]:
         """What a reader should know, each with its number."""
         return [f"the loads err by about {self.error:.1g} of the largest"] if self.error > HISTORY.accurate else []
+
+
+@dataclass(frozen=True, eq=False)
+class CycledInLimits(Result):
+    """The cycles of a body that relaxes and adheres in the limits that are known: by the name of each its share of the
+    moduli and its result."""
+
+    file: Path
+    limits: Mapping[str, tuple[float, Result]]
+
+    @classmethod
+    def of(cls, file: Path, law: Relaxation, cycle: Callable[[float], Result]) -> CycledInLimits:
+        """In each limit of the ``law`` the ``cycle`` of the body whose moduli are a share of those at t = 0."""
+        return cls(file, {name: (share, cycle(share)) for name, share in limits_of(law).items()})
+
+    def summary(self) -> dict[str, Any]:
+        told = {name: {"moduli": share} | found.summary() for name, (share, found) in self.limits.items()}
+        return {"file": str(self.file), "limits": told}
+
+    def words(self) -> list[str]:
+        return [line for part in self.parts for line in part]
+
+    @property
+    def parts(self) -> Sequence[Sequence[str]]:
+        return [
+            [f"limit of {name} cycles, the moduli times {share:.4g}: {found.words()[0]}", *found.words()[1:]]
+            for name, (share, found) in self.limits.items()
+        ]
+
+    @property
+    def warnings(self) -> list[str]:
+        return list(dict.fromkeys(line for _, found in self.limits.values() for line in found.warnings))
 
 
 def _state(state: TimedState) -> dict[str, Any]:

@@ -1,0 +1,67 @@
+"""What a device does there and back, as people say it: speeds, times and places, from which its program is made."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+from ..base import InputError, parse
+from .device import LOAD_CONTROL
+from .program import Program, dwell, there_and_back
+
+
+class Turning(Protocol):
+    """A contact in a device of ``stiffness`` [N/m]: where it begins, and where an approach comes to its turn."""
+
+    @property
+    def stiffness(self) -> float: ...
+    @property
+    def least(self) -> float: ...
+    def turning(self, load: float | None, depth: float | None, speed: float) -> float: ...
+
+
+@dataclass(frozen=True)
+class Course:
+    """The device presses at ``speed_approach`` (default: ``speed``) to ``to_load`` [N] or ``to_depth`` [m], both None
+    to the end of the series, waits for ``hold`` and goes back at ``speed``, as far as ``dwell`` where it then stays for
+    ``dwell_time``. Numbers are SI, text carries its unit; under load control speeds are N/s and ``dwell`` is a load.
+    """
+
+    speed: float | str
+    speed_approach: float | str | None = None
+    to_load: float | None = None
+    to_depth: float | None = None
+    hold: float | str | None = None
+    dwell: float | str | None = None
+    dwell_time: float | str | None = None
+
+    def program(self, contact: Turning, called: Callable[[str], str] = str) -> Program:
+        """What the device does to ``contact``; InputError that names the field as it is ``called``."""
+
+        def quantity(name: str, dimension: str, least: float | None = None) -> float:
+            return _quantity(called(name), getattr(self, name), dimension, least)
+
+        loaded, least = contact.stiffness == LOAD_CONTROL, contact.least
+        length, speed = ("load", "load rate") if loaded else ("length", "speed")
+        back = quantity("speed", speed)
+        there = back if self.speed_approach is None else quantity("speed_approach", speed)
+        hold = 0.0 if self.hold is None else quantity("hold", "time", least=0.0)
+        x = contact.turning(self.to_load, self.to_depth, there)
+        if self.dwell is None:
+            return there_and_back(x, there, back, hold, least)
+        held, lasts = quantity("dwell", length, least=-math.inf), quantity("dwell_time", "time")
+        return dwell(x, there, back, held, lasts, hold, least)
+
+
+def _quantity(name: str, told: float | str, dimension: str, least: float | None) -> float:
+    """A number in SI, or text with its unit; > 0 where no ``least`` is given."""
+    try:
+        value = parse(told, dimension) if isinstance(told, str) else float(told)
+    except ValueError as error:
+        raise InputError(f"{name}: {error}") from None
+    wrong = value <= 0 if least is None else value < least
+    if wrong or not math.isfinite(value):
+        raise InputError(f"{name}: must be {'> 0' if least is None else f'>= {least:g}'}, got {told}")
+    return value

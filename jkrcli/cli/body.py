@@ -1,15 +1,21 @@
-"""A body by flags instead of a case file: indenter, and a half-space or one layer."""
+"""A body by flags instead of a case file: indenter, and a half-space or one layer; the body of a fit by either."""
 
 from __future__ import annotations
 
 import contextlib
 from collections.abc import Callable, Mapping
-from typing import Any
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from ..base import InputError, writable
+from ..methods.guards import Limits
 from .voice import warn
+
+if TYPE_CHECKING:
+    from ..identification.fit import FittedBody
 
 FLAGS = ("shape", "radius", "half_angle", "modulus", "nu", "thickness", "base")
 SHAPES = {  # by flags, and which of them each needs
@@ -17,6 +23,8 @@ SHAPES = {  # by flags, and which of them each needs
     "rounded-cone": ("radius", "half_angle"),
     **dict.fromkeys(("cone", "pyramid", "three-sided-pyramid"), ("half_angle",)),
 }
+SHALLOW = 0.2  # choice: of the tip radius, to which a body by flags is solved first; the data may ask for more
+POINTED = 5e-6  # choice: [m], in place of the radius of a tip that has none
 LARGE = 0.1  # choice: [m], from which on a bare number is remarked
 Command = Callable[..., Any]
 OPTIONS = (
@@ -86,3 +94,33 @@ def number_or_text(text: str | None) -> float | str | None:
     with contextlib.suppress(ValueError, TypeError):
         return float(text)  # type: ignore[arg-type]
     return text
+
+
+def given_body(
+    body_file: Path, measured: tuple[Path, ...], flags: dict[str, str | None]
+) -> tuple[Path | dict[str, str | None], tuple[Path, ...]]:
+    """What describes the body, a file or the flags, and the measured files: by flags every file is one."""
+    by_case = not any(flags.values())
+    if not by_case and body_file.suffix == ".toml":
+        raise InputError(f"fit: give a body file or the body by flags, not both: {body_file} and {given_flags(flags)}")
+    if by_case and not measured:
+        raise InputError("fit: give MEASURED files behind BODY, or the body by flags: --radius, --nu")
+    return (body_file, measured) if by_case else (flags, (body_file, *measured))
+
+
+def fitted_body(source: Path | dict[str, str | None], slopes: str, limits: Limits) -> FittedBody:
+    """The body of a file, or of flags: there a modulus that is not told is 1 MPa, which no result depends on."""
+    from ..case import parse_case
+    from ..identification.fit.body import body_of
+    from .series import read_series
+
+    if isinstance(source, Path):
+        return body_of(source if source.suffix == ".toml" else read_series(source), slopes, limits)
+    import tomli_w
+
+    tables = tables_of("fit", source, "a case or series file", {"radius": 1.0}, "1 MPa")
+    radius = parse_case(tomli_w.dumps(tables).encode(), "fit").model.problem().indenter.tip_radius
+    tables["loading"]["radius"] = SHALLOW * (radius or POINTED)
+    tables["method"] = "closed-form" if source["thickness"] is None else "layered"  # so that no other is imported
+    body = body_of(parse_case(tomli_w.dumps(tables).encode(), "fit"), slopes, limits)
+    return replace(body, told=source["modulus"] is not None)

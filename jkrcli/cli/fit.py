@@ -9,123 +9,32 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..adhesion import RATE_LAWS
 from ..base import InputError
 from ..base.files import TUNING as FILES
 from ..base.files import beside
 from ..bodies import RELAXATIONS
 from ..methods.guards import Limits
-from ..report.output import PICTURES, SHOWN, Files, Output
-from .body import FLAGS, body_options, given_flags, tables_of
+from ..report.output import PICTURES, Files, Output
+from .body import FLAGS, fitted_body, given_body
 from .fit_curves import FEWER, fit_curves, refits_of
 from .fit_idle import EACH, LAW, RELAXATION, SHARED, TENSION, given, refuse_idle
-from .fit_joint import fit_joint
-from .fit_law import Asked, fit_law
+from .fit_options import fit_options
 from .fit_relaxation import fit_relaxation
-from .fit_tension import fit_tension, is_asked
-from .measured import TUNING, begin_reading, reading_of, reading_options
-from .options import (
-    NamedType,
-    ParamType,
-    RangeType,
-    ScaleType,
-    limits_options,
-    parallel_options,
-    slopes_option,
-)
-from .output import into_folder, output_options
+from .fit_together import Asked, fit_joint, fit_law, fit_tension, is_asked
+from .measured import TUNING, begin_reading, reading_of
 from .verb import Verb
 
 if TYPE_CHECKING:
-    from ..identification.fit import Fit, FittedBody, Settings
-    from ..identification.fit.fitting import Failure
+    from ..identification.fit import FittedBody, Settings
 
-    Pictures = list[tuple[Fit | Failure, Files]]
-
-SHALLOW = 0.2  # choice: of the tip radius, to which a body by flags is solved first; the data may ask for more
-POINTED = 5e-6  # choice: [m], in place of the radius of a tip that has none
 SURFACES = {"both": ("sliding", "sticking"), "sliding": ("sliding",), "sticking": ("sticking",)}
 NO_RANGE = "has no adhesion of finite range: leave the case's adhesion.range, stress and capillary out"
-
-
-class NamesType(ParamType):
-    """One or several names, separated by commas."""
-
-    name = "NAME,..."
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[str, ...]:
-        return (
-            value if isinstance(value, tuple) else tuple(part.strip() for part in str(value).split(",") if part.strip())
-        )
 
 
 @click.command(cls=Verb)
 @click.argument("body_file", metavar="BODY", type=click.Path(path_type=Path))
 @click.argument("measured", nargs=-1, type=click.Path(path_type=Path))
-@body_options
-@click.option(
-    "--free",
-    multiple=True,
-    type=NamesType(),
-    help="Also free: P0, compliance, E:LAYER, h:LAYER (thickness), range or stress (of adhesion), drift, "
-    "surface_tension.",
-)
-@click.option(
-    "--fix", multiple=True, type=NamedType(), help='Known: w="50 mJ/m^2", delta0=0, modulus=1, E_star="1 MPa".'
-)
-@click.option("--start", multiple=True, type=NamedType(), help="Starting value, beside those found in the data.")
-@click.option("--bound", multiple=True, type=NamedType(), help='Bounds, w="10 mJ/m^2..1 J/m^2"; one may be left out. '
-              'Of a range that is not fitted what is known: range="..10 nm".')  # fmt: skip
-@click.option(
-    "--law",
-    type=click.Choice(list(RATE_LAWS)),
-    help="Adhesion depends on the speed of the edge: w0 and "
-    "the law's v0, n (or v0, b) are free too, all records are fitted together; needs t, delta, P.",
-)
-@click.option("--relaxation", type=click.Choice(list(RELAXATIONS)), help="The body relaxes: its modulus, the law's "
-              "parameters and delta0 from t, delta, P of pressing, waiting and retracting, no adhesion.")  # fmt: skip
-@click.option("--terms", type=click.IntRange(1, 4), help="Of --relaxation prony [default: 2].")
-@click.option("--segment", type=click.Choice(["approach", "retract", "both"]),
-              help="Rows to fit [default: retract where the file names segments, else all].")  # fmt: skip
-@click.option("--base-line", type=click.Choice(["straight", "sine"]), default="straight", show_default=True,
-              help="Of a raw record; sine: with optical interference.")  # fmt: skip
-@click.option("--branch", type=click.Choice(["all", "compressive"]), default="all", show_default=True,
-              help="compressive: rows under compression only.")  # fmt: skip
-@click.option("--noise", multiple=True, type=ScaleType(),
-              help='Standard deviation of the readings, P="2 nN" [default: from the record].')  # fmt: skip
-@click.option("--loss", type=click.Choice(["linear", "soft_l1", "huber", "cauchy"]), default="linear",
-              show_default=True, help="Anything but linear is robust against outliers.")  # fmt: skip
-@click.option("--confidence", type=click.Choice(["covariance", "profile", "bootstrap"]), default="covariance",
-              show_default=True, help="How the intervals are found.")  # fmt: skip
-@click.option("--model", type=click.Choice(["jkr", "auto"]), default="jkr", show_default=True,
-              help="Of a raw record; auto: the best other models too, where its data ask for one.")  # fmt: skip
-@click.option("--rivals", is_flag=True, help="Print what the data of a raw record say of each other model.")
-@click.option("--plan", is_flag=True, help="Print which further measurement would narrow E* and w most.")
-@click.option("--level", type=float, default=0.95, show_default=True, help="Of the intervals.")
-@click.option(
-    "--samples", type=click.IntRange(20, 100_000), default=200, show_default=True, help="Number of bootstrap resamples."
-)
-@click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Seed of the resamples.")
-@click.option("--shared", multiple=True, type=NamesType(),
-              help="Fit all records together: parameters that they share, E_star,w.")  # fmt: skip
-@click.option("--own", multiple=True, type=NamesType(),
-              help="With --shared: those of each record, delta0,P0 [default: all other free ones].")  # fmt: skip
-@click.option(
-    "--tip-radius",
-    multiple=True,
-    type=RangeType(),
-    help="With --shared or surface_tension: of each file, or of all [default: BODY's].",
-)
-@click.option("--surface", type=click.Choice(["sliding", "sticking", "both"]),
-              help="Of the body, instead of its own; both: under either, and what the data prefer.")  # fmt: skip
-@click.option("--uncertain", multiple=True, type=NamedType(),
-              help="Standard deviation of an input, carried on: radius=3%, stiffness=10%, thickness=5%.")  # fmt: skip
-@slopes_option
-@reading_options
-@limits_options
-@parallel_options
-@into_folder("Folder [default: BODY's].")
-@output_options(plots=f"Draw nothing (else up to {SHOWN} curves are drawn).", json="Print the summary as JSON.")
+@fit_options
 def fit(
     body_file: Path,
     measured: tuple[Path, ...],
@@ -167,7 +76,7 @@ def fit(
     jkr fit gel.toml small.csv large.csv --shared E_star,w
     """
     flags = {key: options.pop(key) for key in FLAGS}
-    source, paths = _given(body_file, measured, flags)
+    source, paths = given_body(body_file, measured, flags)
     inputs = (body_file, *measured)
     common, kept = ([name for group in groups for name in group] for groups in (shared, own))
     names = [*(name for group in free for name in group), *_freed((*common, *kept), fix)]
@@ -183,7 +92,7 @@ def fit(
     begin_reading("fit", paths, limits, FEWER, per_row=surfaces * per_row, per_file=surfaces * per_file)
     reading = reading_of(options)
     options["noise"], options["contact"] = dict(options["noise"]), reading.contact
-    body = _body(source, slopes, limits)
+    body = fitted_body(source, slopes, limits)
     told = str(source) if isinstance(source, Path) else body.problem.words
     if (law or relaxation) and body.asked:
         raise InputError(f"fit: --{'law' if law else 'relaxation'} {NO_RANGE}")
@@ -192,6 +101,7 @@ def fit(
     if kind in (EACH, SHARED):
         kind = TENSION if is_asked(body, names, fix) else kind
         refuse_idle(kind, given())
+        asked = replace(asked, reading=replace(reading, contact="as-is"))  # the fit finds zeros with the rest
     if relaxation is not None:
         fit_relaxation(asked, relaxation)
     elif kind == TENSION:
@@ -201,7 +111,6 @@ def fit(
     else:
         for name in ("terms", "rivals", "plan"):
             del options[name]
-        asked = replace(asked, reading=replace(reading, contact="as-is"))
         settings = _settings(body, uncertain, names, fix, start, bound, options)
         if common:
             fit_joint(asked, tip_radius, settings, common, kept)
@@ -226,18 +135,6 @@ def _freed(names: Sequence[str], fix: Sequence[tuple[str, str]]) -> list[str]:
     return [name for name in names if name not in (*USUALLY_FREE, ALIAS, *dict(fix))]
 
 
-def _given(
-    body_file: Path, measured: tuple[Path, ...], flags: dict[str, str | None]
-) -> tuple[Path | dict[str, str | None], tuple[Path, ...]]:
-    """What describes the body, a file or the flags, and the measured files: by flags every file is one."""
-    by_case = not any(flags.values())
-    if not by_case and body_file.suffix == ".toml":
-        raise InputError(f"fit: give a body file or the body by flags, not both: {body_file} and {given_flags(flags)}")
-    if by_case and not measured:
-        raise InputError("fit: give MEASURED files behind BODY, or the body by flags: --radius, --nu")
-    return (body_file, measured) if by_case else (flags, (body_file, *measured))
-
-
 def _settings(
     body: FittedBody, uncertain: tuple[tuple[str, str], ...], names: list[str], fix: Any, start: Any, bound: Any,
     options: dict[str, Any],
@@ -250,21 +147,3 @@ def _settings(
         return settings
     carried = uncertain_of(body, uncertain, settings)
     return settings_of(body, names, fix, start, bound, uncertain=carried, **options)
-
-
-def _body(source: Path | dict[str, str | None], slopes: str, limits: Limits) -> FittedBody:
-    """The body of a file, or of flags: there a modulus that is not told is 1 MPa, which no result depends on."""
-    from ..case import parse_case
-    from ..identification.fit.body import body_of
-    from .series import read_series
-
-    if isinstance(source, Path):
-        return body_of(source if source.suffix == ".toml" else read_series(source), slopes, limits)
-    import tomli_w
-
-    tables = tables_of("fit", source, "a case or series file", {"radius": 1.0}, "1 MPa")
-    radius = parse_case(tomli_w.dumps(tables).encode(), "fit").model.problem().indenter.tip_radius
-    tables["loading"]["radius"] = SHALLOW * (radius or POINTED)
-    tables["method"] = "closed-form" if source["thickness"] is None else "layered"  # so that no other is imported
-    body = body_of(parse_case(tomli_w.dumps(tables).encode(), "fit"), slopes, limits)
-    return replace(body, told=source["modulus"] is not None)

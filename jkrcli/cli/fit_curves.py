@@ -11,7 +11,7 @@ from ..base.files import beside
 from ..methods import Forecast
 from ..methods.guards import Limits
 from ..report.output import PICTURES, SHOWN, Files, Output
-from .fit_law import Asked
+from .fit_together import Asked
 from .measured import TUNING
 from .options import begin
 from .output import give

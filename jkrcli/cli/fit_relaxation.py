@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ..base import InputError
-from .fit_law import Asked
+from .fit_together import Asked
 from .output import give
 from .voice import warn
 

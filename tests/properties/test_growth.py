@@ -72,7 +72,7 @@ def test_long_tables_are_announced_before_they_are_read(
     monkeypatch.setattr("jkrcli.data.measured.each", reading)
     monkeypatch.setattr("jkrcli.identification.work_of_files.each", reading)
     monkeypatch.setattr("jkrcli.report.compare.read_curve", reading)
-    monkeypatch.setattr("jkrcli.cli.fit._body", reading)
+    monkeypatch.setattr("jkrcli.cli.fit.fitted_body", reading)
     Path("s.toml").write_text(HALF_SPACE.format(method="closed-form", loading='radius = "0.1 mm"'))
     Path("long.csv").write_text("delta_m,P_N\n" + "1e-6,12345e-6\n" * 1_000_000)
     done = jkr(*verb, "long.csv")
@@ -132,7 +132,7 @@ def test_intervals_are_announced_and_refused_before_anything_is_read(
     jkr, monkeypatch: pytest.MonkeyPatch, words: tuple[str, ...], told: str
 ) -> None:
     """A bootstrap of 100,000 samples took 22 min without a word."""
-    stopped(monkeypatch, "jkrcli.data.measured.each", "jkrcli.cli.fit._body")
+    stopped(monkeypatch, "jkrcli.data.measured.each", "jkrcli.cli.fit.fitted_body")
     Path("s.toml").write_text(HALF_SPACE.format(method="closed-form", loading='radius = "0.1 mm"'))
     Path("x.csv").write_text("delta_m,P_N\n" + "1e-6,12345e-6\n" * 50)
     assert told in jkr("fit", "s.toml", "x.csv", *words).err

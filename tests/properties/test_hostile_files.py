@@ -423,7 +423,7 @@ def test_names_that_others_gave_become_different_names_of_files(tmp_path: Path) 
 def test_a_body_whose_name_leaves_no_room_for_its_pictures_is_refused_before_work(
     jkr: Run, series: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("jkrcli.cli.fit._body", lambda *_: pytest.fail("work was begun"))
+    monkeypatch.setattr("jkrcli.cli.fit.fitted_body", lambda *_: pytest.fail("work was begun"))
     Path("m.csv").write_bytes(TABLE)
     body = series.rename("b" * (255 - len("-fit-.png") - TUNING.shortest + 1) + ".h5")
     refused(jkr("fit", body, "m.csv"), "cannot be written (File name too long)")

@@ -110,7 +110,7 @@ def test_a_layer_that_is_not_there_is_refused_with_the_names_there_are(jkr, tmp_
     assert outcome.code == 2
     assert outcome.err == (
         'jkr: error: fit: unknown parameter "E:skim", did you mean "E:skin"? (allowed: modulus, w, delta0, P0, '
-        "compliance, drift, range, stress, E_star, E:skin, E:base, h:skin)\n"
+        "compliance, drift, hysteresis, creep, range, stress, E_star, E:skin, E:base, h:skin)\n"
     )
 
 

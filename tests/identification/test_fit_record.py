@@ -227,11 +227,11 @@ def test_a_drift_that_nobody_asked_for_is_said() -> None:
 
 def test_a_drift_needs_both_directions_and_their_time() -> None:
     curve, _, _ = drifting(0.0)
-    told = "made: a drift needs approach and retraction together"
+    told = "made: drift needs"
     for held, options, reason in (
-        (curve, {"segment": "retract"}, ", and their time: leave --segment out"),
-        (replace(curve, t=None), {"segment": "both"}, ", and their time: it holds none"),
-        (curve.only("retract"), {"segment": "both"}, ", only one can be fitted"),
+        (curve, {"segment": "retract"}, " approach and retraction together: leave --segment out"),
+        (replace(curve, t=None), {"segment": "both"}, " a column of time, there is none: leave drift out"),
+        (curve.only("retract"), {"segment": "both"}, " approach and retraction together, only one can be fitted"),
     ):
         with pytest.raises(InputError, match=f"^{told}{reason}$"):
             fit(BODY, held, usual(free=["drift"], **options))

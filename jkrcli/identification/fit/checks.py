@@ -14,7 +14,7 @@ from .body import FittedBody
 from .family import Family
 from .result import Fit
 from .rivals import Rivals
-from .settings import RANGES
+from .settings import POSITIONS, RANGES
 
 
 @dataclass(frozen=True)
@@ -75,7 +75,7 @@ def _told_apart(found: Fit, at_bound: Sequence[str]) -> Iterator[str]:
     for i, j in zip(*np.triu_indices(len(found.free), 1), strict=True):
         one, two = found.free[i], found.free[j]
         pair = {one, two}
-        told = pair <= {"modulus", "w", *RANGES} or any(":" in name for name in pair)
+        told = pair <= {"modulus", "w", *RANGES} or pair <= set(POSITIONS) or any(":" in name for name in pair)
         if abs(matrix[i, j]) > THRESHOLDS.apart and told:
             yield (
                 f"{_word(one)} and {_word(two)} are strongly correlated ({matrix[i, j]:.4f}): "

@@ -8,8 +8,8 @@ scatter is in the load:
 P is 0 where a row is free. On approach the edge advances with its own w; from the turning point on it rests, then
 recedes with the w of the retraction. Where the retraction is alone, the root of the w of its approach is a share
 ``turn`` of its own. Each direction has its own base line (drag, drift of the load), on request with a wave c cos + s
-sin of 2 pi (z - at)/period (``interference``). On request z0 drifts at a constant speed, z0 + v t with t = 0 at the
-turning point: of one direction alone that cannot be told from another modulus.
+sin of 2 pi (z - at)/period (``interference``). On request positions err by a drift, hysteresis or creep, 0 at the
+turning point (``positions``): of one direction alone these cannot be told from another modulus.
 """
 
 from __future__ import annotations
@@ -31,6 +31,7 @@ from .device_path import Changes, DeviceBranch, Rest, branch, on_grid, rest
 from .family import Family
 from .interference import Wave, parts
 from .points import in_contact, third_differences
+from .positions import creep, hysteresis
 from .settings import Loss
 from .statistics import TURNS, influence, robust_scale
 
@@ -71,9 +72,9 @@ class DirectionReadings:
 
     ``touching``: whether a row may be in contact; where ``jumped``, all those rows are, and the others are free, as a
     jump tells, or a window about first touch that is left out.
-    ``line``: the base line that was found from the free rows alone, ``wave``: on top of it. ``t``: time since the
-    turning point [s], 0 where it is not known. ``turn``: where the device turns [m]; ``tension``: the largest that is
-    told from the noise [N].
+    ``line``: the base line that was found from the free rows alone, ``wave``: on top of it. ``t``: time since the end
+    of the approach [s], 0 where it is not known, ``waits`` until the retraction, of ``lasting`` in all. ``turn``: where
+    the device turns [m]; ``tension``: the largest that is told from the noise [N].
     """
 
     kind: str
@@ -87,12 +88,24 @@ class DirectionReadings:
     turn: float
     tension: float
     wave: Wave | None = None
+    waits: float = 0.0
+    lasting: float = 0.0
 
     @cached_property
     def spacing(self) -> float:
         """Usual distance of neighbouring rows [m]; the mean where most of them repeat their position."""
         steps = np.abs(np.diff(self.z))
         return float(np.median(steps)) or float(np.mean(steps))
+
+    @cached_property
+    def travel(self) -> float:
+        """How far the device moves in all [m]."""
+        return self.turn - float(self.z.min())
+
+    @property
+    def way(self) -> Array:
+        """The share of the travel between the turn and each row."""
+        return (self.turn - self.z) / self.travel
 
     @cached_property
     def reach(self) -> float:
@@ -115,7 +128,7 @@ class DirectionReadings:
 class ForceCurveModel:
     """The readings of some stretches on one body at a device of stiffness ``k`` [N/m], as a function of the unknowns.
 
-    These are ln s, z0, its speed where it is ``drifting`` [m/s], the log of the period where there are waves, for each
+    These are ln s, z0, the errors of ``positions``, the log of the period where there are waves, for each
     stretch its offset, tilt, cosine and sine of its wave, and q = w/s unless its w is one of ``works`` [J/m^2]; of an
     approach before a retraction that adheres its signed root instead, which the resting edge is smooth in; of a
     retraction alone the share ``turn``. ``known``: those that are not fitted, by name. ``moduli``: least and largest s.
@@ -127,7 +140,7 @@ class ForceCurveModel:
     known: Mapping[str, float] = field(default_factory=dict)
     works: Mapping[str, float] = field(default_factory=dict)
     moduli: tuple[float, float] = (0.0, math.inf)
-    drifting: bool = False
+    positions: tuple[str, ...] = ()
 
     @cached_property
     def rows(self) -> Array:
@@ -147,7 +160,7 @@ class ForceCurveModel:
         """The unknowns in order; those of a stretch carry its kind."""
         names = (
             ["ln_s", "z0"]
-            + ["drift"] * self.drifting
+            + list(self.positions)
             + ["ln_period"] * any(stretch.wave is not None for stretch in self.stretches)
         )
         for stretch in self.stretches:
@@ -187,8 +200,26 @@ class ForceCurveModel:
 
     def depth(self, part: DirectionReadings, values: Mapping[str, float]) -> Array:
         """Position of the device beyond its zero [m], at all rows of a stretch."""
-        depth: Array = part.z - values["z0"] - values.get("drift", 0.0) * part.t
-        return depth
+        depth: Array = part.z - values["z0"]
+        return depth + sum((values[name] * by for name, by in self.misplaced(part).items()), np.zeros_like(depth))
+
+    def misplaced(self, part: DirectionReadings) -> dict[str, Array]:
+        """How much deeper the rows of a stretch stand than they say, per amount of each error of positions [m]."""
+        back = part.travel * (part.kind != APPROACH)
+        found = {}
+        for name in self.positions:
+            if name == "drift":
+                found[name] = -part.t
+            elif name == "hysteresis":
+                found[name] = back * hysteresis(part.way)
+            else:
+                found[name] = back * creep(np.maximum(part.t, 0.0) / part.lasting)
+        return found
+
+    def deepened(self, part: DirectionReadings, values: Mapping[str, float]) -> float:
+        """How much deeper the device creeps while it waits before the way back, per amount [m]."""
+        crept = part.waits > 0 and values.get("creep", 0.0) > 0
+        return part.travel * float(creep(np.array(part.waits / part.lasting))) if crept else 0.0
 
     def branch(self, part: DirectionReadings, values: Mapping[str, float]) -> DeviceBranch:
         """The branch on which the edge of a stretch moves."""
@@ -204,7 +235,7 @@ class ForceCurveModel:
             before = values["turn"] * root
         else:
             return None
-        depth = part.turn - values["z0"]
+        depth = part.turn - values["z0"] + values.get("creep", 0.0) * self.deepened(part, values)
         return rest(self.family, math.exp(values["ln_s"]), before, root, self.k, depth) if before < root else None
 
     def touching(self, part: DirectionReadings, values: Mapping[str, float], fold: float) -> Array:
@@ -278,9 +309,12 @@ class ForceCurveModel:
         return P, {
             "ln_s": by_s - q * by_q if part.kind in self.works else by_s,
             "z0": -by_z - by_turn,
-            "drift": -by_z * part.t,
             own: by_q,
             "turn": by_before * root,
+            **{
+                name: by_z * by + by_turn * self.deepened(part, values) * (name == "creep")
+                for name, by in self.misplaced(part).items()
+            },
         } | _by_advance(first, part, values, by_q, by_before)
 
     def by_body(self, x: Array, changes: Sequence[Changes | None]) -> Array:
@@ -376,10 +410,12 @@ def _stretch(record: ForceCurve, side: Direction, wave: Wave | None) -> Directio
     contact = np.count_nonzero(touching) or rows.size - side.border[1]
     keep[rows.size - round(TUNING.turning * contact) :] = False
     keep &= ~np.isin(rows, record.spikes)
-    t = np.zeros(len(curve)) if curve.t is None else curve.t - curve.t[int(np.argmax(curve.device))]
+    into = record.direction(APPROACH)
+    last = int(np.argmax(curve.device)) if into is None else into.segment.last
+    t = np.zeros(len(curve)) if curve.t is None else curve.t - curve.t[last]
     return DirectionReadings(
         side.segment.kind, rows[keep], line, z[keep], P[keep], touching[keep], bool(touching.any()), t[rows[keep]],
-        float(curve.device.max()), tension, wave,
+        float(curve.device.max()), tension, wave, max(float(t[rows[-1]]), 0.0), float(np.ptp(t)),
     )  # fmt: skip
 
 
@@ -530,7 +566,7 @@ def _windowed(found: ForceCurveFit, part: DirectionReadings) -> DirectionReading
 def unasked_drift(found: ForceCurveFit) -> tuple[float, float, float]:
     """Speed of a drift of z0 [m/s] that was not fitted, its standard error, and the change of ln s that it would bring:
     one step of a search that knows it."""
-    model = replace(found.model, drifting=True)
+    model = replace(found.model, positions=(*found.model.positions, "drift"))
     values = found.model.values(found.x) | {"drift": 0.0}
     off, J = model.residuals(np.array([values[name] for name in model.names]), 0.0)
     step, errors = _one_step(model, off, J, found.weight)
@@ -599,7 +635,7 @@ def _start(model: ForceCurveModel, part: DirectionReadings, share: float, turn: 
     """Unknowns to begin with, as a ``share`` of the way in contact of one stretch suggests: shapes w/s and contact
     points are tried; for each of them the rest is linear."""
     s, zero, r = _tried(model, part, share)
-    values = {"ln_s": math.log(s), "z0": zero, "drift": 0.0, "turn": turn}
+    values = {"ln_s": math.log(s), "z0": zero, "turn": turn, **dict.fromkeys(model.positions, 0.0)}
     for other in model.stretches:
         q = r**2 if other is part else _of_tension(model, s, other.tension)
         values[f"offset:{other.kind}"] = float(other.line(other.z[0]))

@@ -30,11 +30,12 @@ from .force_curve import (
 )
 from .interference import Wave, straightened
 from .points import third_differences
+from .positions import TIMED
 from .record_intervals import of_samples, profiles, rates, samples
 from .record_rivals import OF_RIVALS
 from .record_verdict import by_rivals, judged
 from .result import Fit, FittedValue
-from .settings import AUTO, CALIBRATED, Parameter, Settings
+from .settings import AUTO, CALIBRATED, POSITIONS, Parameter, Settings, dimension_of
 from .statistics import structure, t_quantile
 
 
@@ -65,7 +66,7 @@ class WholeRecordTuning:
 
 TUNING = WholeRecordTuning()
 ASKED = frozenset(
-    {"modulus", "w", "delta0", "P0", "drift"}
+    {"modulus", "w", "delta0", "P0", *POSITIONS}
 )  # parameters of a whole record; others need prepared readings
 FREE = (-math.inf, math.inf)
 ZEROS = frozenset({"delta0", "P0", "compliance"})  # always fitted, or told by the stiffness of the device
@@ -78,7 +79,7 @@ def whole_record(curve: Curve, settings: Settings) -> ForceCurve | None:
     without a base line the zero of the load is that of the file.
     """
     prepared = settings.contact == "as-is"
-    only = [f"--base-line {settings.base_line}"] * (settings.base_line != "straight") + ["drift"] * settings.drifts
+    only = [f"--base-line {settings.base_line}"] * (settings.base_line != "straight") + list(settings.positions)
     only += [f"--model {settings.model}"] * (settings.model == AUTO)
     asked = settings.contact == "fitted" or bool(only)
     if prepared or curve.a is not None or curve.delta is None or curve.P is None:
@@ -99,10 +100,22 @@ def whole_record(curve: Curve, settings: Settings) -> ForceCurve | None:
         raise InputError(f"{curve.where}: --uncertain {idle[0]}: the record has no stiffness, so it has no effect here")
     if said := record.flags.get("wrong way"):
         raise InputError(f"{curve.where}: {said}")
-    if settings.drifts and (curve.t is None or settings.segment not in (None, "both")):
-        raise InputError(f"{curve.where}: a drift needs approach and retraction together, and their time: "
-                         + ("it holds none" if curve.t is None else "leave --segment out"))  # fmt: skip
+    _check_positions(curve, settings)
     return record
+
+
+def _check_positions(curve: Curve, settings: Settings) -> None:
+    """InputError where the record or what else is asked tells no error of positions that is."""
+    for name in settings.positions:
+        if settings.segment not in (None, "both"):
+            raise InputError(f"{curve.where}: {name} needs approach and retraction together: leave --segment out")
+        if name in TIMED and (curve.t is None or not np.ptp(curve.t) > 0):
+            raise InputError(f"{curve.where}: {name} needs a column of time, there is none: leave {name} out")
+        if beyond_the_record(settings):
+            raise InputError(
+                f"{curve.where}: {name} is told by a whole record, which knows no range, stress, compliance, layers' own "
+                "parameters, --branch, --noise, --start and --bound: leave these or it out"
+            )
 
 
 def _raw(record: ForceCurve) -> bool:
@@ -173,8 +186,8 @@ def _of_directions(
 ) -> Fit:  # fmt: skip
     """The fit of both directions by one modulus, or each by its own where they differ."""
     result = told(whole, joint)
-    if len(joint.model.stretches) < 2 or not _apart(joint):
-        return result
+    if len(joint.model.stretches) < 2 or joint.model.positions or not _apart(joint):
+        return result  # one direction alone tells no error of positions
     (_, into), (deeper, back) = of(APPROACH), of(RETRACT)
     error = math.hypot(*(found.error("ln_s") * found.spread.excess for found in (into, back)))
     if not differ(math.exp(into.value("ln_s")), math.exp(back.value("ln_s")), error):
@@ -319,13 +332,14 @@ def _model(
     zero = settings.parameter("P0")
     for part in (part for part in parts if not part.line.rows):
         known |= {f"tilt:{part.kind}": 0.0} | ({} if zero is not None and zero.free else {f"offset:{part.kind}": 0.0})
-    drift = settings.parameter("drift")
-    if drift is not None and len(parts) < 2:
-        raise InputError(f"{curve.where}: a drift needs approach and retraction together, only one can be fitted")
-    known |= {"drift": drift.value} if drift is not None and drift.value is not None else {}
+    if settings.positions and len(parts) < 2:
+        which = settings.positions[0]
+        raise InputError(f"{curve.where}: {which} needs approach and retraction together, only one can be fitted")
+    errors = {name: settings.parameter(name) for name in settings.positions}
+    known |= {name: item.value for name, item in errors.items() if item is not None and item.value is not None}
     k = math.inf if curve.stiffness is None else curve.stiffness
     moduli = (modulus.low, modulus.high)
-    return ForceCurveModel(body.family, k, parts, known, works, moduli, drift is not None)
+    return ForceCurveModel(body.family, k, parts, known, works, moduli, settings.positions)
 
 
 def _deep_enough(body: FittedBody, model: ForceCurveModel) -> FittedBody:
@@ -395,8 +409,7 @@ def _outcome(found: ForceCurveFit, x: Array, body: FittedBody) -> dict[str, floa
         wave = Wave(math.exp(values["ln_period"]), last.wave.at, values[f"cos:{last.kind}"], values[f"sin:{last.kind}"])
         P0 += float(wave(np.array(values["z0"])))
     told |= {"delta0": values["z0"] - P0 / found.model.k, "P0": P0, "tilt": tilt}
-    if found.model.drifting:
-        told["drift"] = values["drift"]
+    told |= {name: values[name] for name in found.model.positions}
     if last.wave is not None:
         told |= {"wave_period": wave.period, "wave_amplitude": math.hypot(wave.cos, wave.sin)}
     told |= found.model.further(values)
@@ -413,7 +426,8 @@ NAMES = {APPROACH: APPROACH, RETRACT: "retraction"}
 WORKS = {APPROACH: "w_approach", RETRACT: "w"}
 DIMENSIONS = {
     "modulus": "number", "w": "work", "w_approach": "work", "delta0": "length", "P0": "load",
-    "tilt": "stiffness", "drift": "speed", "wave_period": "length", "wave_amplitude": "load", **OF_RIVALS,
+    "tilt": "stiffness", "wave_period": "length", "wave_amplitude": "load", **OF_RIVALS,
+    **{name: dimension_of(name) for name in POSITIONS},
 }  # fmt: skip
 
 
@@ -622,7 +636,11 @@ def _words(found: ForceCurveFit, settings: Settings) -> Iterator[str]:
     if any(name.startswith("offset:") for name in found.model.known):
         yield "no base line: the zero of the load is set to 0 (--free P0, or --zero P=... if known)"
     model = found.model
-    if len(model.stretches) > 1 and not model.drifting and all(np.ptp(part.t) > 0 for part in model.stretches):
+    if (
+        len(model.stretches) > 1
+        and "drift" not in model.positions
+        and all(np.ptp(part.t) > 0 for part in model.stretches)
+    ):
         speed, error, change = unasked_drift(found)
         if abs(speed) > TUNING.drifting * error:
             yield (

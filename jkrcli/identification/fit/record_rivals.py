@@ -27,6 +27,7 @@ from .body import FittedBody, solved
 from .device_path import grid, on_grid
 from .family import Family
 from .force_curve import DirectionReadings, ForceCurveFit, ForceCurveModel, base_line
+from .positions import creep, hysteresis
 from .record_change import AMOUNT, LITTLE, Change, Values, bent, of_body
 from .record_situation import Situation
 
@@ -85,6 +86,7 @@ TUNING = RecordRivalTuning()
 OF_RIVALS = {
     AMOUNT: "number", "thickness": "length", "nu": "number", "exponent": "number", "range": "length",
     "surface_tension": "tension", "stiffness": "stiffness", "fall": "number", "relaxation_time": "time", "n": "number",
+    "creep": "number", "hysteresis": "number",
 }  # fmt: skip
 EXPONENT, TIME, ANY = "n", "relaxation_time", (-math.inf, math.inf)
 Look = Callable[[Situation], Change | Array | None]
@@ -475,7 +477,8 @@ def relaxing(memory: Callable[[Array], Array], law: Callable[[Values, float], Re
 
     def look(at: Situation) -> Change | Array | None:
         column = first_order(at)
-        if column is None or any(part.tension for part in at.model.stretches) or not np.ptp(at.model.stretches[0].t):
+        adheres, timed = any(part.tension for part in at.model.stretches), np.ptp(at.model.stretches[0].t) > 0
+        if column is None or adheres or not timed or at.model.positions:
             return column
         load = _relaxed(at, lambda values: law(values, at.lasting))
         return Change(load=load, felt=True, column=column, told=partial(_fall, at.lasting), **own)
@@ -587,29 +590,33 @@ def stiffness(at: Situation) -> Change | None:
     )
 
 
-def of_return(place: Callable[[Situation, DirectionReadings], Array]) -> Look:
-    """An error of the positions of the retraction against the approach, in units of the way in contact."""
+def of_return(place: Callable[[Situation, DirectionReadings], Array], name: str = AMOUNT) -> Look:
+    """An error of the positions of the retraction against the approach [m per amount], told by a ``name``."""
 
     def look(at: Situation) -> Change | None:
-        return _moved(at, lambda part: place(at, part) if part.kind != APPROACH else np.zeros(part.z.size))
+        return _moved(at, lambda part: place(at, part) if part.kind != APPROACH else np.zeros(part.z.size), name)
 
     return look
 
 
-def _moved(at: Situation, place: Callable[[DirectionReadings], Array]) -> Change | None:
-    if len(at.model.stretches) < 2:
+def _moved(at: Situation, place: Callable[[DirectionReadings], Array], name: str = AMOUNT) -> Change | None:
+    if len(at.model.stretches) < 2 or name in at.model.positions:
         return None
-    return Change(((0.0,),), moved=lambda part, values: values[AMOUNT] * at.reach * place(part))
+    return Change(
+        ((0.0,),), moved=lambda part, values: values[AMOUNT] * place(part), told=lambda values: {name: values[AMOUNT]},
+        column=at.by_position * np.concatenate([place(part) for part in at.model.stretches]),
+    )  # fmt: skip
 
 
-def _way(at: Situation, part: DirectionReadings) -> Array:
-    """From 0 at the turn to 1 at the far end."""
-    return (part.turn - part.z) / float(part.turn - part.z.min())
+def _scaled(at: Situation, part: DirectionReadings) -> Array:
+    return at.reach * part.way
 
 
 def drifting(at: Situation) -> Change | None:
     """Drift of the depth, in units of the way in contact over the time of the record."""
-    return _moved(at, lambda part: (1.0 if part.kind == APPROACH else -1.0) * at.time(part))
+    if "drift" in at.model.positions:
+        return None
+    return _moved(at, lambda part: (1.0 if part.kind == APPROACH else -1.0) * at.time(part) * at.reach)
 
 
 def of_retraction(at: Situation) -> Change | None:
@@ -639,16 +646,15 @@ def slope_at_rest(at: Situation) -> Array | None:
 
 
 def _bow(at: Situation, part: DirectionReadings) -> Array:
-    way = _way(at, part)
-    return 4 * way * (1 - way)
+    return part.travel * hysteresis(part.way)
 
 
 def _creep(at: Situation, part: DirectionReadings) -> Array:
-    return np.log1p(100 * at.time(part))
+    return part.travel * creep(at.time(part))
 
 
 def _dent(at: Situation, part: DirectionReadings) -> Array:
-    return -np.ones(part.z.size)
+    return np.full(part.z.size, -at.reach)
 
 
 BODY, TIP, ADHESION, DEVICE, MEMORY = "layer or base", "shape of the tip", "adhesion", "device", "relaxation or flow"
@@ -681,9 +687,11 @@ RIVALS: tuple[Rival, ...] = (
     Rival("another modulus on the way back", MEMORY, "relative change", of_retraction, of_directions=True),
     Rival("another slope at rest", MEMORY, "relative change", slope_at_rest, of_directions=True),
     Rival("stiffness of the device", DEVICE, "relative change", stiffness, possible=TUNING.device),
-    Rival("creep of the position", DEVICE, "of the depth, per factor e of time", of_return(_creep), of_directions=True),
-    Rival("hysteresis of the position", DEVICE, "of the depth, at most", of_return(_bow), of_directions=True),
-    Rival("scale of the position", DEVICE, "retraction against approach", of_return(_way), of_directions=True),
+    Rival("creep of the position", DEVICE, "of the travel, per decade of time", of_return(_creep, "creep"),
+          of_directions=True),
+    Rival("hysteresis of the position", DEVICE, "of the travel, at most", of_return(_bow, "hysteresis"),
+          of_directions=True),
+    Rival("scale of the position", DEVICE, "retraction against approach", of_return(_scaled), of_directions=True),
     Rival("drift of the depth", DEVICE, "of the depth over the record", drifting, of_directions=True),
 )  # fmt: skip
 

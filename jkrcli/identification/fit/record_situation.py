@@ -129,7 +129,7 @@ class Situation:
     @property
     def lasting(self) -> float:
         """How long the record lasts [s]."""
-        return sum(float(np.ptp(part.t)) for part in self.model.stretches)
+        return self.model.stretches[0].lasting
 
     @property
     def tip_turn(self) -> float:
@@ -145,7 +145,6 @@ class Situation:
 
     def time(self, part: DirectionReadings) -> Array:
         """Time since the turn, in units of a whole record; by the number of rows where no column tells it."""
-        spans = [float(np.ptp(one.t)) for one in self.model.stretches]
-        if min(spans) > 0:
-            return np.abs(part.t) / sum(spans)
+        if min(float(np.ptp(one.t)) for one in self.model.stretches) > 0:
+            return np.abs(part.t) / self.lasting
         return np.abs(part.rows - part.rows[-1]) / sum(float(np.ptp(one.rows)) for one in self.model.stretches)

@@ -22,11 +22,14 @@ BaseLineName = Literal["straight", "sine"]
 ModelName = Literal["jkr", "auto"]
 AUTO: ModelName = "auto"
 DIMENSIONS = {"modulus": "number", "w": "work", "delta0": "length", "P0": "load", "compliance": "number",
-              "drift": "speed", "range": "length", "stress": "modulus"}  # fmt: skip
+              "drift": "speed", "hysteresis": "number", "creep": "number", "range": "length",
+              "stress": "modulus"}  # fmt: skip
+POSITIONS = ("drift", "hysteresis", "creep")  # errors of a device's positions
 OF_A_CYCLE = {"w_approach": "work", "a_turn": "length"}  # added where both directions are fitted; a_turn: radius there
 RANGES = ("range", "stress")  # one of them: adhesion of finite range; neither: JKR
 KINDS: dict[str, Kind] = {"modulus": "log", "w": "positive", "delta0": "linear", "P0": "linear", "compliance": "linear",
-                          "drift": "linear", "w_approach": "positive"}  # fmt: skip
+                          "drift": "linear", "hysteresis": "linear", "creep": "linear",
+                          "w_approach": "positive"}  # fmt: skip
 CALIBRATED = ("stiffness", "sensitivity")  # of a device, relative: what its loads are made from
 OF_A_LAYER = {"E": "modulus", "h": "length", "nu": "number"}
 USUALLY_FREE = ("modulus", "w", "delta0")
@@ -176,9 +179,9 @@ class Settings:
         return next((parameter for parameter in self.parameters if parameter.name in RANGES), None)
 
     @property
-    def drifts(self) -> bool:
-        """Whether the zero of the displacement drifts, free or at a known speed."""
-        return self.parameter("drift") is not None
+    def positions(self) -> tuple[str, ...]:
+        """The errors of positions that there are, free or known."""
+        return tuple(name for name in POSITIONS if self.parameter(name) is not None)
 
     def of_a_cycle(self, both: bool) -> Settings:
         """The same of a way back, whose radius at the turn is free too, or of ``both`` directions with w of the

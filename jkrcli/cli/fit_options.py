@@ -30,7 +30,7 @@ class NamesType(ParamType):
 OPTIONS = (
     click.option("--free", multiple=True, type=NamesType(),
                  help="Also free: P0, compliance, E:LAYER, h:LAYER (thickness), range or stress (of adhesion), drift, "
-                 "surface_tension."),
+                 "hysteresis, creep (of a raw record's positions), surface_tension."),
     click.option("--fix", multiple=True, type=NamedType(),
                  help='Known: w="50 mJ/m^2", delta0=0, modulus=1, E_star="1 MPa".'),
     click.option("--start", multiple=True, type=NamedType(), help="Starting value, beside those found in the data."),

@@ -108,7 +108,7 @@ def test_hysteresis_needs_no_time() -> None:
     )
 
 
-def test_a_profile_and_a_device_without_stiffness_take_it_too() -> None:
+def test_a_profile_holds_it() -> None:
     curve = made(bowed(0.01))
     item = fit(BODY, curve, usual(free=["hysteresis"], confidence="profile")).estimate("hysteresis")
     assert item.low is not None
@@ -151,7 +151,7 @@ def test_what_does_not_tell_an_error_of_positions_is_refused(
 
 def test_one_direction_or_prepared_readings_do_not_tell_it() -> None:
     curve = made(bowed(0.0))
-    with pytest.raises(InputError, match="^made: hysteresis needs approach and retraction together, only one can be"):
+    with pytest.raises(InputError, match=r"^made: hysteresis needs approach and retraction together, only one can be"):
         fit(BODY, curve.rows(np.arange(ROWS)), usual(free=["hysteresis"], contact="fitted"))
     with pytest.raises(InputError, match="hysteresis is for raw records of displacement and load"):
         fit(BODY, curve, usual(free=["hysteresis"], contact="as-is"))

@@ -57,7 +57,7 @@ def compare(
         found = of_solutions(files, *read_files("compare", files)[1])
         columns = columns or ("P",)
     result = Compared.of(files, found, rtol, columns, overlap)
-    give(result, output)
+    give(result, output.json)
     if plot is not None:
         from ..report import plots
 

@@ -12,14 +12,13 @@ from ..base import InputError, write_text
 from ..beside.analysis import analyse
 from ..data import measured
 from ..methods.guards import Limits
-from ..report.explorer import page, payload, start_work
+from ..report.explorer import Explored, page, payload, start_work
 from ..report.output import Output
 from .measured import begin_reading, reading_of, reading_options
 from .options import WorkType, limits_options, slopes_option
-from .output import ONE_FILE, answer, into_file, output_options
+from .output import ONE_FILE, give, into_file, output_options
 from .series import begin_curves, read_series, series_file, without_range
 from .verb import Verb
-from .voice import present
 
 
 @click.command(cls=Verb)
@@ -66,11 +65,4 @@ def explore(
         result = analyse(solution, (start_work(result.jkr.nonadhesive),), slopes)[0]
     text = page(payload(result, curves, slopes))
     write_text(target, text)
-    size, points = target.stat().st_size, sum(map(len, curves))
-    if output.json:
-        summary = {"file": str(file), "page": str(target), "bytes": size, "w_J_per_m2": result.w}
-        answer(summary | {"measured_curves": len(curves), "measured_points": points})
-        return
-    overlaid = f", {points} measured points in {len(curves)} curves" if curves else ""
-    lines = [f"{len(result.curve.series)} points{overlaid}: {file}"]
-    present(lines, last=f"  written {target} ({size / 1e6:.1f} MB): open it in a browser")
+    give(Explored(file, target, result.w, len(result.curve.series), len(curves), sum(map(len, curves))), output.json)

@@ -51,4 +51,4 @@ def export(file: Path, dem: bool, work: float | None, slopes: str, limits: Limit
     with together():
         write_text(targets[".h"], found.header)
         targets.write(found.columns)
-    give(found, output, f"  written    {targets}")
+    give(found, output.json, f"  written    {targets}")

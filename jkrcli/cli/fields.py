@@ -63,4 +63,4 @@ def fields(
         with atomic(targets[".vtu"]) as temporary:
             found.write_vtu(temporary, MARKS[".vtu"])
         targets.write(found.columns, figure=figure)
-    give(found, output, f"  written      {targets}")
+    give(found, output.json, f"  written      {targets}")

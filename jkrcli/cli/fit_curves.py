@@ -71,7 +71,7 @@ def fit_curves(
         warn(f"skipped: {line}")
     drawn = f", {len(pictures)} picture{'s' if len(pictures) > 1 else ''}" if pictures else ""
     more = f" ({len(result.fits) - SHOWN:,} more curves)" if len(result.fits) > SHOWN else ""
-    give(result, output, f"  written {targets}{drawn}{f', the map in {map_file}' if map_file else ''}{more}")
+    give(result, output.json, f"  written {targets}{drawn}{f', the map in {map_file}' if map_file else ''}{more}")
     for item in result.fits[:SHOWN] if not output.json else []:
         if lines := [*(rivals_table(item) if asked.options["rivals"] else []), *plan_table(item)]:
             say("\n".join(lines))

@@ -38,4 +38,4 @@ def fit_relaxation(asked: Asked, law: str) -> None:
     targets.write(result.columns, result.summary(), targets.draw(result.figure))
     for line in skipped:
         warn(f"skipped: {line}")
-    give(result, asked.output, f"  written {targets}")
+    give(result, asked.output.json, f"  written {targets}")

@@ -57,7 +57,7 @@ class Asked:
         except SolveError as error:
             raise InputError(f"{self.measured[0]}: {error}") from None
         self.targets.write(found.columns, found.summary(), self.targets.draw(found.figure))
-        give(found, self.output, f"  written {self.targets}")
+        give(found, self.output.json, f"  written {self.targets}")
 
 
 def fit_joint(

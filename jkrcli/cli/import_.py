@@ -91,7 +91,7 @@ def import_(
     loaded = _with_loading(held, solution)
     solution = replace(solution, record=store.record_of(loaded))
     store.write(target, solution, command_line())
-    give(Imported(target, solution, table), output)
+    give(Imported(target, solution, table), output.json)
 
 
 def _case(path: Path | None, body: dict[str, str | None]) -> Case:

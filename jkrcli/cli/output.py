@@ -84,9 +84,9 @@ def answer(data: Mapping[str, Any]) -> None:
     click.echo(as_json(data), nl=False)
 
 
-def give(result: Result, output: Output, written: str = "") -> None:
+def give(result: Result, json: bool, written: str = "") -> None:
     """A result on stdout, for machines or for people, these with what is ``written``; then its warnings."""
-    if output.json:
+    if json:
         answer(result.summary())
     else:
         present(*result.parts, last=written)

@@ -13,10 +13,9 @@ from ..methods.guards import Limits
 from ..report.output import PICTURES, Output
 from ..report.profile import Profile
 from .options import LengthType, LoadType, WorkType, limits_options, range_options
-from .output import into_folder, output_options
+from .output import give, into_folder, output_options
 from .series import begin_curves, first_work, read_series, series_file
 from .verb import Verb
-from .voice import present
 
 
 @click.command(cls=Verb)
@@ -27,7 +26,7 @@ from .voice import present
 @range_options
 @limits_options
 @into_folder()
-@output_options()
+@output_options(json="Print the summary as JSON.")
 def profile(
     file: Path,
     radius: float | None,
@@ -64,4 +63,4 @@ def profile(
         radius = radius_under(solution, load, w, asked)
     result = Profile(file, radius, w, profile_columns(solution, radius, w, asked))
     targets.write(result.columns, figure=result.figure())
-    present(result.words(), last=f"  written {targets}")
+    give(result, output.json, f"  written {targets}")

@@ -60,4 +60,4 @@ def run(
     solution = replace(solution, facts={**solution.facts, **effect_facts(effect)})
     store.write(target, solution, command_line())
     seconds = time.process_time() - start
-    give(Solved(target, solution, choice, effect, seconds, tolerance, loaded.remarks), output)
+    give(Solved(target, solution, choice, effect, seconds, tolerance, loaded.remarks), output.json)

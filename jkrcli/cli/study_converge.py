@@ -59,4 +59,4 @@ def study_converge(
     with executor(workers, scheduler, progress, method.forecast(problem).seconds) as pool:
         found = converge(problem, method, w, levels, pool=pool)
     files.write(found.columns, found.summary(), files.draw(found.figure))
-    give(found, output, f"  written   {files}")
+    give(found, output.json, f"  written   {files}")

@@ -64,7 +64,7 @@ def sweep(
         found = carry_out(plan, folder, means, output.force, note)
         if output.plots and _draw(found, pictures):
             found = replace(found, files=(*found.files, *(pictures[ending] for ending in PICTURES)))
-        give(found, output, f"  written   {', '.join(map(str, found.files))}")
+        give(found, output.json, f"  written   {', '.join(map(str, found.files))}")
 
 
 def _draw(found: Swept, pictures: Files) -> bool:

@@ -18,11 +18,11 @@ import pytest
 
 from jkrcli.base.installing import installs
 from jkrcli.cli import GROUPS, VERBS, VOICED
-from jkrcli.cli import doctor as doctor_part
 from jkrcli.cli import jkr as root
 from jkrcli.cli.study import STUDIES
 from jkrcli.cli.verb import GROUPS as OPTIONS
 from jkrcli.cli.voice import TUNING
+from jkrcli.report import machine
 
 BIN = Path(sys.executable).parent
 
@@ -121,18 +121,18 @@ def test_doctor_names_the_remedy_of_what_is_missing(jkr: Callable, monkeypatch: 
             raise OSError("libGLU.so.1: cannot open shared object file")
         return real(name)
 
-    monkeypatch.setattr(doctor_part.importlib, "import_module", without_gl)
-    monkeypatch.setitem(doctor_part.OPTIONAL, "no-such-package", ("nothing", "a test"))
+    monkeypatch.setattr(machine.importlib, "import_module", without_gl)
+    monkeypatch.setitem(machine.OPTIONAL, "no-such-package", ("nothing", "a test"))
     done = jkr("doctor")
     assert done.code == 1
     assert "MISSING   gmsh             cannot load: libGLU.so.1" in done.out
-    assert f"type: sudo apt-get install --no-install-recommends {doctor_part.LIBRARIES}" in done.out
+    assert f"type: sudo apt-get install --no-install-recommends {machine.LIBRARIES}" in done.out
     assert f"optional  no-such-package  not installed (a test); type: {installs('nothing')}" in done.out
 
 
 def test_doctor_names_the_libraries_that_setup_installs() -> None:
     script = (Path(__file__).parents[2] / ".ci" / "system-libraries").read_text()
-    assert doctor_part.LIBRARIES in script
+    assert machine.LIBRARIES in script
 
 
 def completed(shell: str, script: str) -> list[str]:

@@ -2,5 +2,6 @@
 
 from .page import page
 from .payload import payload, start_work
+from .result import Explored
 
-__all__ = ["page", "payload", "start_work"]
+__all__ = ["Explored", "page", "payload", "start_work"]

@@ -24,7 +24,7 @@ CASES   := $(notdir $(basename $(wildcard cases/*.toml)))
 SOURCES := $(shell find jkrcli -name '*.py')
 
 .DEFAULT_GOAL := help
-.PHONY: help setup run test test-all test-minimal test-processors wheel fuzz lint docs validation gallery notebooks benchmarks cases bench figures noise-study chart chart-peers failures bounds range-bounds record-bounds relaxation-bounds record-rivals guards mutants tuning constants sweep audit clean requirements
+.PHONY: help setup run test test-all test-minimal test-processors wheel fuzz lint docs validation gallery notebooks benchmarks cases bench figures noise-study chart chart-peers failures bounds range-bounds record-bounds relaxation-bounds tension-bounds record-rivals guards mutants tuning constants sweep audit clean requirements
 .DELETE_ON_ERROR:
 
 help: ## list the targets
@@ -147,6 +147,9 @@ record-bounds: $(READY) ## whether 95 % intervals of raw records hold E*, w and 
 
 relaxation-bounds: $(READY) ## whether 95 % intervals of records that relax hold E*, ratio and time, on 1,000 made records (half an hour)
 	PYTHONPATH=docs:tests $(VENV)/bin/python -m studies.relaxation_bounds $(call QUOTE,$(SEED)) 1000
+
+tension-bounds: $(READY) ## whether 95 % intervals of E*, surface tension and w from two tip radii hold, on 1,000 made pairs (an hour)
+	PYTHONPATH=docs:tests $(VENV)/bin/python -m studies.tension_bounds $(call QUOTE,$(SEED)) 1000
 
 record-rivals: $(READY) ## whether wrong models of raw records are told and right ones are not accused, on 20 records of each kind (fifteen minutes)
 	PYTHONPATH=docs:tests $(VENV)/bin/python -m studies.record_rivals $(call QUOTE,$(SEED)) 20

@@ -23,7 +23,7 @@ from ..data.measured import Curve
 from ..formulas.griffith import shift
 from ..formulas.surface_tension import edge_angle
 from ..methods.layered.layered import Layered, largest_radius, unbounded
-from .fit.result import FittedValue, estimated
+from .fit.result import FittedValue, estimated, estimated_work
 from .fit.settings import ALIAS
 from .fit.statistics import covariance, t_quantile
 from .least_squares import Least, LeastSquares, State, by_differences
@@ -40,15 +40,16 @@ class TensionFitTuning:
     lengths: int = 14  # of 2 Ups/E*; choice: curves between them err by 1e-4
     least: float = 1e-3  # of it over the largest contact radius; choice: less changes loads by 1e-3
     most: float = 1e2  # choice: beyond, tension alone carries
-    radii: int = 50  # choice: as dense as curves are smooth
-    smallest: float = 0.02  # of the largest, the least of them; choice: where w may let the contact go
+    radii: int = 60  # choice: as dense as curves are smooth
+    smallest: float = 0.002  # of the largest, the least of them; choice: where a slight w lets the contact go
     beyond: float = 3.0  # times the range of the displacement, to which it reaches; choice: spare for w
     accuracy: float = 1e-6  # choice: far below the noise of any record
     points: int = 800  # of a curve; choice: interpolated to 1e-5
     step: float = 1e-4  # of unknowns, for derivatives; choice: the square root of the accuracy is coarser
     converged: float = 1e-8  # choice: relative, far below any standard error
     evaluations: int = 200  # choice: guard
-    starts: tuple[float, ...] = (0.03, 0.5, 8.0)  # 2 Ups/E* over the largest radius; choice: one in each regime
+    starts: int = 9  # of 2 Ups/E*, over the whole table; choice: two minima may lie a decade apart
+    kept: int = 2  # choice: of the starts, those from which 2 Ups/E* is searched
     fewest: int = 8  # rows of a record; choice: four parameters
 
 
@@ -117,15 +118,19 @@ class TenseFamily:
 
     def loads(self, delta: Array, s: float, kappa: float, w: float) -> Array:
         """P [N] on the stable branch under a given displacement ``delta`` [m], moduli ``s`` times the problem's; held
-        beyond its ends."""
+        beyond its ends. P is straight in w at first, and goes on so below 0."""
         low, high = np.log(self.radii)
         u = np.linspace(low, high, TUNING.points)
         D, T, H, S = np.exp([spline(math.log(kappa), u)[0] for spline in self.splines])
-        back = math.sqrt(w / s) * T
-        depth, load = D - back, s * (H - S * back)
-        first = int(np.argmin(depth))
-        found: Array = np.interp(delta, depth[first:], load[first:])
-        return found
+
+        def held(w: float) -> Array:
+            back = math.sqrt(w / s) * T
+            depth, load = D - back, s * (H - S * back)
+            first = int(np.argmin(depth))
+            found: Array = np.interp(delta, depth[first:], load[first:])
+            return found
+
+        return held(w) if w >= 0 else 2 * held(0.0) - held(-w)
 
 
 @lru_cache(maxsize=16)
@@ -189,8 +194,7 @@ def tension_fit(
         for R, record in zip(radii, records, strict=True)
     ]
     model = _Model(problem.E_star, records, families, fixed)
-    best = min((model.search(start) for start in TUNING.starts), key=lambda found: found.cost)
-    return _result(model, best, radii, level)
+    return _result(model, model.best(), radii, level)
 
 
 def _with_radius(problem: Problem, R: float) -> Problem:
@@ -200,22 +204,25 @@ def _with_radius(problem: Problem, R: float) -> Problem:
 @dataclass(frozen=True, eq=False)
 class _Model:
     """The unknowns x: logs of E* and of the surface tension and w, as far as they are not ``fixed``, and the zero
-    points in units of each record's range."""
+    points in units of each record's range. ``held``: 2 Ups/E* [m], where the tension follows from the modulus."""
 
     E_star: float
     records: tuple[Record, ...]
     families: list[TenseFamily]
     fixed: Mapping[str, float]
+    held: float | None = None
 
     @property
     def free(self) -> list[str]:
-        return [name for name in NAMES if name not in self.fixed]
+        known = (*self.fixed, TENSION) if self.held is not None else self.fixed
+        return [name for name in NAMES if name not in known]
 
     def values(self, x: Array) -> dict[str, float]:
         """Modulus and tension and w, SI."""
         found = dict(zip(self.free, x.tolist(), strict=False))
-        values = {name: math.exp(found[name]) for name in ("modulus", "surface_tension") if name in found}
-        return values | ({"w": abs(found["w"]) * self._work} if "w" in found else {}) | dict(self.fixed)
+        values = {name: math.exp(found[name]) for name in ("modulus", TENSION) if name in found}
+        values |= ({"w": found["w"] * self._work} if "w" in found else {}) | dict(self.fixed)
+        return values if self.held is None else values | {TENSION: self.held * values["modulus"] / 2}
 
     @property
     def _work(self) -> float:
@@ -245,24 +252,42 @@ class _Model:
     def state(self, x: Array) -> State:
         return by_differences(self.residuals, x, np.full(x.size, TUNING.step))
 
-    def search(self, start: float) -> Least:
-        """Least squares from 2 Ups/E* = ``start`` times the largest radius."""
-        a = max(family.radii[1] for family in self.families)
-        E = self.fixed.get("modulus", self._first_modulus(start))
-        guess = {"modulus": math.log(E), "surface_tension": math.log(start * a * E / 2), "w": 0.05}
-        zeros = [float(np.min(r.delta)) / r.depth for r in self.records]
-        x = np.array([*(guess[name] for name in self.free), *zeros])
+    def best(self) -> Least:
+        """The least of all searches: with 2 Ups/E* held at each start first, which leaves one minimum, then from the
+        best of these; from all starts where E* or the tension is known."""
+        low, high = self._lengths
+        starts: Sequence[tuple[float, Array | None]] = [(x, None) for x in np.geomspace(low, high, TUNING.starts)]
+        if {"modulus", TENSION} <= set(self.free):
+            found = [(replace(self, held=start).search(start), start) for start, _ in starts]
+            found = sorted(found, key=lambda item: item[0].cost)[: TUNING.kept]
+            starts = [(start, np.insert(least.x, 1, least.x[0] + math.log(start / 2))) for least, start in found]
+        return min((self.search(*start) for start in starts), key=lambda found: found.cost)
+
+    @property
+    def _lengths(self) -> tuple[float, float]:
+        """2 Ups/E* [m], least and most, which all families know."""
+        low, high = zip(*(family.lengths for family in self.families), strict=True)
+        return max(low), min(high)
+
+    def search(self, start: float, x: Array | None = None) -> Least:
+        """Least squares from 2 Ups/E* = ``start`` [m], and from the unknowns ``x`` where they are known."""
+        x = self._first(start) if x is None else x
         far = np.full(x.size, np.inf)
         try:
             return LeastSquares(self.state, (-far, far), TUNING.converged, evaluations=TUNING.evaluations).least(x)
         except ValueError as error:
             raise SolveError(f"fit of surface tension: {error}") from None
 
-    def _first_modulus(self, start: float) -> float:
-        """E* that gives the first record its range of loads."""
+    def _first(self, start: float) -> Array:
+        """Unknowns to begin with: E* gives the first record its range of loads."""
         record, family = self.records[0], self.families[0]
-        one = family.loads(np.array([record.depth]), 1.0, start * family.radii[1], 0.0)
-        return self.E_star * record.load / float(one[0])
+        one = family.loads(np.array([record.depth]), 1.0, start, 0.0)
+        E = self.E_star * record.load / float(one[0])
+        if TENSION in self.fixed:
+            E = 2 * self.fixed[TENSION] / start
+        tension = start * self.fixed.get("modulus", E) / 2
+        guess = {"modulus": math.log(E), TENSION: math.log(tension), "w": 0.05}
+        return np.array([*(guess[name] for name in self.free), *(np.min(r.delta) / r.depth for r in self.records)])
 
 
 def _result(model: _Model, best: Least, radii: Sequence[float], level: float) -> TensionFit:
@@ -297,8 +322,9 @@ def _estimate(name: str, value: float, free: bool, sigma: float | None, t: float
         return FittedValue(shown, value, False, dimension)
     if unit is None:
         return estimated(shown, math.log(value), dimension, sigma, t, log=True)
-    ends = 0.0 if name == "w" else -math.inf, math.inf
-    return estimated(shown, value, dimension, None if sigma is None else sigma * unit, t, ends=ends)
+    if name == "w" and sigma is not None:
+        return estimated_work(shown, value, sigma * unit, t)
+    return estimated(shown, value, dimension, None if sigma is None else sigma * unit, t)
 
 
 def _untold(names: list[str], correlation: Array, sigma: Array, told: bool) -> list[str]:
@@ -322,7 +348,7 @@ def _word(name: str) -> str:
 
 def _steep(values: Mapping[str, float]) -> list[str]:
     w, tension = values["w"], values["surface_tension"]
-    if w == 0 or edge_angle(w, tension) <= LIMITS.edge_angle:
+    if w <= 0 or edge_angle(w, tension) <= LIMITS.edge_angle:
         return []
     return [
         f"theta = sqrt(2 w/Ups) = {edge_angle(w, tension):.3g} rad (w = {show(w, 'work')}) is above "

@@ -1,10 +1,13 @@
 """Surface tension from records of one and of two radii, made by the exact solver: another table than the fit's."""
 
 import json
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
 import pytest
+from tension_records import TenseBody
+from tension_records import record as made
 
 import jkrcli
 from jkrcli.adhesion.curve import transform
@@ -52,6 +55,22 @@ def test_two_radii_tell_the_tension():
         apart.append((item.value - TENSION) / item.error)
     assert np.mean(np.square(apart)) < 4  # of 2; of 1,000: see the page
     assert not exact.warnings
+
+
+def test_a_slight_work_of_adhesion_is_told_as_a_limit():
+    """w was searched by its amount, whose slope at 0 is none, in curves that ended before so slight a contact does: the
+    interval was sixty times too wide, or w fourteen standard errors off."""
+    E, tension, w = 2e3, 0.06, 1e-3
+    start = Problem(Paraboloid(1e-5), Specimen((), HalfSpace(Elastic(1e3, 0.3))), Loading("depth", 1e-6))
+    curves = [
+        replace(made(TenseBody(2 * tension / E / R, nu=0.3), R, E, w, 0.6, 120, 0.01, 2e-7, 5), name=name)
+        for name, R in (("small", 3e-6), ("large", 1e-5))
+    ]
+    found = {item.name: item for item in tension_fit(start, curves, [3e-6, 1e-5], {}).estimates}
+    assert found["w"].low == 0
+    assert w < found["w"].high < 4 * w
+    for name, true in (("E_star", E), ("surface_tension", tension)):
+        assert abs(found[name].value - true) < 2 * found[name].error
 
 
 def test_one_radius_does_not_and_it_is_said_from_what():

@@ -34,7 +34,7 @@ from .positions import TIMED
 from .record_intervals import of_samples, profiles, rates, samples
 from .record_rivals import OF_RIVALS
 from .record_verdict import by_rivals, judged
-from .result import Fit, FittedValue
+from .result import Fit, FittedValue, estimated_work
 from .settings import AUTO, CALIBRATED, POSITIONS, Parameter, Settings, dimension_of
 from .statistics import structure, t_quantile
 
@@ -59,7 +59,6 @@ class WholeRecordTuning:
     repelling: float = 3.0  # choice: standard errors below 0 from which on w is held at 0
     excess: float = 4.0  # choice: of the standard errors, what misfit would add to them where its flag is raised
     differs: float = 0.01  # choice: of the modulus, below which they do not
-    one_sided: float = 0.84  # theory: 1.645/1.960, one-sided over two-sided 95 % of a normal value
     drifting: float = 3.0  # choice: standard errors of a drift that was not fitted, from which on it is said
     at_bound: float = 1e-6  # choice: relative distance of a modulus from a bound at which it is said to end there
 
@@ -532,7 +531,7 @@ def _estimate(name: str, value: float, error: float, t: float, found: ForceCurve
     if error == 0:
         return FittedValue(name, value, False, dimension)
     if dimension == "work":
-        return _work(name, value, error, t)
+        return estimated_work(name, value, error, t)
     if modulus and t * error > TUNING.untold * value:
         return FittedValue(name, value, True, dimension)  # the data do not tell it
     if modulus:
@@ -541,17 +540,9 @@ def _estimate(name: str, value: float, error: float, t: float, found: ForceCurve
     return FittedValue(name, value, True, dimension, error, value - t * error, value + t * error)
 
 
-def _work(name: str, value: float, error: float, t: float) -> FittedValue:
-    """w that the search may have found below 0: an interval, or an upper limit where it does not exclude 0."""
-    if value > t * error:
-        return FittedValue(name, value, True, "work", error, value - t * error, value + t * error)
-    value = max(value, 0.0)
-    return FittedValue(name, value, True, "work", error, 0.0, value + TUNING.one_sided * t * error)
-
-
 def _squared(name: str, root: float, error: float, t: float) -> FittedValue:
     """w whose signed ``root`` the data are regular in."""
-    ends = _work(name, root, error, t)
+    ends = estimated_work(name, root, error, t)
     assert ends.low is not None
     assert ends.high is not None
     low, high = ends.low**2, ends.high**2

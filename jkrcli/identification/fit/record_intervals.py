@@ -12,7 +12,7 @@ import numpy as np
 
 from ...base import Array, Pool, in_order
 from .force_curve import ForceCurveFit
-from .result import FittedValue
+from .result import ONE_SIDED, FittedValue
 from .settings import Settings
 
 
@@ -21,7 +21,6 @@ class RecordIntervalTuning:
     """How intervals are found."""
 
     step: float = 1e-6  # choice: of unknowns, for central differences; outcomes are smooth in them
-    one_sided: float = 0.84  # theory: 1.645/1.960, one-sided over two-sided 95 % of a normal value
     samples: int = 20  # choice: of a bootstrap, in one task
 
 
@@ -72,7 +71,7 @@ def _profiled(item: FittedValue, found: ForceCurveFit, meaning: Meaning, t: floa
 
     low, high = end(-t * error), end(t * error)
     if item.dimension == "work" and (low is None or low <= 0):
-        return replace(item, low=0.0, high=end(TUNING.one_sided * t * error))
+        return replace(item, low=0.0, high=end(ONE_SIDED * t * error))
     return replace(item, low=low, high=high)
 
 

@@ -15,6 +15,8 @@ from .record_scores import Verdict
 from .settings import Settings
 from .statistics import Structure
 
+ONE_SIDED = 0.84  # theory: 1.645/1.960, one-sided over two-sided 95 % of a normal value
+
 
 @dataclass(frozen=True)
 class FittedValue:
@@ -47,6 +49,14 @@ def estimated(
         return FittedValue(name, value, True, dimension, sigma, low, high)
     spread = math.exp(min(t * sigma, float_info.max_10_exp))
     return FittedValue(name, value, True, dimension, value * sigma, value / spread, value * spread)
+
+
+def estimated_work(name: str, value: float, error: float, t: float) -> FittedValue:
+    """w [J/m^2] that a search may have found below 0: an interval, or an upper limit where it does not exclude 0."""
+    if value > t * error:
+        return FittedValue(name, value, True, "work", error, value - t * error, value + t * error)
+    value = max(value, 0.0)
+    return FittedValue(name, value, True, "work", error, 0.0, value + ONE_SIDED * t * error)
 
 
 def times(item: FittedValue, factor: float, name: str, dimension: str) -> FittedValue:

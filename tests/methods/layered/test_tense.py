@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
-from scipy.special import jv
+from tension_records import galerkin
 
 from jkrcli import study_map
 from jkrcli.adhesion.curve import transform
@@ -19,7 +19,6 @@ from jkrcli.formulas import surface_tension as formulas
 from jkrcli.methods.layered.angles import Angles
 from jkrcli.methods.layered.layered import Layered
 from jkrcli.methods.layered.product import lagrange
-from jkrcli.methods.layered.spectrum import compliance_ratio
 from jkrcli.methods.layered.tense import TenseContact
 
 UNIT = Paraboloid(1.0)
@@ -150,30 +149,6 @@ def test_the_series_hangs_together(indenter, body):
     rel = 2e-6 if body == "graded" else 1e-7
     assert slope(series.S, step) == pytest.approx(series.dS[2], rel=rel)
     assert slope(series.P, step) == pytest.approx(series.S[2] * slope(series.delta, step), rel=rel)
-
-
-def galerkin(specimen, a, terms=12, most=1500.0):
-    """S, delta_H, P_H by Chebyshev polynomials of t/a over sqrt(a^2 - t^2), in Hankel space: another way to solve it;
-    delta_H from the state of least derivative of the energy, differences in a."""
-    edges = np.concatenate([[0.0], np.geomspace(1e-3, 1, 20), np.arange(2, most + 0.5)])
-    nodes, weights = np.polynomial.legendre.leggauss(8)
-    half = np.diff(edges)[:, None] / 2
-    k, w = np.ravel(edges[:-1, None] + half * (1 + nodes)), np.ravel(half * weights)
-    orders = np.arange(terms)
-    J = jv(2 * orders[:, None], k) * (-1.0) ** orders[:, None]
-
-    def energy(a):
-        kappa, g = specimen.tension_length / a, compliance_ratio(specimen, k / a)
-        A = (J * (w * g / (1 + kappa * g * k))) @ J.T + 1 / (np.pi * kappa * most)
-        sides = np.zeros((terms, 2))
-        sides[0], sides[1, 1] = (1, a**2 / 2), a**2 / 4
-        found = np.linalg.solve(np.pi / 2 * A, sides[:, 0])
-        return np.pi**2 / 2 * specimen.surface.E_star * a * (found @ sides)
-
-    step = 2e-3 * a
-    S, Q = energy(a)
-    dS, dQ = ((energy(a + step)[i] - energy(a - step)[i]) / (2 * step) for i in range(2))
-    return S, dQ / dS, S * dQ / dS - Q, dS
 
 
 @pytest.mark.parametrize("specimen", [half_space(0.4), bonded(0.3, 0.1), others(0.5)["coating"]], ids=str)

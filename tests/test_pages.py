@@ -102,7 +102,7 @@ def test_readme_s_first_screen_has_the_ways_from_a_clone_to_w() -> None:
     screen = "\n".join(README.read_text(encoding="utf-8").splitlines()[:40])
     for command in (
         "make setup",
-        "jkr pull-off my.toml --load",
+        "jkr pull-off --radius",
         "jkr fit cases/measured/raw-force-curve.txt",
         "jkr transform my.toml --w",
     ):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,6 +15,7 @@ from ..methods.guards import Limits
 from .voice import warn
 
 if TYPE_CHECKING:
+    from ..case import Case
     from ..identification.fit import FittedBody
 
 FLAGS = ("shape", "radius", "half_angle", "modulus", "nu", "thickness", "base")
@@ -54,6 +55,27 @@ def flag(name: str) -> str:
 def given_flags(body: Mapping[str, str | None]) -> str:
     """The flags that were given, for messages."""
     return ", ".join(flag(name) for name, value in body.items() if value is not None)
+
+
+def by_flags(verb: str, body: Mapping[str, str | None], files: Sequence[Path]) -> bool:
+    """Whether the body is given by flags; InputError where it is also given by ``files``."""
+    given = given_flags(body)
+    if given and files:
+        names = ", ".join(map(str, files))
+        raise InputError(f"{verb}: give a body file or the body by flags, not both: {names} and {given}")
+    return bool(given)
+
+
+def case_of(
+    verb: str, body: Mapping[str, str | None], instead: str, loading: Mapping[str, Any], modulus: str | None = None,
+    **keys: Any,
+) -> Case:  # fmt: skip
+    """The case of a body by flags, with more ``keys`` of its own; the rest as of ``tables_of``."""
+    import tomli_w
+
+    from ..case import parse_case
+
+    return parse_case(tomli_w.dumps(tables_of(verb, body, instead, loading, modulus) | keys).encode(), verb)
 
 
 def tables_of(
@@ -100,9 +122,7 @@ def given_body(
     body_file: Path, measured: tuple[Path, ...], flags: dict[str, str | None]
 ) -> tuple[Path | dict[str, str | None], tuple[Path, ...]]:
     """What describes the body, a file or the flags, and the measured files: by flags every file is one."""
-    by_case = not any(flags.values())
-    if not by_case and body_file.suffix == ".toml":
-        raise InputError(f"fit: give a body file or the body by flags, not both: {body_file} and {given_flags(flags)}")
+    by_case = not by_flags("fit", flags, [body_file] if body_file.suffix == ".toml" else [])
     if by_case and not measured:
         raise InputError("fit: give MEASURED files behind BODY, or the body by flags: --radius, --nu")
     return (body_file, measured) if by_case else (flags, (body_file, *measured))
@@ -110,17 +130,14 @@ def given_body(
 
 def fitted_body(source: Path | dict[str, str | None], slopes: str, limits: Limits) -> FittedBody:
     """The body of a file, or of flags: there a modulus that is not told is 1 MPa, which no result depends on."""
-    from ..case import parse_case
     from ..identification.fit.body import body_of
     from .series import read_series
 
     if isinstance(source, Path):
         return body_of(source if source.suffix == ".toml" else read_series(source), slopes, limits)
-    import tomli_w
-
-    tables = tables_of("fit", source, "a case or series file", {"radius": 1.0}, "1 MPa")
-    radius = parse_case(tomli_w.dumps(tables).encode(), "fit").model.problem().indenter.tip_radius
-    tables["loading"]["radius"] = SHALLOW * (radius or POINTED)
-    tables["method"] = "closed-form" if source["thickness"] is None else "layered"  # so that no other is imported
-    body = body_of(parse_case(tomli_w.dumps(tables).encode(), "fit"), slopes, limits)
+    told = "fit", source, "a case or series file"
+    radius = case_of(*told, {"radius": 1.0}, "1 MPa").model.problem().indenter.tip_radius
+    method = "closed-form" if source["thickness"] is None else "layered"  # so that no other is imported
+    case = case_of(*told, {"radius": SHALLOW * (radius or POINTED)}, "1 MPa", method=method)
+    body = body_of(case, slopes, limits)
     return replace(body, told=source["modulus"] is not None)

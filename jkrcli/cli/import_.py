@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any
 
 import click
-import tomli_w
 
 from ..base import InputError, read_bytes
 from ..case import Case, load_case, parse_case, store
@@ -20,7 +19,7 @@ from ..data.text_table import SEPARATORS
 from ..report.output import Output
 from ..report.solved import Imported
 from ..series import Solution
-from .body import FLAGS, body_options, flag, tables_of
+from .body import FLAGS, body_options, case_of, flag
 from .measured import begin_reading
 from .options import ColumnUnitType, KeyNumberType, KeyValueType, LengthType, ScaleType
 from .output import ONE_FILE, give, into_file, output_options
@@ -98,7 +97,7 @@ def _case(path: Path | None, body: dict[str, str | None]) -> Case:
     """The case of a file that may lack a loading, or one made of the flags of indenter and specimen."""
     given = [name for name, value in body.items() if value is not None]
     if path is None:
-        return parse_case(tomli_w.dumps(tables_of("import", body, "--case", {"depth": 1.0})).encode(), "import")
+        return case_of("import", body, "--case", {"depth": 1.0})
     if given:
         raise InputError(f"import: {flag(given[0])} belongs to an import without --case; {path} says it already")
     content = read_bytes(path, "case file")

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import click
@@ -15,6 +16,7 @@ from ..methods.guards import Limits
 from ..report.pull_off import MeasuredPullOff, PullOff
 from ..report.result import Result
 from ..series import Solution
+from .body import body_options, by_flags, case_of
 from .options import (
     ControlType,
     LoadType,
@@ -34,7 +36,8 @@ SEARCHED = (0.05,) * 10  # works of adhesion [J/m^2] that are tried for that of 
 
 
 @click.command("pull-off", cls=Verb)
-@click.argument("files", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.argument("files", nargs=-1, type=click.Path(path_type=Path))
+@body_options
 @click.option("--w", "works", multiple=True, type=WorkType(), help='J/m^2 or "35 mJ/m^2" [default: the case\'s].')
 @click.option(
     "--stiffness",
@@ -67,9 +70,10 @@ def pull_off(
     modulus_factor: float,
     limits: Limits,
     as_json: bool,
+    **flags: str | None,
 ) -> None:
-    """Say where contact is lost in each FILE, a case or a series: under load control, displacement control, devices of
-    a stiffness.
+    """Say where contact is lost in each FILE, a case or a series, or on the body by flags (--radius, --E, --nu,
+    --thickness ...): under load control, displacement control, devices of a stiffness.
 
     For each work of adhesion and control: pull-off, jump-in at first touch, every other critical point, energy lost
     per approach-retract cycle and work of separation. With --load the other way round: the work of adhesion that a
@@ -77,6 +81,8 @@ def pull_off(
 
     \b
     jkr pull-off my.toml --w "50 mJ/m^2" --stiffness "10 N/m"
+    jkr pull-off --radius "5 um" --E "1 MPa" --nu 0.5 --thickness "8 um" \\
+            --w "50 mJ/m^2"
     jkr pull-off gel.h5 --load "1.2 mN" --uncertain load=3% --uncertain R=1%
     """
     if force is not None and works:
@@ -87,7 +93,12 @@ def pull_off(
         raise InputError("pull-off: --load must not be 0; give the measured pull-off force")
     if uncertain and force is None:
         raise InputError("pull-off: --uncertain says how well a measured force and its body are known: give --load too")
-    files, held = read_files("pull-off", files)
+    if by_flags("pull-off", flags, files):
+        held = [_by_flags(flags, works, force, stiffnesses, slopes, modulus_factor)]
+    elif files:
+        _, held = read_files("pull-off", files)
+    else:
+        raise InputError("pull-off: give FILES, a case or a series, or the body by flags: --radius, --E, --nu")
     if force is not None:
         for solution in held:
             without_range(solution.record, "pull-off: --load")
@@ -119,6 +130,26 @@ def pull_off(
         present(*(result.words() for result in results))
     for text in warnings:
         warn(text)
+
+
+def _by_flags(
+    flags: Mapping[str, str | None], works: Sequence[float], force: float | None, stiffnesses: Sequence[float],
+    slopes: str, modulus_factor: float,
+) -> Solution:  # fmt: skip
+    """The body by flags, solved as far as the question needs; no file is written."""
+    from ..beside.reach import solved_for, solved_for_force
+
+    problem = case_of("pull-off", flags, "a case or series file", {"radius": 1.0}).model.problem()
+    if force is not None:
+        solution = solved_for_force(problem, abs(force), stiffnesses, slopes, modulus_factor)
+    elif works and not (w := max(works)) > 0:
+        raise InputError(f"pull-off: --w must be > 0 to ask where contact is lost, got {w:g} J/m^2")
+    elif works:
+        solution = solved_for(problem, works, slopes, modulus_factor)
+    else:
+        raise InputError("pull-off: give --w, or --load with a measured pull-off force")
+    called = f"{problem.indenter.words} on {problem.specimen.words}"
+    return replace(solution, record=replace(solution.record, path=Path(called)))
 
 
 def _searched(

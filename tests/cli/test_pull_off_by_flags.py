@@ -1,0 +1,108 @@
+"""``jkr pull-off`` of a body by flags: no case file, no series file, as far as the question needs."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import pytest
+from conftest import Outcome
+
+R, E_STAR, W = 5e-6, 1e6 / 0.75, 0.05
+TIP = ("--shape", "paraboloid", "--radius", "5 um", "--E", "1 MPa", "--nu", "0.5")
+Run = Callable[..., Outcome]
+
+
+def lost(jkr: Run, *words: str) -> Mapping[str, Any]:
+    done = jkr("pull-off", *words, "--json")
+    assert done.code == 0, done.err
+    (result,) = json.loads(done.out)["results"]
+    found: Mapping[str, Any] = result
+    return found
+
+
+def forces(result: Mapping[str, Any]) -> list[float]:
+    return [-each["pull_off"]["P_N"] for each in result["controls"]]
+
+
+def test_a_half_space_is_that_of_classical_jkr(jkr: Run) -> None:
+    found = lost(jkr, *TIP, "--w", "50 mJ/m^2")
+    assert forces(found) == pytest.approx([1.5 * math.pi * W * R, 5 / 6 * math.pi * W * R], rel=1e-8)
+    assert found["file"] == "paraboloid R = 5 um on a half-space (E = 1 MPa, nu = 0.5)"
+    assert not list(Path().iterdir())
+
+
+def test_a_cone_on_a_half_space(jkr: Run) -> None:
+    """P = -54 w^2 tan^3(half angle)/(pi E*) under load control, a ninth of it under displacement control."""
+    found = lost(jkr, "--shape", "cone", "--half-angle", "70 deg", "--E", "1 MPa", "--nu", "0.5", "--w", "50 mJ/m^2")
+    force = 54 * W**2 * math.tan(math.radians(70)) ** 3 / (math.pi * E_STAR)
+    assert forces(found) == pytest.approx([force, force / 9], rel=1e-6)
+
+
+@pytest.mark.parametrize("thickness", ["1 mm", "3 um", "50 nm"])
+@pytest.mark.parametrize("base", ["bonded", "frictionless"])
+def test_a_layer_is_that_of_a_case(jkr: Run, thickness: str, base: str) -> None:
+    Path("layer.toml").write_text(
+        f'[indenter]\nshape="paraboloid"\nradius="5 um"\n[specimen]\nbase="{base}"\n'
+        f'layers=[{{thickness="{thickness}", E="1 MPa", nu=0.5}}]\n[loading]\n'
+        'radius="3 um"\npoints=300\nspacing="log"\n'
+    )
+    words = ("--stiffness", "load", "--stiffness", "0.3 N/m", "--w", "50 mJ/m^2")
+    body = ("--thickness", thickness, "--base", base)
+    found, expected = lost(jkr, *TIP, *body, *words), lost(jkr, "layer.toml", *words)
+    assert forces(found) == pytest.approx(forces(expected), rel=1e-6)
+    for one, other in zip(found["controls"], expected["controls"], strict=True):
+        assert one["jump_in"]["P_N"] == pytest.approx(other["jump_in"]["P_N"], rel=1e-6, abs=1e-12)
+
+
+@pytest.mark.parametrize("control", ["load", "rigid", "0.3 N/m"])
+@pytest.mark.parametrize(
+    "body",
+    [
+        TIP,
+        (*TIP, "--thickness", "100 nm"),
+        ("--shape", "rounded-cone", "--radius", "50 nm", "--half-angle", "35 deg", "--E", "10 MPa", "--nu", "0.3"),
+    ],
+    ids=["half-space", "layer", "rounded cone"],
+)
+def test_the_w_of_a_force_gives_that_force(jkr: Run, body: tuple[str, ...], control: str) -> None:
+    (force,) = forces(lost(jkr, *body, "--stiffness", control, "--w", "20 mJ/m^2"))
+    back = lost(jkr, *body, "--stiffness", control, "--load", f"{force!r}")
+    assert back["w_J_per_m2"] == pytest.approx(0.02, rel=1e-9)
+
+
+def test_a_force_of_so_many_times_the_modulus(jkr: Run) -> None:
+    """Forces and w scale with the moduli, where the radii are the same."""
+    body = (*TIP, "--thickness", "1 um")
+    (once,) = forces(lost(jkr, *body, "--stiffness", "rigid", "--w", "1 mJ/m^2"))
+    (twice,) = forces(lost(jkr, *body, "--stiffness", "rigid", "--w", "1 J/m^2", "--modulus-factor", "1000"))
+    assert twice == pytest.approx(1000 * once, rel=1e-8)
+
+
+def test_inputs_are_carried_through(jkr: Run) -> None:
+    """On a half-space w = F/(1.5 pi R), whatever the modulus: 3 % of the force and 4 % of the radius are 5 % of w."""
+    words = ("--load", "1 uN", "--uncertain", "load=3%", "--uncertain", "R=4%", "--uncertain", "E=30%")
+    found = lost(jkr, *TIP, *words)
+    assert found["w_J_per_m2"] == pytest.approx(1e-6 / (1.5 * math.pi * R), rel=1e-8)
+    assert found["w_err_J_per_m2"] == pytest.approx(0.05 * found["w_J_per_m2"], rel=2e-3)
+
+
+MISTAKES = {
+    "nothing": ((), "give FILES, a case or a series, or the body by flags: --radius, --E, --nu"),
+    "a part": (("--radius", "5 um", "--w", "1"),
+               "needs a case or series file, or the bodies by flags: --E, --nu missing"),
+    "both": (("my.toml", *TIP),
+             "give a body file or the body by flags, not both: my.toml and --shape, --radius, --E, --nu"),
+    "no question": (TIP, "give --w, or --load with a measured pull-off force"),
+    "no adhesion": ((*TIP, "--w", "0"), "--w must be > 0 to ask where contact is lost, got 0 J/m^2"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", MISTAKES)
+def test_mistakes(jkr: Run, kind: str) -> None:
+    words, message = MISTAKES[kind]
+    done = jkr("pull-off", *words)
+    assert (done.code, " ".join(done.err.split())) == (2, f"jkr: error: pull-off: {message}")

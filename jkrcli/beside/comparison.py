@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..adhesion import LOAD_CONTROL, AdhesiveCurve, CriticalPoint, Slopes
 from ..adhesion.curve import transform
 from ..base import Array, Estimate, Unknown
-from ..bodies import Indenter, Problem, Sphere
+from ..bodies import HalfSpace, Indenter, Problem, Specimen, Sphere
 from ..formulas.griffith import shift
 from ..formulas.half_space import adhesive_half_space
 from ..series import Series
 
 OUTSIDE = Unknown("pull-off lies outside the series")
+NO_FORMULA = Unknown("no formula for a half-space under this tip")
 
 
 @dataclass(frozen=True)
@@ -26,6 +27,7 @@ class DistanceTuning:
     coarse: int = 129  # points of the exact curve in that window; choice: several to each of its bends
     fine: int = 17  # and in each refinement around the nearest; choice: time alone depends on it
     refinements: int = 17  # theory: by fine // 2 each, down to round-off of the radius
+    beyond: float = 3.0  # choice: of the pull-off radius of a paraboloid, up to which that of another tip is sought
     halvings: int = 70  # of the interval that holds the logarithm of a radius; theory: down to round-off
 
 
@@ -78,6 +80,24 @@ def exact_curve(problem: Problem, w: float, a_max: float, points: int = 400) -> 
     slope = np.full_like(a, 2 * E_star)
     series = Series(a, *pair, slope * a, slope, a0=indenter.a0, S0=2 * E_star * indenter.a0)
     return transform(series, Slopes(slope * a, slope, "exact", 0.0), w)
+
+
+def alone(problem: Problem) -> Problem:
+    """The same indenter on a half-space of the material at the surface, with its tension."""
+    specimen = problem.specimen
+    half_space = Specimen((), HalfSpace(specimen.surface), surface_tension=specimen.surface_tension)
+    return replace(problem, specimen=half_space)
+
+
+def half_space_pull_off(problem: Problem, w: float, stiffness: float) -> CriticalPoint | Unknown:
+    """JKR's pull-off of the indenter from a half-space under a device of a ``stiffness`` [N/m], against the work of
+    adhesion ``w`` [J/m^2]; Unknown for tips without a radius and under surface tension."""
+    R = problem.indenter.tip_radius
+    if R is None or problem.specimen.surface_tension:
+        return NO_FORMULA
+    radius = (9 * np.pi * w * R**2 / (8 * problem.E_star)) ** (1 / 3)  # JKR's under load control, the widest
+    curve = exact_curve(problem, w, TUNING.beyond * radius)
+    return NO_FORMULA if curve is None else curve.pull_off(stiffness)
 
 
 def _exact_pull_off(problem: Problem, w: float, a_max: float) -> CriticalPoint | None:

@@ -10,9 +10,11 @@ from ..adhesion.sharp import resolved
 from ..adhesion.slopes.choice import slopes
 from ..adhesion.validity import judge, sizes
 from ..base import Refusal, Unknown
-from ..bodies import HalfSpace, Loading, Problem, Specimen
+from ..bodies import Loading, Problem
 from ..methods.layered.layered import Layered
+from ..series import Series
 from .again import again
+from .comparison import alone
 from .range_effect import effect_of_range
 
 COARSE = Layered(1e-5)
@@ -21,7 +23,7 @@ LONGEST = 3.0  # CPU seconds that an expectation may take; choice: it is asked f
 
 @dataclass(frozen=True)
 class Expectation:
-    """What a case will reach: largest radius ``a`` [m], displacement [m], load [N].
+    """What a case will reach: largest radius ``a`` [m], displacement [m], load [N]; ``series``: to there.
 
     ``adhesion``: for each work of adhesion [J/m^2] its pull-off and validity.
     ``half_space_error``: by how much the layers change the load at that depth against a half-space of the top material;
@@ -33,6 +35,7 @@ class Expectation:
     P: float
     half_space_error: float | None
     adhesion: tuple[tuple[float, CriticalPoint | Unknown, Validity], ...]
+    series: Series
 
 
 def expect(problem: Problem, works: tuple[float, ...], z0: float) -> Expectation:
@@ -67,17 +70,16 @@ def expect(problem: Problem, works: tuple[float, ...], z0: float) -> Expectation
             ),
         )
         adhesion.append((w, point, judged))
-    return Expectation(a, delta, P, _layers_matter(problem, delta, P), tuple(adhesion))
+    return Expectation(a, delta, P, _layers_matter(problem, delta, P), tuple(adhesion), series)
 
 
 def _layers_matter(problem: Problem, delta: float, P: float) -> float | None:
     """Relative difference of the load to that of a half-space of the top material at the same displacement."""
     if not problem.specimen.layers:
         return None
-    tension = problem.specimen.surface_tension
-    half_space = Specimen((), HalfSpace(problem.specimen.surface), surface_tension=tension)
+    half_space = alone(replace(problem, sticks=False, loading=Loading("depth", delta, 1)))
     try:
-        reference = again(Problem(problem.indenter, half_space, Loading("depth", delta, 1)), method=COARSE).series.P[-1]
+        reference = again(half_space, method=COARSE).series.P[-1]
     except Refusal:  # a half-space would need more of the profile than there is
         return None
     return float(P / reference - 1)

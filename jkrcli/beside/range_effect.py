@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..adhesion import LOAD_CONTROL, CriticalPoint, Equilibrium, Range
+from ..adhesion import LOAD_CONTROL, CriticalPoint, Equilibrium, EquilibriumCurve, Range
 from ..base import Estimate, JkrError, Unknown
 from ..bodies import Problem
 from ..series import Series
@@ -42,15 +42,19 @@ def effect_of_range(problem: Problem, series: Series, w: float, z0: float, point
     h = min(point.a, problem.specimen.top_thickness)
     if math.pi * z0**2 * problem.E_star / (4 * w) < TUNING.narrow * h:
         return 0.0
+    try:
+        found = ranged(problem, series, w, z0).pull_off(LOAD_CONTROL)
+    except JkrError as error:
+        return Unknown(str(error))
+    return found.P / point.P - 1 if isinstance(found, CriticalPoint) else Unknown(found.reason)
+
+
+def ranged(problem: Problem, series: Series, w: float, z0: float) -> EquilibriumCurve:
+    """The adhesive curve at some of the radii of ``series``, of the range ``z0`` [m] and the work of adhesion ``w``
+    [J/m^2]."""
     from ..adhesion import FiniteRangeBody
     from ..methods.attraction import AttractedBody
 
     some = np.unique(np.linspace(0, len(series) - 1, TUNING.points).astype(int))
-    try:
-        body = FiniteRangeBody(
-            problem, Series(series.a[some], series.delta[some], series.P[some]), AttractedBody(problem)
-        )
-        found = body.curve(Range.of(w, length=z0)).pull_off(LOAD_CONTROL)
-    except JkrError as error:
-        return Unknown(str(error))
-    return found.P / point.P - 1 if isinstance(found, CriticalPoint) else Unknown(found.reason)
+    body = FiniteRangeBody(problem, Series(series.a[some], series.delta[some], series.P[some]), AttractedBody(problem))
+    return body.curve(Range.of(w, length=z0))

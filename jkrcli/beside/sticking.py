@@ -37,17 +37,20 @@ class StickingEffectTuning:
 
 
 TUNING = StickingEffectTuning()
+NOT_KEPT = Unknown("series files do not keep it")
 
 
 @dataclass(frozen=True)
 class StickingEffect:
-    """Sticking over sliding: ``load`` at equal depth and ``stiffness`` S at equal radius, both at the radius ``a`` [m];
-    ``pull_off``: of the pull-off force under load control for each work of adhesion [J/m^2]."""
+    """Sticking over sliding: ``load`` and ``stiffness_at_depth`` S at equal depth, ``stiffness`` S at equal radius, all
+    at the radius ``a`` [m]; ``pull_off``: of the pull-off force under load control for each work of adhesion
+    [J/m^2]."""
 
     a: float
     load: float
     stiffness: float
     pull_off: dict[float, Estimate]
+    stiffness_at_depth: Estimate = NOT_KEPT
 
     @property
     def largest(self) -> float:
@@ -88,10 +91,11 @@ def sticking_effect(problem: Problem, largest: float, works: Sequence[float]) ->
         return Unknown(f"effect of no slip unknown: {error}")
     last = min(TUNING.radii, radii.size) - 1
     depth = min(sliding.delta[last], sticking.delta[-1])
-    load = _load(sticking, depth) / _load(sliding, depth)
     assert sliding.S is not None
     assert sticking.S is not None
-    return StickingEffect(largest, load, float(sticking.S[last] / sliding.S[last]), pull_off)
+    load = _at(sticking, sticking.P, depth) / _at(sliding, sliding.P, depth)
+    at_depth = _at(sticking, sticking.S, depth) / _at(sliding, sliding.S, depth)
+    return StickingEffect(largest, load, float(sticking.S[last] / sliding.S[last]), pull_off, at_depth)
 
 
 def _series(contact: LayeredContact | StuckLayeredContact, radii: Array) -> Series:
@@ -99,8 +103,9 @@ def _series(contact: LayeredContact | StuckLayeredContact, radii: Array) -> Seri
     return Series(radii, result.delta, result.P, result.S, result.dS, a0=contact.indenter.a0)
 
 
-def _load(series: Series, depth: float) -> float:
-    return float(np.exp(np.interp(np.log(depth), np.log(series.delta), np.log(series.P))))
+def _at(series: Series, column: Array, depth: float) -> float:
+    """A ``column`` of the series at a ``depth`` [m], between its rows along a power law."""
+    return float(np.exp(np.interp(np.log(depth), np.log(series.delta), np.log(column))))
 
 
 def _pull_off(sticking: Series, w: float, sliding: Series) -> Estimate:

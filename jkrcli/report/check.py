@@ -12,30 +12,28 @@ from ..adhesion.finite_range import unable
 from ..base import Estimate, Refusal, Unknown, show
 from ..base.units import reached
 from ..beside.expectation import Expectation, expect
-from ..beside.sticking import StickingEffect, as_told, sticking_effect, sticking_warnings
-from ..beside.tension_effect import TUNING as TENSION
-from ..beside.tension_effect import noticed_tension
+from ..beside.left_out import LeftOut, left_out
 from ..bodies import Problem
 from ..case import Case
 from ..case.models import CaseModel
 from ..case.numerics import method_of
 from ..methods.choose import Choice, Option, choose, survey
 from . import tables
+from .left_out import table, worst
 from .result import Result
 
 
 @dataclass(frozen=True, eq=False)
 class Check(Result):
     """Which method a case needs and why, what each would cost, and what to expect: a coarse solution of the laterally
-    unbounded body, and what it matters whether the surfaces stick."""
+    unbounded body, and what each thing left out would change."""
 
     path: Path
     problem: Problem
     choice: Choice
     options: Sequence[Option]
     expected: Expectation | Unknown
-    effect: StickingEffect | Unknown
-    tension: Estimate
+    left_out: Sequence[LeftOut]
     range_: str | Unknown
     remarks: Sequence[str]
 
@@ -47,20 +45,17 @@ class Check(Result):
         choice = choose(problem, model.method, lambda name: method_of(model, name))
         options = choice.options or survey(problem, lambda name: method_of(model, name))
         expected = _expected(model)
-        effect, tension = _effect(model, expected), _tension(model, expected)
-        range_ = _range(model, choice.name)
-        return cls(path, problem, choice, options, expected, effect, tension, range_, case.remarks)
+        left, range_ = _left_out(model, expected), _range(model, choice.name)
+        return cls(path, problem, choice, options, expected, left, range_, case.remarks)
 
     def summary(self) -> dict[str, Any]:
         data: dict[str, Any] = {"case": str(self.path), "problem": self.problem.words, "method": self.choice.name}
         law = self.problem.specimen.relaxation
         data |= {"reason": self.choice.reason, "relaxation": "" if law is None else str(law)}
-        data |= {"surface": self.problem.surface, "sticking": as_told(self.effect)}
-        data |= {"noticed_surface_tension_N_per_m": self.tension}
+        data |= {"surface": self.problem.surface, "left_out": [one.as_dict for one in self.left_out]}
         return data | {"options": [asdict(option) for option in self.options]} | _as_dict(self.expected)
 
     def words(self) -> list[str]:
-        sticking = [] if isinstance(self.effect, Unknown) else [f"  no slip   gives {self.effect.words}"]
         ordered = sorted(self.options, key=lambda option: option.forecast is None)  # what is applicable first
         options = (f"            {option.name:<12} {_option(option)}" for option in ordered)
         return [
@@ -68,10 +63,10 @@ class Check(Result):
             f"  body      {self.problem.words}",
             *self._reaches(),
             *self._relaxes(),
-            *sticking,
-            *self._tension(),
+            *worst(self.left_out),
             "  methods   cost and numerical error of each:",
             *options,
+            *table(self.left_out),
         ]
 
     @property
@@ -79,27 +74,21 @@ class Check(Result):
         adhesion = () if isinstance(self.expected, Unknown) else self.expected.adhesion
         judged = dict.fromkeys(text for _, _, judged in adhesion for text in validity.check(judged))
         refused = [f"jkr transform will refuse: {self.range_}"] if isinstance(self.range_, Unknown) else []
-        return [*judged, *refused, *self.remarks, *sticking_warnings(self.problem, self.effect)]
+        return [*judged, *refused, *self.remarks]
 
     def _relaxes(self) -> Iterator[str]:
         if (law := self.problem.specimen.relaxation) is not None:
             yield f"  relaxes   {law}; loads here are those of {'t = 0' if law.relaxed is not None else 'its own time'}"
-
-    def _tension(self) -> Iterator[str]:
-        if not isinstance(self.tension, Unknown):
-            changed = f"load or pull-off force by {TENSION.changed:.0%}"
-            least = show(self.tension, "tension", 2)
-            yield f"  tension   not included; from {least} on it would change {changed}"
 
     def _reaches(self) -> Iterator[str]:
         expected, range_ = self.expected, self.range_
         if isinstance(expected, Unknown):
             yield f"  reaches   unknown: {expected}"
             return
-        yield f"  reaches   {reached(expected.a, expected.delta, expected.P)}"
+        beside = ""
         if expected.half_space_error is not None:
-            ratio = 1 + expected.half_space_error
-            yield f"  layers    {ratio:.4g} times the load of a half-space of the top material at this depth"
+            beside = f" (a half-space formula: {show(expected.P / (1 + expected.half_space_error), 'load')})"
+        yield f"  reaches   {reached(expected.a, expected.delta, expected.P)}{beside}"
         for w, point, judged in expected.adhesion:
             regime = f": {judged.regime}" if not isinstance(judged.tabor, Unknown) else ""
             regime = regime if range_ == "" else "" if isinstance(range_, Unknown) else f"; {range_}"
@@ -122,16 +111,13 @@ def _range(model: CaseModel, method: str) -> str | Unknown:
     return Unknown(reason) if reason else "its range will be solved; the force here is that of JKR"
 
 
-def _effect(model: CaseModel, expected: Expectation | Unknown) -> StickingEffect | Unknown:
-    """What it matters whether the surfaces stick, at the largest radius expected."""
+def _left_out(model: CaseModel, expected: Expectation | Unknown) -> Sequence[LeftOut]:
+    """What the case leaves out, at the depth expected; nothing where that is not known."""
     if isinstance(expected, Unknown):
-        return expected
-    return sticking_effect(model.problem(), expected.a, model.adhesion.w)
-
-
-def _tension(model: CaseModel, expected: Expectation | Unknown) -> Estimate:
-    """The surface tension that would be noticed, at the largest radius expected."""
-    return expected if isinstance(expected, Unknown) else noticed_tension(model.problem(), expected.a, model.adhesion.w)
+        return ()
+    adhesion = model.adhesion
+    ranged = adhesion.range or adhesion.stress or adhesion.capillary
+    return left_out(model.problem(), expected, adhesion.w, None if ranged else adhesion.z0)
 
 
 def _expected(model: CaseModel) -> Expectation | Unknown:

@@ -80,16 +80,19 @@ def test_a_gel_with_surface_tension(jkr, gel):
     assert "under surface tension" in jkr("profile", "gel.h5", "--a", "1 um", "--w", "0").err
 
 
-def test_check_tells_which_surface_tension_would_be_noticed(jkr, gel):
+def test_check_says_what_a_surface_tension_would_change(jkr, gel):
     """Half-space: P at equal depth changes by 3 kappa/(pi a), kappa = 2 Ups/E*, to first order."""
     gel((TENSION + "\n[[specimen.layers]]", "[specimen.half_space]"), ('thickness = "10 um"\n', ""),
-        ('radius = "1.2 um"', 'radius = "0.3 um"'), ('w = "1 mJ/m^2"', "w = 0"))  # fmt: skip
-    found = json.loads(jkr("check", "gel.toml", "--json").out)
-    expected = 0.01 * 3.141593 * 0.3e-6 / 3 * 5e3 / 0.75 / 2
-    assert found["noticed_surface_tension_N_per_m"] == pytest.approx(expected, rel=0.1)
-    assert "it would change load or pull-off force by 1%" in jkr("check", "gel.toml").out
+        ('radius = "1.2 um"', 'radius = "0.3 mm"'), ('radius = "5 um"', 'radius = "3 mm"'),
+        ('w = "1 mJ/m^2"', "w = 0"))  # fmt: skip
+    rows = {row["name"]: row for row in json.loads(jkr("check", "gel.toml", "--json").out)["left_out"]}
+    row = rows["surface tension 30 mN/m"]
+    kappa = 2 * 30e-3 / (5e3 / 0.75)
+    assert row["load"] == pytest.approx(3 * kappa / (3.141593 * 0.3e-3), rel=0.1)
+    assert row["key"] == 'specimen.surface_tension = "30 mN/m"'
+    assert "surface tension 30 mN/m (load +2.8%)" in jkr("check", "gel.toml").out
     gel()
-    assert "30 mN/m" in jkr("check", "gel.toml").out
+    assert "surface tension 30 mN/m (" not in jkr("check", "gel.toml").out  # it is in the case
 
 
 def test_large_strains_in_per_cent(jkr, gel):

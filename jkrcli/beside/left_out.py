@@ -1,0 +1,295 @@
+"""What a case leaves out, one thing at a time: by how much taking it in would change what is measured.
+
+Each body is solved roughly, its sides left out, with the one thing taken in; loads and slopes S = dP/d(delta) without
+adhesion are compared at the depth of the case, pull-off forces under load control. Large strains and weight are known
+by formula, where they are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from ..adhesion import LOAD_CONTROL, AdhesiveCurve, CriticalPoint, Nonadhesive, refuse_wetting
+from ..adhesion.curve import transform
+from ..adhesion.slopes.choice import slopes
+from ..adhesion.slopes.exact import exact
+from ..adhesion.validity import judge, sizes
+from ..base import Estimate, JkrError, Unknown, show
+from ..bodies import Elastic, HalfSpace, Loading, Paraboloid, Problem, Rigid, Sphere
+from ..formulas.gravity import over_hertz, over_jkr
+from ..methods.layered.layered import Layered, unbounded
+from ..series import Series
+from .again import again
+from .comparison import alone, half_space_pull_off
+from .expectation import Expectation
+from .range_effect import ranged
+from .sticking import sticking_effect
+
+
+@dataclass(frozen=True)
+class LeftOutTuning:
+    """What is taken in where a case does not say how much of it there is, and how well that is solved."""
+
+    tension: float = 30e-3  # choice: N/m, of gels and rubbers; water has 72, silicones have 20
+    glass: tuple[float, float] = (70e9, 0.22)  # choice: E [Pa] and nu, of what is taken as rigid: a lens, a slide
+    density: float = 1000.0  # choice: kg/m^3, of water and gels
+    rubber: float = 0.45  # choice: nu from which on strains and weight are those of rubber, both known at 1/2
+    of_strains: float = 4 / 3  # theory: change of S over that of P where this grows with the root of the depth
+    accuracy: float = 1e-5  # choice: of the solutions; changes are printed to 1e-4
+    radii: int = 60  # choice: in a geometric sequence over four decades; pull-off is then right to 1e-5
+    longest: float = 1.0  # choice: CPU seconds of one solution by its forecast; most take a fiftieth of it
+    # choice: kappa over the largest radius, below which a tension is that, in proportion; the second where the first
+    # would take long
+    slight: tuple[float, float] = (1e-3, 1e-2)
+    smallest: float = 0.02  # choice: of the largest radius, the least at which a tension is solved for
+    few: int = 20  # choice: radii of that, a tenth of a second
+
+
+TUNING = LeftOutTuning()
+GLASS = Elastic(*TUNING.glass)
+NO_STRAINS = Unknown("known of rubber, nu about 1/2, under spheres on half-spaces and thick layers alone")
+NO_PULL_OFF = Unknown("pull-off at large strains is not known")
+NOT_COMPARED = Unknown("not computed with a range")
+
+
+@dataclass(frozen=True)
+class LeftOut:
+    """One thing that a case leaves out; or that a simpler formula does and the case has ``included``.
+
+    ``key``: of the case, with which it is taken in, empty where there is none. ``load``, ``S``: change of the load and
+    of the contact's stiffness at equal depth, relative; ``pull_off``: of the pull-off force under load control for each
+    work of adhesion [J/m^2].
+    """
+
+    name: str
+    key: str
+    load: Estimate
+    S: Estimate
+    pull_off: Mapping[float, Estimate] = field(default_factory=dict)
+    included: bool = False
+
+    @property
+    def changes(self) -> dict[str, Estimate]:
+        """The three changes by name, that of the pull-off force for the w for which it is largest."""
+        pulls = [value for value in self.pull_off.values() if not isinstance(value, Unknown)]
+        rest = next(iter(self.pull_off.values()), Unknown("no work of adhesion"))
+        return {"load": self.load, "S": self.S, "pull-off force": max(pulls, key=abs, default=rest)}
+
+    @property
+    def largest(self) -> tuple[str, float] | None:
+        """The largest of the changes with its name; None where none is known."""
+        known = {name: value for name, value in self.changes.items() if not isinstance(value, Unknown)}
+        return max(known.items(), key=lambda item: abs(item[1]), default=None)
+
+    @property
+    def as_dict(self) -> dict[str, Any]:
+        """As it stands in JSON."""
+        pulls = [{"w_J_per_m2": w, "change": value} for w, value in self.pull_off.items()]
+        return {"name": self.name, "key": self.key, "included": self.included, "load": self.load, "S": self.S,
+                "pull_off": pulls}  # fmt: skip
+
+
+def left_out(problem: Problem, expected: Expectation, works: Sequence[float], z0: float | None) -> list[LeftOut]:
+    """What ``problem`` leaves out, worst first and what is not known last: at the depth ``expected`` and for each of
+    the ``works`` of adhesion [J/m^2]; ``z0``: range of its forces [m], None where the case includes one."""
+    body = unbounded(replace(problem, specimen=replace(problem.specimen, relaxation=None)))
+    works = [w for w in works if w > 0]
+    found = [*_neighbours(Comparison(body, expected, works), problem.specimen.radius is not None)]
+    found += [_slip(body, expected, works), *_range(body, expected, z0), *_strains(body, expected)]
+    found += _weight(body, expected)
+    return sorted(found, key=lambda one: -abs(one.largest[1]) if one.largest else 1.0)
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """A ``body`` and its neighbours at the depth that is ``expected``, with ``works`` of adhesion [J/m^2]."""
+
+    body: Problem
+    expected: Expectation
+    works: Sequence[float]
+
+    def with_(self, name: str, key: str, included: bool = False, **otherwise: Any) -> LeftOut:
+        """The body with ``otherwise`` in place of its fields."""
+        try:
+            other = self._solved(replace(self.body, **otherwise))
+        except JkrError as error:
+            reason = Unknown(str(error))
+            return LeftOut(name, key, reason, reason, {}, included)
+        return self.over(name, key, self.expected.series, other, included)
+
+    def over(self, name: str, key: str, plain: Series, other: Series, included: bool = False) -> LeftOut:
+        """One series of the neighbour over one of the body; both reach the depth."""
+        depth = float(plain.delta[-1])
+        load, S = (new / old - 1 for new, old in zip(_at(other, depth), _at(plain, depth), strict=True))
+        pulls = {w: _pull_off(plain, other, w) for w in self.works}
+        return LeftOut(name, key, load, S, pulls, included)
+
+    def _solved(self, problem: Problem) -> Series:
+        """Up to the depth, with its radius."""
+        loading = Loading("depth", self.expected.delta, TUNING.radii, "log")
+        method = Layered(TUNING.accuracy)
+        return again(replace(problem, loading=loading), method=method, longest=TUNING.longest).series
+
+
+def _at(series: Series, depth: float) -> tuple[float, float]:
+    """P [N] and S [N/m] of a series at a depth [m] that it reaches."""
+    assert series.S is not None
+    logs = CubicSpline(np.log(series.delta), np.log(np.stack([series.P, series.S])), axis=1)
+    load, stiffness = np.exp(logs(np.log(depth)))
+    return float(load), float(stiffness)
+
+
+def _pull_off(plain: Series, other: Series, w: float) -> Estimate:
+    """Change of the pull-off force under load control."""
+    try:
+        points = [AdhesiveCurve(Nonadhesive(one, exact(one)), w).pull_off(LOAD_CONTROL) for one in (plain, other)]
+    except JkrError as error:
+        return Unknown(str(error))
+    first, second = points
+    if isinstance(first, CriticalPoint) and isinstance(second, CriticalPoint):
+        return second.P / first.P - 1
+    return Unknown("pull-off lies outside the radii of the case")
+
+
+def _neighbours(comparison: Comparison, sides: bool) -> Iterator[LeftOut]:
+    """The things for which a neighbouring body is solved; ``sides``: whether the specimen has any."""
+    specimen, indenter = comparison.body.specimen, comparison.body.indenter
+    glass = show(GLASS.E, "modulus")
+    if specimen.layers:
+        yield _half_space(comparison)
+    if isinstance(indenter, Paraboloid):
+        sphere = Sphere(indenter.R, indenter.material)
+        yield comparison.with_("exact sphere", 'indenter.shape = "sphere"', indenter=sphere)
+    if indenter.material is None and not specimen.surface_tension:
+        elastic = replace(indenter, material=GLASS)  # type: ignore[type-var]
+        yield comparison.with_(f"elastic indenter, {glass}", "indenter.E and nu", indenter=elastic)
+    if isinstance(specimen.base, Rigid) and specimen.base.bonded and not sides:
+        based = replace(specimen, base=HalfSpace(GLASS))
+        yield comparison.with_(f"elastic base, {glass}", "specimen.half_space", specimen=based)
+    if not specimen.surface_tension:
+        yield _tension(comparison)
+
+
+def _half_space(comparison: Comparison) -> LeftOut:
+    """The top material alone in place of the layers: what a half-space formula says."""
+    other = alone(comparison.body)
+    found = comparison.with_("half-space formula, no layers", "", True, specimen=other.specimen, sticks=False)
+    pulls: dict[float, Estimate] = {}
+    for w, point, _ in comparison.expected.adhesion:
+        if w > 0:
+            there = half_space_pull_off(other, w, LOAD_CONTROL)
+            known = isinstance(there, CriticalPoint) and isinstance(point, CriticalPoint)
+            pulls[w] = there.P / point.P - 1 if known else Unknown("no pull-off by formula")  # type: ignore[union-attr]
+    return replace(found, pull_off=pulls)
+
+
+def _tension(comparison: Comparison) -> LeftOut:
+    """A surface tension, of a rigid indenter and without friction: no other is derived. A very slight one changes all
+    in proportion."""
+    body, Ups = comparison.body, TUNING.tension
+    name, key = f"surface tension {show(Ups, 'tension')}", f'specimen.surface_tension = "{show(Ups, "tension")}"'
+    rigid = replace(body, indenter=replace(body.indenter, material=None), sticks=False)  # type: ignore[type-var]
+    failed = Unknown("")
+    for slight in TUNING.slight:
+        trial = max(Ups, slight * comparison.expected.a * rigid.E_star / 2)
+        try:
+            plain, tense = _tense(rigid, comparison.expected.a, trial)
+        except JkrError as error:
+            failed = Unknown(str(error))
+            continue
+        found, share = comparison.over(name, key, plain, tense), Ups / trial
+        pulls = {w: _if_no_wetting(w, change) for w, change in found.pull_off.items()}
+        shares = {w: _part(share, change) for w, change in pulls.items()}
+        return replace(found, load=_part(share, found.load), S=_part(share, found.S), pull_off=shares)
+    return LeftOut(name, key, failed, failed)
+
+
+def _tense(body: Problem, largest: float, tension: float) -> tuple[Series, Series]:
+    """The series up to the ``largest`` radius [m] without and with a ``tension`` [N/m]."""
+    a0, method = body.indenter.a0, Layered(TUNING.accuracy)
+    radii = a0 + (largest - a0) * np.geomspace(TUNING.smallest, 1.0, TUNING.few)
+    specimens = (body.specimen, replace(body.specimen, surface_tension=tension))
+    plain, tense = (again(body, radii, method, TUNING.longest, specimen=one).series for one in specimens)
+    return plain, tense
+
+
+def _part(share: float, change: Estimate) -> Estimate:
+    return change if isinstance(change, Unknown) else share * change
+
+
+def _if_no_wetting(w: float, change: Estimate) -> Estimate:
+    """The change, or why there is none: a surface of so little tension wets the indenter."""
+    try:
+        refuse_wetting(w, TUNING.tension)
+    except JkrError as error:
+        return Unknown(str(error))
+    return change
+
+
+def _slip(body: Problem, expected: Expectation, works: Sequence[float]) -> LeftOut:
+    """Contact without slip, or with it where the case has none."""
+    name, other = ("slip", "sliding") if body.sticks else ("no slip", "sticking")
+    key = f'specimen.surface = "{other}"'
+    effect = sticking_effect(body, expected.a, works)
+    if isinstance(effect, Unknown):
+        return LeftOut(name, key, effect, effect)
+
+    def change(ratio: Estimate) -> Estimate:
+        return ratio if isinstance(ratio, Unknown) else (1 / ratio if body.sticks else ratio) - 1
+
+    pulls = {w: change(ratio) for w, ratio in effect.pull_off.items()}
+    return LeftOut(name, key, change(effect.load), change(effect.stiffness_at_depth), pulls)
+
+
+def _range(body: Problem, expected: Expectation, z0: float | None) -> Iterator[LeftOut]:
+    """The range of adhesive forces: at pull-off, and of the load on the adhesive curve at its largest depth."""
+    pulls = {w: judged.effect_of_range for w, _, judged in expected.adhesion if w > 0}
+    if z0 is None or not pulls:
+        return
+    told = show(z0, "length")
+    load = _load_at_range(body, expected, z0, pulls)
+    yield LeftOut(f"range of adhesion {told}", f'adhesion.range = "{told}"', load, NOT_COMPARED, pulls)
+
+
+def _load_at_range(body: Problem, expected: Expectation, z0: float, pulls: Mapping[float, Estimate]) -> Estimate:
+    """Change of the adhesive load, over the load without adhesion, for the w whose pull-off changes most."""
+    known = {w: value for w, value in pulls.items() if not isinstance(value, Unknown)}
+    if not any(known.values()):
+        return 0.0 if known else next(iter(pulls.values()))
+    w, series = max(known, key=lambda each: abs(known[each])), expected.series
+    try:
+        plain, curve = transform(series, slopes(series, "exact"), w), ranged(body, series, w, z0)
+    except JkrError as error:
+        return Unknown(str(error))
+    last = int(np.flatnonzero(np.diff(curve.delta) <= 0).max(initial=-1)) + 1  # contact grows with depth from there on
+    there = CubicSpline(curve.delta[last:], curve.P[last:])(plain.delta[-1])
+    return float(there - plain.P[-1]) / expected.P
+
+
+def _strains(body: Problem, expected: Expectation) -> Iterator[LeftOut]:
+    """What large strains do to the load, as far as it is known, and with it to S."""
+    if body.indenter.tip_radius is None:
+        return
+    name, known = "large strains of rubber", body.specimen.surface.nu >= TUNING.rubber
+    judged = judge(a=expected.a, delta=expected.delta, w=0.0, L=None, z0=None, **sizes(body))
+    if isinstance(judged.strained, Unknown) or not known:
+        yield LeftOut(name, "", NO_STRAINS, NO_STRAINS)
+        return
+    load = 1 / (1 + judged.strained) - 1
+    yield LeftOut(name, "", load, TUNING.of_strains * load, {w: NO_PULL_OFF for w, *_ in expected.adhesion if w > 0})
+
+
+def _weight(body: Problem, expected: Expectation) -> Iterator[LeftOut]:
+    """The weight of a half-space that keeps its volume; of others no formula is known."""
+    material, R = body.specimen.surface, body.indenter.tip_radius
+    if R is None or not body.specimen.is_half_space or material.nu < TUNING.rubber or body.specimen.surface_tension:
+        return
+    load, S = over_hertz(expected.a, material.E_star, TUNING.density)
+    pulls = {w: over_jkr(point.a, material.E_star, TUNING.density) if isinstance(point, CriticalPoint) else point
+             for w, point, _ in expected.adhesion if w > 0}  # fmt: skip
+    yield LeftOut(f"weight of the specimen, {TUNING.density:g} kg/m^3", "", load, S, pulls)

@@ -36,6 +36,10 @@ class RecordTuning:
     least: float = 0.005  # choice: of the range of the load, below which no departure counts
     run: int = 3  # tuned on records, by `make constants`: blocks in succession that must agree
     jump: float = 0.02  # choice: of the range of the load, least size of a jump
+    held: float = 0.05  # choice: of the rows, that a tether holds at least; a contact of its own way changes by then
+    straight: float = 1.3  # choice: of the noise, what the line through them leaves at most
+    level: float = 0.05  # choice: relative change of the load over them, beyond its error; no contact's is below 0.1
+    vague: float = 0.15  # choice: the largest such error
     turning: float = 0.02  # choice: of the way, next to the turning point, where no step is looked for
     doubtful: float = 0.5  # choice: of the least load that is told; tension between is neither a jump nor a step
     around: int = 20  # choice: steps before a jump, and after it, whose median is the usual one
@@ -264,6 +268,7 @@ def _direction(position: Array, P: Array, segment: Segment) -> Direction:
         tension = Unknown("no tension beyond the noise")
     rows = range(segment.first, segment.last + 1)[::order]
     falls, others = _jumps(off, base)
+    falls += _end_of_tether(off, base, falls)
     turn = x.max() - TUNING.turning * np.ptp(x)  # beyond, a change of drag is no event
     others = [(first, last) for first, last in others if x[last] < turn]
     jumps, steps = (
@@ -398,6 +403,28 @@ def _jumps(off: Array, base: BaseLine) -> tuple[list[tuple[int, int]], list[tupl
     jump = fall & (tension[width:] > 1)
     within = rise & (np.minimum(tension[width:], tension[:-width]) > 1) & np.maximum.accumulate(jump)
     return _runs(jump | within, width), _runs(fall & (tension[width:] < TUNING.doubtful) | rise & ~within, width)
+
+
+def _end_of_tether(off: Array, base: BaseLine, falls: Sequence[tuple[int, int]]) -> list[tuple[int, int]]:
+    """Rows before and after which the load leaves a level tension inside of the only one of the ``falls``: it is held
+    there by a tether or a second contact, however little happens where the first one ends; none where it is not."""
+    if len(falls) != 1:
+        return []
+    inside = off[falls[0][1] + 1 :]
+    count = max(round(TUNING.held * off.size), TUNING.least_rows // 2)
+    part, along = inside[:count], np.linspace(-0.5, 0.5, count)
+    if part.size < count:
+        return []
+    tension, change = -float(part.mean()), 12 * float(np.mean(along * (part - part.mean())))
+    error = base.noise * math.sqrt(12 / count)
+    scatter = float(np.std(part - part.mean() - change * along))
+    level = abs(change) < TUNING.level * tension + 2 * error and scatter < TUNING.straight * base.noise
+    if not level or error > TUNING.vague * tension:
+        return []
+    size, first = max(1, round(off.size * TUNING.block)), falls[0][1] + 1
+    away = np.abs(_blocks(inside + tension, size)) > TUNING.doubtful * base.least
+    end = first + int(np.argmax(away)) * size
+    return [(end - 1, end + size - 1)] if away.any() else []
 
 
 def _sudden(off: Array, base: BaseLine) -> tuple[Array, Array, int]:

@@ -53,7 +53,7 @@ def made(error: Callable[[np.ndarray], np.ndarray], seed: int = 1, noise: float 
 def test_an_error_of_positions_is_fitted_where_it_is_asked_for(
     name: str, error: Callable[[float], Callable[[np.ndarray], np.ndarray]], amount: float
 ) -> None:
-    """Of 1 % of the travel E* would be off by 10 % and more, each of the two by tens of its standard errors."""
+    """1 % of the travel moves E* by 6 to 8 %, a hundred of its standard errors."""
     curve = made(error(amount))
     found, plain = (fit(BODY, curve, usual(free=free)) for free in ([name], []))
     for key, true in {**TRUE, name: amount}.items():

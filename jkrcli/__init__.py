@@ -67,12 +67,10 @@ if TYPE_CHECKING:
         Tabulated,
         TransverselyIsotropic,
     )
-    from .data.measured.curve import Reading
+    from .data.measured import Reading
+    from .methods import FEM, Layered, Limits
     from .methods.closed_form.method import ClosedForm
-    from .methods.fem.method import FEM
-    from .methods.guards import Limits
     from .methods.hybrid.method import Hybrid
-    from .methods.layered.layered import Layered
 
 __version__ = "0.2.0"
 __all__ = [

@@ -60,8 +60,7 @@ from .case import parse_case as _parse_case
 from .case.solving import solve as _solve
 from .data.measured import Curve, Reading, from_columns
 from .data.measured import read as read_curves
-from .methods import Method
-from .methods.guards import Limits
+from .methods import Limits, Method
 from .report.result import Held, Result, as_result
 from .series import Solution
 
@@ -70,8 +69,7 @@ if TYPE_CHECKING:
 
     from .adhesion import Program, RateContact, RateLaw, RelaxingContact
     from .bodies import Relaxation
-    from .identification.fit import Fit, FittedBody
-    from .identification.fit.result import Further
+    from .identification.fit import Fit, FittedBody, Further
     from .many.study.maps import MapResult
     from .report.check import Check
     from .report.compare import Compared
@@ -357,9 +355,7 @@ def identify(
     parameters ("P0", "E:film"); ``fix``: known ones, {"w": "50 mJ/m^2"}; ``options``: see
     jkrcli.identification.fit.Settings. Raises InputError where the data cannot be fitted.
     """
-    from .identification.fit import fit
-    from .identification.fit.body import body_of
-    from .identification.fit.settings import settings_of
+    from .identification.fit import body_of, fit, settings_of
     from .report.fit import Fitted
 
     arrays = {"a": a, "delta": delta, "P": P, "t": t}
@@ -391,9 +387,7 @@ def identify_joint(
     ``tip_radii`` [m]: of each, or one of all (default: the body's); ``free``, ``fix``, ``options`` as of ``identify``.
     Raises InputError where a record cannot be used, or the records do not tell what they share.
     """
-    from .identification.fit.body import body_of
-    from .identification.fit.joint import joint_fit, shared_of, with_radii
-    from .identification.fit.settings import settings_of
+    from .identification.fit import body_of, joint_fit, settings_of, shared_of, with_radii
     from .report.joint_fit import JointFitted
 
     source = body_of(Path(body) if isinstance(body, str) else body, slopes)
@@ -407,8 +401,7 @@ def identify_joint(
 def plan(body: Case | Solution | str | Path, found: Fit, slopes: str = "auto") -> tuple[Further, ...]:
     """Which further measurement would narrow E* and w of a fit most: relative standard errors now and with the same
     measurement again, other largest loads, tip radii, thicknesses. InputError where the data do not tell both."""
-    from .identification.fit.body import body_of
-    from .identification.fit.plan import further
+    from .identification.fit import body_of, further
 
     return one_thread()(further)(body_of(Path(body) if isinstance(body, str) else body, slopes), found)
 
@@ -428,7 +421,7 @@ def identify_law(
     ``fix``: known ones, {"n": "0.5"}; ``options``: start, level, segment as of ``jkr fit --law``. Raises InputError
     where the records cannot be fitted.
     """
-    from .identification.fit.body import body_of
+    from .identification.fit import body_of
     from .identification.rate.fitting import rate_fit, rate_settings
     from .report.rate_fit import LawFit
 
@@ -452,7 +445,7 @@ def identify_relaxation(
     ``measured``: one curve of t, delta, P, or its file; ``fix``: known ones, {"ratio": "0.3"}; ``options``: level,
     terms as of ``jkr fit --relaxation``. Raises InputError where the record cannot be fitted.
     """
-    from .identification.fit.body import body_of
+    from .identification.fit import body_of
     from .identification.relaxation import relaxation_fit, relaxation_settings
     from .report.relaxation_fit import RelaxationFitted
 
@@ -474,7 +467,7 @@ def identify_tension(
     ``measured``: curves or their files; ``tip_radii`` [m]: of each, or one of all (default: the body's); ``fix``: known
     values, {"w": "1 mJ/m^2"}. Raises InputError where a record cannot be used.
     """
-    from .identification.fit.body import body_of
+    from .identification.fit import body_of
     from .identification.tension import TENSION, known_values, radii_of, tension_fit
     from .report.tension_fit import TensionFitted
 

@@ -152,10 +152,10 @@ def test_each_heavy_library_has_one_door() -> None:
             assert door is None or relative.is_relative_to(door), f"{relative} imports {target}"
 
 
-@pytest.mark.parametrize("room", ["adhesion", "base", "bodies"])
+@pytest.mark.parametrize("room", ["adhesion", "base", "bodies", "identification.fit", "methods"])
 def test_what_a_room_offers_is_there_and_is_what_types_say(room: str) -> None:
     """Names are imported when they are first asked for; the types of them are imported apart from that."""
-    package, parts = importlib.import_module(f"jkrcli.{room}"), nodes(PACKAGE / room / "__init__.py")
+    package, parts = importlib.import_module(f"jkrcli.{room}"), nodes(PACKAGE / room.replace(".", "/") / "__init__.py")
     typed = [alias.name for block in parts if isinstance(block, ast.If)
              for node in block.body if isinstance(node, ast.ImportFrom) for alias in node.names]  # fmt: skip
     table = next(ast.literal_eval(node) for node in parts if isinstance(node, ast.Dict))

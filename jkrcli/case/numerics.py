@@ -8,7 +8,7 @@ from ..methods import METHODS, Method, method_class
 from .models import CaseModel
 
 if TYPE_CHECKING:
-    from ..methods.fem.method import FEM
+    from ..methods import FEM
 
 
 def method_of(model: CaseModel, name: str) -> Method:

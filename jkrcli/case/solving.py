@@ -8,9 +8,8 @@ from functools import partial
 
 from ..base import JkrError, one_thread
 from ..bodies import Problem
-from ..methods import Method, method_class
-from ..methods.choose import Choice, choose, long_look
-from ..methods.guards import Limits, admit
+from ..methods import Choice, Limits, Method, admit, long_look, method_class
+from ..methods.choose import choose
 from ..series import Record, Solution
 from . import Case
 from .numerics import method_of

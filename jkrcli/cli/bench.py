@@ -9,8 +9,7 @@ import click
 from ..case import load_case
 from ..case.solving import solve
 from ..many.bench import FEW, Bench
-from ..methods import METHODS
-from ..methods.guards import Limits
+from ..methods import METHODS, Limits
 from .options import limits_options
 from .output import give, json_option
 from .verb import Verb

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..base import InputError, writable
-from ..methods.guards import Limits
+from ..methods import Limits
 from .voice import warn
 
 if TYPE_CHECKING:
@@ -130,7 +130,7 @@ def given_body(
 
 def fitted_body(source: Path | dict[str, str | None], slopes: str, limits: Limits) -> FittedBody:
     """The body of a file, or of flags: there a modulus that is not told is 1 MPa, which no result depends on."""
-    from ..identification.fit.body import body_of
+    from ..identification.fit import body_of
     from .series import read_series
 
     if isinstance(source, Path):

@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from ..case import load_case
-from ..methods.choose import long_look
+from ..methods import long_look
 from ..report.check import Check
 from .output import answer, json_option
 from .verb import Verb

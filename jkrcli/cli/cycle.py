@@ -11,7 +11,7 @@ import click
 from ..adhesion import AskedRange, limits_of
 from ..base import InputError, show
 from ..beside.analysis import Analysis, analyse, with_solved_points
-from ..methods.guards import Limits
+from ..methods import Limits
 from ..report.cycle import Cycled, CycledByProgram
 from ..report.output import PICTURES, Output
 from ..report.relaxation import CycledInLimits

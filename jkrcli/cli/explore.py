@@ -11,7 +11,7 @@ from ..adhesion import AskedRange
 from ..base import InputError, write_text
 from ..beside.analysis import analyse
 from ..data import measured
-from ..methods.guards import Limits
+from ..methods import Limits
 from ..report.explorer import Explored, page, payload, start_work
 from ..report.output import Output
 from .measured import begin_reading, reading_of, reading_options

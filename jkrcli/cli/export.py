@@ -9,7 +9,7 @@ import click
 from ..adhesion import AskedRange
 from ..base import InputError, together, write_text
 from ..beside.analysis import analyse
-from ..methods.guards import Limits
+from ..methods import Limits
 from ..report.output import Output
 from .options import WorkType, limits_options, slopes_option
 from .output import give, into_folder, output_options

@@ -13,7 +13,7 @@ from ..base import InputError
 from ..base.files import TUNING as FILES
 from ..base.files import beside
 from ..bodies import RELAXATIONS
-from ..methods.guards import Limits
+from ..methods import Limits
 from ..report.output import PICTURES, Files, Output
 from .body import FLAGS, fitted_body, given_body
 from .fit_curves import FEWER, fit_curves, refits_of
@@ -130,7 +130,7 @@ def _targets(body_file: Path, timed: bool, inputs: tuple[Path, ...], output: Out
 
 def _freed(names: Sequence[str], fix: Sequence[tuple[str, str]]) -> list[str]:
     """Those of the parameters that records share or have each that are not free anyway."""
-    from ..identification.fit.settings import ALIAS, USUALLY_FREE
+    from ..identification.fit import ALIAS, USUALLY_FREE
 
     return [name for name in names if name not in (*USUALLY_FREE, ALIAS, *dict(fix))]
 
@@ -140,7 +140,7 @@ def _settings(
     options: dict[str, Any],
 ) -> Settings:  # fmt: skip
     """What is fitted and how; uncertain inputs are known only when the parameters are."""
-    from ..identification.fit.settings import settings_of, uncertain_of
+    from ..identification.fit import settings_of, uncertain_of
 
     settings = settings_of(body, names, fix, start, bound, **options)
     if not uncertain:

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 
 from ..base import InputError, together
 from ..base.files import beside
-from ..methods import Forecast
-from ..methods.guards import Limits
+from ..methods import Forecast, Limits
 from ..report.output import PICTURES, SHOWN, Files, Output
 from .fit_together import Asked
 from .measured import TUNING
@@ -18,8 +17,7 @@ from .output import give
 from .voice import note, progress, say, warn
 
 if TYPE_CHECKING:
-    from ..identification.fit import Fit, FittedBody, Settings
-    from ..identification.fit.fitting import Failure
+    from ..identification.fit import Failure, Fit, FittedBody, Settings
     from ..report.fit import Fits
 
     Pictures = list[tuple[Fit | Failure, Files]]
@@ -40,10 +38,8 @@ def fit_curves(
     """Each curve on each of the ``bodies``, which are one under different surfaces: table, archive and pictures."""
     from ..base import executor
     from ..data.measured import usable
-    from ..identification.fit import Fit
-    from ..identification.fit.fitting import Failure, fit_all
+    from ..identification.fit import Failure, Fit, fit_all, planned
     from ..identification.fit.friction import friction_warnings, preferences
-    from ..identification.fit.plan import planned
     from ..report.fit import Fits, plan_table, rivals_table
 
     targets, output = asked.targets, asked.output
@@ -121,7 +117,7 @@ def _pictures(
 
 def _named(found: list[Fit | Failure]) -> list[tuple[Fit | Failure, str]]:
     """Curves that can be drawn, each with what its pictures are called after; none where they are many."""
-    from ..identification.fit.fitting import Failure
+    from ..identification.fit import Failure
 
     drawable = [
         item for item in found if not (isinstance(item, Failure) and (item.curve.delta is None or item.curve.P is None))
@@ -137,7 +133,7 @@ def _named(found: list[Fit | Failure]) -> list[tuple[Fit | Failure, str]]:
 def _draw(drawn: Pictures) -> None:
     """The fitted curve over its data; of a curve that could not be fitted its record, if it can be taken apart."""
     from ..data.record import examine
-    from ..identification.fit.fitting import Failure
+    from ..identification.fit import Failure
     from ..report.plots.fit import fit_figure
     from ..report.plots.record import record_figure
 

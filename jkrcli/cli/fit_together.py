@@ -64,7 +64,7 @@ def fit_joint(
     asked: Asked, radii: Sequence[float], settings: Settings, shared: Sequence[str], own: Sequence[str]
 ) -> None:
     """What all records have in common, from all of them together."""
-    from ..identification.fit.joint import joint_fit, shared_of, with_radii
+    from ..identification.fit import joint_fit, shared_of, with_radii
     from ..report.joint_fit import JointFitted
     from ..report.result import as_result
 

@@ -12,8 +12,7 @@ import click
 from ..data.measured import Reading
 from ..data.measured.text import NAMES
 from ..data.text_table import SEPARATORS
-from ..methods import Forecast
-from ..methods.guards import Limits
+from ..methods import Forecast, Limits
 from .options import (
     ANY,
     ColumnUnitType,

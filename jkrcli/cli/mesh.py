@@ -10,8 +10,8 @@ from .. import __version__
 from ..base import atomic, together
 from ..case import load_case
 from ..case.numerics import fem_of
+from ..methods import Limits
 from ..methods.fem.mesh import write_msh, write_vtu
-from ..methods.guards import Limits
 from ..report.mesh import Meshed
 from ..report.output import Output
 from .options import begin, limits_options

@@ -13,8 +13,7 @@ import click
 from ..adhesion import LOAD_CONTROL
 from ..adhesion.slopes import RULES
 from ..base import units
-from ..methods import Forecast
-from ..methods.guards import LESS, Limits, admit
+from ..methods import LESS, Forecast, Limits, admit
 from .voice import forewarn, warn
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ import click
 from ..adhesion import AskedRange
 from ..base import InputError
 from ..beside.profile import profile_columns, radius_under
-from ..methods.guards import Limits
+from ..methods import Limits
 from ..report.output import PICTURES, Output
 from ..report.profile import Profile
 from .options import LengthType, LoadType, WorkType, limits_options, range_options

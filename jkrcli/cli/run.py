@@ -11,8 +11,7 @@ import click
 from ..beside.sticking import effect_facts, sticking_effect
 from ..case import load_case, store
 from ..case.solving import solve
-from ..methods import METHODS
-from ..methods.guards import Limits
+from ..methods import METHODS, Limits
 from ..report.output import Output
 from ..report.solved import Solved
 from .options import limits_options

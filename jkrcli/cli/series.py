@@ -11,8 +11,7 @@ from .. import __version__
 from ..base import InputError, check_series_target
 from ..case import Case, load_case, store
 from ..case.models import other_tables
-from ..methods import Forecast
-from ..methods.guards import Limits
+from ..methods import Forecast, Limits
 from ..series import Record, Solution
 from .options import begin
 from .voice import announce, command_line, note, warn

@@ -11,7 +11,7 @@ from ..base import InputError, executor
 from ..case import load_case
 from ..case.numerics import method_of
 from ..many.study.converge import converge
-from ..methods.fem.method import FEM
+from ..methods import FEM
 from ..report.output import PICTURES, Output
 from .options import WorkType, parallel_options
 from .output import give, into_folder, output_options

@@ -11,7 +11,7 @@ from ..adhesion import AskedRange
 from ..base import InputError
 from ..beside.analysis import analyse
 from ..beside.sticking import effect_on, sticking_warnings
-from ..methods.guards import Limits
+from ..methods import Limits
 from ..report.output import PICTURES, Files, Output
 from ..report.result import as_result
 from ..report.scaling import own_scales, scales_of

@@ -13,9 +13,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..base import Array, Estimate, InputError, Unknown, known, show
-from .measured import Curve
+from .measured import APPROACH, RETRACT, Curve
 from .measured.contact import saturation
-from .measured.curve import APPROACH, RETRACT
 
 PAUSE = "pause"
 

@@ -18,10 +18,7 @@ from ..adhesion import Nonadhesive, Program, RelaxingContact
 from ..base import Array, InputError, JkrError, did_you_mean, parse, show
 from ..bodies import RELAXATIONS, Relaxation
 from ..data.measured import Curve
-from .fit.body import FittedBody
-from .fit.points import third_differences
-from .fit.result import FittedValue, estimated, times
-from .fit.statistics import covariance, t_quantile
+from .fit import FittedBody, FittedValue, covariance, estimated, t_quantile, third_differences, times
 from .least_squares import Least, LeastSquares, State, by_differences
 from .motion import corners
 from .relaxing_rows import averaged, base_line, followed, without_adhesion

@@ -19,9 +19,8 @@ from ..adhesion.curve import TUNING as CURVES
 from ..adhesion.nonadhesive import Parts
 from ..base import Array, InputError, show
 from ..data.measured import Curve
-from .fit.body import FittedBody
+from .fit import FittedBody, Settings
 from .fit.record import receding
-from .fit.settings import Settings
 
 PAIRS = (("a", "P"), ("a", "delta"), ("delta", "P"))  # the first needs no zero of the displacement
 # What a measured row is: usable, or why it is not.

@@ -11,8 +11,7 @@ from ..base import InputError, Pool, completed
 from ..data.measured import Reading, each
 from ..data.text_table import some
 from ..series import Solution
-from .fit.body import body_of
-from .fit.settings import settings_of
+from .fit import body_of, settings_of
 from .work import Evaluation, WorkAlong, check_window
 
 CHUNK = 20  # curves in one task

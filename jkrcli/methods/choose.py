@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 from ..base import SILENCE, InputError, Refusal, duration
 from ..bodies import Problem
-from . import Forecast, Method, least_first, refusal_of
+from .protocol import Forecast, Method, least_first, refusal_of
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ..base import SILENCE, Refusal, duration, free_memory
-from . import Forecast
+from .protocol import Forecast
 
 LARGE = 2048.0  # choice: MiB from which on memory is told
 SHARE = 0.8  # of the free memory that a solve may plan with; choice: the rest is for what forecasts miss

@@ -16,7 +16,7 @@ from .result import Result
 
 if TYPE_CHECKING:
     from ..bodies import Problem
-    from ..methods.fem.method import FEM
+    from ..methods import FEM
     from ..methods.fem.state import ContactState
     from .plots import Figure
 

@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..base import SI, Array, hdf5, scale, show
-from ..identification.fit.fitting import Failure
+from ..identification.fit import Failure, Fit, FittedValue
 from ..identification.fit.record_rivals import OF_RIVALS
 from ..identification.fit.record_scores import Score, Tried
-from ..identification.fit.result import Fit, FittedValue, JKRBeside
+from ..identification.fit.result import JKRBeside
 from ..identification.fit.rivals import RANGE
 from . import archive
 from .map import images_of, map_of

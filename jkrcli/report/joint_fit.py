@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from ..base import show
-from ..identification.fit.joint import JointFit
+from ..identification.fit import JointFit
 from . import fit as each
 from .fit import DOUBTFUL, FITTED, brief, estimate_summary, estimate_words
 from .result import Result

@@ -8,8 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..base import SI, Array, hdf5
-from ..identification.fit.fitting import Failure
-from ..identification.fit.result import Fit
+from ..identification.fit import Failure, Fit
 
 IMAGES = {  # name: dimension
     "E_star": "modulus",

@@ -13,7 +13,7 @@ from ..base import Array, Estimate, Unknown, accuracy
 from ..base.units import reached
 from ..beside.sticking import StickingEffect, as_told, sticking_warnings
 from ..bodies import Problem
-from ..methods.choose import Choice
+from ..methods import Choice
 from ..series import COLUMNS, Series, Solution
 from .result import Result
 

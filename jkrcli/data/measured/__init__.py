@@ -12,10 +12,24 @@ import numpy as np
 from ...base import InputError, did_you_mean
 from . import nanoscope
 from .contact import with_zero_points
-from .curve import LEAST_ROWS, SHOWN, Curve, Reading
+from .curve import (
+    APPROACH,
+    AS_DEPTH,
+    LEAST_ROWS,
+    NOT_SUBTRACTED,
+    OVERRULED,
+    RETRACT,
+    SHOWN,
+    Curve,
+    Pixel,
+    Reading,
+)
 from .instruments import SEGMENTS
 
-__all__ = ["Curve", "Reading", "each", "from_columns", "read", "usable"]
+__all__ = [
+    "APPROACH", "AS_DEPTH", "NOT_SUBTRACTED", "OVERRULED", "RETRACT", "Curve", "Pixel", "Reading", "each",
+    "from_columns", "read", "usable",
+]  # fmt: skip
 # Endings of force microscopes' files. Of .csv and .txt only the user knows: --format afm.
 AFM_ENDINGS = (".jpk-force", ".jpk-force-map", ".jpk-qi-data", ".jpk-qi-series", ".ibw", ".h5", ".tab")
 

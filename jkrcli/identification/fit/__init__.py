@@ -5,9 +5,29 @@ settings: what is asked; points: which rows; model: what an instrument reads; se
 
 from __future__ import annotations
 
-from .body import FittedBody
-from .fitting import fit
-from .result import Fit, FittedValue
-from .settings import Parameter, Settings
+from ...base.lazy import lazily
 
-__all__ = ["Fit", "FittedBody", "FittedValue", "Parameter", "Settings", "fit"]
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from .body import FittedBody, body_of
+    from .fitting import Failure, fit, fit_all
+    from .joint import JointFit, joint_fit, shared_of, with_radii
+    from .plan import further, planned
+    from .points import third_differences
+    from .result import Fit, FittedValue, Further, estimated, times
+    from .settings import ALIAS, USUALLY_FREE, Loss, Parameter, Settings, settings_of, uncertain_of
+    from .statistics import covariance, t_quantile
+
+__getattr__ = lazily(
+    __name__,
+    {
+        ".body": "FittedBody body_of",
+        ".fitting": "Failure fit fit_all",
+        ".joint": "JointFit joint_fit shared_of with_radii",
+        ".plan": "further planned",
+        ".points": "third_differences",
+        ".result": "Fit FittedValue Further estimated times",
+        ".settings": "ALIAS USUALLY_FREE Loss Parameter Settings settings_of uncertain_of",
+        ".statistics": "covariance t_quantile",
+    },
+)

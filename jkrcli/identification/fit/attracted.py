@@ -16,7 +16,7 @@ from scipy.interpolate import BSpline, make_interp_spline
 
 from ...base import Array, Refusal, SolveError, show
 from ...bodies import Problem
-from ...methods.attraction import AttractedBody
+from ...methods import AttractedBody
 from ...methods.integral.attraction import Attraction, Discs, Rims, refuse_narrow
 from .family import Drift, Family
 

@@ -22,8 +22,7 @@ from ...bodies import Loading, Problem
 from ...bodies.parts import RADIUS, changed, checked_names, layer_names, nominal
 from ...case import Case, load_case, store
 from ...case.solving import solve
-from ...methods.guards import Limits
-from ...methods.layered.layered import Layered, unbounded
+from ...methods import Layered, Limits, unbounded
 from ...series import Series, Solution
 from .attracted import COARSE, FINE, AttractedFamily, Resolution
 from .family import Family, Members

@@ -11,9 +11,8 @@ from functools import partial
 import numpy as np
 
 from ...base import InputError, JkrError, Pool, SolveError, completed, executor
-from ...data.measured import Curve
+from ...data.measured import APPROACH, AS_DEPTH, NOT_SUBTRACTED, OVERRULED, RETRACT, Curve, Pixel
 from ...data.measured.contact import with_zero_points
-from ...data.measured.curve import APPROACH, AS_DEPTH, NOT_SUBTRACTED, OVERRULED, RETRACT, Pixel
 from ...data.record import ForceCurve, examine
 from .body import FittedBody, check_parameters
 from .checks import warnings_of

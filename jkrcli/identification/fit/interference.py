@@ -13,8 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...base import Array
-from ...data.measured import Curve
-from ...data.measured.curve import APPROACH
+from ...data.measured import APPROACH, Curve
 from ...data.record import Direction, ForceCurve, examine
 
 

@@ -10,7 +10,7 @@ from sys import float_info
 import numpy as np
 
 from ...base import Array, InputError, Unknown
-from ...data.measured.curve import Pixel
+from ...data.measured import Pixel
 from .record_scores import Verdict
 from .settings import Settings
 from .statistics import Structure

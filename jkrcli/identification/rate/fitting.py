@@ -17,11 +17,7 @@ import numpy as np
 from ...adhesion import RATE_LAWS, Nonadhesive, RateLaw, rate_parameters
 from ...base import Array, InputError, JkrError, SolveError, Unknown, did_you_mean, parse, show
 from ...data.measured import Curve
-from ..fit.body import FittedBody
-from ..fit.fitting import fit
-from ..fit.result import FittedValue, estimated, times
-from ..fit.settings import Parameter, Settings
-from ..fit.statistics import covariance, t_quantile
+from ..fit import FittedBody, FittedValue, Parameter, Settings, covariance, estimated, fit, t_quantile, times
 from ..least_squares import Least, LeastSquares, State
 from ..work import WorkAlong, work_along
 from .prediction import BESIDE, Prediction, predict

@@ -9,7 +9,7 @@ import numpy as np
 from ...adhesion import Program
 from ...base import Array, InputError
 from ...data.measured import Curve
-from ..fit.points import third_differences
+from ..fit import third_differences
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,8 @@ import numpy as np
 
 from ...adhesion import RATE_LAWS, TWO_SIDED_90, RateLaw, rate_parameters
 from ...base import Array, Unknown
-from ..fit.statistics import NORMAL_MEDIAN, covariance, larger, t_quantile
+from ..fit import covariance, t_quantile
+from ..fit.statistics import NORMAL_MEDIAN, larger
 from ..least_squares import Least, LeastSquares, State
 from ..work import WorkAlong
 

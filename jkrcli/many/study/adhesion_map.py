@@ -21,8 +21,7 @@ from ...adhesion.curve import transform
 from ...adhesion.slopes.choice import slopes
 from ...base import Array, JkrError, Ranged, SolveError
 from ...bodies import Loading, Paraboloid, Problem, Specimen
-from ...methods.attraction import AttractedBody
-from ...methods.layered.layered import Layered
+from ...methods import AttractedBody, Layered
 from ...series import Series
 from .maps import BASE, POISSON, Axis, Columns, Map, Values, Work, layer, rows, within
 

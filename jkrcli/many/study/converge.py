@@ -14,8 +14,7 @@ from ...adhesion.curve import transform
 from ...adhesion.slopes.choice import slopes
 from ...base import Array, InputError, Pool, Unknown, in_order
 from ...bodies import Problem
-from ...methods.fem.method import FEM
-from ...methods.layered.layered import Layered
+from ...methods import FEM, Layered
 from ...series import Series, Solution
 from .convergence import Convergence
 from .meshes import TUNING, Level, State

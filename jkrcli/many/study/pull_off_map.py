@@ -21,7 +21,7 @@ from ...adhesion.slopes.choice import slopes
 from ...base import SolveError, Unknown
 from ...bodies import Loading, Paraboloid, Problem
 from ...formulas.surface_tension import wetting_radius
-from ...methods.layered.layered import Layered
+from ...methods import Layered
 from ...series import Series
 from .maps import BASE, POISSON, SHOWN_NU, SHOWN_Q, Axis, Columns, Map, Q, Values, Work, layer, rows, within
 

@@ -18,8 +18,8 @@ from ...adhesion import AdhesiveCurve, Nonadhesive, Program, RateContact, rate_l
 from ...adhesion.slopes.choice import slopes
 from ...base import Ranged, SolveError, known
 from ...bodies import Elastic, HalfSpace, Layer, Loading, Paraboloid, Problem, Rigid, Specimen
+from ...methods import Layered
 from ...methods.closed_form.method import ClosedForm
-from ...methods.layered.layered import Layered
 from .maps import POISSON, Axis, Columns, Map, Values, Work, rows
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ import numpy as np
 from ... import __version__
 from ...base import Array
 from ...bodies import Elastic, Layer, Loading, Paraboloid, Problem, Rigid, Specimen
-from ...methods.layered.layered import Layered
+from ...methods import Layered
 from ...series import Series
 from .maps import POISSON, SHOWN_NU, Axis, Columns, Map, Values, Work, rows, within
 

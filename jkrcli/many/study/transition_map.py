@@ -22,8 +22,7 @@ from ...adhesion.curve import transform
 from ...adhesion.slopes.choice import slopes
 from ...base import JkrError, SolveError, Unknown
 from ...bodies import Loading, Paraboloid, Problem
-from ...methods.attraction import AttractedBody
-from ...methods.layered.layered import Layered
+from ...methods import AttractedBody, Layered
 from .maps import BASE, POISSON, SHOWN_NU, SHOWN_Q, Axis, Columns, Map, Q, Values, Work, layer, rows, within
 
 if TYPE_CHECKING:

@@ -15,8 +15,8 @@ from ...beside.analysis import adhesive, nonadhesive
 from ...bodies import Problem
 from ...case.models import CaseModel
 from ...case.numerics import method_of
-from ...methods import least_first
-from ...methods.choose import Choice, choose, survey
+from ...methods import Choice, least_first, survey
+from ...methods.choose import choose
 from ...series import Solution
 from ..cache import at_unit_modulus, solved
 from .plan import Group, Recipe

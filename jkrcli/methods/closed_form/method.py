@@ -12,8 +12,8 @@ from ...base import Array, InputError, Refusal, SolveError, StageClock, show
 from ...bodies import Elastic, Layer, Loading, Paraboloid, Problem, Rigid, Sphere
 from ...formulas import thin_layer
 from ...series import COLUMNS, ErrorBudget, Series, Solution
-from .. import Forecast, without_tension
 from ..layered.layered import Layered, unbounded
+from ..protocol import Forecast, without_tension
 from ..radii import half_space_guess, radii_of_loading
 
 

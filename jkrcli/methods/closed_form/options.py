@@ -1,6 +1,6 @@
 """What is known of the method ``closed-form`` before it is imported; it has no options."""
 
-from .. import Descriptor, register
+from ..protocol import Descriptor, register
 
 register(
     Descriptor(

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from ...base import Refusal, StageClock, Unknown, one_thread
 from ...bodies import HalfSpace, Problem
 from ...series import ErrorBudget, Solution
-from .. import Forecast
+from ..protocol import Forecast
 from .adapt import adapted, first
 from .body import at_surface, half_space_like
 from .budget import Assessment, assessed, truncation_of

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Annotated, Literal, TypeAlias
 
 from ...base import InputError, Length, Ranged, check_ranges
-from .. import Descriptor, InTable, register
+from ..protocol import Descriptor, InTable, register
 
 Solver: TypeAlias = Literal["auto", "superlu", "cholmod"]
 GROWTH = {"scaled": {1: 0.05, 2: 0.15}, "zones": {1: 0.08, 2: 0.25}}  # chosen for equal errors by either order

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Annotated
 
 from ...base import Ranged, check_ranges
-from .. import Descriptor, register
+from ..protocol import Descriptor, register
 
 
 @dataclass(frozen=True)

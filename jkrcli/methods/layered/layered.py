@@ -11,10 +11,10 @@ import numpy as np
 from ...base import Array, Refusal, StageClock
 from ...bodies import Loading, Problem, Specimen
 from ...series import ErrorBudget, Solution
-from .. import Forecast
 from ..integral.contact import FLOPS_PER_SECOND, first_stiffness, largest_for_contact, radii_for_contact, series_of
 from ..integral.disc import disc_warnings, refuse_shrinking
 from ..integral.equation import ContactResult
+from ..protocol import Forecast
 from .contact import TUNING, LayeredContact, checked
 from .options import LayeredOptions
 from .spectrum import spectrum_seconds

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.ticker import MaxNLocator
 
 from ...base import Array, scale
-from ...identification.fit.result import Fit
+from ...identification.fit import Fit
 from ...identification.fit.statistics import rise
 from . import (
     BLACK,

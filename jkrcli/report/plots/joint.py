@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...base import scale
-from ...identification.fit.joint import JointFit
-from ...identification.fit.result import Fit
+from ...identification.fit import Fit, JointFit
 from . import BLACK, COLORS, LABELS, MIDDLE, Figure, drawing, legend_below, pretty
 from .fit import AXES, DIMENSIONS
 

@@ -68,7 +68,7 @@ if TYPE_CHECKING:
     from pandas import DataFrame
 
     from .adhesion import Program, RateContact, RateLaw, RelaxingContact
-    from .bodies import Relaxation
+    from .bodies import Indenter, Relaxation
     from .identification.fit import Fit, FittedBody, Further
     from .many.study.maps import MapResult
     from .report.check import Check
@@ -513,12 +513,12 @@ def check(case: Case | str | Path) -> Check:
     return one_thread()(Check.of)(Path(case) if isinstance(case, str | Path) else Path("case"), loaded)
 
 
-def look(path: str | Path, **reading: Any) -> Look:
+def look(path: str | Path, tip: Indenter | None = None, **reading: Any) -> Look:
     """What a measured file holds, as ``jkr look`` says it: segments, base line, contact, jumps, adhesion; no body is
-    needed. ``reading``: see jkrcli.data.measured.Reading."""
+    needed. With a ``tip``, Sphere(5e-6), a rough modulus too. ``reading``: see jkrcli.data.measured.Reading."""
     from .report.look import Look
 
-    return one_thread()(Look.at)(Path(path), Reading(**reading))
+    return one_thread()(Look.at)(Path(path), Reading(**reading), tip)
 
 
 @one_thread()

@@ -60,16 +60,16 @@ def solved_for_force(
 def work_on_half_space(indenter: Indenter, E_star: float, load: float) -> float:
     """The w [J/m^2] of which a half-space lets go at the pull-off force ``load`` [N, > 0] under load control: over all
     radii the least w = (P_H + load)^2/(8 pi E* a^3) that holds it."""
-    a = _radii(indenter)
-    _, P_H = _half_space(indenter, a, E_star)
+    a, _, P_H = half_space_radii(indenter, E_star)
     return float(np.min((P_H + load) ** 2 / (8 * math.pi * E_star * a**3)))
 
 
 def _reaching(problem: Problem, w: float, modulus_factor: float) -> Solution:
     """The problem solved to the contact radius that its half-space keeps without load: on a layer over a rigid base,
     which is stiffer, adhesion holds a smaller one."""
-    a, E_star = _radii(problem.indenter), modulus_factor * problem.E_star
-    _, P = adhesive_half_space(a, *_half_space(problem.indenter, a, E_star), E_star, w)
+    E_star = modulus_factor * problem.E_star
+    a, delta_H, P_H = half_space_radii(problem.indenter, E_star)
+    _, P = adhesive_half_space(a, delta_H, P_H, E_star, w)
     far = _to(problem, float(a[P <= 0].max(initial=a[0])))
     return again(far) if problem.specimen.is_half_space else again(far, method=COARSE)
 
@@ -80,13 +80,11 @@ def _to(problem: Problem, a: float) -> Problem:
     return replace(problem, loading=Loading("radius", end, TUNING.points, "log"))
 
 
-def _radii(indenter: Indenter) -> Array:
+def half_space_radii(indenter: Indenter, E_star: float) -> tuple[Array, Array, Array]:
+    """Contact radii from atoms to the end of the indenter [m], with delta_H [m] and P_H [N] on a half-space."""
     end = min(TUNING.most, TUNING.inside * indenter.r_max)
-    return indenter.a0 + np.geomspace(TUNING.least, end - indenter.a0, TUNING.looked_at)
-
-
-def _half_space(indenter: Indenter, a: Array, E_star: float) -> tuple[Array, Array]:
+    a = indenter.a0 + np.geomspace(TUNING.least, end - indenter.a0, TUNING.looked_at)
     found = indenter.half_space(a, E_star)
     if found is None:
-        raise InputError(f"pull-off: {indenter.words} has no closed form on a half-space: describe it in a case file")
-    return found
+        raise InputError(f"{indenter.words} has no closed form on a half-space: describe the bodies in a case file")
+    return a, *found

@@ -15,10 +15,12 @@ from ..methods import Limits
 from .voice import warn
 
 if TYPE_CHECKING:
+    from ..bodies import Indenter
     from ..case import Case
     from ..identification.fit import FittedBody
 
-FLAGS = ("shape", "radius", "half_angle", "modulus", "nu", "thickness", "base")
+TIP = ("shape", "radius", "half_angle")
+FLAGS = (*TIP, "modulus", "nu", "thickness", "base")
 SHAPES = {  # by flags, and which of them each needs
     **dict.fromkeys(("sphere", "paraboloid"), ("radius",)),
     "rounded-cone": ("radius", "half_angle"),
@@ -43,6 +45,13 @@ OPTIONS = (
 def body_options(command: Command) -> Command:
     """Add the flags to a verb; their values are among its keyword arguments by the names in ``FLAGS``."""
     for option in reversed(OPTIONS):
+        command = option(command)
+    return command
+
+
+def tip_options(command: Command) -> Command:
+    """The same, of the tip alone, by the names in ``TIP``."""
+    for option in reversed(OPTIONS[: len(TIP)]):
         command = option(command)
     return command
 
@@ -78,6 +87,14 @@ def case_of(
     return parse_case(tomli_w.dumps(tables_of(verb, body, instead, loading, modulus) | keys).encode(), verb)
 
 
+def tip_of(verb: str, flags: Mapping[str, str | None]) -> Indenter | None:
+    """The tip of the flags in ``TIP``; None where none is given."""
+    if not any(flags.values()):
+        return None
+    body = dict.fromkeys(FLAGS) | dict(flags) | {"modulus": "1 MPa", "nu": "0.5"}  # any: the tip is rigid
+    return case_of(verb, body, "", {"radius": 1.0}).model.problem().indenter
+
+
 def tables_of(
     verb: str, body: Mapping[str, str | None], instead: str, loading: Mapping[str, Any], modulus: str | None = None
 ) -> dict[str, Any]:
@@ -93,7 +110,8 @@ def tables_of(
         raise InputError(f"{verb}: a {shape} has no {unused[0]}: leave it out, or give another --shape")
     missing = [flag(name) for name in (*sizes, "modulus", "nu") if held[name] is None]
     if missing:
-        raise InputError(f"{verb}: needs {instead}, or the bodies by flags: {', '.join(missing)} missing")
+        either = f"needs {instead}, or the bodies by flags: " if instead else ""
+        raise InputError(f"{verb}: {either}{', '.join(missing)} missing")
     if held["base"] is not None and held["thickness"] is None:
         raise InputError(f"{verb}: --base needs --thickness: a half-space has no base")
     for name in ("radius", "thickness"):

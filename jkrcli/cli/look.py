@@ -9,6 +9,7 @@ import click
 
 from ..base import InputError
 from ..report.output import PICTURES, Output
+from .body import TIP, tip_of, tip_options
 from .measured import begin_reading, reading_of, reading_options
 from .output import answer, into_folder, output_options, refuse_doubles
 from .verb import Verb
@@ -17,6 +18,7 @@ from .voice import present, warn
 
 @click.command(cls=Verb)
 @click.argument("files", nargs=-1, required=True, type=click.Path(path_type=Path))
+@tip_options
 @reading_options
 @into_folder()
 @output_options(plots="Draw nothing.", json="Print everything as JSON.")
@@ -26,14 +28,16 @@ def look(files: tuple[Path, ...], output: Output, **options: Any) -> None:
     Says how columns and units were understood, and finds in every curve approach, pause and retraction, the base line
     with its noise, tilt and waviness, where contact begins and ends, jumps, the largest load and the adhesion force;
     and names what is wrong with a curve: no contact, a wavy base line, a detector at its limit. A file without
-    spring constant or sensitivity is read in arbitrary units, with a warning. Draws <stem>-look.png and .svg.
+    spring constant or sensitivity is read in arbitrary units, with a warning. A tip (--radius, --shape) gives a rough
+    E* and w by the formulas of a half-space. Draws <stem>-look.png and .svg.
 
     \b
-    jkr look curve.jpk-force
+    jkr look curve.jpk-force --radius "5 um"
     jkr look probe.csv --flip delta --unit P=nN
     """
     from ..report.look import Look
 
+    tip = tip_of("look", {name: options.pop(name) for name in TIP})
     reading = reading_of(options)
     stems = [(output.where or path.parent) / f"{path.stem}-look" for path in files]
     refuse_doubles(stems, "give each its own -o")
@@ -42,7 +46,7 @@ def look(files: tuple[Path, ...], output: Output, **options: Any) -> None:
     begin_reading("look", files)
     results, told, pictures = [], [], list[str]()
     for path, target in zip(files, targets, strict=True):
-        result = Look.at(path, reading)
+        result = Look.at(path, reading, tip)
         results.append(result)
         drawn = output.plots and bool(result.records)
         if drawn:

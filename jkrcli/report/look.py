@@ -8,7 +8,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..base import InputError, Unknown, show
+from ..beside.rough import Rough, rough
+from ..bodies import Indenter
 from ..data import measured
+from ..data.measured.curve import ARBITRARY
 from ..data.record import BaseLine, Direction, ForceCurve, examine
 from .output import SHOWN
 from .result import Result
@@ -22,14 +25,16 @@ NAMES = {"a": "contact radius", "delta": "displacement", "P": "load", "t": "time
 
 @dataclass(frozen=True, eq=False)
 class Look(Result):
-    """What a measured file holds: its curves taken apart, and a line on each that is ``unusable``."""
+    """What a measured file holds: its curves taken apart, and a line on each that is ``unusable``; ``tip``: of which a
+    rough modulus is told."""
 
     path: Path
     records: Sequence[ForceCurve]
     unusable: Sequence[str]
+    tip: Indenter | None = None
 
     @classmethod
-    def at(cls, path: Path, reading: measured.Reading) -> Look:
+    def at(cls, path: Path, reading: measured.Reading, tip: Indenter | None = None) -> Look:
         """What the file at ``path`` holds, read by ``reading``; where spring constant or sensitivity are missing, 1
         stands in for them."""
         records: list[ForceCurve] = []
@@ -44,18 +49,31 @@ class Look(Result):
                     unusable += error.lines
         except InputError as error:
             unusable += error.lines
-        return cls(path, records, unusable)
+        return cls(path, records, unusable, tip)
 
     def summary(self) -> dict[str, Any]:
-        return {"file": str(self.path), "curves": list(map(as_dict, self.records)), "unusable": list(self.unusable)}
+        return {
+            "file": str(self.path),
+            "curves": [as_dict(record) | self._rough(record) for record in self.records],
+            "unusable": list(self.unusable),
+        }
 
     def words(self) -> list[str]:
-        lines = [line for record in self.records[:SHOWN] for line in words(record)]
+        lines = [line for record in self.records[:SHOWN] for line in words(record, self.tip)]
         if (count := len(self.records)) > 1:
             flagged = sum(bool(record.flags) for record in self.records)
             head = [f"{count} curves, {flagged} of them with remarks: {self.path}"]
             lines = [*head, *(f"  {words(record)[0]}" for record in self.records[:SHOWN]), *lines]
         return lines + ([f"  ... and {count - SHOWN} more curves (--json tells all)"] if count > SHOWN else [])
+
+    def _rough(self, record: ForceCurve) -> dict[str, Any]:
+        """The rough numbers of a record as plain values, where a tip is told."""
+        if self.tip is None:
+            return {}
+        found = at_a_glance(record, self.tip)
+        if isinstance(found, Unknown):
+            return {"rough": None, "rough_unknown": found.reason}
+        return {"rough": {"E_star_Pa": found.E_star, "a_m": found.a, **_known("w_J_per_m2", found.w)}}
 
     @property
     def warnings(self) -> Sequence[str]:
@@ -111,8 +129,30 @@ def _known(name: str, value: float | Unknown) -> dict[str, Any]:
     return {name: None, f"{name}_unknown": value.reason} if isinstance(value, Unknown) else {name: value}
 
 
-def words(record: ForceCurve) -> list[str]:
-    """Lines for a reader: what the record is, then a line per direction and per flag."""
+def at_a_glance(record: ForceCurve, tip: Indenter) -> Rough | Unknown:
+    """What the formulas of a half-space make of the direction that is nearest to no adhesion, the approach."""
+    if any(ARBITRARY in flag for flag in record.curve.flags):
+        return Unknown("loads are in arbitrary units")
+    item = record.direction("approach") or record.direction("retract")
+    if item is None or not item.based or isinstance(item.touch, Unknown):
+        return Unknown("no base line and first touch")
+    back = record.direction("retract")
+    adhesion = back.adhesion if back is not None and back.based else Unknown("no retraction with a base line")
+    depth = item.depth - (0.0 if record.curve.stiffness is None else item.largest / record.curve.stiffness)
+    return rough(tip, item.largest, depth, adhesion)
+
+
+def _glance(record: ForceCurve, tip: Indenter) -> str:
+    found = at_a_glance(record, tip)
+    if isinstance(found, Unknown):
+        return f"  no rough modulus: {found.reason}"
+    w = "" if isinstance(found.w, Unknown) else f", w = {show(found.w, 'work', 2)} (adhesion force)"
+    E_star, a = show(found.E_star, "modulus", 2), show(found.a, "length", 2)
+    return f"  rough: E* = {E_star} (half-space without adhesion, largest load, a = {a}){w}"
+
+
+def words(record: ForceCurve, tip: Indenter | None = None) -> list[str]:
+    """Lines for a reader: what the record is, then a line per direction and per flag; a rough modulus by a ``tip``."""
     curve = record.curve
     held = ", ".join(NAMES[name] for name in curve.measured)
     parts = ", ".join(f"{segment.kind} {len(segment)}" for segment in record.segments)
@@ -120,6 +160,7 @@ def words(record: ForceCurve) -> list[str]:
     return [
         f"{_verdict(record)}: {curve.where}",
         f"  {len(curve)} rows of {held}; {parts}",
+        *([] if tip is None else [_glance(record, tip)]),
         *(f"  {name}: {sentence}" for name, sentence in record.flags.items()),
         *(f"  {item.segment.kind:8}  {line}" for item in record.directions for line in _said(item)),
         *(f"  {flag}" for flag in curve.flags),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -11,6 +12,8 @@ import numpy as np
 import pytest
 from conftest import Outcome
 from force_curves import Instrument, record
+
+from jkrcli.bodies import EqualAreaCone, RoundedCone, Sphere
 
 E_STAR, R, W, K = 20e3, 5e-6, 1e-4, 0.05
 FORCE = 1.5 * np.pi * W * R
@@ -38,6 +41,22 @@ def test_a_table_is_told_and_drawn(jkr: Callable[..., Outcome], table: Path) -> 
     assert {path.name for path in table.parent.iterdir()} == {"probe.csv", "probe-look.png", "probe-look.svg"}
 
 
+def test_a_rough_w_is_that_of_the_adhesion_force(jkr: Callable[..., Outcome], table: Path) -> None:
+    words = ("look", str(table), "--stiffness", "0.05 N/m", "--no-plots")
+    done = jkr(*words, "--shape", "paraboloid", "--radius", "5 um")
+    assert re.search(
+        r"^  rough: E\* = \d+ kPa \(half-space without adhesion, largest load, a = .*\), w = ", done.out, re.M
+    )
+    found = json.loads(jkr(*words, "--shape", "paraboloid", "--radius", "5 um", "--json").out)["files"][0]["curves"][0]
+    force = found["retract"]["adhesion_force_N"]
+    assert found["rough"]["w_J_per_m2"] == pytest.approx(force / (1.5 * np.pi * R), rel=1e-4)
+    assert "rough:" not in jkr(*words).out
+    done = jkr(*words, "--shape", "cone")
+    assert (done.code, done.err) == (2, "jkr: error: look: --half-angle missing\n")
+    volts = jkr("look", str(table), "--unit", "P=V", "--no-plots", "--radius", "5 um")
+    assert "no rough modulus: loads are in arbitrary units" in volts.out
+
+
 def test_json_holds_what_was_found(jkr: Callable[..., Outcome], table: Path) -> None:
     done = jkr("look", str(table), "--json", "--no-plots")
     curve = json.loads(done.out)["files"][0]["curves"][0]
@@ -48,6 +67,31 @@ def test_json_holds_what_was_found(jkr: Callable[..., Outcome], table: Path) -> 
     assert curve["approach"]["adhesion_force_N"] is None
     assert curve["approach"]["adhesion_force_N_unknown"] == "no tension beyond the noise"
     assert len(curve["retract"]["jumps"]) == 1
+
+
+@pytest.mark.parametrize("shape", ["sphere", "pyramid", "rounded-cone"])
+def test_a_tip_gives_a_rough_modulus(jkr: Callable[..., Outcome], tmp_path: Path, shape: str) -> None:
+    """The load of a contact of 60 kPa pressed to 300 nm, over the formula's at the depth beyond where touch is seen."""
+    flags, tip = {
+        "sphere": (("--radius", "5 um"), Sphere(5e-6)),
+        "pyramid": (("--shape", "pyramid", "--half-angle", "35 deg"), EqualAreaCone.of(4, math.radians(35), None)),
+        "rounded-cone": (("--shape", "rounded-cone", "--radius", "50 nm", "--half-angle", "35 deg"),
+                         RoundedCone(50e-9, math.radians(35))),
+    }[shape]  # fmt: skip
+    a = np.geomspace(1e-10, 5e-6 if shape == "sphere" else 1e-6, 4000)[:-1]
+    delta, P = tip.half_space(a, 60e3)
+    z = np.concatenate([way := np.linspace(-700, 300, 2001), way[::-1]])
+    load = np.interp(z * 1e-9, delta, P, left=0.0) * 1e9
+    noise = np.random.default_rng(0).normal(0, 1e-4 * load.max(), z.size)
+    rows = "".join(f"{x},{p:.8g}\n" for x, p in zip(z, load + noise, strict=True))
+    (tmp_path / "tip.csv").write_text("delta_nm,P_nN\n" + rows)
+    done = jkr("look", "tip.csv", *flags, "--stiffness", "rigid", "--json", "--no-plots")
+    (curve,) = json.loads(done.out)["files"][0]["curves"]
+    depth = 300e-9 - curve["approach"]["touch_m"]
+    held, there = np.interp([300e-9, depth], delta, P)
+    assert curve["rough"]["E_star_Pa"] == pytest.approx(60e3 * held / there, rel=1e-3)
+    assert curve["rough"]["a_m"] == pytest.approx(np.interp(depth, delta, a), rel=1e-3)
+    assert curve["rough"]["w_J_per_m2"] is None
 
 
 def test_no_base_line_leaves_nothing_that_is_told_over_it(jkr: Callable[..., Outcome], tmp_path: Path) -> None:

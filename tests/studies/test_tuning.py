@@ -38,7 +38,9 @@ def _module(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> ModuleType:
     """A module of the package with a tuning set of its own, found where ``layered`` stands."""
     path = tmp_path / "made_up.py"
     path.write_text(MADE_UP)
-    monkeypatch.setattr("jkrcli.methods.layered.__path__", [*sys.modules["jkrcli.methods.layered"].__path__, str(tmp_path)])
+    monkeypatch.setattr(
+        "jkrcli.methods.layered.__path__", [*sys.modules["jkrcli.methods.layered"].__path__, str(tmp_path)]
+    )
     monkeypatch.delitem(sys.modules, "jkrcli.methods.layered.made_up", raising=False)
     import jkrcli.methods.layered.made_up as found
 

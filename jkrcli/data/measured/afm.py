@@ -16,7 +16,7 @@ import numpy as np
 
 from ...base import Array, InputError, allowance, first_line, installs, read_bytes
 from . import intact
-from .curve import APPROACH, LEAST_ROWS, RETRACT, Curve, Pixel, Reading, place
+from .curve import APPROACH, ARBITRARY, LEAST_ROWS, RETRACT, Curve, Pixel, Reading, place
 
 HEIGHTS = ("height (measured)", "height (piezo)")  # the better first
 SEGMENTS = {0: APPROACH, 1: RETRACT}
@@ -147,7 +147,7 @@ def _lack(lacks: str, stiffness: float | None, reading: Reading) -> str:
     """What is missing to read an incomplete file, and the remedy; "" where nothing is."""
     if lacks:
         options = "--stiffness and --sensitivity" if "sensitivity" in lacks else "--stiffness"
-        return f"the file lacks {lacks}: arbitrary units until it is given by {options}"
+        return f"the file lacks {lacks}: {ARBITRARY} {options}"
     if stiffness is None and reading.incomplete:
         return "the file lacks its spring constant: the deflection is not subtracted from the height; give --stiffness"
     return ""

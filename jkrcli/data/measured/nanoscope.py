@@ -18,7 +18,7 @@ import numpy as np
 from ...base import Array, InputError, allowance, opened, read_bytes
 from ...base.units import MOST
 from ..text_table import unit_power
-from .curve import APPROACH, LEAST_ROWS, RETRACT, Curve, Pixel, Reading, place
+from .curve import APPROACH, ARBITRARY, LEAST_ROWS, RETRACT, Curve, Pixel, Reading, place
 from .instruments import toward
 
 WHAT = "Nanoscope file"
@@ -118,7 +118,7 @@ class File:
             if told is None and not _is_size(held[key]):
                 if not reading.incomplete:
                     raise InputError(f"{self.path}: names no {key}: give --{key}")
-                said.append(f"the file lacks its {key}: arbitrary units until it is given by --{key}")
+                said.append(f"the file lacks its {key}: {ARBITRARY} --{key}")
                 found.append(1.0)
                 continue
             found.append(told or held[key])

@@ -29,6 +29,7 @@ from . import archive
 from .beside import one_under_the_other
 from .curve import (
     APPROACH,
+    ARBITRARY,
     AS_DEPTH,
     LEAST_ROWS,
     NOT_SUBTRACTED,
@@ -334,7 +335,7 @@ def _load_of_deflection(
     factor = math.prod(1.0 if value is None else value for value in known.values())
     load = numbers(table, index) * 10.0 ** unit[1] * factor
     if missing:
-        return load, f"{title} is {kind}: loads in arbitrary units until it is given by {options}"
+        return load, f"{title} is {kind}: loads in {ARBITRARY} {options}"
     with_ = ", ".join(f"{key} {value:g} {UNITS_OF[key]}" for key, value in known.items())
     return load, f"load from {title}, {kind}, with {with_}"
 

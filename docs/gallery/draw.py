@@ -19,7 +19,8 @@ def main() -> None:
     page = (HERE / "index.md").read_text(encoding="utf-8")
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        (folder / "cases").symlink_to(ROOT / "cases")
+        for given in ("cases", "docs", "tests"):
+            (folder / given).symlink_to(ROOT / given)
         path = f"{Path(sys.executable).parent}:{os.environ['PATH']}"
         for commands in re.findall(r"^```sh\n(.*?)^```$", page, re.M | re.S):
             print(commands, end="")

@@ -24,13 +24,13 @@ from jkrcli.identification.tension import tension_fit
 from .relaxation_bounds import told
 
 NAMES = ("E_star", "surface_tension", "w")
-SMALL = 3e-6  # [m]
 
 
 @dataclass(frozen=True)
 class Pairs:
     """What is drawn; few lengths, radii and bodies, so that each is solved once."""
 
+    small: float = 3e-6  # choice: [m], one tip's radius
     large: tuple[float, ...] = (1e-5, 3e-5)  # choice: [m], of the other tip
     lengths: tuple[float, ...] = (0.03, 0.3, 3.0)  # choice: 2 Ups/E* over the large tip's contact radius
     deep: float = 0.7  # choice: that over the tip's radius
@@ -54,7 +54,7 @@ def drawn(rng: np.random.Generator, seed: int) -> tuple[Problem, list[Any], list
     tension = kappa * E / 2
     w = tension * float(rng.uniform(*PAIRS.angles)) ** 2 / 2
     rows = int(rng.integers(*PAIRS.rows))
-    curves, radii = [], [SMALL, R]
+    curves, radii = [], [PAIRS.small, R]
     for i, tip in enumerate(radii):
         body = TenseBody(kappa / tip, None if layer is None else layer * R / tip, nu)
         zero = float(rng.uniform(-0.5, 0.5)) * tip

@@ -135,6 +135,22 @@ def test_a_soft_spring_lets_go_as_a_load_does() -> None:
     np.testing.assert_allclose(other.states(t)[2], one.states(t)[2], rtol=0, atol=1e-6)
 
 
+@pytest.mark.parametrize(("law", "t", "x"), [
+    (SOLID, [0.0, 0.4, 5.6, 6.0], [0.0, 1.5, 1.5, 0.0]),
+    (SOLID, [0.0, 0.4, 5.6, 7.0, 8.0], [0.0, 1.5, 1.5, 1.49, 0.0]),
+    (POWER, [0.0, 0.2, 0.4, 5.6, 6.0], [0.0, 0.2, 1.5, 1.5, 0.0]),
+])  # fmt: skip
+def test_a_spring_passes_the_corners_of_the_way_in_and_lets_go(law: Relaxation, t: list[float], x: list[float]) -> None:
+    """Steps over a depth at which the speed had changed, or just before the loss of contact, left 5e-5."""
+    body, program = depths(0.5), (np.array(t), np.array(x))
+    found = path(law, *program, body, 1.0)
+    finer = Drive(body, law.modes(t[-1]), 1.0, *program, ratio=1.2).path()
+    at = np.linspace(0.0, 0.9999 * finer.lost, 2000)[1:]
+    for one, other in zip(found.states(at), finer.states(at), strict=True):
+        np.testing.assert_allclose(one, other, rtol=0, atol=5e-7 * np.max(other))
+    assert found.lost == pytest.approx(finer.lost, rel=1e-8)
+
+
 def test_units_scale() -> None:
     body, modes = depths().body, StandardSolid(0.25, 1e-3).modes(1.0)
     t, x, rows = 1e-3 * TRIANGLE[0], TRIANGLE[1], np.array([0.5, 1.25])

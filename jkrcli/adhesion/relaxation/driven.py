@@ -7,7 +7,7 @@ delta(t); it is solved by collocation, in many steps at once, which grow after e
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple, TypeAlias
@@ -30,8 +30,11 @@ DEGREE = INNER.size
 class DrivenTuning:
     """Steps in time, and how they are solved."""
 
-    first: float = 1e-9  # choice: of a piece of the program, the first step after its corner
-    ratio: float = 1.3  # choice: of parts after a corner from step to step; leaves 1e-9
+    first: float = 1e-8  # choice: of a piece of the program, the first step after its corner
+    ratio: float = 1.5  # choice: of parts after a corner from step to step; leaves 1e-6
+    bends: float = (
+        0.1  # choice: of the fastest speed, change of speed from which on a corner ends a step on the way back
+    )
     last: float = 1e-5  # choice: the same of the step in which contact is lost, of which it may be a power 2/3
     together: int = 24  # choice: steps solved at once; no result depends on it
     newton: int = 60  # choice: guard
@@ -40,6 +43,7 @@ class DrivenTuning:
     falls: float = 1e-10  # theory: of the depth, what is no round-off
     ends: float = 1e-9  # choice: of the last step of growth or of contact, by which its end may be missed
     cuts: int = 30  # choice: guard, of the same step
+    near: float = 2.0  # choice: of a step, how far at least it is to end before contact is lost; leaves 1e-7
     far: float = 2.0  # choice: guard, of the log depth in an iteration
 
 
@@ -70,6 +74,9 @@ class Now(NamedTuple):
     load: float
     of_depth: Array
     of_load: Array
+
+
+Taken: TypeAlias = "list[tuple[Now, Run]]"  # steps that were taken, each one a run, with the state before it
 
 
 class Held(NamedTuple):
@@ -119,11 +126,11 @@ class Kernel:
             whole[rows + DEGREE :, columns] += (later * modes.weights) @ self.gains[k]
         return whole
 
-    def after(self, memory: Array, values: Array) -> Array:
-        """What is remembered at the end of as many steps as there are ``values`` (k, 7) of."""
+    def after(self, memory: Array, values: Array) -> Iterator[Array]:
+        """What is remembered at the end of each of as many steps as there are ``values`` (k, 7) of."""
         for x, gain, row in zip(np.multiply.outer(self.h, self.modes.rates), self.gains, values, strict=False):
             memory = np.exp(-x) * memory + gain @ row
-        return memory
+            yield memory
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,29 +148,44 @@ class Drive:
 
     def path(self) -> RelaxedPath:
         """What happens."""
-        runs, now, i, turned = self._growth(math.inf)
+        taken, now, i, turned = self._growth(math.inf)
         grown, lost = (
-            RelaxedPath(self.depths, self._steps(runs, "depth"), self._steps(runs, "load"), grows=self.grows),
+            RelaxedPath(self.depths, self._steps(taken, "depth"), self._steps(taken, "load"), grows=self.grows),
             False,
         )
+        corners = self._corners(grown)
         while turned and not lost and i < self.t.size - 1:
-            lost, now = self._piece(runs, now, i, Falling(self, grown).steps, self._to_end(TUNING.last))
+            if corners:
+                passed, now = self._piece(taken, now, i, Falling(self, grown, corners[-1]).steps, np.ones(1))
+                if passed:
+                    corners.pop()
+                    continue
+            else:
+                lost, now = self._piece(taken, now, i, Falling(self, grown).steps, self._to_end(TUNING.last))
             i += 1
         lost |= turned and self.stiffness == LOAD_CONTROL and self.x[-1] == 0
-        return replace(grown, depth=self._steps(runs, "depth"), lost=now.t if lost else math.inf)
+        return replace(grown, depth=self._steps(taken, "depth"), lost=now.t if lost else math.inf)
+
+    def _corners(self, grown: RelaxedPath) -> list[float]:
+        """Depths [m] at which the contact grew when the speed of the device changed: what it remembers bends there."""
+        speeds = np.diff(self.x) / np.maximum(np.diff(self.t), np.finfo(float).tiny)
+        bent = np.abs(np.diff(speeds)) > TUNING.bends * np.abs(speeds).max()
+        inner = self.t[1:-1]
+        corners = inner[bent & (inner > grown.begin) & (inner < grown.turn)]
+        return list(grown.depth.values(grown.depth.places(corners)))
 
     def grown(self, deepest: float) -> RelaxedPath | None:
         """The growth of the contact up to the depth ``deepest`` [m]; None where it ends before."""
-        runs, now, _, turned = self._growth(deepest)
+        taken, now, _, turned = self._growth(deepest)
         if not turned or now.depth < deepest * (1 - PATH.grows):
             return None
-        return RelaxedPath(self.depths, self._steps(runs, "depth"), self._steps(runs, "load"))
+        return RelaxedPath(self.depths, self._steps(taken, "depth"), self._steps(taken, "load"))
 
-    def _growth(self, deepest: float) -> tuple[list[Run], Now, int, bool]:
+    def _growth(self, deepest: float) -> tuple[Taken, Now, int, bool]:
         """The steps up to where the contact stops to grow or comes to the depth ``deepest`` [m], the state there, the
         piece of the program, and whether it came to that before the end."""
         none = np.zeros(self.modes.rates.size)
-        runs, now = list[Run](), Now(float(self.t[0]), 0.0, 0.0, 0.0, none, none)
+        taken, now = list[tuple[Now, Run]](), Now(float(self.t[0]), 0.0, 0.0, 0.0, none, none)
 
         def solver(now: Now, held: Held) -> tuple[Run, Array] | None:
             run = self._grown(now, held)
@@ -175,20 +197,19 @@ class Drive:
             return run, left
 
         for i in range(self.t.size - 1):
-            turned, now = self._piece(runs, now, i, solver, np.ones(1))
+            turned, now = self._piece(taken, now, i, solver, np.ones(1))
             if turned:
-                return runs, now, i, True
-        return runs, now, self.t.size - 1, False
+                return taken, now, i, True
+        return taken, now, self.t.size - 1, False
 
-    def _steps(self, runs: list[Run], name: str) -> Steps:
-        t = np.concatenate([self.t[:1], *(run.ends for run in runs)])
-        return Steps(self.modes, t, np.concatenate([getattr(run, name) for run in runs]) @ POWERS)
+    def _steps(self, taken: Taken, name: str) -> Steps:
+        t = np.concatenate([self.t[:1], *(step.ends for _, step in taken)])
+        return Steps(self.modes, t, np.concatenate([getattr(step, name) for _, step in taken]) @ POWERS)
 
-    def _piece(self, runs: list[Run], now: Now, i: int, solver: Solver, last: Array) -> tuple[bool, Now]:
-        """Add the steps through the piece ``i`` of the program, or up to where the contact turns or is lost; whether it
-        does, and the state there. ``last``: ends of the steps, parts, in which the one is solved where it does."""
-        lasts, count = self.t[i + 1] - self.t[i], TUNING.together
-        begin = float((now.t - self.t[i]) / lasts) if lasts > 0 else 0.0
+    def _piece(self, taken: Taken, now: Now, i: int, solver: Solver, last: Array) -> tuple[bool, Now]:
+        """Take the steps through the piece ``i`` of the program, or up to where the contact turns or is lost; whether
+        it does, and the state there. ``last``: ends of the steps, parts, in which the one is solved where it does."""
+        count, since, begin = TUNING.together, now.t, self._part(i, now.t)
         ends = self._ends(begin, i)
         while ends.size:
             solved = solver(now, self._held(i, begin, ends[:count]))
@@ -198,15 +219,32 @@ class Drive:
                 count = max(min(count, ends.size) // 2, 1)
                 continue
             whole, part = _first_fall(solved[1])
-            now = self._add(runs, now, solved[0].first(whole))
+            now = self._add(taken, now, solved[0].first(whole))
             if whole < len(solved[1]):
                 begin = float(ends[whole - 1]) if whole else begin
-                return True, self._last(runs, now, i, begin, part * float(ends[whole] - begin), last, solver)
+                falls = begin + part * float(ends[whole] - begin)
+                if last.size > 1:
+                    now = self._back(taken, now, since, self.t[i] + falls * (self.t[i + 1] - self.t[i]))
+                    begin = begin if now.t == since else self._part(i, now.t)
+                return True, self._last(taken, now, i, begin, falls - begin, last, solver)
             begin, ends = float(ends[whole - 1]), ends[whole:]
         return False, now
 
-    def _last(self, runs: list[Run], now: Now, i: int, begin: float, part: float, last: Array, solver: Solver) -> Now:
-        """Add steps up to where the contact turns or is lost, about ``part`` beyond the part ``begin`` of piece
+    def _part(self, i: int, t: float) -> float:
+        """The part of piece ``i`` that is over at a time."""
+        lasts = float(self.t[i + 1] - self.t[i])
+        return float(t - self.t[i]) / lasts if lasts > 0 else 0.0
+
+    @staticmethod
+    def _back(taken: Taken, now: Now, since: float, lost: float) -> Now:
+        """The state before the steps, from a time [s] on, that end too near to where contact is ``lost`` [s], which are
+        given up: it shrinks like a power there."""
+        while taken and taken[-1][0].t >= since and lost - now.t < TUNING.near * (now.t - taken[-1][0].t):
+            now = taken.pop()[0]
+        return now
+
+    def _last(self, taken: Taken, now: Now, i: int, begin: float, part: float, last: Array, solver: Solver) -> Now:
+        """Take steps up to where the contact turns or is lost, about ``part`` beyond the part ``begin`` of piece
         ``i``."""
         run = None
         for _ in range(TUNING.cuts if part > 0 else 0):
@@ -218,7 +256,7 @@ class Drive:
             part *= 1 + min(max(beyond, 1 / TUNING.far - 1), TUNING.far - 1)
             if abs(beyond) < TUNING.ends:
                 break
-        return now if run is None else self._add(runs, now, run)
+        return now if run is None else self._add(taken, now, run)
 
     def _from_begin(self, first: float) -> Array:
         """Ends of steps, parts of all of them, close to each other at the begin."""
@@ -228,15 +266,16 @@ class Drive:
         """The same, close to each other at the end."""
         return np.append(1 - self._from_begin(last)[-2::-1], 1.0)
 
-    def _add(self, runs: list[Run], now: Now, run: Run) -> Now:
-        """The state after the steps of ``run``, which are added."""
-        if not run.ends.size:
-            return now
-        runs.append(run)
+    def _add(self, taken: Taken, now: Now, run: Run) -> Now:
+        """The state after the steps of ``run``, which are taken."""
         kernel = Kernel(self.modes, np.diff(run.ends, prepend=now.t))
-        t, depth, contact, load = (float(column.flat[-1]) for column in run)
-        of_depth, of_load = (kernel.after(*pair) for pair in ((now.of_depth, run.depth), (now.of_load, run.load)))
-        return Now(t, depth, contact, load, of_depth, of_load)
+        memories = zip(kernel.after(now.of_depth, run.depth), kernel.after(now.of_load, run.load), strict=True)
+        for k, (of_depth, of_load) in enumerate(memories):
+            step = Run(*(column[k : k + 1] for column in run))
+            taken.append((now, step))
+            t, depth, contact, load = (float(column.flat[-1]) for column in step)
+            now = Now(t, depth, contact, load, of_depth, of_load)
+        return now
 
     def _ends(self, begin: float, i: int) -> Array:
         """Ends of the steps from the part ``begin`` of piece ``i`` on, parts of it, closer to each other at first, and
@@ -318,13 +357,15 @@ def _beyond(left: Array) -> float:
 
 @dataclass(frozen=True, eq=False)
 class Falling:
-    """A contact that shrinks after it grew as on the path ``grown``."""
+    """A contact that shrinks after it grew as on the path ``grown``, to where it did at the depth ``until`` [m]."""
 
     drive: Drive
     grown: RelaxedPath
+    until: float = 0.0
 
     def steps(self, now: Now, held: Held) -> tuple[Run, Array] | None:
-        """Steps, and what is positive in them up to the loss of contact; None where they are not found."""
+        """Steps, and what is positive in them up to that depth, or to the loss of contact; None where they are not
+        found."""
         kernel, x = Kernel(self.drive.modes, held.h), held.x
         k, inverse = self.drive.stiffness, np.linalg.inv(kernel.matrix[:, 1:])
         seen = kernel.seen(now.of_depth) + kernel.matrix[:, 0] * now.depth
@@ -343,7 +384,8 @@ class Falling:
             return None
         ends, whole = now.t + np.cumsum(held.h), _places(now.contact, contact)
         self._check(ends, whole)
-        left = np.ones_like(whole) if k == LOAD_CONTROL else whole @ POWERS  # a load is lost where it ends
+        ends_with_load = k == LOAD_CONTROL and self.until == 0
+        left = np.ones_like(whole) if ends_with_load else (whole - self.until) @ POWERS
         return Run(ends, _places(now.depth, delta), whole, np.zeros_like(whole)), left
 
     def _check(self, ends: Array, contact: Array) -> None:

@@ -16,7 +16,8 @@ class MomentTuning:
     """How moments of exponentials are computed."""
 
     large: float = 2.0  # theory: exponent from which the recursion upwards, of up to seven steps, loses one digit
-    terms: int = 22  # theory: of the recursion downwards from there, 2^22/22! = 4e-15 of its begin is left at the end
+    # theory: terms of the recursion downwards below an exponent, 2^22/22! = 4e-15 of its begin is left at the end
+    terms: tuple[tuple[float, int], ...] = ((1e-3, 5), (large, 22))
 
 
 TUNING = MomentTuning()
@@ -26,17 +27,26 @@ def moments(x: Array, count: int) -> Array:
     """int_0^1 exp(-x (1 - y)) y^j dy at ``x`` >= 0 of any shape, for j < ``count``, (count, ...)."""
     if count == 1:
         return np.divide(-np.expm1(-x), x, out=np.ones_like(x), where=x > 0)[None]
-    found, less = np.empty((count, *x.shape)), x < TUNING.large
-    small, large = x[less], x[~less]
-    below = np.full_like(small, 1.0 / (TUNING.terms + 1))
-    for j in range(TUNING.terms, 0, -1):
-        below = (1 - small * below) / j
-        if j <= count:
-            found[j - 1, less] = below
-    above = -np.expm1(-large) / large
+    found, least = np.empty((count, *x.shape)), -1.0
+    for most, terms in TUNING.terms:
+        band = (x > least) & (x <= most)
+        found[:, band], least = _downwards(x[band], count, terms), most
+    large = x > least
+    beyond = x[large]
+    above = -np.expm1(-beyond) / beyond
     for j in range(count):
-        found[j, ~less] = above
-        above = (1 - (j + 1) * above) / large
+        found[j, large] = above
+        above = (1 - (j + 1) * above) / beyond
+    return found
+
+
+def _downwards(x: Array, count: int, terms: int) -> Array:
+    """The moments by the recursion from so many ``terms`` beyond them."""
+    found, below = np.empty((count, x.size)), np.full_like(x, 1.0 / (count + terms + 1))
+    for j in range(count + terms, 0, -1):
+        below = (1 - x * below) / j
+        if j <= count:
+            found[j - 1] = below
     return found
 
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from sys import float_info
 
 import numpy as np
+from scipy.special import ndtri
 
 from ...base import Array, InputError, Unknown
 from ...data.measured import Pixel
@@ -15,7 +16,7 @@ from .record_scores import Verdict
 from .settings import Settings
 from .statistics import Structure
 
-ONE_SIDED = 0.84  # theory: 1.645/1.960, one-sided over two-sided 95 % of a normal value
+ONE_SIDED = float(ndtri(0.95) / ndtri(0.975))  # theory: one-sided over two-sided 95 % of a normal value
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -19,6 +19,17 @@ if TYPE_CHECKING:
     from ..case import Case
     from ..identification.fit import FittedBody
 
+
+@dataclass(frozen=True)
+class BodyTuning:
+    """Lengths of a body by flags."""
+
+    shallow: float = 0.2  # choice: of the tip radius, to which it is solved first; the data may ask for more
+    pointed: float = 5e-6  # choice: [m], in place of the radius of a tip that has none
+    large: float = 0.1  # choice: [m], from which on a bare number is remarked
+
+
+TUNING = BodyTuning()
 TIP = ("shape", "radius", "half_angle")
 FLAGS = (*TIP, "modulus", "nu", "thickness", "base")
 SHAPES = {  # by flags, and which of them each needs
@@ -26,9 +37,6 @@ SHAPES = {  # by flags, and which of them each needs
     "rounded-cone": ("radius", "half_angle"),
     **dict.fromkeys(("cone", "pyramid", "three-sided-pyramid"), ("half_angle",)),
 }
-SHALLOW = 0.2  # choice: of the tip radius, to which a body by flags is solved first; the data may ask for more
-POINTED = 5e-6  # choice: [m], in place of the radius of a tip that has none
-LARGE = 0.1  # choice: [m], from which on a bare number is remarked
 Command = Callable[..., Any]
 OPTIONS = (
     click.option("--shape", type=click.Choice(list(SHAPES)), metavar="SHAPE",
@@ -116,7 +124,7 @@ def tables_of(
         raise InputError(f"{verb}: --base needs --thickness: a half-space has no base")
     for name in ("radius", "thickness"):
         size = number_or_text(held[name])
-        if isinstance(size, float) and size >= LARGE:
+        if isinstance(size, float) and size >= TUNING.large:
             warn(f"{flag(name)} {held[name]} without a unit is {size:g} m: give its unit, {flag(name)} "
                  f'"{held[name]} um"')  # fmt: skip
     material = {"E": number_or_text(held["modulus"]), "nu": number_or_text(held["nu"])}
@@ -156,6 +164,6 @@ def fitted_body(source: Path | dict[str, str | None], slopes: str, limits: Limit
     told = "fit", source, "a case or series file"
     radius = case_of(*told, {"radius": 1.0}, "1 MPa").model.problem().indenter.tip_radius
     method = "closed-form" if source["thickness"] is None else "layered"  # so that no other is imported
-    case = case_of(*told, {"radius": SHALLOW * (radius or POINTED)}, "1 MPa", method=method)
+    case = case_of(*told, {"radius": TUNING.shallow * (radius or TUNING.pointed)}, "1 MPa", method=method)
     body = body_of(case, slopes, limits)
     return replace(body, told=source["modulus"] is not None)

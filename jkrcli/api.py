@@ -89,9 +89,10 @@ if TYPE_CHECKING:
     from .report.work import Work
 
 __all__ = [
-    "check", "compare", "cycle", "cycle_at_speed", "cycle_relaxing", "identify", "identify_joint", "identify_law",
-    "identify_relaxation", "identify_tension", "load_case", "look", "measured_curves", "parse_case", "plan", "plot",
-    "profile", "pull_off", "read", "save", "solve", "study_map", "summary", "table", "to_pandas", "transform", "work",
+    "check", "compare", "cycle", "cycle_at_speed", "cycle_relaxing", "fit", "identify", "identify_joint",
+    "identify_law", "identify_relaxation", "identify_tension", "load_case", "look", "measured_curves", "parse_case",
+    "plan", "plot", "profile", "pull_off", "read", "save", "solve", "study_map", "summary", "table", "to_pandas",
+    "transform", "work",
 ]  # fmt: skip
 
 
@@ -334,7 +335,7 @@ def _number(name: str, value: float | str, dimension: str) -> float:
 
 
 def identify(
-    body: Case | Solution | str | Path,
+    body: Case | Problem | Solution | str | Path,
     measured: Curve | DataFrame | Mapping[str, Any] | str | Path | None = None,
     free: Iterable[str] = (),
     fix: Mapping[str, str] | None = None,
@@ -351,8 +352,8 @@ def identify(
     a data frame with columns named as in a table ("delta_um", "P (nN)"), or arrays of ``a, delta, P, t`` [SI]. In these
     ``reading``, Reading(units={"P": "nN"}), tells units, signs and the device.
 
-    ``body``: a case (solved to the radii that the data ask for), a solved series, or the file of either. ``free``: more
-    parameters ("P0", "E:film"); ``fix``: known ones, {"w": "50 mJ/m^2"}; ``options``: see
+    ``body``: a case or problem (solved to the radii that the data ask for), a solved series, or the file of either.
+    ``free``: more parameters ("P0", "E:film"); ``fix``: known ones, {"w": "50 mJ/m^2"}; ``options``: see
     jkrcli.identification.fit.Settings. Raises InputError where the data cannot be fitted.
     """
     from .identification.fit import body_of, fit, settings_of
@@ -371,8 +372,11 @@ def identify(
     return as_result(Fitted, found, body=_named(body, source))
 
 
+fit = identify  # the verb's name
+
+
 def identify_joint(
-    body: Case | Solution | str | Path,
+    body: Case | Problem | Solution | str | Path,
     measured: Sequence[Curve | str | Path],
     shared: Iterable[str] = ("E_star", "w"),
     own: Iterable[str] = (),
@@ -398,7 +402,7 @@ def identify_joint(
     return as_result(JointFitted, found, body=_named(body, source), level=settings.level)
 
 
-def plan(body: Case | Solution | str | Path, found: Fit, slopes: str = "auto") -> tuple[Further, ...]:
+def plan(body: Case | Problem | Solution | str | Path, found: Fit, slopes: str = "auto") -> tuple[Further, ...]:
     """Which further measurement would narrow E* and w of a fit most: relative standard errors now and with the same
     measurement again, other largest loads, tip radii, thicknesses. InputError where the data do not tell both."""
     from .identification.fit import body_of, further
@@ -407,7 +411,7 @@ def plan(body: Case | Solution | str | Path, found: Fit, slopes: str = "auto") -
 
 
 def identify_law(
-    body: Case | Solution | str | Path,
+    body: Case | Problem | Solution | str | Path,
     measured: Iterable[Curve | str | Path],
     law: str = "power",
     free: Iterable[str] = (),
@@ -433,7 +437,7 @@ def identify_law(
 
 
 def identify_relaxation(
-    body: Case | Solution | str | Path,
+    body: Case | Problem | Solution | str | Path,
     measured: Curve | str | Path,
     law: str = "sls",
     fix: Mapping[str, str] | None = None,
@@ -456,7 +460,7 @@ def identify_relaxation(
 
 
 def identify_tension(
-    body: Case | Solution | str | Path,
+    body: Case | Problem | Solution | str | Path,
     measured: Sequence[Curve | str | Path],
     tip_radii: Sequence[float | str] = (),
     fix: Mapping[str, str] | None = None,

@@ -36,6 +36,10 @@ def test_every_name_of_the_interface_is_documented() -> None:
         assert not (PACKAGE / f"{name}.py").exists()
 
 
+def test_fit_is_called_as_its_verb() -> None:
+    assert jkr_python.fit is jkr_python.identify
+
+
 def test_the_version_is_stated_once_and_repeated_right() -> None:
     root = PACKAGE.parent
     assert tomllib.loads((root / "pyproject.toml").read_text())["project"]["dynamic"] == ["version"]

@@ -75,6 +75,8 @@ def _described(title: str, kind: Callable[[object], bool]) -> str:
 
 def _signature(name: str) -> str:
     thing = getattr(jkrcli, name)
+    if thing.__name__ != name:
+        return f"{name}  # the same as {thing.__name__}"
     text = inspect.getdoc(thing) or ""
     head = "" if inspect.isclass(thing) and issubclass(thing, Exception) else _parameters(thing)
     return f'{name}{head}\n"""{text}"""'

@@ -69,7 +69,7 @@ class Cycled(Result):
             "jumps_on_approach": [tables.jump(jump) for jump in found.approach.jumps],
             "jumps_on_retraction": [tables.jump(jump) for jump in found.retraction.jumps],
             "contact_lost": found.retraction.ends == "lost",
-            **tables.energies(found.energy_lost, found.separation),
+            **tables.energies(energy_lost=found.energy_lost, work_of_separation=found.separation),
         }
 
     def words(self) -> list[str]:

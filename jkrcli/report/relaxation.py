@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any
 from ..adhesion import Program, RelaxingContact, TimedState, limits_of
 from ..adhesion.path import TUNING
 from ..adhesion.relaxation.history import HISTORY, RelaxedHistory
-from ..base import SI, Array, InputError, show
+from ..base import SI, Array, InputError, Unknown, show
 from ..bodies import RELAXATIONS, Relaxation
 from .result import Result, as_result
-from .tables import point, stiffness
+from .tables import energies, point, stiffness
 
 if TYPE_CHECKING:
     from .plots import Figure
@@ -70,6 +70,7 @@ class CycledRelaxing(RelaxedHistory, Result):
             "corners": [_state(corner) for corner in self.corners],
             "contact_lost": self.lost is not None,
             "lost_t_s": self.lost,
+            **energies(energy_lost=self.energy_lost),
             "load_relative_error": self.error,
             "neglected": NEGLECTED,
             "warnings": self.warnings,
@@ -89,7 +90,8 @@ class CycledRelaxing(RelaxedHistory, Result):
                     f"{show(corner.delta, 'length')}, a = {show(corner.a, 'length')}"
                 )
         ends = "contact is not lost" if lost is None else f"contact is lost at t = {show(lost, 'time')}"
-        return [*lines, f"  {ends}; it stopped growing at t = {show(self.turn, 'time')}"]
+        energy = "" if isinstance(self.energy_lost, Unknown) else f"; energy lost per cycle {self.energy_lost:.4g} J"
+        return [*lines, f"  {ends}; it stopped growing at t = {show(self.turn, 'time')}{energy}"]
 
     @property
     def warnings(self) -> list[str]:

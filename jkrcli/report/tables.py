@@ -175,7 +175,7 @@ def control(found: Behaviour) -> dict[str, Any]:
         "pull_off": point(found.pull_off),
         "jump_in": point(found.jump_in),
         "jumps_before_pull_off": [jump(item) for item in found.partial],
-        **energies(found.energy_lost, found.separation),
+        **energies(energy_lost=found.energy_lost, work_of_separation=found.separation),
     }
 
 
@@ -189,10 +189,10 @@ def stiffness(value: float) -> float | None:
     return None if value == DISPLACEMENT_CONTROL else value
 
 
-def energies(lost: Estimate, separation: Estimate) -> dict[str, Any]:
-    """Energy lost per cycle and work of separation [J], each null with its reason where there is none."""
+def energies(**found: Estimate) -> dict[str, Any]:
+    """Energies [J] by their names, each null with its reason where there is none."""
     held: dict[str, Any] = {}
-    for name, energy in (("energy_lost", lost), ("work_of_separation", separation)):
+    for name, energy in found.items():
         held[f"{name}_J"] = known(energy)
         if isinstance(energy, Unknown):
             held[f"{name}_reason"] = energy

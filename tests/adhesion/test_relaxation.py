@@ -10,8 +10,10 @@ import pytest
 from relaxing_rings import stepped
 
 import jkrcli as jkr
+from jkrcli.adhesion.program import Program
 from jkrcli.adhesion.relaxation.depths import Depths
 from jkrcli.adhesion.relaxation.driven import Drive
+from jkrcli.adhesion.relaxation.history import RelaxingContact
 from jkrcli.adhesion.relaxation.memory import moments
 from jkrcli.adhesion.relaxation.path import RelaxedPath, given_depth
 from jkrcli.base.arrays import Array
@@ -149,6 +151,31 @@ def test_a_spring_passes_the_corners_of_the_way_in_and_lets_go(law: Relaxation, 
     for one, other in zip(found.states(at), finer.states(at), strict=True):
         np.testing.assert_allclose(one, other, rtol=0, atol=5e-7 * np.max(other))
     assert found.lost == pytest.approx(finer.lost, rel=1e-8)
+
+
+@pytest.mark.parametrize("stiffness", [math.inf, 1.0])
+def test_the_energy_lost_between_a_quick_press_and_a_quick_retraction(stiffness: float) -> None:
+    """Pressed at once, held until all is relaxed, retracted at once: 8/15 d^(5/2) less its recovered square of r."""
+    body = nonadhesive(jkr.solve(jkr.Problem(SPHERE, jkr.Specimen((), jkr.HalfSpace(jkr.Elastic(1.0, 0.0))),
+                                             jkr.Loading("depth", 1.5))))  # fmt: skip
+    x = 1.0 if math.isinf(stiffness) else 1.5
+    t = np.array([0.0, 1e-6, 80.0, 80.0 + 1e-6])
+    found = RelaxingContact(body, SOLID, stiffness).history(Program(t, np.array([0.0, x, x, 0.0])))
+    energy = found.energy_lost
+    assert isinstance(energy, float)
+    if math.isinf(stiffness):
+        assert energy == pytest.approx(8 / 15 * (1 - 0.25**2), rel=1e-5)  # of the first relaxation within 1e-6
+    at = np.unique(np.concatenate([t[1] * np.linspace(0, 1, 4000), np.geomspace(t[1], t[2], 4000),
+                                   t[2] + (found.path.lost - t[2]) * np.linspace(0, 1, 4000)]))  # fmt: skip
+    _, delta, P = found.states(at)
+    assert energy == pytest.approx(np.trapezoid(P, delta), rel=1e-6)
+
+
+def test_the_energy_lost_is_unknown_while_there_is_contact() -> None:
+    body = nonadhesive(jkr.solve(jkr.Problem(SPHERE, jkr.Specimen((), jkr.HalfSpace(jkr.Elastic(1.0, 0.0))),
+                                             jkr.Loading("depth", 1.5))))  # fmt: skip
+    held = RelaxingContact(body, SOLID).history(Program(np.array([0.0, 1.0, 2.0]), np.array([0.0, 1.0, 1.0])))
+    assert str(held.energy_lost) == "contact is not lost"
 
 
 def test_units_scale() -> None:

@@ -9,7 +9,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ...base import Array, InputError, show, zeros_between
+from ...base import Array, Estimate, InputError, Unknown, composite_gauss, show, zeros_between
 from ...bodies import Modes, Relaxation
 from ..device import DISPLACEMENT_CONTROL, LOAD_CONTROL, control, position
 from ..nonadhesive import Nonadhesive
@@ -28,6 +28,8 @@ class HistoryTuning:
     longer: int = 60  # choice: guard, doublings of an approach until it comes to its turn
     looked_at: int = 400  # choice: states of a piece among which a load or depth is looked for
     accurate: float = 1e-4  # choice: error of the loads beyond which a reader is warned
+    still: float = 1e-6  # choice: of the largest depth, below which a step in no time is round-off of the time
+    intervals: int = 100  # choice: of the way back at least, over which its work is integrated; leaves 1e-8
 
 
 HISTORY = HistoryTuning()
@@ -184,6 +186,28 @@ class RelaxedHistory:
         beside = replace(self.contact, coarser=2).history(self.program)
         P, other = self.path.states(t)[2], beside.path.states(t)[2]
         return float(np.max(np.abs(P - other)) / np.max(P))
+
+    @cached_property
+    def energy_lost(self) -> Estimate:
+        """Work of the device from first contact to its loss [J], which the body does not give back."""
+        if self.lost is None:
+            return Unknown("contact is not lost")
+        path, places, turn = self.path, np.arange(self.path.last + 1), int(self.path.last)
+        steps = (np.diff(path.depth.t) == 0) & (
+            np.abs(path.depth.p[:, 1:].sum(axis=1)) > HISTORY.still * path.depths.most
+        )
+        if steps[turn:].any():
+            return Unknown("the device steps back")
+        y, weights = composite_gauss(places)
+        P = path.load.held(y.ravel(), path.load.times(y.ravel()))
+        t = path.depth.t[turn:]
+        parts = 1 - np.geomspace(1.0, 1e-4, math.ceil(HISTORY.intervals / t.size))
+        t = np.minimum(np.append(t[:-1, None] + np.diff(t)[:, None] * parts, t[-1]), path.lost)
+        later, lasts = composite_gauss(np.unique(np.append(t, path.lost)))
+        work = weights.ravel() * path.depth.rates(y.ravel())
+        h = np.diff(path.depth.t)[path.depth.places(later.ravel()).astype(int)]
+        left = lasts.ravel() * path.depth.rates(path.depth.places(later.ravel())) / h
+        return float(P @ work + path.states(later.ravel())[2] @ left)
 
     @property
     def _pieces(self) -> Array:

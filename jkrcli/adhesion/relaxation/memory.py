@@ -96,6 +96,11 @@ class Steps:
         """q at ``places`` (n,)."""
         return np.asarray(self.parts(places)[2].sum(axis=1))
 
+    def rates(self, places: Array) -> Array:
+        """Derivative of q by the place, at ``places`` (n,)."""
+        k, powers = np.clip(places.astype(int), 0, self.t.size - 2), np.arange(1, self.p.shape[1])
+        return np.asarray(((places - k)[:, None] ** (powers - 1) * (powers * self.p[k, 1:])).sum(axis=1))
+
     def seen_ends(self, now: Array) -> Array:
         """``held`` up to all times ``t`` seen from the times ``now`` [s] behind them, (now, times)."""
         since = np.maximum(now[:, None] - self.t, 0.0)

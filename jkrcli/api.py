@@ -61,7 +61,7 @@ from .case.solving import solve as _solve
 from .data.measured import Curve, Reading, from_columns
 from .data.measured import read as read_curves
 from .methods import Limits, Method
-from .report.result import Held, Result, as_result
+from .report import Held, Result, as_result
 from .series import Solution
 
 if TYPE_CHECKING:
@@ -71,22 +71,27 @@ if TYPE_CHECKING:
     from .bodies import Indenter, Relaxation
     from .identification.fit import Fit, FittedBody, Further
     from .many.study.maps import MapResult
-    from .report.check import Check
-    from .report.compare import Compared
-    from .report.cycle import Cycled, CycledByProgram
-    from .report.fit import Fitted
-    from .report.joint_fit import JointFitted
-    from .report.look import Look
+    from .report import (
+        Check,
+        Compared,
+        Cycled,
+        CycledAtSpeed,
+        CycledByProgram,
+        CycledInLimits,
+        CycledRelaxing,
+        Fitted,
+        JointFitted,
+        LawFit,
+        Look,
+        MeasuredPullOff,
+        Profile,
+        PullOff,
+        RelaxationFitted,
+        TensionFitted,
+        Transformed,
+        Work,
+    )
     from .report.plots import Figure
-    from .report.profile import Profile
-    from .report.pull_off import MeasuredPullOff, PullOff
-    from .report.rate import CycledAtSpeed
-    from .report.rate_fit import LawFit
-    from .report.relaxation import CycledInLimits, CycledRelaxing
-    from .report.relaxation_fit import RelaxationFitted
-    from .report.tension_fit import TensionFitted
-    from .report.transform import Transformed
-    from .report.work import Work
 
 __all__ = [
     "check", "compare", "cycle", "cycle_at_speed", "cycle_relaxing", "fit", "identify", "identify_joint",
@@ -150,7 +155,7 @@ def transform(
     """
     solution = _solution(solved, method)
     asked = _range(solution, stress, length)
-    from .report.transform import Transformed
+    from .report import Transformed
 
     return as_result(Transformed, analyse(solution, [_number("w", w, "work")], slopes, modulus_factor, asked)[0])
 
@@ -177,7 +182,7 @@ def cycle(
     series; or it does what a ``program`` says, with turns anywhere. ``stress`` [Pa] or ``length`` [m]: adhesion of
     finite range, else what the case says. A specimen that relaxes is traced in its limits, very fast and very slow.
     """
-    from .report.cycle import Cycled, CycledByProgram
+    from .report import Cycled, CycledByProgram
 
     solution, k = _solution(solved, None), _number("stiffness", stiffness, "stiffness")
     works = [_number("w", value, "work") for value in (w if w_approach is None else w_approach, w)]
@@ -197,7 +202,7 @@ def _in_limits(solution: Solution, cycled: Callable[[float], Held]) -> Held | Cy
     law = solution.problem.specimen.relaxation
     if law is None:
         return cycled(1.0)
-    from .report.relaxation import CycledInLimits
+    from .report import CycledInLimits
 
     return CycledInLimits.of(solution.record.path, law, cycled)
 
@@ -234,7 +239,7 @@ def cycle_at_speed(
     the contact leaves the series.
     """
     from .adhesion import RateContact
-    from .report.rate import CycledAtSpeed
+    from .report import CycledAtSpeed
 
     w0, k = _number("w", w, "work"), _number("stiffness", stiffness, "stiffness")
     w_a = w0 if w_approach is None else _number("w_approach", w_approach, "work")
@@ -273,7 +278,7 @@ def cycle_relaxing(
     columns. Raises InputError where the contact leaves the series, or is loaded again onto its dent.
     """
     from .adhesion import RelaxingContact
-    from .report.relaxation import CycledRelaxing
+    from .report import CycledRelaxing
 
     solution, k = _solution(solved, None), _number("stiffness", stiffness, "stiffness")
     law = relaxation or solution.problem.specimen.relaxation
@@ -357,7 +362,7 @@ def identify(
     jkrcli.identification.fit.Settings. Raises InputError where the data cannot be fitted.
     """
     from .identification.fit import body_of, fit, settings_of
-    from .report.fit import Fitted
+    from .report import Fitted
 
     arrays = {"a": a, "delta": delta, "P": P, "t": t}
     given = {name: values for name, values in arrays.items() if values is not None}
@@ -392,7 +397,7 @@ def identify_joint(
     Raises InputError where a record cannot be used, or the records do not tell what they share.
     """
     from .identification.fit import body_of, joint_fit, settings_of, shared_of, with_radii
-    from .report.joint_fit import JointFitted
+    from .report import JointFitted
 
     source = body_of(Path(body) if isinstance(body, str) else body, slopes)
     curves = [_curve_of(item, None) for item in measured]
@@ -427,7 +432,7 @@ def identify_law(
     """
     from .identification.fit import body_of
     from .identification.rate.fitting import rate_fit, rate_settings
-    from .report.rate_fit import LawFit
+    from .report import LawFit
 
     source = body_of(Path(body) if isinstance(body, str) else body, slopes)
     start = options.pop("start", {}).items()
@@ -451,7 +456,7 @@ def identify_relaxation(
     """
     from .identification.fit import body_of
     from .identification.relaxation import relaxation_fit, relaxation_settings
-    from .report.relaxation_fit import RelaxationFitted
+    from .report import RelaxationFitted
 
     source = body_of(Path(body) if isinstance(body, str) else body, slopes)
     curve = _curve_of(measured, None)
@@ -473,7 +478,7 @@ def identify_tension(
     """
     from .identification.fit import body_of
     from .identification.tension import TENSION, known_values, radii_of, tension_fit
-    from .report.tension_fit import TensionFitted
+    from .report import TensionFitted
 
     source = body_of(Path(body) if isinstance(body, str) else body)
     problem = source.problem
@@ -511,7 +516,7 @@ def measured_curves(path: str | Path, **reading: Any) -> list[Curve]:
 def check(case: Case | str | Path) -> Check:
     """Which method a case needs, what each would cost, and what to expect, as ``jkr check`` says it; nothing is
     solved."""
-    from .report.check import Check
+    from .report import Check
 
     loaded = load_case(case) if isinstance(case, str | Path) else case
     return one_thread()(Check.of)(Path(case) if isinstance(case, str | Path) else Path("case"), loaded)
@@ -520,7 +525,7 @@ def check(case: Case | str | Path) -> Check:
 def look(path: str | Path, tip: Indenter | None = None, **reading: Any) -> Look:
     """What a measured file holds, as ``jkr look`` says it: segments, base line, contact, jumps, adhesion; no body is
     needed. With a ``tip``, Sphere(5e-6), a rough modulus too. ``reading``: see jkrcli.data.measured.Reading."""
-    from .report.look import Look
+    from .report import Look
 
     return one_thread()(Look.at)(Path(path), Reading(**reading), tip)
 
@@ -538,7 +543,7 @@ def profile(
     """Pressure, displacement and gap around one contact, of radius ``a`` [m] or under a ``load`` [N], with the work of
     adhesion ``w`` [J/m^2] (default: none); ``stress`` and ``length`` as of ``transform``."""
     from .beside.profile import profile_columns, radius_under
-    from .report.profile import Profile
+    from .report import Profile
 
     if (a is None) == (load is None):
         raise InputError("profile: give exactly one of a and load")
@@ -570,7 +575,7 @@ def pull_off(
     ``uncertain``: {"R": "2%"}."""
     from .beside.lost import where_lost
     from .identification.work_of_adhesion import measured_work
-    from .report.pull_off import MeasuredPullOff, PullOff
+    from .report import MeasuredPullOff, PullOff
 
     if (w is None) == (load is None):
         raise InputError("pull_off: give exactly one of w and load")
@@ -598,7 +603,7 @@ def work(
     segment, noise {"P": 2e-9}, window."""
     from .base import executor
     from .identification.work_of_files import along_file, evaluation_of
-    from .report.work import Work
+    from .report import Work
 
     solution, path, reading = _solution(solved, None), Path(measured), reading or Reading()
     unit = nonadhesive(solution, slopes)
@@ -617,7 +622,7 @@ def compare(
     """How far two results of the same problem lie apart: series ("P" and "a" at equal displacement, "S" and "dS" at
     equal radius), or the CSV files of curves; they ``agree`` where no column that counts (default: P, of curves all)
     differs by more than ``rtol``. Raises InputError where less than ``overlap`` of their range is common."""
-    from .report.compare import Compared, of_curves, of_solutions
+    from .report import Compared, of_curves, of_solutions
 
     one, two = (Path(item) if isinstance(item, str | Path) else Path("solved") for item in (first, second))
     files = one, two

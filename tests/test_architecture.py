@@ -19,6 +19,8 @@ ROOMS = (
     "many", "cli",
 )  # fmt: skip
 MOST_AT_TOP = 4
+# Rooms, and folders in them, that offer names of their modules.
+OFFERING = "adhesion", "base", "bodies", "identification.fit", "methods", "methods.integral", "report"
 # Libraries and the one folder or module that may import each.
 DOORS = {
     "afmformats": "data/measured/afm.py",
@@ -152,7 +154,7 @@ def test_each_heavy_library_has_one_door() -> None:
             assert door is None or relative.is_relative_to(door), f"{relative} imports {target}"
 
 
-@pytest.mark.parametrize("room", ["adhesion", "base", "bodies", "identification.fit", "methods"])
+@pytest.mark.parametrize("room", OFFERING)
 def test_what_a_room_offers_is_there_and_is_what_types_say(room: str) -> None:
     """Names are imported when they are first asked for; the types of them are imported apart from that."""
     package, parts = importlib.import_module(f"jkrcli.{room}"), nodes(PACKAGE / room.replace(".", "/") / "__init__.py")
@@ -163,6 +165,16 @@ def test_what_a_room_offers_is_there_and_is_what_types_say(room: str) -> None:
     assert all(hasattr(package, name) for name in typed)
     with pytest.raises(AttributeError, match=f"module jkrcli.{room} has no attribute nothing"):
         _ = package.nothing
+
+
+def test_what_is_taken_of_a_room_is_there() -> None:
+    """A room's names are imported when they are asked for, so that neither a checker of types nor an import tells."""
+    known = modules(PACKAGE)
+    for name, path in known.items():
+        for target in imported(name, path):
+            room, _, taken = target.removeprefix("jkrcli.").rpartition(".")
+            if target.startswith("jkrcli.") and room in OFFERING and f"{room}.{taken}" not in known:
+                assert hasattr(importlib.import_module(f"jkrcli.{room}"), taken), f"{name} takes {target}"
 
 
 def test_help_imports_no_heavy_module() -> None:

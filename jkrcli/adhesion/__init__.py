@@ -8,39 +8,41 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from .course import Course
     from .critical import Errors, point_error
-    from .curve import AdhesiveCurve, CriticalPoint, Equilibrium, EquilibriumCurve
-    from .device import CONTROLS, DISPLACEMENT_CONTROL, LOAD_CONTROL
-    from .finite_range import FiniteRangeBody, FiniteRangeCurve
+    from .curve import AdhesiveCurve, CriticalPoint, Equilibrium, EquilibriumCurve, transform
+    from .device import CONTROLS, DISPLACEMENT_CONTROL, LOAD_CONTROL, control, position
+    from .finite_range import FiniteRangeBody, FiniteRangeCurve, unable
     from .law import AskedRange, Range
-    from .nonadhesive import Nonadhesive
+    from .nonadhesive import Nonadhesive, Parts
     from .path import Jump, TimedState
     from .program import Program
     from .rate.history import RateContact
-    from .rate.laws import RATE_LAWS, LogRate, PowerRate, RateLaw, rate_law_of, rate_parameters
+    from .rate.laws import RATE_LAWS, LogRate, PowerRate, RateLaw, parameters_of, rate_law_of, rate_parameters
     from .relaxation.history import RelaxingContact
     from .relaxation.limits import limits_of
+    from .sharp import resolved, yielding
     from .slopes.result import TWO_SIDED_90, Slopes
-    from .stability import Behaviour, behaviour, stable_radius
-    from .validity import LIMITS, Validity, end_of_body, refuse_wetting
+    from .stability import Behaviour, behaviour, behaviours, branch, stable_radius, turning_radius
+    from .validity import LIMITS, REMEDY, Validity, end_of_body, judge, refuse_wetting, regime, sizes, unresolved
 
 __getattr__ = lazily(
     __name__,
     {
         ".course": "Course",
         ".critical": "Errors point_error",
-        ".curve": "AdhesiveCurve CriticalPoint Equilibrium EquilibriumCurve",
-        ".device": "CONTROLS DISPLACEMENT_CONTROL LOAD_CONTROL",
-        ".finite_range": "FiniteRangeBody FiniteRangeCurve",
+        ".curve": "AdhesiveCurve CriticalPoint Equilibrium EquilibriumCurve transform",
+        ".device": "CONTROLS DISPLACEMENT_CONTROL LOAD_CONTROL control position",
+        ".finite_range": "FiniteRangeBody FiniteRangeCurve unable",
         ".law": "AskedRange Range",
-        ".nonadhesive": "Nonadhesive",
+        ".nonadhesive": "Nonadhesive Parts",
         ".path": "Jump TimedState",
         ".program": "Program",
         ".rate.history": "RateContact",
-        ".rate.laws": "RATE_LAWS LogRate PowerRate RateLaw rate_law_of rate_parameters",
+        ".rate.laws": "LogRate PowerRate RATE_LAWS RateLaw parameters_of rate_law_of rate_parameters",
         ".relaxation.history": "RelaxingContact",
         ".relaxation.limits": "limits_of",
         ".slopes.result": "TWO_SIDED_90 Slopes",
-        ".stability": "Behaviour behaviour stable_radius",
-        ".validity": "LIMITS Validity end_of_body refuse_wetting",
+        ".stability": "Behaviour behaviour behaviours branch stable_radius turning_radius",
+        ".validity": "LIMITS REMEDY Validity end_of_body judge refuse_wetting regime sizes unresolved",
+        ".sharp": "resolved yielding",
     },
 )

@@ -15,8 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..base import Array, PiecewiseCubic, composite_gauss, spline_slopes
-from ..base.cubic import PiecewiseQuintic
+from ..base import Array, PiecewiseCubic, PiecewiseQuintic, composite_gauss, spline_slopes
 
 
 @dataclass(frozen=True)

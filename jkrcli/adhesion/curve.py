@@ -69,12 +69,13 @@ class CriticalPoint(Equilibrium):
     kind: Literal["minimum", "maximum"] = "minimum"
 
 
-def transform(series: Series, slopes: Slopes, w: float) -> AdhesiveCurve:
-    """The adhesive curve of ``series`` for the work of adhesion ``w`` >= 0 [J/m^2] (Eq. 13).
+def transform(series: Series, slopes: Slopes | str, w: float) -> AdhesiveCurve:
+    """The adhesive curve of ``series`` for the work of adhesion ``w`` >= 0 [J/m^2] (Eq. 13), by its slopes or the rule
+    for them.
 
     w = 0 is the limit of small w. Refused where S or S' is not positive.
     """
-    return AdhesiveCurve(Nonadhesive(series, slopes), w)
+    return AdhesiveCurve(Nonadhesive.of(series, slopes) if isinstance(slopes, str) else Nonadhesive(series, slopes), w)
 
 
 class EquilibriumCurve(ABC):

@@ -18,7 +18,7 @@ import numpy as np
 from ..base import Array, Estimate, InputError, Refusal, composite_gauss, show, zeros_between
 from ..bodies import NO_FINITE_RANGE, Problem
 from ..methods import METHODS, AttractedBody
-from ..methods.integral.attraction import Attraction, Rims, refuse_narrow
+from ..methods.integral import Attraction, Rims, refuse_narrow
 from ..methods.layered.contact import checked
 from ..series import Series, Solution
 from .critical import Errors

@@ -67,6 +67,13 @@ class Nonadhesive:
                 "Eq. 13 has no solution there; leave those points out or take other slopes"
             )
 
+    @classmethod
+    def of(cls, series: Series, rule: str = "auto") -> Nonadhesive:
+        """Those of ``series`` with slopes by a ``rule`` ("exact"), or by the surest."""
+        from .slopes.choice import slopes
+
+        return cls(series, slopes(series, rule))
+
     def scaled(self, factor: float) -> Nonadhesive:
         """The functions of the same bodies with all moduli multiplied by ``factor``."""
         if factor == 1:

@@ -78,6 +78,17 @@ class Validity:
     strained: Estimate = NO_EXCESS
     sphere: Estimate = NO_EXCESS
 
+    @property
+    def warnings(self) -> list[str]:
+        """What is beyond a limit, each with its number; empty where all is well or nothing is known."""
+        return [
+            *_above(self.a_over_R, LIMITS.a_over_R, "a/R", _strains(self)),
+            *_above(self.delta_over_h, LIMITS.delta_over_h, "delta/h", "small strains no longer hold in the layer"),
+            *_steep(self.edge_angle),
+            *_cut_warning(self),
+            *_range_warning(self),
+        ]
+
 
 def sizes(problem: Problem) -> dict[str, Any]:
     """What ``judge`` asks of the bodies themselves."""
@@ -178,17 +189,6 @@ def _words(number: Estimate, effect: Estimate) -> str:
             else f"at the range z0 the pull-off force differs by {effect:+.2%}"
         )
     return f"unknown: {number}" if isinstance(number, Unknown) else regime(number)
-
-
-def check(judged: Validity) -> list[str]:
-    """Warnings, each with its number and limit; empty where all is well or nothing is known."""
-    return [
-        *_above(judged.a_over_R, LIMITS.a_over_R, "a/R", _strains(judged)),
-        *_above(judged.delta_over_h, LIMITS.delta_over_h, "delta/h", "small strains no longer hold in the layer"),
-        *_steep(judged.edge_angle),
-        *_cut_warning(judged),
-        *_range_warning(judged),
-    ]
 
 
 def _above(value: Estimate, limit: float, name: str, meaning: str) -> list[str]:

@@ -8,7 +8,7 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from .arrays import Array
     from .clock import SILENCE, StageClock, duration
-    from .cubic import EvenCubic, PiecewiseCubic, spline_slopes, zeros_between
+    from .cubic import EvenCubic, PiecewiseCubic, PiecewiseQuintic, spline_slopes, zeros_between
     from .errors import (
         InputError,
         JkrError,
@@ -16,18 +16,22 @@ if TYPE_CHECKING:
         SolveError,
         did_you_mean,
         first_line,
+        nearest,
         positive,
         printable,
         writable,
     )
-    from .executors import Pool, completed, executor, in_order
+    from .executors import Pool, Progress, completed, executor, in_order, silent
     from .files import (
         atomic,
+        beside,
         check_series_target,
         check_target,
         make_folder,
         opened,
         read_bytes,
+        real,
+        remove,
         together,
         write_bytes,
         write_text,
@@ -38,7 +42,22 @@ if TYPE_CHECKING:
     from .registry import Key, Registry
     from .table import as_json, lists, write_csv
     from .threads import one_thread
-    from .units import SI, UNITS, AnyLength, Length, Ranged, check_ranges, parse, scale, show
+    from .units import (
+        LARGEST_SI,
+        SI,
+        UNITS,
+        AnyLength,
+        Length,
+        Modulus,
+        Ranged,
+        check_ranges,
+        decades,
+        parse,
+        ranges_of,
+        reached,
+        scale,
+        show,
+    )
     from .unknown import Estimate, Unknown, accuracy, known
 
 __getattr__ = lazily(
@@ -46,18 +65,19 @@ __getattr__ = lazily(
     {
         ".arrays": "Array",
         ".clock": "SILENCE StageClock duration",
-        ".cubic": "EvenCubic PiecewiseCubic spline_slopes zeros_between",
-        ".errors": "InputError JkrError Refusal SolveError did_you_mean first_line positive printable writable",
-        ".executors": "Pool completed executor in_order",
-        ".files": "atomic check_series_target check_target make_folder opened read_bytes together"
-        " write_bytes write_text",
+        ".cubic": "EvenCubic PiecewiseCubic PiecewiseQuintic spline_slopes zeros_between",
+        ".errors": "InputError JkrError Refusal SolveError did_you_mean first_line nearest positive printable writable",
+        ".executors": "Pool Progress completed executor in_order silent",
+        ".files": "atomic beside check_series_target check_target make_folder opened read_bytes real remove"
+        " together write_bytes write_text",
         ".installing": "installs",
         ".memory": "free_memory",
         ".quadrature": "composite_gauss",
         ".registry": "Key Registry",
         ".table": "as_json lists write_csv",
         ".threads": "one_thread",
-        ".units": "SI UNITS AnyLength Length Ranged check_ranges parse scale show",
+        ".units": "AnyLength LARGEST_SI Length Modulus Ranged SI UNITS check_ranges decades parse ranges_of"
+        " reached scale show",
         ".unknown": "Estimate Unknown accuracy known",
     },
 )

@@ -56,7 +56,7 @@ WORDS = {
 }
 SI = {"length": "m", "modulus": "Pa", "load": "N", "work": "J/m^2", "stiffness": "N/m", "angle": "rad", "number": ""}
 SI |= {"tension": "N/m", "speed": "m/s", "time": "s", "load rate": "N/s", "sensitivity": "m/V"}
-MOST = 1e30  # of a quantity in SI, its inverse the least: beyond what exists, and products of a few stay finite
+LARGEST_SI = 1e30  # of a quantity in SI, its inverse the least: beyond what exists, and products of a few stay finite
 LARGE_WORK = 1.0  # choice: J/m^2, above what gels, polymers and contaminated metals have; remarked, never refused
 LONGEST = 100  # characters of a quantity
 _QUANTITY = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?)\s*(.*?)\s*\Z")
@@ -117,8 +117,8 @@ class Ranged:
         given = value if isinstance(value, str) else f"{value} {SI[self.dimension]}".strip()
         if not math.isfinite(number):
             raise ValueError(f"must be a finite number, got {given}")
-        if self.dimension != "number" and number != 0 and not 1 / MOST <= abs(number) <= MOST:
-            raise ValueError(f"must lie within {1 / MOST:g} and {MOST:g} in SI units, got {given}")
+        if self.dimension != "number" and number != 0 and not 1 / LARGEST_SI <= abs(number) <= LARGEST_SI:
+            raise ValueError(f"must lie within {1 / LARGEST_SI:g} and {LARGEST_SI:g} in SI units, got {given}")
         if number not in self:
             bare = self.dimension == "angle" and not isinstance(value, str)
             hint = '; a bare number is in rad, write "70 deg"' if bare else ""

@@ -19,16 +19,17 @@ from ..adhesion import (
     Slopes,
     Validity,
     end_of_body,
+    judge,
     point_error,
     refuse_wetting,
+    resolved,
+    sizes,
+    unresolved,
+    yielding,
 )
-from ..adhesion.sharp import resolved, yielding
 from ..adhesion.slopes.choice import slopes, smoothed
-from ..adhesion.validity import check, judge, sizes, unresolved
-from ..base import Estimate, InputError, Unknown, known
-from ..base.units import MOST
-from ..bodies import Problem
-from ..bodies.relaxation import relaxing_words
+from ..base import LARGEST_SI, Estimate, InputError, Unknown, known
+from ..bodies import Problem, relaxing_words
 from ..methods import Forecast
 from ..series import ErrorBudget, Series, Solution, is_series
 from .comparison import Comparison, compare_half_space
@@ -143,7 +144,7 @@ class Analysis:
         doubts = getattr(self.curve, "doubts", ())
         law = self.problem.specimen.relaxation
         relaxes = [] if law is None else [f"the specimen relaxes: {relaxing_words(law)}"]
-        found = [*relaxes, *self.solution.warnings, *flags, *check(self.validity), *doubts]
+        found = [*relaxes, *self.solution.warnings, *flags, *self.validity.warnings, *doubts]
         found += [*yielding(self.problem, self.curve), *outside]
         difference = None if self.comparison is None else known(self.comparison.pull_off)
         budget = self.budget
@@ -222,8 +223,8 @@ def _ranged(solution: Solution, works: Sequence[float], asked: AskedRange) -> fl
 
 def adhesive(solution: Solution, body: Nonadhesive, w: float, modulus_factor: float = 1.0) -> Analysis:
     """The adhesive curve for the work of adhesion ``w`` [J/m^2] on bodies ``modulus_factor`` times as stiff."""
-    if not 0 <= w <= MOST:
-        raise InputError(f"w: must lie within 0 and {MOST:g} J/m^2, got {w:g}")
+    if not 0 <= w <= LARGEST_SI:
+        raise InputError(f"w: must lie within 0 and {LARGEST_SI:g} J/m^2, got {w:g}")
     refuse_wetting(w, modulus_factor * solution.problem.specimen.surface_tension)
     curve = AdhesiveCurve(body.scaled(modulus_factor), w)
     return Analysis(solution.scaled(modulus_factor), curve, _budget(solution.budget, curve), modulus_factor)

@@ -7,8 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..adhesion import LOAD_CONTROL, AdhesiveCurve, CriticalPoint, Slopes
-from ..adhesion.curve import transform
+from ..adhesion import LOAD_CONTROL, AdhesiveCurve, CriticalPoint, Slopes, transform
 from ..base import Array, Estimate, Unknown
 from ..bodies import HalfSpace, Indenter, Problem, Specimen, Sphere
 from ..formulas.griffith import shift

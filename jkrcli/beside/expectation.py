@@ -4,11 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from ..adhesion import LOAD_CONTROL, CriticalPoint, Validity, refuse_wetting
-from ..adhesion.curve import transform
-from ..adhesion.sharp import resolved
+from ..adhesion import LOAD_CONTROL, CriticalPoint, Validity, judge, refuse_wetting, resolved, sizes, transform
 from ..adhesion.slopes.choice import slopes
-from ..adhesion.validity import judge, sizes
 from ..base import Refusal, Unknown
 from ..bodies import Loading, Problem
 from ..methods.layered.layered import Layered

@@ -6,7 +6,7 @@ from ..base.lazy import lazily
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from .grading import Exponential, Linear, Power, Tabulated
+    from .grading import LAWS, Exponential, Law, Linear, Power, Tabulated
     from .indenters import (
         SHAPES,
         EqualAreaCone,
@@ -19,16 +19,18 @@ if TYPE_CHECKING:
         TableProfile,
     )
     from .materials import Elastic, Graded, Material, TransverselyIsotropic, contact_modulus
+    from .parts import RADIUS, changed, checked_names, layer_names, nominal
     from .problem import NO_FINITE_RANGE, HalfSpace, Layer, Loading, Problem, Quantity, Rigid, Specimen
-    from .relaxation import RELAXATIONS, Modes, PowerRelaxation, Prony, Relaxation, StandardSolid
+    from .relaxation import RELAXATIONS, Modes, PowerRelaxation, Prony, Relaxation, StandardSolid, relaxing_words
 
 __getattr__ = lazily(
     __name__,
     {
-        ".grading": "Exponential Linear Power Tabulated",
+        ".grading": "Exponential LAWS Law Linear Power Tabulated",
         ".indenters": "SHAPES EqualAreaCone Indenter Paraboloid PowerLaw RoundedCone RoundedFlat Sphere TableProfile",
         ".materials": "Elastic Graded Material TransverselyIsotropic contact_modulus",
         ".problem": "NO_FINITE_RANGE HalfSpace Layer Loading Problem Quantity Rigid Specimen",
-        ".relaxation": "RELAXATIONS Modes PowerRelaxation Prony Relaxation StandardSolid",
+        ".relaxation": "Modes PowerRelaxation Prony RELAXATIONS Relaxation StandardSolid relaxing_words",
+        ".parts": "RADIUS changed checked_names layer_names nominal",
     },
 )

@@ -10,8 +10,7 @@ from typing import Annotated, Self
 
 import numpy as np
 
-from ..base import AnyLength, Array, InputError, Key, Length, Ranged, Registry, positive
-from ..base.units import Modulus
+from ..base import AnyLength, Array, InputError, Key, Length, Modulus, Ranged, Registry, positive
 
 LAWS = Registry(given="thickness")
 law = LAWS.register  # decorator: the name by which ``E = { law = ... }`` of a case file calls it

@@ -12,9 +12,7 @@ from typing import Any, TypeVar
 import tomli_w
 from pydantic import ValidationError
 
-from ..base import InputError, did_you_mean, read_bytes, units
-from ..base.errors import nearest
-from ..base.units import ranges_of
+from ..base import InputError, did_you_mean, nearest, ranges_of, read_bytes, units
 from ..bodies import SHAPES
 from ..methods import METHODS
 from .models import CaseModel, RootTable, case_model, other_tables

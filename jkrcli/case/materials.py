@@ -9,8 +9,7 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 from pydantic import BeforeValidator, Discriminator, Tag, model_validator
 
 from ..base import did_you_mean
-from ..bodies import Elastic, Graded, Layer, TransverselyIsotropic
-from ..bodies.grading import LAWS
+from ..bodies import LAWS, Elastic, Graded, Layer, TransverselyIsotropic
 from .fields import BuiltTable, Length, Modulus, Poisson, Table, findings, quantity, table_of, wrong
 
 CONSTANTS = ("E_p", "E_z", "nu_p", "nu_zp", "G_z")

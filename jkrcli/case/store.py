@@ -12,9 +12,8 @@ from typing import Any
 import numpy as np
 
 from .. import __version__
-from ..base import Array, Estimate, InputError, Unknown, hdf5, read_bytes, write_bytes
+from ..base import LARGEST_SI, Array, Estimate, InputError, Unknown, hdf5, read_bytes, write_bytes
 from ..base.hdf5 import Dataset, Group
-from ..base.units import MOST
 from ..bodies import Problem
 from ..series import (
     COLUMNS,
@@ -269,10 +268,10 @@ class _Reader:
         if not 1 <= data.shape[0] <= most:
             raise InputError(f"{where}: must have 1 to {most} rows, got {data.shape[0]}")
         values = np.asarray(data.values, dtype=float)
-        wrong = ~(np.abs(values) <= MOST**2)
+        wrong = ~(np.abs(values) <= LARGEST_SI**2)
         if wrong.any():
             row, found = np.argwhere(wrong)[0][0], values[wrong][0]
-            rule = f"number up to {MOST**2:g}" if np.isfinite(found) else "finite number"
+            rule = f"number up to {LARGEST_SI**2:g}" if np.isfinite(found) else "finite number"
             raise InputError(f"{where}: row {row + 1} must be a {rule}, got {found}")
         return values
 

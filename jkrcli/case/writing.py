@@ -5,10 +5,12 @@ from __future__ import annotations
 from typing import Any
 
 from ..bodies import (
+    LAWS,
     RELAXATIONS,
     Elastic,
     Graded,
     HalfSpace,
+    Law,
     Layer,
     Loading,
     Material,
@@ -17,7 +19,6 @@ from ..bodies import (
     Specimen,
     TransverselyIsotropic,
 )
-from ..bodies.grading import LAWS, Law
 from . import Case, validated
 from .models import case_model
 

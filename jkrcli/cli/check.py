@@ -8,7 +8,7 @@ import click
 
 from ..case import load_case
 from ..methods import long_look
-from ..report.check import Check
+from ..report import Check
 from .output import answer, json_option
 from .verb import Verb
 from .voice import note, present, warn

@@ -7,8 +7,7 @@ from pathlib import Path
 import click
 
 from ..base import InputError
-from ..report.compare import Compared, of_curves, of_solutions
-from ..report.output import PICTURES, Output
+from ..report import PICTURES, Compared, Output, of_curves, of_solutions
 from .measured import begin_reading
 from .options import NumberRange
 from .output import give, output_options

@@ -12,10 +12,7 @@ from ..adhesion import AskedRange, limits_of
 from ..base import InputError, show
 from ..beside.analysis import Analysis, analyse, with_solved_points
 from ..methods import Limits
-from ..report.cycle import Cycled, CycledByProgram
-from ..report.output import PICTURES, Output
-from ..report.relaxation import CycledInLimits
-from ..report.result import Result
+from ..report import PICTURES, Cycled, CycledByProgram, CycledInLimits, Output, Result
 from ..series import Solution
 from .cycle_rate import RateOptions, rate_options, read_program, run, run_relaxing
 from .measured import TUNING, begin_reading

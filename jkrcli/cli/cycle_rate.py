@@ -18,8 +18,7 @@ if TYPE_CHECKING:
     from ..adhesion import Program, RateContact, RelaxingContact
     from ..beside.analysis import Analysis
     from ..bodies import Relaxation
-    from ..report.rate import CycledAtSpeed
-    from ..report.relaxation import CycledRelaxing
+    from ..report import CycledAtSpeed, CycledRelaxing
 
 
 ALONE = ("speed", "speed_approach", "hold", "dwell", "dwell_time")  # what a program says by itself
@@ -117,7 +116,7 @@ def rate_options(command: Callable[..., Any]) -> Callable[..., Any]:
 def run(curves: Sequence[Analysis], stiffness: float, points: int, rates: RateOptions) -> CycledAtSpeed:
     """What happens over time; ``curves``: those of approach and of retraction."""
     from ..adhesion import RateContact, rate_law_of
-    from ..report.rate import CycledAtSpeed
+    from ..report import CycledAtSpeed
 
     inwards, outwards = curves
     law = rate_law_of(rates.rate or {}, "--rate")
@@ -129,7 +128,7 @@ def run(curves: Sequence[Analysis], stiffness: float, points: int, rates: RateOp
 def run_relaxing(body: Analysis, law: Relaxation, stiffness: float, points: int, rates: RateOptions) -> CycledRelaxing:
     """What happens over time to a body that relaxes, without adhesion."""
     from ..adhesion import RelaxingContact
-    from ..report.relaxation import CycledRelaxing
+    from ..report import CycledRelaxing
 
     if rates.rate is not None:
         raise InputError("cycle: --rate needs adhesion: give --w-approach, or leave it out")

@@ -12,8 +12,8 @@ from ..base import InputError, write_text
 from ..beside.analysis import analyse
 from ..data import measured
 from ..methods import Limits
+from ..report import Output
 from ..report.explorer import Explored, page, payload, start_work
-from ..report.output import Output
 from .measured import begin_reading, reading_of, reading_options
 from .options import WorkType, limits_options, slopes_option
 from .output import ONE_FILE, give, into_file, output_options

@@ -10,7 +10,7 @@ from ..adhesion import AskedRange
 from ..base import InputError, together, write_text
 from ..beside.analysis import analyse
 from ..methods import Limits
-from ..report.output import Output
+from ..report import Output
 from .options import WorkType, limits_options, slopes_option
 from .output import give, into_folder, output_options
 from .series import begin_curves, first_work, read_series, series_file, without_range
@@ -45,7 +45,7 @@ def export(file: Path, dem: bool, work: float | None, slopes: str, limits: Limit
         raise InputError(f"{file}: a contact without adhesion needs no table of what holds it: give --w")
     targets = output.files(output.folder(file.parent) / f"{file.stem}-dem", (".h", ".csv"), [file])
     begin_curves("export", [solution], [(w,)], [AskedRange()], limits)
-    from ..report.dem import Exported
+    from ..report import Exported
 
     found = Exported.of(analyse(solution, [w], slopes)[0])
     with together():

@@ -10,8 +10,8 @@ import click
 from ..base import InputError, atomic, together
 from ..beside.analysis import analyse
 from ..case import Case
-from ..report.fields import COMPONENTS, Fields
-from ..report.output import PICTURES, Output
+from ..report import PICTURES, Fields, Output
+from ..report.fields import COMPONENTS
 from .mesh import MARKS
 from .options import LengthType, LoadType, WorkType
 from .output import give, into_folder, output_options

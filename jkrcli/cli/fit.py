@@ -9,12 +9,11 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..base import InputError
+from ..base import InputError, beside
 from ..base.files import TUNING as FILES
-from ..base.files import beside
 from ..bodies import RELAXATIONS
 from ..methods import Limits
-from ..report.output import PICTURES, Files, Output
+from ..report import PICTURES, Files, Output
 from .body import FLAGS, fitted_body, given_body
 from .fit_curves import FEWER, fit_curves, refits_of
 from .fit_idle import EACH, LAW, RELAXATION, SHARED, TENSION, given, refuse_idle

@@ -6,10 +6,9 @@ import contextlib
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..base import InputError, together
-from ..base.files import beside
+from ..base import InputError, beside, together
 from ..methods import Forecast, Limits
-from ..report.output import PICTURES, SHOWN, Files, Output
+from ..report import PICTURES, SHOWN, Files, Output
 from .fit_together import Asked
 from .measured import TUNING
 from .options import begin
@@ -18,7 +17,7 @@ from .voice import note, progress, say, warn
 
 if TYPE_CHECKING:
     from ..identification.fit import Failure, Fit, FittedBody, Settings
-    from ..report.fit import Fits
+    from ..report import Fits
 
     Pictures = list[tuple[Fit | Failure, Files]]
 
@@ -40,7 +39,7 @@ def fit_curves(
     from ..data.measured import usable
     from ..identification.fit import Failure, Fit, fit_all, planned
     from ..identification.fit.friction import friction_warnings, preferences
-    from ..report.fit import Fits, plan_table, rivals_table
+    from ..report import Fits, plan_table, rivals_table
 
     targets, output = asked.targets, asked.output
     curves, reasons = usable(asked.measured, asked.reading)

@@ -9,7 +9,7 @@ import click
 
 from ..adhesion import RATE_LAWS
 from ..bodies import RELAXATIONS
-from ..report.output import SHOWN
+from ..report import SHOWN
 from .body import body_options
 from .measured import reading_options
 from .options import NamedType, ParamType, RangeType, ScaleType, limits_options, parallel_options, slopes_option

@@ -15,7 +15,7 @@ def fit_relaxation(asked: Asked, law: str) -> None:
     from ..data.measured import each
     from ..data.text_table import some
     from ..identification.relaxation import relaxation_fit, relaxation_settings
-    from ..report.relaxation_fit import RelaxationFits
+    from ..report import RelaxationFits
 
     body, options, targets = asked.body, asked.options, asked.targets
     terms = {} if options["terms"] is None else {"terms": options["terms"]}

@@ -8,14 +8,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from ..base import InputError, SolveError
-from ..report.output import Files, Output
+from ..report import Files, Output
 from .fit_idle import TENSION
 from .output import give
 
 if TYPE_CHECKING:
     from ..data.measured import Curve, Reading
     from ..identification.fit import FittedBody, Settings
-    from ..report.result import Result
+    from ..report import Result
 
 Beside = TypeVar("Beside")
 
@@ -65,8 +65,7 @@ def fit_joint(
 ) -> None:
     """What all records have in common, from all of them together."""
     from ..identification.fit import joint_fit, shared_of, with_radii
-    from ..report.joint_fit import JointFitted
-    from ..report.result import as_result
+    from ..report import JointFitted, as_result
 
     names = shared_of(shared, own, settings)
     curves, bodies = asked.curves(with_radii(asked.body, radii, len(asked.measured)))
@@ -77,8 +76,7 @@ def fit_joint(
 def fit_law(asked: Asked, law: str) -> None:
     """w0, the law's parameters, E* and zeros from records at one or several speeds."""
     from ..identification.rate.fitting import rate_fit, rate_settings
-    from ..report.rate_fit import LawFit
-    from ..report.result import as_result
+    from ..report import LawFit, as_result
 
     told = {name: asked.options[name] for name in ("level", "segment")}
     settings = rate_settings(asked.body, law, asked.names, asked.fix, asked.start, **told)
@@ -94,8 +92,7 @@ def is_asked(body: FittedBody, names: Sequence[str], fix: Sequence[tuple[str, st
 def fit_tension(asked: Asked, radii: Sequence[float]) -> None:
     """The surface tension, E*, w and zeros from records by tips of several radii."""
     from ..identification.tension import known_values, radii_of, tension_fit
-    from ..report.result import as_result
-    from ..report.tension_fit import TensionFitted
+    from ..report import TensionFitted, as_result
 
     problem, level = asked.body.problem, asked.options["level"]
     fixed = known_values(problem, asked.names, asked.fix)

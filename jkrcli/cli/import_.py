@@ -16,8 +16,7 @@ from ..case import Case, load_case, parse_case, store
 from ..case.models import CaseModel, LoadingTable
 from ..data.foreign import NAMES, SeriesReading, read_series
 from ..data.text_table import SEPARATORS
-from ..report.output import Output
-from ..report.solved import Imported
+from ..report import Imported, Output
 from ..series import Solution
 from .body import FLAGS, body_options, case_of, flag
 from .measured import begin_reading

@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from ..base import InputError
-from ..report.output import PICTURES, Output
+from ..report import PICTURES, Output
 from .body import TIP, tip_of, tip_options
 from .measured import begin_reading, reading_of, reading_options
 from .output import answer, into_folder, output_options, refuse_doubles
@@ -35,7 +35,7 @@ def look(files: tuple[Path, ...], output: Output, **options: Any) -> None:
     jkr look curve.jpk-force --radius "5 um"
     jkr look probe.csv --flip delta --unit P=nN
     """
-    from ..report.look import Look
+    from ..report import Look
 
     tip = tip_of("look", {name: options.pop(name) for name in TIP})
     reading = reading_of(options)

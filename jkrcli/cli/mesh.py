@@ -12,8 +12,7 @@ from ..case import load_case
 from ..case.numerics import fem_of
 from ..methods import Limits
 from ..methods.fem.mesh import write_msh, write_vtu
-from ..report.mesh import Meshed
-from ..report.output import Output
+from ..report import Meshed, Output
 from .options import begin, limits_options
 from .output import give, into_folder, output_options
 from .verb import Verb

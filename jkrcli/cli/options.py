@@ -101,8 +101,12 @@ class QuantityType(ParamType):
             self.fail(str(error), param, ctx)
         if not (math.isfinite(number) and number >= self.least):
             self.fail(f"must be {self.allowed or f'finite and >= {self.least:g}'}, got {value}", param, ctx)
-        if number != 0 and not 1 / units.MOST <= abs(number) <= units.MOST:
-            self.fail(f"must lie within {1 / units.MOST:g} and {units.MOST:g} in SI units, got {value}", param, ctx)
+        if number != 0 and not 1 / units.LARGEST_SI <= abs(number) <= units.LARGEST_SI:
+            self.fail(
+                f"must lie within {1 / units.LARGEST_SI:g} and {units.LARGEST_SI:g} in SI units, got {value}",
+                param,
+                ctx,
+            )
         return number
 
 

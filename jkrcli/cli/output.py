@@ -9,16 +9,15 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..base import InputError, as_json
-from ..base.files import real
-from ..report.output import Output
+from ..base import InputError, as_json, real
+from ..report import Output
 from .voice import present, warn
 
 ONE_FILE = "Replace an existing file that jkr did not write."  # help of --force
 FILES = (".msh", ".vtu", ".csv", ".json", ".png", ".svg", ".pdf", ".h5", ".html", ".toml", ".txt")
 Command = Callable[..., Any]
 if TYPE_CHECKING:
-    from ..report.result import Result
+    from ..report import Result
 
     _Path = click.Path[Path]
 else:

@@ -10,8 +10,7 @@ from ..adhesion import AskedRange
 from ..base import InputError
 from ..beside.profile import profile_columns, radius_under
 from ..methods import Limits
-from ..report.output import PICTURES, Output
-from ..report.profile import Profile
+from ..report import PICTURES, Output, Profile
 from .options import LengthType, LoadType, WorkType, limits_options, range_options
 from .output import give, into_folder, output_options
 from .series import begin_curves, first_work, read_series, series_file

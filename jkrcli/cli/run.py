@@ -12,8 +12,7 @@ from ..beside.sticking import effect_facts, sticking_effect
 from ..case import load_case, store
 from ..case.solving import solve
 from ..methods import METHODS, Limits
-from ..report.output import Output
-from ..report.solved import Solved
+from ..report import Output, Solved
 from .options import limits_options
 from .output import ONE_FILE, give, into_file, output_options
 from .verb import Verb

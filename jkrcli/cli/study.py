@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..many.study import MAPS
-from ..report.output import PICTURES, Output
+from ..report import PICTURES, Output
 from .options import PairsType, parallel_options
 from .output import answer, into_folder, output_options
 from .verb import Verb

@@ -12,7 +12,7 @@ from ..case import load_case
 from ..case.numerics import method_of
 from ..many.study.converge import converge
 from ..methods import FEM
-from ..report.output import PICTURES, Output
+from ..report import PICTURES, Output
 from .options import WorkType, parallel_options
 from .output import give, into_folder, output_options
 from .verb import Verb

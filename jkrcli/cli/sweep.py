@@ -14,7 +14,7 @@ from ..many.sweep.result import Swept
 from ..many.sweep.running import Means, alone
 from ..many.sweep.running import sweep as carry_out
 from ..many.sweep.table import STEM
-from ..report.output import PICTURES, Files, Output
+from ..report import PICTURES, Files, Output
 from .options import NumberRange, parallel_options
 from .output import answer, give, into_folder, output_options
 from .verb import Verb

@@ -12,10 +12,9 @@ from ..base import InputError
 from ..beside.analysis import analyse
 from ..beside.sticking import effect_on, sticking_warnings
 from ..methods import Limits
-from ..report.output import PICTURES, Files, Output
-from ..report.result import as_result
+from ..report import PICTURES, Files, Output, Transformed, as_result
 from ..report.scaling import own_scales, scales_of
-from ..report.transform import Transformed, figure_of
+from ..report.transform import figure_of
 from .options import ScaleType, WorkType, limits_options, modulus_factor_option, range_options, slopes_option
 from .output import answer, into_folder, output_options, refuse_doubles
 from .series import begin_curves, read_files, works_of

@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from ..report.output import PICTURES, Output
+from ..report import PICTURES, Output
 from .measured import TUNING, begin_reading, reading_of, reading_options
 from .options import WORKERS, ScaleType, modulus_factor_option, slopes_option
 from .output import answer, into_folder, output_options, refuse_doubles
@@ -56,7 +56,7 @@ def work(
     from ..base import executor
     from ..beside.analysis import nonadhesive
     from ..identification.work_of_files import along_file, evaluation_of
-    from ..report.work import Work
+    from ..report import Work
     from .series import read_series, series_file, without_range
 
     stems = [(output.where or path.parent) / f"{path.stem}-work" for path in measured]

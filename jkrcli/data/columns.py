@@ -8,8 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..base import Array, InputError, did_you_mean
-from ..base.units import MOST
+from ..base import LARGEST_SI, Array, InputError, did_you_mean
 from .text_table import TextTable, unit_power
 
 LONGEST = 200  # choice: characters of a header cell that is a name; longer ones take long to look through
@@ -86,10 +85,12 @@ class Vocabulary:
     def in_si(self, table: TextTable, key: str, index: int, unit: str | None = None) -> Array:
         """The values of a column in SI, by ``unit`` or that of its header: 100 um is exactly 1e-4 m."""
         values, power = numbers(table, index), self._power(table, key, index, unit)
-        beyond = np.abs(values) > MOST
+        beyond = np.abs(values) > LARGEST_SI
         if beyond.any():
             line, found = table.lines[beyond][0], values[beyond][0]
-            raise InputError(f"{table.path}: line {line}: {self.meaning(key)} must be up to {MOST:g}, got {found:g}")
+            raise InputError(
+                f"{table.path}: line {line}: {self.meaning(key)} must be up to {LARGEST_SI:g}, got {found:g}"
+            )
         return values * 10.0**power if power > 0 else values / 10.0**-power
 
     def _fits(self, key: str, unit: str) -> bool:

@@ -10,8 +10,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from ..base import Array, InputError, Unknown
-from ..base.units import MOST
+from ..base import LARGEST_SI, Array, InputError, Unknown
 from ..bodies import Indenter, Loading, Problem, Sphere
 from ..series import ErrorBudget, RawSeries, Series, Solution, filter_plateaus, is_series
 from .columns import CONTACT, Vocabulary, asked, check_chosen, remarks, with_units, words
@@ -65,8 +64,10 @@ def read_series(path: Path, problem: Problem, reading: SeriesReading) -> Solutio
     chosen = _columns(table, reading)
     values = {key: _values(table, key, index, reading) for key, index in chosen.items()}
     lines = table.lines
-    if beyond := [key for key, column in values.items() if np.abs(column).max() > MOST]:
-        raise InputError(f"{path}: {NAMES.meaning(beyond[0])} must be at most {MOST:g} in SI units: is its unit right?")
+    if beyond := [key for key, column in values.items() if np.abs(column).max() > LARGEST_SI]:
+        raise InputError(
+            f"{path}: {NAMES.meaning(beyond[0])} must be at most {LARGEST_SI:g} in SI units: is its unit right?"
+        )
     if lines.size > MOST_ROWS:
         raise InputError(f"{path}: holds {lines.size:,} rows, at most {MOST_ROWS:,} are imported: leave some out")
     if reading.sort:

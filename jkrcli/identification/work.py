@@ -14,9 +14,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.special import stdtrit
 
-from ..adhesion import TWO_SIDED_90, Nonadhesive
+from ..adhesion import TWO_SIDED_90, Nonadhesive, Parts
 from ..adhesion.curve import TUNING as CURVES
-from ..adhesion.nonadhesive import Parts
 from ..base import Array, InputError, show
 from ..data.measured import Curve
 from .fit import FittedBody, Settings

@@ -14,8 +14,7 @@ from ..adhesion.stability_inverse import FoundWork, work_from_pull_off
 from ..base import Estimate, InputError, Unknown, parse
 from ..beside.again import method_behind
 from ..beside.analysis import Analysis, adhesive, nonadhesive, with_solved_points
-from ..bodies import Loading
-from ..bodies.parts import changed, checked_names, layer_names, nominal
+from ..bodies import Loading, changed, checked_names, layer_names, nominal
 from ..series import Solution
 
 FORCE, RADIUS, MODULI = "load", "R", "E"  # uncertain inputs beside "h", "nu" and those of single layers

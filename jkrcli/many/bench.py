@@ -14,7 +14,7 @@ from typing import Any
 from ..base import StageClock
 from ..case import Case, store
 from ..case.solving import solve
-from ..report.result import Result
+from ..report import Result
 from .cost import process_cost
 
 IMPORTS = "import time; t = time.process_time(); import {}; print(time.process_time() - t)"

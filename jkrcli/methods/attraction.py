@@ -17,7 +17,7 @@ import numpy as np
 
 from ..base import Array, Refusal, show
 from ..bodies import HalfSpace, Problem, Specimen
-from .integral.attraction import Attraction
+from .integral import Attraction
 from .layered.contact import LayeredContact
 from .layered.layered import GRADED, unbounded
 from .layered.spectrum import spectrum_seconds

@@ -1,1 +1,56 @@
-"""Numbers and pictures of results."""
+"""One object per result: columns, summary (JSON), words, figure; and the files and pictures of them."""
+
+from __future__ import annotations
+
+from ..base.lazy import lazily
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from .check import Check
+    from .compare import Compared, of_curves, of_solutions
+    from .cycle import Cycled, CycledByProgram
+    from .dem import Exported
+    from .fields import Fields
+    from .fit import Fits, Fitted, plan_table, rivals_table
+    from .joint_fit import JointFitted
+    from .look import Look
+    from .mesh import Meshed
+    from .output import PICTURES, SHOWN, Files, Output
+    from .profile import Profile
+    from .pull_off import MeasuredPullOff, PullOff
+    from .rate import CycledAtSpeed
+    from .rate_fit import LawFit
+    from .relaxation import CycledInLimits, CycledRelaxing
+    from .relaxation_fit import RelaxationFits, RelaxationFitted
+    from .result import Held, Result, as_result
+    from .solved import Imported, Solved
+    from .tension_fit import TensionFitted
+    from .transform import Transformed
+    from .work import Work
+
+__getattr__ = lazily(
+    __name__,
+    {
+        ".check": "Check",
+        ".compare": "Compared of_curves of_solutions",
+        ".cycle": "Cycled CycledByProgram",
+        ".dem": "Exported",
+        ".fields": "Fields",
+        ".fit": "Fits Fitted plan_table rivals_table",
+        ".joint_fit": "JointFitted",
+        ".look": "Look",
+        ".mesh": "Meshed",
+        ".output": "PICTURES SHOWN Files Output",
+        ".profile": "Profile",
+        ".pull_off": "MeasuredPullOff PullOff",
+        ".rate": "CycledAtSpeed",
+        ".rate_fit": "LawFit",
+        ".relaxation": "CycledInLimits CycledRelaxing",
+        ".relaxation_fit": "RelaxationFits RelaxationFitted",
+        ".result": "Held Result as_result",
+        ".solved": "Imported Solved",
+        ".tension_fit": "TensionFitted",
+        ".transform": "Transformed",
+        ".work": "Work",
+    },
+)

@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from ..adhesion import CriticalPoint, validity
+from ..adhesion import CriticalPoint
 from ..adhesion.finite_range import unable
 from ..base import Estimate, Refusal, Unknown, show
 from ..base.units import reached
@@ -72,7 +72,7 @@ class Check(Result):
     @property
     def warnings(self) -> list[str]:
         adhesion = () if isinstance(self.expected, Unknown) else self.expected.adhesion
-        judged = dict.fromkeys(text for _, _, judged in adhesion for text in validity.check(judged))
+        judged = dict.fromkeys(text for _, _, judged in adhesion for text in judged.warnings)
         refused = [f"jkr transform will refuse: {self.range_}"] if isinstance(self.range_, Unknown) else []
         return [*judged, *refused, *self.remarks]
 

@@ -10,10 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..adhesion import Jump, Program, path
-from ..adhesion.device import control
+from ..adhesion import Jump, Program, control, path, turning_radius
 from ..adhesion.path import TUNING
-from ..adhesion.stability import Cycle, cycle, trace, turning_radius
+from ..adhesion.stability import Cycle, cycle, trace
 from ..base import Array, InputError, Unknown, show
 from ..beside.analysis import Analysis
 from . import tables

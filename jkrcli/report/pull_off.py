@@ -6,10 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from ..adhesion import LOAD_CONTROL, Behaviour, Equilibrium, Errors
-from ..adhesion.device import control
-from ..adhesion.sharp import yielding
-from ..adhesion.validity import check
+from ..adhesion import LOAD_CONTROL, Behaviour, Equilibrium, Errors, control, yielding
 from ..base import Estimate, Unknown, accuracy, known, show
 from ..beside.analysis import Analysis
 from ..beside.lost import Lost
@@ -152,6 +149,6 @@ def _validity(result: Analysis) -> list[str]:
         lines.append(f"  Tabor number {judged['tabor']:.3g}: {judged['regime']}")
     sizes = ((name, judged[key]) for name, key in SIZES.items())
     lines.append("  " + ", ".join(f"{name} = {value:.3g}" for name, value in sizes if isinstance(value, float)))
-    said = [warning for warning in check(result.validity) if not warning.startswith(ABOVE)]
+    said = [warning for warning in result.validity.warnings if not warning.startswith(ABOVE)]
     said += yielding(result.problem, result.curve)
     return [line for line in [*lines, *(f"  {warning}" for warning in said)] if line.strip()]

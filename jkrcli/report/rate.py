@@ -8,11 +8,19 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..adhesion import LOAD_CONTROL, Jump, Program, RateContact, RateLaw, TimedState, rate_parameters
-from ..adhesion.device import position
+from ..adhesion import (
+    LOAD_CONTROL,
+    Jump,
+    Program,
+    RateContact,
+    RateLaw,
+    TimedState,
+    parameters_of,
+    position,
+    rate_parameters,
+)
 from ..adhesion.path import TUNING
 from ..adhesion.rate.history import History
-from ..adhesion.rate.laws import parameters_of
 from ..adhesion.rate.validity import NEGLECTED, Zone, zone
 from ..base import SI, Array, InputError, SolveError, Unknown, known, show
 from ..beside.analysis import Analysis

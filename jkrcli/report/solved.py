@@ -7,10 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ..adhesion import end_of_body
-from ..adhesion.validity import check, judge, sizes
-from ..base import Array, Estimate, Unknown, accuracy
-from ..base.units import reached
+from ..adhesion import end_of_body, judge, sizes
+from ..base import Array, Estimate, Unknown, accuracy, reached
 from ..beside.sticking import StickingEffect, as_told, sticking_warnings
 from ..bodies import Problem
 from ..methods import Choice
@@ -135,4 +133,4 @@ def _geometry(problem: Problem, solution: Solution) -> list[str]:
         end_is_cut=problem.specimen.radius is None,
     )
     few = [f"only {len(series)} points: adhesive curves need at least 5"] if len(series) < 5 else []
-    return [*check(judged), *few]
+    return [*judged.warnings, *few]

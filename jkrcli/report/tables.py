@@ -10,8 +10,17 @@ from typing import Any
 
 import numpy as np
 
-from ..adhesion import CONTROLS, DISPLACEMENT_CONTROL, Behaviour, Equilibrium, EquilibriumCurve, Errors, Jump, behaviour
-from ..adhesion.stability import branch
+from ..adhesion import (
+    CONTROLS,
+    DISPLACEMENT_CONTROL,
+    Behaviour,
+    Equilibrium,
+    EquilibriumCurve,
+    Errors,
+    Jump,
+    behaviour,
+    branch,
+)
 from ..base import Array, Estimate, InputError, Unknown, accuracy, allowance, known, read_bytes, show
 from ..base import as_json as as_json
 from ..beside.analysis import Analysis

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..adhesion import Nonadhesive
-from ..adhesion.validity import check
 from ..base import Array, Unknown, show
 from ..beside.analysis import Analysis, adhesive
 from ..data.measured.contact import saturation
@@ -187,7 +186,7 @@ def flags(item: WorkAlong) -> list[str]:
 
 def body_warnings(body: Analysis) -> list[str]:
     """What holds for every curve on this body: of its series, slopes and validity."""
-    return [*body.solution.warnings, *body.curve.slopes.flags, *check(body.validity)]
+    return [*body.solution.warnings, *body.curve.slopes.flags, *body.validity.warnings]
 
 
 def words(item: WorkAlong) -> list[str]:

@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from jkrcli.adhesion.validity import NO_TIP_RADIUS, check, judge, regime
+from jkrcli.adhesion.validity import NO_TIP_RADIUS, judge, regime
 from jkrcli.base.errors import InputError
 from jkrcli.base.unknown import Unknown
 from jkrcli.bodies.materials import Elastic
@@ -20,7 +20,7 @@ def test_tabor_numbers_of_the_paper(w: float, R: float, published: float) -> Non
     judged = judge(**{**SOUND, "w": w, "R": R})  # Secs. 4.1 and 4.2
     assert judged.tabor == pytest.approx(published, abs=0.5)  # printed as integers
     assert judged.regime == "JKR holds"
-    assert check(judged) == []
+    assert judged.warnings == []
 
 
 @pytest.mark.parametrize(
@@ -32,7 +32,7 @@ def test_regimes_in_words(number: float, word: str) -> None:
 
 def test_every_limit_warns_with_its_number() -> None:
     judged = judge(a=4e-5, delta=2e-6, E_star=1e9, w=1e-5, R=1e-4, h=1e-5, L=2e-4, z0=1e-9, a_pull_off=1e-5)
-    warnings = check(judged)
+    warnings = judged.warnings
     assert [line.split(" is ")[0].split(" at ")[0] for line in warnings] == [
         "a/R = 0.4",
         "delta/h = 0.2",
@@ -47,14 +47,14 @@ def test_every_limit_warns_with_its_number() -> None:
 def test_the_side_of_a_finite_specimen_is_part_of_its_solution() -> None:
     judged = judge(**{**SOUND, "a": 0.2, "R": 10.0, "L": 1.0, "end_is_cut": False})
     assert judged.a_over_L == pytest.approx(0.2)
-    assert not any("a/L" in line for line in check(judged))
-    assert any("a/L = 0.2" in line for line in check(judge(**{**SOUND, "a": 0.2, "R": 10.0, "L": 1.0})))
+    assert not any("a/L" in line for line in judged.warnings)
+    assert any("a/L = 0.2" in line for line in judge(**{**SOUND, "a": 0.2, "R": 10.0, "L": 1.0}).warnings)
 
 
 def test_at_the_limits_nothing_is_said() -> None:
     judged = judge(a=0.3, delta=0.1, E_star=1.0, w=125**0.5, R=1.0, h=1.0, L=3.0, z0=1.0)  # Tabor (125)^(1/3) = 5
     assert judged.tabor == pytest.approx(5, rel=1e-15)
-    assert [line for line in check(judged) if not line.startswith("Tabor")] == []
+    assert [line for line in judged.warnings if not line.startswith("Tabor")] == []
 
 
 def test_what_cannot_be_judged_says_why() -> None:
@@ -63,7 +63,7 @@ def test_what_cannot_be_judged_says_why() -> None:
     assert judged.regime == f"unknown: {NO_TIP_RADIUS}"
     assert judged.delta_over_h == judged.a_over_h == Unknown("no layer: the specimen is a half-space")
     assert judged.a_over_L == Unknown("the body is unbounded in this method")
-    assert check(judged) == []
+    assert judged.warnings == []
     assert judge(**{**SOUND, "z0": None}).tabor == Unknown("no equilibrium distance z0 given")
     assert judge(**{**SOUND, "w": 0.0}).tabor == Unknown("no adhesion (w = 0)")
 
@@ -85,7 +85,7 @@ def test_impossible_sizes_are_refused() -> None:
 def test_a_limit_that_is_just_met_gives_no_warning() -> None:
     for delta, count in ((1e-6 * (1 + 1e-12), 0), (1.001e-6, 1)):
         judged = judge(a=1e-6, delta=delta, E_star=1e6, w=0.0, R=1e-4, h=1e-5, L=None, z0=None)
-        assert len(check(judged)) == count
+        assert len(judged.warnings) == count
 
 
 def test_a_stiff_skin_is_not_squeezed() -> None:
@@ -98,4 +98,4 @@ def test_a_stiff_skin_is_not_squeezed() -> None:
     judged = judge(**{**SOUND, "delta": 2e-6, "h": 1e-6, "depth": math.inf})
     assert isinstance(judged.delta_over_h, Unknown)
     assert judged.delta_over_h.reason == "no layer lies on anything stiffer"
-    assert not any("delta/h" in text for text in check(judged))
+    assert not any("delta/h" in text for text in judged.warnings)

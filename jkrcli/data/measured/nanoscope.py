@@ -15,8 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ...base import Array, InputError, allowance, opened, read_bytes
-from ...base.units import MOST
+from ...base import LARGEST_SI, Array, InputError, allowance, opened, read_bytes
 from ..text_table import unit_power
 from .curve import APPROACH, ARBITRARY, LEAST_ROWS, RETRACT, Curve, Pixel, Reading, place
 from .instruments import toward
@@ -288,7 +287,7 @@ def _name(section: Section) -> str:
 
 def _is_size(number: float) -> bool:
     """Whether a number of the head is one of a size that is measured, and no damage."""
-    return 1 / MOST < number < MOST
+    return 1 / LARGEST_SI < number < LARGEST_SI
 
 
 def _last(told: str) -> tuple[float, str] | None:

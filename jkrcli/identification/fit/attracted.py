@@ -17,7 +17,8 @@ from scipy.interpolate import BSpline, make_interp_spline
 from ...base import Array, Refusal, SolveError, show
 from ...bodies import Problem
 from ...methods import AttractedBody
-from ...methods.integral.attraction import Attraction, Discs, Rims, refuse_narrow
+from ...methods.integral import Attraction, Rims, refuse_narrow
+from ...methods.integral.attraction import Discs
 from .family import Drift, Family
 
 

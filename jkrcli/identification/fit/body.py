@@ -18,8 +18,7 @@ from ...adhesion import AskedRange, FiniteRangeBody, Slopes
 from ...adhesion.slopes.choice import slopes
 from ...base import InputError, JkrError, Refusal, SolveError, show
 from ...beside.analysis import JKR, nonadhesive
-from ...bodies import Loading, Problem
-from ...bodies.parts import RADIUS, changed, checked_names, layer_names, nominal
+from ...bodies import RADIUS, Loading, Problem, changed, checked_names, layer_names, nominal
 from ...case import Case, load_case, store
 from ...case.solving import solve
 from ...methods import Layered, Limits, unbounded

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...adhesion.validity import REMEDY, check, judge
+from ...adhesion import REMEDY, judge
 from ...base import Unknown, show
 from ...base.units import LARGE_WORK
 from .body import FittedBody
@@ -193,7 +193,7 @@ def _validity(found: Fit, body: FittedBody, family: Family) -> list[str]:
         L=problem.specimen.radius, z0=THRESHOLDS.z0 if found.jkr is None else None, end_is_cut=False,
         tension=problem.specimen.surface_tension, profile=problem.indenter.noun,
     )  # fmt: skip
-    return [line.replace(REMEDY, "fit with --free range (or stress)") for line in check(judged)]
+    return [line.replace(REMEDY, "fit with --free range (or stress)") for line in judged.warnings]
 
 
 def _adhesion(found: Fit) -> bool:

@@ -11,7 +11,7 @@ from functools import partial
 import numpy as np
 
 from ...base import Array, InputError, Pool, Unknown, in_order
-from ...bodies.parts import changed
+from ...bodies import changed
 from ..least_squares import Least
 from .model import Objective
 from .result import FittedValue, JKRBeside

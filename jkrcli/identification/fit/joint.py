@@ -16,7 +16,7 @@ import numpy as np
 from scipy.special import chdtrc
 
 from ...base import Array, InputError, did_you_mean
-from ...bodies.parts import RADIUS
+from ...bodies import RADIUS
 from ...data.measured import Curve
 from ...data.record import ForceCurve
 from ..least_squares import Least, LeastSquares, State

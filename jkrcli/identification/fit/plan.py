@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...base import Array, InputError, JkrError, show
-from ...bodies.parts import RADIUS
+from ...bodies import RADIUS
 from .body import FittedBody
 from .edges import ADVANCING, RECEDING, RESTING
 from .model import Distances, Readings

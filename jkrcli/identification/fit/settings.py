@@ -7,9 +7,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
-from ...base import InputError, parse
-from ...base.units import MOST
-from ...bodies.parts import RADIUS, checked_names
+from ...base import LARGEST_SI, InputError, parse
+from ...bodies import RADIUS, checked_names
 from .body import FittedBody
 
 Kind = Literal["log", "positive", "linear"]
@@ -333,6 +332,6 @@ def _parsed(name: str, text: str, dimension: str) -> float:
         number = parse(text, dimension)
     except ValueError as error:
         raise InputError(f"fit: {name}: {error}") from None
-    if number != 0 and not 1 / MOST <= abs(number) <= MOST:
-        raise InputError(f"fit: {name}: must lie within {1 / MOST:g} and {MOST:g} in SI units, got {text}")
+    if number != 0 and not 1 / LARGEST_SI <= abs(number) <= LARGEST_SI:
+        raise InputError(f"fit: {name}: must lie within {1 / LARGEST_SI:g} and {LARGEST_SI:g} in SI units, got {text}")
     return number

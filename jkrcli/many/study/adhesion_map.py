@@ -16,9 +16,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...adhesion import FiniteRangeBody, FiniteRangeCurve, Range
-from ...adhesion.curve import transform
-from ...adhesion.slopes.choice import slopes
+from ...adhesion import FiniteRangeBody, FiniteRangeCurve, Range, transform
 from ...base import Array, JkrError, Ranged, SolveError
 from ...bodies import Loading, Paraboloid, Problem, Specimen
 from ...methods import AttractedBody, Layered
@@ -82,7 +80,7 @@ def _reaching(specimen: Specimen, w: float, load: float) -> tuple[Problem, Serie
     for _ in range(TUNING.attempts):
         problem = Problem(Paraboloid(1.0), specimen, Loading("load", plain, TUNING.points))
         series = Layered()(problem).series
-        if transform(series, slopes(series, "exact"), w).P[-1] > load:
+        if transform(series, "exact", w).P[-1] > load:
             break
         plain *= TUNING.further
     return problem, series

@@ -9,9 +9,7 @@ from functools import partial
 
 import numpy as np
 
-from ...adhesion import AdhesiveCurve
-from ...adhesion.curve import transform
-from ...adhesion.slopes.choice import slopes
+from ...adhesion import AdhesiveCurve, transform
 from ...base import Array, InputError, Pool, Unknown, in_order
 from ...bodies import Problem
 from ...methods import FEM, Layered
@@ -109,7 +107,7 @@ def _state(a: Array, delta: Array, P: Array, curve: AdhesiveCurve | Unknown, dep
 def _adhesive(series: Series, w: float, slopes_name: str) -> AdhesiveCurve | Unknown:
     """The adhesive curve, or why a mesh is too coarse for one."""
     try:
-        return transform(series, slopes(series, slopes_name), w)
+        return transform(series, slopes_name, w)
     except InputError as error:
         return Unknown(error.lines[0])
 

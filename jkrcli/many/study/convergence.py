@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from ...base import Unknown, show
-from ...report import tables
-from ...report.result import Result
+from ...report import Result, tables
 from .meshes import QUANTITIES, Meshes
 
 if TYPE_CHECKING:

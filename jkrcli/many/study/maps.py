@@ -13,7 +13,7 @@ import numpy as np
 
 from ...base import Array, InputError, Pool, Ranged, in_order, lists
 from ...bodies import Elastic, Layer, Rigid, Specimen
-from ...report.result import Result
+from ...report import Result
 from . import MAPS
 
 if TYPE_CHECKING:

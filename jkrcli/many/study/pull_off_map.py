@@ -17,7 +17,6 @@ import numpy as np
 
 from ... import __version__
 from ...adhesion import LOAD_CONTROL, AdhesiveCurve, Nonadhesive
-from ...adhesion.slopes.choice import slopes
 from ...base import SolveError, Unknown
 from ...bodies import Loading, Paraboloid, Problem
 from ...formulas.surface_tension import wetting_radius
@@ -66,7 +65,7 @@ def _points(base: str, qs: Sequence[float], nu: float, beta: float) -> Columns:
     The paraboloid's problem is linear in R, so that no small strain is needed.
     """
     series = _unit_series(nu, base == "bonded", qs, beta * qs[0] ** (1 / 3))
-    body = Nonadhesive(series, slopes(series, "exact"))
+    body = Nonadhesive.of(series, "exact")
     q, P, a, delta = np.transpose([_pull_off(nu, q, AdhesiveCurve(body, q)) for q in qs])
     return rows(nu=nu, base=base, w_R2_over_Estar_h3=q, minus_P_over_pi_w_R=-P / (math.pi * q), a_over_h=a,
                 delta_R_over_h2=delta, beta=beta, solved_by=f"jkr {__version__} layered")  # fmt: skip

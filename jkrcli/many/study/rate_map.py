@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...adhesion import AdhesiveCurve, Nonadhesive, Program, RateContact, rate_law_of
-from ...adhesion.slopes.choice import slopes
 from ...base import Ranged, SolveError, known
 from ...bodies import Elastic, HalfSpace, Layer, Loading, Paraboloid, Problem, Rigid, Specimen
 from ...methods import Layered
@@ -77,7 +76,7 @@ def _body(thickness: float, nu: float) -> tuple[Nonadhesive, float]:
     loading = Loading.given("radius", tuple(float(r) for r in np.geomspace(low, high, count)))
     method = ClosedForm() if whole else Layered(TUNING.tolerance)
     series = method(Problem(Paraboloid(1.0), specimen, loading)).series
-    body = Nonadhesive(series, slopes(series, "exact"))
+    body = Nonadhesive.of(series, "exact")
     radii = AdhesiveCurve(body, 1.0).radii(P=0.0)
     if not radii:
         raise SolveError(f"rate map: no equilibrium without load on a layer of h = {thickness:g} R")

@@ -17,9 +17,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...adhesion import LOAD_CONTROL, CriticalPoint, FiniteRangeBody, Range
-from ...adhesion.curve import transform
-from ...adhesion.slopes.choice import slopes
+from ...adhesion import LOAD_CONTROL, CriticalPoint, FiniteRangeBody, Range, transform
 from ...base import JkrError, SolveError, Unknown
 from ...bodies import Loading, Paraboloid, Problem
 from ...methods import AttractedBody, Layered
@@ -52,7 +50,7 @@ def _row(base: str, mus: Sequence[float], cell: tuple[float, float]) -> Columns:
     a = TUNING.room * max(thick, min(thin, 2 * thick))
     problem = Problem(Paraboloid(1.0), layer(nu, base == "bonded"), Loading("radius", a, TUNING.points))
     solution = Layered()(problem)
-    sharp = transform(solution.series, slopes(solution.series, "exact"), q).pull_off(LOAD_CONTROL)
+    sharp = transform(solution.series, "exact", q).pull_off(LOAD_CONTROL)
     if isinstance(sharp, Unknown):
         raise SolveError(f"transition map: nu = {nu:g}, q = {q:g}: {sharp.reason}")
     body = FiniteRangeBody(problem, solution.series, AttractedBody(problem))

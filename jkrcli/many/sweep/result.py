@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ...base import InputError, printable
-from ...report.result import Result
+from ...report import Result
 from .plan import Plan
 from .solving import FAILED, Row
 from .table import SweepTable

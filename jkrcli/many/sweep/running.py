@@ -8,9 +8,20 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from ...base import InputError, JkrError, check_target, completed, duration, executor, make_folder, together, write_csv
-from ...base.executors import Progress, silent
-from ...base.files import remove
+from ...base import (
+    InputError,
+    JkrError,
+    Progress,
+    check_target,
+    completed,
+    duration,
+    executor,
+    make_folder,
+    remove,
+    silent,
+    together,
+    write_csv,
+)
 from ..cache import at_unit_modulus
 from .journal import Journal, opened
 from .plan import Group, Plan

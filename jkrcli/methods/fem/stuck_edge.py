@@ -29,8 +29,8 @@ from scipy.linalg import cholesky, solve_triangular
 
 from ...base import Array
 from ...bodies import Material
+from ..integral import ring_transforms
 from ..integral.coulomb import coulomb_series
-from ..integral.stuck import ring_transforms
 from ..layered.stuck import half_space_compliances
 from .surface import Surface
 

@@ -10,10 +10,16 @@ import numpy as np
 
 from ...base import Array, Refusal, SolveError, duration, show
 from ...bodies import Graded, HalfSpace, Indenter, Specimen, contact_modulus
-from ..integral.attraction import Attraction, panels_for
-from ..integral.contact import tolerance_remedy
-from ..integral.equation import DiscreteEquation, EquationResult, solve
-from ..integral.quadrature import Panels, Quadrature
+from ..integral import (
+    Attraction,
+    DiscreteEquation,
+    EquationResult,
+    Panels,
+    Quadrature,
+    panels_for,
+    solve,
+    tolerance_remedy,
+)
 from ..layered.contact import LayeredContact
 from ..layered.layered import GRADED
 from .kernel import STEP, CorrectionCost, KernelLevels, PolynomialKernel, convergence, count_for

@@ -20,7 +20,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...base import Array
-from ..integral.quadrature import rule
+from ..integral import rule
 from .halfspace import RingField, point_force
 from .lines import LineElements, extended, lines
 from .region import Moduli, Region

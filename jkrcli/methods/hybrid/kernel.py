@@ -10,7 +10,7 @@ import numpy as np
 from numpy.polynomial import legendre
 
 from ...base import Array
-from ..integral.quadrature import rule
+from ..integral import rule
 from .correction import Correction, correction, side_correction
 from .lines import TUNING as LINES
 from .lines import LineElements, lines

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.polynomial import legendre
 
 from ...base import Array, Refusal
-from ..integral.quadrature import rule
+from ..integral import rule
 from .region import Region
 
 

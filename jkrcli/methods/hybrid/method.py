@@ -10,9 +10,16 @@ from threadpoolctl import threadpool_limits
 from ...base import JkrError, Refusal, StageClock, show
 from ...bodies import Graded, HalfSpace, Problem, TransverselyIsotropic
 from ...series import ErrorBudget, Solution
-from ..integral.contact import FLOPS_PER_SECOND, first_stiffness, largest_for_contact, radii_for_contact, series_of
-from ..integral.disc import disc_warnings, refuse_shrinking
-from ..integral.equation import EquationResult
+from ..integral import (
+    FLOPS_PER_SECOND,
+    EquationResult,
+    disc_warnings,
+    first_stiffness,
+    largest_for_contact,
+    radii_for_contact,
+    refuse_shrinking,
+    series_of,
+)
 from ..layered.layered import expected_radius
 from ..protocol import Forecast, without_tension
 from ..radii import check_radius

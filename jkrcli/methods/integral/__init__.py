@@ -5,3 +5,39 @@
 A method of this kind knows the kernel K of its bodies (``layered`` from the compliance spectrum of a stack, ``hybrid``
 from finite elements) and leaves the rest to this folder.
 """
+
+from __future__ import annotations
+
+from ...base.lazy import lazily
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from .attraction import Attraction, Rims, panels_for, refuse_narrow
+    from .contact import (
+        FLOPS_PER_SECOND,
+        InaccurateError,
+        first_stiffness,
+        largest_for_contact,
+        radii_for_contact,
+        series_of,
+        tolerance_remedy,
+    )
+    from .disc import disc_warnings, refuse_shrinking
+    from .equation import ContactResult, DiscreteEquation, EquationResult, solve
+    from .kernel import CosineKernel, FredholmKernel, SumKernel
+    from .quadrature import Panels, Quadrature, crowded_rule, gauss, phase_allowed, rule, split
+    from .stuck import StuckDisc, StuckKernel, ring_transforms
+
+__getattr__ = lazily(
+    __name__,
+    {
+        ".attraction": "Attraction Rims panels_for refuse_narrow",
+        ".contact": "FLOPS_PER_SECOND InaccurateError first_stiffness largest_for_contact"
+        " radii_for_contact series_of tolerance_remedy",
+        ".disc": "disc_warnings refuse_shrinking",
+        ".equation": "ContactResult DiscreteEquation EquationResult solve",
+        ".kernel": "CosineKernel FredholmKernel SumKernel",
+        ".quadrature": "Panels Quadrature crowded_rule gauss phase_allowed rule split",
+        ".stuck": "StuckDisc StuckKernel ring_transforms",
+    },
+)

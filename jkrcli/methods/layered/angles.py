@@ -17,7 +17,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 
 from ...base import Array
-from ..integral.quadrature import crowded_rule, gauss, rule
+from ..integral import crowded_rule, gauss, rule
 from .product import lagrange
 
 Function = Callable[[Array], Array]

@@ -12,15 +12,23 @@ import numpy as np
 
 from ...base import Array, Refusal, SolveError
 from ...bodies import Elastic, Indenter, Specimen, contact_modulus
-from ..integral.contact import InaccurateError, tolerance_remedy
-from ..integral.equation import ContactResult, DiscreteEquation, EquationResult, solve
-from ..integral.kernel import FredholmKernel, SumKernel
-from ..integral.quadrature import Panels, Quadrature
+from ..integral import (
+    ContactResult,
+    DiscreteEquation,
+    EquationResult,
+    FredholmKernel,
+    InaccurateError,
+    Panels,
+    Quadrature,
+    SumKernel,
+    solve,
+    tolerance_remedy,
+)
 from .product import product_matrix
 from .spectrum import LayeredSpectrum
 
 if TYPE_CHECKING:
-    from ..integral.attraction import Attraction
+    from ..integral import Attraction
 
 
 @dataclass(frozen=True)
@@ -166,14 +174,14 @@ class LayeredContact(IndenterOnLayers):
     def attraction(self, reach: float, tolerance: float, order: int = 24) -> Attraction:
         """The pair of bodies ready for adhesion of finite range up to ``reach`` [m], K to the relative ``tolerance``;
         ``order`` as in ``matrix``."""
-        from ..integral.attraction import Attraction
+        from ..integral import Attraction
 
         panels = self.attraction_panels(reach, tolerance)
         return Attraction.of(self.indenter, self.E_star, panels, self.matrix(panels, order))
 
     def attraction_panels(self, reach: float, tolerance: float) -> Panels:
         """The panels of ``attraction``; Refusal where they are too many."""
-        from ..integral.attraction import panels_for
+        from ..integral import panels_for
 
         crowding = 1.0 if self.spectrum.tail is None else TUNING.narrower * self.scale / self.spectrum.tail.finest
         return panels_for(reach, self.indenter.a0, self.scale, tolerance, crowding)

@@ -15,7 +15,7 @@ import numpy as np
 from ...base import Array, InputError, Refusal
 from ...bodies import Problem
 from ...formulas.griffith import shift
-from ..integral.contact import InaccurateError
+from ..integral import InaccurateError
 from ..integral.density import Density, unsmooth
 from .contact import LayeredContact
 from .layered import Layered

@@ -11,9 +11,16 @@ import numpy as np
 from ...base import Array, Refusal, StageClock
 from ...bodies import Loading, Problem, Specimen
 from ...series import ErrorBudget, Solution
-from ..integral.contact import FLOPS_PER_SECOND, first_stiffness, largest_for_contact, radii_for_contact, series_of
-from ..integral.disc import disc_warnings, refuse_shrinking
-from ..integral.equation import ContactResult
+from ..integral import (
+    FLOPS_PER_SECOND,
+    ContactResult,
+    disc_warnings,
+    first_stiffness,
+    largest_for_contact,
+    radii_for_contact,
+    refuse_shrinking,
+    series_of,
+)
 from ..protocol import Forecast
 from .contact import TUNING, LayeredContact, checked
 from .options import LayeredOptions

@@ -40,8 +40,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 
 from ...base import Array, SolveError
-from ...bodies import Elastic, Graded, HalfSpace, Layer, Rigid, Specimen, TransverselyIsotropic
-from ...bodies.grading import Law
+from ...bodies import Elastic, Graded, HalfSpace, Law, Layer, Rigid, Specimen, TransverselyIsotropic
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,7 @@ from functools import cache
 import numpy as np
 
 from ...base import Array, EvenCubic
-from ..integral.quadrature import Panels, crowded_rule, rule
+from ..integral import Panels, crowded_rule, rule
 
 Transform = Callable[[Array], Array]
 

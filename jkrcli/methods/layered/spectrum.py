@@ -19,8 +19,7 @@ from numpy.polynomial import legendre
 
 from ...base import Array, SolveError
 from ...bodies import Elastic, Specimen, TransverselyIsotropic, contact_modulus
-from ..integral.kernel import CosineKernel
-from ..integral.quadrature import gauss, phase_allowed, rule, split
+from ..integral import CosineKernel, gauss, phase_allowed, rule, split
 from .minors import TUNING as MINORS
 from .minors import Medium, minors_below, minors_of, shear_moduli, through_isotropic
 from .tail import Tail

@@ -14,10 +14,8 @@ import numpy as np
 
 from ...base import Array, Refusal
 from ...bodies import Graded, Indenter, Material, Specimen, TransverselyIsotropic
-from ..integral.equation import ContactResult
+from ..integral import ContactResult, Panels, Quadrature, StuckDisc, StuckKernel, gauss, phase_allowed, rule, split
 from ..integral.growth import Growth, Pieces
-from ..integral.quadrature import Panels, Quadrature, gauss, phase_allowed, rule, split
-from ..integral.stuck import StuckDisc, StuckKernel
 from .contact import TUNING as REFINING
 from .contact import ResolvedTwice
 from .minors import Medium, minors_of, shear_moduli

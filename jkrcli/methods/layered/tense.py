@@ -29,8 +29,8 @@ import numpy as np
 from ...base import Array, EvenCubic, Refusal, show
 from ...bodies import Graded, Specimen
 from ...formulas import surface_tension as formulas
-from ..integral.equation import ContactResult, panel_means
-from ..integral.quadrature import Panels, crowded_rule, phase_allowed
+from ..integral import ContactResult, Panels, crowded_rule, phase_allowed
+from ..integral.equation import panel_means
 from .angles import Angles, Function
 from .contact import TUNING as REFINING
 from .contact import ResolvedTwice

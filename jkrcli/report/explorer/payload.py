@@ -15,10 +15,8 @@ from typing import Any
 import numpy as np
 
 from ... import __version__
-from ...adhesion import LIMITS, LOAD_CONTROL, AdhesiveCurve, CriticalPoint, Nonadhesive
-from ...adhesion.validity import regime
-from ...base import SI, UNITS, Array, Unknown, scale
-from ...base.units import decades
+from ...adhesion import LIMITS, LOAD_CONTROL, AdhesiveCurve, CriticalPoint, Nonadhesive, regime
+from ...base import SI, UNITS, Array, Unknown, decades, scale
 from ...beside.analysis import Analysis
 from ...data.measured import Curve
 

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from ...adhesion import CriticalPoint, EquilibriumCurve
-from ...adhesion.stability import GRIPPED, STABLE, UNSTABLE, branch
+from ...adhesion import CriticalPoint, EquilibriumCurve, branch
+from ...adhesion.stability import GRIPPED, STABLE, UNSTABLE
 from ...base import Array, scale, show
 from ...beside.analysis import Analysis
 from ..scaling import Scales

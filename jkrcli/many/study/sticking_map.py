@@ -69,7 +69,7 @@ def _figure(columns: Columns) -> Figure:
     from ...report.plots.maps import Panel, lines_figure
 
     titles = {"S_ratio": "$S$ at equal radius", "load_ratio": "load at equal depth"}
-    panels = [Panel(name, "sticking / sliding", title) for name, title in titles.items()]
+    panels = [Panel(name, "no slip / frictionless", title) for name, title in titles.items()]
     return lines_figure(columns, ("a_over_h", "$a / h$"), panels, {"nu": r"$\nu$ = {:g}".format})
 
 

@@ -37,6 +37,7 @@ MARKS = {"a": (GREEN, "s"), "delta": (BLUE, "^"), "P": (ORANGE, "o")}
 class FitPicture:
     """What is drawn where in the figure of a fit."""
 
+    beyond: float = 1.02  # choice: radius up to which the fitted line is drawn, in largest contact radii of rows
     beside: float = 0.6  # choice: width of the rows out of contact, beside the others, in largest contact radii
 
 
@@ -60,7 +61,7 @@ def _curve(axes: Axes, found: Fit) -> None:
     x, y = AXES[",".join(found.data)]
     units = {name: scale(float(np.max(np.abs(found.data[name]))), DIMENSIONS[name]) for name in (x, y)}
     measured = [found.data[name] / units[name][0] for name in (x, y)]
-    near = found.line["a"] <= 1.02 * found.a.max()
+    near = near_rows(found)
     line = [_broken(found.line[name][near] / units[name][0], found.line["a"][near]) for name in (x, y)]
     places = [axes]
     touched = found.a > 0
@@ -73,6 +74,11 @@ def _curve(axes: Axes, found: Fit) -> None:
         place.plot(*line, "-", color=BLACK, lw=1.0, label="fitted")
     axes.set_xlabel(f"{LABELS[x]} ({pretty(units[x][1])})")
     axes.set_ylabel(f"{LABELS[y]} ({pretty(units[y][1])})")
+
+
+def near_rows(found: Fit) -> Array:
+    """Where the fitted line runs along the rows, not far beyond them."""
+    return np.asarray(found.line["a"] <= TUNING.beyond * found.a.max())
 
 
 def _broken(values: Array, a: Array) -> Array:

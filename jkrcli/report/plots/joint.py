@@ -7,7 +7,7 @@ import numpy as np
 from ...base import scale
 from ...identification.fit import Fit, JointFit
 from . import BLACK, COLORS, LABELS, MIDDLE, Figure, drawing, legend_below, pretty
-from .fit import AXES, DIMENSIONS
+from .fit import AXES, DIMENSIONS, near_rows
 
 ZEROS = {"delta": "delta0", "P": "P0"}
 
@@ -24,10 +24,11 @@ def joint_figure(found: JointFit) -> Figure:
             zeros = [_zero(one, name) for name in (x, y)]
             factors = [units[name][0] for name in (x, y)]
             near = [one.data[name][one.a > 0] for name in (x, y)]
-            line = [np.where(one.line["a"] > 0, one.line[name], np.nan) for name in (x, y)]
+            kept = (one.line["a"] > 0) & near_rows(one)
+            line = [np.where(kept, one.line[name], np.nan) for name in (x, y)]
             read, curve = ([(v - o) / f for v, o, f in zip(p, zeros, factors, strict=True)] for p in (near, line))
             axes.plot(*read, "o", color=COLORS[i % len(COLORS)], ms=3, mfc="none", label=pretty(one.name))
-            axes.plot(*curve, "-", color=BLACK, lw=1.0, label="fitted" if not i else None)
+            axes.plot(*curve, "-", color=BLACK, lw=1.0, label="fitted" if one is together[-1] else None)
         axes.set_xlabel(f"{LABELS[x]} ({pretty(units[x][1])})")
         axes.set_ylabel(f"{LABELS[y]} ({pretty(units[y][1])})")
         legend_below(figure, [axes], 4)

@@ -176,7 +176,7 @@ def test_a_wrong_model_is_rejected(kind: str, family: str) -> None:
 def test_scores_are_chi_squares() -> None:
     """Of right records with other noise the amounts scatter by their errors: mean of z^2 near 1 (22 rivals of 12)."""
     at = situation()
-    held = [rivals_of_record(at.body, _noisy(at, seed), math.inf).scores for seed in range(12)]
+    held = [rivals_of_record(Situation(at.body, _noisy(at, seed)), math.inf).scores for seed in range(12)]
     z2 = np.array([[one.taken for one in scores] for scores in held])
     assert np.mean(z2) == pytest.approx(1, abs=0.4)
 
@@ -188,7 +188,7 @@ def test_what_the_model_itself_takes_is_no_rivals() -> None:
     beside = at.found.x.copy()
     beside[i] += 5 * math.sqrt(at.found.covariance[i, i])
     best, other = (
-        np.array([one.taken for one in rivals_of_record(at.body, found, math.inf).scores])
+        np.array([one.taken for one in rivals_of_record(Situation(at.body, found), math.inf).scores])
         for found in (at.found, replace(at.found, x=beside))
     )
     assert other == pytest.approx(best, abs=0.01 * best.max() + 1e-3)
@@ -302,7 +302,7 @@ def test_adhesion_of_long_range_is_named() -> None:
 
 def test_moves_at_a_bound_are_those_of_a_fit_in_full() -> None:
     at = of_record(right(AT), usual())
-    rivals = bounded(at.body, at.found, rivals_of_record(at.body, at.found, math.inf), math.inf)
+    rivals = bounded(at, rivals_of_record(at, math.inf), math.inf)
     score = next(one for one in rivals.scores if one.name == "exponent of the tip")
     look = named(score.name).look(at)
     assert isinstance(look, Change)

@@ -61,6 +61,7 @@ class ForceCurveTuning:
     about: float = 1e-6  # choice: the same while the fold is blunter than it will be, or no more can be had
     near: float = 0.1  # choice: of chi^2, the fall still to be had a third of a standard error from its minimum
     evaluations: int = 80  # choice: steps after which the search gives up
+    remembered: int = 2  # choice: residuals of a model that are asked for again at the same unknowns
 
 
 TUNING = ForceCurveTuning()
@@ -269,11 +270,24 @@ class ForceCurveModel:
         parts = zip(self.stretches, np.split(columns, ends), strict=True)
         return [column[: round(TUNING.surely * part.line.rows)] for part, column in parts]
 
+    @cached_property
+    def _residuals(self) -> dict[tuple[bytes, float], tuple[Array, Array]]:
+        return {}
+
     def residuals(self, x: Array, blunt: float) -> tuple[Array, Array]:
-        """Model minus reading [N] of all rows, and its derivatives by the unknowns, (rows, unknowns).
+        """Model minus reading [N] of all rows, and its derivatives by the unknowns, (rows, unknowns), both remembered.
 
         ``blunt``: share of the depth of contact over which the fold is blunt; 0: half the distance of two rows.
         """
+        held, key = self._residuals, (x.tobytes(), blunt)
+        if key not in held:
+            if len(held) >= TUNING.remembered:
+                del held[next(iter(held))]
+            held[key] = self.evaluated(x, blunt)
+        return held[key]
+
+    def evaluated(self, x: Array, blunt: float) -> tuple[Array, Array]:
+        """The same anew."""
         values = self.values(x)
         off = []
         rates = np.zeros((sum(part.P.size for part in self.stretches), x.size))
@@ -288,6 +302,11 @@ class ForceCurveModel:
                 if name in self.names:
                     rates[rows, self.names.index(name)] = column
         return np.concatenate(off), rates
+
+    def by_position(self, x: Array) -> Array:
+        """Derivative of the loads of all rows by their positions [N/m], the turn and the base lines where they are."""
+        values = self.values(x)
+        return np.concatenate([self._contact(part, values, 0.0)[1]["z"] for part in self.stretches])
 
     def _contact(
         self, part: DirectionReadings, values: Mapping[str, float], blunt: float
@@ -308,6 +327,7 @@ class ForceCurveModel:
         first = self.stretches[0]
         return P, {
             "ln_s": by_s - q * by_q if part.kind in self.works else by_s,
+            "z": by_z,
             "z0": -by_z - by_turn,
             own: by_q,
             "turn": by_before * root,
@@ -563,33 +583,53 @@ def _windowed(found: ForceCurveFit, part: DirectionReadings) -> DirectionReading
     return replace(part, touching=(depth > 0)[keep], jumped=True, **cut)
 
 
-def unasked_drift(found: ForceCurveFit) -> tuple[float, float, float]:
-    """Speed of a drift of z0 [m/s] that was not fitted, its standard error, and the change of ln s that it would bring:
-    one step of a search that knows it."""
+@dataclass(frozen=True, eq=False)
+class OneMore:
+    """One step of Gauss and Newton from a fit with one more unknown, whose derivatives are the last column of ``J``;
+    ``step``: of all unknowns; ``size``: of the last one's, in standard errors of white noise."""
+
+    found: ForceCurveFit
+    J: Array
+    step: Array
+    size: float
+
+    @classmethod
+    def of(cls, found: ForceCurveFit, column: Array) -> OneMore:
+        off, J = found.model.residuals(found.x, 0.0)
+        J, noise = np.column_stack([J, column]), found.spread.noise
+        scale = np.maximum(np.linalg.norm(J, axis=0), np.finfo(float).tiny)
+        Q, triangle = np.linalg.qr(found.model.whitened(J / scale, noise))
+        along = Q.T @ found.model.whitened(off, noise)
+        return cls(found, J, -np.linalg.lstsq(triangle, along, rcond=None)[0] / scale, abs(float(along[-1])))
+
+    @property
+    def last(self) -> float:
+        """The step of the one more."""
+        return float(self.step[-1])
+
+    @cached_property
+    def error(self) -> float:
+        """Its standard error."""
+        model, weight = self.found.model, self.found.weight
+        off = model.ordered(model.residuals(self.found.x, 0.0)[0] + self.J @ self.step, weight)
+        spread = covariance(off, model.ordered(self.J, weight), (), weight)
+        return math.sqrt(max(spread.covariance[-1, -1], 0.0))
+
+
+def unasked_drift(found: ForceCurveFit) -> OneMore:
+    """A drift of z0 [m/s] that was not fitted: one step of a search that knows it."""
     model = replace(found.model, positions=(*found.model.positions, "drift"))
     values = found.model.values(found.x) | {"drift": 0.0}
-    off, J = model.residuals(np.array([values[name] for name in model.names]), 0.0)
-    step, errors = _one_step(model, off, J, found.weight)
-    i = model.names.index("drift")
-    change = float(step[model.names.index("ln_s")]) if "ln_s" in model.names else 0.0
-    return float(step[i]), float(errors[i]), change
+    J = model.evaluated(np.array([values[name] for name in model.names]), 0.0)[1]
+    return OneMore.of(found, J[:, model.names.index("drift")])
 
 
-def another_modulus(found: ForceCurveFit) -> tuple[float, float]:
-    """Change of ln s on the way back against the way in that the data ask for, and its standard error: one step of a
-    search with a modulus for each direction."""
-    model, first = found.model, found.model.stretches[0].P.size
-    off, J = model.residuals(found.x, 0.0)
-    own = J[:, model.names.index("ln_s")] * (np.arange(off.size) >= first)
-    step, errors = _one_step(model, off, np.column_stack([J, own]), found.weight)
-    return float(step[-1]), float(errors[-1])
-
-
-def _one_step(model: ForceCurveModel, off: Array, J: Array, weight: Spectrum) -> tuple[Array, Array]:
-    """One step of Gauss and Newton from residuals ``off`` with derivatives ``J``, and its standard errors."""
-    step = -np.linalg.lstsq(model.whitened(J, weight), model.whitened(off, weight), rcond=None)[0]
-    spread = covariance(model.ordered(off + J @ step, weight), model.ordered(J, weight), (), weight)
-    return step, np.sqrt(np.maximum(np.diag(spread.covariance), 0.0))
+def another_modulus(found: ForceCurveFit) -> OneMore:
+    """Change of ln s on the way back against the way in that the data ask for: one step of a search with a modulus for
+    each direction."""
+    off, J = found.model.residuals(found.x, 0.0)
+    back = np.arange(off.size) >= found.model.stretches[0].P.size
+    return OneMore.of(found, J[:, found.names.index("ln_s")] * back)
 
 
 def _bounds(model: ForceCurveModel, start: Array) -> tuple[Array, Array]:

@@ -291,9 +291,10 @@ def _apart(found: ForceCurveFit) -> bool:
     """Whether the data ask for another modulus on the way back than on the way in."""
     if "ln_s" not in found.names:
         return False
-    change, error = another_modulus(found)
-    noise = max(part.line.noise for part in found.model.stretches)
-    return found.sigma > TUNING.rough * noise or differ(1.0, 1 + change, error)
+    noise, other = max(part.line.noise for part in found.model.stretches), another_modulus(found)
+    if found.sigma > TUNING.rough * noise:
+        return True
+    return differ(1.0, 1 + other.last, 0.0) and differ(1.0, 1 + other.last, other.error)
 
 
 def beside(back: Fit, into: Fit, both: Fit) -> Fit:
@@ -632,10 +633,11 @@ def _words(found: ForceCurveFit, settings: Settings) -> Iterator[str]:
         and "drift" not in model.positions
         and all(np.ptp(part.t) > 0 for part in model.stretches)
     ):
-        speed, error, change = unasked_drift(found)
-        if abs(speed) > TUNING.drifting * error:
+        drift = unasked_drift(found)
+        if drift.size > TUNING.drifting and abs(drift.last) > TUNING.drifting * drift.error:
+            change = float(drift.step[found.names.index("ln_s")]) if "ln_s" in found.names else 0.0
             yield (
-                f"drift: the depth drifts by {show(speed, 'speed', 3)} ± {show(error, 'speed', 2)}, which "
+                f"drift: the depth drifts by {show(drift.last, 'speed', 3)} ± {show(drift.error, 'speed', 2)}, which "
                 f"would change the moduli by {change:+.2%}: --free drift fits it"
             )
     if not all(part.line.rows for part in found.model.stretches):

@@ -9,8 +9,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -67,13 +68,14 @@ def by_log(u: Array, changes: Array) -> Changes:
     return lambda at: np.stack([np.interp(at, u, row) for row in changes])
 
 
-def changes_to(family: Family, amount: float) -> Changes | None:
-    """What makes a body that of ``family`` at an ``amount``, per amount; None: it is the same."""
-    if not isinstance(family, Bent):
-        return None
-    assert family.change is not None
-    u = family.change.x
-    return by_log(u, family.change(u).T / amount)
+def bending(bends: Callable[[ForceCurveModel, DirectionReadings, Values], Array | None]) -> dict[str, Any]:
+    """What a change has that ``bends`` the bodies of stretches."""
+
+    def model(plain: ForceCurveModel, part: DirectionReadings, values: Values) -> ForceCurveModel:
+        changes = bends(plain, part, values)
+        return plain if changes is None else replace(plain, family=bent(plain.family, changes))
+
+    return {"bends": bends, "model": model}
 
 
 def of_body(family: Family, D: Array, S: Array) -> Array:
@@ -105,6 +107,7 @@ class Change:
     the plain one; ``moved``: what its positions are off [m]; ``load``: its loads [N], all, in place of a path's,
     without adhesion.
 
+    ``bends``: what ``model`` does to the logs of the body of a stretch (4, n) on its grid, where that is all it does.
     ``starts``: values of the unknowns ``names`` to begin with; ``limits``: their least and largest; ``told``: what they
     mean, SI, by name. ``felt``: whether ``model`` or ``load`` depend on the other unknowns too. ``renewed``: the change
     about a fit that it led to, where it is made about one. ``column``: in place of the derivative at the amount 0,
@@ -115,6 +118,7 @@ class Change:
     names: tuple[str, ...] = (AMOUNT,)
     limits: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     model: Callable[[ForceCurveModel, DirectionReadings, Values], ForceCurveModel] | None = None
+    bends: Callable[[ForceCurveModel, DirectionReadings, Values], Array | None] | None = None
     moved: Callable[[DirectionReadings, Values], Array] | None = None
     load: Callable[[ForceCurveModel, DirectionReadings, Values], Array] | None = None
     felt: bool = False
@@ -172,13 +176,13 @@ class RivalModel(ForceCurveModel):
         depth = super().depth(part, values)
         return depth if self.change.moved is None else depth + self.change.moved(part, values)
 
-    def residuals(self, x: Array, blunt: float) -> tuple[Array, Array]:
-        off, rates = super().residuals(x, blunt)
+    def evaluated(self, x: Array, blunt: float) -> tuple[Array, Array]:
+        off, rates = super().evaluated(x, blunt)
         for i, name in enumerate(self.names):
             if name in self.change.names or (self.change.felt and name.startswith(("ln_s", "q:", "r:", "z0"))):
                 step = (TUNING.step if self.change.load is None else LITTLE) * self._unit(name, float(x[i]))
                 step = -step if x[i] + step > self.limits.get(name, (0.0, math.inf))[1] else step
-                rates[:, i] = (super().residuals(x + step * (np.arange(x.size) == i), blunt)[0] - off) / step
+                rates[:, i] = (super().evaluated(x + step * (np.arange(x.size) == i), blunt)[0] - off) / step
         return off, rates
 
     def _unit(self, name: str, x: float) -> float:

@@ -72,11 +72,10 @@ class InFull:
 
 
 @np.errstate(all="ignore")
-def bounded(body: FittedBody, found: ForceCurveFit, rivals: RecordRivals, longest: float) -> RecordRivals:
+def bounded(at: Situation, rivals: RecordRivals, longest: float) -> RecordRivals:
     """The rivals, of which those that are likely before the data move E* and w by what a fit with as much of them as
-    is possible does: one step trusts no row next to a fold. ``found``: the fit without; ``longest``: range of adhesion
+    is possible does: one step trusts no row next to a fold. ``at``: the fit without; ``longest``: range of adhesion
     [m] that there may be."""
-    at = Situation(body, found)
     if rivals.named:
         return rivals
     own, scores = Weighted.of(at), []
@@ -114,14 +113,14 @@ def _other_range(at: Situation, own: Weighted) -> tuple[float, float, float] | N
     w move with such; None where the data exclude it."""
     x, log, least = own.x, math.log(TUNING.long_start * neck(at)), math.log(TUNING.long * neck(at))
     for round_ in range(TUNING.chords):
-        off = ForceCurveModel.residuals(_ranged(at, amount_of_range(at, math.exp(log))), x, 0.0)[0]
+        off = ForceCurveModel.evaluated(_ranged(at, amount_of_range(at, math.exp(log))), x, 0.0)[0]
         step, r = own.step(off)
         x, excess = x - step, float(r @ r) - own.left
         if not excess < TUNING.hopeless:
             return None
         if round_ < TUNING.first:
             continue
-        further = ForceCurveModel.residuals(_ranged(at, amount_of_range(at, math.exp(log + LITTLE))), x + step, 0.0)[0]
+        further = ForceCurveModel.evaluated(_ranged(at, amount_of_range(at, math.exp(log + LITTLE))), x + step, 0.0)[0]
         along, column = own.step((further - off) / LITTLE)
         size = float(np.linalg.norm(column))
         if own.size(step) < TUNING.about and excess < TUNING.possible:
@@ -183,7 +182,7 @@ def _stepped(at: Situation, own: Weighted, model: RivalModel) -> tuple[float, fl
     derivatives of the fit without; None where they do not settle."""
     x, size, excess = own.x, math.inf, math.inf
     for _ in range(TUNING.chords):
-        step, r = own.step(ForceCurveModel.residuals(model, x, 0.0)[0])
+        step, r = own.step(ForceCurveModel.evaluated(model, x, 0.0)[0])
         before, size, x, excess = size, own.size(step), x - step, float(r @ r) - own.left
         if not (size < before and excess < TUNING.hopeless):
             return None

@@ -28,7 +28,7 @@ from .device_path import grid, on_grid
 from .family import Family
 from .force_curve import DirectionReadings, ForceCurveFit, ForceCurveModel, base_line
 from .positions import creep, hysteresis
-from .record_change import AMOUNT, LITTLE, Change, Values, bent, of_body
+from .record_change import AMOUNT, LITTLE, Change, Values, bending, bent, of_body
 from .record_situation import Situation
 
 
@@ -122,14 +122,18 @@ def of_family(
 ) -> Change:
     """A change of the body by ``changes`` (4, n) of its logs at an amount; of the ``last`` stretch alone or of all."""
 
-    changed = lru_cache(maxsize=2)(lambda family, amount: bent(family, changes(family, amount)))
+    changed = lru_cache(maxsize=2)(changes)
+    body = lru_cache(maxsize=2)(lambda family, amount: bent(family, changed(family, amount)))
+
+    def bends(plain: ForceCurveModel, part: DirectionReadings, values: Values) -> Array | None:
+        return None if last and part is not plain.stretches[-1] else changed(plain.family, values[AMOUNT])
 
     def model(plain: ForceCurveModel, part: DirectionReadings, values: Values) -> ForceCurveModel:
         if last and part is not plain.stretches[-1]:
             return plain
-        return replace(plain, family=changed(plain.family, values[AMOUNT]))
+        return replace(plain, family=body(plain.family, values[AMOUNT]))
 
-    return Change(((0.0,),), limits={AMOUNT: limits}, model=model)
+    return Change(((0.0,),), limits={AMOUNT: limits}, bends=bends, model=model)
 
 
 def work_over_radius(at: Situation) -> Change | None:
@@ -190,13 +194,13 @@ def _speeds(part: DirectionReadings, a: Array, moves: Array) -> _Speeds | None:
 def _over_speed(speeds: _Speeds) -> Change:
     """w0 (1 + amount (v/v_m)^n): the power law about the median speed, made about the speeds of a fit."""
 
-    def model(plain: ForceCurveModel, part: DirectionReadings, values: Values) -> ForceCurveModel:
+    def bends(plain: ForceCurveModel, part: DirectionReadings, values: Values) -> Array | None:
         if part is not plain.stretches[-1]:
-            return plain
+            return None
         power = np.exp(values[EXPONENT] * np.interp(grid(plain.family), speeds.u, speeds.log))
         half = np.log1p(values[AMOUNT] * power) / 2
         zero = np.zeros_like(half)
-        return replace(plain, family=bent(plain.family, np.stack([zero, half, zero, half])))
+        return np.stack([zero, half, zero, half])
 
     def renewed(found: ForceCurveFit) -> Change:
         part = found.model.stretches[-1]
@@ -206,7 +210,7 @@ def _over_speed(speeds: _Speeds) -> Change:
 
     return Change(
         tuple((0.3, n) for n in TUNING.exponents), (AMOUNT, EXPONENT), {AMOUNT: (0.0, 1e3), EXPONENT: TUNING.powers},
-        model, renewed=renewed, told=lambda values: {name: values[name] for name in (AMOUNT, EXPONENT)},
+        **bending(bends), renewed=renewed, told=lambda values: {name: values[name] for name in (AMOUNT, EXPONENT)},
     )  # fmt: skip
 
 
@@ -351,17 +355,15 @@ def finite_range(at: Situation) -> Change | None:
         return None
     E_star = at.body.problem.E_star
 
-    def model(plain: ForceCurveModel, part: DirectionReadings, values: Values) -> ForceCurveModel:
+    def bends(plain: ForceCurveModel, part: DirectionReadings, values: Values) -> Array | None:
         s = math.exp(values["ln_s"])
         w, z0 = values[f"q:{part.kind}"] * s, range_of(at, values[AMOUNT])
-        if w <= 0 or z0 == 0:
-            return plain
-        return replace(plain, family=bent(plain.family, _ringed(plain.family, s * E_star, w, z0)))
+        return None if w <= 0 or z0 == 0 else _ringed(plain.family, s * E_star, w, z0)
 
     starts = tuple((amount_of_range(at, neck(at) / mu),) for mu in TUNING.tabor)
     told = lambda values: {"range": range_of(at, values[AMOUNT])}  # noqa: E731
     most = amount_of_range(at, TUNING.farthest * neck(at))
-    return Change(starts, limits={AMOUNT: (0.0, most)}, model=model, felt=True, told=told)
+    return Change(starts, limits={AMOUNT: (0.0, most)}, **bending(bends), felt=True, told=told)
 
 
 def long_range(at: Situation) -> Change | None:
@@ -371,8 +373,7 @@ def long_range(at: Situation) -> Change | None:
     if R is None or plain is None:
         return None
     D, _, H, _ = at.model.family.at(grid(at.model.family))[0]
-    lines = np.concatenate([base_line(part, values)[0] for part in at.model.stretches])
-    P = np.concatenate([part.P for part in at.model.stretches]) + at.here[0] - lines
+    P = at.loads
     z = np.concatenate([at.model.depth(part, values) for part in at.model.stretches])
     works = [np.full(part.P.size, max(values[f"q:{part.kind}"], 0.0)) for part in at.model.stretches]
     pulled = at.modulus * (np.interp(z - P / at.model.k, D, H, left=0.0) - 2 * math.pi * R * np.concatenate(works))
@@ -462,13 +463,7 @@ def strains(at: Situation) -> Array | None:
     if told is None or problem.specimen.layers or R is None:
         return None
     excess = np.interp(at.a / R, STRAINED, told)
-    return -excess / (1 + excess) * nonadhesive_load(at) * at.yields
-
-
-def nonadhesive_load(at: Situation) -> Array:
-    """Load [N] of all rows at their contact radii without adhesion."""
-    H = at.model.family.at(np.log(np.maximum(at.a, 1e-6 * at.widest)))[0][2]
-    return np.where(at.a > 0, at.modulus * H, 0.0)
+    return -excess / (1 + excess) * at.nonadhesive[0] * at.yields
 
 
 def relaxing(memory: Callable[[Array], Array], law: Callable[[Values, float], Relaxation], **own: Any) -> Look:
@@ -492,7 +487,7 @@ def relaxing(memory: Callable[[Array], Array], law: Callable[[Values, float], Re
         if min(np.count_nonzero(held_in), np.count_nonzero(held_out)) < 4:
             return None
         t_in, t_out = -at.time(way)[held_in], at.time(back)[held_out]
-        loads, P = nonadhesive_load(at), np.concatenate([part.P for part in at.model.stretches]) + at.here[0]
+        (loads, stiff), P = at.nonadhesive, np.concatenate([part.P for part in at.model.stretches]) + at.here[0]
         split = way.P.size
         z = [at.model.depth(part, at.model.values(at.found.x)) for part in at.model.stretches]
         offsets = [P[:split][~held_in].mean() if (~held_in).any() else 0.0, 0.0]
@@ -500,7 +495,7 @@ def relaxing(memory: Callable[[Array], Array], law: Callable[[Values, float], Re
         d_in = (z[0] - (P[:split] - offsets[0]) / at.model.k)[held_in]
         d_out = (z[1] - (P[split:] - offsets[1]) / at.model.k)[held_out]
         change = _hereditary(memory, (t_in, loads[:split][held_in], d_in, a_in[held_in]),
-                             (t_out, d_out, a_out[held_out]), _stiffness(at, a_out[held_out]))  # fmt: skip
+                             (t_out, d_out, a_out[held_out]), stiff[split:][held_out])  # fmt: skip
         column = np.zeros(at.a.size)
         column[np.concatenate([held_in, held_out])] = np.concatenate(change)
         return column * at.yields
@@ -550,12 +545,6 @@ def _dense_at_ends(first: float, last: float) -> Array:
     return first + (last - first) * place
 
 
-def _stiffness(at: Situation, a: Array) -> Array:
-    _, T, _, V = at.model.family.at(np.log(a))[0]
-    stiffness: Array = at.modulus * V / T
-    return stiffness
-
-
 def _hereditary(
     memory: Callable[[Array], Array], way: tuple[Array, ...], back: tuple[Array, ...], S: Array
 ) -> tuple[Array, Array]:
@@ -579,14 +568,21 @@ def _hereditary(
 
 
 def stiffness(at: Situation) -> Change | None:
-    """Relative change of the stiffness of the device, its loads as they are."""
+    """Relative change of the stiffness of the device, its loads as they are: rows and the turn are deeper by P/k of
+    it."""
     if not math.isfinite(at.model.k):
         return None
+    column, values, part = at.by_position * at.loads, at.model.values(at.found.x), at.model.stretches[-1]
+    resting = at.model.rest(part, values)
+    if resting is not None and "z0" in at.found.names:
+        by_turn = -at.here[1][:, at.found.names.index("z0")] - at.by_position
+        column = column + by_turn * float(resting.at(np.array(part.turn - values["z0"]))[0])
     return Change(
         ((0.0,),),
         limits={AMOUNT: (LITTLE - 1, math.inf)},
         model=lambda plain, part, values: replace(plain, k=plain.k * (1 + values[AMOUNT])),
         told=lambda values: {"stiffness": at.model.k * (1 + values[AMOUNT])},
+        column=column / at.model.k,
     )
 
 

@@ -16,7 +16,6 @@ import numpy as np
 from scipy.special import fdtrc
 
 from ...base import Array
-from .body import FittedBody
 from .coloured import TUNING as COLOURED
 from .coloured import in_time
 from .force_curve import ForceCurveFit
@@ -158,10 +157,9 @@ class Verdict:
         return tuple(dict.fromkeys(one.family for one in self.tied)) or self.rivals.families
 
 
-def rivals_of_record(body: FittedBody, found: ForceCurveFit, longest: float) -> RecordRivals:
+def rivals_of_record(at: Situation, longest: float) -> RecordRivals:
     """All rivals of a fit; ``longest``: range of adhesion [m] that is likely."""
-    at = Situation(body, found)
-    held = columns(at)
+    held, found = columns(at), at.found
     keep = _told_rows(at)
     names, (off, J) = list(held), at.here
     table = np.column_stack([off, J, *held.values()])

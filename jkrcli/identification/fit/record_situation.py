@@ -4,8 +4,7 @@ make of its loads."""
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -16,7 +15,7 @@ from .body import FittedBody
 from .device_path import grid
 from .family import Family
 from .force_curve import DirectionReadings, ForceCurveFit, ForceCurveModel, base_line
-from .record_change import LITTLE, Change, RivalModel, by_log, changes_to
+from .record_change import LITTLE, Change, RivalModel, by_log
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,27 +67,29 @@ class Situation:
         return max(0.0, *(values[f"q:{part.kind}"] for part in self.model.stretches)) * self.modulus
 
     @cached_property
+    def nonadhesive(self) -> tuple[Array, Array]:
+        """Load [N] of all rows at their contact radii without adhesion, and the contact stiffness there [N/m]."""
+        _, T, H, V = self.model.family.at(np.log(np.maximum(self.a, LITTLE**2 * self.widest)))[0]
+        touching = self.modulus * (self.a > 0)
+        return touching * H, touching * V / T
+
+    @cached_property
+    def loads(self) -> Array:
+        """Loads of the contact [N] at all rows, of the model."""
+        values = self.model.values(self.found.x)
+        lines = np.concatenate([base_line(part, values)[0] for part in self.model.stretches])
+        found: Array = np.concatenate([part.P for part in self.model.stretches]) + self.here[0] - lines
+        return found
+
+    @cached_property
     def by_position(self) -> Array:
         """Derivative of the loads by the position of the device [N/m], its turn where it is."""
-        step = LITTLE * min(part.reach for part in self.model.stretches)
-        return self.moved(lambda part: np.full(part.z.size, step)) / step
+        return self.model.by_position(self.found.x)
 
     @property
     def yields(self) -> Array:
         """What is left at fixed position of a change of load at fixed displacement."""
         return 1 - self.by_position / self.model.k
-
-    def of(self, model: ForceCurveModel) -> Array:
-        """Change of the loads [N] in another model of the same unknowns."""
-        return model.residuals(self.found.x, 0.0)[0] - self.here[0]
-
-    def moved(self, by: Callable[[DirectionReadings], Array]) -> Array:
-        """Change of the loads [N] where rows stand elsewhere ``by`` [m]; base lines stay."""
-        values = self.model.values(self.found.x)
-        parts = tuple(replace(part, z=part.z + by(part)) for part in self.model.stretches)
-        tilts = [values[f"tilt:{old.kind}"] * (new.z - new.z[0] - old.z + old.z[0])
-                 for old, new in zip(self.model.stretches, parts, strict=True)]  # fmt: skip
-        return self.of(replace(self.model, stretches=parts)) - np.concatenate(tilts)
 
     def on(self, changes: Array) -> Array:
         """Derivative of the loads [N] by an amount of ``changes`` (4, n) of the logs of D, T, H, V on the grid."""
@@ -110,11 +111,11 @@ class Situation:
         e, first = LITTLE, change.starts[0]
         x = np.concatenate([self.found.x, [e, *first[1:]]])
         values = model.values(x)
-        if change.load is None and change.moved is None:
-            bodies = [model.followed(part, values) for part in model.stretches]
-            if all(one.k == model.k for one in bodies):
-                return self.model.by_body(self.found.x, [changes_to(one.family, e) for one in bodies])
-        return (ForceCurveModel.residuals(model, x, 0.0)[0] - self.here[0]) / e
+        if change.bends is not None:
+            u, each = grid(self.model.family), [change.bends(model, part, values) for part in model.stretches]
+            changes = [None if one is None else by_log(u, one / e) for one in each]
+            return self.model.by_body(self.found.x, changes)
+        return (ForceCurveModel.evaluated(model, x, 0.0)[0] - self.here[0]) / e
 
     @cached_property
     def reach(self) -> float:

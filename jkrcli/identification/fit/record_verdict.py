@@ -15,6 +15,7 @@ from .force_curve import ForceCurveFit, ForceCurveModel, base_line
 from .record_full import InFull, bounded, fitted_in_full
 from .record_rivals import MEMORY
 from .record_scores import RecordRivals, Tried, Verdict, rivals_of_record
+from .record_situation import Situation
 from .result import Fit, FittedValue
 
 REJECTED, DIFFER = "model rejected", "directions differ"
@@ -33,8 +34,8 @@ TUNING = VerdictTuning()
 
 def judged(result: Fit, body: FittedBody, found: ForceCurveFit) -> Fit:
     """The fit with its verdict: that of ``found``, which is of all directions of the record."""
-    longest = result.settings.range_at_most
-    rivals = bounded(body, found, rivals_of_record(body, found, longest), longest)
+    longest, at = result.settings.range_at_most, Situation(body, found)
+    rivals = bounded(at, rivals_of_record(at, longest), longest)
     said = {name: sentence for name, sentence in _flags(rivals) if name not in result.flags}
     estimates = tuple(_with_part(item, rivals) for item in result.estimates)
     warnings = tuple(f"{name}: {sentence}" for name, sentence in said.items())

@@ -192,11 +192,11 @@ def _unlikely(mean: Array, S: Array, count: Array) -> Array:
 def _parts(slow: Array, mean: Array, count: Array) -> tuple[Array, Array]:
     """A and B, not below 0, that are likeliest for each shape ``slow``, (corners, octaves), by least squares weighted
     with the spectrum found so far."""
+    items = np.stack([np.ones_like(slow), slow, slow**2, np.broadcast_to(mean, slow.shape), slow * mean])
     S = np.broadcast_to(np.maximum(mean, 1e-3 * mean.max()), slow.shape)
     for _ in range(TUNING.rounds):
         weights = count / np.maximum(S, 1e-300) ** 2
-        aa, ab, bb = (np.sum(weights * item, axis=1) for item in (1.0, slow, slow**2))
-        a, b = (np.sum(weights * item, axis=1) for item in (mean, slow * mean))
+        aa, ab, bb, a, b = np.einsum("ij,kij->ki", weights, items)
         determinant = aa * bb * (1 + TUNING.untold) - ab * ab
         A, B = (a * bb - b * ab) / determinant, (b * aa - a * ab) / determinant
         A, B = np.where(B < 0, a / aa, np.where(A < 0, 0.0, A)), np.where(B < 0, 0.0, np.where(A < 0, b / bb, B))

@@ -45,6 +45,7 @@ class ForceCurveTuning:
     narrow: float = 0.3  # choice: of the depth of contact, that the window covers at most
     recedes: float = 12.0  # theory: fall of chi^2 by one unknown that chance brings once in 2000
     surely: float = 0.9  # choice: of the rows of a base line, those that tell the noise: contact begins gently
+    surely_found: float = 1.05  # choice: of the noise, residuals that the search is not begun anew for
     enough: float = 1.5  # choice: of the noise, residuals that no other start is tried below
     # choice: of a retraction alone, the share of its way in contact that tells a start, and ``turn`` to begin with:
     alone: tuple[tuple[float, float], ...] = ((0.5, 0.1), (0.5, 0.6), (1.0, 1.0))
@@ -497,9 +498,15 @@ def fit(model: ForceCurveModel, start: Array, near: bool = False, loss: Loss = "
     few = model
     if "turn" not in model.names:  # of a retraction alone other minima are near
         few = replace(model, stretches=tuple(part.thinned() for part in model.stretches))
-    for blunt in () if near else TUNING.blunt[: -1 if few is model else None]:
-        x = _problem(few, _even(few), bounds, blunt, TUNING.about).least(x).x
-    found = _problem(model, even, bounds, sharp, TUNING.converged).least(x)
+    whole, noise = _problem(model, even, bounds, sharp, TUNING.converged), max(p.line.noise for p in model.stretches)
+    slow = TUNING.blunt[: -1 if few is model else None]
+    for stages in [()] if near else [slow] if few is model else [TUNING.blunt[1:2], slow]:
+        begun = x
+        for blunt in stages:
+            begun = _problem(few, _even(few), bounds, blunt, TUNING.about).least(begun).x
+        found = whole.least(begun)
+        if found.ended and 2 * found.cost * even.A < (TUNING.surely_found * noise) ** 2 * found.state.residuals.size:
+            break  # no other minimum leaves less than the noise
     about = _problem(model, even, bounds, sharp, TUNING.about)
     if not found.ended:  # of few rows at the fold each makes a kink, between which a search runs to and fro
         found = about.least(found.x)

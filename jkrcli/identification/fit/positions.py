@@ -9,11 +9,21 @@ from a hundredth of the record on.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from ...base import Array
 
-ONSET = 0.01  # choice: of the time of a record, from which on creep goes by decades
+
+@dataclass(frozen=True)
+class PositionTuning:
+    """How creep begins."""
+
+    onset: float = 0.01  # choice: of the time of a record, from which on it goes by decades
+
+
+TUNING = PositionTuning()
 TIMED = ("drift", "creep")  # that need a column of time
 
 
@@ -24,4 +34,4 @@ def hysteresis(way: Array) -> Array:
 
 def creep(time: Array) -> Array:
     """Decades of the ``time`` since the turn, over that of the record."""
-    return np.log10(1 + time / ONSET)
+    return np.log10(1 + time / TUNING.onset)

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from ..base import Array, Estimate, InputError, Refusal, composite_gauss, show, zeros_between
+from ..base import TINY, Array, Estimate, InputError, Refusal, composite_gauss, show, zeros_between
 from ..bodies import NO_FINITE_RANGE, Problem
 from ..methods import METHODS, AttractedBody
 from ..methods.integral import Attraction, Rims, refuse_narrow
@@ -126,7 +126,7 @@ class FiniteRangeCurve(EquilibriumCurve):
         halves = [[other for other in curve.critical(stiffness) if other.kind == "minimum"]
                   for curve in (self.thinned(0), self.thinned(1))]  # fmt: skip
         found = [min(half, key=lambda other: abs(other.place - point.place)) for half in halves if half]
-        fraction = self.moved.get(stiffness, float(here["P"]) / max(abs(point.P), np.finfo(float).tiny))
+        fraction = self.moved.get(stiffness, float(here["P"]) / max(abs(point.P), TINY))
         if len(found) < len(halves):
             assert isinstance(self.interpolation_error, float)
             fraction += TUNING.halved * self.interpolation_error
@@ -238,7 +238,7 @@ class FiniteRangeCurve(EquilibriumCurve):
 
     def _rates(self, places: Array) -> tuple[Array, Array]:
         c = np.minimum(places, self._c0)
-        safe = np.maximum(c, np.finfo(float).tiny)
+        safe = np.maximum(c, TINY)
         pulled: Array = self._pulled(c, 1) if self.complete else np.zeros_like(c)
         free = self.problem.indenter.slope(safe) - pulled, -2 * math.pi * self.law.stress * c
         beyond = np.maximum(places / self._c0 - 1, TUNING.touching)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..base import Array, show
+from ..base import TINY, Array, show
 from ..data.measured import Curve
 from .motion import corners
 
@@ -60,7 +60,7 @@ def base_line(P: Array, x: Array, noise: float) -> tuple[str, ...]:
         return ()
     shown = ["P0"] if abs(float(P.mean())) > TUNING.apart * noise / math.sqrt(P.size) else []
     about = x - x.mean()
-    tilt = float(about @ P) / math.sqrt(max(float(about @ about), 1e-300))
+    tilt = float(about @ P) / math.sqrt(max(float(about @ about), TINY))
     return (*shown, "tilt") if abs(tilt) > TUNING.apart * noise else tuple(shown)
 
 

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..base import Array, Refusal, show
+from ..base import MOST_STEPS, Array, Refusal, show
 from ..bodies import HalfSpace, Problem, Specimen
 from .integral import Attraction
 from .layered.contact import LayeredContact
@@ -37,7 +37,6 @@ class AttractedTuning:
     cylinder: tuple[float, ...] = (1e-5, 1e-4, 1e-3)  # choice: from the default of hybrid on
     room: float = 1.15  # of a reach over the one expected; choice: what is looked at beyond c
     further: float = 1.5  # of the next reach over one that was too short; choice: each is a small solve
-    attempts: int = 40  # choice: guard
     # CPU seconds of a curve, for forecasts, beside those of resolving the stack:
     curve: float = 0.06  # tuned on half-spaces, by `make bench`
     polynomials: float = 2.8e-6  # by the square of their number; tuned on 30 to 700 of them, by `make bench`
@@ -153,7 +152,7 @@ class AttractedBody:
         """The radius c [m] for the contact radius ``a``, by the body that ``ready`` gives for a reach and a tolerance,
         looked for beyond ``start`` [m] where need be."""
         reach, radii = start, np.array([a])
-        for _ in range(TUNING.attempts):
+        for _ in range(MOST_STEPS):
             reach = min(max(reach, a * (1 + 1e-6)), self.limit)
             discs = ready(reach, TUNING.tolerance).discs(radii)
             if discs.rims(reach - radii, s).gap[0] >= gap:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..base import Array, InputError, Refusal, SolveError, show
+from ..base import MOST_STEPS, TINY, Array, InputError, Refusal, SolveError, show
 from ..bodies import Indenter, Loading, Quantity
 
 Response = Callable[[Array], Array]  # increasing radii [m] -> delta_H [m] or P_H [N] there
@@ -22,7 +22,6 @@ Responses = Callable[[Quantity, float], Response]  # "depth" or "load", relative
 class SearchTuning:
     """How radii are followed to the depths and loads that are asked for."""
 
-    steps: int = 80  # choice: bisection alone would be done by then
     probe: float = 0.98  # a second radius beside each trial, for the slope; choice: what costs least
     # Largest factor between trials, as a larger contact costs more:
     stride: float = 3.0  # choice: what costs least
@@ -150,7 +149,7 @@ def radius_for(response: Response, target: float, indenter: Indenter, start: flo
     a0, end = indenter.a0, indenter.r_max * (1 - 1e-12)
     low, high = 0.0, math.sqrt((end - a0) * (end + a0)) if math.isfinite(end) else math.inf
     v, tried_end = min(math.sqrt(max(start**2 - a0**2, 0.0)) or start, high / 2), False
-    for _ in range(TUNING.steps):
+    for _ in range(MOST_STEPS):
         values = response(np.hypot(a0, np.array([TUNING.probe * v, v])))
         if not 0 < values.min() < values.max() < math.inf:
             raise SolveError(f"no contact radius beyond {a0:g} m, where contact begins, was found: check the sizes")
@@ -169,7 +168,7 @@ def radius_for(response: Response, target: float, indenter: Indenter, start: flo
             proposal = math.sqrt(v * low)
         v = proposal
     else:
-        raise SolveError(f"no contact radius was found in {TUNING.steps} steps, last a = {v:g} m; is the value right?")
+        raise SolveError(f"no contact radius was found in {MOST_STEPS} steps, last a = {v:g} m; is the value right?")
     raise Refusal(
         f"it needs a contact radius beyond the profile, which ends at r = {show(indenter.r_max, 'length')}; "
         "ask for less, or give a larger profile"
@@ -206,7 +205,7 @@ def _followed(response: Response, log_v: Array, log_target: Array, a0: float, ac
     """Newton steps for all targets but the last at once; within brackets, or secants of them, where slopes jump."""
     known: tuple[Array, Array] = np.empty(0), np.empty(0)
     before = np.full(log_target.size, np.inf)
-    for _ in range(TUNING.steps):
+    for _ in range(MOST_STEPS):
         log_values = np.log(response(np.hypot(a0, np.exp(log_v))))
         miss, doubt = np.abs(log_values - log_target), _doubt(log_v, log_values)
         tangent = _inverse(log_v, log_values, log_target)
@@ -220,7 +219,7 @@ def _followed(response: Response, log_v: Array, log_target: Array, a0: float, ac
         log_v = np.append(np.sort(step[:-1]), log_v[-1])  # the response wants them increasing
         before = miss
     count = log_target.size
-    raise SolveError(f"loading: the contact radii of {count} increments were not found in {TUNING.steps} passes")
+    raise SolveError(f"loading: the contact radii of {count} increments were not found in {MOST_STEPS} passes")
 
 
 def _inverse(log_v: Array, log_values: Array, log_target: Array) -> Array:
@@ -258,7 +257,7 @@ def _bracketed(known: tuple[Array, Array], log_target: Array) -> _Bracket:
     above = np.searchsorted(values, log_target)
     low, high = np.append(-np.inf, v)[above], np.append(v, np.inf)[above]
     left, right = np.clip([above - 1, above], 0, v.size - 1)
-    rise = np.maximum(values[right] - values[left], np.finfo(float).tiny)
+    rise = np.maximum(values[right] - values[left], TINY)
     part = np.clip((log_target - values[left]) / rise, 0, 1)
     beyond = math.log(TUNING.stride) * np.isinf(low)
     secant, middle = (v[left] + x * (v[right] - v[left]) - beyond for x in (part, 0.25 + 0.5 * part))

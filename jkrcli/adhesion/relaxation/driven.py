@@ -14,7 +14,7 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
-from ...base import Array, InputError, SolveError, show, zeros_between
+from ...base import MOST_STEPS, Array, InputError, SolveError, show, zeros_between
 from ...bodies import Modes
 from ..device import LOAD_CONTROL, position
 from .depths import Depths
@@ -37,12 +37,10 @@ class DrivenTuning:
     )
     last: float = 1e-5  # choice: the same of the step in which contact is lost, of which it may be a power 2/3
     together: int = 24  # choice: steps solved at once; no result depends on it
-    newton: int = 60  # choice: guard
     converged: float = 1e-7  # theory: relative, of what Newton's last step is the square root
     rounding: float = 1e-13  # theory: of what the device holds, about the round-off of what follows from it
     falls: float = 1e-10  # theory: of the depth, what is no round-off
     ends: float = 1e-9  # choice: of the last step of growth or of contact, by which its end may be missed
-    cuts: int = 30  # choice: guard, of the same step
     near: float = 2.0  # choice: of a step, how far at least it is to end before contact is lost; leaves 1e-7
     far: float = 2.0  # choice: guard, of the log depth in an iteration
 
@@ -247,7 +245,7 @@ class Drive:
         """Take steps up to where the contact turns or is lost, about ``part`` beyond the part ``begin`` of piece
         ``i``."""
         run = None
-        for _ in range(TUNING.cuts if part > 0 else 0):
+        for _ in range(MOST_STEPS if part > 0 else 0):
             held = self._held(i, begin, begin + part * last)
             if (solved := solver(now, held)) is None:
                 raise SolveError(f"relaxation: the contact at t = {now.t:g} s is not found")
@@ -296,7 +294,7 @@ class Drive:
         kernel, x = Kernel(self.modes, held.h), held.x
         seen, by = kernel.seen(now.of_load) + kernel.matrix[:, 0] * now.load, kernel.matrix[:, 1:]
         log, loaded = self._guess(seen, by.sum(axis=1), x), self.stiffness == LOAD_CONTROL
-        for _ in range(TUNING.newton):
+        for _ in range(MOST_STEPS):
             depth = np.exp(log)
             load, S = self.depths.with_slopes(depth)
             missing = position(depth, seen + by @ load, self.stiffness) - x
@@ -370,7 +368,7 @@ class Falling:
         k, inverse = self.drive.stiffness, np.linalg.inv(kernel.matrix[:, 1:])
         seen = kernel.seen(now.of_depth) + kernel.matrix[:, 0] * now.depth
         contact, least = np.full(x.size, now.contact), self.drive.depths.least if k == LOAD_CONTROL else -math.inf
-        for _ in range(TUNING.newton):
+        for _ in range(MOST_STEPS):
             (depth, by_depth), (P, by_P) = self._held(contact, now.t + kernel.since)
             delta = inverse @ (depth - seen)
             rates = np.diag(by_P) if k == LOAD_CONTROL else inverse * by_depth + np.diag(by_P) / k

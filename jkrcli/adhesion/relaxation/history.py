@@ -9,7 +9,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ...base import Array, Estimate, InputError, Unknown, composite_gauss, show, zeros_between
+from ...base import MOST_STEPS, Array, Estimate, InputError, Unknown, composite_gauss, show, zeros_between
 from ...bodies import Modes, Relaxation
 from ..device import DISPLACEMENT_CONTROL, LOAD_CONTROL, control, position
 from ..nonadhesive import Nonadhesive
@@ -25,7 +25,6 @@ from .path import TUNING, RelaxedPath, given_depth
 class HistoryTuning:
     """How turns and largest loads are looked for."""
 
-    longer: int = 60  # choice: guard, doublings of an approach until it comes to its turn
     looked_at: int = 400  # choice: states of a piece among which a load or depth is looked for
     accurate: float = 1e-4  # choice: error of the loads beyond which a reader is warned
     still: float = 1e-6  # choice: of the largest depth, below which a step in no time is round-off of the time
@@ -96,7 +95,7 @@ class RelaxingContact:
         most = self.depths.most
         P = float(self.depths.loads(np.array([most]))[0])
         lasting = float(position(most, P, self.stiffness)) / speed
-        for _ in range(HISTORY.longer):
+        for _ in range(MOST_STEPS):
             t, x = np.array([0.0, lasting]), np.array([0.0, speed * lasting])
             if math.isinf(self.stiffness):
                 return given_depth(self.depths, self._modes(t), t, x)

@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.special import stdtrit
 
-from ...base import Array, Estimate, InputError, Refusal, Unknown
+from ...base import TINY, Array, Estimate, InputError, Refusal, Unknown
 from ...series import RawSeries, Series
 from .events import has_plateaus, touch_events
 from .model import LogSplineModel, OnGrid, Shape, interpolate
@@ -160,7 +160,7 @@ def _freedom(fit: PenalisedFit) -> float:
     both columns carry as much of it, of half of them where one does, or where an error of the radius is in both."""
     rows = fit.independent
     carried = np.linalg.eigvalsh(rows @ rows.T)
-    share = float(np.sum(carried) ** 2 / max(carried.size * np.sum(carried**2), np.finfo(float).tiny))
+    share = float(np.sum(carried) ** 2 / max(carried.size * np.sum(carried**2), TINY))
     return max((rows.size - fit.spent) * max(share, 1 / carried.size), 1.0)
 
 

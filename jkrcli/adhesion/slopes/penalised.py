@@ -27,7 +27,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import lapack
 
-from ...base import Array
+from ...base import TINY, Array
 
 Linearised = tuple[Array, Array]  # residuals (rows, n) and their Jacobian (rows, n, p)
 Residuals = Callable[[Array], Linearised]
@@ -225,7 +225,7 @@ def _possible(fit: PenalisedFit, rhos: Sequence[float]) -> tuple[float, ...]:
     """0 and those of ``rhos`` that the residuals' own correlation allows, and what the fit has taken from it: beyond,
     a likelihood is that of a linearised fit far from where it holds."""
     r, n = fit.residuals, fit.residuals.shape[1]
-    lag1 = float(np.sum(r[:, 1:] * r[:, :-1]) / max(np.sum(r**2), np.finfo(float).tiny))
+    lag1 = float(np.sum(r[:, 1:] * r[:, :-1]) / max(np.sum(r**2), TINY))
     limit = lag1 + TUNING.beyond / math.sqrt(n) + (1 + 3 * max(lag1, 0.0)) * fit.spent / n
     return (0.0, *(rho for rho in rhos if rho <= limit))
 
@@ -350,7 +350,7 @@ def _linear(
 
 def _update(lam: float, scale: float, c: Array, V: Array, phi: float) -> float:
     free = max(c.size - lam * scale * float(np.trace(V)), 1e-12 * c.size)
-    rough = max(lam * scale * float(c @ c), 1e-300)
+    rough = max(lam * scale * float(c @ c), TINY)
     ratio = np.clip(phi * free / rough, 1 / TUNING.factor, TUNING.factor)
     return float(np.clip(lam * ratio, max(TUNING.least, phi / (scale * TUNING.most_prior)), TUNING.most))
 
@@ -364,7 +364,7 @@ def _line_search(
         return float(np.sum(decorrelated(r, rho) ** 2) + linear.penalty @ c**2)
 
     before = objective(now[0], c) + 1e-6 * linear.phi
-    taken = min(1.0, TUNING.longest_step / max(float(np.max(np.abs(linear.step))), 1e-300))
+    taken = min(1.0, TUNING.longest_step / max(float(np.max(np.abs(linear.step))), TINY))
     for _ in range(TUNING.halvings):
         trial = c + taken * linear.step
         found = residuals(trial)

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from ...base import Array
+from ...base import TINY, Array
 
 
 @dataclass(frozen=True)
@@ -127,7 +127,7 @@ def correlation_length(residuals: Array) -> float:
     n = residuals.shape[1]
     lengths = [1.0]
     for row in residuals:
-        correlations = np.correlate(row, row, "full")[n:] / max(float(row @ row), 1e-300)
+        correlations = np.correlate(row, row, "full")[n:] / max(float(row @ row), TINY)
         if correlations[0] * np.sqrt(n) > TUNING.chance:
             positive = np.logical_and.accumulate(correlations > 0)
             lengths.append(1 + 2 * float(correlations[positive].sum()))

@@ -14,7 +14,7 @@ from functools import cached_property, partial
 import numpy as np
 from scipy.interpolate import BSpline, make_interp_spline
 
-from ...base import Array, Refusal, SolveError, show
+from ...base import MOST_STEPS, Array, Refusal, SolveError, show
 from ...bodies import Problem
 from ...methods import AttractedBody
 from ...methods.integral import Attraction, Rims, refuse_narrow
@@ -29,7 +29,6 @@ class AttractedFamilyTuning:
     beyond: float = 1.4  # choice: of the largest over the end of the series, on the way to a solution
     below_limit: float = 0.9  # choice: of the largest over the end of profile or cylinder
     reach: float = 1.5  # choice: of the radius to which the kernel is known over the largest of contact; its growth
-    attempts: int = 12  # choice: guard; the reach grows a hundredfold
     apart: int = 24  # choice: points without contact
     first: float = 0.03  # choice: c of the first of them over c at first touch, where P is 1e-3 of that there
     degree: int = 5  # theory: of the splines; errors fall with the power 6 of the spacing
@@ -98,7 +97,7 @@ class AttractedFamily:
         """Discs on a body known so far that the tension s = 2 sigma/E* opens the separation ``gap`` [m] at its end, or
         up to where it ends."""
         reach = TUNING.reach * float(self.radii[-1])
-        for _ in range(TUNING.attempts):
+        for _ in range(MOST_STEPS):
             reach = min(reach, self.body.limit)
             attraction, discs = self._discs(reach)
             if reach == self.body.limit or (discs.rims(reach - self.radii, s).gap > gap).all():

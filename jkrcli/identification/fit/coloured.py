@@ -21,7 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.fft import dct, idct
 
-from ...base import Array
+from ...base import TINY, Array
 
 
 @dataclass(frozen=True)
@@ -195,7 +195,7 @@ def _parts(slow: Array, mean: Array, count: Array) -> tuple[Array, Array]:
     items = np.stack([np.ones_like(slow), slow, slow**2, np.broadcast_to(mean, slow.shape), slow * mean])
     S = np.broadcast_to(np.maximum(mean, 1e-3 * mean.max()), slow.shape)
     for _ in range(TUNING.rounds):
-        weights = count / np.maximum(S, 1e-300) ** 2
+        weights = count / np.maximum(S, TINY) ** 2
         aa, ab, bb, a, b = np.einsum("ij,kij->ki", weights, items)
         determinant = aa * bb * (1 + TUNING.untold) - ab * ab
         A, B = (a * bb - b * ab) / determinant, (b * aa - a * ab) / determinant

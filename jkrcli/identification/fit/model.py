@@ -18,7 +18,7 @@ from functools import cached_property
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ...base import Array
+from ...base import TINY, Array
 from .body import FittedBody
 from .edges import ADVANCING, RECEDING, RESTING, RestingMember
 from .family import Drift, Member, Members
@@ -231,7 +231,7 @@ def distances(readings: Readings, points: Array) -> Distances:
         if np.max(np.abs(step)) < TUNING.close:
             break
     X, first, _ = readings.along(u)
-    speed = np.sqrt(np.maximum(np.einsum("cn,cn->n", first, first), np.finfo(float).tiny))
+    speed = np.sqrt(np.maximum(np.einsum("cn,cn->n", first, first), TINY))
     tangent, gap = first / speed, points - X
     if len(readings.columns) == 2:
         gap = np.einsum("cn,cn->n", _normal(tangent), gap)[None]

@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.special import fdtrc
 
-from ...base import Array
+from ...base import TINY, Array
 from .family import Drift
 from .range_rival import RangeRival, range_rival_of
 from .result import FittedValue
@@ -172,7 +172,7 @@ def _direction(minimum: Minimum, name: str) -> Array:
     parameter, x = minimum.objective.parameters[index], float(minimum.x[index])
     by_log = minimum.found.jacobian(np.array([index]))[:, 0] * parameter.outer(x) / parameter.derivative(x)
     a = np.exp(minimum.found.u)
-    place = (a - a.min()) / max(float(np.ptp(a)), np.finfo(float).tiny) - RIVALS[parameter.name][1]
+    place = (a - a.min()) / max(float(np.ptp(a)), TINY) - RIVALS[parameter.name][1]
     return by_log * np.tile(place, by_log.size // place.size)
 
 

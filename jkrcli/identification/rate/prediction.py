@@ -15,7 +15,7 @@ from ...adhesion import Nonadhesive, Program, RateContact, RateLaw
 from ...adhesion.edge import Edge
 from ...adhesion.path import REST
 from ...adhesion.rate.motion import Motion
-from ...base import Array
+from ...base import TINY, Array
 from .through import log_rates
 
 
@@ -137,8 +137,8 @@ def _located(s: Array, times: Array, per_s: Array, t: Array) -> Array:
     at = np.interp(t, times, s)
     for _ in range(TUNING.newton):
         slope = np.interp(at, s, per_s)
-        step = (t - _hermite(s, times, per_s, at)) / np.maximum(slope, 1e-300)
-        width = np.maximum(s[-1] - s[0], 1e-300)
+        step = (t - _hermite(s, times, per_s, at)) / np.maximum(slope, TINY)
+        width = np.maximum(s[-1] - s[0], TINY)
         at = np.clip(at + np.clip(step, -0.1 * width, 0.1 * width), s[0], s[-1])
         if np.max(np.abs(step), initial=0.0) < 1e-10 * width:
             break
@@ -148,7 +148,7 @@ def _located(s: Array, times: Array, per_s: Array, t: Array) -> Array:
 def _hermite(x: Array, y: Array, dy: Array, at: Array) -> Array:
     """Cubics through values and slopes."""
     i = np.clip(np.searchsorted(x, at, side="right") - 1, 0, x.size - 2)
-    h = np.maximum(x[i + 1] - x[i], 1e-300)
+    h = np.maximum(x[i + 1] - x[i], TINY)
     z = (at - x[i]) / h
     rest = 1 - z
     value = y[i] * (1 + 2 * z) * rest**2 + y[i + 1] * z**2 * (3 - 2 * z)

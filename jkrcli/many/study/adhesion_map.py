@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...adhesion import FiniteRangeBody, FiniteRangeCurve, Range, transform
-from ...base import Array, JkrError, Ranged, SolveError
+from ...base import MOST_STEPS, Array, JkrError, Ranged, SolveError
 from ...bodies import Loading, Paraboloid, Problem, Specimen
 from ...methods import AttractedBody, Layered
 from ...series import Series
@@ -36,7 +36,6 @@ class ZoneTuning:
     points: int = 80  # tuned on maps, by `make constants`: contact radii of a curve; more are added where it bends
     beyond: float = 1.2  # tuned on maps, by `make constants`: of the largest load, to which the body is solved
     further: float = 1.6  # tuned on maps, by `make constants`: of the load without adhesion from one solve to the next
-    attempts: int = 30  # choice: guard
     per_mu: float = 0.065  # CPU seconds; tuned on maps of 29 and 200 ranges, by `make guards`
 
 
@@ -77,7 +76,7 @@ def _zone(adhesive: Array, elastic: Array, share: Array) -> Array:
 def _reaching(specimen: Specimen, w: float, load: float) -> tuple[Problem, Series]:
     """The series without adhesion to the radius at which JKR carries the ``load`` [N]."""
     plain = load
-    for _ in range(TUNING.attempts):
+    for _ in range(MOST_STEPS):
         problem = Problem(Paraboloid(1.0), specimen, Loading("load", plain, TUNING.points))
         series = Layered()(problem).series
         if transform(series, "exact", w).P[-1] > load:

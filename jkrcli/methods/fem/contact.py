@@ -15,7 +15,7 @@ from functools import cached_property
 import numpy as np
 from scipy.linalg import cholesky, solve_triangular
 
-from ...base import Array, SolveError
+from ...base import MOST_STEPS, Array, SolveError
 from .stuck_edge import EdgeRows
 from .surface import Surface
 
@@ -25,7 +25,6 @@ class ContactTuning:
     """When the conditions of contact hold, and when the search for the nodes in contact is given up."""
 
     round_off: float = 1e-9  # of the largest force or of the depth; theory: 1e7 eps, what C's condition leaves
-    most_sweeps: int = 60  # choice: Newton's method ends in ten, or goes in circles
 
 
 TUNING = ContactTuning()
@@ -260,7 +259,7 @@ def solve_loads(contact: SurfaceContact, loads: Sequence[float] | Array) -> list
     increments: list[Increment] = []
     delta = 0.0
     for load in loads:
-        for _ in range(TUNING.most_sweeps):
+        for _ in range(MOST_STEPS):
             active = active if active.any() else contact.f <= contact.f[0]
             y = _on(contact, active, np.ones(int(active.sum())))
             z = _on(contact, active, contact.f[active])
@@ -270,7 +269,7 @@ def solve_loads(contact: SurfaceContact, loads: Sequence[float] | Array) -> list
                 break
             active = step.active
         else:
-            steps = TUNING.most_sweeps
+            steps = MOST_STEPS
             raise SolveError(f"contact: the load {load:g} N was not reached after {steps} steps (at {step.P:g} N)")
         increments.append(step)
     return increments
@@ -288,7 +287,7 @@ def _increment(contact: SurfaceContact, delta: float, active: Array) -> Incremen
     """Newton's method on the set of active nodes (Hintermueller, Ito and Kunisch 2002)."""
     exempt = contact.surface.exempt
     active = active.copy()
-    for _ in range(TUNING.most_sweeps):
+    for _ in range(MOST_STEPS):
         p, gap = _state(contact, delta, active)
         force_limit = TUNING.round_off * np.abs(p).max()
         wanted = np.where(active, p >= -force_limit, gap < -TUNING.round_off * delta)

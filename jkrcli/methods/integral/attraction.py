@@ -24,7 +24,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ...base import Array, Refusal, SolveError, show
+from ...base import MOST_STEPS, Array, Refusal, SolveError, show
 from ...bodies import Indenter
 from .legendre import AbelMoments, LegendrePanels, angle, tension_moments
 from .quadrature import Panels, Quadrature, gauss, rule
@@ -51,7 +51,6 @@ class AttractionTuning:
     narrowest: float = 1e-13  # theory: of c, the width of an annulus of which c - a still knows two digits
     slack: float = 1e-6  # of the range, that is not told from rounding there; choice: for a warning
     # Search for the width of the annulus, in logarithms:
-    steps: int = 60  # choice: guard; about eight are needed
     close: float = 1e-13  # theory: relative, of the width; rounding of the separation
     power: float = 1.3  # theory: of the width, with which the separation grows: 1 to 2; of the first step
     flattest: float = 0.3  # choice: least power that is believed
@@ -211,7 +210,7 @@ def _rising_root(excess: Callable[[Array], Array], first: Array, widest: Array) 
     low, high = np.zeros_like(first), widest.copy()
     b, power = first, np.full_like(first, TUNING.power)
     here = excess(b)
-    for _ in range(TUNING.steps):
+    for _ in range(MOST_STEPS):
         low, high = np.where(here <= 0, b, low), np.where(here >= 0, b, high)
         aimed = b * np.exp(np.clip(-here / power, -TUNING.far, TUNING.far))
         between = np.where(low > 0, np.sqrt(low) * np.sqrt(high), high * math.exp(-TUNING.far))

@@ -376,6 +376,15 @@ REFUSALS = [
         "s.toml: base: specimen.layers[2].nu: the base case has 0 entries there, numbered from 0",
     ),
     (
+        axis("specimen.layers.film.nu", "values = [0.1]"),
+        's.toml: base: specimen.layers.film.nu: has no "film": specimen.layers is a list, its entries are '
+        "specimen.layers[0], [1], ...",
+    ),
+    (
+        axis("specimen.half_space.nu.mean", "values = [0.1]"),
+        's.toml: base: specimen.half_space.nu.mean: has no "mean": specimen.half_space.nu is no table',
+    ),
+    (
         axis("specimen..nu", "values = [0.1]"),
         's.toml: axes: must be a key of a case such as "specimen.layers[0].nu", got "specimen..nu"',
     ),

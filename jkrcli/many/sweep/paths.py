@@ -45,7 +45,9 @@ def _assign(tables: Tables, key: str, value: Any) -> None:
             size = len(here) if isinstance(here, list | tuple) else 0
             raise InputError(f"{key}: the base case has {size} entries there, numbered from 0")
         if isinstance(part, str) and not isinstance(here, dict):
-            raise InputError(f'{key}: "{part}" is not in a table')
+            listed = "".join(f"[{p}]" if isinstance(p, int) else f".{p}" for p in parents[:i]).removeprefix(".")
+            remedy = f"a list, its entries are {listed}[0], [1], ..." if isinstance(here, list | tuple) else "no table"
+            raise InputError(f'{key}: has no "{part}": {listed} is {remedy}')
         if i == len(parents):
             here[part] = value
         else:

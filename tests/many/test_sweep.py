@@ -24,8 +24,8 @@ from jkrcli.formulas.half_space import jkr as jkr_curve
 from jkrcli.many import cache
 from jkrcli.many.sweep import solving
 from jkrcli.many.sweep.draws import Distribution, draw
-from jkrcli.many.sweep.plan import load_plan
 from jkrcli.many.sweep.paths import with_values
+from jkrcli.many.sweep.plan import load_plan
 from jkrcli.many.sweep.quantities import NAMES, names_of
 from jkrcli.methods.closed_form.method import ClosedForm
 from jkrcli.methods.layered.layered import Layered

@@ -372,7 +372,7 @@ def identify(
         options = {"contact": reading.contact} | options
         reading = replace(reading, contact="as-is")
     curve = _curve_of(given if measured is None else measured, reading)
-    source = body_of(Path(body) if isinstance(body, str) else body, slopes)
+    source = body_of(body, slopes)
     found = one_thread()(fit)(source, curve, settings_of(source, free, (fix or {}).items(), **options))
     return as_result(Fitted, found, body=_named(body, source))
 
@@ -399,7 +399,7 @@ def identify_joint(
     from .identification.fit import body_of, joint_fit, settings_of, shared_of, with_radii
     from .report import JointFitted
 
-    source = body_of(Path(body) if isinstance(body, str) else body, slopes)
+    source = body_of(body, slopes)
     curves = [_curve_of(item, None) for item in measured]
     settings = settings_of(source, free, (fix or {}).items(), **options)
     bodies = with_radii(source, [_number("tip_radii", R, "length") for R in tip_radii], len(curves))
@@ -412,7 +412,7 @@ def plan(body: Case | Problem | Solution | str | Path, found: Fit, slopes: str =
     measurement again, other largest loads, tip radii, thicknesses. InputError where the data do not tell both."""
     from .identification.fit import body_of, further
 
-    return one_thread()(further)(body_of(Path(body) if isinstance(body, str) else body, slopes), found)
+    return one_thread()(further)(body_of(body, slopes), found)
 
 
 def identify_law(
@@ -434,7 +434,7 @@ def identify_law(
     from .identification.rate.fitting import rate_fit, rate_settings
     from .report import LawFit
 
-    source = body_of(Path(body) if isinstance(body, str) else body, slopes)
+    source = body_of(body, slopes)
     start = options.pop("start", {}).items()
     settings = rate_settings(source, law, free, (fix or {}).items(), start, **options)
     curves = [curve for each in measured for curve in ([each] if isinstance(each, Curve) else measured_curves(each))]
@@ -458,7 +458,7 @@ def identify_relaxation(
     from .identification.relaxation import relaxation_fit, relaxation_settings
     from .report import RelaxationFitted
 
-    source = body_of(Path(body) if isinstance(body, str) else body, slopes)
+    source = body_of(body, slopes)
     curve = _curve_of(measured, None)
     found = one_thread()(relaxation_fit)(source, curve, relaxation_settings(law, (fix or {}).items(), **options))
     return as_result(RelaxationFitted, found, body=_named(body, source))
@@ -480,7 +480,7 @@ def identify_tension(
     from .identification.tension import TENSION, known_values, radii_of, tension_fit
     from .report import TensionFitted
 
-    source = body_of(Path(body) if isinstance(body, str) else body)
+    source = body_of(body)
     problem = source.problem
     curves = [_curve_of(item, None) for item in measured]
     radii = radii_of(problem, [_number("tip_radii", R, "length") for R in tip_radii], len(curves))

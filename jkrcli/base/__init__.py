@@ -37,7 +37,7 @@ if TYPE_CHECKING:
         write_text,
     )
     from .installing import installs
-    from .iteration import MOST_STEPS, TINY
+    from .iteration import AT_ONCE, MOST_STEPS, TINY
     from .memory import free_memory
     from .quadrature import composite_gauss
     from .registry import Key, Registry
@@ -72,7 +72,7 @@ __getattr__ = lazily(
         ".files": "atomic beside check_series_target check_target make_folder opened read_bytes real remove"
         " together write_bytes write_text",
         ".installing": "installs",
-        ".iteration": "MOST_STEPS TINY",
+        ".iteration": "AT_ONCE MOST_STEPS TINY",
         ".memory": "free_memory",
         ".quadrature": "composite_gauss",
         ".registry": "Key Registry",

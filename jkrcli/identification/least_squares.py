@@ -23,11 +23,16 @@ from .fit.statistics import costs
 
 @dataclass(frozen=True)
 class SearchTuning:
-    """How often is searched again."""
+    """How often is searched again, and what laws of records over time have in common."""
 
     doublings: int = 6  # choice: of the step in which a profile must reach its limit, else it has none
     held: float = 10.0  # theory: how much more a held value weighs than the data, whose pull is then a hundredth
     close: float = 1e-3  # choice: of the step, to which the end of a profile is found
+    reach: float = 12.0  # choice: guard, how far logs may move from their start
+    rows: int = 20  # choice: least rows of a record
+    floor: float = 1e-6  # choice: of a column's range, no smaller noise is taken
+    vague: float = 0.3  # choice: relative standard error beyond which a value is little more than its order
+    misfit: float = 1.3  # choice: scatter over the noise from row to row beyond which the law or the body is doubted
 
 
 TUNING = SearchTuning()

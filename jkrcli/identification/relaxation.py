@@ -19,6 +19,7 @@ from ..base import Array, InputError, JkrError, did_you_mean, parse, show
 from ..bodies import RELAXATIONS, Relaxation
 from ..data.measured import Curve
 from .fit import FittedBody, FittedValue, covariance, estimated, t_quantile, third_differences, times
+from .least_squares import TUNING as FITS
 from .least_squares import Least, LeastSquares, State, by_differences
 from .motion import corners
 from .relaxing_rows import averaged, base_line, followed, without_adhesion
@@ -29,7 +30,6 @@ class RelaxationFitTuning:
     """How the least sum of squares is sought, and when it is doubted."""
 
     pieces: int = 8  # choice: corners of device and load beyond which neither is said to move in straight pieces
-    least: int = 20  # choice: rows of a record
     rows: int = 1_000  # choice: by which corners are looked for
     some: int = 80  # choice: by which starts are compared
     times: tuple[float, ...] = (0.02, 0.06, 0.2, 0.6)  # choice: starts of a relaxation time, over the record's length
@@ -39,16 +39,12 @@ class RelaxationFitTuning:
     deeper: float = 1.5  # times the depth that shows, to which a body is solved; choice: contact begins before it shows
     contact: float = 5.0  # theory: standard deviations of a load that shows contact
     shown: float = 0.01  # choice: of the range of the load, that does too; a tilted base line does not
-    reach: float = 12.0  # choice: guard, how far logs may move from their start
     apart: float = 2.5  # theory: rows between two corners, within which no row tells when a step was
     step: float = 1e-6  # theory: of the unknowns, for derivatives: the root of what the histories err by
     converged: float = 1e-6  # theory: relative, of the sum of squares; a change of 1e-3 standard errors in 1e3 rows
     coarser: int = 3  # choice: steps joined in the histories of a spring or a load, 1e-4 of the loads
-    floor: float = 1e-6  # choice: of a column's range, no smaller noise is taken
     grows: float = 0.02  # choice: of the depth, by which a contact may grow again: corners have the noise of readings
     rounds: int = 2  # choice: fits, each with the noise by what the one before left
-    vague: float = 0.3  # choice: relative standard error beyond which a value is little more than its order
-    misfit: float = 1.3  # choice: scatter over the noise from row to row beyond which the law or the body is doubted
     slow: float = 1.0  # choice: a first rise over the shortest time, beyond which the instant modulus is extrapolated
 
 
@@ -217,8 +213,8 @@ def timed_record(curve: Curve) -> TimedRecord:
         raise InputError(f"{curve.where}: a fit of relaxation needs t, delta and P, it lacks {', '.join(missing)}")
     assert curve.t is not None
     assert curve.P is not None
-    if len(curve) < TUNING.least:
-        raise InputError(f"{curve.where}: {len(curve)} rows, at least {TUNING.least} are needed")
+    if len(curve) < FITS.rows:
+        raise InputError(f"{curve.where}: {len(curve)} rows, at least {FITS.rows} are needed")
     if (falls := np.flatnonzero(np.diff(curve.t) <= 0)).size:
         raise InputError(f"{curve.where}: time must rise from row to row, it does not in row {int(falls[0]) + 2}")
     curve = averaged(curve)
@@ -244,7 +240,7 @@ def timed_record(curve: Curve) -> TimedRecord:
 
 
 def _noise(column: Array) -> float:
-    return max(third_differences(column), TUNING.floor * float(np.ptp(column)))
+    return max(third_differences(column), FITS.floor * float(np.ptp(column)))
 
 
 def _knots(t: Array, column: Array) -> tuple[tuple[Array, Array], float]:
@@ -375,7 +371,7 @@ class _Problem:
         rows, off = self.record.t.size, found.state.residuals
         share = 1 - found.x.size / off.size
         held, made = (math.sqrt(float(np.mean(part**2)) / share) for part in (off[:rows], off[-rows:]))
-        low = [TUNING.floor * float(np.ptp(column)) for column in (self.record.held, self.record.made)]
+        low = [FITS.floor * float(np.ptp(column)) for column in (self.record.held, self.record.made)]
         return max(held * self.record.sigma[0], low[0]), max(made * self.record.sigma[1], low[1])
 
     def minimise(self, start: Array) -> Least:
@@ -395,10 +391,10 @@ class _Problem:
         for i, name in enumerate(self.settings.free):
             if name not in ZEROS:
                 low[i], high[i] = (
-                    (0.0, 1.0 - TUNING.floor) if _is_share(name) else start[i] + np.array([-1, 1]) * TUNING.reach
+                    (0.0, 1.0 - FITS.floor) if _is_share(name) else start[i] + np.array([-1, 1]) * FITS.reach
                 )
             if name == "exponent" or name.startswith("weight"):
-                low[i] = TUNING.floor
+                low[i] = FITS.floor
         t = self.record.knots[0] / np.ptp(self.record.knots[0])
         first = start.size - self.moving.size
         for i, k in enumerate(self.moving):
@@ -474,8 +470,8 @@ class _Problem:
         """The modulus with which the largest load would make the depth that was read then."""
         record, law = self.record, self.settings.relaxation(values)
         row, depths = int(np.argmax(record.held)), self._contact(law, math.inf).depths
-        depth = min(max(float(record.made[row]) - values["delta0"], depths.most * TUNING.floor), depths.most)
-        left = float(law.modes(float(np.ptp(record.t)))(record.t[row] - record.t[0] + TUNING.floor))
+        depth = min(max(float(record.made[row]) - values["delta0"], depths.most * FITS.floor), depths.most)
+        left = float(law.modes(float(np.ptp(record.t)))(record.t[row] - record.t[0] + FITS.floor))
         return float(record.held[row]) / (float(depths.loads(np.array([depth]))[0]) * left)
 
     # ------------------------------------------------------------------ the answer
@@ -524,7 +520,7 @@ def _warnings(fit: RelaxationFit, program: Program) -> list[str]:
     if fit.covariance is None:
         said.append(f"the record does not determine {', '.join(fit.free)} together: fix one of them, such as delta0")
     for item in fit.estimates:
-        if item.name in fit.free and item.name not in ZEROS and (item.error or 0) > TUNING.vague * item.value:
+        if item.name in fit.free and item.name not in ZEROS and (item.error or 0) > FITS.vague * item.value:
             said.append(
                 f"{item.name} is uncertain by {(item.error or 0) / max(item.value, 1e-12):.0%} (standard error)"
             )
@@ -535,7 +531,7 @@ def _warnings(fit: RelaxationFit, program: Program) -> list[str]:
             f"the first rise lasts {show(float(rises[0]), 'time')}, {float(rises[0]) / min(times):.2g} times the "
             "shortest relaxation time: the instant modulus is extrapolated; press faster"
         )
-    if fit.scatter > TUNING.misfit:
+    if fit.scatter > FITS.misfit:
         said.append(
             f"the readings scatter {fit.scatter:.2g} times as far about the model as from row to row: the law or the "
             "body is not what the record shows; intervals are too narrow"

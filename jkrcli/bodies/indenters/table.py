@@ -10,7 +10,7 @@ from typing import Annotated, ClassVar
 
 import numpy as np
 
-from ...base import TINY, AnyLength, Array, InputError, Key, spline_slopes
+from ...base import AT_ONCE, TINY, AnyLength, Array, InputError, Key, spline_slopes
 from ..indenter import Indenter, shape
 from ..materials import Elastic
 
@@ -20,7 +20,6 @@ class TableTuning:
     """How points become a profile, and what is said of the error of that."""
 
     points: int = 5000  # most of a table; choice: the cost grows with their square, so many take ten seconds
-    at_once: int = 1_000_000  # choice: pairs of a radius and a knot in memory
     straight: float = 1e-9  # of the largest chord: the rise between two of a straight profile; theory: rounding
     pointed: float = 0.25  # slope at the axis over the first chord above which a tip has a point; choice: a cone has 1
     looks: int = 400  # choice: radii at which it is looked at what points tell
@@ -166,7 +165,7 @@ class TableProfile(Indenter):
         jump = slope - np.append(slope[0], _ends(self.knots, self.pieces)[1, :-1])
         jump[jump < TUNING.straight * slope[-1]] = 0.0
         found = np.empty((4, x.size))
-        step = max(TUNING.at_once // self.knots.size, 1)
+        step = max(AT_ONCE // self.knots.size, 1)
         for start in range(0, x.size, step):
             some = x.ravel()[start : start + step, None]
             r = np.minimum(self.knots[: np.searchsorted(self.knots, some.max()) + 1], some)

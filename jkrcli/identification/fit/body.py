@@ -213,11 +213,13 @@ def check_parameters(body: FittedBody, names: Sequence[str]) -> None:
     checked_names(own, body.own_parameters)
 
 
-def body_of(source: Case | Problem | Solution | Path, rule: str = "auto", limits: Limits | None = None) -> FittedBody:
+def body_of(
+    source: Case | Problem | Solution | str | Path, rule: str = "auto", limits: Limits | None = None
+) -> FittedBody:
     """The body of a case, a problem, a solution, or a file, its slopes by ``rule``. A case may be solved anew to the
     radii that the data ask for, a solution ends where it ends."""
-    if isinstance(source, Path):
-        source = load_case(source) if source.suffix == ".toml" else store.read(source)
+    if isinstance(source, str | Path):
+        source = load_case(source) if Path(source).suffix == ".toml" else store.read(source)
     if isinstance(source, Solution):
         body = nonadhesive(source, rule)
         return _asked(FittedBody.of(source.problem, body.series, body.slopes), source)

@@ -18,10 +18,11 @@ from ...adhesion import RATE_LAWS, Nonadhesive, RateLaw, rate_parameters
 from ...base import Array, InputError, JkrError, SolveError, Unknown, did_you_mean, parse, show
 from ...data.measured import Curve
 from ..fit import FittedBody, FittedValue, Parameter, Settings, covariance, estimated, fit, t_quantile, times
+from ..least_squares import TUNING as FITS
 from ..least_squares import Least, LeastSquares, State
 from ..work import WorkAlong, work_along
 from .prediction import BESIDE, Prediction, predict
-from .record import LEAST, RateRecord, rate_record, recovered
+from .record import RateRecord, rate_record, recovered
 from .through import TUNING as POINTS
 from .through import law_of, law_through, log_rates, receding
 
@@ -33,18 +34,14 @@ class RateFitTuning:
     converged: float = 1e-6  # choice: relative, far below any standard error
     started: float = 1e-3  # choice: the same of a start, beyond which it takes the whole records
     evaluations: int = 300  # choice: guard
-    reach: float = 12.0  # choice: guard, how far logs may move from their start
     good: float = 3.0  # theory: standard deviations of the scatter over 1 up to which no other start is tried
     softer: tuple[float, ...] = (1.0, 0.8, 0.64, 0.5, 0.4)  # choice: moduli over that of an even adhesion
     beyond: float = 0.2  # choice: of a record's length, how long after its last row contact may be predicted to be lost
     looked_at: int = 1_000  # choice: times among which that is looked for
     rows: int = 120  # choice: of each record, by which starts are compared and followed
-    laws: tuple[float, float] = (0.1, 3.0)  # choice: exponents that are sought; measured ones are 0.1 to 1
     exponents: tuple[float, ...] = (0.3, 0.6, 1.0)  # choice: starts of n, where the points' own does not lead to it
     first: int = 15  # choice: rows from which the radius at the begin is guessed
-    vague: float = 0.3  # choice: relative standard error beyond which a value is little more than its order
     apart: float = 0.99  # choice: correlation beyond which two parameters can hardly be told apart
-    misfit: float = 1.3  # choice: scatter over the noise beyond which the law or the body is doubted
 
 
 TUNING = RateFitTuning()
@@ -272,10 +269,10 @@ class _Problem:
         """Logs stay near their start, exponents where laws have them."""
         reach = np.full(start.size, np.inf)
         names = [name for name in self.names if name in self.settings.free]
-        reach[[i for i, name in enumerate(names) if name not in ("delta0", "P0")]] = TUNING.reach
+        reach[[i for i, name in enumerate(names) if name not in ("delta0", "P0")]] = FITS.reach
         low, high = start - reach, start + reach
         if "n" in names:
-            low[names.index("n")], high[names.index("n")] = np.log(TUNING.laws)
+            low[names.index("n")], high[names.index("n")] = np.log(POINTS.laws)
         return low, high
 
     def scatter(self, found: Least) -> float:
@@ -310,7 +307,7 @@ class _Problem:
         for i, (record, part) in enumerate(zip(self.records, self.residuals(found), strict=True)):
             again = rate_record(record.curve, self.settings.segment, self._lost(found.x, i))
             sigma = {name: math.sqrt(float(np.mean(values**2)) / (1 - share)) for name, values in part.items()}
-            least = {name: LEAST * float(np.ptp(getattr(record, name))) for name in part}
+            least = {name: FITS.floor * float(np.ptp(getattr(record, name))) for name in part}
             records.append(replace(again, sigma={name: max(sigma[name], least[name]) for name in part}))
         return replace(self, records=tuple(records))
 
@@ -483,13 +480,9 @@ def _warnings(fit: RateFit) -> list[str]:
         if abs(matrix[i, j]) > TUNING.apart:
             said.append(f"{fit.free[i]} and {fit.free[j]} are strongly correlated ({matrix[i, j]:.4f})")
     for item in fit.estimates:
-        if (
-            item.name in fit.free
-            and item.name not in ("delta0", "P0")
-            and (item.error or 0) > TUNING.vague * item.value
-        ):
+        if item.name in fit.free and item.name not in ("delta0", "P0") and (item.error or 0) > FITS.vague * item.value:
             said.append(f"{item.name} is uncertain by {(item.error or 0) / item.value:.0%} (standard error)")
-    if fit.scatter > TUNING.misfit:
+    if fit.scatter > FITS.misfit:
         said.append(
             f"the loads scatter {fit.scatter:.2g} times as far about the prediction as from row to row: the law, the "
             "body or the device's stiffness is not what the data show; intervals are too narrow"

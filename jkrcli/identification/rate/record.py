@@ -10,13 +10,13 @@ from ...adhesion import Program
 from ...base import Array, InputError
 from ...data.measured import Curve
 from ..fit import third_differences
+from ..least_squares import TUNING as FITS
 
 
 @dataclass(frozen=True)
 class RateRecordTuning:
     """How the rows of a retraction are told."""
 
-    least: int = 20  # choice: rows of a record
     moving: float = 0.1  # choice: of the travel, beyond which the device surely moves back
     recovered: float = 0.2  # choice: of the pull-off force: rows of less tension behind it are taken as free
     still: float = 3.0  # theory: standard deviations above the highest rows, where the way back would begin: it waited
@@ -26,7 +26,6 @@ class RateRecordTuning:
 
 
 TUNING = RateRecordTuning()
-LEAST = 1e-6  # choice: of a column's range, no smaller noise is taken
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,12 +89,12 @@ def rate_record(curve: Curve, segment: str | None, lost: float | None = None) ->
     if (np.diff(t) <= 0).any():
         row = int(numbers[int(np.flatnonzero(np.diff(t) <= 0)[0]) + 1]) + 1
         raise InputError(f"{curve.where}: time must rise from row to row, it does not in row {row}")
-    chosen = _retraction(t, P, device, lost) if t.size >= TUNING.least else np.empty(0, dtype=int)
-    if chosen.size < TUNING.least:
-        raise InputError(f"{curve.where}: {chosen.size} rows of a retraction, at least {TUNING.least} are needed")
+    chosen = _retraction(t, P, device, lost) if t.size >= FITS.rows else np.empty(0, dtype=int)
+    if chosen.size < FITS.rows:
+        raise InputError(f"{curve.where}: {chosen.size} rows of a retraction, at least {FITS.rows} are needed")
     a = None if part.a is None else part.a[chosen]
     read = {"P": P[chosen]} | ({} if a is None else {"a": a})
-    noise = {name: max(third_differences(column), LEAST * float(np.ptp(column))) for name, column in read.items()}
+    noise = {name: max(third_differences(column), FITS.floor * float(np.ptp(column))) for name, column in read.items()}
     base, loose = _motion(t[chosen], device[chosen])
     stiffness = np.inf if curve.stiffness is None else curve.stiffness
     return RateRecord(curve, t[chosen], P[chosen], a, noise, noise, base, loose, float(stiffness), numbers[chosen])
@@ -113,7 +112,7 @@ def _retraction(t: Array, P: Array, device: Array, lost: float | None) -> Array:
     begin = 0
     if rate < 0 and level + rate * (t[0] - t[last]) > top + TUNING.still * noise:
         begin = int(np.searchsorted(t, t[last] + (top - TUNING.highest * noise - level) / rate))
-    over = _over(P, lowest) if lost is None else max(int(np.searchsorted(t, lost)), begin + TUNING.least)
+    over = _over(P, lowest) if lost is None else max(int(np.searchsorted(t, lost)), begin + FITS.rows)
     return np.arange(begin, min(over, t.size))
 
 
@@ -134,7 +133,7 @@ def _motion(t: Array, device: Array) -> tuple[tuple[Array, Array], tuple[float, 
     """The device's motion as points (t, x), and standard deviations of its shift and tilt, from noise alone: that of
     the readings about the motion."""
     middle, half = (t[0] + t[-1]) / 2, (t[-1] - t[0]) / 2
-    z, least = (t - middle) / half, LEAST * float(np.ptp(device))
+    z, least = (t - middle) / half, FITS.floor * float(np.ptp(device))
     line = np.polynomial.polynomial.polyfit(z, device, 1)
     base = t[[0, -1]], np.polynomial.polynomial.polyval(np.array([-1.0, 1.0]), line)
     noise = _rms(device - np.polynomial.polynomial.polyval(z, line), 2)

@@ -13,7 +13,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.lib.mixins import NDArrayOperatorsMixin
 
-from ...base import Array, Refusal, SolveError
+from ...base import AT_ONCE, Array, Refusal, SolveError
 
 
 @dataclass(frozen=True)
@@ -24,7 +24,6 @@ class CountTuning:
     points: int = 15_000  # of them together over all layers; choice: a thousand layers in a tenth of a second
     least_near: int = 40  # of them, however many layers; choice: the count is then good to a fifth
     least_across: int = 2  # points towards either side of a layer; choice: likewise
-    at_once: int = 500_000  # sizes computed at once; choice: 4 MB
     most_points: int = 1_000_000  # on a line; choice: far more than any mesh that is made has
 
 
@@ -185,7 +184,7 @@ def expected_triangles(law: SizeLaw, width: float, depth: float) -> float:
     Between two points the size h is linear: the integral of 1/h^2 is their distance over the product of both sizes.
     """
     r, z = _looked_at(law, width, depth)
-    rows = max(1, TUNING.at_once // z.size)
+    rows = max(1, AT_ONCE // z.size)
     lines = np.concatenate([_along(law.on_grid(part, z), z) for part in np.split(r, range(rows, r.size, rows))])
     return float(1.12 * 4 / np.sqrt(3) * _along(1 / np.sqrt(lines), r))
 

@@ -19,7 +19,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...base import Array
+from ...base import AT_ONCE, Array
 from ..integral import rule
 from .halfspace import RingField, point_force
 from .lines import LineElements, extended, lines
@@ -34,7 +34,6 @@ class CorrectionTuning:
     towards: float = 0.15  # ratio of successive panels; tuned on graded cylinders, by `make tuning`
     panels: int = 7  # tuned on graded cylinders, by `make tuning`
     points: int = 8  # on each; tuned on graded cylinders, by `make tuning`
-    at_once: int = 1_000_000  # points times parameters t; choice: about 200 MB
 
 
 TUNING = CorrectionTuning()
@@ -225,7 +224,7 @@ class Patch:
 
     def slabs(self, count: int) -> Iterator[Patch]:
         """Patches that are slices of z, for ``count`` parameters t at a time within the memory allowed."""
-        rows = max(1, TUNING.at_once // (count * self.r.size))
+        rows = max(1, AT_ONCE // (count * self.r.size))
         for start in range(0, self.z.size, rows):
             part = slice(start, start + rows)
             V_z, D_z, Q_z = self.along_z

@@ -31,6 +31,7 @@ class ChangeTuning:
     little: float = 1e-3  # theory: relative amounts whose squares are below the noise of any record
     step: float = 1e-5  # theory: relative, for one-sided differences of loads that are good to 1e-9; of histories more
     small: float = 1e-2  # choice: amounts, and shares of the largest w, below which steps are no smaller
+    lost: float = 0.02  # choice: of the way in contact, rows before the loss of a slow edge that are left out
     remembered: int = 8  # choice: changed models kept, one for each stretch and set of amounts
 
 
@@ -105,7 +106,7 @@ Values = Mapping[str, float]
 class Change:
     """What an amount of a rival does. ``model``: the model that a stretch follows at the values of the unknowns, from
     the plain one; ``moved``: what its positions are off [m]; ``load``: its loads [N], all, in place of a path's,
-    without adhesion.
+    without adhesion; ``back``: those of the last stretch alone, with it.
 
     ``bends``: what ``model`` does to the logs of the body of a stretch (4, n) on its grid, where that is all it does.
     ``starts``: values of the unknowns ``names`` to begin with; ``limits``: their least and largest; ``told``: what they
@@ -121,10 +122,21 @@ class Change:
     bends: Callable[[ForceCurveModel, DirectionReadings, Values], Array | None] | None = None
     moved: Callable[[DirectionReadings, Values], Array] | None = None
     load: Callable[[ForceCurveModel, DirectionReadings, Values], Array] | None = None
+    back: Callable[[ForceCurveModel, DirectionReadings, Values], Array] | None = None
     felt: bool = False
     told: Callable[[Values], dict[str, float]] = lambda values: {AMOUNT: values[AMOUNT]}
     renewed: Callable[[ForceCurveFit], Change] | None = None
     column: Array | None = None
+
+
+def _before_loss(part: DirectionReadings) -> DirectionReadings:
+    """A stretch without the rows in contact next to its loss, which a slow edge runs through within a few of them."""
+    if not part.touching.any():
+        return part
+    lost = float(part.z[part.touching].min())
+    keep = ~part.touching | (part.z > lost + max(TUNING.lost * part.reach, 2 * part.spacing))
+    held = {name: getattr(part, name)[keep] for name in ("rows", "z", "P", "touching", "t")}
+    return replace(part, **held)
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,6 +151,8 @@ class RivalModel(ForceCurveModel):
         held = {item.name: getattr(plain, item.name) for item in fields(ForceCurveModel)}
         if change.load is not None:  # which knows no adhesion
             held["works"] = {part.kind: 0.0 for part in plain.stretches}
+        if change.back is not None:
+            held["stretches"] = (*plain.stretches[:-1], _before_loss(plain.stretches[-1]))
         return cls(**held, change=change)
 
     @cached_property
@@ -192,6 +206,8 @@ class RivalModel(ForceCurveModel):
         return max(abs(x), TUNING.small * (self.most if name.startswith(("q:", "r:")) else 1.0))
 
     def _contact(self, part: DirectionReadings, values: Values, blunt: float) -> tuple[Array, dict[str, Array]]:
-        if self.change.load is None:
-            return super()._contact(part, values, blunt)
-        return self.change.load(self, part, values), {}
+        if self.change.load is not None:
+            return self.change.load(self, part, values), {}
+        if self.change.back is not None and part is self.stretches[-1]:
+            return self.change.back(self, part, values), {}
+        return super()._contact(part, values, blunt)

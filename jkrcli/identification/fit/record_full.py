@@ -47,6 +47,7 @@ class FullTuning:
     chords: int = 12  # choice: guard, steps with derivatives of the fit without; three to six are needed
     hopeless: float = 3000.0  # choice: rise of chi^2 after a step, from which on there are no more
     still: float = 0.02  # choice: standard errors, below which a step is the last one
+    slow: float = 0.3  # choice: of w of the retraction, the least w of a slow edge to start from where none advanced
     rounds: int = 4  # choice: guard, fits of a change that is made about a fit
     settled: float = 0.1  # choice: standard errors of the modulus, by which the last round may move it
 
@@ -228,7 +229,8 @@ def _roughly(at: Situation, fresh: ForceCurveModel, change: Change, amount: floa
     model = RivalModel.of(fresh, change)
     x = _known(at, model)
     begun = [[np.append(x, start) for start in starts], [x for start in starts for x in _new(at, model, start)]]
-    begun = begun if change.load is None else [[start] for start in begun[0]]
+    if change.load is not None or change.back is not None:  # of histories, which have several minima
+        begun = [[start] for start in begun[change.back is not None]]
     searches = [rough(model, min(some, key=partial(misfit_at, model)), TUNING.steps) for some in begun if some]
     return min(searches, key=lambda one: one[0])
 
@@ -243,6 +245,11 @@ def _known(at: Situation, model: RivalModel) -> Array:
 
 def _new(at: Situation, model: RivalModel, start: tuple[float, ...]) -> Iterator[Array]:
     """Unknowns about an amount to ``start`` from, as its body suggests."""
+    if model.change.back is not None:
+        x, way, back = _known(at, model), model.stretches[0], model.stretches[-1]
+        slow = max(at.model.values(at.found.x)[f"q:{way.kind}"], TUNING.slow * x[model.names.index(f"q:{back.kind}")])
+        x[model.names.index(f"q:{back.kind}")] = slow
+        yield np.append(x, start)
     if model.change.model is None or model.change.felt:
         return
     values = at.model.values(at.found.x) | dict(zip(model.change.names, start, strict=True))

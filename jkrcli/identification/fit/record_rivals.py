@@ -24,12 +24,13 @@ from ...bodies import HalfSpace, Layer, Loading, PowerRelaxation, Relaxation, Ri
 from ...data.measured.curve import APPROACH
 from ...methods.layered.layered import unbounded
 from .body import FittedBody, solved
-from .device_path import grid, on_grid
+from .device_path import grid, on_grid, rest
 from .family import Family
 from .force_curve import DirectionReadings, ForceCurveFit, ForceCurveModel, base_line
 from .positions import creep, hysteresis
 from .record_change import AMOUNT, LITTLE, Change, Values, bending, bent, of_body
 from .record_situation import Situation
+from .slow_edge import load_at, receding
 
 
 @dataclass(frozen=True)
@@ -77,6 +78,7 @@ class RecordRivalTuning:
     farthest: float = 1e3  # choice: range over how far adhesion deforms the body; longer ones change nothing
     tensions: tuple[float, ...] = (0.03,)  # choice: 2 tension/E* over the contact radius, to begin with
     exponents: tuple[float, ...] = (0.3, 0.8)  # choice: of the speed of the edge, to begin with
+    rates: tuple[float, ...] = (0.3, 1.0)  # choice: rises of w at its usual speed, to begin with
     powers: tuple[float, float] = (0.1, 1.5)  # choice: of the speed of the edge, that are looked for; measured 0.1 to 1
     fewest: int = 3  # choice: positions that tell a speed
 
@@ -167,15 +169,15 @@ def work_over_speed(at: Situation) -> Change | None:
     log = np.zeros(at.a.size)
     log[at.rows(part, (a > 0) & ~rests)] = speeds.at_rows
     column = at.here[1][:, at.found.names.index(name)] * values[name] * log
-    return replace(_over_speed(speeds), column=column)
+    return replace(_over_speed(speeds.typical), column=column)
 
 
 @dataclass(frozen=True, eq=False)
 class _Speeds:
-    """Logs of the speed of the edge over their median, ``at_rows`` that move, and over logs ``u`` of the radius."""
+    """Logs of the speed of the edge over the ``typical`` one, its median over the speed of the device, ``at_rows`` that
+    move."""
 
-    u: Array
-    log: Array
+    typical: float
     at_rows: Array
 
 
@@ -186,31 +188,26 @@ def _speeds(part: DirectionReadings, a: Array, moves: Array) -> _Speeds | None:
         return None
     radii = a[moves][rows]
     log = np.log(np.maximum(np.abs(np.gradient(radii, z)), 1e-9))
-    log -= np.median(log)
-    order = np.unique(np.log(radii), return_index=True)[1]
-    return _Speeds(np.log(radii)[order], log[order], np.interp(part.z[moves], z, log))
+    middle = float(np.median(log))
+    return _Speeds(math.exp(middle), np.interp(part.z[moves], z, log - middle))
 
 
-def _over_speed(speeds: _Speeds) -> Change:
-    """w0 (1 + amount (v/v_m)^n): the power law about the median speed, made about the speeds of a fit."""
+def _over_speed(typical: float) -> Change:
+    """w0 (1 + amount (v/v_m)^n) of the retraction, v_m the ``typical`` speed of its edge over that of the device."""
 
-    def bends(plain: ForceCurveModel, part: DirectionReadings, values: Values) -> Array | None:
-        if part is not plain.stretches[-1]:
-            return None
-        power = np.exp(values[EXPONENT] * np.interp(grid(plain.family), speeds.u, speeds.log))
-        half = np.log1p(values[AMOUNT] * power) / 2
-        zero = np.zeros_like(half)
-        return np.stack([zero, half, zero, half])
-
-    def renewed(found: ForceCurveFit) -> Change:
-        part = found.model.stretches[-1]
-        a, rests = found.model.contact_radii(part, found.model.values(found.x))
-        other = _speeds(part, a, (a > 0) & ~rests)
-        return _over_speed(speeds if other is None else other)
+    def back(model: ForceCurveModel, part: DirectionReadings, values: Values) -> Array:
+        first, s = model.stretches[0], math.exp(values["ln_s"])
+        q = max(values[f"q:{part.kind}"], LITTLE**3 * model.most)
+        root = values.get(f"r:{first.kind}", math.sqrt(max(values[f"q:{first.kind}"], 0.0)))
+        turn, n = part.turn - values["z0"], values[EXPONENT]
+        held = rest(model.family, s, root, math.sqrt(q), model.k, turn)
+        path = receding(model.family, s, q, model.k, (max(values[AMOUNT], LITTLE**2) * typical**-n, n), held, turn)
+        return np.where(part.touching, load_at(path, held, turn, model.depth(part, values)), 0.0)
 
     return Change(
-        tuple((0.3, n) for n in TUNING.exponents), (AMOUNT, EXPONENT), {AMOUNT: (0.0, 1e3), EXPONENT: TUNING.powers},
-        **bending(bends), renewed=renewed, told=lambda values: {name: values[name] for name in (AMOUNT, EXPONENT)},
+        tuple((amount, n) for amount in TUNING.rates for n in TUNING.exponents), (AMOUNT, EXPONENT),
+        {AMOUNT: (0.0, 1e3), EXPONENT: TUNING.powers}, back=back, felt=True,
+        told=lambda values: {name: values[name] for name in (AMOUNT, EXPONENT)},
     )  # fmt: skip
 
 

@@ -1,0 +1,85 @@
+"""The retraction of a contact whose work of adhesion rises with the speed of its edge: w = w0 (1 + b v^n).
+
+Gent and Schultz's law, quasi-static but for the edge. With L = delta_H - delta and G = S' L^2/(4 pi a) the edge recedes
+where G > w0, at the speed v that its law gives; the device moves back evenly, so that v = -da/dz is told by positions
+alone. Over the contact radius: dz/da = -1/v with z = D - y T + s (H - y V)/k, y = sqrt(q (1 + b v^n)).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from scipy.interpolate import PchipInterpolator
+
+from ...base import Array
+from .device_path import Rest
+from .family import Family
+
+
+@dataclass(frozen=True)
+class SlowEdgeTuning:
+    """Radii at which the edge is followed."""
+
+    first: float = 1e-12  # choice: of the radius at the turn, the first step of the edge, which begins at rest
+    last: float = 0.99  # choice: of it, by how much the contact has shrunk when it is taken as lost
+    even: float = 0.01  # choice: of it, from where on radii are even; in a geometric sequence before
+    radii: int = 100  # choice: of either; loads are then good to 5e-4 of the tension
+    steps: int = 60  # choice: guard, of Newton's method for a speed; five are needed
+    still: float = 1e-12  # choice: of the log of a speed, when it has come there
+    widest: float = 3.0  # choice: of it, a step
+
+
+TUNING = SlowEdgeTuning()
+
+
+@lru_cache(maxsize=8)
+def receding(family: Family, s: float, q: float, k: float, law: tuple[float, float], held: Rest, turn: float) -> Array:
+    """Positions of the device [m], increasing, and loads [N] of the edge (2, n), for moduli times ``s``, w0 = ``q`` s
+    and the ``law`` (b, n); from where it is ``held`` until G is w0, or from the ``turn`` [m]."""
+    start = math.exp(held.u)
+    x = np.concatenate([np.geomspace(TUNING.first, TUNING.even, TUNING.radii, endpoint=False),
+                        np.linspace(TUNING.even, TUNING.last, TUNING.radii)])  # fmt: skip
+    D, T, H, V = family.at(np.log(start * (1 - x)))[0]
+    r, steps = math.sqrt(q), np.diff(start * x, prepend=0.0)
+    free, pulled = D + s * H / k, r * (T + s * V / k)
+    z = np.empty(x.size)
+    begin = min(held.end, turn)
+    grown = _follow(free.tolist(), pulled.tolist(), steps.tolist(), begin, law, z)
+    loads = np.append(held.at(np.array([begin]))[0], s * (H - r * grown * V))
+    found: Array = np.stack([np.append(begin, z), loads])[:, ::-1]
+    return found
+
+
+def _follow(
+    free: list[float], pulled: list[float], steps: list[float], z: float, law: tuple[float, float], out: Array
+) -> Array:
+    """Positions ``out`` over the nodes, and the root of w over w0 there; ``z``: where the edge begins."""
+    b, n = law
+    log, before, grown = 0.0, 0.0, np.empty(len(free))
+    for i, (whole, shift, step) in enumerate(zip(free, pulled, steps, strict=True)):
+        half = step if i == 0 else step / 2  # it begins at rest: the rule of the trapezium from the second on
+        target = z - (0.0 if i == 0 else half * before)
+        for _ in range(TUNING.steps):
+            power, slowness = b * math.exp(n * log), half * math.exp(-log)
+            root = math.sqrt(1 + power)
+            off = whole - shift * root + slowness - target
+            change = off / (shift * n * power / (2 * root) + slowness)
+            log += min(max(change, -TUNING.widest), TUNING.widest)
+            if abs(change) < TUNING.still:
+                break
+        before = math.exp(-log)
+        grown[i] = math.sqrt(1 + b * math.exp(n * log))
+        out[i] = z = whole - shift * grown[i]
+    return grown
+
+
+def load_at(path: Array, held: Rest, turn: float, z: Array) -> Array:
+    """Loads [N] at positions ``z`` [m]: at rest down to where the edge begins, 0 where contact is lost."""
+    positions, P = path
+    keep = np.append(True, np.diff(np.maximum.accumulate(positions)) > 0)
+    moving = PchipInterpolator(positions[keep], P[keep])(np.clip(z, positions[0], positions[-1]))
+    found: Array = np.where(z > min(held.end, turn), held.at(z)[0], np.where(z < positions[0], 0.0, moving))
+    return found

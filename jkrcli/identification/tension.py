@@ -23,7 +23,7 @@ from ..data.measured import Curve
 from ..formulas.griffith import shift
 from ..formulas.surface_tension import edge_angle
 from ..methods.layered.layered import Layered, largest_radius, unbounded
-from .fit.result import FittedValue, estimated, estimated_work
+from .fit.result import ONE_SIDED, FittedValue, estimated
 from .fit.settings import ALIAS
 from .fit.statistics import covariance, t_quantile
 from .least_squares import Least, LeastSquares, State, by_differences
@@ -113,7 +113,7 @@ class TenseFamily:
     @classmethod
     def of(cls, problem: Problem, depth: float) -> TenseFamily:
         """The family of curves as deep as ``depth`` [m] and beyond."""
-        rounded = 10 ** (math.ceil(20 * math.log10(depth)) / 20)  # so that records share it
+        rounded = 10 ** (math.ceil(4 * math.log10(depth)) / 4)  # so that records share it
         return _tabulated(replace(unbounded(problem), loading=Loading("depth", rounded, 1)))
 
     def loads(self, delta: Array, s: float, kappa: float, w: float) -> Array:
@@ -133,7 +133,7 @@ class TenseFamily:
         return held(w) if w >= 0 else 2 * held(0.0) - held(-w)
 
 
-@lru_cache(maxsize=16)
+@lru_cache(maxsize=64)
 def _tabulated(problem: Problem) -> TenseFamily:
     plain = replace(problem, specimen=replace(problem.specimen, surface_tension=0.0))
     largest = min(largest_radius(plain), 0.95 * problem.indenter.r_max)
@@ -303,16 +303,37 @@ def _result(model: _Model, best: Least, radii: Sequence[float], level: float) ->
     values = model.values(x) | dict(zip(names[len(model.free) :], model.zeros(x).tolist(), strict=True))
     spans = {f"delta0:{r.name}": r.depth for r in model.records}
     errors = dict(zip(names, sigma.tolist(), strict=True)) | ({} if told else {TENSION: None})
-    t, units = t_quantile(level, dof), {**spans, "w": model._work}
-    estimates = [
-        _estimate(name, value, name in names, errors.get(name), t, units.get(name)) for name, value in values.items()
-    ]
+    t = t_quantile(level, dof)
+
+    def of(name: str, value: float) -> FittedValue:
+        if name == "w" and name in names:
+            i = names.index(name)
+            return _work(best, i, float(sigma[i]), variance, t, model._work)
+        return _estimate(name, value, name in names, errors.get(name), t, spans.get(name))
+
+    estimates = [of(*item) for item in values.items()]
     warnings = (*_untold(names, correlation, sigma, told), *_steep(values))
     size = float(np.mean([record.load for record in model.records]))
     loads = tuple(model.loads(x))
     return TensionFit(
         tuple(estimates), tuple(names), correlation, math.sqrt(variance) * size, model.records, loads, warnings
     )
+
+
+def _work(best: Least, i: int, sigma: float, variance: float, t: float, unit: float) -> FittedValue:
+    """w by its profile: the load of a row next to the loss of contact changes like a root of w, whose slope would tell
+    more than the row does."""
+    along = np.eye(best.x.size)[i]
+
+    def end(width: float) -> float:
+        found = best.profile(lambda x: (float(x[i]), along), width * sigma, 0.5 * variance * width**2)
+        return float(best.x[i] + width * sigma) if found is None else found
+
+    low, high = end(-t), end(t)
+    error = (high - low) / (2 * t) * unit
+    if low <= 0:
+        low, high = 0.0, end(ONE_SIDED * t)
+    return FittedValue("w", max(float(best.x[i]), 0.0) * unit, True, "work", error, low * unit, high * unit)
 
 
 def _estimate(name: str, value: float, free: bool, sigma: float | None, t: float, unit: float | None) -> FittedValue:
@@ -322,8 +343,6 @@ def _estimate(name: str, value: float, free: bool, sigma: float | None, t: float
         return FittedValue(shown, value, False, dimension)
     if unit is None:
         return estimated(shown, math.log(value), dimension, sigma, t, log=True)
-    if name == "w" and sigma is not None:
-        return estimated_work(shown, value, sigma * unit, t)
     return estimated(shown, value, dimension, None if sigma is None else sigma * unit, t)
 
 

@@ -498,14 +498,14 @@ def fit(model: ForceCurveModel, start: Array, near: bool = False, loss: Loss = "
     few = model
     if "turn" not in model.names:  # of a retraction alone other minima are near
         few = replace(model, stretches=tuple(part.thinned() for part in model.stretches))
-    whole, noise = _problem(model, even, bounds, sharp, TUNING.converged), max(p.line.noise for p in model.stretches)
+    whole, level = _problem(model, even, bounds, sharp, TUNING.converged), max(p.line.noise for p in model.stretches)
     slow = TUNING.blunt[: -1 if few is model else None]
     for stages in [()] if near else [slow] if few is model else [TUNING.blunt[1:2], slow]:
         begun = x
         for blunt in stages:
             begun = _problem(few, _even(few), bounds, blunt, TUNING.about).least(begun).x
         found = whole.least(begun)
-        if found.ended and 2 * found.cost * even.A < (TUNING.surely_found * noise) ** 2 * found.state.residuals.size:
+        if found.ended and 2 * found.cost * even.A < (TUNING.surely_found * level) ** 2 * found.state.residuals.size:
             break  # no other minimum leaves less than the noise
     about = _problem(model, even, bounds, sharp, TUNING.about)
     if not found.ended:  # of few rows at the fold each makes a kink, between which a search runs to and fro

@@ -1,4 +1,4 @@
-"""A map of what sticking changes: S and load of a bonded layer that sticks over those of one that slides, over a/h."""
+"""A map of what no slip changes: S and load of a bonded layer without slip over those without friction, over a/h."""
 
 from __future__ import annotations
 
@@ -79,10 +79,10 @@ def _work(values: Values) -> Work:
 
 MAP = Map(
     "sticking",
-    """Map what sticking changes under a paraboloid on a layer that is bonded to a rigid base, over a/h.
+    """Map what no slip changes under a paraboloid on a layer that is bonded to a rigid base, over a/h.
 
-    S at equal contact radius, and the load at the depth where the sliding contact has that radius; sticking over
-    sliding. Writes sticking-map.csv, .png and .svg.
+    S at equal contact radius, and the load at the depth where the frictionless contact has that radius; no slip
+    over frictionless. Writes sticking-map.csv, .png and .svg.
 
     \b
     jkr study sticking-map -o map
@@ -95,7 +95,7 @@ MAP = Map(
     },
     _work,
     lambda values: len(values["nu"]) * (TUNING.per_nu + TUNING.per_point * len(values["ratio"])),
-    "paraboloid on a bonded layer: sticking over sliding",
+    "paraboloid on a bonded layer: no slip over frictionless",
     [SHOWN_NU, ("a_over_h", "a/h", "8.4g"), ("S_ratio", "S", "8.4f"), ("load_ratio", "load at equal depth", "20.4f")],
     _figure,
 )  # fmt: skip

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     )
     from .installing import installs
     from .iteration import AT_ONCE, MOST_STEPS, TINY
-    from .memory import free_memory
+    from .memory import SHARE, free_memory
     from .quadrature import composite_gauss
     from .registry import Key, Registry
     from .table import as_json, lists, write_csv
@@ -73,7 +73,7 @@ __getattr__ = lazily(
         " together write_bytes write_text",
         ".installing": "installs",
         ".iteration": "AT_ONCE MOST_STEPS TINY",
-        ".memory": "free_memory",
+        ".memory": "SHARE free_memory",
         ".quadrature": "composite_gauss",
         ".registry": "Key Registry",
         ".table": "as_json lists write_csv",

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from .errors import InputError
-from .memory import fence, free_memory
+from .memory import SHARE, fence, free_memory
 
 
 @dataclass(frozen=True)
@@ -25,7 +25,6 @@ class AllowanceTuning:
     copies: int = 4  # choice: of a text in a binary file while it is read
     chunk: int = 4000  # choice: bytes of memory that a library takes for each chunk of a data set, measured
     little: int = 1 << 28  # choice: bytes of memory that are not asked for
-    share: float = 0.8  # choice: of the free memory; the rest is for what estimates miss
     fence: int = 2 << 30  # choice: bytes that a library may take for a binary file, whatever that declares
 
 
@@ -52,7 +51,7 @@ class Allowance:
                 raise InputError(f"{self.path}: holds {self.taken[name]:,} {name} or more, at most "
                                  f"{self.most[name]:,} are read of one file")  # fmt: skip
         self.memory += size + memory
-        if self.memory > TUNING.little and self.memory > (most := TUNING.share * free_memory() * 2**20):
+        if self.memory > TUNING.little and self.memory > (most := SHARE * free_memory() * 2**20):
             raise InputError(f"{self.path}: takes {self.memory / 2**30:.2g} GiB of memory or more to read, "
                              f"{most / 2**30:.2g} GiB may be taken: {REMEDY}")  # fmt: skip
 

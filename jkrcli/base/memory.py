@@ -8,6 +8,7 @@ import threading
 from collections.abc import Iterator
 from pathlib import Path
 
+SHARE = 0.8  # choice: of the free memory that is planned with; the rest is for what forecasts miss
 CGROUP = Path("/sys/fs/cgroup")
 _ALONE = threading.RLock()  # limits are those of the whole process
 

@@ -12,9 +12,8 @@ from ..data.measured import Reading, each
 from ..data.text_table import some
 from ..series import Solution
 from .fit import body_of, settings_of
+from .fit.fitting import CHUNK
 from .work import Evaluation, WorkAlong, check_window
-
-CHUNK = 20  # curves in one task
 
 
 def evaluation_of(

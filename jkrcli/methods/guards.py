@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..base import SILENCE, Refusal, duration, free_memory
+from ..base import SHARE, SILENCE, Refusal, duration, free_memory
 from .protocol import Forecast
 
 LARGE = 2048.0  # choice: MiB from which on memory is told
-SHARE = 0.8  # of the free memory that a solve may plan with; choice: the rest is for what forecasts miss
 LESS = "fewer points, larger elements or a cheaper method"  # what makes a solve cheaper
 
 

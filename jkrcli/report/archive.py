@@ -12,10 +12,10 @@ import numpy as np
 
 from .. import __version__
 from ..base import Array, InputError, as_json, hdf5, read_bytes, write_bytes
+from .output import SHOWN
 
 FITS, SWEEP_TABLE = FORMATS = ("jkr-fit", "jkr-sweep-table")
 VERSION = 2
-SHOWN = 10  # choice: curves, and words of a column, that are told
 UNPROTECTED = 1  # the version that may lack a digest
 WRITE_AGAIN = "run the command that wrote it again"
 DOUBT = f"the archive is of version 1 without a digest: damage may go unnoticed; {WRITE_AGAIN} for full protection"

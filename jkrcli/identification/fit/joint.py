@@ -15,7 +15,7 @@ from functools import cached_property
 import numpy as np
 from scipy.special import chdtrc
 
-from ...base import Array, InputError, did_you_mean
+from ...base import MOST_STEPS, Array, InputError, did_you_mean
 from ...bodies import RADIUS
 from ...data.measured import Curve
 from ...data.record import ForceCurve
@@ -35,7 +35,6 @@ class JointTuning:
     """How the search ends, and when records are said not to share what they are asked to."""
 
     converged: float = 1e-10  # choice: relative, far below any standard error
-    evaluations: int = 100  # choice: guard
     apart: float = 1e-3  # choice: chance of such differences, below which it is said
 
 
@@ -192,7 +191,7 @@ class Joint:
             weights.append(1 / (np.diag(spread)[places] * [part.units.get(name, 1.0) ** 2 for name in self.shared]))
         start = [np.average(values, axis=0, weights=weights)]
         start += [part.least.x[own] for part, own in zip(self.parts, self.own, strict=True)]
-        problem = LeastSquares(self.state, self.bounds, TUNING.converged, evaluations=TUNING.evaluations)
+        problem = LeastSquares(self.state, self.bounds, TUNING.converged, evaluations=MOST_STEPS)
         return problem.least(np.concatenate(start))
 
 

@@ -28,7 +28,9 @@ from jkrcli.beside.analysis import Analysis, analyse
 from jkrcli.case import store
 from jkrcli.many.cost import Cost
 from jkrcli.report import plots
+from jkrcli.report.map import Map
 from jkrcli.report.plots.curve import curve_figure, physical_units
+from jkrcli.report.plots.map import map_figure
 from jkrcli.report.plots.study import differences_figure
 from jkrcli.series.differences import Difference
 from studies.chart import chart_figure
@@ -330,3 +332,13 @@ def test_phases_of_a_history_are_drawn_apart_and_without_gaps() -> None:
     phases = np.array(["free", "advance", "advance", "rest", "recede", "recede"])
     held = list(_runs({"phase": phases, "part": np.array([1, 1, 1, 2, 3, 3])}))
     assert held == [("free", slice(0, 2)), ("advance", slice(1, 3)), ("rest", slice(3, 4)), ("recede", slice(4, 6))]
+
+
+def test_colour_bars_of_a_map_have_whole_numbers() -> None:
+    """A contact point of 12.3456 um stood there as hundredths of an nm over an offset."""
+    at, noise = np.arange(4) * 1e-6, np.random.default_rng(0)
+    values = {"w": (1e-3, 1e-6), "contact_point": (12.3456e-6, 1e-10), "adhesion_force": (2.3e-8, 1e-11)}
+    images = {name: mean + size * noise.normal(size=(4, 4)) for name, (mean, size) in values.items()}
+    figure = map_figure(Map(at, at, images))
+    figure.canvas.draw()
+    assert [axes.yaxis.get_offset_text().get_text() for axes in figure.axes] == [""] * len(figure.axes)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from matplotlib.ticker import ScalarFormatter
 
 from ...base import Array, scale
 from ..map import IMAGES, Map
@@ -42,7 +43,7 @@ def _image(figure: Figure, axes: Axes, held: Map, name: str, image: Array) -> No
     cells = (_edges(at, float(pitch)) / length for at in (x, y))
     drawn = axes.pcolormesh(*cells, image / factor, shading="flat", cmap="viridis",
                             vmin=ends[0], vmax=ends[1], rasterized=True)  # fmt: skip
-    figure.colorbar(drawn, ax=axes)
+    figure.colorbar(drawn, ax=axes, format=ScalarFormatter(useOffset=False))
     axes.set_title(f"{LABELS[name]} ({pretty(unit)})" if unit else LABELS[name])
     axes.set_aspect("equal")
 

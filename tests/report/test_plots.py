@@ -340,5 +340,5 @@ def test_colour_bars_of_a_map_have_whole_numbers() -> None:
     values = {"w": (1e-3, 1e-6), "contact_point": (12.3456e-6, 1e-10), "adhesion_force": (2.3e-8, 1e-11)}
     images = {name: mean + size * noise.normal(size=(4, 4)) for name, (mean, size) in values.items()}
     figure = map_figure(Map(at, at, images))
-    figure.canvas.draw()
+    FigureCanvasAgg(figure).draw()
     assert [axes.yaxis.get_offset_text().get_text() for axes in figure.axes] == [""] * len(figure.axes)

@@ -156,7 +156,7 @@ def call(arguments: Sequence[str] | None = None) -> int:
         return _fail([_one_line(error)], 2)
     except (KeyboardInterrupt, click.Abort):
         return _fail([interrupts.SAID], interrupts.CODE)
-    except RuntimeWarning as error:
+    except (RuntimeWarning, OverflowError) as error:
         return _fail([f"the numbers leave the range of arithmetic ({error}); are all sizes and units right?"], 1)
     except MemoryError:
         return _fail([OUT_OF_MEMORY], 1)

@@ -17,7 +17,7 @@ EFFECT: Mapping[str, tuple[str, ...]] = {  # others have one on every kind
     "segment": (EACH, SHARED, LAW, RELAXATION), "base_line": (EACH, SHARED), "branch": (EACH, SHARED),
     "noise": (EACH, SHARED), "loss": (EACH,), "confidence": (EACH,), "samples": (EACH,), "seed": (EACH,),
     "rivals": (EACH,), "model": (EACH,), "plan": (EACH,), "surface": (EACH,), "uncertain": (EACH,),
-    "contact": (EACH, SHARED, LAW, RELAXATION),
+    "contact": (EACH, SHARED, LAW, RELAXATION), "slopes": (EACH, SHARED, LAW),
 }  # fmt: skip
 GOES_WITH = {
     "terms": "--relaxation prony", "own": "--shared", "tip_radius": "--shared or --free surface_tension",
@@ -41,6 +41,8 @@ def refuse_idle(kind: str, options: Mapping[str, Any]) -> None:
         idle += [name for name in ("terms",) if name in options]
     if kind in (LAW, RELAXATION) and options.get("contact") == "fitted":
         idle.append("contact")
+    if "slopes" in options and options.get("tip_radius") and kind == SHARED:
+        raise InputError("fit: --slopes does not go with --tip-radius, whose bodies have exact ones: leave it out")
     for name in idle:
         value = f" {options[name]}" if isinstance(options[name], str) else ""
         if name in GOES_WITH and (kind == EACH or kind in EFFECT[name]):

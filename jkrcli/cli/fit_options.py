@@ -44,7 +44,7 @@ OPTIONS = (
                  "parameters and delta0 from t, delta, P of pressing, waiting and retracting, no adhesion."),
     click.option("--terms", type=click.IntRange(1, 4), help="Of --relaxation prony [default: 2]."),
     click.option("--segment", type=click.Choice(["approach", "retract", "both"]),
-                 help="Rows to fit [default: retract where the file names segments, else all]."),
+                 help="Rows to fit [default: both, of --law retract]."),
     click.option("--base-line", type=click.Choice(["straight", "sine"]), default="straight", show_default=True,
                  help="Of a raw record; sine: with optical interference."),
     click.option("--branch", type=click.Choice(["all", "compressive"]), default="all", show_default=True,

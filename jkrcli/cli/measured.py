@@ -79,7 +79,8 @@ OPTIONS = (
                  help='Reading at the zero point, subtracted after the flip: delta="1.2 um".'),
     click.option("--contact", type=click.Choice(["auto", "fitted", "as-is", "estimate"]), default="auto",
                  show_default=True, help="Zero points: fitted together with the rest (base line, tilt, contact point; "
-                 "auto: of raw records), as-is, or estimated before from the free part of the approach."),
+                 "auto: of raw records), as-is, or estimated before from the free part of the approach; of raw records "
+                 "the same as fitted."),
     click.option("--stiffness", type=StiffnessType(),
                  help='The displacement is that of a device (piezo) of this stiffness: P/stiffness is subtracted; it '
                  'makes a force of a deflection. "rigid": nothing is to be subtracted.'),

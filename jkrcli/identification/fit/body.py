@@ -217,7 +217,7 @@ def body_of(
     source: Case | Problem | Solution | str | Path, rule: str = "auto", limits: Limits | None = None
 ) -> FittedBody:
     """The body of a case, a problem, a solution, or a file, its slopes by ``rule``. A case may be solved anew to the
-    radii that the data ask for, a solution ends where it ends."""
+    radii that the data ask for, which has exact slopes; a solution, and what has others, ends where it ends."""
     if isinstance(source, str | Path):
         source = load_case(source) if Path(source).suffix == ".toml" else store.read(source)
     if isinstance(source, Solution):
@@ -225,7 +225,8 @@ def body_of(
         return _asked(FittedBody.of(source.problem, body.series, body.slopes), source)
     _, solution = solve(source, limits=limits)
     problem, series = solution.problem, solution.series
-    return _asked(FittedBody.of(problem, series, slopes(series, rule), problem.specimen.radius is None), solution)
+    extensible = problem.specimen.radius is None and rule in ("auto", "exact")
+    return _asked(FittedBody.of(problem, series, slopes(series, rule), extensible), solution)
 
 
 def _asked(body: FittedBody, solution: Solution) -> FittedBody:

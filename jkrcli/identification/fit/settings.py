@@ -113,7 +113,7 @@ class Settings:
     """All that a fit is asked.
 
     ``parameters``: in the order of the tables; w must be among them, of the other common ones those that are left out
-    are fixed as in the case. ``segment``: None takes the retraction where the curve names one, else all rows.
+    are fixed as in the case. ``segment``: None takes both directions where the curve names them, else all rows.
     ``noise``: standard deviation of the readings by column, SI; found from the record where it is not given.
     ``level``: of the confidence intervals. ``uncertain``: standard deviations of inputs of the body ("nu:film",
     "h:film", "radius", SI) and, relative, of a device ("stiffness", "sensitivity"), carried through. ``samples,

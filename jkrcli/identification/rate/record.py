@@ -79,9 +79,13 @@ def rate_record(curve: Curve, segment: str | None, lost: float | None = None) ->
     missing = [name for name in ("t", "delta", "P") if getattr(curve, name) is None]
     if missing:
         raise InputError(f"{curve.where}: a fit over speed needs t, delta and P, it lacks {', '.join(missing)}")
+    if segment not in (None, "retract"):
+        raise InputError(f"{curve.where}: a fit over speed takes the retraction alone: leave --segment {segment} out")
     numbers = np.arange(len(curve))
     if curve.segment is not None:
-        numbers = numbers[curve.segment == (segment or "retract")]
+        numbers = numbers[curve.segment == "retract"]
+    elif segment is not None:
+        raise InputError(f'{curve.where}: names no segments, cannot take "{segment}" alone')
     part = curve.rows(numbers)
     t, P, device = part.t, part.P, part.device if numbers.size else np.empty(0)
     assert t is not None

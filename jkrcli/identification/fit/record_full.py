@@ -16,7 +16,7 @@ from functools import partial
 import numpy as np
 from scipy.special import fdtrc
 
-from ...base import Array, JkrError
+from ...base import Array, JkrError, SolveError
 from .body import FittedBody
 from .force_curve import ForceCurveFit, ForceCurveModel, fit, misfit_at, rough, starts_of, windowed
 from .record_change import AMOUNT, LITTLE, Change, RivalModel
@@ -34,7 +34,7 @@ class FullTuning:
     passes: float = 1e-3  # choice: chance of what is left, by the noise of the free rows, below which it is misfit
     each: int = 3  # choice: of a family, its best by one step, which does not always name the right one
     steps: int = 20  # choice: guard, of a search that only finds out which rivals are worth a fit
-    promising: float = 1.2  # choice: of the least sum of squares, up to which a rival is fitted to the end
+    promising: float = 1.5  # choice: of the least sum of squares, up to which a rival is fitted to the end
     long: float = 0.5  # choice: of the amount of a range by which adhesion deforms the body, above which it is fitted
     softest: float = 10.0  # choice: of how far adhesion deforms the body, the longest range that is tried
     long_start: float = 3.0  # choice: the same, range from which on a second minimum is looked for
@@ -231,7 +231,12 @@ def _roughly(at: Situation, fresh: ForceCurveModel, change: Change, amount: floa
     begun = [[np.append(x, start) for start in starts], [x for start in starts for x in _new(at, model, start)]]
     if change.load is not None or change.back is not None:  # of histories, which have several minima
         begun = [[start] for start in begun[change.back is not None]]
-    searches = [rough(model, min(some, key=partial(misfit_at, model)), TUNING.steps) for some in begun if some]
+    searches = []
+    for some in filter(None, begun):
+        with contextlib.suppress(JkrError):  # others may come to an end
+            searches.append(rough(model, min(some, key=partial(misfit_at, model)), TUNING.steps))
+    if not searches:
+        raise SolveError("no curve with this change resembles the record")
     return min(searches, key=lambda one: one[0])
 
 

@@ -68,7 +68,7 @@ if TYPE_CHECKING:
         Tabulated,
         TransverselyIsotropic,
     )
-    from .data.measured import Reading
+    from .data import Reading
     from .methods import FEM, Layered, Limits
     from .methods.closed_form.method import ClosedForm
     from .methods.hybrid.method import Hybrid

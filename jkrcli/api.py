@@ -53,12 +53,12 @@ from typing import TYPE_CHECKING, Any
 
 from .adhesion import DISPLACEMENT_CONTROL, LOAD_CONTROL, AskedRange
 from .base import InputError, check_series_target, one_thread, parse
-from .beside.analysis import analyse, nonadhesive, with_solved_points
+from .beside import analyse, nonadhesive, with_solved_points
 from .bodies import Problem
 from .case import Case, load_case, store
 from .case import parse_case as _parse_case
 from .case.solving import solve as _solve
-from .data.measured import Curve, Reading, from_columns
+from .data import Curve, Reading, from_columns
 from .data.measured import read as read_curves
 from .methods import Limits, Method
 from .report import Held, Result, as_result
@@ -542,7 +542,7 @@ def profile(
 ) -> Profile:
     """Pressure, displacement and gap around one contact, of radius ``a`` [m] or under a ``load`` [N], with the work of
     adhesion ``w`` [J/m^2] (default: none); ``stress`` and ``length`` as of ``transform``."""
-    from .beside.profile import profile_columns, radius_under
+    from .beside import profile_columns, radius_under
     from .report import Profile
 
     if (a is None) == (load is None):
@@ -573,7 +573,7 @@ def pull_off(
     """Where contact is lost with the work of adhesion ``w`` [J/m^2] under load and displacement control or by devices
     of a ``stiffness`` [N/m]; or which w a measured pull-off ``load`` [N] means, its inputs
     ``uncertain``: {"R": "2%"}."""
-    from .beside.lost import where_lost
+    from .beside import where_lost
     from .identification.work_of_adhesion import measured_work
     from .report import MeasuredPullOff, PullOff
 

@@ -20,7 +20,9 @@ ROOMS = (
 )  # fmt: skip
 MOST_AT_TOP = 4
 # Rooms, and folders in them, that offer names of their modules.
-OFFERING = "adhesion", "base", "bodies", "identification.fit", "methods", "methods.integral", "report"
+OFFERING = (
+    "adhesion", "base", "beside", "bodies", "data", "identification.fit", "methods", "methods.integral", "report",
+)  # fmt: skip
 # Libraries and the one folder or module that may import each.
 DOORS = {
     "afmformats": "data/measured/afm.py",

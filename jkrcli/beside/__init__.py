@@ -1,1 +1,24 @@
 """What the same bodies would do otherwise: solved again, without slip, with a range, as a half-space."""
+
+from __future__ import annotations
+
+from ..base.lazy import lazily
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from .analysis import JKR, Analysis, adhesive, analyse, forecast, nonadhesive, with_solved_points
+    from .lost import Lost, where_lost
+    from .profile import profile_columns, radius_under
+    from .solved import is_solved
+    from .sticking import StickingEffect, as_told, effect_facts, effect_on, sticking_effect, sticking_warnings
+
+__getattr__ = lazily(
+    __name__,
+    {
+        ".analysis": "JKR Analysis adhesive analyse forecast nonadhesive with_solved_points",
+        ".lost": "Lost where_lost",
+        ".profile": "profile_columns radius_under",
+        ".solved": "is_solved",
+        ".sticking": "StickingEffect as_told effect_facts effect_on sticking_effect sticking_warnings",
+    },
+)

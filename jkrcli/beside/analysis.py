@@ -38,7 +38,7 @@ from .range_effect import effect_of_range
 from .solved import seconds_of_points, solved, solver_of
 
 SURE = 2.0  # theory: 90 % half-widths of a normal error that one in a thousand exceeds
-JKR = AskedRange()
+JKR: AskedRange = AskedRange()
 
 
 @dataclass(frozen=True, eq=False)

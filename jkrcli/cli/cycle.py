@@ -10,7 +10,7 @@ import click
 
 from ..adhesion import AskedRange, limits_of
 from ..base import InputError, show
-from ..beside.analysis import Analysis, analyse, with_solved_points
+from ..beside import Analysis, analyse, with_solved_points
 from ..methods import Limits
 from ..report import PICTURES, Cycled, CycledByProgram, CycledInLimits, Output, Result
 from ..series import Solution

@@ -16,7 +16,7 @@ from .options import LengthType, LoadType, PairsType
 
 if TYPE_CHECKING:
     from ..adhesion import Program, RateContact, RelaxingContact
-    from ..beside.analysis import Analysis
+    from ..beside import Analysis
     from ..bodies import Relaxation
     from ..report import CycledAtSpeed, CycledRelaxing
 

@@ -9,7 +9,7 @@ import click
 
 from ..adhesion import AskedRange
 from ..base import InputError, write_text
-from ..beside.analysis import analyse
+from ..beside import analyse
 from ..data import measured
 from ..methods import Limits
 from ..report import Output

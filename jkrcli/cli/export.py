@@ -8,7 +8,7 @@ import click
 
 from ..adhesion import AskedRange
 from ..base import InputError, together, write_text
-from ..beside.analysis import analyse
+from ..beside import analyse
 from ..methods import Limits
 from ..report import Output
 from .options import WorkType, limits_options, slopes_option

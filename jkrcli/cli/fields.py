@@ -8,7 +8,7 @@ from typing import cast
 import click
 
 from ..base import InputError, atomic, together
-from ..beside.analysis import analyse
+from ..beside import analyse
 from ..case import Case
 from ..report import PICTURES, Fields, Output
 from ..report.fields import COMPONENTS

@@ -36,7 +36,7 @@ def fit_curves(
 ) -> None:  # fmt: skip
     """Each curve on each of the ``bodies``, which are one under different surfaces: table, archive and pictures."""
     from ..base import executor
-    from ..data.measured import usable
+    from ..data import usable
     from ..identification.fit import Failure, Fit, fit_all, planned
     from ..identification.fit.friction import friction_warnings, preferences
     from ..report import Fits, plan_table, rivals_table
@@ -79,7 +79,7 @@ def _write(
 ) -> Files | None:
     """Write table, summary, archive and pictures; the files of the map, if there is one. InputError, when all that can
     be written is, where no curve could be used."""
-    from ..data.text_table import some
+    from ..data import some
     from ..report.fit import write
     from ..report.map import map_of
 
@@ -131,7 +131,7 @@ def _named(found: list[Fit | Failure]) -> list[tuple[Fit | Failure, str]]:
 
 def _draw(drawn: Pictures) -> None:
     """The fitted curve over its data; of a curve that could not be fitted its record, if it can be taken apart."""
-    from ..data.record import examine
+    from ..data import examine
     from ..identification.fit import Failure
     from ..report.plots.fit import fit_figure
     from ..report.plots.record import record_figure

@@ -12,8 +12,7 @@ def fit_relaxation(asked: Asked, law: str) -> None:
     """A fit of each curve in all files, their table, summary and picture; curves that cannot be used are skipped and
     said."""
     from ..base import one_thread
-    from ..data.measured import each
-    from ..data.text_table import some
+    from ..data import each, some
     from ..identification.relaxation import relaxation_fit, relaxation_settings
     from ..report import RelaxationFits
 

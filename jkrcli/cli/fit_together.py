@@ -13,7 +13,7 @@ from .fit_idle import TENSION
 from .output import give
 
 if TYPE_CHECKING:
-    from ..data.measured import Curve, Reading
+    from ..data import Curve, Reading
     from ..identification.fit import FittedBody, Settings
     from ..report import Result
 
@@ -38,7 +38,7 @@ class Asked:
 
     def curves(self, beside: Sequence[Beside]) -> tuple[list[Curve], list[Beside]]:
         """The curves in all files, each with what stands ``beside`` its file; InputError where one cannot be read."""
-        from ..data.measured import each
+        from ..data import each
 
         found = [(item, one) for path, one in zip(self.measured, beside, strict=True)
                  for item in each(path, self.reading)]  # fmt: skip

@@ -14,8 +14,8 @@ import click
 from ..base import InputError, read_bytes
 from ..case import Case, load_case, parse_case, store
 from ..case.models import CaseModel, LoadingTable
+from ..data import SEPARATORS
 from ..data.foreign import NAMES, SeriesReading, read_series
-from ..data.text_table import SEPARATORS
 from ..report import Imported, Output
 from ..series import Solution
 from .body import FLAGS, body_options, case_of, flag

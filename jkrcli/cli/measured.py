@@ -9,9 +9,8 @@ from typing import Any
 
 import click
 
-from ..data.measured import Reading
+from ..data import SEPARATORS, Reading
 from ..data.measured.text import NAMES
-from ..data.text_table import SEPARATORS
 from ..methods import Forecast, Limits
 from .options import (
     ANY,

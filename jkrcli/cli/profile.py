@@ -8,7 +8,7 @@ import click
 
 from ..adhesion import AskedRange
 from ..base import InputError
-from ..beside.profile import profile_columns, radius_under
+from ..beside import profile_columns, radius_under
 from ..methods import Limits
 from ..report import PICTURES, Output, Profile
 from .options import LengthType, LoadType, WorkType, limits_options, range_options

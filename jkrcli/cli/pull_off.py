@@ -10,8 +10,7 @@ import click
 
 from ..adhesion import LOAD_CONTROL, AskedRange
 from ..base import InputError
-from ..beside.lost import where_lost
-from ..beside.sticking import effect_on, sticking_warnings
+from ..beside import effect_on, sticking_warnings, where_lost
 from ..methods.guards import Limits
 from ..report.pull_off import MeasuredPullOff, PullOff
 from ..report.result import Result

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import click
 
-from ..beside.sticking import effect_facts, sticking_effect
+from ..beside import effect_facts, sticking_effect
 from ..case import load_case, store
 from ..case.solving import solve
 from ..methods import METHODS, Limits

@@ -126,7 +126,7 @@ def begin_curves(
 ) -> None:
     """Say what the curves of a ``verb`` will cost together, read off for so many ``devices``, and what takes so many
     CPU seconds ``beside``, where that is much; Refusal beyond the ``limits``."""
-    from ..beside.analysis import forecast
+    from ..beside import forecast
 
     costs = [forecast(*each, tables, figures, devices) for each in zip(held, works, asked, strict=True)]
     total = Forecast(beside + sum(cost.seconds for cost in costs), max(cost.memory_mib for cost in costs), 0.0)

@@ -9,8 +9,7 @@ import click
 
 from ..adhesion import AskedRange
 from ..base import InputError
-from ..beside.analysis import analyse
-from ..beside.sticking import effect_on, sticking_warnings
+from ..beside import analyse, effect_on, sticking_warnings
 from ..methods import Limits
 from ..report import PICTURES, Files, Output, Transformed, as_result
 from ..report.scaling import own_scales, scales_of

@@ -54,7 +54,7 @@ def work(
     jkr work data.h5 map.jpk-force-map --contact estimate --segment retract
     """
     from ..base import executor
-    from ..beside.analysis import nonadhesive
+    from ..beside import nonadhesive
     from ..identification.work_of_files import along_file, evaluation_of
     from ..report import Work
     from .series import read_series, series_file, without_range

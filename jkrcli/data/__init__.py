@@ -1,1 +1,34 @@
 """What others measured or computed, read into SI."""
+
+from __future__ import annotations
+
+from ..base.lazy import lazily
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from .measured import (
+        APPROACH,
+        AS_DEPTH,
+        NOT_SUBTRACTED,
+        OVERRULED,
+        RETRACT,
+        Curve,
+        Pixel,
+        Reading,
+        each,
+        from_columns,
+        usable,
+    )
+    from .measured.contact import saturation, with_zero_points
+    from .record import BaseLine, Direction, ForceCurve, examine
+    from .text_table import SEPARATORS, some
+
+__getattr__ = lazily(
+    __name__,
+    {
+        ".measured": "APPROACH AS_DEPTH NOT_SUBTRACTED OVERRULED RETRACT Curve Pixel Reading each from_columns usable",
+        ".measured.contact": "saturation with_zero_points",
+        ".record": "BaseLine Direction ForceCurve examine",
+        ".text_table": "SEPARATORS some",
+    },
+)

@@ -17,7 +17,7 @@ import numpy as np
 from ..adhesion import Nonadhesive, Program, RelaxingContact
 from ..base import Array, InputError, JkrError, did_you_mean, parse, show
 from ..bodies import RELAXATIONS, Relaxation
-from ..data.measured import Curve
+from ..data import Curve
 from .fit import FittedBody, FittedValue, covariance, estimated, t_quantile, third_differences, times
 from .least_squares import TUNING as FITS
 from .least_squares import Least, LeastSquares, State, by_differences

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..base import TINY, Array, show
-from ..data.measured import Curve
+from ..data import Curve
 from .motion import corners
 
 

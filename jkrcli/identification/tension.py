@@ -19,7 +19,7 @@ from scipy.interpolate import RectBivariateSpline
 from ..adhesion import LIMITS
 from ..base import Array, InputError, SolveError, parse, show
 from ..bodies import Loading, Problem
-from ..data.measured import Curve
+from ..data import Curve
 from ..formulas.griffith import shift
 from ..formulas.surface_tension import edge_angle
 from ..methods.layered.layered import Layered, largest_radius, unbounded

@@ -17,7 +17,7 @@ from scipy.special import stdtrit
 from ..adhesion import TWO_SIDED_90, Nonadhesive, Parts
 from ..adhesion.curve import TUNING as CURVES
 from ..base import Array, InputError, show
-from ..data.measured import Curve
+from ..data import Curve
 from .fit import FittedBody, Settings
 from .fit.record import receding
 

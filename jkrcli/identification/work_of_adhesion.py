@@ -12,8 +12,8 @@ import numpy as np
 from ..adhesion import Nonadhesive, point_error
 from ..adhesion.stability_inverse import FoundWork, work_from_pull_off
 from ..base import Estimate, InputError, Unknown, parse
+from ..beside import Analysis, adhesive, nonadhesive, with_solved_points
 from ..beside.again import method_behind
-from ..beside.analysis import Analysis, adhesive, nonadhesive, with_solved_points
 from ..bodies import Loading, changed, checked_names, layer_names, nominal
 from ..series import Solution
 

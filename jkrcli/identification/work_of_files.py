@@ -8,8 +8,7 @@ from typing import Any
 
 from ..adhesion import Nonadhesive
 from ..base import InputError, Pool, completed
-from ..data.measured import Reading, each
-from ..data.text_table import some
+from ..data import Reading, each, some
 from ..series import Solution
 from .fit import body_of, settings_of
 from .fit.fitting import CHUNK

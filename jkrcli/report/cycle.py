@@ -14,7 +14,7 @@ from ..adhesion import Jump, Program, control, path, turning_radius
 from ..adhesion.path import TUNING
 from ..adhesion.stability import Cycle, cycle, trace
 from ..base import Array, InputError, Unknown, show
-from ..beside.analysis import Analysis
+from ..beside import Analysis
 from . import tables
 from .result import Result
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..adhesion.dem import DemLaw
 from ..base import Array, InputError, show
-from ..beside.analysis import Analysis
+from ..beside import Analysis
 from ..formulas.half_space import jkr
 from .result import Result
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..adhesion import stable_radius
 from ..base import Array, show
-from ..beside.analysis import Analysis
+from ..beside import Analysis
 from .result import Result
 
 if TYPE_CHECKING:

@@ -10,9 +10,8 @@ from typing import TYPE_CHECKING, Any
 from ..base import InputError, Unknown, show
 from ..beside.rough import Rough, rough
 from ..bodies import Indenter
-from ..data import measured
+from ..data import BaseLine, Direction, ForceCurve, examine, measured
 from ..data.measured.curve import ARBITRARY
-from ..data.record import BaseLine, Direction, ForceCurve, examine
 from .output import SHOWN
 from .result import Result
 

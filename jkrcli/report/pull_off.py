@@ -8,9 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..adhesion import LOAD_CONTROL, Behaviour, Equilibrium, Errors, control, yielding
 from ..base import Estimate, Unknown, accuracy, known, show
-from ..beside.analysis import Analysis
-from ..beside.lost import Lost
-from ..beside.solved import is_solved
+from ..beside import Analysis, Lost, is_solved
 from . import tables
 from .result import Result
 

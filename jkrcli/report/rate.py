@@ -23,7 +23,7 @@ from ..adhesion.path import TUNING
 from ..adhesion.rate.history import History
 from ..adhesion.rate.validity import NEGLECTED, Zone, zone
 from ..base import SI, Array, InputError, SolveError, Unknown, known, show
-from ..beside.analysis import Analysis
+from ..beside import Analysis
 from ..identification.rate.through import LawThrough
 from .result import Result, as_result
 from .tables import point, stiffness

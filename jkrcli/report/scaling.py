@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..base import Array, InputError
-from ..beside.analysis import Analysis
+from ..beside import Analysis
 from ..bodies import Elastic, Problem, Rigid
 from ..formulas.scales import scales_half_space, scales_thin_layer
 from ..formulas.thin_layer import foundation_modulus

@@ -9,7 +9,7 @@ from typing import Any
 
 from ..adhesion import end_of_body, judge, sizes
 from ..base import Array, Estimate, Unknown, accuracy, reached
-from ..beside.sticking import StickingEffect, as_told, sticking_warnings
+from ..beside import StickingEffect, as_told, sticking_warnings
 from ..bodies import Problem
 from ..methods import Choice
 from ..series import COLUMNS, Series, Solution

@@ -23,7 +23,7 @@ from ..adhesion import (
 )
 from ..base import Array, Estimate, InputError, Unknown, accuracy, allowance, known, read_bytes, show
 from ..base import as_json as as_json
-from ..beside.analysis import Analysis
+from ..beside import Analysis
 
 SUMMARY_FORMAT, SUMMARY_VERSION = "jkr-summary", 1
 WORD_COLUMNS = ("branch",)  # of a curve; all others are numbers

@@ -9,9 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..adhesion import CriticalPoint
 from ..base import Array, Estimate, Unknown, accuracy, show
-from ..beside.analysis import Analysis
-from ..beside.solved import is_solved
-from ..beside.sticking import StickingEffect, as_told, effect_on
+from ..beside import Analysis, StickingEffect, as_told, effect_on, is_solved
 from . import tables
 from .result import Result
 from .scaling import Scales

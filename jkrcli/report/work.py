@@ -13,9 +13,8 @@ import numpy as np
 
 from ..adhesion import Nonadhesive
 from ..base import Array, Unknown, show
-from ..beside.analysis import Analysis, adhesive
-from ..data.measured.contact import saturation
-from ..data.text_table import some
+from ..beside import Analysis, adhesive
+from ..data import saturation, some
 from ..identification.rate.through import LawThrough, law_along
 from ..identification.work import ABOVE, BELOW, NONE, OK, WorkAlong, typical
 from ..series import Solution

@@ -69,8 +69,8 @@ def test_long_tables_are_announced_before_they_are_read(
     def reading(*_: object) -> None:
         raise KeyboardInterrupt
 
+    monkeypatch.setattr("jkrcli.identification.work_of_files.each", reading)  # first: what it imports is no patch
     monkeypatch.setattr("jkrcli.data.measured.each", reading)
-    monkeypatch.setattr("jkrcli.identification.work_of_files.each", reading)
     monkeypatch.setattr("jkrcli.report.compare.read_curve", reading)
     monkeypatch.setattr("jkrcli.cli.fit.fitted_body", reading)
     Path("s.toml").write_text(HALF_SPACE.format(method="closed-form", loading='radius = "0.1 mm"'))

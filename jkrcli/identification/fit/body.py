@@ -17,7 +17,7 @@ import numpy as np
 from ...adhesion import AskedRange, FiniteRangeBody, Slopes
 from ...adhesion.slopes.choice import slopes
 from ...base import InputError, JkrError, Refusal, SolveError, show
-from ...beside.analysis import JKR, nonadhesive
+from ...beside import JKR, nonadhesive
 from ...bodies import RADIUS, Loading, Problem, changed, checked_names, layer_names, nominal
 from ...case import Case, load_case, store
 from ...case.solving import solve

@@ -11,9 +11,18 @@ from functools import partial
 import numpy as np
 
 from ...base import InputError, JkrError, Pool, SolveError, completed, executor
-from ...data.measured import APPROACH, AS_DEPTH, NOT_SUBTRACTED, OVERRULED, RETRACT, Curve, Pixel
-from ...data.measured.contact import with_zero_points
-from ...data.record import ForceCurve, examine
+from ...data import (
+    APPROACH,
+    AS_DEPTH,
+    NOT_SUBTRACTED,
+    OVERRULED,
+    RETRACT,
+    Curve,
+    ForceCurve,
+    Pixel,
+    examine,
+    with_zero_points,
+)
 from .body import FittedBody, check_parameters
 from .checks import warnings_of
 from .confidence import confidence_of

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from ...base import show
-from ...beside.sticking import sticking_effect, sticking_warnings
+from ...beside import sticking_effect, sticking_warnings
 from .body import FittedBody
 from .fitting import Failure
 from .result import Fit

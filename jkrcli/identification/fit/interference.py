@@ -13,8 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...base import Array
-from ...data.measured import APPROACH, Curve
-from ...data.record import Direction, ForceCurve, examine
+from ...data import APPROACH, Curve, Direction, ForceCurve, examine
 
 
 @dataclass(frozen=True)

@@ -17,8 +17,7 @@ from scipy.special import chdtrc
 
 from ...base import MOST_STEPS, Array, InputError, did_you_mean
 from ...bodies import RADIUS
-from ...data.measured import Curve
-from ...data.record import ForceCurve
+from ...data import Curve, ForceCurve
 from ..least_squares import Least, LeastSquares, State
 from .body import FittedBody
 from .confidence import spread_of

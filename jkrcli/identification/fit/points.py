@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...base import Array, InputError
-from ...data.measured import APPROACH, RETRACT, Curve
+from ...data import APPROACH, RETRACT, Curve
 from .edges import ADVANCING, RECEDING
 from .settings import BranchName, SegmentName
 from .statistics import NORMAL_MEDIAN

@@ -10,9 +10,8 @@ from functools import partial
 import numpy as np
 
 from ...base import Array, InputError, Pool, SolveError, Unknown, known, show
-from ...data.measured import Curve
+from ...data import Curve, ForceCurve, examine
 from ...data.measured.curve import APPROACH, RETRACT
-from ...data.record import ForceCurve, examine
 from .body import FittedBody
 from .checks import warnings_of
 from .confidence import changes_by, wider

@@ -11,7 +11,7 @@ import numpy as np
 from scipy.special import ndtri
 
 from ...base import Array, InputError, Unknown
-from ...data.measured import Pixel
+from ...data import Pixel
 from .record_scores import Verdict
 from .settings import Settings
 from .statistics import Structure

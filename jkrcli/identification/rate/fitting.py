@@ -16,7 +16,7 @@ import numpy as np
 
 from ...adhesion import RATE_LAWS, Nonadhesive, RateLaw, rate_parameters
 from ...base import Array, InputError, JkrError, SolveError, Unknown, did_you_mean, parse, show
-from ...data.measured import Curve
+from ...data import Curve
 from ..fit import FittedBody, FittedValue, Parameter, Settings, covariance, estimated, fit, t_quantile, times
 from ..least_squares import TUNING as FITS
 from ..least_squares import Least, LeastSquares, State

@@ -8,7 +8,7 @@ import numpy as np
 
 from ...adhesion import Program
 from ...base import Array, InputError
-from ...data.measured import Curve
+from ...data import Curve
 from ..fit import third_differences
 from ..least_squares import TUNING as FITS
 

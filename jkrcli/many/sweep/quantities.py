@@ -11,7 +11,7 @@ import numpy as np
 
 from ...adhesion import DISPLACEMENT_CONTROL, AdhesiveCurve, Equilibrium, behaviour
 from ...base import InputError, Unknown, did_you_mean
-from ...beside.analysis import Analysis
+from ...beside import Analysis
 from ...report import tables
 
 Value = float | int | str

@@ -11,7 +11,7 @@ from typing import Any
 
 from ...adhesion import Nonadhesive
 from ...base import JkrError, Unknown
-from ...beside.analysis import adhesive, nonadhesive
+from ...beside import adhesive, nonadhesive
 from ...bodies import Problem
 from ...case.models import CaseModel
 from ...case.numerics import method_of

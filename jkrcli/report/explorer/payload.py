@@ -17,8 +17,8 @@ import numpy as np
 from ... import __version__
 from ...adhesion import LIMITS, LOAD_CONTROL, AdhesiveCurve, CriticalPoint, Nonadhesive, regime
 from ...base import SI, UNITS, Array, Unknown, decades, scale
-from ...beside.analysis import Analysis
-from ...data.measured import Curve
+from ...beside import Analysis
+from ...data import Curve
 
 MOST_POINTS = 4000  # shown of all measured curves together; choice: more cannot be told apart on a screen
 

@@ -12,7 +12,7 @@ import numpy as np
 from ...adhesion import CriticalPoint, EquilibriumCurve, branch
 from ...adhesion.stability import GRIPPED, STABLE, UNSTABLE
 from ...base import Array, scale, show
-from ...beside.analysis import Analysis
+from ...beside import Analysis
 from ..scaling import Scales
 from . import BLACK, BLUE, GREEN, LABELS, ORANGE, Axes, Figure, colors, few_ticks, legend_below, pair, pretty, scaled
 

@@ -9,7 +9,7 @@ from textwrap import fill
 import numpy as np
 
 from ...base import Array, Unknown, scale
-from ...data.record import Direction, ForceCurve
+from ...data import Direction, ForceCurve
 from . import BLACK, BLUE, LARGER, ORANGE, PURPLE, WIDE, Axes, Figure, drawing, enlarged, legend_below, pretty
 
 MOST_PANELS, MOST_POINTS = 12, 2000  # choice: of a figure, and of a segment in it

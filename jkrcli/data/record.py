@@ -433,8 +433,12 @@ def _sudden(off: Array, base: BaseLine) -> tuple[Array, Array, int]:
         return np.zeros(0, bool), np.zeros(0, bool), off.size
     step = off[width:] - off[:-width]
     least = max(TUNING.sigmas * math.sqrt(2) * base.noise, TUNING.jump * float(np.ptp(off)))
-    before, after = _usual(step, width)
-    return step < np.minimum(before, after) - least, step > np.maximum(before, after) + least, width
+    fall, rise = np.zeros(step.size, bool), np.zeros(step.size, bool)
+    smallest, largest = _ends_of_medians(step[::width])
+    odd = np.flatnonzero((step < largest - least) | (step > smallest + least))
+    before, after = _usual(step, width, odd)
+    fall[odd], rise[odd] = step[odd] < np.minimum(before, after) - least, step[odd] > np.maximum(before, after) + least
+    return fall, rise, width
 
 
 def _first_fall(off: Array, base: BaseLine) -> int:
@@ -444,14 +448,18 @@ def _first_fall(off: Array, base: BaseLine) -> int:
     return min((first for first, _ in _runs(fall, width) if first >= TUNING.far * off.size), default=off.size)
 
 
-def _usual(step: Array, width: int) -> tuple[Array, Array]:
-    """The median of the steps over ``width`` rows just before each of them, and just after."""
-    n = TUNING.around
-    few = np.pad(step[::width], n + 1, mode="edge")
-    medians = np.median(np.lib.stride_tricks.sliding_window_view(few, n), axis=1)
-    count = few.size - 2 * (n + 1)
-    before, after = medians[:count], medians[n + 3 : n + 3 + count]
-    return np.repeat(before, width)[: step.size], np.repeat(after, width)[: step.size]
+def _ends_of_medians(few: Array) -> tuple[float, float]:
+    """Between which all medians of ``TUNING.around`` neighbours lie: half as many of all are beyond each end."""
+    k = min(TUNING.around // 2, few.size) - 1
+    ends = np.partition(few, [k, few.size - 1 - k])
+    return float(min(ends[k], few[0], few[-1])), float(max(ends[few.size - 1 - k], few[0], few[-1]))
+
+
+def _usual(step: Array, width: int, chosen: Array) -> tuple[Array, Array]:
+    """The median of the steps over ``width`` rows just before each of the ``chosen``, and just after."""
+    n, (few, own) = TUNING.around, np.unique(chosen // width, return_inverse=True)
+    windows = np.lib.stride_tricks.sliding_window_view(np.pad(step[::width], n + 1, mode="edge"), n)
+    return np.median(windows[few], axis=1)[own], np.median(windows[few + n + 3], axis=1)[own]
 
 
 def _runs(held: Array, width: int) -> list[tuple[int, int]]:

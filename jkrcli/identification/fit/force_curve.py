@@ -715,10 +715,11 @@ def _tried(model: ForceCurveModel, part: DirectionReadings, share: float) -> tup
     (D, T, H, V), _, _ = on_grid(model.family)
     modulus, work = model.known.get("ln_s"), model.works.get(part.kind)
     best = (math.inf, 0.0, 0.0, 0.0)
+    points = _contact_points(part, delta, rows)
     for r in _shapes(D, T) if part.jumped and work != 0 else (0.0,):
         path, load = D - r * T, H - r * V
         fold = int(np.argmin(path))
-        zeros = _contact_points(part, delta, rows, float(path[fold]))
+        zeros = points - float(path[fold]) if part.jumped else points
         basis = np.interp(delta - zeros[:, None], path[fold:], load[fold:], left=0.0 if not part.jumped else None)
         if part.jumped:
             basis = np.where(part.touching[rows], basis, 0.0)
@@ -751,11 +752,11 @@ def _shapes(D: Array, T: Array) -> Array:
     return np.concatenate([[0.0], np.geomspace(ratio[0], ratio[-1], TUNING.shapes)])
 
 
-def _contact_points(part: DirectionReadings, delta: Array, rows: Array, fold: float) -> Array:
-    """Displacements tried as zero; with a jump about that for which its first row in contact lies at the fold."""
+def _contact_points(part: DirectionReadings, delta: Array, rows: Array) -> Array:
+    """Displacements tried as zero; with a jump, as the fold, about its first row in contact."""
     span = float(np.ptp(delta))
     if not part.jumped:
         return np.linspace(delta.min(), delta.max() - 0.01 * span, TUNING.points)
     first = float(delta[part.touching[rows]][0])
     steps = span * np.geomspace(1e-4, 0.5, TUNING.points // 3)
-    return first - fold + np.concatenate([-steps, [0.0], steps])
+    return first + np.concatenate([-steps, [0.0], steps])

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -88,7 +88,14 @@ def of_body(family: Family, D: Array, S: Array) -> Array:
     dS = np.exp(S) * (ds + s * np.gradient(S, u, edge_order=2))
     rate = s * np.exp(S + D) * (dD + d * np.gradient(D, u, edge_order=2))
     T = np.log(ds / dS) / 2
-    return np.stack([D, T, np.log(_integral(u, rate) / _integral(u, s * dD)), S + T])
+    return np.stack([D, T, np.log(_integral(u, rate) / _plain_integral(family)), S + T])
+
+
+@lru_cache(maxsize=TUNING.remembered)
+def _plain_integral(family: Family) -> Array:
+    """The load without adhesion by the same integral."""
+    (_, t, _, v), (dD, _, _, _), _ = on_grid(family)
+    return _integral(grid(family), v / t * dD)
 
 
 def _integral(u: Array, rate: Array) -> Array:

@@ -37,9 +37,12 @@ class SolvedTuning:
     """Where further radii are solved, and how often."""
 
     step: float = 0.02  # of log(a - a0) between the seven; tuned on random bodies, by `make bounds`
-    # Of what is stated, at least, that is no spring in series
-    own: float = 0.15  # tuned on random bodies, by `make bounds`
-    # and of S' where S'' is meant
+    # Of what is stated of columns, and of S', what is neither a spring in series nor a stiffness: on random bodies at
+    # most 0.03 of delta, 0.08 of S'
+    own: tuple[float, ...] = (0.06, 0.06, 0.06, 0.13)  # tuned on random bodies, by `make bounds`
+    # of delta where delta' is meant
+    rough: float = 0.25  # tuned on random bodies, by `make bounds`
+    # and of S' where S'' is meant, at least
     bent: float = 0.45  # tuned on random bodies, by `make bounds`
     # Error of a rate, in logs, over that of its column: one kernel errs smoothly
     steeper: float = 1.5  # tuned on random bodies, by `make bounds`
@@ -110,8 +113,8 @@ def _joint(solution: Solution, at: Array, rates: Array, left: Array) -> Array:
 
     A kernel errs smoothly: most of it is the compliance of one spring in series, which leaves P as it is and changes S
     by the relative error e, S' by 2 e, delta_H by e P/S and delta_H' by e delta_H' the other way, S'' as S'; and what
-    errs of P is one stiffness that is too large, of S, S' and S'' too. The rest of what is stated goes its own way, and
-    so does the profile's part.
+    errs of P is one stiffness that is too large, of S, S' and S'' too. A small share of what is stated goes its own
+    way, more of it where rates are meant; and so does the profile's part.
     """
     series = solution.series
     values = np.stack([getattr(series, name)[at] for name in ("delta", "P", "S", "dS")])
@@ -125,12 +128,12 @@ def _joint(solution: Solution, at: Array, rates: Array, left: Array) -> Array:
     beyond = series.a[at] - series.a0
     unit = np.stack([delta, dS]) / beyond
     steep = np.maximum(np.abs(rates), unit)
-    not_of = kernel**2 - np.cumsum(common[:, :4] ** 2, axis=0)  # one spring; nor a stiffness, but for how S' changes
-    own, beside = np.maximum(np.sqrt(np.maximum(not_of[::-1], 0.0)), TUNING.own * kernel)
-    rough = np.stack([own[0], np.maximum(beside[3], TUNING.bent * kernel[3])])
+    not_of = np.sqrt(np.maximum(kernel[3] ** 2 - by_spring[3] ** 2, 0.0))  # one spring, of S'
+    rough = np.stack([TUNING.rough * kernel[0], np.maximum(not_of, TUNING.bent * kernel[3])])
     of_rates = TUNING.steeper * steep * rough / values[::3] + left + TUNING.scatter / TUNING.step * unit
     profile = np.stack([shift, S * shift, 0 * S, 0 * S, slope, 0 * S])
     covariance = np.sum(common[:, :, None] * common[:, None], axis=0)
+    own = np.array(TUNING.own)[:, None] * kernel
     covariance[np.arange(6), np.arange(6)] += np.concatenate([own, of_rates]) ** 2 + profile**2
     return np.moveaxis(covariance, -1, 0) / TWO_SIDED_90**2
 

@@ -43,7 +43,7 @@ class HybridTuning:
     samples: int = 10  # radii; tuned on random bodies, by `make bounds`
     smallest: float = 0.08  # of the largest, the first of them; tuned on random bodies, by `make bounds`
     # On the error that the last step of the degree leaves:
-    safety: float = 2.5  # tuned on random bodies, by `make failures`
+    safety: float = 2.5  # tuned on random bodies, by `make bounds`
     slowest: float = 3.0  # what a step divides it by, at least; tuned on random bodies, by `make failures`
     fastest: float = 15.0  # at most; tuned on random bodies, by `make failures`
     cornered: float = 8.0  # at most, with singular corners; tuned on random bodies, by `make failures`
@@ -64,6 +64,7 @@ class HybridTuning:
     decayed: float = 0.05  # tuned on random bodies, by `make failures`
     # Refinement:
     lowest: int = 4  # degree; tuned on reference bodies, by `make tuning`
+    few: int = 300  # choice: unknowns of one element or two, of which one degree more costs nothing
     highest: int = 16  # degree; choice: rounding sets the limit beyond
     # Of the tolerance, to which parameters and cut are brought:
     share: float = 0.25  # tuned on reference bodies, by `make tuning`
@@ -306,8 +307,8 @@ class AdaptiveKernel:
 
     def accurate(self, reach: float) -> tuple[KernelContact, ErrorEstimates, KernelLevels, int]:
         """The contact for radii up to ``reach`` [m] that meets the tolerance, its errors, and its degree."""
-        step: Refinement | None = Refinement()
         levels = self.levels(reach)
+        step: Refinement | None = Refinement(degree=self._first(levels))
         while step is not None:
             tried = step
             contact = self._contact(levels, step.degree)
@@ -329,6 +330,12 @@ class AdaptiveKernel:
             f"above the tolerance {self.tolerance:.1e}; {remedy}ask for a smaller contact radius or use method "
             f"{self._instead}"
         )
+
+    def _first(self, levels: KernelLevels) -> int:
+        """The lowest degree that is judged, by the two below it: of few elements the lowest may be right by accident,
+        so that the next two differ by no more than it errs."""
+        higher = TUNING.lowest + 2 * STEP
+        return higher if levels.cost(higher).unknowns <= TUNING.few else TUNING.lowest + STEP
 
     def _judge(self, contact: KernelContact, levels: KernelLevels, degree: int) -> ErrorEstimates:
         """Errors at some radii, from what lower levels, one polynomial less and the cut change."""

@@ -35,7 +35,7 @@ from jkrcli.methods.layered.layered import Layered
 R = 5e-6
 LAYERS = [(h, nu) for h in (0.5e-6, 1.5e-6, 5e-6) for nu in (0.3, 0.45, 0.5)]
 TABLES = [(columns, rest) for columns in ("a,P", "delta,P", "a,delta,P") for rest in (True, False)]
-OFF = 3.0  # intervals' half-widths beyond which an answer without a flag counts as wrong
+OFF = 3.0  # of the interval from the value towards the truth, beyond which an answer without a flag counts as wrong
 
 
 def body(layer: tuple[float, float] | None) -> FittedBody:
@@ -67,7 +67,7 @@ def judged(held: FittedBody, curve: Curve, truth: dict[str, float], **options: A
         if true is None or item.low is None or item.high is None:
             continue
         told[item.name] = float(item.low <= true <= item.high)
-        far = abs(item.value - true) > OFF * (item.high - item.low) / 2
+        far = abs(item.value - true) > OFF * (item.high - item.value if true > item.value else item.value - item.low)
         silent = max(silent, float(far and not found.flags))
     return told | {"silent": silent}
 

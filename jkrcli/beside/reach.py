@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -27,6 +27,8 @@ class ReachTuning:
     most: float = 1e3  # choice: [m], beyond every body
     looked_at: int = 3200  # choice: of these radii, 200 per decade
     inside: float = 0.99  # choice: of the radius at which the indenter ends
+    first: float = 5.0  # choice: times the thickness of a layer, where a first contact ends
+    further: float = 3.0  # choice: times the radius of the contact before, that of the next
     margin: float = 1.05  # choice: over the radius without load, so that it lies within
     points: int = 200  # choice: rows; pull-off points are solved at their own radii
     of_devices: float = 1e3  # choice: w of a force under displacement control over that under load control; a cone's: 3
@@ -38,23 +40,31 @@ TUNING = ReachTuning()
 def solved_for(problem: Problem, works: Sequence[float], slopes: str = "auto", modulus_factor: float = 1.0) -> Solution:
     """The ``problem``, whatever its loading, solved as far as its pull-off asks with any of the ``works`` [J/m^2]
     > 0: to little more than the largest contact radius without load."""
-    w = max(works)
-    first = _reaching(problem, w, modulus_factor)
-    body = nonadhesive(first, slopes).scaled(modulus_factor)
-    held = np.flatnonzero(AdhesiveCurve(body, w).P <= 0)
-    return again(_to(problem, float(body.a[held[-1]] if held.size else body.a[-1])))
+    w, held = max(works), 0.0
+    for wider in _wider(problem, w, modulus_factor):
+        body = nonadhesive(wider, slopes).scaled(modulus_factor)
+        P = AdhesiveCurve(body, w).P
+        held = float(body.a[P <= 0].max(initial=body.a[0]))
+        if P[-1] > 0:
+            break
+    return again(_to(problem, held))
 
 
 def solved_for_force(
     problem: Problem, load: float, stiffnesses: Sequence[float], slopes: str = "auto", modulus_factor: float = 1.0
 ) -> Solution:
     """The same for the pull-off force ``load`` [N, > 0] measured by devices of the ``stiffnesses`` [N/m] (default: load
-    control), whose w is looked for on a series that reaches far."""
+    control), whose w is looked for on series that reach farther and farther."""
     w = work_on_half_space(problem.indenter, modulus_factor * problem.E_star, load)
-    wide = _reaching(problem, w * TUNING.of_devices if stiffnesses else w, modulus_factor)
-    body = nonadhesive(wide, slopes).scaled(modulus_factor)
-    found = [work_from_pull_off(body, load, stiffness).w for stiffness in stiffnesses or (LOAD_CONTROL,)]
-    return solved_for(problem, found, slopes, modulus_factor)
+    for wider in _wider(problem, w * TUNING.of_devices if stiffnesses else w, modulus_factor):
+        body = nonadhesive(wider, slopes).scaled(modulus_factor)
+        try:
+            found = [work_from_pull_off(body, load, stiffness).w for stiffness in stiffnesses or (LOAD_CONTROL,)]
+        except InputError as error:  # the force may lie beyond this series
+            failed = error
+        else:
+            return solved_for(problem, found, slopes, modulus_factor)
+    raise failed
 
 
 def work_on_half_space(indenter: Indenter, E_star: float, load: float) -> float:
@@ -64,14 +74,21 @@ def work_on_half_space(indenter: Indenter, E_star: float, load: float) -> float:
     return float(np.min((P_H + load) ** 2 / (8 * math.pi * E_star * a**3)))
 
 
-def _reaching(problem: Problem, w: float, modulus_factor: float) -> Solution:
-    """The problem solved to the contact radius that its half-space keeps without load: on a layer over a rigid base,
-    which is stiffer, adhesion holds a smaller one."""
+def _wider(problem: Problem, w: float, modulus_factor: float) -> Iterator[Solution]:
+    """The problem solved to wider and wider contacts, coarsely, at last to the radius that its half-space keeps without
+    load: on a layer over a rigid base, which is stiffer, adhesion holds a smaller one, on thin ones far smaller."""
     E_star = modulus_factor * problem.E_star
     a, delta_H, P_H = half_space_radii(problem.indenter, E_star)
     _, P = adhesive_half_space(a, delta_H, P_H, E_star, w)
-    far = _to(problem, float(a[P <= 0].max(initial=a[0])))
-    return again(far) if problem.specimen.is_half_space else again(far, method=COARSE)
+    widest = float(a[P <= 0].max(initial=a[0]))
+    layers = problem.specimen.layers
+    reach = min(TUNING.first * sum(layer.thickness for layer in layers), widest) if layers else widest
+    while True:
+        far = _to(problem, reach)
+        yield again(far, method=COARSE) if layers else again(far)
+        if reach == widest:
+            return
+        reach = min(TUNING.further * reach, widest)
 
 
 def _to(problem: Problem, a: float) -> Problem:

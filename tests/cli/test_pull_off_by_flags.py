@@ -58,6 +58,19 @@ def test_a_layer_is_that_of_a_case(jkr: Run, thickness: str, base: str) -> None:
         assert one["jump_in"]["P_N"] == pytest.approx(other["jump_in"]["P_N"], rel=1e-6, abs=1e-12)
 
 
+def test_a_layer_far_thinner_than_the_half_space_s_contact(jkr: Run) -> None:
+    """Its half-space would hold a contact of 84 um, 840 thicknesses, which no method solves; the layer holds 6 um."""
+    Path("thin.toml").write_text(
+        '[indenter]\nshape="paraboloid"\nradius="1 mm"\n[specimen]\nlayers=[{thickness="100 nm", E="1 MPa", nu=0.5}]\n'
+        '[loading]\nradius="8 um"\npoints=300\nspacing="log"\n'
+    )
+    body = ("--shape", "paraboloid", "--radius", "1 mm", "--E", "1 MPa", "--nu", "0.5", "--thickness", "100 nm")
+    found, expected = lost(jkr, *body, "--w", "50 mJ/m^2"), lost(jkr, "thin.toml", "--w", "50 mJ/m^2")
+    assert forces(found) == pytest.approx(forces(expected), rel=1e-6)
+    back = lost(jkr, *body, "--load", f"{forces(found)[0]!r}")
+    assert back["w_J_per_m2"] == pytest.approx(W, rel=1e-8)
+
+
 @pytest.mark.parametrize("control", ["load", "rigid", "0.3 N/m"])
 @pytest.mark.parametrize(
     "body",

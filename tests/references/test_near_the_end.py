@@ -29,10 +29,21 @@ def given(indenter: Sphere | Paraboloid, specimen: Specimen, *radii: float) -> P
 SOFT = Specimen((Layer(Elastic(90761.0, 0.5), 1.66e-6),), HalfSpace(Elastic(908806.0, 0.427)))
 
 
+STIFF = Specimen((Layer(Elastic(8.292e9, 0.22305), 1.4194e-7), Layer(Elastic(6.71125e10, -0.74836), 4.3292e-8)),
+                 HalfSpace(Elastic(1.31226e15, 0.5)))  # fmt: skip
+
+
 @pytest.mark.slow
-def test_fem_at_a_few_radii_up_to_the_equator_of_a_sphere() -> None:
-    """P at equal depth was 3.8e-3 off at a/R = 0.97, 1.6e-3 stated: two meshes agreed by accident at two radii."""
-    problem = given(Sphere(4.307e-8), SOFT, 1.765e-8, 4.178e-8)
+@pytest.mark.parametrize(
+    ("R", "specimen", "radii"),
+    [(4.307e-8, SOFT, (1.765e-8, 4.178e-8)), (1.69e-8, STIFF, (4.92e-9, 6.404e-9, 1.6393e-8))],
+)
+def test_fem_at_a_few_radii_up_to_the_equator_of_a_sphere(
+    R: float, specimen: Specimen, radii: tuple[float, ...]
+) -> None:
+    """P at equal depth was 3.8e-3 and 3.9e-3 off at a/R = 0.97, 1.6e-3 and 1.8e-3 stated: two meshes agreed by
+    accident at two radii."""
+    problem = given(Sphere(R), specimen, *radii)
     series = FEM()(problem).series
     exact = Layered()(replace(problem, loading=Loading.given("depth", tuple(series.delta.tolist())))).series
     assert np.all(np.abs(series.P - exact.P) <= series.errors["P"])
@@ -103,17 +114,44 @@ def test_the_curve_of_a_mesh_where_a_profile_bends() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["thin-layer", "gel"])
-def test_points_of_meshes_are_not_stated_far_too_large(name: str) -> None:
-    """The force at load pull-off was stated 200 and 45 times too large, that under displacement control 118 times."""
+@pytest.mark.parametrize(("name", "factor"), [("thin-layer", 40), ("gel", 3)])  # measured: 34 and 1.6
+def test_points_of_meshes_are_not_stated_far_too_large(name: str, factor: float) -> None:
+    """The force at load pull-off was stated 200 and 45 times too large, that under displacement control 118 times:
+    there against the largest error among five works, as one of them may be right by accident."""
     model = load_case(CASES / f"{name}.toml").model
-    found, exact = (analyse(method(model.problem()), [model.adhesion.w[0]])[0] for method in (FEM(), Layered()))
-    for control, factor in (("load", 10), ("displacement", 50)):  # measured: 2.6 and 1.7; 33 and 24
-        point, truth, stated = found.pull_off[control], exact.pull_off[control], found.pull_off_errors[control]
+    works = [model.adhesion.w[0] * 10**x for x in (0.0, -0.5, -0.25, 0.25, 0.5)]
+    found, exact = (analyse(method(model.problem()), works) for method in (FEM(), Layered()))
+    for control, most, some in (("load", 10, 1), ("displacement", factor, 5)):
+        errors, stated = [], []
+        for one, other in zip(found[:some], exact[:some], strict=True):
+            point, truth, half = one.pull_off[control], other.pull_off[control], one.pull_off_errors[control]
+            assert not isinstance(point, Unknown)
+            assert not isinstance(truth, Unknown)
+            assert not isinstance(half, Unknown)
+            errors.append(abs(point.P - truth.P))
+            stated.append(half["P"])
+        assert np.all(np.array(errors) <= stated)
+        assert stated[0] <= most * max(errors)
+
+
+@pytest.mark.slow
+def test_pull_off_of_a_mesh_by_a_table() -> None:
+    """A table of a sphere in 20 intervals: delta at pull-off was 12 % off, 6 % stated."""
+    body = Specimen((Layer(Elastic(1e6, 0.45), 8e-6),), Rigid())
+    sphere, r = Sphere(2e-5), np.linspace(0, 1.2e-5, 21)
+    table = TableProfile(tuple(r.tolist()), tuple(np.asarray(sphere.f(r)).tolist()))
+    found, exact = (
+        analyse(method(Problem(indenter, body, Loading("radius", 9e-6, 40))), [0.05])[0]
+        for method, indenter in ((FEM(), table), (Layered(), sphere))
+    )
+    for control, point in found.pull_off.items():
+        truth, stated = exact.pull_off[control], found.pull_off_errors[control]
         assert not isinstance(point, Unknown)
         assert not isinstance(truth, Unknown)
         assert not isinstance(stated, Unknown)
-        assert abs(point.P - truth.P) <= stated["P"] <= factor * abs(point.P - truth.P)
+        for name in ("P", "delta"):
+            assert abs(getattr(point, name) - getattr(truth, name)) <= stated[name]
+            assert stated[name] < 0.05 * abs(getattr(truth, name))
 
 
 @pytest.mark.slow

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -328,9 +330,10 @@ def test_an_elastic_indenter_is_a_softer_contact():
 
 
 # ---------------------------------------------------------------------- contact, by other equations throughout
-def compliance_by_ode(law, nu, k):
+def compliance_by_ode(law, nu, k, base=math.inf):
     """g of a bonded graded layer of thickness 1 at the wave numbers ``k``: the Riccati equation of the compliance in
-    fixed units, from the base or from where it is no longer felt, integrated upwards for all of them at once."""
+    fixed units, from the base or from where it is no longer felt, integrated upwards for all of them at once. ``base``:
+    modulus of a half-space of the same nu below."""
     c, beta, e = nu / (1 - nu), (1 - 2 * nu) / (2 * (1 - nu)), 2 / (1 - nu)
     seen = np.minimum(1.0, 20 / k)
 
@@ -339,7 +342,7 @@ def compliance_by_ode(law, nu, k):
         right = 1 / G - 2 * rz - e * G * rr**2, beta / G + 2 * c * rz - e * G * rz**2, c * rr - zz - e * G * rr * rz
         return (k * seen * np.array(right)).ravel()
 
-    start = np.where(seen < 1, np.outer((1 - nu, 1 - nu, nu - 0.5), 1 / law.at(seen)), 0.0)
+    start = np.outer((1 - nu, 1 - nu, nu - 0.5), np.where(seen < 1, 1 / law.at(seen), 1 / base))
     solved = solve_ivp(upwards, (0, 1), start.ravel(), "DOP853", rtol=1e-12, atol=1e-15)
     return solved.y[:, -1].reshape(3, -1)[1] * law.at(np.zeros(1)) / (1 - nu)
 
@@ -359,12 +362,21 @@ def sums_by_galerkin(law, nu, g, a, R, count=30):
     return np.array([phi[0] * a, a**3 / R * (phi[0] / 3 + 2 / 15 * phi[1])])
 
 
-@pytest.mark.parametrize(("law", "nu"), [(Linear(1.0, 5.0, 1.0), 0.45), (Exponential(5.0, 1.0, 1.0), 0.5)])
-def test_contact_by_another_equation(law, nu):
+@pytest.mark.first(2)
+@pytest.mark.parametrize(
+    ("law", "nu", "base"),
+    [
+        (Linear(1.0, 5.0, 1.0), 0.45, math.inf),
+        (Exponential(5.0, 1.0, 1.0), 0.5, math.inf),
+        (Exponential(10.0, 1.0, 1.0), 0.3, 1.0),
+        (Power(1.0, 0.1, 0.5), 0.4, 3.0),
+    ],
+)
+def test_contact_by_another_equation(law, nu, base):
     """delta_H = d(int phi_1 F)/dS by a Chebyshev series over ln(a): to 1e-7 but for S', where 1e-6 is stated."""
     R, a, around, size = 100.0, 0.3, 0.015, 5
     ln_k = np.linspace(np.log(1e-5), np.log(130 * np.pi / a), 700)
-    g = CubicSpline(ln_k, compliance_by_ode(law, nu, np.exp(ln_k)))
+    g = CubicSpline(ln_k, compliance_by_ode(law, nu, np.exp(ln_k), base))
     nodes = np.cos(np.pi * (np.arange(size) + 0.5) / size)
     sums = [sums_by_galerkin(law, nu, g, a * np.exp(around * node), R) for node in nodes]
     series = chebyshev.chebfit(nodes, np.log(sums), size - 1)
@@ -372,7 +384,8 @@ def test_contact_by_another_equation(law, nu):
     dS, rise = np.array([S, moment]) * chebyshev.chebval(0, chebyshev.chebder(series)) / (around * a)
     delta, scale = rise / dS, 2 * float(law.at(np.zeros(1))[0]) / (1 - nu**2)
     exact = {"delta": delta, "P": scale * (delta * S - moment), "S": scale * S, "dS": scale * dS}
-    found = Layered()(problem(layer(law, nu, Rigid()), *np.linspace(0, a, 16)[1:])).series
+    below = HalfSpace(Elastic(base, nu)) if math.isfinite(base) else Rigid()
+    found = Layered()(problem(layer(law, nu, below), *np.linspace(0, a, 16)[1:])).series
     for name in COLUMNS:
         difference = abs(getattr(found, name)[-1] - exact[name])
         assert difference < found.errors[name][-1]

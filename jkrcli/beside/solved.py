@@ -40,7 +40,7 @@ class SolvedTuning:
     # Of what is stated of columns, and of S', what is neither a spring in series nor a stiffness: on random bodies at
     # most 0.03 of delta, 0.08 of S'
     own: tuple[float, ...] = (0.06, 0.06, 0.06, 0.13)  # tuned on random bodies, by `make bounds`
-    # of delta where delta' is meant
+    # of delta where delta' is meant, at least
     rough: float = 0.25  # tuned on random bodies, by `make bounds`
     # and of S' where S'' is meant, at least
     bent: float = 0.45  # tuned on random bodies, by `make bounds`
@@ -128,8 +128,9 @@ def _joint(solution: Solution, at: Array, rates: Array, left: Array) -> Array:
     beyond = series.a[at] - series.a0
     unit = np.stack([delta, dS]) / beyond
     steep = np.maximum(np.abs(rates), unit)
-    not_of = np.sqrt(np.maximum(kernel[3] ** 2 - by_spring[3] ** 2, 0.0))  # one spring, of S'
-    rough = np.stack([TUNING.rough * kernel[0], np.maximum(not_of, TUNING.bent * kernel[3])])
+    pair = kernel[::3]
+    not_of = np.sqrt(np.maximum(pair**2 - by_spring[:4:3] ** 2, 0.0))  # one spring
+    rough = np.maximum(not_of, np.array([[TUNING.rough], [TUNING.bent]]) * pair)
     of_rates = TUNING.steeper * steep * rough / values[::3] + left + TUNING.scatter / TUNING.step * unit
     profile = np.stack([shift, S * shift, 0 * S, 0 * S, slope, 0 * S])
     covariance = np.sum(common[:, :, None] * common[:, None], axis=0)

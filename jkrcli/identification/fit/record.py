@@ -30,7 +30,7 @@ from .force_curve import (
 from .interference import Wave, straightened
 from .points import third_differences
 from .positions import TIMED
-from .record_intervals import of_samples, profiled, profiles, rates, samples
+from .record_intervals import of_samples, profiles, rates, samples
 from .record_rivals import OF_RIVALS
 from .record_verdict import by_rivals, judged
 from .result import Fit, FittedValue, estimated_work
@@ -448,9 +448,6 @@ def _result(
         _estimate(name, value, math.sqrt(max(covariance[i, i], 0.0)), t, found)
         for i, (name, value) in enumerate(values.items())
     ]
-    if f"r:{APPROACH}" in found.names and found.ended and found.value(f"r:{APPROACH}") < -found.error(f"r:{APPROACH}"):
-        own = WORKS[APPROACH]  # far below 0 its continuation tells more than the rows do: its limit by the profile
-        plain = [profiled(item, found, meaning, t) if item.name == own else item for item in plain]
     drawn = {}
     if settings.confidence == "profile" and found.ended:
         plain = profiles(plain, found, meaning, t)

@@ -39,7 +39,7 @@ def rates(found: ForceCurveFit, x: Array, meaning: Meaning) -> dict[str, Array]:
 
 def profiles(items: Sequence[FittedValue], found: ForceCurveFit, meaning: Meaning, t: float) -> list[FittedValue]:
     """The estimates with the ends of their profiles; moduli of layers share that of their factor."""
-    ends = [item if item.dimension == "modulus" else profiled(item, found, meaning, t) for item in items]
+    ends = [item if item.dimension == "modulus" else _profiled(item, found, meaning, t) for item in items]
     factor = next(item for item in ends if item.name == "modulus")
     return [_scaled(item, factor) if item.dimension == "modulus" else item for item in ends]
 
@@ -49,7 +49,7 @@ def _scaled(item: FittedValue, factor: FittedValue) -> FittedValue:
     return replace(item, low=low, high=high)
 
 
-def profiled(item: FittedValue, found: ForceCurveFit, meaning: Meaning, t: float) -> FittedValue:
+def _profiled(item: FittedValue, found: ForceCurveFit, meaning: Meaning, t: float) -> FittedValue:
     """The estimate with the ends of its profile, ``t`` standard errors away where the model is linear; of w not below
     0, an upper limit where 0 is not excluded."""
     if item.error is None:

@@ -50,6 +50,7 @@ class TensionFitTuning:
     evaluations: int = 200  # choice: guard
     starts: int = 9  # of 2 Ups/E*, over the whole table; choice: two minima may lie a decade apart
     kept: int = 2  # choice: of the starts, those from which 2 Ups/E* is searched
+    farthest: float = 80.0  # theory: of logs of SI values, far beyond matter and within arithmetic
     fewest: int = 8  # rows of a record; choice: four parameters
 
 
@@ -272,7 +273,8 @@ class _Model:
     def search(self, start: float, x: Array | None = None) -> Least:
         """Least squares from 2 Ups/E* = ``start`` [m], and from the unknowns ``x`` where they are known."""
         x = self._first(start) if x is None else x
-        far = np.full(x.size, np.inf)
+        logs = [name in ("modulus", TENSION) for name in self.free]
+        far = np.where([*logs, *[False] * len(self.records)], TUNING.farthest, np.inf)
         try:
             return LeastSquares(self.state, (-far, far), TUNING.converged, evaluations=TUNING.evaluations).least(x)
         except ValueError as error:

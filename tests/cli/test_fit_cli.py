@@ -239,3 +239,15 @@ def test_sizes_that_a_shape_lacks_are_refused(jkr) -> None:
         done = jkr("fit", *words, "--nu", "0.5", "x.csv")
         assert (done.code, done.err.count("\n")) == (2, 1)
         assert said in done.err
+
+
+def test_a_work_of_adhesion_that_no_contact_bears_is_refused(jkr) -> None:
+    """A known w ten times that of the record: its edge recedes wherever the series is; a division by zero told so."""
+    record = Path(__file__).parents[2] / "cases" / "measured" / "raw-force-curve.txt"
+    words = ("fit", "--radius", "5 um", "--nu", "0.5", str(record), "--no-plots", "--force", "-o", "raw", "--fix")
+    outcome = jkr(*words, "w=10 mJ/m^2")
+    assert outcome.code == 2
+    assert "no contact is stable at this w up to a = " in outcome.err
+    assert "take a smaller w, or check the radius and the units" in outcome.err
+    assert outcome.err.count("\n") == 1
+    assert "w = 5 mJ/m^2 (held)" in jkr(*words, "w=5 mJ/m^2").out

@@ -16,7 +16,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from ...base import Array
+from ...base import Array, SolveError, show
 from .family import Family
 
 
@@ -126,6 +126,11 @@ def branch(family: Family, s: float, q: float, k: float) -> DeviceBranch:
         steep[0] = 1 / math.sqrt(2 * bend)  # its limit at the fold, where z is a parabola of u
     slope, rates = 2 * dP * steep, np.stack([zeta * P - dP * steep * P / k, -s / 2 * (dV * T - V * dT) * steep])
     up = np.append(True, np.diff(zeta) > 0)
+    if not up[1:].any():
+        raise SolveError(
+            f"no contact is stable at this w up to a = {show(math.exp(u[-1]), 'length')}: take a smaller w, or check "
+            "the radius and the units"
+        )
     parts = np.stack([D, r * T, s * H, s * r * V])[:, up]
     u = np.append(start, u[i:])[up]
     return DeviceBranch(float(z[0]), u, zeta[up], P[up], slope[up], rates[:, up], min(q, 0.0), parts, k)

@@ -444,8 +444,9 @@ def _result(
     dof = max(found.off.size - found.x.size, 1)
     t = t_quantile(settings.level, max(round(found.spread.dof / found.spread.tau), 1))
     carried = _carried(body, found, settings, values)
+    fixed = {parameter.name for parameter in settings.parameters if not parameter.free}
     plain = [
-        _estimate(name, value, math.sqrt(max(covariance[i, i], 0.0)), t, found)
+        _estimate(name, value, 0.0 if name in fixed else math.sqrt(max(covariance[i, i], 0.0)), t, found)
         for i, (name, value) in enumerate(values.items())
     ]
     drawn = {}

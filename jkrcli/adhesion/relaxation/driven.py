@@ -404,6 +404,7 @@ class Falling:
         path, inside = self.grown, np.maximum(contact, 0.0)
         places = path.place_at(inside)
         left = path.depth.modes(now - path.depth.times(places))
-        depth, P = path.depth.held(places, now), path.load.held(places, now)
+        view = path.depth.view(places, now)
+        depth, P = view.held(path.depth), view.held(path.load)
         S = self.drive.depths.with_slopes(np.maximum(contact, self.drive.depths.least))[1]
         return (depth + left * (contact - inside), left), (P, np.where(contact > 0, left * S, 0.0))

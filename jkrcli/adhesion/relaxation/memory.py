@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -112,9 +113,31 @@ class Steps:
 
     def held(self, places: Array, now: Array) -> Array:
         """int r(now - s) dq(s) up to ``places`` (n,), seen from the times ``now`` [s] there or later."""
-        k, since, p = self.parts(places)
+        return self.view(places, now).held(self)
+
+    def view(self, places: Array, now: Array) -> View:
+        """What ``held`` needs of ``places`` and times alone."""
+        k, since, _ = self.parts(places)
         x, modes = since[:, None] * self.modes.rates, self.modes
         weights = modes.weights * np.exp(-np.maximum(now - self.t[k] - since, 0.0)[:, None] * modes.rates)
-        return np.asarray(
-            modes.relaxed * p.sum(axis=1) + np.sum(weights * (np.exp(-x) * self.states[k] + remembered(p, x)), axis=1)
-        )
+        return View(k, places - k, weights, weights * np.exp(-x), moments(x, self.p.shape[1] - 1))
+
+
+class View(NamedTuple):
+    """Places in steps seen from later times: the steps ``k`` (n,) and fractions ``y`` (n,); ``weights`` of the modes,
+    those of what was remembered at the steps' begins, (n, m), and the ``moments`` of these modes, (j, n, m)."""
+
+    k: Array
+    y: Array
+    weights: Array
+    of_states: Array
+    moments: Array
+
+    def held(self, of: Steps) -> Array:
+        """int r dq of a quantity in the same steps, of the same degree or less."""
+        p = of.p[self.k] * self.y[:, None] ** np.arange(of.p.shape[1])
+        grown = np.zeros_like(self.weights)
+        for j, moment in enumerate(self.moments[: p.shape[1] - 1]):
+            grown += (j + 1) * p[:, j + 1, None] * moment
+        seen = np.sum(self.of_states * of.states[self.k] + self.weights * grown, axis=1)
+        return np.asarray(of.modes.relaxed * p.sum(axis=1) + seen)

@@ -43,10 +43,11 @@ class TensionFitted(TensionFit, Result):
 
     def words(self) -> list[str]:
         rows = sum(record.P.size for record in self.records)
+        together = "1 record" if len(self.records) == 1 else f"{len(self.records)} records together"
         free = [item for item in self.estimates if item.free]
         lines = [
             ", ".join(map(brief, free)),
-            f"  {len(self.records)} records together, {rows} rows, scatter of the load {show(self.scatter, 'load', 2)}",
+            f"  {together}, {rows} rows, scatter of the load {show(self.scatter, 'load', 2)}",
         ]
         known = [f"{item.name} = {show(item.value, item.dimension)}" for item in self.estimates if not item.free]
         lines += [f"  {item.name:<24} {estimate_words(item, self.level)}" for item in free]

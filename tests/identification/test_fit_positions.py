@@ -108,12 +108,17 @@ def test_hysteresis_needs_no_time() -> None:
     )
 
 
-def test_a_profile_holds_it() -> None:
-    curve = made(bowed(0.01))
-    item = fit(BODY, curve, usual(free=["hysteresis"], confidence="profile")).estimate("hysteresis")
+@pytest.mark.parametrize(("name", "error"), [("hysteresis", bowed), ("creep", crept)])
+@pytest.mark.parametrize("amount", [0.01, 0.0, -0.003])
+def test_a_profile_holds_it(
+    name: str, error: Callable[[float], Callable[[np.ndarray], np.ndarray]], amount: float
+) -> None:
+    """Through 0 and below it too; the level leaves no room for one noise in twenty."""
+    curve = made(error(amount))
+    item = fit(BODY, curve, usual(free=[name], confidence="profile", level=0.999)).estimate(name)
     assert item.low is not None
     assert item.high is not None
-    assert item.low < 0.01 < item.high
+    assert item.low < amount < item.high
 
 
 def test_records_of_one_device_share_it() -> None:
@@ -168,5 +173,7 @@ def test_the_command_tells_it(jkr: Callable[..., Outcome], tmp_path) -> None:
     assert done.code == 0, done.err
     line = next(line for line in done.out.splitlines() if line.startswith("  hysteresis"))
     assert float(line.split()[1]) == pytest.approx(0.01, rel=0.1)
-    for more in (("--law", "gent-schultz"), ("--relaxation", "sls")):
-        assert jkr(*words, "--free", "hysteresis", *more, "--no-plots", "-o", tmp_path).code == 2
+    for more in (("--law", "power"), ("--relaxation", "sls")):
+        done = jkr(*words, "--free", "hysteresis", *more, "--no-plots", "-o", tmp_path)
+        assert done.code == 2
+        assert 'unknown parameter "hysteresis"' in done.err

@@ -12,6 +12,7 @@ from tension_records import record as made
 import jkrcli
 from jkrcli.adhesion.curve import transform
 from jkrcli.adhesion.slopes.choice import slopes
+from jkrcli.base.files import is_ours
 from jkrcli.bodies.indenters import Paraboloid
 from jkrcli.bodies.materials import Elastic
 from jkrcli.bodies.problem import HalfSpace, Loading, Problem, Specimen
@@ -98,6 +99,7 @@ def test_from_the_command_line(jkr, tmp_path):
     found = json.loads((tmp_path / "gel-fit.json").read_text())["estimates"]["surface_tension"]
     assert found["low"] < TENSION < found["high"]
     assert "surface_tension" in done.out
+    assert is_ours(tmp_path / "gel-fit.csv")  # so that the same fit again may replace it
     for wrong, said in (
         ((*tips, "--tip-radius", "1 um"), "--tip-radius: give one for each of the 2 files, or one for all, got 3"),
         ((*tips, "--fix", "nu=0.4"), "surface_tension: nu cannot be free or fixed beside it"),

@@ -54,7 +54,7 @@ def _profiled(item: FittedValue, found: ForceCurveFit, meaning: Meaning, t: floa
     0, an upper limit where 0 is not excluded."""
     if item.error is None:
         return item
-    log = item.dimension == "number"
+    log = item.name == "modulus"  # a factor; position errors, numbers too, go through 0
 
     def outcome(x: Array) -> tuple[float, Array]:
         value, rate = meaning(x)[item.name], rates(found, x, meaning)[item.name]

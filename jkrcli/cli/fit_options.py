@@ -36,7 +36,7 @@ OPTIONS = (
     click.option("--start", multiple=True, type=NamedType(), help="Starting value, beside those found in the data."),
     click.option("--bound", multiple=True, type=NamedType(),
                  help='Bounds, w="10 mJ/m^2..1 J/m^2"; one may be left out. '
-                 'Of a range that is not fitted what is known: range="..10 nm".'),
+                 'Of what is not fitted what is known: range="..10 nm", surface_tension="..30 mN/m".'),
     click.option("--law", type=click.Choice(list(RATE_LAWS)),
                  help="Adhesion depends on the speed of the edge: w0 and the law's v0, n (or v0, b) are free too, all "
                  "records are fitted together; needs t, delta, P."),

@@ -24,7 +24,7 @@ from jkrcli.identification.fit.device_path import grid, on_grid
 from jkrcli.identification.fit.record import _fitted, _kinds, _model, whole_record
 from jkrcli.identification.fit.record_change import AMOUNT, LITTLE, Bent, Change, RivalModel
 from jkrcli.identification.fit.record_full import bounded
-from jkrcli.identification.fit.record_rivals import RIVALS, columns, narrow_range, work_over_speed
+from jkrcli.identification.fit.record_rivals import RIVALS, Known, columns, narrow_range, work_over_speed
 from jkrcli.identification.fit.record_scores import ASKED, EXCLUDED, UNTOLD, rivals_of_record
 from jkrcli.identification.fit.record_situation import Situation
 from jkrcli.identification.fit.record_verdict import half_space_modulus
@@ -177,7 +177,7 @@ def test_a_wrong_model_is_rejected(kind: str, family: str) -> None:
 def test_scores_are_chi_squares() -> None:
     """Of right records with other noise the amounts scatter by their errors: mean of z^2 near 1 (22 rivals of 12)."""
     at = situation()
-    held = [rivals_of_record(Situation(at.body, _noisy(at, seed)), math.inf).scores for seed in range(12)]
+    held = [rivals_of_record(Situation(at.body, _noisy(at, seed)), Known()).scores for seed in range(12)]
     z2 = np.array([[one.taken for one in scores] for scores in held])
     assert np.mean(z2) == pytest.approx(1, abs=0.4)
 
@@ -189,7 +189,7 @@ def test_what_the_model_itself_takes_is_no_rivals() -> None:
     beside = at.found.x.copy()
     beside[i] += 5 * math.sqrt(at.found.covariance[i, i])
     best, other = (
-        np.array([one.taken for one in rivals_of_record(Situation(at.body, found), math.inf).scores])
+        np.array([one.taken for one in rivals_of_record(Situation(at.body, found), Known()).scores])
         for found in (at.found, replace(at.found, x=beside))
     )
     assert other == pytest.approx(best, abs=0.01 * best.max() + 1e-3)
@@ -304,7 +304,7 @@ def test_adhesion_of_long_range_is_named() -> None:
 
 def test_moves_at_a_bound_are_those_of_a_fit_in_full() -> None:
     at = of_record(right(AT), usual())
-    rivals = bounded(at, rivals_of_record(at, math.inf), math.inf)
+    rivals = bounded(at, rivals_of_record(at, Known()), math.inf)
     score = next(one for one in rivals.scores if one.name == "exponent of the tip")
     look = named(score.name).look(at)
     assert isinstance(look, Change)
@@ -313,3 +313,39 @@ def test_moves_at_a_bound_are_those_of_a_fit_in_full() -> None:
     here = Situation(at.body, force_curve.fit(held, at.found.x, near=True))
     for rate, ratio in ((score.E_star, here.modulus / at.modulus), (score.w, here.work / at.work)):
         assert 0.5 < rate * score.most / math.log(ratio) < 2
+
+
+def test_a_surface_tension_that_may_be_there_is_in_the_part_of_the_model() -> None:
+    """Of 30 mN/m at most: E* of a half-space moves by 3 kappa log/(pi a) at equal depth; none is known by default."""
+    at = situation()
+    rival = named("surface tension")
+    assert record_rivals.known_amount(at, rival, Known()) == 0
+    kappa = 2 * 0.03 / (at.modulus * at.body.problem.E_star)
+    assert record_rivals.known_amount(at, rival, Known(tension=0.03)) == pytest.approx(kappa / at.widest, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("words", "line"),
+    [
+        (("--bound", "surface_tension=30 mN/m"), 'the bound of surface_tension must be ..HIGH, got "30 mN/m"'),
+        (("--bound", "surface_tension=..0 N/m"), "surface_tension: the bound must be > 0, got 0"),
+        (("--bound", "surface_tension=..5 nm"), 'surface_tension: must be a surface tension, got "5 nm"'),
+        (("--thickness", "1 um", "--bound", "surface_tension=..30 mN/m"), "a bound is for half-spaces without one"),
+    ],
+)
+def test_bounds_of_surface_tension_that_are_none(jkr: Callable, words: tuple[str, ...], line: str) -> None:
+    raw = Path(__file__).parents[2] / "cases" / "measured" / "raw-force-curve.txt"
+    done = jkr("fit", "--radius", "5 um", "--nu", "0.5", str(raw), "-o", "raw", *words)
+    assert done.code == 2
+    assert line in done.err
+    assert done.err.count("\n") == 1
+
+
+def test_a_bound_of_surface_tension_is_for_raw_records(jkr: Callable) -> None:
+    gel = Path(__file__).parents[2] / "cases"
+    words = ("fit", str(gel / "gel.toml"), str(gel / "measured" / "gel-probe.csv"), "-o", "gel")
+    assert "a bound is for half-spaces without one" in jkr(*words, "--bound", "surface_tension=..30 mN/m").err
+    Path("table.csv").write_text("delta_m,P_N\n" + "".join(f"{i}e-8,{i**1.5}e-9\n" for i in range(1, 40)))
+    done = jkr("fit", "--radius", "5 um", "--nu", "0.5", "table.csv", "--bound", "surface_tension=..30 mN/m")
+    assert done.code == 2
+    assert "--bound surface_tension is for raw records, it has no effect here" in done.err

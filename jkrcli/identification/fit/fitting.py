@@ -34,7 +34,7 @@ from .record import RESTS, beside, beyond_the_record, differ, fit_record, reduce
 from .result import Fit, FittedValue
 from .rivals import Rivals, rivals_of
 from .search import Minimum, robust, search
-from .settings import CALIBRATED, Parameter, SegmentName, Settings
+from .settings import CALIBRATED, TENSION, Parameter, SegmentName, Settings
 from .statistics import covariance, structure
 
 OWN = {"w": "w_approach"}  # names of an approach alone
@@ -147,6 +147,8 @@ def prepared(body: FittedBody, curve: Curve, settings: Settings) -> Prepared | F
     asked = settings
     if idle := [name for name in settings.uncertain if name in CALIBRATED]:
         raise InputError(f"{curve.where}: --uncertain {idle[0]} is for raw records of a device, it has no effect here")
+    if settings.tension_at_most:
+        raise InputError(f"{curve.where}: --bound {TENSION} is for raw records, it has no effect here")
     curve = with_zero_points(curve) if settings.contact == "estimate" else curve
     curve, zero = parted(curve, settings), settings.parameter("P0")
     level = 0.0 if zero is None or (curve is not given and zero.free) else None if zero.free else zero.value

@@ -12,7 +12,7 @@ import math
 from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
-from typing import Any, cast
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -689,10 +689,20 @@ RIVALS: tuple[Rival, ...] = (
 )  # fmt: skip
 
 
-def known_amount(at: Situation, rival: Rival, longest: float) -> float:
-    """The amount of a rival in either direction that is likely; ``longest``: range of adhesion [m] that is."""
+class Known(NamedTuple):
+    """What the user knows before the data: the longest ``range`` of adhesion [m], inf where nothing is, and the largest
+    surface ``tension`` [N/m]."""
+
+    range: float = math.inf
+    tension: float = 0.0
+
+
+def known_amount(at: Situation, rival: Rival, known: Known) -> float:
+    """The amount of a rival in either direction that is likely."""
     if rival.look is finite_range and at.work:
-        return amount_of_range(at, longest if math.isfinite(longest) else TUNING.longest)
+        return amount_of_range(at, known.range if math.isfinite(known.range) else TUNING.longest)
+    if rival.look is tension:
+        return 2 * known.tension / (at.body.problem.E_star * at.modulus * at.widest)
     R = at.body.problem.indenter.tip_radius
     if rival.look is strains and R is not None and at.widest <= LIMITS.a_over_R * R:
         return 0.0  # linear theory is taken as good up to there, as everywhere else

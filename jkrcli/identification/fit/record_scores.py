@@ -19,7 +19,7 @@ from ...base import Array
 from .coloured import TUNING as COLOURED
 from .coloured import in_time
 from .force_curve import ForceCurveFit
-from .record_rivals import Rival, columns, known_amount
+from .record_rivals import Known, Rival, columns, known_amount
 from .record_situation import Situation
 from .statistics import t_quantile
 
@@ -157,8 +157,8 @@ class Verdict:
         return tuple(dict.fromkeys(one.family for one in self.tied)) or self.rivals.families
 
 
-def rivals_of_record(at: Situation, longest: float) -> RecordRivals:
-    """All rivals of a fit; ``longest``: range of adhesion [m] that is likely."""
+def rivals_of_record(at: Situation, known: Known) -> RecordRivals:
+    """All rivals of a fit, with what is ``known`` before the data."""
     held, found = columns(at), at.found
     keep = _told_rows(at)
     names, (off, J) = list(held), at.here
@@ -175,7 +175,7 @@ def rivals_of_record(at: Situation, longest: float) -> RecordRivals:
     misfit, errors = float(r @ r), _errors(found)
     scores = [
         _score(rival, float(size), float(along), whole, _rates(found, move), errors, (misfit, told, len(names)),
-               known_amount(at, rival, longest))
+               known_amount(at, rival, known))
         for rival, size, along, whole, move in zip(
             names, sizes, r @ left, np.linalg.norm(wide, axis=0), moves.T, strict=True)
     ]  # fmt: skip

@@ -13,7 +13,7 @@ from ...bodies import Problem
 from .body import FittedBody
 from .force_curve import ForceCurveFit, ForceCurveModel, base_line
 from .record_full import InFull, bounded, fitted_in_full
-from .record_rivals import MEMORY
+from .record_rivals import MEMORY, Known
 from .record_scores import RecordRivals, Tried, Verdict, rivals_of_record
 from .record_situation import Situation
 from .result import Fit, FittedValue
@@ -34,8 +34,9 @@ TUNING = VerdictTuning()
 
 def judged(result: Fit, body: FittedBody, found: ForceCurveFit) -> Fit:
     """The fit with its verdict: that of ``found``, which is of all directions of the record."""
-    longest, at = result.settings.range_at_most, Situation(body, found)
-    rivals = bounded(at, rivals_of_record(at, longest), longest)
+    settings, at = result.settings, Situation(body, found)
+    known = Known(settings.range_at_most, settings.tension_at_most)
+    rivals = bounded(at, rivals_of_record(at, known), known.range)
     said = {name: sentence for name, sentence in _flags(rivals) if name not in result.flags}
     estimates = tuple(_with_part(item, rivals) for item in result.estimates)
     warnings = tuple(f"{name}: {sentence}" for name, sentence in said.items())

@@ -25,6 +25,7 @@ DIMENSIONS = {"modulus": "number", "w": "work", "delta0": "length", "P0": "load"
               "stress": "modulus"}  # fmt: skip
 POSITIONS = ("drift", "hysteresis", "creep")  # errors of a device's positions
 OF_A_CYCLE = {"w_approach": "work", "a_turn": "length"}  # added where both directions are fitted; a_turn: radius there
+TENSION = "surface_tension"  # a bound of what is left out
 RANGES = ("range", "stress")  # one of them: adhesion of finite range; neither: JKR
 KINDS: dict[str, Kind] = {"modulus": "log", "w": "positive", "delta0": "linear", "P0": "linear", "compliance": "linear",
                           "drift": "linear", "hysteresis": "linear", "creep": "linear",
@@ -122,7 +123,7 @@ class Settings:
     a raw record, else readings as they are. ``base_line`` of a raw record: "sine": with a wave by interference.
     ``model`` of a raw record: "auto" fits the best rivals in full where the data ask for one.
     ``given``: names of the parameters that are not left out. ``range_at_most`` [m]: what is known of the range of
-    adhesion where JKR is fitted.
+    adhesion where JKR is fitted; ``tension_at_most`` [N/m]: of a surface tension that is left out.
     """
 
     parameters: tuple[Parameter, ...]
@@ -140,6 +141,7 @@ class Settings:
     model: ModelName = "jkr"
     given: frozenset[str] = frozenset()
     range_at_most: float = math.inf
+    tension_at_most: float = 0.0
 
     def __post_init__(self) -> None:
         given = self.given or frozenset(parameter.name for parameter in self.parameters)
@@ -231,6 +233,10 @@ def settings_of(
     Free are the common modulus, w and delta0, but for those that ``fix`` names, and what ``free`` adds. Where that is
     a quantity of a layer, the common modulus stays as in the case unless it is named too.
     """
+    bound = list(bound)
+    for text in (text for name, text in bound if name == TENSION):
+        options["tension_at_most"] = _largest_tension(body, text)
+    bound = [pair for pair in bound if pair[0] != TENSION]
     fixed, starts, bounds = (_by_name(body, pairs) for pairs in (fix, start, bound))
     wanted = list(dict.fromkeys(_own_name(body, name) for name in free))
     of_layers = any(":" in name for name in wanted)
@@ -325,6 +331,23 @@ def _longest_range(body: FittedBody, pair: tuple[str, str]) -> float:
     if not high > 0:
         raise InputError(f"fit: range: the bound must be > 0, got {high:g}")
     return high
+
+
+def _largest_tension(body: FittedBody, text: str) -> float:
+    """The upper bound [N/m] of a surface tension that is left out."""
+    specimen = body.problem.specimen
+    if specimen.layers or specimen.radius is not None or specimen.surface_tension:
+        raise InputError(
+            "fit: surface_tension: a bound is for half-spaces without one: set specimen.surface_tension, or give "
+            "--free surface_tension and --tip-radius"
+        )
+    low, mark, high = text.partition(BETWEEN)
+    if low.strip() or not mark:
+        raise InputError(f'fit: the bound of surface_tension must be {BETWEEN}HIGH, got "{text}"')
+    found = _parsed(TENSION, high.strip(), "tension")
+    if not found > 0:
+        raise InputError(f"fit: surface_tension: the bound must be > 0, got {found:g}")
+    return found
 
 
 def _parsed(name: str, text: str, dimension: str) -> float:

@@ -46,6 +46,10 @@ class SolvedTuning:
     bent: float = 0.45  # tuned on random bodies, by `make bounds`
     # Error of a rate, in logs, over that of its column: one kernel errs smoothly
     steeper: float = 1.5  # tuned on random bodies, by `make bounds`
+    # and one of polynomials in waves as short as theirs too: so much of what is stated of a column
+    waves: float = 0.08  # tuned on random bodies, by `make bounds`
+    # Radius up to which such a kernel is made over that of the outermost point, less the flat end, at most:
+    reach: float = 1.6  # tuned on random bodies, by `make bounds`
     scatter: float = 1e-11  # of the columns from radius to radius; tuned on random bodies, by `make bounds`
     rounds: int = 8  # of solves; choice: fine series need two, 20 rows over four decades six
     each: float = 0.3  # of that of a solve, the cost of a curve's points; tuned on 1 to 1000 layers, by `make bench`
@@ -67,8 +71,12 @@ def solver_of(solution: Solution) -> Further | None:
 
     def further(a: Array) -> Nonadhesive:
         beyond = np.outer(a - series.a0, np.exp(TUNING.step * STEPS))
-        radii, order = np.unique(series.a0 + beyond, return_inverse=True)
-        return _in_the_middle(again(problem, radii, method), order.reshape(-1, STEPS.size))
+        radii = (series.a0 + beyond).ravel()
+        if "parameters" in solution.facts:
+            end = min(series.a0 + TUNING.reach * float(np.max(a - series.a0)), float(series.a[-1]))
+            radii = np.append(radii, max(end, radii.max()))
+        radii, order = np.unique(radii, return_inverse=True)
+        return _in_the_middle(again(problem, radii, method), order[: beyond.size].reshape(-1, STEPS.size))
 
     return further
 
@@ -115,6 +123,9 @@ def _joint(solution: Solution, at: Array, rates: Array, left: Array) -> Array:
     by the relative error e, S' by 2 e, delta_H by e P/S and delta_H' by e delta_H' the other way, S'' as S'; and what
     errs of P is one stiffness that is too large, of S, S' and S'' too. A small share of what is stated goes its own
     way, more of it where rates are meant; and so does the profile's part.
+
+    A kernel of polynomials errs in waves along a too, which are shortest at the end of its reach: small ones of S' are
+    large ones of S'' (``_waves``).
     """
     series = solution.series
     values = np.stack([getattr(series, name)[at] for name in ("delta", "P", "S", "dS")])
@@ -131,12 +142,23 @@ def _joint(solution: Solution, at: Array, rates: Array, left: Array) -> Array:
     pair = kernel[::3]
     not_of = np.sqrt(np.maximum(pair**2 - by_spring[:4:3] ** 2, 0.0))  # one spring
     rough = np.maximum(not_of, np.array([[TUNING.rough], [TUNING.bent]]) * pair)
-    of_rates = TUNING.steeper * steep * rough / values[::3] + left + TUNING.scatter / TUNING.step * unit
+    steeper = TUNING.steeper * steep * rough + TUNING.waves * _waves(solution, at) * unit * pair
+    of_rates = steeper / values[::3] + left + TUNING.scatter / TUNING.step * unit
     profile = np.stack([shift, S * shift, 0 * S, 0 * S, slope, 0 * S])
     covariance = np.sum(common[:, :, None] * common[:, None], axis=0)
     own = np.array(TUNING.own)[:, None] * kernel
     covariance[np.arange(6), np.arange(6)] += np.concatenate([own, of_rates]) ** 2 + profile**2
     return np.moveaxis(covariance, -1, 0) / TWO_SIDED_90**2
+
+
+def _waves(solution: Solution, at: Array) -> Array:
+    """The largest slope over log(a - a0) at the rows ``at`` of a polynomial in a that is at most 1 within the reach of
+    the kernel, of the degree of the kernel's in x: Bernstein's inequality (Borwein and Erdelyi 1995, Ch. 5); 0 where it
+    is not made of such."""
+    series, degree = solution.series, 2 * max(solution.facts.get("parameters", 1) - 1, 0)
+    a, reach = series.a[at], series.a[-1]
+    waves: Array = degree * (a - series.a0) / np.sqrt(np.maximum(reach**2 - a**2, np.finfo(float).eps * reach**2))
+    return waves
 
 
 def _own(places: Array) -> Array:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -37,6 +38,11 @@ SHAPES = {  # by flags, and which of them each needs
     "rounded-cone": ("radius", "half_angle"),
     **dict.fromkeys(("cone", "pyramid", "three-sided-pyramid"), ("half_angle",)),
 }
+FLAG_OF = {  # by the last part of a case's key
+    "radius": "radius", "half_angle": "half_angle", "E": "modulus", "nu": "nu", "thickness": "thickness",
+    "base": "base",
+}  # fmt: skip
+KEYS = re.compile(rf"\b(?:indenter|specimen)(?:\.half_space|\.layers\[0\])?\.({'|'.join(FLAG_OF)})\b")
 Command = Callable[..., Any]
 OPTIONS = (
     click.option("--shape", type=click.Choice(list(SHAPES)), metavar="SHAPE",
@@ -87,12 +93,17 @@ def case_of(
     verb: str, body: Mapping[str, str | None], instead: str, loading: Mapping[str, Any], modulus: str | None = None,
     **keys: Any,
 ) -> Case:  # fmt: skip
-    """The case of a body by flags, with more ``keys`` of its own; the rest as of ``tables_of``."""
+    """The case of a body by flags, with more ``keys`` of its own; the rest as of ``tables_of``. InputError names flags,
+    not the keys that they stand for."""
     import tomli_w
 
     from ..case import parse_case
 
-    return parse_case(tomli_w.dumps(tables_of(verb, body, instead, loading, modulus) | keys).encode(), verb)
+    content = tomli_w.dumps(tables_of(verb, body, instead, loading, modulus) | keys).encode()
+    try:
+        return parse_case(content, verb)
+    except InputError as error:
+        raise InputError([KEYS.sub(lambda key: flag(FLAG_OF[key[1]]), line, count=1) for line in error.lines]) from None
 
 
 def tip_of(verb: str, flags: Mapping[str, str | None]) -> Indenter | None:
@@ -118,7 +129,7 @@ def tables_of(
         raise InputError(f"{verb}: a {shape} has no {unused[0]}: leave it out, or give another --shape")
     missing = [flag(name) for name in (*sizes, "modulus", "nu") if held[name] is None]
     if missing:
-        either = f"needs {instead}, or the bodies by flags: " if instead else ""
+        either = f"needs {instead}, or the body by flags: " if instead else ""
         raise InputError(f"{verb}: {either}{', '.join(missing)} missing")
     if held["base"] is not None and held["thickness"] is None:
         raise InputError(f"{verb}: --base needs --thickness: a half-space has no base")

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from conftest import CASES
 
 import jkrcli as jkr_
 
@@ -75,6 +76,14 @@ def test_a_turn_at_a_load_or_depth(jkr: Callable, series: Path, stiffness: str) 
     assert found["contact_lost"]
 
 
+@pytest.mark.parametrize("stiffness", ["10 N/m", "1 kN/m", "rigid"])
+def test_the_end_of_the_series_is_where_it_turns(jkr: Callable, tmp_path: Path, stiffness: str) -> None:
+    """Where nothing is said of the turn; at 10 N/m it is found 2e-9 beyond."""
+    assert jkr("run", CASES / "relaxing-gel.toml", "-o", tmp_path / "gel.h5", "-q").code == 0
+    found = answer(jkr, tmp_path / "gel.h5", "--speed", "1 um/s", "--stiffness", stiffness)
+    assert found["corners"][0]["delta_m"] == pytest.approx(1e-4, rel=1e-7)
+
+
 def test_a_hold_and_a_program(jkr: Callable, series: Path) -> None:
     held = answer(jkr, series, "--speed", "1", "--hold", "5 s")
     Path("way.csv").write_text("t_s,x_m\n0,-1\n1,0\n2,1\n7,1\n8,0\n")
@@ -121,8 +130,8 @@ REFUSED = {
     ),
     "too deep": (
         ("--speed", "1", "--to-depth", "2 m"),
-        "gel.h5: program: the contact comes to a depth of 2 m, beyond the largest of the series, 1 m: turn before, or "
-        "increase [loading] radius",
+        "gel.h5: program: the contact comes 1 m beyond the largest depth of the series, 1 m: turn before, or increase "
+        "[loading] radius",
     ),
     "too strong": (
         ("--speed", "1", "--to-load", "5 N"),

@@ -234,7 +234,7 @@ def test_sizes_that_a_shape_lacks_are_refused(jkr) -> None:
     for words, said in (
         (("--shape", "cone", "--radius", "1 um"), "a cone has no --radius: leave it out, or give another --shape"),
         (("--half-angle", "35 deg"), "a sphere has no --half-angle: leave it out, or give another --shape"),
-        (("--shape", "pyramid"), "or the bodies by flags: --half-angle missing"),
+        (("--shape", "pyramid"), "or the body by flags: --half-angle missing"),
     ):
         done = jkr("fit", *words, "--nu", "0.5", "x.csv")
         assert (done.code, done.err.count("\n")) == (2, 1)

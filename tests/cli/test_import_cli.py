@@ -90,13 +90,13 @@ def test_bodies_by_flags(jkr, table: Path) -> None:
 
 
 WRONG = {
-    "no bodies": (("t.txt",), "import: needs --case, or the bodies by flags: --radius, --E, --nu missing"),
+    "no bodies": (("t.txt",), "import: needs --case, or the body by flags: --radius, --E, --nu missing"),
     "both": (("t.txt", "--case", "my.toml", "--nu", "0.3"),
              "import: --nu belongs to an import without --case; my.toml says it already"),
     "base alone": (("t.txt", *BODY, "--base", "bonded"), "import: --base needs --thickness: a half-space has no base"),
     "wrong base": (("t.txt", *BODY, "--thickness", "1 mm", "--base", "glued"),
-                   'import: specimen.base: must be one of bonded, frictionless, got "glued"'),
-    "wrong nu": (("t.txt", *BODY[:-1], 0.6), "import: specimen.half_space.nu: must be > -1 and <= 0.5, got 0.6"),
+                   'import: --base: must be one of bonded, frictionless, got "glued"'),
+    "wrong nu": (("t.txt", *BODY[:-1], 0.6), "import: --nu: must be > -1 and <= 0.5, got 0.6"),
     "no file": (("u.txt", *BODY), 'u.txt: table not found, did you mean "t.txt"?'),
     "no unit": (("t.txt", "--unit", "N"), "invalid value for '--unit': must be KEY=UNIT with a quantity or a column, "
                 'such as P=nN, got "N"; see jkr import --help'),

@@ -173,7 +173,7 @@ def test_a_drift_is_told_in_every_form(jkr: Callable[..., Outcome], table: Path)
 def test_a_body_by_flags_says_what_is_missing(jkr: Callable[..., Outcome], table: Path) -> None:
     done = jkr("fit", "--radius", "5 um", str(table))
     assert (done.code, done.err) == (
-        2, "jkr: error: fit: needs a case or series file, or the bodies by flags: --nu missing\n"
+        2, "jkr: error: fit: needs a case or series file, or the body by flags: --nu missing\n"
     )  # fmt: skip
     done = jkr("fit", str(table))
     assert (done.code, done.err) == (

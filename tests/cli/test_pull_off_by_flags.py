@@ -106,10 +106,14 @@ def test_inputs_are_carried_through(jkr: Run) -> None:
 MISTAKES = {
     "nothing": ((), "give FILES, a case or a series, or the body by flags: --radius, --E, --nu"),
     "a part": (("--radius", "5 um", "--w", "1"),
-               "needs a case or series file, or the bodies by flags: --E, --nu missing"),
+               "needs a case or series file, or the body by flags: --E, --nu missing"),
     "both": (("my.toml", *TIP),
              "give a body file or the body by flags, not both: my.toml and --shape, --radius, --E, --nu"),
     "no question": (TIP, "give --w, or --load with a measured pull-off force"),
+    "two wrong values": (("--radius", "-5 um", "--E", "1 MPa", "--nu", "0.6", "--thickness", "5 kg", "--w", "1"),
+                         "--radius: must be > 0, got -5 um jkr: error: pull-off: --nu: must be > -1 and <= 0.5, got 0.6 "
+                         'jkr: error: pull-off: --thickness: must be a length, got "5 kg": unknown unit "kg" (allowed: '
+                         "m, pm, nm, um, mm, km, cm, Å)"),
     "no adhesion": ((*TIP, "--w", "0"), "--w must be > 0 to ask where contact is lost, got 0 J/m^2"),
 }  # fmt: skip
 

@@ -23,7 +23,7 @@ class PathTuning:
     degree: int = 6  # theory: of the load over a step, see ``ratio``
     grows: float = 1e-7  # choice: of the depth, by which a contact may grow again before that is refused
     places: float = 1e-12  # theory: of a step, round-off
-    beyond: float = 1e-9  # choice: of the largest depth of the series, for round-off
+    beyond: float = 1e-7  # choice: of the largest depth of the series; turns at its end are found to 1e-8 of it
 
 
 TUNING = PathTuning()
@@ -51,8 +51,8 @@ class RelaxedPath:
         deepest, most = float(self.depth.values(np.array([self.last]))[0]), self.depths.most
         if deepest > most * (1 + TUNING.beyond):
             raise InputError(
-                f"program: the contact comes to a depth of {show(deepest, 'length')}, beyond the largest of the "
-                f"series, {show(most, 'length')}: turn before, or increase [loading] radius"
+                f"program: the contact comes {show(deepest - most, 'length')} beyond the largest depth of the series, "
+                f"{show(most, 'length')}: turn before, or increase [loading] radius"
             )
 
     @property

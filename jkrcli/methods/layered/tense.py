@@ -202,11 +202,13 @@ class TenseContact(ResolvedTwice):
                 f"contact radius, and changes the solution by less than {10 * TUNING.least:.0e}: leave "
                 "specimen.surface_tension out"
             )
-        if plan.nodes > REFINING.most_nodes or self.flops(radii, plan) > REFINING.most_flops:
+        flops = self.flops(radii, plan)
+        if plan.nodes > REFINING.most_nodes or flops > REFINING.most_flops:
             raise Refusal(
                 f"layered: a = {radii[-1]:g} m is {radii[-1] / self.scale:.4g} times the length over which the layers "
-                f"act and needs {plan.nodes} nodes under surface tension for {radii.size} radii (limit "
-                f"{REFINING.most_nodes}); ask for a smaller contact or fewer points, or use method fem"
+                f"act and needs {plan.nodes} nodes under surface tension for {radii.size} radii, {flops:.1e} operations "
+                f"(limits {REFINING.most_nodes} and {REFINING.most_flops:.0e}); ask for a smaller contact or fewer "
+                "points, or use method fem"
             )
 
     def solved(self, radii: Array, plan: TensePlan) -> ContactResult:

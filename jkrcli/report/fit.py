@@ -277,7 +277,7 @@ def verdict_words(item: Fit) -> list[str]:
         judged = ["JKR as described is rejected", *(f"{one.name} cannot be told from it" for one in tied[1:])]
     judged += [flag for flag in item.flags if flag.endswith(VAGUE)]
     parts = dict.fromkeys(name for one in shown for name in one.model or {})
-    judged += [f"not excluded: {', '.join(parts)}"] if parts else []
+    judged += [f"(model) is what the data leave of {', '.join(parts)}"] if parts else []
     return [verdict + rejected, *(f"  {'; '.join(lines)}" for lines in (formula, judged) if lines)]
 
 

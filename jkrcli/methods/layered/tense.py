@@ -206,8 +206,8 @@ class TenseContact(ResolvedTwice):
         if plan.nodes > REFINING.most_nodes or flops > REFINING.most_flops:
             raise Refusal(
                 f"layered: a = {radii[-1]:g} m is {radii[-1] / self.scale:.4g} times the length over which the layers "
-                f"act and needs {plan.nodes} nodes under surface tension for {radii.size} radii, {flops:.1e} operations "
-                f"(limits {REFINING.most_nodes} and {REFINING.most_flops:.0e}); ask for a smaller contact or fewer "
+                f"act and needs {plan.nodes} nodes under surface tension for {radii.size} radii, {flops:.1e} operations"
+                f" (limits {REFINING.most_nodes} and {REFINING.most_flops:.0e}); ask for a smaller contact or fewer "
                 "points, or use method fem"
             )
 

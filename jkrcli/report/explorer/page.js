@@ -6,6 +6,7 @@ const table = new Table(content), units = new Units(content.units);
 const byId = (id) => document.getElementById(id);
 const NAMES = { load: "load control", displacement: "displacement control", machine: "machine" };
 const QUANTITIES = [["P", "load"], ["delta", "length"], ["a", "length"]];
+const WETS = "w is more than twice the surface tension and wets the indenter";
 let waiting = false;
 
 const controls = Object.fromEntries(
@@ -21,10 +22,14 @@ function changed(name) {
 const picked = (name) => document.querySelector(`input[name=${name}]:checked`).value;
 const stiffnessOf = (name) => ({ load: 0, displacement: Infinity, machine: controls.stiffness.value })[name];
 
+/* The angle at the edge [rad] where the surface has a tension, which goes with the moduli; more than 2 there is none. */
+const angleOf = (curve) => Math.sqrt(2 * curve.w / (content.tension * curve.factor));
+const wets = (curve) => content.tension > 0 && angleOf(curve) > 2 * (1 + 1e-9);
+
 function update() {
   const curve = new AdhesiveCurve(table, controls.w.value, controls.factor.value);
   const chosen = picked("control"), pulls = {};
-  for (const name of Object.keys(NAMES)) pulls[name] = curve.pullOff(stiffnessOf(name));
+  for (const name of Object.keys(NAMES)) pulls[name] = wets(curve) ? { reason: WETS } : curve.pullOff(stiffnessOf(name));
   window.explorer = { curve, pulls, chosen };
   if (window.Plotly) pictures(curve, pulls, chosen);
   numbers(pulls, chosen);
@@ -117,20 +122,20 @@ function cells(point) {
     return cell;
   };
   if (!point.reason) return QUANTITIES.map(([name, dimension]) => make(units.show(point[name], dimension), point[name]));
-  const cell = make(`none in the series: ${point.reason}`);
+  const cell = make(point.reason === WETS ? WETS : `none in the series: ${point.reason}`);
   cell.colSpan = QUANTITIES.length;
   return [cell];
 }
 
 /* Where JKR holds, and how well the numbers are known. */
 function judge(curve, point) {
-  const lines = [], { tabor, R, error, tension } = content, angle = Math.sqrt(2 * curve.w / (tension * curve.factor));
-  if (tension && angle > 2 * (1 + 1e-9)) {
-    lines.push(`No such contact: w is more than twice the surface tension, ${units.show(tension * curve.factor, "stiffness")}, and wets the indenter.`);
+  const lines = [], { tabor, R, error, tension } = content, angle = angleOf(curve);
+  if (wets(curve)) {
+    lines.push(`No such contact: ${WETS}; the tension is ${units.show(tension * curve.factor, "stiffness")}.`);
   } else if (tension) {
     lines.push(`Angle at the edge: ${plain(angle, 3)} rad${angle > content.angle ? ", where small slopes err" : ""}.`);
   }
-  if (tabor && curve.w > 0) {
+  if (tabor && curve.w > 0 && !wets(curve)) {
     const number = tabor.number * (curve.w / tabor.w / curve.factor) ** (2 / 3);
     lines.push(`Tabor number ${plain(number, 3)}: ${tabor.limits.find(([limit]) => number > limit)[1]}.`);
   }

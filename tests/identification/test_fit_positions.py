@@ -162,6 +162,13 @@ def test_one_direction_or_prepared_readings_do_not_tell_it() -> None:
         fit(BODY, curve, usual(free=["hysteresis"], contact="as-is"))
 
 
+@pytest.mark.parametrize("name", ["hysteresis", "creep"])
+@pytest.mark.parametrize("value", ["1", "-1e9"])
+def test_more_than_the_travel_is_refused(name: str, value: str) -> None:
+    with pytest.raises(InputError, match=f"^fit: {name} is a fraction of the travel, must be > -1 and < 1, got"):
+        usual(fix=[(name, value)])
+
+
 def test_the_command_tells_it(jkr: Callable[..., Outcome], tmp_path) -> None:
     curve = made(bowed(0.01))
     file = tmp_path / "probe.txt"

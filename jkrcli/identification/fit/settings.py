@@ -23,7 +23,8 @@ AUTO: ModelName = "auto"
 DIMENSIONS = {"modulus": "number", "w": "work", "delta0": "length", "P0": "load", "compliance": "number",
               "drift": "speed", "hysteresis": "number", "creep": "number", "range": "length",
               "stress": "modulus"}  # fmt: skip
-POSITIONS = ("drift", "hysteresis", "creep")  # errors of a device's positions
+OF_TRAVEL = ("hysteresis", "creep")  # errors of a device's positions, as fractions of its travel
+POSITIONS = ("drift", *OF_TRAVEL)  # all errors of positions
 OF_A_CYCLE = {"w_approach": "work", "a_turn": "length"}  # added where both directions are fitted; a_turn: radius there
 TENSION = "surface_tension"  # a bound of what is left out
 RANGES = ("range", "stress")  # one of them: adhesion of finite range; neither: JKR
@@ -162,6 +163,11 @@ class Settings:
             raise InputError("fit: no parameter is free")
         if not self.range_at_most > 0:
             raise InputError(f"fit: the largest range of adhesion must be > 0, got {self.range_at_most:g} m")
+        for item in self.parameters:
+            if item.name in OF_TRAVEL and item.value is not None and not -1 < item.value < 1:
+                raise InputError(
+                    f"fit: {item.name} is a fraction of the travel, must be > -1 and < 1, got {item.value:g}"
+                )
         if self.range is not None:
             self._check_range(given)
 

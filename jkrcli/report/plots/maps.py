@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.patheffects import withStroke
@@ -20,7 +20,6 @@ FEWEST = 4  # choice: values on both axes from which a map is filled
 NEAR = 0.01  # choice: of a limit, within which it is drawn to hold
 MU = r"$\sigma\,(R / E^{*2} w)^{1/3}$"  # words of an axis
 STEP = 0.05  # choice: of the force, from colour to colour
-Words: TypeAlias = Callable[[float], str]  # of a line, by its value
 LINES = ("-", "--", ":", "-.")
 
 

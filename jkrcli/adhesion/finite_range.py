@@ -44,6 +44,7 @@ class FiniteRangeTuning:
     )
     degree: int = 5  # theory: of the splines through the points; errors fall with the power degree + 1 of the spacing
     halved: float = 16.0  # theory: halving the spacing divides the error by 64, by a fourth of it where it is uneven
+    turning: float = 1e-6  # choice: of c at the first point, where c may turn round: 1e-3 of a
     touching: float = 1e-9  # choice: of c0, within which the rate at first touch is taken
     rounds: int = 3  # tuned on curves, by `make constants`: of inserting points where they are too far apart
     # Radii on either side of a kink, up to a part of its own, the first of that; theory: F bends with the power 3/2
@@ -162,9 +163,10 @@ class FiniteRangeCurve(EquilibriumCurve):
         return np.concatenate([self.apart.a, self.touching.a])
 
     def critical(self, stiffness: float) -> tuple[CriticalPoint, ...]:
-        """The stationary points of delta + P/stiffness [N/m]; the first point of the curve, where the surfaces only
-        come within the range, is none."""
-        return tuple(point for point in super().critical(stiffness) if point.place > 0)
+        """The stationary points of delta + P/stiffness [N/m]; the first point of the curve is none, where the surfaces
+        only come within the range, or where c turns round and places go no further."""
+        first = 0.0 if self.complete else float(self.places[0]) * (1 + TUNING.turning)
+        return tuple(point for point in super().critical(stiffness) if point.place > first)
 
     def point(self, place: float) -> Equilibrium:
         delta, P = self.at(np.array(place))

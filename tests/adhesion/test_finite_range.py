@@ -421,3 +421,18 @@ def test_a_flat_end_has_its_kinks_where_contact_or_attraction_reach_its_edge(len
     least = float(fit(np.real(fit.deriv().roots()[np.argmin(np.abs(fit.deriv().roots()))])))
     assert abs(pulled.P - least) <= curve.point_error(pulled, 0.0)["P"] + 1e-9 * abs(least)
     assert curve.point_error(pulled, 0.0)["P"] < 1e-6 * abs(least)
+
+
+def test_where_the_attracted_radius_turns_round_is_no_pull_off() -> None:
+    """A rounded flat whose attraction reaches its edge: the first point of its curve passed for a minimum of P, 6e-4
+    off where 9e-7 was stated."""
+    body = jkr.Specimen((jkr.Layer(jkr.Elastic(11708.980728416, 0.49823320984), 1.34594297868e-4),), jkr.Rigid(False))
+    indenter, loading = (
+        jkr.RoundedFlat(1.12031242e-3, 0.010270514374),
+        jkr.Loading("radius", 1.3433535877e-3, 36, "log"),
+    )
+    solution = jkr.solve(jkr.Problem(indenter, body, loading), "hybrid")
+    ranged = FiniteRangeBody(solution.problem, solution.series, AttractedBody(solution.problem))
+    for control in (LOAD, DISPLACEMENT):
+        found = ranged.curve(Range.of(4.74949053e-7, stress=3.62506637)).pull_off(control)
+        assert "falls as the contact grows" in str(found)

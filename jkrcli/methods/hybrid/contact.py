@@ -42,6 +42,8 @@ class HybridTuning:
     # Errors from what a step changes, at some radii:
     samples: int = 10  # radii; tuned on random bodies, by `make bounds`
     smallest: float = 0.08  # of the largest, the first of them; tuned on random bodies, by `make bounds`
+    # more near the largest, where polynomials err in their shortest waves: one radius alone may lie at a node of them
+    near: tuple[float, ...] = (0.84, 0.92, 0.97)  # of it; tuned on random bodies, by `make bounds`
     # On the error that the last step of the degree leaves:
     safety: float = 2.5  # tuned on random bodies, by `make bounds`
     slowest: float = 3.0  # what a step divides it by, at least; tuned on random bodies, by `make failures`
@@ -340,7 +342,7 @@ class AdaptiveKernel:
     def _judge(self, contact: KernelContact, levels: KernelLevels, degree: int) -> ErrorEstimates:
         """Errors at some radii, from what lower levels, one polynomial less and the cut change."""
         a0, end = self.indenter.a0, levels.region.unit
-        radii = a0 + (end - a0) * np.geomspace(TUNING.smallest, 1, TUNING.samples)
+        radii = a0 + (end - a0) * np.union1d(np.geomspace(TUNING.smallest, 1, TUNING.samples), TUNING.near)
         precise = TUNING.quadrature * self.tolerance
         best = contact.columns(radii, precise)
 

@@ -444,7 +444,7 @@ def _result(
     dof = max(found.off.size - found.x.size, 1)
     t = t_quantile(settings.level, max(round(found.spread.dof / found.spread.tau), 1))
     carried = _carried(body, found, settings, values)
-    fixed = {parameter.name for parameter in settings.parameters if not parameter.free}
+    fixed = {item.name for item in settings.parameters if not item.free and item.name in settings.given}
     plain = [
         _estimate(name, value, 0.0 if name in fixed else math.sqrt(max(covariance[i, i], 0.0)), t, found)
         for i, (name, value) in enumerate(values.items())

@@ -32,9 +32,6 @@ class DrivenTuning:
 
     first: float = 1e-8  # choice: of a piece of the program, the first step after its corner
     ratio: float = 1.5  # choice: of parts after a corner from step to step; leaves 1e-6
-    bends: float = (
-        0.1  # choice: of the fastest speed, change of speed from which on a corner ends a step on the way back
-    )
     last: float = 1e-5  # choice: the same of the step in which contact is lost, of which it may be a power 2/3
     together: int = 24  # choice: steps solved at once; no result depends on it
     converged: float = 1e-7  # theory: relative, of what Newton's last step is the square root
@@ -151,26 +148,11 @@ class Drive:
             RelaxedPath(self.depths, self._steps(taken, "depth"), self._steps(taken, "load"), grows=self.grows),
             False,
         )
-        corners = self._corners(grown)
         while turned and not lost and i < self.t.size - 1:
-            if corners:
-                passed, now = self._piece(taken, now, i, Falling(self, grown, corners[-1]).steps, np.ones(1))
-                if passed:
-                    corners.pop()
-                    continue
-            else:
-                lost, now = self._piece(taken, now, i, Falling(self, grown).steps, self._to_end(TUNING.last))
+            lost, now = self._piece(taken, now, i, Falling(self, grown).steps, self._to_end(TUNING.last))
             i += 1
         lost |= turned and self.stiffness == LOAD_CONTROL and self.x[-1] == 0
         return replace(grown, depth=self._steps(taken, "depth"), lost=now.t if lost else math.inf)
-
-    def _corners(self, grown: RelaxedPath) -> list[float]:
-        """Depths [m] at which the contact grew when the speed of the device changed: what it remembers bends there."""
-        speeds = np.diff(self.x) / np.maximum(np.diff(self.t), np.finfo(float).tiny)
-        bent = np.abs(np.diff(speeds)) > TUNING.bends * np.abs(speeds).max()
-        inner = self.t[1:-1]
-        corners = inner[bent & (inner > grown.begin) & (inner < grown.turn)]
-        return list(grown.depth.values(grown.depth.places(corners)))
 
     def grown(self, deepest: float) -> RelaxedPath | None:
         """The growth of the contact up to the depth ``deepest`` [m]; None where it ends before."""
@@ -355,15 +337,13 @@ def _beyond(left: Array) -> float:
 
 @dataclass(frozen=True, eq=False)
 class Falling:
-    """A contact that shrinks after it grew as on the path ``grown``, to where it did at the depth ``until`` [m]."""
+    """A contact that shrinks after it grew as on the path ``grown``."""
 
     drive: Drive
     grown: RelaxedPath
-    until: float = 0.0
 
     def steps(self, now: Now, held: Held) -> tuple[Run, Array] | None:
-        """Steps, and what is positive in them up to that depth, or to the loss of contact; None where they are not
-        found."""
+        """Steps, and what is positive in them up to the loss of contact; None where they are not found."""
         kernel, x = Kernel(self.drive.modes, held.h), held.x
         k, inverse = self.drive.stiffness, np.linalg.inv(kernel.matrix[:, 1:])
         seen = kernel.seen(now.of_depth) + kernel.matrix[:, 0] * now.depth
@@ -382,8 +362,7 @@ class Falling:
             return None
         ends, whole = now.t + np.cumsum(held.h), _places(now.contact, contact)
         self._check(ends, whole)
-        ends_with_load = k == LOAD_CONTROL and self.until == 0
-        left = np.ones_like(whole) if ends_with_load else (whole - self.until) @ POWERS
+        left = np.ones_like(whole) if k == LOAD_CONTROL else whole @ POWERS  # a load is lost where it ends
         return Run(ends, _places(now.depth, delta), whole, np.zeros_like(whole)), left
 
     def _check(self, ends: Array, contact: Array) -> None:

@@ -226,16 +226,20 @@ class Drive:
     def _last(self, taken: Taken, now: Now, i: int, begin: float, part: float, last: Array, solver: Solver) -> Now:
         """Take steps up to where the contact turns or is lost, about ``part`` beyond the part ``begin`` of piece
         ``i``."""
-        run = None
+        run, low, high, before = None, 0.0, math.inf, math.inf
         for _ in range(MOST_STEPS if part > 0 else 0):
             held = self._held(i, begin, begin + part * last)
             if (solved := solver(now, held)) is None:
                 raise SolveError(f"relaxation: the contact at t = {now.t:g} s is not found")
             run, left = solved
+            low, high = (part, high) if left[-1].sum() > 0 else (low, part)
             beyond = _beyond(left[-1]) * np.diff(last, prepend=0.0)[-1]  # in parts of all steps
-            part *= 1 + min(max(beyond, 1 / TUNING.far - 1), TUNING.far - 1)
-            if abs(beyond) < TUNING.ends:
+            if abs(beyond) < TUNING.ends or high - low < TUNING.ends * part:
                 break
+            after = part * (1 + min(max(beyond, 1 / TUNING.far - 1), TUNING.far - 1))
+            if high < math.inf and (abs(after - part) > before / 2 or not low < after < high):
+                after = (low + high) / 2  # a vertical slope sends straight steps to and fro
+            before, part = abs(after - part), after
         return now if run is None else self._add(taken, now, run)
 
     def _from_begin(self, first: float) -> Array:

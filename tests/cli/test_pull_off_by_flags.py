@@ -58,6 +58,7 @@ def test_a_layer_is_that_of_a_case(jkr: Run, thickness: str, base: str) -> None:
         assert one["jump_in"]["P_N"] == pytest.approx(other["jump_in"]["P_N"], rel=1e-6, abs=1e-12)
 
 
+@pytest.mark.slow
 def test_a_layer_far_thinner_than_the_half_space_s_contact(jkr: Run) -> None:
     """Its half-space would hold a contact of 84 um, 840 thicknesses, which no method solves; the layer holds 6 um."""
     Path("thin.toml").write_text(

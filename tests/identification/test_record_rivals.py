@@ -302,6 +302,22 @@ def test_adhesion_of_long_range_is_named() -> None:
     assert score.w < 0
 
 
+@pytest.mark.parametrize(
+    ("kind", "louder", "asked"), [("DMT", 5, True), ("DMT", 10, False), ("Maugis mu 0.3", 5, False)]
+)
+def test_a_range_below_the_noise_is_named_or_in_the_part_of_the_model(kind: str, louder: float, asked: bool) -> None:
+    """No column of one step tells it, which trusts no row next to a fold; fits at one range after the other do."""
+    found = fit(BODY, curve(WRONG[kind](replace(AT, noise=louder * AT.noise))), usual())
+    assert found.verdict is not None
+    assert [one.name for one in found.verdict.rivals.named[:1]] == ["adhesion of finite range"] * asked
+    for name, true in (("E_star", AT.E), ("w", AT.w)):
+        item = found.estimate(name)
+        assert item.error is not None
+        off, part = abs(item.value - true), sum((item.model or {}).values())
+        assert off > 3 * item.error
+        assert off < 1.96 * item.error + part
+
+
 def test_moves_at_a_bound_are_those_of_a_fit_in_full() -> None:
     at = of_record(right(AT), usual())
     rivals = bounded(at, rivals_of_record(at, Known()), math.inf)
@@ -316,12 +332,15 @@ def test_moves_at_a_bound_are_those_of_a_fit_in_full() -> None:
 
 
 def test_a_surface_tension_that_may_be_there_is_in_the_part_of_the_model() -> None:
-    """Of 30 mN/m at most: E* of a half-space moves by 3 kappa log/(pi a) at equal depth; none is known by default."""
+    """Of 30 mN/m at most: E* of a half-space moves by 3 kappa log/(pi a) at equal depth; by default only where the data
+    lean to it."""
     at = situation()
     rival = named("surface tension")
     assert record_rivals.known_amount(at, rival, Known()) == 0
     kappa = 2 * 0.03 / (at.modulus * at.body.problem.E_star)
     assert record_rivals.known_amount(at, rival, Known(tension=0.03)) == pytest.approx(kappa / at.widest, rel=1e-12)
+    assert record_rivals.known_amount(at, rival, Known(), 1.5) == pytest.approx(kappa / at.widest, rel=1e-12)
+    assert record_rivals.known_amount(at, rival, Known(), -1.5) == 0
 
 
 @pytest.mark.parametrize(

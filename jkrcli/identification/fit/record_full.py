@@ -19,9 +19,9 @@ from scipy.special import fdtrc
 from ...base import Array, JkrError, SolveError
 from .body import FittedBody
 from .force_curve import ForceCurveFit, ForceCurveModel, fit, misfit_at, rough, starts_of, windowed
-from .record_change import AMOUNT, LITTLE, Change, RivalModel
-from .record_rivals import RANGE, RIVALS, amount_of_range, finite_range, neck, range_of
-from .record_scores import EXCLUDED, UNTOLD, RecordRivals, Score, Weighted, left_over
+from .record_change import AMOUNT, Change, RivalModel
+from .record_rivals import RANGE, RIVALS, amount_of_range, finite_range, neck
+from .record_scores import ASKED, EXCLUDED, UNTOLD, RecordRivals, Score, Weighted, at_chance, least_of_named, left_over
 from .record_scores import TUNING as SCORES
 from .record_situation import Situation
 
@@ -35,14 +35,12 @@ class FullTuning:
     each: int = 3  # choice: of a family, its best by one step, which does not always name the right one
     steps: int = 20  # choice: guard, of a search that only finds out which rivals are worth a fit
     promising: float = 1.5  # choice: of the least sum of squares, up to which a rival is fitted to the end
-    long: float = 0.5  # choice: of the amount of a range by which adhesion deforms the body, above which it is fitted
-    softest: float = 10.0  # choice: of how far adhesion deforms the body, the longest range that is tried
-    long_start: float = 3.0  # choice: the same, range from which on a second minimum is looked for
-    first: int = 2  # choice: steps at that range, before it is let go
+    endless: float = 400.0  # choice: of how far adhesion deforms the body, a range from which on no longer one differs
+    ranges: tuple[float, ...] = (32.0, 8.0, 4.0, 2.83, 2.0, 1.41, 1.0, 0.71)  # choice: the same, those tried below it
+    halves: int = 2  # choice: bisections between the longest range that the data leave and the next one
     about: float = 0.5  # choice: standard errors, by which what a range does to a fit may be off
-    room: float = 0.5  # choice: of the log of a range, by which it is at most longer than where that is
+    falling: float = 2.0  # choice: of the step to come, by which chi^2 may still fall
     none: float = 1e-300  # choice: for a division
-    shorter: int = 12  # choice: ranges tried, each shorter by the root of 2, until the data leave one
     possible: float = 3.84  # theory: rise of chi^2 up to which a number is in its 95 % interval
     chords: int = 12  # choice: guard, steps with derivatives of the fit without; three to six are needed
     hopeless: float = 3000.0  # choice: rise of chi^2 after a step, from which on there are no more
@@ -88,7 +86,16 @@ def bounded(at: Situation, rivals: RecordRivals, longest: float) -> RecordRivals
                 _of_range(at, own, score, longest) if score.name == RANGE.name else _at_most(at, own, change, score)
             )
         scores.append(judged)
-    return replace(rivals, scores=tuple(scores))
+    named = next((_with_alike(one, scores) for one in scores if one.word == ASKED), ())
+    return replace(rivals, scores=tuple(scores), named=named)
+
+
+def _with_alike(asked: Score, scores: Sequence[Score]) -> tuple[Score, ...]:
+    """The one that is ``asked`` for, and those that take nearly as much of the misfit, though they see fewer rows."""
+    limits = {rival.name: rival.limits() for rival in RIVALS}
+    least = least_of_named(asked.taken)
+    others = [one for one in scores if one is not asked and one.taken > least]
+    return (asked, *(one for one in others if limits[one.name][0] <= one.amount <= limits[one.name][1]))
 
 
 def _look(at: Situation, score: Score) -> Change | Array | None:
@@ -97,42 +104,41 @@ def _look(at: Situation, score: Score) -> Change | Array | None:
 
 def _at_most(at: Situation, own: Weighted, change: Change, score: Score) -> Score:
     """The score with the moves at the largest amount that is possible."""
-    found = _stepped(at, own, _held(at, change, score.most))
+    found = _stepped(own, _held(at, change, score.most))
     return score if found is None else replace(score, E_star=found[1] / score.most, w=found[2] / score.most)
 
 
 def _of_range(at: Situation, own: Weighted, score: Score, longest: float) -> Score:
-    """The score with the moves at a range that deforms the body where the data leave one, else at its bound where that
-    is long."""
-    if (found := _other_range(at, own)) is not None and range_of(at, score.known) < found[0] < longest:
-        return _moving(score, amount_of_range(at, found[0]), found[1:])
-    return _at_bound(at, own, score) if score.known > TUNING.long * amount_of_range(at, neck(at)) else score
+    """The score with the largest moves at ranges up to the ``longest`` [m] that deform the body and that the data
+    leave; it is asked for where one takes enough of the misfit."""
+    tried = {z0: _ranged_moves(at, own, z0) for z0 in _ladder(neck(at), longest)}
+    left = {z0: found for z0, found in tried.items() if found is not None}
+    if not left:
+        return score
+    end, beyond = max(left), min((z0 for z0 in tried if z0 > max(left)), default=0.0)
+    for _ in range(TUNING.halves * (beyond > 0)):
+        middle = math.sqrt(end * beyond)
+        if (found := _ranged_moves(at, own, middle)) is None:
+            beyond = middle
+        else:
+            left[middle], end = found, middle
+    best = min(left, key=lambda z0: left[z0][0])
+    if (chance := at_chance(at.found, taken := -left[best][0])) < SCORES.chance / len(RIVALS):
+        asked = _moving(score, amount := amount_of_range(at, best), left[best][1:])
+        return replace(asked, amount=amount, word=ASKED, chance=chance, taken=taken)
+    return _moving(score, amount_of_range(at, end), np.abs([found[1:] for found in left.values()]).max(axis=0).tolist())
 
 
-def _other_range(at: Situation, own: Weighted) -> tuple[float, float, float] | None:
-    """The longest range [m] about one that deforms the body and is as good as none, and by how much the logs of E* and
-    w move with such; None where the data exclude it."""
-    x, log, least = own.x, math.log(TUNING.long_start * neck(at)), math.log(TUNING.long * neck(at))
-    for round_ in range(TUNING.chords):
-        off = ForceCurveModel.evaluated(_ranged(at, amount_of_range(at, math.exp(log))), x, 0.0)[0]
-        step, r = own.step(off)
-        x, excess = x - step, float(r @ r) - own.left
-        if not excess < TUNING.hopeless:
-            return None
-        if round_ < TUNING.first:
-            continue
-        further = ForceCurveModel.evaluated(_ranged(at, amount_of_range(at, math.exp(log + LITTLE))), x + step, 0.0)[0]
-        along, column = own.step((further - off) / LITTLE)
-        size = float(np.linalg.norm(column))
-        if own.size(step) < TUNING.about and excess < TUNING.possible:
-            room = min(SCORES.normal / size, TUNING.room)
-            ends = [_moves(own, x + side * along) for side in (-room, room)]
-            return math.exp(log + room), *np.abs(ends).max(axis=0).tolist()
-        change = float(np.clip(-(column @ r) / max(size**2, TUNING.none), -1.0, 1.0))
-        x, log = x - change * along, log + change
-        if log < least:
-            return None
-    return None
+def _ladder(neck: float, longest: float) -> list[float]:
+    """Ranges to try [m], from the ``longest`` that there may be; none where that does not deform the body."""
+    known = [longest] * (TUNING.ranges[-1] * neck < longest < TUNING.endless * neck)
+    return [*known, *(r * neck for r in (TUNING.endless, *TUNING.ranges) if r * neck < longest)]
+
+
+def _ranged_moves(at: Situation, own: Weighted, z0: float) -> tuple[float, float, float] | None:
+    """What ``_stepped`` tells of a range [m]; None where the data exclude it."""
+    found = _stepped(own, _ranged(at, amount_of_range(at, z0)), TUNING.possible, TUNING.about)
+    return found if found is not None and found[0] < TUNING.possible else None
 
 
 def _moves(own: Weighted, x: Array) -> tuple[float, float]:
@@ -161,33 +167,19 @@ def _ranged(at: Situation, amount: float) -> RivalModel:
     return _held(at, change, amount)
 
 
-def _at_bound(at: Situation, own: Weighted, score: Score) -> Score:
-    """The score with the moves at its bound, or at the longest range that the data leave, between two that were
-    tried."""
-    longest, beyond = min(range_of(at, score.known), TUNING.softest * neck(at)), None
-    for step in range(TUNING.shorter):
-        amount = amount_of_range(at, longest / 2 ** (step / 2))
-        found = _stepped(at, own, _ranged(at, amount))
-        if found is not None and found[0] < TUNING.possible:
-            root, moves = math.sqrt(max(found[0], 0.0)), np.array(found[1:])
-            if beyond is not None:  # the root of the excess rises about straight
-                share = (math.sqrt(TUNING.possible) - root) / (math.sqrt(beyond[0]) - root)
-                moves = moves + share * (np.array(beyond[1:]) - moves)
-            return _moving(score, amount, moves.tolist())
-        beyond = found
-    return score
-
-
-def _stepped(at: Situation, own: Weighted, model: RivalModel) -> tuple[float, float, float] | None:
+def _stepped(
+    own: Weighted, model: RivalModel, least: float = math.inf, still: float = TUNING.still
+) -> tuple[float, float, float] | None:
     """By how much chi^2, and the logs of E* and w, rise in a ``model`` whose change is known, by steps with the
-    derivatives of the fit without; None where they do not settle."""
+    derivatives of the fit without, down to ``still`` standard errors; None where they do not settle, or chi^2 will not
+    fall to about ``least``."""
     x, size, excess = own.x, math.inf, math.inf
     for _ in range(TUNING.chords):
         step, r = own.step(ForceCurveModel.evaluated(model, x, 0.0)[0])
         before, size, x, excess = size, own.size(step), x - step, float(r @ r) - own.left
-        if not (size < before and excess < TUNING.hopeless):
+        if not (size < before and excess < min(TUNING.hopeless, least + TUNING.falling * size)):
             return None
-        if size < TUNING.still:
+        if size < still:
             break
     moves = _moves(own, x)
     return (excess, *moves) if np.isfinite(moves).all() else None

@@ -56,11 +56,14 @@ class RecordRivalTuning:
     times: int = 50  # choice: instants of each direction at which those loads are solved; splines between them
     smooth: float = 2 / 3  # theory: power of the load in which they are drawn, at first contact it is delta^1.5
     instants: int = 150  # choice: at which hereditary integrals are taken
+    skinned: float = 0.03  # choice: [N/m], surface tension of gels and rubbers; of water 0.07
+    leaning: float = 1.0  # choice: standard errors of its amount, from which on one that nobody described counts
     longest: float = 10e-9  # choice: [m], range of adhesion that is likely; of molecules a nanometre, of hairs more
     cone: float = 2.0  # choice: twice what a cone's exponent differs from a paraboloid's by, as one step may overshoot
     strains: float = 2.0  # choice: of the effect of large strains on rubber, that of other materials
     device: float = 1.0  # choice: relative, by which a stiffness that someone measured may be off
-    shape: float = 0.005  # choice: exponent of the profile within which a tip is what it is called
+    shape: float = 0.003  # choice: exponent of the profile within which a tip is what it is called: by as much its
+    # radius of curvature changes over a factor e of the contact radius
     inside: float = 0.9  # choice: of the tip, up to which a layer below it is solved
     thin: float = 4.0  # choice: contact radii over the thickness up to which a layer is looked for
     thicknesses: tuple[float, ...] = (0.3, 1.0)  # choice: contact radii over it, to begin with
@@ -691,18 +694,20 @@ RIVALS: tuple[Rival, ...] = (
 
 class Known(NamedTuple):
     """What the user knows before the data: the longest ``range`` of adhesion [m], inf where nothing is, and the largest
-    surface ``tension`` [N/m]."""
+    surface ``tension`` [N/m], 0 where nothing is."""
 
     range: float = math.inf
     tension: float = 0.0
 
 
-def known_amount(at: Situation, rival: Rival, known: Known) -> float:
-    """The amount of a rival in either direction that is likely."""
+def known_amount(at: Situation, rival: Rival, known: Known, leaning: float = 0.0) -> float:
+    """The amount of a rival in either direction that is likely; ``leaning``: what one step makes of it, in standard
+    errors."""
     if rival.look is finite_range and at.work:
         return amount_of_range(at, known.range if math.isfinite(known.range) else TUNING.longest)
     if rival.look is tension:
-        return 2 * known.tension / (at.body.problem.E_star * at.modulus * at.widest)
+        usual = TUNING.skinned if leaning > TUNING.leaning else 0.0
+        return 2 * (known.tension or usual) / (at.body.problem.E_star * at.modulus * at.widest)
     R = at.body.problem.indenter.tip_radius
     if rival.look is strains and R is not None and at.widest <= LIMITS.a_over_R * R:
         return 0.0  # linear theory is taken as good up to there, as everywhere else

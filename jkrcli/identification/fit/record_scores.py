@@ -76,7 +76,7 @@ class Score:
     def moved(self, rate: float) -> float:
         """How far a quantity may be off, relative, that moves by ``rate`` per amount: by the amount found and its 95 %
         error, where the data ask for it; else by the largest that they and what is known leave."""
-        if self.word == ASKED:
+        if self.word == ASKED and math.isfinite(self.error):
             return abs(rate) * (abs(self.amount) + TUNING.normal * self.error)
         return abs(rate) * self.most if rate else 0.0
 
@@ -171,15 +171,25 @@ def rivals_of_record(at: Situation, known: Known) -> RecordRivals:
     left = beyond / np.maximum(sizes, np.finfo(float).tiny)
     moves = -np.linalg.lstsq(triangle, Q.T @ wide, rcond=None)[0] / scale[:, None]
     dof = max(int(np.count_nonzero(keep)) - J.shape[1], 1)
-    told = max(round(found.spread.dof / found.spread.tau), 1)
     misfit, errors = float(r @ r), _errors(found)
     scores = [
-        _score(rival, float(size), float(along), whole, _rates(found, move), errors, (misfit, told, len(names)),
-               known_amount(at, rival, known))
+        _score(rival, float(size), float(along), whole, _rates(found, move), errors,
+               (misfit, told_by(found), len(names)),
+               known_amount(at, rival, known, -float(along)))
         for rival, size, along, whole, move in zip(
             names, sizes, r @ left, np.linalg.norm(wide, axis=0), moves.T, strict=True)
     ]  # fmt: skip
     return RecordRivals(tuple(scores), _named(scores, left), misfit, dof, loose)
+
+
+def told_by(found: ForceCurveFit) -> int:
+    """The degrees of freedom of the noise."""
+    return max(round(found.spread.dof / found.spread.tau), 1)
+
+
+def at_chance(found: ForceCurveFit, taken: float) -> float:
+    """The chance that noise makes one number more take as much of chi^2."""
+    return float(fdtrc(1, told_by(found), max(taken, 0.0)))
 
 
 def left_over(at: Situation, other: Situation) -> tuple[float, int, int]:
@@ -237,10 +247,14 @@ def _named(scores: Sequence[Score], left: Array) -> tuple[Score, ...]:
     asked = sorted((i for i, one in enumerate(scores) if one.word == ASKED), key=lambda i: -scores[i].taken)
     if not asked:
         return ()
-    most = scores[asked[0]].taken
-    least = min(most - TUNING.tied, TUNING.near * most)
+    least = least_of_named(scores[asked[0]].taken)
     alike = np.abs(left.T @ left[:, asked[0]]) > TUNING.alike
     return tuple(scores[i] for i in asked if scores[i].taken >= least or alike[i])
+
+
+def least_of_named(most: float) -> float:
+    """What a rival takes from chi^2 at least that is named beside the one that takes ``most``."""
+    return min(most - TUNING.tied, TUNING.near * most)
 
 
 def _score(

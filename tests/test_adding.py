@@ -207,7 +207,7 @@ def test_a_law_of_speed_of_ones_own(tmp_path: Path) -> None:
         ("run", tmp_path / "my.toml", "-o", series),
         ("cycle", series, "--rate", "law=linear,v0=1 um/s", *rest),
         ("cycle", series, "--rate", "law=power,v0=1 um/s,n=1", *rest),
-        ("fit", "--help"),
+        ("fit", "--help-all"),
     )
     assert (run.code, ours.code, power.code) == (0, 0, 0), run.err + ours.err + power.err
     loads = [json.loads(done.out)["pull_off"]["P_N"] for done in (ours, power)]

@@ -7,7 +7,7 @@ that moves in straight pieces. So its noise has its part in the intervals.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -15,13 +15,15 @@ from typing import Any
 import numpy as np
 
 from ..adhesion import Nonadhesive, Program, RelaxingContact
-from ..base import Array, InputError, JkrError, did_you_mean, parse, show
+from ..base import Array, InputError, JkrError, Ranged, did_you_mean, ranges_of, show
 from ..bodies import RELAXATIONS, Relaxation
 from ..data import Curve
-from .fit import FittedBody, FittedValue, covariance, estimated, t_quantile, third_differences, times
+from .answer import Answer, times
+from .fit import FittedBody, covariance, t_quantile, third_differences
 from .least_squares import TUNING as FITS
 from .least_squares import Least, LeastSquares, State, by_differences
 from .motion import corners
+from .parameters import MODULUS, Parameter, Unknowns, Vocabulary, parameters_of
 from .relaxing_rows import averaged, base_line, followed, without_adhesion
 
 
@@ -53,40 +55,31 @@ AS_READ = (
     "neither device nor load moved at constant rates: the displacement of the tip is used as read, its noise is not "
     "in the intervals"
 )
-ZEROS = {"delta0": "length", "P0": "load", "tilt": "stiffness"}  # no more than added to what is read
-DIMENSIONS = {"modulus": "number", "ratio": "number", "exponent": "number", **ZEROS}
+ZEROS = {"delta0": Ranged("length"), "P0": Ranged("load"), "tilt": Ranged("stiffness")}  # added to what is read
+WEIGHT, TIME = Ranged("number", above=0, most=1), Ranged("time", above=0)
 
 
 @dataclass(frozen=True)
 class RelaxationSettings:
-    """What is asked: the ``law`` by name, of ``terms`` where it is "prony", the parameters that are ``free`` and those
-    ``fixed``, SI, and the ``level`` of the intervals."""
+    """What is asked: the ``law`` by name, of ``terms`` where it is "prony", the names of the ``zeros`` that are free,
+    what is ``fixed``, SI, and the ``level`` of the intervals."""
 
     law: str
-    free: tuple[str, ...]
+    zeros: tuple[str, ...]
     fixed: Mapping[str, float] = field(default_factory=dict)
     terms: int = 2
     level: float = 0.95
 
     @property
-    def names(self) -> tuple[str, ...]:
-        """The parameters of the law."""
-        return _of_law(self.law, self.terms)
-
-    def with_terms(self, terms: int) -> RelaxationSettings:
-        """The same of a Prony series of so many terms."""
-        others = [name for name in self.free if name not in self.names]
-        own = [name for name in _of_law(self.law, terms) if name not in self.fixed]
-        fixed = {
-            name: value
-            for name, value in self.fixed.items()
-            if name not in set(self.names) - set(_of_law(self.law, terms))
-        }
-        return replace(self, terms=terms, free=(*others, *own), fixed=fixed)
+    def parameters(self) -> tuple[Parameter, ...]:
+        """The modulus, those of the law, and zeros."""
+        known = {**dict.fromkeys(ZEROS.keys() - set(self.zeros), 0.0), **self.fixed}
+        ranges = MODULUS | _of_law(self.law, self.terms) | ZEROS
+        return parameters_of(ranges, ranges.keys() - known.keys(), known)
 
     def relaxation(self, values: Mapping[str, float]) -> Relaxation:
         """The law with its parameters."""
-        found = {name: values[name] for name in self.names}
+        found = {name: values[name] for name in _of_law(self.law, self.terms)}
         if self.law != "prony":
             plain: Relaxation = RELAXATIONS[self.law](**found)
             return plain
@@ -96,10 +89,12 @@ class RelaxationSettings:
         return several
 
 
-def _of_law(law: str, terms: int) -> tuple[str, ...]:
+def _of_law(law: str, terms: int) -> dict[str, Ranged]:
+    """The ranges of the parameters of a law."""
     if law == "prony":
-        return tuple(f"{name}{i}" for i in range(1, terms + 1) for name in ("weight", "time"))
-    return tuple(RELAXATIONS.parameters(law))
+        numbers = range(1, terms + 1)
+        return {f"{name}{i}": ranged for i in numbers for name, ranged in (("weight", WEIGHT), ("time", TIME))}
+    return ranges_of(RELAXATIONS[law])
 
 
 def relaxation_settings(
@@ -111,31 +106,10 @@ def relaxation_settings(
     if law not in RELAXATIONS:
         raise InputError(f'fit: unknown law "{law}"{did_you_mean(law, RELAXATIONS)} (laws: {", ".join(RELAXATIONS)})')
     own = _of_law(law, options.get("terms", 2))
-    usual = ("modulus", *own, "delta0")
-    allowed = (*usual, "P0", "tilt")
-    fixed = {"time": 1.0} if law == "power" else {}
-    for name, text in fix:
-        checked = _checked("modulus" if name == "E_star" else name, allowed)
-        try:
-            value = parse(text, "modulus" if name == "E_star" else _dimension(checked))
-        except ValueError as error:
-            raise InputError(f"fit: {name}: {error}") from None
-        fixed[checked] = value / E_star if name == "E_star" else value
-        if checked not in ZEROS and not value > 0:
-            raise InputError(f"fit: {name}: must be > 0, got {text}")
-    wanted = dict.fromkeys([*usual, *(_checked(name, allowed) for name in free if name != "relaxation")])
-    return RelaxationSettings(law, tuple(name for name in wanted if name not in fixed), fixed, **options)
-
-
-def _checked(name: str, allowed: Sequence[str]) -> str:
-    if name not in allowed:
-        hint = did_you_mean(name, allowed, 0.4)
-        raise InputError(f'fit: unknown parameter "{name}"{hint} (with --relaxation: {", ".join(allowed)})')
-    return name
-
-
-def _dimension(name: str) -> str:
-    return "time" if name.startswith("time") else DIMENSIONS.get(name, "number")
+    named = Vocabulary("--relaxation", MODULUS | own | ZEROS, E_star)
+    fixed = ({"time": 1.0} if law == "power" else {}) | named.known(fix)
+    wanted = ["delta0", *(named.own(name) for name in free if name != "relaxation")]
+    return RelaxationSettings(law, tuple(name for name in wanted if name in ZEROS), fixed, **options)
 
 
 @dataclass(frozen=True, eq=False)
@@ -184,27 +158,18 @@ class TimedRecord:
         return replace(self, t=self.t[some], held=self.held[some], made=self.made[some])
 
 
-@dataclass(frozen=True, eq=False)
-class RelaxationFit:
-    """A fitted ``record``: ``estimates`` of the parameters and E* (instant, of a power law at its time), their
-    ``covariance`` (of the ``free`` ones on the scale on which they are fitted, logs but for zeros and shares), the
-    model of what was ``held`` and ``made``, the ``scatter`` of the residuals over the noise from row to row."""
+@dataclass(frozen=True, eq=False, kw_only=True)
+class RelaxationFit(Answer):
+    """A fitted ``record``: the parameters and E* (instant, of a power law at its time; ``covariance``: of logs but for
+    zeros and shares), the model of what was ``held`` and ``made``, the ``scatter`` of the residuals over the noise from
+    row to row."""
 
     relaxation: Relaxation
-    estimates: tuple[FittedValue, ...]
-    free: tuple[str, ...]
-    covariance: Array | None
     record: TimedRecord
     held: Array
     made: Array
     scatter: float
-    dof: int
     settings: RelaxationSettings
-    warnings: tuple[str, ...] = ()
-
-    def estimate(self, name: str) -> FittedValue:
-        """The estimate called ``name``."""
-        return next(item for item in self.estimates if item.name == name)
 
 
 def timed_record(curve: Curve) -> TimedRecord:
@@ -258,7 +223,7 @@ def relaxation_fit(body: FittedBody, curve: Curve, settings: RelaxationSettings)
     record = timed_record(curve)
     settings = _with_base_line(record, settings)
     body = body.to_depth(TUNING.deeper * record.depth)
-    problem = _Problem(Nonadhesive(body.series, body.slopes), record, settings)
+    problem = _Problem(body.nonadhesive, record, settings)
     found = problem.minimise(problem.start())
     for _ in range(TUNING.rounds - 1):
         problem = replace(problem, record=replace(problem.record, sigma=problem.scatters(found)))
@@ -273,7 +238,7 @@ def _fewer(body: FittedBody, fit: RelaxationFit) -> str | None:
     terms = fit.settings.terms - 1
     if fit.settings.law != "prony" or terms == 0:
         return None
-    fewer = relaxation_fit(body, fit.record.curve, fit.settings.with_terms(terms))
+    fewer = relaxation_fit(body, fit.record.curve, replace(fit.settings, terms=terms))
     rows = fit.record.t.size
     scores = [rows * math.log(np.sum((one.made - one.record.made) ** 2)) for one in (fit, fewer)]
     rise = scores[0] - scores[1] + (len(fit.free) - len(fewer.free)) * math.log(rows)
@@ -288,8 +253,7 @@ def _with_base_line(record: TimedRecord, settings: RelaxationSettings) -> Relaxa
         return settings
     before = slice(0, record.shows // 2)  # contact begins before it shows
     shown = base_line(record.made[before], record.held[before], record.noise[1])
-    added = [name for name in shown if name not in (*settings.free, *settings.fixed)]
-    return replace(settings, free=(*settings.free, *added))
+    return replace(settings, zeros=(*settings.zeros, *shown))
 
 
 @dataclass(frozen=True, eq=False)
@@ -301,24 +265,12 @@ class _Problem:
     settings: RelaxationSettings
 
     # ------------------------------------------------------------------ unknowns
-    @property
-    def names(self) -> tuple[str, ...]:
-        return ("modulus", *self.settings.names, *ZEROS)
-
-    def values(self, theta: Array) -> dict[str, float]:
-        """All parameters, SI."""
-        free = self.settings.free
-        fixed = dict.fromkeys(ZEROS, 0.0) | {"modulus": 1.0} | dict(self.settings.fixed)
-        own = zip(free, theta, self.scales, strict=False)
-        return fixed | {name: _outer(name, float(x)) * scale for name, x, scale in own}
-
     @cached_property
-    def scales(self) -> Array:
-        """Units of the free parameters: zeros count in ranges of their columns."""
+    def unknowns(self) -> Unknowns:
+        """Of the body and its zeros, which count in ranges of their columns."""
         curve = self.record.curve
         x, P = float(np.ptp(curve.device)), float(np.ptp(curve.P if curve.P is not None else 1.0))
-        units = {"delta0": x, "P0": P, "tilt": P / x}
-        return np.array([units.get(name, 1.0) for name in self.settings.free])
+        return Unknowns(self.settings.parameters, {"delta0": x, "P0": P, "tilt": P / x})
 
     @cached_property
     def moving(self) -> Array:
@@ -333,7 +285,7 @@ class _Problem:
 
     def program(self, theta: Array) -> Program:
         """What the device did, as it was read."""
-        n, (t, x) = len(self.settings.free), self.record.knots
+        n, (t, x) = len(self.unknowns.free), self.record.knots
         if self.record.read:
             return Program(t, x)
         t = t.copy()
@@ -343,7 +295,7 @@ class _Problem:
     # ------------------------------------------------------------------ the model
     def model(self, theta: Array) -> tuple[Array, Array]:
         """What is held and what it makes, at the rows, as readings."""
-        values, record, program = self.values(theta), self.record, self.program(theta)
+        values, record, program = self.unknowns.values(theta), self.record, self.program(theta)
         zero, other = ("P0", "delta0") if record.loaded else ("delta0", "P0")
         held = np.interp(record.t, program.t, program.x)
         x, modulus = program.x - values[zero], values["modulus"]
@@ -379,22 +331,14 @@ class _Problem:
 
     def state(self, theta: Array) -> State:
         """The residuals with their derivatives, backwards where an unknown is a share."""
-        shares = [_is_share(name) for name in self.settings.free]
+        shares = [parameter.high < 1 for parameter in self.unknowns.free]
         steps = np.full(theta.size, TUNING.step)
         steps[: len(shares)] *= np.where(shares, -np.sign(theta[: len(shares)] - TUNING.step), 1.0)
         return by_differences(self.residuals, theta, steps)
 
     def _bounds(self, start: Array) -> tuple[Array, Array]:
         """Logs stay near their start, shares within 0 and 1, corners between their neighbours."""
-        reach = np.full(start.size, np.inf)
-        low, high = start - reach, start + reach
-        for i, name in enumerate(self.settings.free):
-            if name not in ZEROS:
-                low[i], high[i] = (
-                    (0.0, 1.0 - FITS.floor) if _is_share(name) else start[i] + np.array([-1, 1]) * FITS.reach
-                )
-            if name == "exponent" or name.startswith("weight"):
-                low[i] = FITS.floor
+        low, high = self.unknowns.bounds(start, FITS.reach)
         t = self.record.knots[0] / np.ptp(self.record.knots[0])
         first = start.size - self.moving.size
         for i, k in enumerate(self.moving):
@@ -413,7 +357,7 @@ class _Problem:
             except (JkrError, FloatingPointError, OverflowError, ValueError) as error:
                 reason = f" ({error})"
                 continue
-            found.append((float(np.sum(thin.residuals(theta) ** 2)), theta[: len(self.settings.free)], values))
+            found.append((float(np.sum(thin.residuals(theta) ** 2)), theta[: len(self.unknowns.free)], values))
         if not found:
             raise InputError(
                 f"{self.record.curve.where}: no history of this body resembles the record{reason}: it must press, "
@@ -424,7 +368,7 @@ class _Problem:
 
     def _tried(self) -> list[dict[str, float]]:
         """Values of the parameters to begin with, those that are fixed among them."""
-        duration, names = float(np.ptp(self.record.t)), self.settings.names
+        duration, fixed = float(np.ptp(self.record.t)), self.unknowns.fixed
         laws: list[dict[str, float]] = []
         if self.settings.law == "power":
             laws = [{"exponent": x} for x in TUNING.exponents]
@@ -435,10 +379,10 @@ class _Problem:
                 laws.append(times | {f"weight{i + 1}": 0.6 / n for i in range(n)})
         else:
             laws = [{"ratio": r, "time": time * duration} for r in TUNING.shares for time in TUNING.times]
-        own = [{name: law.get(name, 1.0) for name in names} | dict(self.settings.fixed) for law in laws]
-        base = float(np.median(self.record.made[:3])) if "P0" in self.settings.free and not self.record.loaded else 0.0
-        zeros = [{"delta0": zero, "P0": base} for zero in self._zeros()]
-        return [values | zero | dict(self.settings.fixed) for values in own for zero in zeros]
+        own = {parameter.name: 1.0 for parameter in self.settings.parameters if parameter.name not in ZEROS}
+        base = 0.0 if self.record.loaded else float(np.median(self.record.made[:3]))
+        zeros = [{"delta0": zero, "P0": base, "tilt": 0.0} for zero in self._zeros()]
+        return [own | law | zero | fixed for law in laws for zero in zeros]
 
     def _zeros(self) -> list[float]:
         """Displacements at which contact may begin."""
@@ -450,14 +394,14 @@ class _Problem:
 
     def _from(self, values: Mapping[str, float]) -> Array:
         x = self.record.knots[1] if not self.record.read else np.array([])
-        own = [_inner(name, values.get(name, 1.0 if name == "modulus" else 0.0)) for name in self.settings.free]
-        return np.array([*(own / self.scales), *(x / np.ptp(self.record.knots[1])), *np.zeros(self.moving.size)])
+        places = x / np.ptp(self.record.knots[1])
+        return np.concatenate([self.unknowns.at(values), places, np.zeros(self.moving.size)])
 
     def _with_modulus(self, theta: Array, values: Mapping[str, float]) -> Array:
         """The unknowns with the modulus that brings the loads nearest; of a load, the depth where it is largest."""
-        if "modulus" not in self.settings.free:
+        if "modulus" in self.unknowns.fixed:
             return theta
-        record, i = self.record, self.settings.free.index("modulus")
+        record, i = self.record, self.unknowns.names.index("modulus")
         theta = theta.copy()
         if record.loaded:
             theta[i] = math.log(self._creep_modulus(values))
@@ -476,42 +420,19 @@ class _Problem:
 
     # ------------------------------------------------------------------ the answer
     def result(self, found: Least, E_star: float) -> RelaxationFit:
-        values, settings, record = self.values(found.x), self.settings, self.record
+        settings, record, unknowns = self.settings, self.record, self.unknowns
         dof = max(found.state.residuals.size - found.x.size, 1)
-        factor = 2 * found.cost / dof
-        whole, n = covariance(found.state.jacobian, factor), len(settings.free)
-        inner = None if whole is None else whole[:n, :n] * np.outer(self.scales, self.scales)
-        t = t_quantile(settings.level, dof)
-        estimates = [_estimate(name, values[name], settings.free, inner, t) for name in self.names]
-        estimates.append(times(estimates[0], E_star, "E_star", "modulus"))
+        inner = unknowns.covariance(covariance(found.state.jacobian, 2 * found.cost / dof))
+        estimates = unknowns.estimates(found.x, inner, t_quantile(settings.level, dof))
         held, made = self.model(found.x)
         squares = np.sum(((made - record.made) / record.noise[1]) ** 2)
-        scatter = math.sqrt(float(squares) / max(record.t.size - n, 1))
         fit = RelaxationFit(
-            settings.relaxation(values), tuple(estimates), settings.free, inner, record, held, made, scatter, dof,
-            settings,
+            estimates=(*estimates, times(estimates[0], E_star, "E_star", "modulus")), free=unknowns.names,
+            covariance=inner, dof=dof, relaxation=settings.relaxation(unknowns.values(found.x)), record=record,
+            held=held, made=made, settings=settings,
+            scatter=math.sqrt(float(squares) / max(record.t.size - len(unknowns.free), 1)),
         )  # fmt: skip
         return replace(fit, warnings=tuple(_warnings(fit, self.program(found.x))))
-
-
-def _is_share(name: str) -> bool:
-    return name in ("ratio", "exponent") or name.startswith("weight")
-
-
-def _inner(name: str, value: float) -> float:
-    return value if name in ZEROS or _is_share(name) else math.log(value)
-
-
-def _outer(name: str, x: float) -> float:
-    return x if name in ZEROS or _is_share(name) else math.exp(min(x, 300.0))
-
-
-def _estimate(name: str, value: float, free: tuple[str, ...], inner: Array | None, t: float) -> FittedValue:
-    if name not in free:
-        return FittedValue(name, value, False, _dimension(name))
-    sigma = None if inner is None else math.sqrt(inner[free.index(name), free.index(name)])
-    ends, log = (0.0, 1.0) if _is_share(name) else (-math.inf, math.inf), _inner(name, value) != value
-    return estimated(name, _inner(name, value), _dimension(name), sigma, t, log, ends)
 
 
 def _warnings(fit: RelaxationFit, program: Program) -> list[str]:
@@ -519,11 +440,7 @@ def _warnings(fit: RelaxationFit, program: Program) -> list[str]:
     said = list(fit.record.said)
     if fit.covariance is None:
         said.append(f"the record does not determine {', '.join(fit.free)} together: fix one of them, such as delta0")
-    for item in fit.estimates:
-        if item.name in fit.free and item.name not in ZEROS and (item.error or 0) > FITS.vague * item.value:
-            said.append(
-                f"{item.name} is uncertain by {(item.error or 0) / max(item.value, 1e-12):.0%} (standard error)"
-            )
+    said += fit.vague([name for name in fit.free if name not in ZEROS])
     times = [item.value for item in fit.estimates if item.name.startswith("time")]
     rises = np.diff(program.t)[np.diff(program.x) > 0]
     if fit.settings.law != "power" and rises.size and rises[0] > TUNING.slow * min(times):

@@ -10,27 +10,27 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Any, cast
 
 import numpy as np
 from scipy.interpolate import RectBivariateSpline
 
 from ..adhesion import LIMITS
-from ..base import Array, InputError, SolveError, parse, show
+from ..base import Array, InputError, Ranged, SolveError, show
 from ..bodies import Loading, Problem
 from ..data import Curve
 from ..formulas.griffith import shift
 from ..formulas.surface_tension import edge_angle
 from ..methods.layered.layered import Layered, largest_radius, unbounded
-from .fit.result import ONE_SIDED, FittedValue, estimated
-from .fit.settings import ALIAS
+from .answer import ONE_SIDED, Answer, FittedValue, estimated, times, word
+from .fit.body import for_each
 from .fit.statistics import covariance, t_quantile
 from .least_squares import Least, LeastSquares, State, by_differences
+from .parameters import ALIAS, Unknowns, Vocabulary, parameters_of
 
 TENSION = "surface_tension"
-DIMENSIONS = {"E_star": "modulus", TENSION: "tension", "w": "work"}
-NAMES = ("modulus", TENSION, "w")  # of all records together; each has a zero point delta0 beside them
+RANGES = {TENSION: Ranged("tension", above=0), "w": Ranged("work", least=0)}  # beside E_star
 
 
 @dataclass(frozen=True)
@@ -48,6 +48,7 @@ class TensionFitTuning:
     step: float = 1e-4  # of unknowns, for derivatives; choice: the square root of the accuracy is coarser
     converged: float = 1e-8  # choice: relative, far below any standard error
     evaluations: int = 200  # choice: guard
+    work: float = 0.05  # of its unit, w to begin with; choice: the search goes far from it
     starts: int = 9  # of 2 Ups/E*, over the whole table; choice: two minima may lie a decade apart
     kept: int = 2  # choice: of the starts, those from which 2 Ups/E* is searched
     farthest: float = 80.0  # theory: of logs of SI values, far beyond matter and within arithmetic
@@ -83,22 +84,14 @@ class Record:
         return float(np.ptp(self.P))
 
 
-@dataclass(frozen=True)
-class TensionFit:
-    """``estimates``: E_star, surface_tension, w and the zero points, by name; ``correlation`` of those that are free,
-    in the order of ``free``; ``scatter`` of the load [N]; ``loads``: fitted loads [N] of each of the ``records``."""
+@dataclass(frozen=True, eq=False, kw_only=True)
+class TensionFit(Answer):
+    """E_star, surface_tension, w and the zero points, ``covariance`` in the units of their search; ``scatter`` of the
+    load [N]; ``loads``: fitted loads [N] of each of the ``records``."""
 
-    estimates: tuple[FittedValue, ...]
-    free: tuple[str, ...]
-    correlation: Array
     scatter: float
     records: tuple[Record, ...]
     loads: tuple[Array, ...]
-    warnings: tuple[str, ...]
-
-    def estimate(self, name: str) -> FittedValue:
-        """The estimate called ``name``."""
-        return next(item for item in self.estimates if item.name == name)
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,9 +150,7 @@ def radii_of(problem: Problem, radii: Sequence[float], count: int) -> Sequence[f
     own = problem.indenter.tip_radius
     if not hasattr(problem.indenter, "R") or own is None:
         raise InputError("fit: surface_tension: needs a sphere or a paraboloid: give indenter.shape one of these")
-    if len(radii) not in (0, 1, count):
-        raise InputError(f"fit: --tip-radius: give one for each of the {count} files, or one for all, got {len(radii)}")
-    return list(radii) if len(radii) == count else [radii[0] if radii else own] * count
+    return for_each(radii, count) or [own] * count
 
 
 def known_values(problem: Problem, names: Iterable[str], fix: Iterable[tuple[str, str]]) -> dict[str, float]:
@@ -167,28 +158,17 @@ def known_values(problem: Problem, names: Iterable[str], fix: Iterable[tuple[str
     if problem.specimen.radius is not None:
         raise InputError("fit: surface_tension: a finite cylinder is not solved anew: leave specimen.radius out")
     names, fix = list(names), list(fix)
-    if other := [name for name in (*names, *dict(fix)) if name not in (*DIMENSIONS, "modulus", "delta0")]:
+    if other := [name for name in (*names, *dict(fix)) if name not in (*RANGES, ALIAS, "modulus", "delta0")]:
         raise InputError(f"fit: surface_tension: {other[0]} cannot be free or fixed beside it: leave it out")
-    found = {}
-    for name, text in fix:
-        if name not in DIMENSIONS:
-            raise InputError(f"fit: surface_tension: {name} cannot be fixed (allowed: {', '.join(DIMENSIONS)})")
-        try:
-            found[name.replace("E_star", "modulus")] = parse(text, DIMENSIONS[name])
-        except ValueError as error:
-            raise InputError(f"fit: {name}: {error}") from None
-    if TENSION not in names and TENSION not in found:
-        found[TENSION] = problem.specimen.surface_tension
-    if not (found.get(TENSION, 1.0) > 0 and found.get("modulus", 1.0) > 0 and found.get("w", 0.0) >= 0):
-        raise InputError("fit: surface_tension and E_star must be fixed at values > 0, w at one >= 0")
-    return found
+    found = Vocabulary(TENSION, RANGES, 1.0).known(fix)
+    return {TENSION: problem.specimen.surface_tension} | found if TENSION not in names else found
 
 
 def tension_fit(
     problem: Problem, curves: Sequence[Curve], radii: Sequence[float], fixed: Mapping[str, float], level: float = 0.95
 ) -> TensionFit:
-    """One fit of all ``curves``, each by an indenter of one of the ``radii`` [m]; ``fixed``: values of those of
-    ``NAMES`` that are known (modulus: E* [Pa]). InputError where a record cannot be used, SolveError."""
+    """One fit of all ``curves``, each by an indenter of one of the ``radii`` [m]; ``fixed``: values of those
+    of ``RANGES`` and the modulus (E* [Pa]) that are known. InputError where a record cannot be used, SolveError."""
     records = tuple(map(Record.of, curves))
     families = [
         TenseFamily.of(_with_radius(problem, R), TUNING.beyond * record.depth)
@@ -213,28 +193,24 @@ class _Model:
     fixed: Mapping[str, float]
     held: float | None = None
 
-    @property
-    def free(self) -> list[str]:
-        known = (*self.fixed, TENSION) if self.held is not None else self.fixed
-        return [name for name in NAMES if name not in known]
+    @cached_property
+    def unknowns(self) -> Unknowns:
+        """Of all records together; w, which may be below 0, in load over radius of the first."""
+        names = [TENSION] if self.held is None else []
+        ranges = {"modulus": Ranged("modulus", above=0), **{name: RANGES[name] for name in names}, "w": Ranged("work")}
+        radius = self.families[0].problem.indenter.tip_radius
+        assert radius is not None
+        unit = self.records[0].load / (math.pi * radius)
+        return Unknowns(parameters_of(ranges, ranges.keys() - self.fixed.keys(), self.fixed), {"w": unit})
 
     def values(self, x: Array) -> dict[str, float]:
         """Modulus and tension and w, SI."""
-        found = dict(zip(self.free, x.tolist(), strict=False))
-        values = {name: math.exp(found[name]) for name in ("modulus", TENSION) if name in found}
-        values |= ({"w": found["w"] * self._work} if "w" in found else {}) | dict(self.fixed)
+        values = self.unknowns.values(x)
         return values if self.held is None else values | {TENSION: self.held * values["modulus"] / 2}
-
-    @property
-    def _work(self) -> float:
-        """A unit of w [J/m^2]: load over radius of the first record."""
-        radius = self.families[0].problem.indenter.tip_radius
-        assert radius is not None
-        return self.records[0].load / (math.pi * radius)
 
     def zeros(self, x: Array) -> Array:
         """Zero points [m] of the records."""
-        return x[len(self.free) :] * np.array([record.depth for record in self.records])
+        return x[len(self.unknowns.free) :] * np.array([record.depth for record in self.records])
 
     def loads(self, x: Array) -> list[Array]:
         """Loads [N] of all records."""
@@ -258,7 +234,7 @@ class _Model:
         best of these; from all starts where E* or the tension is known."""
         low, high = self._lengths
         starts: Sequence[tuple[float, Array | None]] = [(x, None) for x in np.geomspace(low, high, TUNING.starts)]
-        if {"modulus", TENSION} <= set(self.free):
+        if {"modulus", TENSION} <= set(self.unknowns.names):
             found = [(replace(self, held=start).search(start), start) for start, _ in starts]
             found = sorted(found, key=lambda item: item[0].cost)[: TUNING.kept]
             starts = [(start, np.insert(least.x, 1, least.x[0] + math.log(start / 2))) for least, start in found]
@@ -273,10 +249,9 @@ class _Model:
     def search(self, start: float, x: Array | None = None) -> Least:
         """Least squares from 2 Ups/E* = ``start`` [m], and from the unknowns ``x`` where they are known."""
         x = self._first(start) if x is None else x
-        logs = [name in ("modulus", TENSION) for name in self.free]
-        far = np.where([*logs, *[False] * len(self.records)], TUNING.farthest, np.inf)
         try:
-            return LeastSquares(self.state, (-far, far), TUNING.converged, evaluations=TUNING.evaluations).least(x)
+            bounds = self.unknowns.bounds(np.zeros(x.size), TUNING.farthest)
+            return LeastSquares(self.state, bounds, TUNING.converged, evaluations=TUNING.evaluations).least(x)
         except ValueError as error:
             raise SolveError(f"fit of surface tension: {error}") from None
 
@@ -288,8 +263,8 @@ class _Model:
         if TENSION in self.fixed:
             E = 2 * self.fixed[TENSION] / start
         tension = start * self.fixed.get("modulus", E) / 2
-        guess = {"modulus": math.log(E), TENSION: math.log(tension), "w": 0.05}
-        return np.array([*(guess[name] for name in self.free), *(np.min(r.delta) / r.depth for r in self.records)])
+        guess = {"modulus": E, TENSION: tension, "w": TUNING.work * self.unknowns.units["w"]}
+        return np.array([*self.unknowns.at(guess), *(np.min(r.delta) / r.depth for r in self.records)])
 
 
 def _result(model: _Model, best: Least, radii: Sequence[float], level: float) -> TensionFit:
@@ -298,28 +273,25 @@ def _result(model: _Model, best: Least, radii: Sequence[float], level: float) ->
     spread = covariance(best.state.jacobian, variance)
     if spread is None:
         raise SolveError("fit of surface tension: the records do not determine the unknowns: --fix one of them")
-    sigma = np.sqrt(np.diag(spread))
-    names = [*model.free, *(f"delta0:{record.name}" for record in model.records)]
-    correlation = spread / np.outer(sigma, sigma)
-    told = len(set(radii)) > 1
-    values = model.values(x) | dict(zip(names[len(model.free) :], model.zeros(x).tolist(), strict=True))
-    spans = {f"delta0:{r.name}": r.depth for r in model.records}
-    errors = dict(zip(names, sigma.tolist(), strict=True)) | ({} if told else {TENSION: None})
-    t = t_quantile(level, dof)
-
-    def of(name: str, value: float) -> FittedValue:
-        if name == "w" and name in names:
-            i = names.index(name)
-            return _work(best, i, float(sigma[i]), variance, t, model._work)
-        return _estimate(name, value, name in names, errors.get(name), t, spans.get(name))
-
-    estimates = [of(*item) for item in values.items()]
-    warnings = (*_untold(names, correlation, sigma, told), *_steep(values))
-    size = float(np.mean([record.load for record in model.records]))
-    loads = tuple(model.loads(x))
-    return TensionFit(
-        tuple(estimates), tuple(names), correlation, math.sqrt(variance) * size, model.records, loads, warnings
-    )
+    told, t = len(set(radii)) > 1, t_quantile(level, dof)
+    m, unknowns, sigma = len(model.unknowns.free), model.unknowns, np.sqrt(np.diag(spread))
+    estimates = {item.name: item for item in unknowns.estimates(x, unknowns.covariance(spread), t)}
+    estimates["modulus"] = times(estimates["modulus"], 1.0, ALIAS, "modulus")
+    if TENSION in unknowns.names and not told:
+        estimates[TENSION] = replace(estimates[TENSION], error=None, low=None, high=None)
+    if "w" in unknowns.names:
+        i = unknowns.names.index("w")
+        estimates["w"] = _work(best, i, float(sigma[i]), variance, t, unknowns.units["w"])
+    zeros = [
+        estimated(f"delta0:{record.name}", zero, "length", error * record.depth, t)
+        for record, zero, error in zip(model.records, model.zeros(x).tolist(), sigma[m:].tolist(), strict=True)
+    ]
+    found = TensionFit(
+        estimates=(*estimates.values(), *zeros), free=(*unknowns.names, *(item.name for item in zeros)),
+        covariance=spread, dof=dof, records=model.records, loads=tuple(model.loads(x)),
+        scatter=math.sqrt(variance) * float(np.mean([record.load for record in model.records])),
+    )  # fmt: skip
+    return replace(found, warnings=(*_untold(found, sigma, told), *_steep(model.values(x))))
 
 
 def _work(best: Least, i: int, sigma: float, variance: float, t: float, unit: float) -> FittedValue:
@@ -338,33 +310,18 @@ def _work(best: Least, i: int, sigma: float, variance: float, t: float, unit: fl
     return FittedValue("w", max(float(best.x[i]), 0.0) * unit, True, "work", error, low * unit, high * unit)
 
 
-def _estimate(name: str, value: float, free: bool, sigma: float | None, t: float, unit: float | None) -> FittedValue:
-    """The estimate by the error of its unknown: a log, or in its ``unit``."""
-    dimension, shown = {**DIMENSIONS, "modulus": "modulus"}.get(name, "length"), ALIAS if name == "modulus" else name
-    if not free:
-        return FittedValue(shown, value, False, dimension)
-    if unit is None:
-        return estimated(shown, math.log(value), dimension, sigma, t, log=True)
-    return estimated(shown, value, dimension, None if sigma is None else sigma * unit, t)
-
-
-def _untold(names: list[str], correlation: Array, sigma: Array, told: bool) -> list[str]:
+def _untold(found: TensionFit, sigma: Array, told: bool) -> list[str]:
     """What records of one radius do not tell, and from what."""
-    if told or "surface_tension" not in names:
+    if told or TENSION not in found.free or found.correlation is None:
         return []
-    i = names.index("surface_tension")
-    others = np.abs(np.delete(correlation[i], i))
-    rest = [name for name in names if name != "surface_tension"]
-    worst = [f"{_word(rest[j])} ({others[j]:.3f})" for j in np.argsort(-others)[:2]]
+    i = found.free.index(TENSION)
+    others = sorted((-abs(float(c)), name) for c, name in zip(found.correlation[i], found.free, strict=True))[1:3]
+    worst = [f"{word(name)} ({-c:.3f})" for c, name in others]
     return [
         f"records of one radius do not separate surface_tension from {' and '.join(worst)} (correlation; "
         f"standard error {sigma[i]:.0%} if the model were exact): give records of another radius (--tip-radius), or "
         "--fix one of them"
     ]
-
-
-def _word(name: str) -> str:
-    return "E*" if name == "modulus" else name
 
 
 def _steep(values: Mapping[str, float]) -> list[str]:

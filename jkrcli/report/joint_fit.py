@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from ..base import show
 from ..identification.fit import JointFit
 from . import fit as each
@@ -34,7 +36,7 @@ class JointFitted(JointFit, Result):
             "version": 1,
             "body": self.body,
             "shared": {item.name: estimate_summary(item) for item in self.shared},
-            "correlation": self.correlation.tolist(),
+            "correlation": np.asarray(self.correlation).tolist(),
             "chance": self.chance,
             "status": DOUBTFUL if self.flags else FITTED,
             "flags": list(self.flags),

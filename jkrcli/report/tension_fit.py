@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from ..base import show
 from ..identification.tension import TensionFit
 from .fit import brief, estimate_summary, estimate_words
@@ -36,7 +38,7 @@ class TensionFitted(TensionFit, Result):
             "body": self.body,
             "estimates": {item.name: estimate_summary(item) for item in self.estimates},
             "free": list(self.free),
-            "correlation": self.correlation.tolist(),
+            "correlation": np.asarray(self.correlation).tolist(),
             "scatter_N": self.scatter,
             "warnings": list(self.warnings),
         }

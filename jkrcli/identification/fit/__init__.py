@@ -9,25 +9,29 @@ from ...base.lazy import lazily
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from ..answer import FittedValue
+    from ..parameters import ALIAS, Parameter
     from .body import FittedBody, body_of
     from .fitting import Failure, fit, fit_all
     from .joint import JointFit, joint_fit, shared_of, with_radii
     from .plan import further, planned
     from .points import third_differences
-    from .result import Fit, FittedValue, Further, estimated, times
-    from .settings import ALIAS, USUALLY_FREE, Loss, Parameter, Settings, settings_of, uncertain_of
+    from .result import Fit, Further
+    from .settings import USUALLY_FREE, Loss, Settings, settings_of, uncertain_of
     from .statistics import covariance, t_quantile
 
 __getattr__ = lazily(
     __name__,
     {
+        "..answer": "FittedValue",
+        "..parameters": "ALIAS Parameter",
         ".body": "FittedBody body_of",
         ".fitting": "Failure fit fit_all",
         ".joint": "JointFit joint_fit shared_of with_radii",
         ".plan": "further planned",
         ".points": "third_differences",
-        ".result": "Fit FittedValue Further estimated times",
-        ".settings": "ALIAS USUALLY_FREE Loss Parameter Settings settings_of uncertain_of",
+        ".result": "Fit Further",
+        ".settings": "USUALLY_FREE Loss Settings settings_of uncertain_of",
         ".statistics": "covariance t_quantile",
     },
 )

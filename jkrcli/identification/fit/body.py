@@ -14,7 +14,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from ...adhesion import AskedRange, FiniteRangeBody, Slopes
+from ...adhesion import AskedRange, FiniteRangeBody, Nonadhesive, Slopes
 from ...adhesion.slopes.choice import slopes
 from ...base import InputError, JkrError, Refusal, SolveError, show
 from ...beside import JKR, nonadhesive
@@ -77,6 +77,11 @@ class FittedBody:
     def members(self, ranged: bool) -> Members:
         """The adhesive curves of the body, of finite range or JKR's."""
         return self.attracted if ranged else self.family
+
+    @cached_property
+    def nonadhesive(self) -> Nonadhesive:
+        """The functions of the body without adhesion."""
+        return Nonadhesive(self.series, self.slopes)
 
     @cached_property
     def attracted(self) -> AttractedFamily:
@@ -211,6 +216,14 @@ def check_parameters(body: FittedBody, names: Sequence[str]) -> None:
     if own and not body.own_parameters:
         raise InputError(f"fit: {own[0]}: a finite cylinder is not solved anew; fit its modulus, or leave radius out")
     checked_names(own, body.own_parameters)
+
+
+def for_each(radii: Sequence[float], count: int) -> list[float]:
+    """The tip radius [m] of each of ``count`` files, where one was given for each, or one for all; none where none
+    was."""
+    if len(radii) not in (0, 1, count):
+        raise InputError(f"fit: --tip-radius: give one for each of the {count} files, or one for all, got {len(radii)}")
+    return list(radii) * (count // len(radii)) if radii else []
 
 
 def body_of(

@@ -10,19 +10,19 @@ import numpy as np
 from ...adhesion import REMEDY, judge
 from ...base import Unknown, show
 from ...base.units import LARGE_WORK
+from ..answer import word
+from ..parameters import POSITIONS
 from .body import FittedBody
 from .family import Family
 from .result import Fit
 from .rivals import Rivals
-from .settings import POSITIONS, RANGES
+from .settings import RANGES
 
 
 @dataclass(frozen=True)
 class WarningThresholds:
     """Limits beyond which a reader is warned; nothing else depends on them."""
 
-    apart: float = 0.99  # choice: correlation beyond which two parameters can hardly be told apart
-    vague: float = 0.3  # choice: relative standard error beyond which a value is little more than its order
     resolved: float = 1e-6  # choice: residuals below this part of the curve are those of the series' interpolation
     least_scatter: float = 0.5  # choice: of the residuals in units of the user's noise
     most_scatter: float = 2.0  # choice: the same
@@ -59,7 +59,7 @@ def warnings_of(
 
 
 def _given_up(found: Fit) -> Iterator[str]:
-    names = ", ".join(_word(name) for name in found.free)
+    names = ", ".join(word(name) for name in found.free)
     yield (
         f"the search stopped after {found.evaluations} steps, the data do not determine {names}: give starting "
         "values (--start), or fix one of them (--fix)"
@@ -67,29 +67,24 @@ def _given_up(found: Fit) -> Iterator[str]:
 
 
 def _told_apart(found: Fit, at_bound: Sequence[str]) -> Iterator[str]:
-    matrix = found.correlation
-    if matrix is None:
+    if found.covariance is None:
         if len(found.free) > 1 and not at_bound:
             yield f"the data do not determine {', '.join(found.free)} together: fix one of them (--fix)"
         return
-    for i, j in zip(*np.triu_indices(len(found.free), 1), strict=True):
-        one, two = found.free[i], found.free[j]
+    for one, two, said in found.hardly_apart:
         pair = {one, two}
-        told = pair <= {"modulus", "w", *RANGES} or pair <= set(POSITIONS) or any(":" in name for name in pair)
-        if abs(matrix[i, j]) > THRESHOLDS.apart and told:
-            yield (
-                f"{_word(one)} and {_word(two)} are strongly correlated ({matrix[i, j]:.4f}): "
-                f"fix one, or measure up to pull-off and to larger loads{PROFILE if pair & set(RANGES) else ''}"
-            )
+        if pair <= {"modulus", "w", *RANGES} or pair <= set(POSITIONS) or any(":" in name for name in pair):
+            more = PROFILE if pair & set(RANGES) else ""
+            yield f"{said}: fix one, or measure up to pull-off and to larger loads{more}"
     for name in found.free:
         item = found.estimate(name)
         positive = item.dimension in ("work", "modulus") or name in ("modulus", "range")
         if name in RANGES and item.error is None:
             continue  # said beside JKR
         if item.low == 0 and item.high is not None:
-            yield f"{_word(name)} is not significantly above 0: it is at most {show(item.high, item.dimension)}"
-        elif positive and item.error is not None and item.error > THRESHOLDS.vague * item.value > 0:
-            yield f"{_word(name)} is uncertain by {item.error / item.value:.0%} (standard error)"
+            yield f"{word(name)} is not significantly above 0: it is at most {show(item.high, item.dimension)}"
+        elif positive:
+            yield from found.vague([name])
 
 
 def _beside_jkr(found: Fit) -> Iterator[str]:
@@ -126,10 +121,6 @@ def _doubtful_work(found: Fit) -> Iterator[str]:
         )
 
 
-def _word(name: str) -> str:
-    return "E*" if name == "modulus" else name
-
-
 def _structured(found: Fit) -> Iterator[str]:
     told = found.structure
     if found.quality is None and told.suspicious and _relative_residual(found) > THRESHOLDS.resolved:
@@ -157,7 +148,7 @@ def _bounds(found: Fit, at_bound: Sequence[str]) -> Iterator[str]:
     for name in at_bound:
         item = found.estimate(name)
         if item.low != 0 and not (name in RANGES and item.error is None):  # else said already
-            yield f"{_word(name)} ends on its bound {show(item.value, item.dimension)}"
+            yield f"{word(name)} ends on its bound {show(item.value, item.dimension)}"
 
 
 def _pull_off(found: Fit) -> Iterator[str]:

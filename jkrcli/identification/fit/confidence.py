@@ -12,11 +12,13 @@ import numpy as np
 
 from ...base import Array, InputError, Pool, Unknown, in_order
 from ...bodies import changed
+from ..answer import FittedValue
 from ..least_squares import Least
+from ..parameters import Parameter, dimension_of
 from .model import Objective
-from .result import FittedValue, JKRBeside
+from .result import JKRBeside
 from .search import Minimum, minimise
-from .settings import RANGES, Parameter, Settings, dimension_of
+from .settings import RANGES, Settings
 from .statistics import covariance, covariance_of_uneven, larger, t_quantile, variance_factor
 
 

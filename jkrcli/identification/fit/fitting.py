@@ -23,6 +23,8 @@ from ...data import (
     examine,
     with_zero_points,
 )
+from ..answer import FittedValue
+from ..parameters import Parameter
 from .body import FittedBody, check_parameters
 from .checks import warnings_of
 from .confidence import confidence_of
@@ -31,10 +33,10 @@ from .jkr_beside import jkr_beside
 from .model import PathDistances
 from .points import Points, directed, points_of, points_of_cycle
 from .record import RESTS, beside, beyond_the_record, differ, fit_record, reduced, whole_record
-from .result import Fit, FittedValue
+from .result import Fit
 from .rivals import Rivals, rivals_of
 from .search import Minimum, robust, search
-from .settings import CALIBRATED, TENSION, Parameter, SegmentName, Settings
+from .settings import CALIBRATED, TENSION, SegmentName, Settings
 from .statistics import covariance, structure
 
 OWN = {"w": "w_approach"}  # names of an approach alone

@@ -18,14 +18,16 @@ from scipy.special import chdtrc
 from ...base import MOST_STEPS, Array, InputError, did_you_mean
 from ...bodies import RADIUS
 from ...data import Curve, ForceCurve
+from ..answer import Answer, FittedValue, times
 from ..least_squares import Least, LeastSquares, State
-from .body import FittedBody
+from ..parameters import ALIAS, LOG, Parameter
+from .body import FittedBody, for_each
 from .confidence import spread_of
 from .fitting import fit, prepared
 from .record import whole_fit
-from .result import Fit, FittedValue, estimated, times
+from .result import Fit
 from .search import robust, search
-from .settings import ALIAS, Parameter, Settings, dimension_of
+from .settings import Settings
 from .statistics import covariance, t_quantile
 
 
@@ -57,12 +59,10 @@ def shared_of(names: Iterable[str], own: Iterable[str], settings: Settings) -> t
 
 def with_radii(body: FittedBody, radii: Sequence[float], count: int) -> list[FittedBody]:
     """The body under the tip radius [m] of each of ``count`` files."""
-    if len(radii) not in (0, 1, count):
-        raise InputError(f"fit: --tip-radius: give one for each of the {count} files, or one for all, got {len(radii)}")
-    if radii and not (hasattr(body.problem.indenter, "R") and body.own_parameters):
+    each = for_each(radii, count)
+    if each and not (hasattr(body.problem.indenter, "R") and body.own_parameters):
         raise InputError("fit: --tip-radius: needs a sphere or a paraboloid on a specimen without an end")
-    each = list(radii) * (count // len(radii)) if radii else []
-    return [body.with_values({RADIUS: R}) for R in each] if radii else [body] * count
+    return [body.with_values({RADIUS: R}) for R in each] or [body] * count
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,33 +194,25 @@ class Joint:
         return problem.least(np.concatenate(start))
 
 
-@dataclass(frozen=True, eq=False)
-class JointFit:
-    """Records fitted together: ``shared`` estimates with the ``covariance`` of their unknowns, logs of moduli; ``fits``
-    of the records with these; ``alone``: what each says by itself; ``chance`` that records which share them differ as
-    much."""
+@dataclass(frozen=True, eq=False, kw_only=True)
+class JointFit(Answer):
+    """Records fitted together: what is ``shared`` (``covariance``: of logs of moduli); ``fits`` of the records with
+    these; ``alone``: what each says by itself; ``chance`` that records which share them differ as much."""
 
-    shared: tuple[FittedValue, ...]
-    covariance: Array
     fits: tuple[Fit, ...]
     alone: tuple[Mapping[str, float], ...]
     chance: float
-    warnings: tuple[str, ...]
+
+    @property
+    def shared(self) -> tuple[FittedValue, ...]:
+        """The estimates of what all have in common."""
+        return self.estimates
 
     @property
     def flags(self) -> tuple[str, ...]:
         """Why the shared values are doubtful: records that do not share them, and flags of the records with these."""
         apart = ["records do not share it"] * (self.chance <= TUNING.apart)
         return tuple(dict.fromkeys([*apart, *(flag for one in self.fits for flag in one.flags)]))
-
-    def estimate(self, name: str) -> FittedValue:
-        """The shared estimate called ``name``."""
-        return next(item for item in self.shared if item.name == name)
-
-    @property
-    def correlation(self) -> Array:
-        sigma = np.sqrt(np.diag(self.covariance))
-        return self.covariance / np.outer(sigma, sigma)
 
 
 def joint_fit(
@@ -236,7 +228,8 @@ def joint_fit(
     if spread is None or not found.ended:
         raise InputError(f"fit: the records together do not determine {', '.join(shared)}: fix one of them (--fix)")
     sigma, t = np.sqrt(np.diag(spread))[:m], t_quantile(settings.level, dof)
-    estimates = [_estimated(name, float(x), float(s), t) for name, x, s in zip(shared, found.x, sigma, strict=False)]
+    estimates = [Parameter(name, True).estimate(float(x), float(s), t)
+                 for name, x, s in zip(shared, found.x, sigma, strict=False)]  # fmt: skip
     known = {item.name: item.value for item in estimates}
     if "modulus" in known:
         modulus = estimates[list(shared).index("modulus")]
@@ -248,28 +241,18 @@ def joint_fit(
     chance = float(chdtrc(m * (len(parts) - 1), max(rise, 0.0)))
     alone = tuple(_alone(part, shared, bodies[0].problem.E_star) for part in parts)
     warnings = *_warnings(estimates, chance), *(f"{one.where}: {line}" for one in fits for line in one.warnings)
-    return JointFit(tuple(estimates), spread[:m, :m], fits, alone, chance, warnings)
+    return JointFit(
+        estimates=tuple(estimates), free=tuple(shared), covariance=spread[:m, :m], dof=dof, warnings=warnings,
+        fits=fits, alone=alone, chance=chance,
+    )  # fmt: skip
 
 
 def _alone(part: Part, shared: Sequence[str], E_star: float) -> dict[str, float]:
     """What a record says by itself of what it shares, E* for the modulus."""
-    found = {name: float(_outer(name, part.value(name))) for name in shared}
+    found = {name: part.value(name) for name in shared}
+    found |= {name: math.exp(x) for name, x in found.items() if Parameter(name, True).kind == LOG}
     modulus = {} if "modulus" not in found else {"E_star": found.pop("modulus") * E_star}
     return modulus | found
-
-
-def _outer(name: str, x: float) -> float:
-    return math.exp(x) if _is_log(name) else x
-
-
-def _is_log(name: str) -> bool:
-    """Whether the unknown of a parameter is its log."""
-    return Parameter(name, True).kind == "log"
-
-
-def _estimated(name: str, x: float, sigma: float, t: float) -> FittedValue:
-    dimension, log = dimension_of(name), _is_log(name)
-    return estimated(name, x, dimension, sigma, t, log, (0.0 if dimension == "work" else -math.inf, math.inf))
 
 
 def _sharing(one: Fit, shared: Sequence[FittedValue]) -> Fit:

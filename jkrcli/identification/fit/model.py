@@ -19,11 +19,12 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ...base import TINY, Array
+from ..parameters import Parameter
 from .body import FittedBody
 from .edges import ADVANCING, RECEDING, RESTING, RestingMember
 from .family import Drift, Member, Members
 from .points import Points
-from .settings import RANGES, Parameter
+from .settings import RANGES
 
 
 @dataclass(frozen=True)

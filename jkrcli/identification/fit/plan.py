@@ -17,11 +17,11 @@ import numpy as np
 
 from ...base import Array, InputError, JkrError, show
 from ...bodies import RADIUS
+from ..parameters import Parameter
 from .body import FittedBody
 from .edges import ADVANCING, RECEDING, RESTING
 from .model import Distances, Readings
 from .result import Fit, Further
-from .settings import Parameter
 
 WANTED = ("modulus", "w")
 ZEROS = ("delta0", "P0")

@@ -18,10 +18,11 @@ from scipy.special import fdtrc
 
 from ...base import Array, JkrError, SolveError, show
 from ...methods.layered.spectrum import spectrum_seconds
+from ..parameters import Parameter
 from .model import Objective
 from .search import TUNING as SEARCH
 from .search import Minimum
-from .settings import Loss, Parameter, Settings
+from .settings import Loss, Settings
 from .statistics import influence
 
 

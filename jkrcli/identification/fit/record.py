@@ -12,6 +12,8 @@ import numpy as np
 from ...base import Array, InputError, Pool, SolveError, Unknown, known, show
 from ...data import Curve, ForceCurve, examine
 from ...data.measured.curve import APPROACH, RETRACT
+from ..answer import FittedValue, estimated_work
+from ..parameters import POSITIONS, Parameter, dimension_of
 from .body import FittedBody
 from .checks import warnings_of
 from .confidence import changes_by, wider
@@ -33,8 +35,8 @@ from .positions import TIMED
 from .record_intervals import of_samples, profiles, rates, samples
 from .record_rivals import OF_RIVALS
 from .record_verdict import by_rivals, judged
-from .result import Fit, FittedValue, estimated_work
-from .settings import AUTO, CALIBRATED, POSITIONS, Parameter, Settings, dimension_of
+from .result import Fit
+from .settings import AUTO, CALIBRATED, Settings
 from .statistics import structure, t_quantile
 
 

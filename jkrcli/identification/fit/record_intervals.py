@@ -11,8 +11,8 @@ from functools import partial
 import numpy as np
 
 from ...base import Array, Pool, in_order
+from ..answer import ONE_SIDED, FittedValue
 from .force_curve import ForceCurveFit
-from .result import ONE_SIDED, FittedValue
 from .settings import Settings
 
 

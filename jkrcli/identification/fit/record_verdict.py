@@ -10,13 +10,14 @@ import numpy as np
 from scipy.optimize import brentq
 
 from ...bodies import Problem
+from ..answer import FittedValue
 from .body import FittedBody
 from .force_curve import ForceCurveFit, ForceCurveModel, base_line
 from .record_full import InFull, bounded, fitted_in_full
 from .record_rivals import MEMORY, Known
 from .record_scores import RecordRivals, Tried, Verdict, rivals_of_record
 from .record_situation import Situation
-from .result import Fit, FittedValue
+from .result import Fit
 
 REJECTED, DIFFER = "model rejected", "directions differ"
 

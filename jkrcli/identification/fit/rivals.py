@@ -17,9 +17,9 @@ import numpy as np
 from scipy.special import fdtrc
 
 from ...base import TINY, Array
+from ..answer import FittedValue
 from .family import Drift
 from .range_rival import RangeRival, range_rival_of
-from .result import FittedValue
 from .search import TUNING as SEARCH
 from .search import Minimum
 from .settings import Settings

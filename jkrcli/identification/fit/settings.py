@@ -9,9 +9,9 @@ from typing import Any, Literal
 
 from ...base import LARGEST_SI, InputError, parse
 from ...bodies import RADIUS, checked_names
+from ..parameters import ALIAS, DIMENSIONS, OF_A_CYCLE, OF_TRAVEL, POSITIONS, Parameter, dimension_of
 from .body import FittedBody
 
-Kind = Literal["log", "positive", "linear"]
 BranchName = Literal["all", "compressive"]
 SegmentName = Literal["approach", "retract", "both"]
 Loss = Literal["linear", "soft_l1", "huber", "cauchy"]
@@ -20,94 +20,14 @@ ConfidenceName = Literal["covariance", "profile", "bootstrap"]
 BaseLineName = Literal["straight", "sine"]
 ModelName = Literal["jkr", "auto"]
 AUTO: ModelName = "auto"
-DIMENSIONS = {"modulus": "number", "w": "work", "delta0": "length", "P0": "load", "compliance": "number",
-              "drift": "speed", "hysteresis": "number", "creep": "number", "range": "length",
-              "stress": "modulus"}  # fmt: skip
-OF_TRAVEL = ("hysteresis", "creep")  # errors of a device's positions, as fractions of its travel
-POSITIONS = ("drift", *OF_TRAVEL)  # all errors of positions
-OF_A_CYCLE = {"w_approach": "work", "a_turn": "length"}  # added where both directions are fitted; a_turn: radius there
 TENSION = "surface_tension"  # a bound of what is left out
 RANGES = ("range", "stress")  # one of them: adhesion of finite range; neither: JKR
-KINDS: dict[str, Kind] = {"modulus": "log", "w": "positive", "delta0": "linear", "P0": "linear", "compliance": "linear",
-                          "drift": "linear", "hysteresis": "linear", "creep": "linear",
-                          "w_approach": "positive"}  # fmt: skip
 CALIBRATED = ("stiffness", "sensitivity")  # of a device, relative: what its loads are made from
-OF_A_LAYER = {"E": "modulus", "h": "length", "nu": "number"}
 USUALLY_FREE = ("modulus", "w", "delta0")
-ALIAS = "E_star"  # the common modulus by its value rather than as a factor
 BETWEEN = ".."  # the ends of bounds
 
 
-@dataclass(frozen=True)
-class Parameter:
-    """One quantity of the model, SI: free between ``low`` and ``high``, or fixed at ``value``.
-
-    ``value = None``: free, and the start is found from the data. Names: those of ``DIMENSIONS``, "E:layer" and
-    "h:layer" for modulus and thickness of a named layer.
-    """
-
-    name: str
-    free: bool
-    value: float | None = None
-    low: float = -math.inf
-    high: float = math.inf
-
-    def __post_init__(self) -> None:
-        if not self.free and self.value is None:
-            raise InputError(f"{self.name}: is fixed and needs a value")
-        if self.value is not None:
-            self._check(self.value)
-        if not self.inner(self.low) < self.inner(self.high):
-            raise InputError(f"{self.name}: bounds must increase and leave room, got {self.low:g} to {self.high:g}")
-
-    def _check(self, value: float) -> None:
-        above = value > 0 if self.kind == "log" else value >= 0 or self.kind == "linear"
-        if not (math.isfinite(value) and above):
-            allowed = {"log": "> 0", "positive": "finite and >= 0", "linear": "finite"}[self.kind]
-            raise InputError(f"{self.name}: must be {allowed}, got {value:g}")
-        if self.free and not self.low <= value <= self.high:
-            raise InputError(f"{self.name}: the start {value:g} is outside its bounds {self.low:g} to {self.high:g}")
-
-    @property
-    def kind(self) -> Kind:
-        """The scale on which it is fitted: "log", or as it is, "positive" where it cannot be less than 0.
-
-        w as it is: its effect on a curve without adhesion is of first order in w (the shift by its root is along it).
-        """
-        return KINDS.get(self.name, "log")
-
-    @property
-    def dimension(self) -> str:
-        return dimension_of(self.name)
-
-    @property
-    def of_body(self) -> bool:
-        """Whether the body must be solved anew when it changes."""
-        return ":" in self.name
-
-    def inner(self, value: float) -> float:
-        """The optimiser's unknown for ``value``."""
-        if self.kind == "log":
-            return math.log(value) if value > 0 else -math.inf
-        return max(value, 0.0) if self.kind == "positive" else value
-
-    def outer(self, x: float) -> float:
-        """The value of the optimiser's unknown ``x``."""
-        if self.kind == "log":
-            return math.exp(x)
-        return max(x, 0.0) if self.kind == "positive" else x
-
-    def derivative(self, x: float) -> float:
-        """d(value)/dx."""
-        return math.exp(x) if self.kind == "log" else 1.0
-
-
 AS_IN_THE_CASE = {"modulus": 1.0, "delta0": 0.0, "P0": 0.0, "compliance": 0.0}
-
-
-def dimension_of(name: str) -> str:
-    """The dimension of a parameter of the model, or of "E:layer", "h:layer", "nu:layer"."""
-    return (DIMENSIONS | OF_A_CYCLE).get(name) or OF_A_LAYER[name.partition(":")[0]]
 
 
 @dataclass(frozen=True)

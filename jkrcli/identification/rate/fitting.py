@@ -9,22 +9,24 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property, partial
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from ...adhesion import RATE_LAWS, Nonadhesive, RateLaw, rate_parameters
-from ...base import Array, InputError, JkrError, SolveError, Unknown, did_you_mean, parse, show
+from ...base import Array, InputError, JkrError, Ranged, SolveError, Unknown, did_you_mean, show
 from ...data import Curve
-from ..fit import FittedBody, FittedValue, Parameter, Settings, covariance, estimated, fit, t_quantile, times
+from ..answer import Answer, times
+from ..fit import FittedBody, Settings, covariance, fit, t_quantile
 from ..least_squares import TUNING as FITS
 from ..least_squares import Least, LeastSquares, State
+from ..parameters import MODULUS, Parameter, Unknowns, Vocabulary, parameters_of
 from ..work import WorkAlong, work_along
 from .prediction import BESIDE, Prediction, predict
 from .record import RateRecord, rate_record, recovered
+from .through import ENDS, law_of, law_ranges, law_through, log_rates, receding
 from .through import TUNING as POINTS
-from .through import law_of, law_through, log_rates, receding
 
 
 @dataclass(frozen=True)
@@ -41,49 +43,39 @@ class RateFitTuning:
     rows: int = 120  # choice: of each record, by which starts are compared and followed
     exponents: tuple[float, ...] = (0.3, 0.6, 1.0)  # choice: starts of n, where the points' own does not lead to it
     first: int = 15  # choice: rows from which the radius at the begin is guessed
-    apart: float = 0.99  # choice: correlation beyond which two parameters can hardly be told apart
 
 
 TUNING = RateFitTuning()
-DIMENSIONS = {"modulus": "number", "w0": "work", "delta0": "length", "P0": "load"}
-ZEROS = ("delta0", "P0")  # as they are; all others by their logs
-ALIASES = {"E_star": "modulus", "w": "w0"}
 
 
 @dataclass(frozen=True)
 class RateSettings:
-    """What is asked: the ``law`` by name, common parameters that are ``free`` (modulus, w0, those of the law, delta0,
-    P0) and those ``fixed`` at values, SI, the ``level`` of the intervals, the ``segment`` of the rows; values to
-    ``start`` from: the search begins there alone where all of the free ones are given."""
+    """What is asked: the ``law`` by name, the common ``unknowns`` (modulus, w0, those of the law, delta0, P0), the
+    ``level`` of the intervals, the ``segment`` of the rows; values to ``start`` from: the search begins there alone
+    where all of the free ones are given."""
 
     law: str
-    free: tuple[str, ...]
-    fixed: Mapping[str, float]
+    unknowns: Unknowns
     level: float = 0.95
     segment: str | None = None
     start: Mapping[str, float] = field(default_factory=dict)
 
 
-@dataclass(frozen=True, eq=False)
-class RateFit:
-    """Records fitted together: ``estimates`` of the common parameters and E*, the ``covariance`` of the ``free`` ones
-    (inner: logs of those > 0), each record's readings and prediction, ``scatter`` of the residuals over the noise from
-    row to row, ``speeds``: range of the edges' [m/s]; ``dof``; ``warnings``: sentences."""
+@dataclass(frozen=True, eq=False, kw_only=True)
+class RateFit(Answer):
+    """Records fitted together: the common parameters and E* (``covariance``: of logs of those > 0), each record's
+    readings and prediction, ``scatter`` of the residuals over the noise from row to row, ``speeds``: range of the
+    edges' [m/s]."""
 
     law: RateLaw
     w0: float
-    estimates: tuple[FittedValue, ...]
-    free: tuple[str, ...]
-    covariance: Array | None
     records: tuple[RateRecord, ...]
     predictions: tuple[Prediction, ...]
     zero: float
     scatter: float
-    dof: int
     speeds: tuple[float, float]
     evaluations: int
     settings: RateSettings
-    warnings: tuple[str, ...]
 
     def band(self, v: Array) -> tuple[Array, Array, Array]:
         """w [J/m^2] at the speeds ``v`` [m/s], and the ends of its confidence band."""
@@ -96,10 +88,6 @@ class RateFit:
         inner = self.covariance[np.ix_(chosen, chosen)]
         spread = t_quantile(self.settings.level, self.dof) * np.sqrt(np.einsum("pn,pq,qn->n", rates, inner, rates))
         return w, w * np.exp(-spread), w * np.exp(spread)
-
-    def value(self, name: str) -> float:
-        """The estimate called ``name``, SI."""
-        return next(item.value for item in self.estimates if item.name == name)
 
 
 def rate_settings(
@@ -114,37 +102,14 @@ def rate_settings(
     names, and what ``free`` adds (P0)."""
     if law not in RATE_LAWS:
         raise InputError(f'fit: unknown law "{law}"{did_you_mean(law, RATE_LAWS)} (laws: {", ".join(RATE_LAWS)})')
-    ranges = rate_parameters(law)
-    usual = ("modulus", "w0", *ranges, "delta0")
-    allowed = (*usual, "P0", *ALIASES)
-    fixed, starts = (dict(_valued(body, ranges, allowed, pair) for pair in pairs) for pairs in (fix, start))
-    wanted = dict.fromkeys([*usual, *(_checked(name, allowed) for name in free)])
-    if both := [name for name in free if _checked(name, allowed) in fixed]:
+    ranges = MODULUS | law_ranges(law) | {"delta0": Ranged("length"), "P0": Ranged("load")}
+    named = Vocabulary("--law", ranges, body.problem.E_star, {"w": "w0"})
+    fixed, wanted = named.known(fix), [named.own(name) for name in free]
+    if both := [name for name in wanted if name in fixed]:
         raise InputError(f"fit: {both[0]} is both free and fixed")
-    return RateSettings(law, tuple(name for name in wanted if name not in fixed), fixed, start=starts, **options)
-
-
-def _valued(
-    body: FittedBody, ranges: Mapping[str, Any], allowed: Sequence[str], pair: tuple[str, str]
-) -> tuple[str, float]:
-    """The own name and the value, SI, of a parameter as the user writes both."""
-    name, text = pair
-    own = _checked(name, allowed)
-    try:
-        dimension = "modulus" if name == "E_star" else DIMENSIONS.get(own, "number")
-        value = ranges[own].read(text) if own in ranges else parse(text, dimension)
-    except ValueError as error:
-        raise InputError(f"fit: {name}: {error}") from None
-    if own in ("modulus", "w0") and not value > 0:
-        raise InputError(f"fit: {name}: must be > 0, got {text}")
-    return own, value / body.problem.E_star if name == "E_star" else value
-
-
-def _checked(name: str, allowed: Sequence[str]) -> str:
-    if name not in allowed:
-        hint = did_you_mean(name, allowed, 0.4)
-        raise InputError(f'fit: unknown parameter "{name}"{hint} (with --law: {", ".join(allowed)})')
-    return ALIASES.get(name, name)
+    known = fixed if "P0" in wanted else {"P0": 0.0} | fixed
+    unknowns = Unknowns(parameters_of(ranges, ranges.keys() - known.keys(), known, ENDS))
+    return RateSettings(law, unknowns, start=named.known(start), **options)
 
 
 def rate_fit(body: FittedBody, curves: Sequence[Curve], settings: RateSettings) -> RateFit:
@@ -184,31 +149,13 @@ class _Problem:
         return replace(self, records=tuple(record.thinned(TUNING.rows) for record in self.records))
 
     @property
-    def names(self) -> tuple[str, ...]:
-        """All common parameters in the order of the derivatives."""
-        return ("modulus", "w0", *rate_parameters(self.settings.law), "delta0", "P0")
-
-    @property
-    def free(self) -> Array:
-        return np.array([name in self.settings.free for name in self.names])
-
-    @property
-    def scale(self) -> float:
-        """Unit of loads: the largest tension [N]."""
-        return max(float(np.max(np.abs(record.P))) for record in self.records)
-
-    def common(self, theta: Array) -> Array:
-        """The inner values of all common parameters: logs, and delta0 and P0 as they are."""
-        fixed = self.settings.fixed
-        held = [_inner(name, fixed.get(name, 1.0 if name == "modulus" else 0.0)) if name not in self.settings.free
-                else 0.0 for name in self.names]  # fmt: skip
-        values = np.array(held)
-        values[self.free] = theta[: int(self.free.sum())]
-        return values
+    def unknowns(self) -> Unknowns:
+        """Those that all records have in common."""
+        return self.settings.unknowns
 
     def own(self, theta: Array, i: int) -> Array:
         """log a at the begin, shift and tilt over their standard deviations, of record ``i``."""
-        first = int(self.free.sum()) + 3 * i
+        first = len(self.unknowns.free) + 3 * i
         return theta[first : first + 3]
 
     def prediction(self, theta: Array, i: int) -> Prediction:
@@ -216,27 +163,18 @@ class _Problem:
         return self._predicted(theta, i, self.records[i].t, False)
 
     def _predicted(self, theta: Array, i: int, t: Array, onwards: bool) -> Prediction:
-        values, (u, shift, tilt), record = self.common(theta), self.own(theta, i), self.records[i]
-        law, w0 = law_of(self.settings.law, values[1:-2])
-        body = self.body_at(values[0])
-        program = record.program(shift * record.loose[0] - values[-2], tilt * record.loose[1], onwards)
+        values, (u, shift, tilt), record = self.unknowns.values(theta), self.own(theta, i), self.records[i]
+        law, w0 = law_of(self.settings.law, values)
+        body = self.body.nonadhesive.scaled(values["modulus"])
+        program = record.program(shift * record.loose[0] - values["delta0"], tilt * record.loose[1], onwards)
         start = float(np.clip(math.exp(u), body.a[0] * 1.001, body.a[-1]))
         return predict(body, law, w0, record.stiffness, program, record.tilt, start, t)
 
-    def body_at(self, log_modulus: float) -> Nonadhesive:
-        return self.unit.scaled(math.exp(log_modulus))
-
-    @cached_property
-    def unit(self) -> Nonadhesive:
-        """The functions of the body with its own moduli."""
-        return Nonadhesive(self.body.series, self.body.slopes)
-
     def equations(self, theta: Array) -> State:
         """Residuals in standard deviations, and their derivatives by the unknowns."""
-        n = theta.size
-        parts, rates = [], []
-        common = np.flatnonzero(self.free)
-        P0 = self.common(theta)[-1]
+        n, parts, rates = theta.size, [], []
+        common = np.flatnonzero([parameter.free for parameter in self.unknowns.parameters])
+        P0 = self.unknowns.values(theta)["P0"]
         for i, record in enumerate(self.records):
             found = self.prediction(theta, i)
             first = common.size + 3 * i
@@ -260,20 +198,10 @@ class _Problem:
     def minimise(self, start: Array, cost: float = 0.0) -> Least | None:
         """The least sum of squares from ``start`` on, to ``cost`` relatively; None where the way there fails."""
         try:
-            bounds = self._bounds(start)
+            bounds = self.unknowns.bounds(start, FITS.reach)
             return LeastSquares(self.equations, bounds, TUNING.converged, cost, TUNING.evaluations).least(start)
         except (JkrError, FloatingPointError, OverflowError, np.linalg.LinAlgError):
             return None
-
-    def _bounds(self, start: Array) -> tuple[Array, Array]:
-        """Logs stay near their start, exponents where laws have them."""
-        reach = np.full(start.size, np.inf)
-        names = [name for name in self.names if name in self.settings.free]
-        reach[[i for i, name in enumerate(names) if name not in ("delta0", "P0")]] = FITS.reach
-        low, high = start - reach, start + reach
-        if "n" in names:
-            low[names.index("n")], high[names.index("n")] = np.log(POINTS.laws)
-        return low, high
 
     def scatter(self, found: Least) -> float:
         """Standard deviation of the residuals over what they are weighed by."""
@@ -289,7 +217,7 @@ class _Problem:
         parts = []
         for i, record in enumerate(self.records):
             told = self.prediction(found.x, i)
-            P = told.P + self.common(found.x)[-1] - record.P
+            P = told.P + self.unknowns.values(found.x)["P0"] - record.P
             parts.append({"P": P} | ({} if record.a is None else {"a": told.a - record.a}))
         return parts
 
@@ -324,8 +252,8 @@ class _Problem:
         """Unknowns to begin with, the nearest first: the elastic part of the slowest record as if its adhesion did not
         depend on speed, with its own modulus and smaller ones, and the law by w over speed on that body."""
         found, reasons = [], []
-        if set(self.settings.free) <= set(self.settings.start):
-            given = dict(self.settings.start) | dict(self.settings.fixed)
+        if set(self.unknowns.names) <= set(self.settings.start):
+            given = dict(self.settings.start) | self.unknowns.fixed
             return [self._from(given, self._radii(given))]
         for elastic in self._elastic():
             try:
@@ -345,8 +273,7 @@ class _Problem:
 
     def _with(self, elastic: Mapping[str, float]) -> list[Array]:
         """Starts with the elastic part given: by the points of w over speed, and by exponents."""
-        fixed = self.settings.fixed
-        body = self.body_at(math.log(elastic["modulus"]))
+        body = self.body.nonadhesive.scaled(elastic["modulus"])
         along = [_along(body, record, elastic["delta0"], elastic["P0"]) for record in self.records]
         if refused := [item for item in along if isinstance(item, InputError)]:
             raise refused[0]
@@ -359,17 +286,17 @@ class _Problem:
         middle = float(np.median(w)) if w.size else float(np.median(found[0].w[found[0].ok]))
         guesses += [{"w0": middle / 2, "v0": speed, "n": n, "b": middle / 2} for n in TUNING.exponents]
         radii = [_radius(item, body) for item in found]
-        return [self._from({**elastic, **guess, **self.settings.start, **fixed}, radii) for guess in guesses]
+        told = {**self.settings.start, **self.unknowns.fixed}
+        return [self._from({**elastic, **guess, **told}, radii) for guess in guesses]
 
     def _from(self, values: Mapping[str, float], radii: Sequence[float]) -> Array:
         """The unknowns of common parameters ``values``, SI, and radii at the begins."""
-        common = [_inner(name, values[name]) for name in self.names if name in self.settings.free]
-        return np.array([*common, *(x for radius in radii for x in (math.log(radius), 0.0, 0.0))])
+        return np.array([*self.unknowns.at(values), *(x for a in radii for x in (math.log(a), 0.0, 0.0))])
 
     def _radii(self, values: Mapping[str, float]) -> list[float]:
         """Radii at the begins of the records with the elastic part of ``values``."""
-        body = self.body_at(math.log(values.get("modulus", 1.0)))
-        along = [_along(body, record, values.get("delta0", 0.0), values.get("P0", 0.0)) for record in self.records]
+        body = self.body.nonadhesive.scaled(values["modulus"])
+        along = [_along(body, record, values["delta0"], values["P0"]) for record in self.records]
         if refused := [item for item in along if isinstance(item, InputError)]:
             raise refused[0]
         return [_radius(item, body) for item in along if isinstance(item, WorkAlong)]
@@ -379,22 +306,22 @@ class _Problem:
         that makes it look stiffer, so that smaller moduli are tried too."""
         free = self._quiet(None)
         moduli = [1.0]
-        if "modulus" not in self.settings.free:
-            moduli = [self.settings.fixed["modulus"]]
+        if "modulus" in self.unknowns.fixed:
+            moduli = [self.unknowns.fixed["modulus"]]
         elif free is not None:
             moduli = [free["modulus"] * factor for factor in TUNING.softer] + [1.0]
         for modulus in moduli:
             found = self._quiet(modulus)
             if found is not None:
                 yield found
-        yield {"modulus": moduli[-1], "delta0": 0.0, "P0": 0.0} | dict(self.settings.fixed)
+        yield {"modulus": moduli[-1], "delta0": 0.0, "P0": 0.0} | self.unknowns.fixed
 
     def _quiet(self, modulus: float | None) -> dict[str, float] | None:
         """Modulus, delta0 and P0 of the slowest record, its adhesion being the same at all speeds."""
         slowest = min(self.records, key=lambda record: record.speed)
-        known = {key: value for key, value in self.settings.fixed.items() if key in ("delta0", "P0")}
+        known = {key: value for key, value in self.unknowns.fixed.items() if key in ("delta0", "P0")}
         known |= {} if modulus is None else {"modulus": modulus}
-        names = [name for name in ("modulus", "delta0", "P0") if name in self.settings.free and name not in known]
+        names = [name for name in ("modulus", "delta0", "P0") if name in self.unknowns.names and name not in known]
         parameters = [Parameter(name, True) for name in (*names, "w")]
         parameters += [Parameter(name, False, value) for name, value in known.items()]
         curve = replace(slowest.curve.rows(slowest.rows), segment=None)
@@ -407,40 +334,21 @@ class _Problem:
 
     # ------------------------------------------------------------------ the answer
     def result(self, found: Least) -> RateFit:
-        values, settings = self.common(found.x), self.settings
-        law, w0 = law_of(settings.law, values[1:-2])
-        dof = max(found.state.residuals.size - found.x.size, 1)
-        scatter, misfit = self.scatter(found), self.misfit(found)
-        whole = covariance(found.state.jacobian, max(scatter, 1e-12) ** 2)
-        size = int(self.free.sum())
-        inner = None if whole is None else whole[:size, :size]
-        names = tuple(name for name in self.names if name in settings.free)
-        t = t_quantile(settings.level, dof)
-        estimates = [
-            self._estimate(name, float(value), names, inner, t) for name, value in zip(self.names, values, strict=True)
-        ]
-        estimates.append(times(estimates[0], self.body.problem.E_star, "E_star", "modulus"))
+        values, settings, unknowns = self.unknowns.values(found.x), self.settings, self.unknowns
+        law, w0 = law_of(settings.law, values)
+        dof, scatter = max(found.state.residuals.size - found.x.size, 1), self.scatter(found)
+        inner = unknowns.covariance(covariance(found.state.jacobian, max(scatter, 1e-12) ** 2))
+        estimates = unknowns.estimates(found.x, inner, t_quantile(settings.level, dof))
+        E_star = times(estimates[0], self.body.problem.E_star, "E_star", "modulus")
         predictions = tuple(self.prediction(found.x, i) for i in range(len(self.records)))
         moving = np.concatenate([item.speed[item.speed > 0] for item in predictions])
-        speeds = tuple(map(float, np.quantile(moving, (0.05, 0.95)))) if moving.size else (0.0, 0.0)
+        low, high = map(float, np.quantile(moving, (0.05, 0.95))) if moving.size else (0.0, 0.0)
         fit = RateFit(
-            law, w0, tuple(estimates), names, inner, self.records, predictions, float(values[-1]), misfit, dof,
-            (speeds[0], speeds[1]), found.steps, settings, (),
+            estimates=(*estimates, E_star), free=unknowns.names, covariance=inner, dof=dof, law=law, w0=w0,
+            records=self.records, predictions=predictions, zero=values["P0"], scatter=self.misfit(found),
+            speeds=(low, high), evaluations=found.steps, settings=settings,
         )  # fmt: skip
         return replace(fit, warnings=tuple(_warnings(fit)))
-
-    def _estimate(self, name: str, value: float, names: tuple[str, ...], inner: Array | None, t: float) -> FittedValue:
-        ranges = rate_parameters(self.settings.law)
-        dimension = DIMENSIONS.get(name) or ranges[name].dimension
-        if name not in names:
-            return FittedValue(name, value if name in ZEROS else math.exp(value), False, dimension)
-        i = names.index(name)
-        sigma = None if inner is None else math.sqrt(inner[i, i])
-        return estimated(name, value, dimension, sigma, t, name not in ZEROS)
-
-
-def _inner(name: str, value: float) -> float:
-    return value if name in ZEROS else math.log(value)
 
 
 def _along(body: Nonadhesive, record: RateRecord, delta0: float, P0: float) -> WorkAlong | InputError:
@@ -474,14 +382,8 @@ def _warnings(fit: RateFit) -> list[str]:
         )
     if fit.covariance is None:
         return [*said, f"the data do not determine {', '.join(fit.free)} together: fix one of them (--fix)"]
-    sigma = np.sqrt(np.diag(fit.covariance))
-    matrix = fit.covariance / np.outer(sigma, sigma)
-    for i, j in zip(*np.triu_indices(len(fit.free), 1), strict=True):
-        if abs(matrix[i, j]) > TUNING.apart:
-            said.append(f"{fit.free[i]} and {fit.free[j]} are strongly correlated ({matrix[i, j]:.4f})")
-    for item in fit.estimates:
-        if item.name in fit.free and item.name not in ("delta0", "P0") and (item.error or 0) > FITS.vague * item.value:
-            said.append(f"{item.name} is uncertain by {(item.error or 0) / item.value:.0%} (standard error)")
+    said += [line for _, _, line in fit.hardly_apart]
+    said += fit.vague([name for name in fit.free if name not in ("delta0", "P0")])
     if fit.scatter > FITS.misfit:
         said.append(
             f"the loads scatter {fit.scatter:.2g} times as far about the prediction as from row to row: the law, the "

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from ...adhesion import RATE_LAWS, TWO_SIDED_90, RateLaw, rate_parameters
-from ...base import Array, Unknown
+from ...base import Array, Ranged, Unknown
 from ..fit import covariance, t_quantile
 from ..fit.statistics import NORMAL_MEDIAN, larger
 from ..least_squares import Least, LeastSquares, State
+from ..parameters import Unknowns, parameters_of
 from ..work import WorkAlong
 
 
@@ -34,6 +34,7 @@ class ThroughTuning:
 
 
 TUNING = ThroughTuning()
+ENDS = {"n": TUNING.laws}
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,10 +77,15 @@ class LawThrough:
         return w, w * np.exp(-spread), w * np.exp(spread)
 
 
-def law_of(name: str, logs: Array) -> tuple[RateLaw, float]:
-    """The law called ``name`` and w0 by the logs of (w0, parameters)."""
-    law: RateLaw = RATE_LAWS[name](**dict(zip(rate_parameters(name), map(math.exp, logs[1:]), strict=True)))
-    return law, math.exp(float(logs[0]))
+def law_ranges(name: str) -> dict[str, Ranged]:
+    """The ranges of w0 and of the parameters of the law called ``name``."""
+    return {"w0": Ranged("work", above=0)} | rate_parameters(name)
+
+
+def law_of(name: str, values: Mapping[str, float]) -> tuple[RateLaw, float]:
+    """The law called ``name`` and w0 by the ``values`` of its parameters and w0, SI."""
+    law: RateLaw = RATE_LAWS[name](**{key: values[key] for key in rate_parameters(name)})
+    return law, values["w0"]
 
 
 def log_rates(law: RateLaw, w0: float, v: Array) -> Array:
@@ -105,21 +111,22 @@ def law_through(name: str, v: Array, w: Array, together: int = 1, v_err: Array |
     v, w = v[rows], w[rows]
     if v.size < TUNING.least * max(1, together // 4):
         return Unknown(f"{v.size} points with a receding edge are too few for a law")
-    names, sigma = ("w0", *rate_parameters(name)), np.ones(v.size)
-    starts = _starts(name, v, w)
+    ranges = law_ranges(name)
+    logs = Unknowns(parameters_of(ranges, ranges, {}, ENDS))
+    starts, sigma = _starts(logs, v, w), np.ones(v.size)
     for _ in range(1 if v_err is None else TUNING.rounds):
-        best = min((_nearest(name, v, w, sigma, start) for start in starts), key=lambda found: found.cost)
-        law, w0 = law_of(name, best.x)
+        best = min((_nearest(name, logs, v, w, sigma, start) for start in starts), key=lambda found: found.cost)
+        law, w0 = law_of(name, logs.values(best.x))
         residuals, starts = np.log(law.work(w0, v) / w), [best.x]
         if v_err is not None:
             sigma = _uneven(law, w0, v, v_err[rows], residuals)
-    dof = max(v.size // together - len(names), 1)
+    dof = max(v.size // together - best.x.size, 1)
     factor = float(np.median(np.abs(residuals / sigma)) / NORMAL_MEDIAN) ** 2 * together
     ends = np.quantile(v, (0.05, 0.95))
     inner = covariance((log_rates(law, w0, v) / sigma).T, factor)
     if v_err is not None:
-        inner = larger(inner, _of_blocks(name, v, w, sigma, best.x))
-    return LawThrough(law, w0, names, inner, (float(ends[0]), float(ends[1])), dof)
+        inner = larger(inner, _of_blocks(name, logs, v, w, sigma, best.x))
+    return LawThrough(law, w0, logs.names, inner, (float(ends[0]), float(ends[1])), dof)
 
 
 def _uneven(law: RateLaw, w0: float, v: Array, v_err: Array, residuals: Array) -> Array:
@@ -133,13 +140,13 @@ def _uneven(law: RateLaw, w0: float, v: Array, v_err: Array, residuals: Array) -
     return np.ones_like(v) if not (middle := float(np.median(sigma))) > 0 else np.maximum(sigma / middle, TUNING.even)
 
 
-def _of_blocks(name: str, v: Array, w: Array, sigma: Array, logs: Array) -> Array:
+def _of_blocks(name: str, logs: Unknowns, v: Array, w: Array, sigma: Array, x: Array) -> Array:
     """Covariance of the logs of (w0, parameters) by leaving out blocks of neighbouring points in turn: what smoothing
     has done to the speeds of neighbours is no noise that averages out (delete-block jackknife, Kuensch, Ann. Statist.
     17 (1989) 1217)."""
     blocks = np.array_split(np.arange(v.size), TUNING.blocks)
     kept = [np.setdiff1d(np.arange(v.size), block) for block in blocks]
-    found = np.array([_nearest(name, v[rows], w[rows], sigma[rows], logs).x for rows in kept])
+    found = np.array([_nearest(name, logs, v[rows], w[rows], sigma[rows], x).x for rows in kept])
     apart = found - found.mean(axis=0)
     return (TUNING.blocks - 1) / TUNING.blocks * apart.T @ apart
 
@@ -166,28 +173,21 @@ def law_along(found: Sequence[WorkAlong], name: str = "power") -> LawThrough | U
     return law_through(name, *receding(found))
 
 
-def _starts(name: str, v: Array, w: Array) -> list[Array]:
-    """Logs of (w0, parameters) to begin with: half of w at the middle speed is due to it."""
-    low, middle, speed = np.quantile(w, 0.02), np.median(w), np.median(v)
-    starts = []
-    for exponent in TUNING.exponents:
-        guess = {"v0": speed, "n": exponent, "b": middle / 2}
-        starts.append(np.log([min(low, middle / 2), *(guess.get(key, 1.0) for key in rate_parameters(name))]))
-    return starts
+def _starts(logs: Unknowns, v: Array, w: Array) -> list[Array]:
+    """Unknowns to begin with: half of w at the middle speed is due to it."""
+    low, middle, speed = float(np.quantile(w, 0.02)), float(np.median(w)), float(np.median(v))
+    known = dict.fromkeys(logs.names, 1.0) | {"w0": min(low, middle / 2), "v0": speed, "b": middle / 2}
+    return [logs.at(known | {"n": exponent}) for exponent in TUNING.exponents]
 
 
-def _nearest(name: str, v: Array, w: Array, sigma: Array, start: Array) -> Least:
-    def residuals(logs: Array) -> Array:
-        law, w0 = law_of(name, logs)
+def _nearest(name: str, logs: Unknowns, v: Array, w: Array, sigma: Array, start: Array) -> Least:
+    def residuals(x: Array) -> Array:
+        law, w0 = law_of(name, logs.values(x))
         return np.log(law.work(w0, v) / w) / sigma
 
-    def state(logs: Array) -> State:
-        return State(residuals(logs), lambda: (log_rates(*law_of(name, logs), v) / sigma).T)
+    def state(x: Array) -> State:
+        return State(residuals(x), lambda: (log_rates(*law_of(name, logs.values(x)), v) / sigma).T)
 
     scale = max(float(np.median(np.abs(residuals(start)))), 1e-3)
-    bounds = start - TUNING.reach, start + TUNING.reach
-    if "n" in rate_parameters(name):
-        i = 1 + list(rate_parameters(name)).index("n")
-        bounds[0][i], bounds[1][i] = np.log(TUNING.laws)
-    width = scale * TUNING.turn / 10
+    width, bounds = scale * TUNING.turn / 10, logs.bounds(start, TUNING.reach)
     return LeastSquares(state, bounds, TUNING.converged, loss="soft_l1", width=width).least(start)

@@ -1,0 +1,132 @@
+"""What any fit says: values with their errors and intervals, how they hang together, and what is said of both."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from sys import float_info
+
+import numpy as np
+from scipy.special import ndtri
+
+from ..base import Array, InputError
+
+ONE_SIDED = float(ndtri(0.95) / ndtri(0.975))  # theory: one-sided over two-sided 95 % of a normal value
+
+
+@dataclass(frozen=True)
+class AnswerTuning:
+    """Limits beyond which a reader is warned; nothing else depends on them."""
+
+    apart: float = 0.99  # choice: correlation beyond which two parameters can hardly be told apart
+    vague: float = 0.3  # choice: relative standard error beyond which a value is little more than its order
+
+
+TUNING = AnswerTuning()
+
+
+@dataclass(frozen=True)
+class FittedValue:
+    """A parameter or what follows from it, SI. ``error``: standard error, ``low, high``: the confidence interval;
+    None where the data do not tell, or where it is fixed. ``systematic``: from uncertain inputs, by name,
+    held in the interval; ``model``: half-widths from models near this one that the data do not exclude, beside it."""
+
+    name: str
+    value: float
+    free: bool
+    dimension: str
+    error: float | None = None
+    low: float | None = None
+    high: float | None = None
+    systematic: Mapping[str, float] | None = None
+    model: Mapping[str, float] | None = None
+
+
+def estimated(
+    name: str, x: float, dimension: str, sigma: float | None, t: float, log: bool = False,
+    ends: tuple[float, float] = (-math.inf, math.inf),
+) -> FittedValue:  # fmt: skip
+    """The estimate of a free unknown ``x``, the ``log`` of a value or the value itself, within its ``ends``, by its
+    standard error ``sigma`` and the half-width of the interval in these, ``t``."""
+    value = math.exp(min(x, float_info.max_10_exp)) if log else x
+    if sigma is None:
+        return FittedValue(name, value, True, dimension)
+    if not log:
+        low, high = max(x - t * sigma, ends[0]), min(x + t * sigma, ends[1])
+        return FittedValue(name, value, True, dimension, sigma, low, high)
+    spread = math.exp(min(t * sigma, float_info.max_10_exp))
+    return FittedValue(name, value, True, dimension, value * sigma, value / spread, value * spread)
+
+
+def estimated_work(name: str, value: float, error: float, t: float) -> FittedValue:
+    """w [J/m^2] that a search may have found below 0: an interval, or an upper limit where it does not exclude 0."""
+    if value > t * error:
+        return FittedValue(name, value, True, "work", error, value - t * error, value + t * error)
+    value = max(value, 0.0)
+    return FittedValue(name, value, True, "work", error, 0.0, value + ONE_SIDED * t * error)
+
+
+def times(item: FittedValue, factor: float, name: str, dimension: str) -> FittedValue:
+    """What is ``factor`` times an estimate, under its own ``name``."""
+    error, low, high = (None if end is None else end * factor for end in (item.error, item.low, item.high))
+    return FittedValue(name, item.value * factor, item.free, dimension, error, low, high)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Answer:
+    """``estimates``: the parameters, then what follows from them; ``free``: names of those that were fitted, with their
+    ``covariance`` (of SI values, or of logs), None where the data do not tell them apart; ``dof``: degrees of freedom;
+    ``warnings``: sentences."""
+
+    estimates: tuple[FittedValue, ...]
+    free: tuple[str, ...]
+    covariance: Array | None
+    dof: int
+    warnings: tuple[str, ...] = ()
+
+    def estimate(self, name: str) -> FittedValue:
+        """The estimate called ``name``."""
+        known = {item.name: item for item in self.estimates}
+        if name not in known:
+            raise InputError(f'no estimate is called "{name}" (there are: {", ".join(known)})')
+        return known[name]
+
+    def value(self, name: str) -> float:
+        """The value called ``name``, SI."""
+        return self.estimate(name).value
+
+    @property
+    def correlation(self) -> Array | None:
+        """Correlation coefficients of the free parameters."""
+        if self.covariance is None:
+            return None
+        sigma = np.sqrt(np.diag(self.covariance))
+        return self.covariance / np.outer(sigma, sigma)
+
+    def correlated(self, one: str, two: str) -> float | None:
+        """Correlation coefficient of two free parameters; None where there is none."""
+        matrix = self.correlation
+        if matrix is None or not {one, two} <= set(self.free):
+            return None
+        return float(matrix[self.free.index(one), self.free.index(two)])
+
+    @property
+    def hardly_apart(self) -> Iterator[tuple[str, str, str]]:
+        """Pairs of free parameters that can hardly be told apart, with a sentence on each."""
+        for one, two in itertools.combinations(self.free, 2):
+            found = self.correlated(one, two)
+            if found is not None and abs(found) > TUNING.apart:
+                yield one, two, f"{word(one)} and {word(two)} are strongly correlated ({found:.4f})"
+
+    def vague(self, names: Sequence[str]) -> Iterator[str]:
+        """A sentence on each of these that is little more than its order."""
+        for item in map(self.estimate, names):
+            if item.error is not None and item.error > TUNING.vague * item.value > 0:
+                yield f"{word(item.name)} is uncertain by {item.error / item.value:.0%} (standard error)"
+
+
+def word(name: str) -> str:
+    """What a parameter is called in sentences."""
+    return "E*" if name == "modulus" else name

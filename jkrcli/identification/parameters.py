@@ -1,0 +1,244 @@
+"""Parameters of a model: the scale on which each is sought, SI values by the unknowns of a search, what is known of
+them afterwards, and what a user writes of them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Container, Iterable, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+
+from ..base import Array, InputError, Ranged, did_you_mean
+from .answer import FittedValue, estimated
+
+Kind = Literal["log", "positive", "linear"]
+LOG: Kind = "log"
+LINEAR: Kind = "linear"
+DIMENSIONS = {"modulus": "number", "w": "work", "delta0": "length", "P0": "load", "compliance": "number",
+              "drift": "speed", "hysteresis": "number", "creep": "number", "range": "length",
+              "stress": "modulus"}  # fmt: skip
+OF_TRAVEL = ("hysteresis", "creep")  # errors of a device's positions, as fractions of its travel
+POSITIONS = ("drift", *OF_TRAVEL)  # all errors of positions
+OF_A_CYCLE = {"w_approach": "work", "a_turn": "length"}  # added where both directions are fitted; a_turn: radius there
+OF_A_LAYER = {"E": "modulus", "h": "length", "nu": "number"}
+KINDS: dict[str, Kind] = {"modulus": "log", "w": "positive", "delta0": "linear", "P0": "linear", "compliance": "linear",
+                          "drift": "linear", "hysteresis": "linear", "creep": "linear",
+                          "w_approach": "positive"}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class ParameterTuning:
+    """Where values are sought."""
+
+    edge: float = 1e-6  # choice: how near a share of a whole comes to none of it and to all
+
+
+TUNING = ParameterTuning()
+MODULUS = {"modulus": Ranged("number", above=0)}  # the common factor of all moduli
+ALIAS = "E_star"  # the common modulus by its value rather than as a factor
+
+
+def dimension_of(name: str) -> str:
+    """The dimension of a parameter of the model, or of "E:layer", "h:layer", "nu:layer"."""
+    return (DIMENSIONS | OF_A_CYCLE).get(name) or OF_A_LAYER[name.partition(":")[0]]
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One quantity of the model, SI: free between ``low`` and ``high``, or fixed at ``value``.
+
+    ``value = None``: free, and the start is found from the data. Names: those of ``DIMENSIONS``, "E:layer" and
+    "h:layer" for modulus and thickness of a named layer; others tell their ``scale`` and the ``quantity`` they are.
+    """
+
+    name: str
+    free: bool
+    value: float | None = None
+    low: float = -math.inf
+    high: float = math.inf
+    scale: Kind | None = None
+    quantity: str = ""
+
+    def __post_init__(self) -> None:
+        if not self.free and self.value is None:
+            raise InputError(f"{self.name}: is fixed and needs a value")
+        if self.value is not None:
+            self._check(self.value)
+        if not self.inner(self.low) < self.inner(self.high):
+            raise InputError(f"{self.name}: bounds must increase and leave room, got {self.low:g} to {self.high:g}")
+
+    def _check(self, value: float) -> None:
+        above = value > 0 if self.kind == "log" else value >= 0 or self.kind == "linear"
+        if not (math.isfinite(value) and above):
+            allowed = {"log": "> 0", "positive": "finite and >= 0", "linear": "finite"}[self.kind]
+            raise InputError(f"{self.name}: must be {allowed}, got {value:g}")
+        if self.free and not self.low <= value <= self.high:
+            raise InputError(f"{self.name}: the start {value:g} is outside its bounds {self.low:g} to {self.high:g}")
+
+    @property
+    def kind(self) -> Kind:
+        """The scale on which it is fitted: "log", or as it is, "positive" where it cannot be less than 0.
+
+        w as it is: its effect on a curve without adhesion is of first order in w (the shift by its root is along it).
+        """
+        return self.scale or KINDS.get(self.name, "log")
+
+    @property
+    def dimension(self) -> str:
+        return self.quantity or dimension_of(self.name)
+
+    @property
+    def of_body(self) -> bool:
+        """Whether the body must be solved anew when it changes."""
+        return ":" in self.name
+
+    def inner(self, value: float) -> float:
+        """The optimiser's unknown for ``value``."""
+        if self.kind == "log":
+            return math.log(value) if value > 0 else -math.inf
+        return max(value, 0.0) if self.kind == "positive" else value
+
+    def outer(self, x: float) -> float:
+        """The value of the optimiser's unknown ``x``."""
+        if self.kind == "log":
+            return math.exp(x)
+        return max(x, 0.0) if self.kind == "positive" else x
+
+    def derivative(self, x: float) -> float:
+        """d(value)/dx."""
+        return math.exp(x) if self.kind == "log" else 1.0
+
+    def estimate(self, x: float, sigma: float | None, t: float) -> FittedValue:
+        """What is known of it where it is free, by its unknown and the standard error ``sigma`` of that; ``t`` of these
+        make the interval."""
+        least = max(self.low, 0.0) if self.kind == "positive" else self.low
+        return estimated(self.name, x, self.dimension, sigma, t, self.kind == "log", (least, self.high))
+
+
+@dataclass(frozen=True, eq=False)
+class Unknowns:
+    """The free ones of ``parameters``, in their order, as the first unknowns of a search: logs, or values in ``units``
+    (by name, else SI)."""
+
+    parameters: tuple[Parameter, ...]
+    units: Mapping[str, float] = field(default_factory=dict)
+
+    @cached_property
+    def free(self) -> tuple[Parameter, ...]:
+        return tuple(parameter for parameter in self.parameters if parameter.free)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of the unknowns."""
+        return tuple(parameter.name for parameter in self.free)
+
+    @cached_property
+    def scales(self) -> Array:
+        """The units of the unknowns, 1 of logs."""
+        return np.array([self.units.get(name, 1.0) for name in self.names])
+
+    @cached_property
+    def fixed(self) -> dict[str, float]:
+        """The values of the others by name, SI."""
+        return {p.name: float(p.value) for p in self.parameters if not p.free and p.value is not None}
+
+    def values(self, x: Array) -> dict[str, float]:
+        """All parameters by name, SI; the unknowns ``x`` may go on behind."""
+        own = x[: len(self.free)] * self.scales
+        return self.fixed | {p.name: p.outer(float(y)) for p, y in zip(self.free, own, strict=True)}
+
+    def at(self, values: Mapping[str, float]) -> Array:
+        """The unknowns at ``values``, SI."""
+        return np.array([parameter.inner(values[parameter.name]) for parameter in self.free]) / self.scales
+
+    def bounds(self, start: Array, reach: float) -> tuple[Array, Array]:
+        """Least and largest unknowns of a search from ``start`` on: logs stay within ``reach`` of it, all between the
+        ends of their parameters; what comes behind them has none."""
+        low, high = np.full((2, start.size), np.inf) * [[-1], [1]]
+        for i, (parameter, unit) in enumerate(zip(self.free, self.scales, strict=True)):
+            by = reach if parameter.kind == "log" else np.inf
+            low[i] = max(_end(parameter, parameter.low) / unit, start[i] - by)
+            high[i] = min(_end(parameter, parameter.high) / unit, start[i] + by)
+        return low, high
+
+    def covariance(self, whole: Array | None) -> Array | None:
+        """That of the free parameters, logs or SI, from the one of all unknowns; None where there is none."""
+        n = len(self.free)
+        return None if whole is None else whole[:n, :n] * np.outer(self.scales, self.scales)
+
+    def estimates(self, x: Array, covariance: Array | None, t: float) -> tuple[FittedValue, ...]:
+        """What is known of all parameters, by the unknowns and the ``covariance`` of the free ones."""
+        known, sigma = self.values(x), dict.fromkeys(self.names)
+        if covariance is not None:
+            sigma |= dict(zip(self.names, np.sqrt(np.diag(covariance)).tolist(), strict=True))
+        return tuple(
+            p.estimate(p.inner(known[p.name]), sigma[p.name], t)
+            if p.free
+            else FittedValue(p.name, known[p.name], False, p.dimension)
+            for p in self.parameters
+        )
+
+
+def parameters_of(
+    ranges: Mapping[str, Ranged], free: Container[str], known: Mapping[str, float],
+    ends: Mapping[str, tuple[float, float]] | None = None,
+) -> tuple[Parameter, ...]:  # fmt: skip
+    """A parameter for each of the ``ranges`` of values by name, free or fixed at what is ``known``, SI: what is at most
+    1 as it is, others > 0 by their logs; ``ends``: where some of them are sought."""
+    found = []
+    for name, ranged in ranges.items():
+        most = ranged.most if ranged.below is None else ranged.below
+        low, high, scale = -math.inf, math.inf, LINEAR if ranged.above is None else LOG
+        if most == 1:
+            low, high, scale = 0.0 if ranged.above is None else TUNING.edge, 1 - TUNING.edge, LINEAR
+        if name in free:
+            low, high = (ends or {}).get(name, (low, high))
+            found.append(Parameter(name, True, None, low, high, scale, ranged.dimension))
+        else:
+            found.append(Parameter(name, False, known[name], scale=scale, quantity=ranged.dimension))
+    return tuple(found)
+
+
+def _end(parameter: Parameter, value: float) -> float:
+    """The unknown at the end of a range."""
+    return parameter.inner(value) if parameter.kind == "log" else value
+
+
+# ---------------------------------------------------------------------- what a user writes
+@dataclass(frozen=True)
+class Vocabulary:
+    """What a user may name beside an ``option``: ``ranges`` by name; ``aliases``: other names of some of them, beside
+    ``ALIAS``, the modulus of a body of ``E_star`` [Pa]."""
+
+    option: str
+    ranges: Mapping[str, Ranged]
+    E_star: float
+    aliases: Mapping[str, str] = field(default_factory=dict)
+
+    @cached_property
+    def allowed(self) -> dict[str, Ranged]:
+        """The ranges of all names."""
+        others = {name: self.ranges[own] for name, own in self.aliases.items()}
+        return {**self.ranges, ALIAS: Ranged("modulus", above=0), **others}
+
+    def own(self, name: str) -> str:
+        """The own name of a parameter; InputError where it is none of them."""
+        if name not in self.allowed:
+            hint, names = did_you_mean(name, self.allowed, 0.4), ", ".join(self.allowed)
+            raise InputError(f'fit: unknown parameter "{name}"{hint} (with {self.option}: {names})')
+        return "modulus" if name == ALIAS else self.aliases.get(name, name)
+
+    def known(self, pairs: Iterable[tuple[str, str]]) -> dict[str, float]:
+        """Values, SI, by the own names of the parameters, from names and texts."""
+        found = {}
+        for name, text in pairs:
+            own = self.own(name)
+            try:
+                value = self.allowed[name].read(text)
+            except ValueError as error:
+                raise InputError(f"fit: {name}: {error}") from None
+            found[own] = value / self.E_star if name == ALIAS else value
+        return found
